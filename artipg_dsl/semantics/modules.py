@@ -1,0 +1,151 @@
+"""Files to module scopes: finds what ``use`` names, follows imports, and fills each scope's names."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from ..diagnostics import Report
+from ..diagnostics.suggest import did_you_mean
+from ..source import Source, Span
+from ..syntax import ast
+from .names import reserved_name
+from .symbols import KINDS, ModuleScope, Symbol
+
+Loader = Callable[[Source], "ast.Module | None"]
+
+
+class Workspace:
+    """The modules of one compilation, each parsed once.
+
+    ``loader`` turns a source into a tree and reports syntax errors itself (None: they were fatal). ``reader`` turns
+    a path into a source, or None after reporting why it cannot be read. ``search_path`` holds the folders where
+    ``use`` looks after the importing file's own.
+    """
+
+    def __init__(
+        self, report: Report, search_path: Sequence[Path], loader: Loader, reader: Callable[[Path], Source | None]
+    ) -> None:
+        self.report = report
+        self.search_path = tuple(search_path)
+        self.loader = loader
+        self.reader = reader
+        self.modules: dict[str, ModuleScope] = {}
+        self._trail: list[tuple[str, Span]] = []  # the uses that led to the module being loaded
+        self._failed: set[str] = set()
+
+    def load_file(self, path: Path) -> ModuleScope | None:
+        """The scope of a file; None after an error in reading or parsing it."""
+        key = str(path.resolve())
+        if key in self.modules:
+            return self.modules[key]
+        if key in self._failed:
+            return None
+        source = self.reader(path)
+        scope = self._load(source, key, path.parent) if source is not None else None
+        if scope is None:
+            self._failed.add(key)
+        return scope
+
+    def load_source(self, source: Source) -> ModuleScope | None:
+        """The scope of a text at hand; its imports are looked for beside ``source.name``, then on the search path."""
+        path = Path(source.name)
+        return self._load(source, str(path.resolve()), path.parent)
+
+    def _load(self, source: Source, key: str, folder: Path) -> ModuleScope | None:
+        tree = self.loader(source)
+        if tree is None:
+            return None
+        scope = ModuleScope(Path(source.name).stem, source, tree)
+        self.modules[key] = scope
+        self._declare(scope)
+        for use in tree.uses:
+            self._use(scope, use, key, folder)
+        return scope
+
+    def _declare(self, scope: ModuleScope) -> None:
+        for decl in scope.tree.declarations:
+            why = reserved_name(decl.name)
+            if why is not None:
+                self.report.error(
+                    "reserved-name", decl.name_span, f"`{decl.name}` cannot be declared: it is {why}",
+                    hint="choose another name",
+                )  # fmt: skip
+            elif decl.name in scope.names:
+                first = scope.names[decl.name].decl.name_span
+                self.report.error(
+                    "duplicate-name", decl.name_span, f"`{decl.name}` is declared twice in this file",
+                    notes=((first, "first declared here"),),
+                )  # fmt: skip
+            else:
+                scope.names[decl.name] = Symbol(decl.name, KINDS[type(decl)], decl, scope)
+
+    def _use(self, scope: ModuleScope, use: ast.UseDecl, key: str, folder: Path) -> None:
+        path = self._locate(use.module, folder)
+        if path is None:
+            self.report.error(
+                "unknown-module", use.module_span, f"there is no module `{use.module}`",
+                hint=did_you_mean(use.module, self._available(folder))
+                or f"`use` looks for {use.module}.apg beside this file, then in the library",
+            )  # fmt: skip
+            return
+        target = str(path.resolve())
+        self._trail.append((key, use.module_span))
+        try:
+            keys = [k for k, _ in self._trail]
+            if target in keys:
+                self._cycle(keys.index(target))
+                return
+            module = self.load_file(path)
+        finally:
+            self._trail.pop()
+        if module is not None:
+            self._import(scope, use, module)
+
+    def _import(self, scope: ModuleScope, use: ast.UseDecl, module: ModuleScope) -> None:
+        offered = {s.name: s for s in module.own()}
+        for name, span in zip(use.names, use.name_spans, strict=True):
+            symbol = offered.get(name)
+            if symbol is None:
+                self.report.error(
+                    "unknown-import", span, f"module `{use.module}` declares no `{name}`",
+                    hint=did_you_mean(name, offered) or self._elsewhere(name, module, use.module),
+                )  # fmt: skip
+            elif name in scope.names and scope.names[name] is not symbol:
+                other = scope.names[name]
+                where = "declared" if other.module is scope else f"imported from `{other.module.name}`"
+                self.report.error(
+                    "duplicate-name", span, f"`{name}` is already {where} in this file",
+                    notes=((other.decl.name_span, "the other one"),),
+                )  # fmt: skip
+            else:
+                scope.names[name] = symbol
+
+    def _elsewhere(self, name: str, module: ModuleScope, asked: str) -> str | None:
+        """A hint where ``asked`` itself imports the name: import it from where it is declared."""
+        passed_on = module.find(name)
+        if passed_on is None:
+            return None
+        return f"`{asked}` uses it too: write `use {passed_on.module.name} {{ {name} }}`"
+
+    def _cycle(self, first: int) -> None:
+        ring = self._trail[first:]
+        names = [self.modules[key].name for key, _ in ring]
+        notes = tuple(
+            (span, f"`{name}` uses `{following}`")
+            for (_, span), name, following in zip(ring[:-1], names, names[1:], strict=False)
+        )
+        self.report.error(
+            "import-cycle", ring[-1][1], "modules use each other in a circle: " + " -> ".join([*names, names[0]]),
+            hint="move what both need into a module of its own", notes=notes,
+        )  # fmt: skip
+
+    def _locate(self, name: str, folder: Path) -> Path | None:
+        for place in (folder, *self.search_path):
+            path = place / f"{name}.apg"
+            if path.is_file():
+                return path
+        return None
+
+    def _available(self, folder: Path) -> list[str]:
+        return sorted({path.stem for place in (folder, *self.search_path) for path in place.glob("*.apg")})

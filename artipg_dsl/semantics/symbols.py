@@ -1,0 +1,120 @@
+"""Named top-level declarations, the scope of a module, and what a role or a template effectively declares."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from ..source import Source
+from ..syntax import ast
+
+KINDS: dict[type[ast.Decl], str] = {
+    ast.RoleDecl: "role",
+    ast.TemplateDecl: "template",
+    ast.PrimitiveDecl: "primitive",
+    ast.CategoryDecl: "category",
+    ast.MaterialDecl: "material",
+    ast.VocabularyDecl: "vocabulary",
+    ast.FunctionDecl: "function",
+}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Symbol:
+    """A top-level declaration of ``module``, shared by every scope that imports it."""
+
+    name: str
+    kind: str  # role, template, primitive, category, material, vocabulary, function
+    decl: ast.Decl
+    module: ModuleScope = field(repr=False)
+
+    @property
+    def body(self) -> tuple[ast.Stmt, ...]:
+        """The statements of a role, template, primitive or category; empty for anything else."""
+        return getattr(self.decl, "body", ())
+
+
+@dataclass(slots=True, eq=False)
+class ModuleScope:
+    """One file: its tree, and the names that stand in it (its own declarations and what ``use`` brings in)."""
+
+    name: str
+    source: Source
+    tree: ast.Module
+    names: dict[str, Symbol] = field(default_factory=dict)
+
+    def find(self, name: str) -> Symbol | None:
+        return self.names.get(name)
+
+    def own(self) -> list[Symbol]:
+        """The module's own declarations, in the order of the text."""
+        return [s for s in self.names.values() if s.module is self]
+
+
+def parent_of(symbol: Symbol) -> Symbol | None:
+    """The role that a template plays or that a role refines; None where there is none or it is unknown."""
+    decl = symbol.decl
+    name = decl.parent if isinstance(decl, ast.RoleDecl) else decl.role if isinstance(decl, ast.TemplateDecl) else None
+    found = symbol.module.find(name) if name is not None else None
+    return found if found is not None and found.kind == "role" else None
+
+
+def lineage(symbol: Symbol) -> list[Symbol]:
+    """The symbol, its role, that role's parent and so on; a circle of roles is cut where it closes."""
+    chain: list[Symbol] = []
+    at: Symbol | None = symbol
+    while at is not None and at not in chain:
+        chain.append(at)
+        at = parent_of(at)
+    return chain
+
+
+def is_a(symbol: Symbol, other: Symbol) -> bool:
+    """Whether ``symbol`` is ``other``, plays it (a template its role) or refines it (a role its parent)."""
+    return other in lineage(symbol)
+
+
+def role_of(symbol: Symbol) -> Symbol | None:
+    """The role of a template (its own, most refined one); a role itself; None for what plays no role."""
+    return symbol if symbol.kind == "role" else parent_of(symbol) if symbol.kind == "template" else None
+
+
+def members(symbol: Symbol) -> tuple[ast.Stmt, ...]:
+    """The effective declarations, outermost role first.
+
+    Of a role: its parents' statements, then its own. Of a template: the role parameters (``inherit``, ``param``,
+    ``out``) that it takes over, then its own statements; a role parameter that the template declares again is left
+    out. Of anything else: its own statements.
+    """
+    chain = lineage(symbol)
+    if symbol.kind != "template":
+        return tuple(stmt for at in reversed(chain) for stmt in at.body)
+    own = set(declared_names(symbol.body))
+    inherited = (stmt for at in reversed(chain[1:]) for stmt in at.body if isinstance(stmt, ast.ParamDecl))
+    return tuple(stmt for stmt in inherited if not own.intersection(stmt.names)) + symbol.body
+
+
+def declared_names(body: tuple[ast.Stmt, ...]) -> Iterator[str]:
+    """The names that stand in a body, those under ``when`` included, those inside a ``repeat`` not."""
+    for stmt in body:
+        if isinstance(stmt, ast.ParamDecl):
+            yield from stmt.names
+        elif isinstance(stmt, ast.WhenStmt):
+            yield from declared_names(stmt.body)
+            yield from declared_names(stmt.otherwise)
+        elif isinstance(stmt, NAMED):
+            yield stmt.name
+
+
+NAMED = (
+    ast.CountDecl,
+    ast.LetDecl,
+    ast.PartDecl,
+    ast.StyleDecl,
+    ast.SlotDecl,
+    ast.PortDecl,
+    ast.JointDecl,
+    ast.RepeatStmt,
+    ast.SurfaceDecl,
+    ast.CurveDecl,
+)
