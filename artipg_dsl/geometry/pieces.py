@@ -1,0 +1,196 @@
+"""Convex pieces of many instances at once: the declared ones, or the hull of the mesh.
+
+The faces of a hull are found at the test values when the primitive is compiled; an instance takes the first set of
+faces that is convex for it, and only one that fits none gets a hull of its own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from ..graph.expr import Expr, const, substitute, var
+from ..graph.primitive import Piece, Primitive
+from . import mesh
+from .errors import PrimitiveError
+from .patches import Params, evaluate_rows, rows_of
+from .trial import trial
+
+FLAT = 1e-7  # how far, relative to the piece's extent, a vertex may stand out of the plane of a face
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PieceGroup:
+    """One convex piece per instance of ``rows`` (k',): ``vertices`` (k', P, 3) and common outward ``faces`` (F, 3)."""
+
+    name: str
+    rows: np.ndarray
+    vertices: np.ndarray
+    faces: np.ndarray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Hull:
+    """``used`` (P,) indexes the points that are corners; ``faces`` (F, 3) indexes ``used``."""
+
+    used: np.ndarray
+    faces: np.ndarray
+
+
+def build(primitive: Primitive, params: Params, steps: int = 24) -> list[PieceGroup]:
+    """Convex pieces of k instances, one group per piece (its index too) and per set of faces; metres, own frame."""
+    if not primitive.pieces:
+        groups = []
+        for made in mesh.build(primitive, params, steps):
+            known = _mesh_hulls(primitive, steps, made.vertices.shape[1], len(made.faces))
+            groups.extend(_grouped(primitive, "hull", made.rows, made.vertices, known))
+        return groups
+    groups = []
+    for number, piece in enumerate(primitive.pieces):
+        counts = _counts(primitive, piece, params)
+        for index in range(int(counts.max(initial=0))):
+            rows = np.flatnonzero(counts > index)
+            points = _points(primitive, piece, index, mesh.take(params, rows))
+            name = piece.name if piece.count is None else f"{piece.name}[{index}]"
+            groups.extend(_grouped(primitive, name, rows, points, _known(primitive, number, index)))
+    return groups
+
+
+def _counts(primitive: Primitive, piece: Piece, params: Params) -> np.ndarray:
+    """(k,) how many of a piece each instance has; the guard makes it 0."""
+    count = np.ones(rows_of(params))
+    if piece.count is not None:
+        count = np.floor(evaluate_rows(primitive, (piece.count,), params)[0] + 0.5)
+    if piece.guard is not None:
+        count = np.where(evaluate_rows(primitive, (piece.guard,), params, bool)[0], count, 0.0)
+    return count.astype(np.int64)
+
+
+@lru_cache(maxsize=8192)
+def _formulas(piece: Piece, index: int) -> tuple[Expr, ...]:
+    return tuple(substitute(e, {var("i"): const(index)}) for point in piece.points for e in point)
+
+
+def _points(primitive: Primitive, piece: Piece, index: int, params: Params) -> np.ndarray:
+    """(k, points, 3): the declared points."""
+    values = evaluate_rows(primitive, _formulas(piece, index), params)
+    return np.ascontiguousarray(values.T).reshape(rows_of(params), len(piece.points), 3)
+
+
+@lru_cache(maxsize=8192)
+def _known(primitive: Primitive, number: int, index: int) -> tuple[Hull, ...]:
+    """The sets of faces that the test values show for a declared piece."""
+    piece, params = primitive.pieces[number], trial(primitive)
+    rows = np.flatnonzero(_counts(primitive, piece, params) > index)
+    points = _points(primitive, piece, index, mesh.take(params, rows))
+    return _distinct(primitive, piece.name, points)
+
+
+@lru_cache(maxsize=512)
+def _mesh_hulls(primitive: Primitive, steps: int, corners: int, faces: int) -> tuple[Hull, ...]:
+    """The mesh itself, where it may be convex, and the hulls of the test values for which it is not."""
+    found: list[Hull] = []
+    for made in mesh.build(primitive, trial(primitive), steps):
+        if made.vertices.shape[1] == corners and len(made.faces) == faces:
+            points = made.vertices
+            if 2 * corners - faces == 4:  # V - E + F = 2: one body without holes
+                found.append(Hull(np.arange(corners), made.faces.astype(np.int64)))
+                points = points[~_fits(points, found[-1])]
+            found.extend(_distinct(primitive, "hull", points))
+    return tuple(found)
+
+
+def _distinct(primitive: Primitive, name: str, points: np.ndarray) -> tuple[Hull, ...]:
+    """Hulls such that each of the instances (k, P, 3) fits one of them."""
+    found: list[Hull] = []
+    open_rows = np.ones(len(points), dtype=bool)
+    while open_rows.any():
+        hull = _hull(primitive, name, points[int(np.argmax(open_rows))])
+        found.append(hull)
+        fits = _fits(points, hull)
+        fits[int(np.argmax(open_rows))] = True
+        open_rows &= ~fits
+    return tuple(found)
+
+
+def _hull(primitive: Primitive, name: str, points: np.ndarray) -> Hull:
+    """The hull of one instance (P, 3), triangulated, faces outwards; PrimitiveError when the points are flat."""
+    from scipy.spatial import ConvexHull, QhullError  # late: importing the package must not load SciPy
+
+    low, extent = points.min(axis=0), points.max(axis=0) - points.min(axis=0)
+    flat = PrimitiveError(primitive, None, f"piece {name} has no volume: its points lie in one plane")
+    if (extent <= 1e-12 * extent.max()).any():
+        raise flat
+    scaled = (points - low) / extent  # the faces of a hull do not change under scaling, their precision does
+    try:
+        found = ConvexHull(scaled)
+    except QhullError as error:
+        raise flat from error
+    faces = found.simplices.astype(np.int64)
+    a, b, c = (scaled[faces[:, n]] for n in range(3))
+    turned = (np.cross(b - a, c - a) * found.equations[:, :3]).sum(axis=1) < 0
+    faces[turned] = faces[turned][:, ::-1]
+    start = np.argmin(faces, axis=1)
+    faces = np.take_along_axis(faces, (start[:, None] + np.arange(3)) % 3, axis=1)
+    faces = faces[np.lexsort(faces.T[::-1])]
+    used, number = np.unique(faces, return_inverse=True)
+    return Hull(used, number.reshape(-1, 3))
+
+
+def _fits(points: np.ndarray, hull: Hull) -> np.ndarray:
+    """(k,) bool: for which instances (k, P, 3) the faces are convex and no other point lies in front of one.
+
+    A closed surface of the kind of a sphere is convex as a whole when it is so along every edge.
+    """
+    low = points.min(axis=1, keepdims=True)
+    extent = np.maximum((points.max(axis=1, keepdims=True) - low).max(axis=2, keepdims=True), 1e-300)
+    scaled = np.ascontiguousarray(((points - low) / extent).transpose(2, 0, 1))
+    faces, across = hull.used[hull.faces], hull.used[_across(hull)]
+    others = np.setdiff1d(np.arange(points.shape[1]), hull.used)
+    fits = np.ones(len(points), dtype=bool)
+    for part in range(0, len(points), 64):
+        chunk = scaled[:, part : part + 64]
+        a, b, c = ([axis[:, faces[:, n]] for axis in chunk] for n in range(3))
+        e, f = [q - p for p, q in zip(a, b, strict=True)], [q - p for p, q in zip(a, c, strict=True)]
+        normal = [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]]
+        length = np.sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2])
+        reach = normal[0] * a[0] + normal[1] * a[1] + normal[2] * a[2] + FLAT * length + 1e-18
+        worst = np.full(reach.shape, -np.inf)
+        for corner in (*across.T, *(np.full(len(faces), p) for p in others)):
+            x, y, z = (axis[:, corner] for axis in chunk)
+            np.maximum(worst, normal[0] * x + normal[1] * y + normal[2] * z, out=worst)
+        fits[part : part + 64] = (worst <= reach).all(axis=1)
+    return fits
+
+
+def _across(hull: Hull) -> np.ndarray:
+    """(F, 3): the corner of the neighbouring face across each edge of a face, as an index into ``used``."""
+    count = len(hull.used)
+    start, end = hull.faces, np.roll(hull.faces, -1, axis=1)
+    opposite = np.roll(hull.faces, -2, axis=1).ravel()
+    forward, back = (start * count + end).ravel(), (end * count + start).ravel()
+    order = np.argsort(forward)
+    return opposite[order[np.searchsorted(forward[order], back)]].reshape(-1, 3)
+
+
+def _grouped(
+    primitive: Primitive, name: str, rows: np.ndarray, points: np.ndarray, known: tuple[Hull, ...]
+) -> list[PieceGroup]:
+    """Instances (k', P, 3) sorted by the first hull that fits; those that fit none by a hull of their own."""
+    groups = []
+    remaining = np.arange(len(rows))
+    for hull in known:
+        if len(remaining) == 0:
+            break
+        fits = _fits(points[remaining], hull)
+        chosen = remaining[fits]
+        if len(chosen):
+            groups.append(PieceGroup(name, rows[chosen], points[chosen][:, hull.used], hull.faces.astype(np.int32)))
+        remaining = remaining[~fits]
+    for row in remaining.tolist():
+        hull = _hull(primitive, name, points[row])
+        own = slice(row, row + 1)
+        groups.append(PieceGroup(name, rows[own], points[own][:, hull.used], hull.faces.astype(np.int32)))
+    return groups

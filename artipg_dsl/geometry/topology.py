@@ -1,0 +1,226 @@
+"""How the patches of a primitive hang together, found once from test values when the primitive is compiled.
+
+Everything is compared over several test values at once, so that a coincidence of one value is none of the shape.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from ..graph.formula import compile_formula
+from ..graph.primitive import Primitive
+from .errors import PrimitiveError
+from .patches import Params, grid, position_split, surfaces, tangent_split
+from .trial import trial, variants
+
+TOLERANCE = 1e-9  # relative to the extent of the instance
+PROBE = 1e-6  # how far off a surface the inside function is asked, relative too
+EDGES = ("u start", "u end", "v start", "v end")
+_ALONG = np.linspace(0.0, 1.0, 9)
+_ACROSS = np.linspace(0.1, 0.9, 5)
+_FINE = np.linspace(0.0, 1.0, 33)
+_ROWS = 8  # test values per variant
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Topology:
+    """The shape of one guard variant; patches are named by their patch numbers.
+
+    ``matches`` pairs (patch, edge, patch, edge, reversed); ``collapsed`` (patch, edge) lists edges that are points.
+    ``step_class`` (patches, 2) numbers the classes of directions (u, v) that share a step count, ``turn`` gives the
+    angle (radians) that a class turns through (0: straight, one step), ``closed`` whether it runs full circle.
+    """
+
+    primitive: Primitive
+    patches: tuple[int, ...]
+    orientation: tuple[int, ...]
+    matches: tuple[tuple[int, int, int, int, bool], ...]
+    collapsed: tuple[tuple[int, int], ...]
+    step_class: np.ndarray
+    turn: np.ndarray
+    closed: np.ndarray
+
+
+@lru_cache(maxsize=512)
+def topology(primitive: Primitive, variant: tuple[bool, ...]) -> Topology:
+    """The topology of the variant with these patches; raises PrimitiveError where an edge meets no other."""
+    rows = variants(primitive).get(variant)
+    if rows is None:
+        names = [s.name for s, there in zip(surfaces(primitive), variant, strict=True) if there]
+        message = f"no test value shows the surfaces {', '.join(names)} alone: widen the test ranges"
+        raise PrimitiveError(primitive, None, message)
+    params = {name: value[rows[:_ROWS]] for name, value in trial(primitive).items()}
+    patches = tuple(int(i) for i in np.flatnonzero(variant))
+    if not patches:
+        raise PrimitiveError(primitive, None, "no surface exists for some test value")
+    curves = np.stack([_edges(primitive, patch, params) for patch in patches], axis=1)
+    count, scale = curves.shape[0], _extent(curves)
+    curves = curves.reshape(count, 4 * len(patches), len(_ALONG), 3) / scale[:, None, None, None]
+    points = (np.abs(curves - curves[:, :, :1]).max(axis=(0, 2, 3))) < TOLERANCE
+    pairs = _match(primitive, patches, params, curves, points)
+    classes = _classes(len(patches), pairs)
+    straight, turn = np.ones(2 * len(patches), dtype=bool), np.zeros(2 * len(patches))
+    for position, patch in enumerate(patches):
+        straight[2 * position : 2 * position + 2] = _straight(primitive, patch, params, scale)
+        turn[2 * position : 2 * position + 2] = _turns(primitive, patch)
+    ends = np.abs(curves[:, :, 0] - curves[:, :, -1]).max(axis=(0, 2)) < TOLERANCE
+    closed = np.zeros(2 * len(patches), dtype=bool)
+    for edge in np.flatnonzero(ends & ~points):
+        closed[2 * (edge // 4) + (1 if edge % 4 < 2 else 0)] = True
+    total = classes.max() + 1
+    class_turn, class_closed = np.zeros(total), np.zeros(total, dtype=bool)
+    np.maximum.at(class_turn, classes, np.where(straight, 0.0, np.maximum(turn, np.pi / 4)))
+    np.logical_or.at(class_closed, classes, closed)
+    return Topology(
+        primitive,
+        patches,
+        tuple(int(orientation(primitive)[p]) for p in patches),
+        tuple((patches[a // 4], a % 4, patches[b // 4], b % 4, r) for a, b, r in pairs),
+        tuple((patches[e // 4], int(e % 4)) for e in np.flatnonzero(points)),
+        classes.reshape(-1, 2),
+        class_turn,
+        class_closed,
+    )
+
+
+def _edges(primitive: Primitive, patch: int, params: Params) -> np.ndarray:
+    """(rows, 4, samples, 3): the edges of a patch, each from the start to the end of its own direction."""
+    ends = np.array([0.0, 1.0])[:, None]
+    split = position_split(primitive, patch)
+    by_u = grid(split, params, ends + 0.0 * _ALONG, _ALONG[None] + 0.0 * ends)
+    by_v = grid(split, params, _ALONG[None] + 0.0 * ends, ends + 0.0 * _ALONG)
+    return np.concatenate([by_u, by_v], axis=1)
+
+
+def _extent(curves: np.ndarray) -> np.ndarray:
+    flat = curves.reshape(len(curves), -1, 3)
+    return np.maximum((flat.max(axis=1) - flat.min(axis=1)).max(axis=1), 1e-300)
+
+
+def _match(
+    primitive: Primitive, patches: tuple[int, ...], params: Params, curves: np.ndarray, points: np.ndarray
+) -> list[tuple[int, int, bool]]:
+    """Pairs of edges that are the same curve, the second perhaps reversed; every edge has exactly one partner."""
+    pairs = []
+    forward = np.stack([np.abs(curves - curves[:, e : e + 1]).max(axis=(0, 2, 3)) for e in range(curves.shape[1])])
+    back = np.stack([np.abs(curves - curves[:, e : e + 1, ::-1]).max(axis=(0, 2, 3)) for e in range(curves.shape[1])])
+    gap = np.minimum(forward, back)
+    np.fill_diagonal(gap, np.inf)
+    gap[points] = np.inf
+    gap[:, points] = np.inf
+    for edge in np.flatnonzero(~points):
+        partners = np.flatnonzero(gap[edge] < TOLERANCE)
+        if len(partners) == 1:
+            other = int(partners[0])
+            if edge < other:
+                pairs.append((int(edge), other, bool(back[edge, other] < forward[edge, other])))
+            continue
+        names = [f"{EDGES[e % 4]} of {surfaces(primitive)[patches[e // 4]].name}" for e in (edge, *partners)]
+        name = surfaces(primitive)[patches[edge // 4]].name
+        if len(partners):
+            message = f"its edge {names[0]} is shared by {len(partners) + 1} surfaces: {', '.join(names)}"
+            raise PrimitiveError(primitive, name, message)
+        near = int(np.argmin(gap[edge]))
+        hint = ""
+        if np.isfinite(gap[edge, near]):
+            other_name = surfaces(primitive)[patches[near // 4]].name
+            hint = f"; the nearest is {EDGES[near % 4]} of {other_name}, {100 * gap[edge, near]:.3g} % of its size away"
+        message = f"its edge {EDGES[edge % 4]} meets no other edge: the surface leaks there{hint} ({_where(params)})"
+        raise PrimitiveError(primitive, name, message)
+    return pairs
+
+
+def _where(params: Params) -> str:
+    return "test value " + ", ".join(f"{n} = {float(v[0]):.4g}" for n, v in params.items() if n)
+
+
+def _classes(count: int, pairs: list[tuple[int, int, bool]]) -> np.ndarray:
+    """(2 * count,): the class of each direction (patch, u or v); matched edges run along directions of one class."""
+    parent = list(range(2 * count))
+
+    def find(node: int) -> int:
+        while parent[node] != node:
+            node = parent[node]
+        return node
+
+    for a, b, _ in pairs:
+        one, other = (find(2 * (e // 4) + (1 if e % 4 < 2 else 0)) for e in (a, b))
+        parent[max(one, other)] = min(one, other)
+    return np.unique([find(n) for n in range(2 * count)], return_inverse=True)[1]
+
+
+def _straight(primitive: Primitive, patch: int, params: Params, scale: np.ndarray) -> np.ndarray:
+    """(2,) bool: whether the patch is made of straight lines along u, along v."""
+    u, v = np.meshgrid(_ALONG, _ALONG, indexing="ij")
+    points = grid(position_split(primitive, patch), params, u, v) / scale[:, None, None, None]
+    corners = points[:, ::8, ::8].reshape(len(points), 4, 3)
+    edges = corners[:, 1:] - corners[:, :1]
+    twist = np.abs((np.cross(edges[:, 0], edges[:, 1]) * edges[:, 2]).sum(axis=1)).max()
+    straight = np.empty(2, dtype=bool)
+    for axis, lines in ((0, points), (1, points.transpose(0, 2, 1, 3))):
+        chord = lines[:, :1] + _ALONG[None, :, None, None] * (lines[:, -1:] - lines[:, :1])
+        straight[axis] = np.abs(lines - chord).max() < TOLERANCE
+    if straight.all() and twist > TOLERANCE:
+        straight[:] = False  # a twisted quad: one step would cut off its bulge
+    return straight
+
+
+def shown(primitive: Primitive, patch: int) -> Params:
+    """The test values at which the patch exists."""
+    rows = [r for flags, r in variants(primitive).items() if flags[patch]]
+    if not rows:
+        raise PrimitiveError(primitive, surfaces(primitive)[patch].name, "it exists for no test value")
+    every = np.sort(np.concatenate(rows))
+    return {name: value[every] for name, value in trial(primitive).items()}
+
+
+@lru_cache(maxsize=4096)
+def _turns(primitive: Primitive, patch: int) -> tuple[float, float]:
+    """The greatest angles that lines along u and along v turn through, over all test values of all variants."""
+    u, v = np.meshgrid(_FINE, np.array([0.0, 0.5, 1.0]), indexing="ij")
+    params = shown(primitive, patch)
+    along_u = grid(tangent_split(primitive, patch), params, u, v)[..., :3]
+    along_v = grid(tangent_split(primitive, patch), params, v, u)[..., 3:]
+    return _turned(along_u), _turned(along_v)
+
+
+def _turned(tangents: np.ndarray) -> float:
+    """The greatest sum of angles between successive tangents: (rows, steps, lines, 3), collapsed lines ignored."""
+    length = np.sqrt((tangents**2).sum(axis=-1))
+    good = (length > 1e-9 * length.max()).all(axis=1)
+    first, second = tangents[:, :-1], tangents[:, 1:]
+    cross = np.cross(first, second)
+    angles = np.arctan2(np.sqrt((cross**2).sum(axis=-1)), (first * second).sum(axis=-1)).sum(axis=1)
+    return float(np.where(good, angles, 0.0).max())
+
+
+@lru_cache(maxsize=512)
+def orientation(primitive: Primitive) -> np.ndarray:
+    """(patches,) +1 where du x dv points outwards, -1 where inwards, told by the inside function."""
+    inside = compile_formula((primitive.inside,), (*primitive.parameters, "p.x", "p.y", "p.z"))
+    out = np.zeros(len(surfaces(primitive)), dtype=np.int64)
+    u, v = (a.ravel() for a in np.meshgrid(_ACROSS, _ACROSS, indexing="ij"))
+    for patch, surface in enumerate(surfaces(primitive)):
+        chosen = shown(primitive, patch)
+        point = grid(position_split(primitive, patch), chosen, u, v)
+        tangent = grid(tangent_split(primitive, patch), chosen, u, v)
+        normal = np.cross(tangent[..., :3], tangent[..., 3:])
+        length = np.sqrt((normal**2).sum(axis=-1, keepdims=True))
+        normal = normal / np.maximum(length, 1e-300)
+        scale = np.abs(point).max(axis=(1, 2))[:, None, None]
+        votes = []
+        for side in (1.0, -1.0):
+            probe = point + side * PROBE * scale * normal
+            arguments = [chosen[n][:, None] for n in primitive.parameters]
+            votes.append(inside(*arguments, *np.moveaxis(probe, -1, 0))[0] + 0.0 * probe[..., 0] < 0)
+        outward, inward = (votes[1] & ~votes[0]).mean(), (votes[0] & ~votes[1]).mean()
+        if max(outward, inward) < 0.75:
+            fault = "both sides are" if (votes[0] & votes[1]).mean() > 0.5 else "neither side is"
+            if min(outward, inward) > 0.125:
+                fault = "now one side, now the other is"
+            raise PrimitiveError(primitive, surface.name, f"the inside function does not agree with it: {fault} inside")
+        out[patch] = 1 if outward > inward else -1
+    return out

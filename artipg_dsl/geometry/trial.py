@@ -1,0 +1,63 @@
+"""Test parameters of a primitive: the values at which its declaration is examined when it is compiled."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from ..graph import random
+from ..graph.expr import Expr
+from ..graph.primitive import Primitive
+from .errors import PrimitiveError
+from .patches import Params, evaluate_rows, existing
+
+_OVERSAMPLE = 64  # candidates per wanted row: `requires` may refuse many
+_PER_END = 3  # rows with one parameter at an end of its range, per end
+
+
+@lru_cache(maxsize=512)
+def _trial(primitive: Primitive, count: int) -> Params:
+    parts = [_draw(primitive, count, None, 0)]
+    if len(parts[0][""]) == 0:
+        raise PrimitiveError(primitive, None, "no value of its test ranges meets its requirements")
+    for which in range(2 * len(primitive.parameters)):
+        parts.append(_draw(primitive, _PER_END, which, 1 + which))
+    return {name: np.concatenate([p[name] for p in parts]) for name in parts[0]}
+
+
+def trial(primitive: Primitive, count: int = 12) -> Params:
+    """``count`` rows drawn over the test ranges, then some with each parameter at either end; all meet `requires`."""
+    return dict(_trial(primitive, count))
+
+
+def _draw(primitive: Primitive, count: int, end: int | None, attempt: int) -> Params:
+    number = np.arange(count * _OVERSAMPLE, dtype=np.uint64)
+    params: Params = {"": np.zeros(len(number))}
+    for i, (name, (low, high)) in enumerate(zip(primitive.parameters, primitive.test, strict=True)):
+        q = random.uniform(random.key(0, "trial", primitive.name, name), number, attempt=attempt)
+        value = low + q * (high - low)
+        if low > 0:  # small ones too: every other row by ratio
+            value = np.where(number % 2 == 1, np.clip(low * np.power(high / low, q), low, high), value)
+        if end is not None and end // 2 == i:
+            value = np.full(len(number), high if end % 2 else low)
+        params[name] = value
+    kept = np.flatnonzero(allowed(primitive, primitive.requires, params))[:count]
+    return {name: value[kept] for name, value in params.items()}
+
+
+def allowed(primitive: Primitive, conditions: tuple[Expr, ...], params: Params) -> np.ndarray:
+    """(k,) bool: which instances meet all conditions."""
+    if not conditions:
+        return np.ones(len(next(iter(params.values()))), dtype=bool)
+    return evaluate_rows(primitive, conditions, params, bool).all(axis=0)
+
+
+@lru_cache(maxsize=512)
+def variants(primitive: Primitive) -> dict[tuple[bool, ...], np.ndarray]:
+    """Which patches can exist together: a tuple per variant, with the rows of ``trial`` that show it."""
+    there = existing(primitive, trial(primitive))
+    found: dict[tuple[bool, ...], list[int]] = {}
+    for row, flags in enumerate(there.tolist()):
+        found.setdefault(tuple(flags), []).append(row)
+    return {flags: np.array(rows) for flags, rows in found.items()}

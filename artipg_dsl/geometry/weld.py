@@ -1,0 +1,115 @@
+"""The welding plan: which grid points of which patches are one vertex, and the faces between them, by index."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from .errors import PrimitiveError
+from .patches import surfaces
+from .topology import Topology
+
+EIGHTH = math.pi / 4
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Plan:
+    """``faces`` (F, 3) int32 wind outwards and index the vertices; ``face_patch`` (F,) int32 gives patch numbers.
+
+    Per patch of ``patches`` the vertices that it represents: ``vertex`` (numbers), ``u``, ``v`` (fractions).
+    """
+
+    count: int
+    faces: np.ndarray
+    face_patch: np.ndarray
+    patches: tuple[int, ...]
+    vertex: tuple[np.ndarray, ...]
+    u: tuple[np.ndarray, ...]
+    v: tuple[np.ndarray, ...]
+
+
+def step_counts(topology: Topology, steps: int) -> np.ndarray:
+    """(patches, 2): steps along u and v, for ``steps`` per full turn; 1 where nothing bends, at least 3 around."""
+    eighths = np.ceil(topology.turn / EIGHTH - 1e-6)
+    counts = np.maximum(np.ceil(steps * eighths / 8 - 1e-6), np.where(topology.closed, 3, 1)).astype(np.int64)
+    return counts[topology.step_class]
+
+
+@lru_cache(maxsize=1024)
+def plan(topology: Topology, steps: int) -> Plan:
+    """The plan for ``steps`` steps per full turn; raises PrimitiveError when the surfaces do not close."""
+    counts = step_counts(topology, steps)
+    sizes = (counts[:, 0] + 1) * (counts[:, 1] + 1)
+    offsets = np.concatenate([[0], np.cumsum(sizes)])
+    grids = {
+        patch: np.arange(offsets[n], offsets[n + 1]).reshape(counts[n, 0] + 1, counts[n, 1] + 1)
+        for n, patch in enumerate(topology.patches)
+    }
+    pairs = [np.empty((2, 0), dtype=np.int64)]
+    for a, edge_a, b, edge_b, turned in topology.matches:
+        first, second = _edge(grids[a], edge_a), _edge(grids[b], edge_b)
+        pairs.append(np.stack([first, second[::-1] if turned else second]))
+    for patch, edge in topology.collapsed:
+        line = _edge(grids[patch], edge)
+        pairs.append(np.stack([line[1:], line[:-1]]))
+    label = _components(int(offsets[-1]), np.concatenate(pairs, axis=1))
+    representatives, number = np.unique(label, return_inverse=True)
+    vertex, us, vs, faces, owners = [], [], [], [], []
+    for n, patch in enumerate(topology.patches):
+        nodes = grids[patch]
+        own = representatives[(representatives >= offsets[n]) & (representatives < offsets[n + 1])]
+        i, j = np.divmod(own - offsets[n], nodes.shape[1])
+        vertex.append(number[own])
+        us.append(i / counts[n, 0])
+        vs.append(j / counts[n, 1])
+        triangles = _triangles(number[nodes], topology.orientation[n])
+        faces.append(triangles)
+        owners.append(np.full(len(triangles), patch))
+    every, owner = np.concatenate(faces), np.concatenate(owners)
+    _check_closed(topology, every, owner)
+    return Plan(len(representatives), every.astype(np.int32), owner.astype(np.int32), topology.patches,
+                tuple(vertex), tuple(us), tuple(vs))  # fmt: skip
+
+
+def _edge(nodes: np.ndarray, edge: int) -> np.ndarray:
+    return (nodes[0], nodes[-1], nodes[:, 0], nodes[:, -1])[edge]
+
+
+def _components(count: int, pairs: np.ndarray) -> np.ndarray:
+    """(count,): the smallest node that each node is connected with."""
+    label = np.arange(count)
+    while True:
+        low = np.minimum(label[pairs[0]], label[pairs[1]])
+        new = label.copy()
+        np.minimum.at(new, pairs[0], low)
+        np.minimum.at(new, pairs[1], low)
+        new = new[new]
+        if np.array_equal(new, label):
+            return label
+        label = new
+
+
+def _triangles(nodes: np.ndarray, orientation: int) -> np.ndarray:
+    a, b, c, d = (q.ravel() for q in (nodes[:-1, :-1], nodes[1:, :-1], nodes[1:, 1:], nodes[:-1, 1:]))
+    if orientation < 0:
+        b, d = d, b
+    # a quad with a collapsed side keeps the triangle that is left, whichever diagonal cuts it
+    triangles = np.stack([np.stack([a, b, c], axis=-1), np.stack([a, c, d], axis=-1)], axis=1).reshape(-1, 3)
+    p, q, r = triangles.T
+    return triangles[(p != q) & (q != r) & (r != p)]
+
+
+def _check_closed(topology: Topology, faces: np.ndarray, owner: np.ndarray) -> None:
+    """Every directed edge occurs once and its opposite too."""
+    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    count = int(faces.max()) + 1
+    forward, back = start * count + end, end * count + start
+    unique, times = np.unique(forward, return_counts=True)
+    bad = np.isin(forward, unique[times > 1]) | ~np.isin(back, unique)
+    if bad.any():
+        names = sorted({surfaces(topology.primitive)[p].name for p in owner[np.flatnonzero(bad) // 3]})
+        message = f"surfaces {', '.join(names)} do not agree on which side is outside along their common edges"
+        raise PrimitiveError(topology.primitive, names[0], message)

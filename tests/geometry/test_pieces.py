@@ -1,0 +1,84 @@
+"""Convex pieces: convex, within the solid, filling it, the same faces for an instance in any batch."""
+
+import numpy as np
+import pytest
+
+from artipg_dsl.geometry import mesh, pieces
+from artipg_dsl.geometry.errors import PrimitiveError
+from artipg_dsl.geometry.trial import trial
+from artipg_dsl.graph.expr import ZERO, const, var
+from artipg_dsl.graph.formula import compile_formula
+from artipg_dsl.graph.primitive import Piece
+
+from . import shapes
+
+
+def outside(primitive, params, rows, points):
+    """(k', P): the inside function at points (k', P, 3) of instances."""
+    formula = compile_formula((primitive.inside,), (*primitive.parameters, "p.x", "p.y", "p.z"))
+    values = [params[n][rows, None] for n in primitive.parameters]
+    return formula(*values, *np.moveaxis(points, -1, 0))[0]
+
+
+@pytest.mark.parametrize("make", shapes.ALL)
+def test_pieces_are_convex_and_within_the_solid_and_fill_the_mesh(make):
+    primitive = make()
+    params = trial(primitive, 30)
+    total = np.zeros(len(params[""]))
+    weights = np.random.default_rng(0).dirichlet(np.full(3, 0.5), 50)
+    for group in pieces.build(primitive, params):
+        volume, _, _ = mesh.moments(group.vertices, group.faces)
+        assert (volume > 0).all()
+        total[group.rows] += volume
+        extent = np.ptp(group.vertices, axis=1).max(axis=1)
+        corners = group.vertices[:, group.faces]
+        normal = np.cross(corners[:, :, 1] - corners[:, :, 0], corners[:, :, 2] - corners[:, :, 0])
+        normal /= np.maximum(np.sqrt((normal**2).sum(axis=-1, keepdims=True)), 1e-300)
+        height = np.einsum("kfi,kpi->kfp", normal, group.vertices) - (normal * corners[:, :, 0]).sum(axis=-1)[..., None]
+        assert (height <= 1e-6 * extent[:, None, None]).all()
+        skin = np.einsum("wc,kfci->kfwi", weights, corners).reshape(len(group.rows), -1, 3)
+        assert (outside(primitive, params, group.rows, skin) < 1e-7 * extent[:, None]).all()
+    ratio = total / mesh.volume_inertia(primitive, params)[0]
+    assert ratio.min() > 0.75 and ratio.max() < 1 + 1e-9
+
+
+def test_counts_and_guards_follow_the_parameters():
+    x, y, z = shapes.size()
+    half = [(a * (x / 2), b * (y / 2), c * (z / 2)) for a in (-1.0, 1.0) for b in (-1.0, 1.0) for c in (-1.0, 1.0)]
+    corners = tuple((const(0.5) * p[0] + var("i") * 0.01, p[1], p[2]) for p in half)
+    long = shapes.call("lt", const(0.5), x)
+    split = shapes.cuboid(pieces=(
+        Piece("slab", corners, shapes.call("floor", x * 10.0) + 1.0),
+        Piece("extra", tuple(half), None, long),
+    ))  # fmt: skip
+    params = {"size.x": np.array([0.05, 0.25, 0.95]), "size.y": np.full(3, 0.1), "size.z": np.full(3, 0.2)}
+    groups = pieces.build(split, params)
+    rows = {g.name: g.rows.tolist() for g in groups}
+    assert rows["slab[0]"] == [0, 1, 2] and rows["slab[2]"] == [1, 2] and rows["slab[9]"] == [2]
+    assert rows["extra"] == [2] and "slab[10]" not in rows
+    second = next(g for g in groups if g.name == "slab[1]")
+    assert np.allclose(second.vertices.mean(axis=1)[:, 0], 0.01)
+
+
+def test_faces_found_once_are_checked_for_every_instance():
+    x, y, z = shapes.size()
+    lift = var("size.y") - const(0.5)  # the ridge along u rises for some values and sinks for others
+    points = ((-x, -x, ZERO), (x, -x, ZERO), (x, x, ZERO), (-x, x, ZERO), (ZERO, ZERO, -z), (ZERO, ZERO, lift * z))
+    ridge = shapes.cuboid(pieces=(Piece("tent", points),))
+    params = {n: np.array([0.3, 0.3, 0.3]) for n in ("size.x", "size.y", "size.z")}
+    params["size.y"] = np.array([0.9, 0.2, 0.7])
+    groups = pieces.build(ridge, params)
+    assert sorted(r for g in groups for r in g.rows.tolist()) == [0, 1, 2]
+    assert {g.vertices.shape[1] for g in groups} == {5, 6}
+    for row in range(3):
+        alone = pieces.build(ridge, mesh.take(params, np.array([row])))
+        together = next(g for g in groups if row in g.rows)
+        assert alone[0].vertices[0].tobytes() == together.vertices[list(together.rows).index(row)].tobytes()
+        assert np.array_equal(alone[0].faces, together.faces)
+
+
+def test_flat_pieces_are_refused():
+    x, y, _ = shapes.size()
+    flat = shapes.cuboid(pieces=(Piece("sheet", ((x, y, ZERO), (-x, y, ZERO), (x, -y, ZERO), (-x, -y, ZERO))),))
+    with pytest.raises(PrimitiveError, match="sheet has no volume"):
+        pieces.build(flat, trial(flat))
