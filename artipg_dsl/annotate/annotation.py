@@ -1,0 +1,177 @@
+"""The annotation of an object as plain data: joints, parts, grasps, keypoints, what was drawn, what was repaired.
+
+Numbers are rounded to 1e-9 (a nanometre, a nanoradian), so that they print short and read back as they are.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .frames import rotate
+from .poses import part_poses, symmetry_words
+
+if TYPE_CHECKING:
+    from ..runtime.batch import Batch
+
+VERSION = 1
+
+
+def annotations(batch: Batch) -> list[dict[str, Any]]:
+    """One annotation per object of the batch, keys in a fixed order. Everything is as at rest.
+
+    Lengths in metres, angles in radians, the object's frame (x front, y left, z up), quaternions w x y z.
+    """
+    n = len(batch)
+    columns = {
+        "links": _links(batch),
+        "joints": _joints(batch),
+        "parts": _parts(batch),
+        "grasps": _grasps(batch),
+        "keypoints": _keypoints(batch),
+    }
+    made = []
+    for i in range(n):
+        drawn = batch.drawn(i)
+        made.append(
+            {
+                "object": int(batch.numbers[i]),
+                "category": batch.program.name,
+                "seed": int(batch.seed),
+                **{name: column[i] for name, column in columns.items()},
+                "drawn": {key: plain(drawn[key]) for key in sorted(drawn)},
+                "log": plain(batch.log(i)) if hasattr(batch, "log") else [],
+                "version": VERSION,
+            }
+        )
+    return made
+
+
+def line(annotation: dict[str, Any]) -> str:
+    """An annotation as one line of JSON, the same text for the same numbers."""
+    return json.dumps(annotation, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+
+
+def tidy(values: np.ndarray) -> list[Any]:
+    """An array as nested lists, rounded to 1e-9, without negative zeros; nan becomes None in one dimension."""
+    rounded = np.round(np.asarray(values, dtype=np.float64), 9) + 0.0
+    if rounded.ndim == 1 and np.isnan(rounded).any():
+        return [None if value != value else value for value in rounded.tolist()]
+    return rounded.tolist()
+
+
+def plain(value: Any) -> Any:
+    """NumPy values, nested ones too, as what JSON knows."""
+    if isinstance(value, dict):
+        return {str(key): plain(inner) for key, inner in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(inner) for inner in value]
+    if isinstance(value, np.ndarray):
+        return plain(value.tolist())
+    if isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    if isinstance(value, (int, np.integer)):
+        return int(value)
+    if isinstance(value, (float, np.floating)):
+        number = round(float(value), 9) + 0.0
+        return number if np.isfinite(number) else None
+    return value if value is None else str(value)
+
+
+def grouped(owner: np.ndarray, n_objects: int, columns: dict[str, list[Any]]) -> list[list[dict[str, Any]]]:
+    """Rows (sorted by owner) as dictionaries, one list per object."""
+    names = list(columns)
+    rows = [dict(zip(names, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+    starts = np.searchsorted(owner, np.arange(n_objects + 1)).tolist()
+    return [rows[a:b] for a, b in zip(starts[:-1], starts[1:], strict=True)]
+
+
+def _links(batch: Batch) -> list[list[dict[str, Any]]]:
+    links = batch.links()
+    return grouped(links.owner, len(batch), {"name": list(links.name), "number": np.asarray(links.number).tolist()})
+
+
+def _names(table: Any, n_objects: int, owner: np.ndarray, number: np.ndarray) -> list[str | None]:
+    """Names of the rows ``number`` of the objects ``owner`` in a table; None where the number is negative."""
+    starts = np.searchsorted(table.owner, np.arange(n_objects))
+    at = (starts[owner] + number).tolist()
+    return [table.name[k] if own >= 0 else None for k, own in zip(at, np.asarray(number).tolist(), strict=True)]
+
+
+def _joints(batch: Batch) -> list[list[dict[str, Any]]]:
+    joints, links, n = batch.joints(), batch.links(), len(batch)
+    parent = _names(links, n, joints.owner, joints.parent)
+    child = _names(links, n, joints.owner, joints.child)
+    low, high = tidy(joints.low), tidy(joints.high)
+    limits = [None if a is None or b is None else [a, b] for a, b in zip(low, high, strict=True)]
+    leader = _names(joints, n, joints.owner, joints.mimic)
+    turn, shift = batch.pose()
+    holder = np.searchsorted(links.owner, joints.owner) + joints.parent  # the axis moves with the link it is fixed to
+    origin = rotate(turn[holder], joints.origin) + shift[holder]
+    axis = rotate(turn[holder], joints.axis)
+    follow = zip(leader, tidy(joints.multiplier), tidy(joints.offset), strict=True)
+    columns = {
+        "name": list(joints.name),
+        "type": list(joints.kind),
+        "parent": parent,
+        "child": child,
+        "origin": tidy(origin),
+        "axis": tidy(axis),
+        "range": limits,
+        "rest": tidy(joints.rest),
+        "mimic": [None if a is None else {"joint": a, "multiplier": m, "offset": o} for a, m, o in follow],
+    }
+    return grouped(joints.owner, n, columns)
+
+
+def _parts(batch: Batch) -> list[list[dict[str, Any]]]:
+    parts, n = batch.parts(), len(batch)
+    poses = part_poses(batch)
+    words = batch.program.vocabularies.get("semantic", ())
+    semantic = [words[i] if 0 <= i < len(words) else None for i in np.asarray(parts.semantic).tolist()]
+    columns = {
+        "number": np.asarray(parts.number).tolist(),
+        "name": list(parts.name),
+        "path": list(parts.path),
+        "template": list(parts.template),
+        "parent": [None if p < 0 else p for p in np.asarray(parts.parent).tolist()],
+        "semantic": semantic,
+        "link": _names(batch.links(), n, parts.owner, parts.link),
+        "center": tidy(poses.center),
+        "quaternion": tidy(poses.quaternion),
+        "size": tidy(poses.size),
+        "scale": tidy(poses.scale),
+        "symmetry": symmetry_words(parts.symmetry),
+    }
+    return grouped(parts.owner, n, columns)
+
+
+def _grasps(batch: Batch) -> list[list[dict[str, Any]]]:
+    grasps, links, n = batch.grasps(), batch.links(), len(batch)
+    starts = np.searchsorted(links.owner, np.arange(n))
+    point, _, turned = grasps.moved(starts, *batch.pose())
+    columns = {
+        "name": list(grasps.name),
+        "link": _names(links, n, grasps.owner, grasps.link),
+        "t": tidy(grasps.t),
+        "point": tidy(point),
+        "quaternion": tidy(turned),
+        "opening": tidy(grasps.opening),
+        "quality": tidy(grasps.quality),
+    }
+    return grouped(grasps.owner, n, columns)
+
+
+def _keypoints(batch: Batch) -> list[list[dict[str, Any]]]:
+    keypoints, links, n = batch.keypoints(), batch.links(), len(batch)
+    turn, shift = batch.pose()
+    link = np.searchsorted(links.owner, np.arange(n))[keypoints.owner] + keypoints.link
+    point = rotate(turn[link], keypoints.point) + shift[link]
+    columns = {
+        "name": list(keypoints.name),
+        "link": _names(links, n, keypoints.owner, keypoints.link),
+        "point": tidy(point),
+    }
+    return grouped(keypoints.owner, n, columns)

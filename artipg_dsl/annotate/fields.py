@@ -1,0 +1,82 @@
+"""Formulas of labels and grasps: what depends on the instance is read once per row, the rest is a function of points."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from ..graph.expr import Expr, Scope, substitute, var
+from ..graph.formula import compile_formula, free_variables
+
+if TYPE_CHECKING:
+    from ..graph.program import Pose, Program
+
+
+class Reader(Protocol):
+    """What annotation needs of a batch: values of expressions in the rows of a scope, and whose rows they are."""
+
+    @property
+    def program(self) -> Program: ...
+
+    def __len__(self) -> int: ...
+
+    def read(self, exprs: Sequence[Expr], scope: Scope) -> list[np.ndarray]:
+        """One array (rows of ``scope``,) per expression; values of ancestor scopes are gathered."""
+        ...
+
+    def owner(self, scope: Scope) -> np.ndarray:
+        """The object (0 .. B - 1) of each row of ``scope``, ascending."""
+        ...
+
+
+class Field:
+    """Expressions over the variables ``p.x`` ... ``t`` and columns, split into per-row values and a formula.
+
+    A subexpression without variables is a per-row value: ``inputs`` lists these; the formula reads them as ``row0`` ...
+    """
+
+    def __init__(self, exprs: Sequence[Expr]):
+        mapping: dict[Expr, Expr] = {}
+        for expr in exprs:
+            _collect(expr, mapping)
+        self.inputs = list(mapping)
+        self.formulas = [substitute(expr, mapping) for expr in exprs]
+        self.names = tuple(sorted(free_variables(self.formulas)))
+
+    def __call__(self, inputs: Sequence[np.ndarray], variables: dict[str, np.ndarray]) -> list[np.ndarray]:
+        """Values of the expressions; ``inputs`` as in ``self.inputs``, broadcasting with the variables."""
+        values = variables | {f"row{i}": value for i, value in enumerate(inputs)}
+        shape = np.broadcast_shapes(*(np.shape(v) for v in (*variables.values(), *inputs)))
+        results = compile_formula(self.formulas, self.names)(*(values[name] for name in self.names))
+        return [np.broadcast_to(np.asarray(r), shape) for r in results]
+
+
+def _collect(expr: Expr, mapping: dict[Expr, Expr]) -> None:
+    """Replacements of the largest subexpressions that read columns and no variable."""
+    if expr in mapping or expr.op in ("const", "var"):
+        return
+    if expr.scope is not None and not _has_variable(expr):
+        mapping[expr] = var(f"row{len(mapping)}")
+        return
+    for argument in expr.args:
+        _collect(argument, mapping)
+
+
+def _has_variable(expr: Expr) -> bool:
+    return bool(free_variables([expr]))
+
+
+def read_pose(reader: Reader, pose: Pose, scope: Scope) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Rotation (k, 3, 3), translation (k, 3) and mirror (k,) of a pose in the rows of a scope."""
+    exprs = [cell for row in pose.rotation for cell in row] + [*pose.translation, pose.mirror]
+    values = np.stack([np.asarray(v, dtype=np.float64) for v in reader.read(exprs, scope)], axis=-1)
+    return values[:, :9].reshape(-1, 3, 3), values[:, 9:12], values[:, 12]
+
+
+def read_triples(reader: Reader, triples: Sequence[Sequence[Expr]], scope: Scope) -> list[np.ndarray]:
+    """Vectors (k, 3) in the rows of a scope, one array per triple of expressions."""
+    values = reader.read([expr for triple in triples for expr in triple], scope)
+    arrays = [np.asarray(v, dtype=np.float64) for v in values]
+    return [np.stack(arrays[3 * i : 3 * i + 3], axis=-1) for i in range(len(triples))]

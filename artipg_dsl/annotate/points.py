@@ -1,0 +1,133 @@
+"""Labels of sampled points: every label formula applied to all points of a site at once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..geometry.patches import surfaces
+from ..graph.program import Label, Target
+from .fields import Field, Reader, read_pose, read_triples
+from .frames import reflect, unrotate
+
+if TYPE_CHECKING:
+    from ..geometry.points import PointSet
+    from ..geometry.sites import SiteTable
+
+
+@dataclass(frozen=True, slots=True)
+class Labels:
+    """``semantic`` (B, n) ids into the vocabulary; ``fields`` by name such as ``affordance.pull``, (B, n) bool or float32.
+
+    A point outside all targets is False, 0 (graded) or nan (a field).
+    """
+
+    semantic: np.ndarray
+    fields: dict[str, np.ndarray]
+
+
+def label_points(reader: Reader, sites: list[SiteTable], points: PointSet) -> Labels:
+    """Labels of points at joint values 0, where ``points.position`` and ``normal`` are in the object's frame.
+
+    Semantic labels run from the outer target to the inner one, in the order of ``Program.labels``: the later wins.
+    Labels of one other name unite (the larger value where they are graded).
+    """
+    tables = {table.number: table for table in sites}
+    flat_site = np.asarray(points.site).ravel()
+    order = np.argsort(flat_site, kind="stable")
+    numbers = list(tables)
+    edges = {s: np.searchsorted(flat_site[order], [s, s + 1]) for s in numbers}
+    chosen = {s: order[a:b] for s, (a, b) in edges.items()}  # flat point numbers of each site
+
+    semantic = np.zeros(flat_site.shape, dtype=np.int64)
+    rows = np.asarray(points.row).ravel()
+    for number, table in tables.items():
+        semantic[chosen[number]] = table.semantic[rows[chosen[number]]]
+
+    fields = empty_fields(reader, flat_site.shape)
+    classes = {name: i for i, name in enumerate(reader.program.vocabularies.get("semantic", ()))}
+    for label in reader.program.labels:
+        for target in label.targets:
+            if target.site not in tables:
+                continue
+            at = on_surfaces(chosen[target.site], tables[target.site], target, points)
+            if not len(at):
+                continue
+            value = evaluate(reader, label, target, at, points)
+            if label.vocabulary == "semantic":
+                semantic[at] = np.where(value.astype(bool), classes[label.name], semantic[at])
+            else:
+                into = fields[field_name(label)]
+                into[at] = merge(into[at], value)
+    shape = np.asarray(points.site).shape
+    return Labels(semantic.reshape(shape), {name: finish(field).reshape(shape) for name, field in fields.items()})
+
+
+def field_name(label: Label) -> str:
+    return f"{label.vocabulary}.{label.name}"
+
+
+def field_kinds(labels: list[Label]) -> dict[str, str]:
+    """The kind of each label array but ``semantic``: "mask" (bool), "grade" (0 .. 1) or "field", in the order of names.
+
+    A name is a mask only if all its labels are predicates.
+    """
+    kinds: dict[str, str] = {}
+    for label in labels:
+        if label.vocabulary == "semantic":
+            continue
+        kind = "mask" if is_predicate(label) else ("field" if label.vocabulary == "field" else "grade")
+        name = field_name(label)
+        kinds[name] = kind if kinds.get(name, kind) == kind else "grade"
+    return dict(sorted(kinds.items()))
+
+
+def is_predicate(label: Label) -> bool:
+    value = label.value
+    return value.op in ("lt", "le", "eq", "and", "or", "not") or isinstance(value.value, bool)
+
+
+def empty_fields(reader: Reader, shape: tuple[int, ...]) -> dict[str, np.ndarray]:
+    empty = {"mask": (False, bool), "grade": (0.0, np.float64), "field": (np.nan, np.float64)}
+    return {
+        name: np.full(shape, empty[kind][0], dtype=empty[kind][1])
+        for name, kind in field_kinds(reader.program.labels).items()
+    }
+
+
+def merge(old: np.ndarray, new: np.ndarray) -> np.ndarray:
+    """Where several labels of one name cover a point: or, or the larger number."""
+    return old | new if old.dtype == bool else np.fmax(old, new)
+
+
+def finish(field: np.ndarray) -> np.ndarray:
+    return field if field.dtype == bool else field.astype(np.float32)
+
+
+def on_surfaces(at: np.ndarray, table: SiteTable, target: Target, points: PointSet) -> np.ndarray:
+    """Those of the flat point numbers ``at`` that lie on the surfaces a target names."""
+    if not target.surfaces:
+        return at
+    meant = [i for i, patch in enumerate(surfaces(table.primitive)) if patch.name in target.surfaces]
+    return at[np.isin(np.asarray(points.patch).ravel()[at], meant)]
+
+
+def evaluate(reader: Reader, label: Label, target: Target, at: np.ndarray, points: PointSet) -> np.ndarray:
+    """Values (len(at),) of a label at points of one site, in the frame of its target."""
+    scope = reader.program.sites[target.site].scope
+    field = Field([label.value])
+    row = np.asarray(points.row).ravel()[at]
+    inputs = [np.asarray(v)[row] for v in reader.read(field.inputs, scope)] if field.inputs else []
+    variables: dict[str, np.ndarray] = {"u": points.u.ravel()[at], "v": points.v.ravel()[at]}
+    needed = {name.split(".")[0] for name in field.names}
+    if needed & {"p", "n", "size"}:
+        rotation, translation, mirror = (a[row] for a in read_pose(reader, target.frame, scope))
+        size, center = (a[row] for a in read_triples(reader, [target.size, target.center], scope))
+        position = points.position.reshape(-1, 3)[at]
+        local = reflect(unrotate(rotation, position - translation), mirror) - center
+        normal = reflect(unrotate(rotation, points.normal.reshape(-1, 3)[at]), mirror)
+        for name, vectors in (("p", local), ("n", normal), ("size", size)):
+            variables |= {f"{name}.{axis}": vectors[:, i] for i, axis in enumerate("xyz")}
+    return field(inputs, variables)[0]

@@ -1,0 +1,58 @@
+"""Poses and sizes of parts: 7 degrees of freedom (turn, place, scale) and the normalised part coordinates they define.
+
+With T the centre of a part's box, R its turn and S its three edges, a point p of the object has the coordinates
+``R^T (p - T) / |S|`` (NPCS): the box's diagonal has length 1 and the coordinates lie within -0.5 .. 0.5.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .frames import compose, quaternion, rotate, unrotate
+
+if TYPE_CHECKING:
+    from ..runtime.batch import Batch
+
+AXES = "xyz"
+
+
+@dataclass(frozen=True, slots=True)
+class PartPoses:
+    """Per part instance of a batch: rotation (P, 3, 3), quaternion (P, 4) w x y z, center (P, 3), size (P, 3) in metres,
+    scale (P,), the length of the diagonal. In the object's frame."""
+
+    rotation: np.ndarray
+    quaternion: np.ndarray
+    center: np.ndarray
+    size: np.ndarray
+    scale: np.ndarray
+
+
+def part_poses(batch: Batch, states: np.ndarray | None = None) -> PartPoses:
+    """Poses of all parts with the joints at ``states`` (J,), at rest by default."""
+    parts, links = batch.parts(), batch.links()
+    link = np.searchsorted(links.owner, parts.owner) + parts.link
+    turn, shift = batch.pose(states)
+    rotation = compose(turn[link], parts.rotation)
+    size = parts.high - parts.low
+    middle = rotate(parts.rotation, (parts.high + parts.low) / 2) + parts.translation
+    center = rotate(turn[link], middle) + shift[link]
+    scale = np.sqrt(size[:, 0] ** 2 + size[:, 1] ** 2 + size[:, 2] ** 2)
+    return PartPoses(rotation, quaternion(rotation), center, size, scale)
+
+
+def normalised(poses: PartPoses, part: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Normalised part coordinates of points (..., 3), each of the part ``part`` (...), a row of ``poses``."""
+    scale = np.where(poses.scale > 0, poses.scale, 1.0)[part]
+    return unrotate(poses.rotation[part], points - poses.center[part]) / scale[..., None]
+
+
+def symmetry_words(symmetry: np.ndarray) -> list[str | None]:
+    """``(turns, axis)`` (P, 2) as words such as ``"2 about z"``; "any about z" for a body of revolution, None for none."""
+    return [
+        None if turns == 1 else f"{'any' if turns == 0 else turns} about {AXES[axis]}"
+        for turns, axis in np.asarray(symmetry, dtype=np.int64).tolist()
+    ]

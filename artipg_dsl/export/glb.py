@@ -1,0 +1,231 @@
+"""Binary glTF 2.0: a node per link and per primitive, named, with materials, and an animation that opens every joint.
+
+glTF is y up with z to the front; a node on top, ``<object>``, turns the object (z up, x front) into that frame, all
+nodes below are in the object's own axes. The joint that moves a link is in the node's ``extras``.
+"""
+
+from __future__ import annotations
+
+import json
+import struct
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .materials import linear
+from .robot import Look, Robot, RobotJoint
+
+FLOAT, UNSIGNED_SHORT, UNSIGNED_INT = 5126, 5123, 5125
+VERTICES, INDICES = 34962, 34963
+OPENING = np.array([0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0]) * 1.5  # seconds: to the other end and back
+SHARE = np.array([0.0, 0.25, 0.5, 0.75, 1.0, 0.75, 0.5, 0.25, 0.0])  # of the way from rest to the other end
+# the object's x (front) becomes z, y (left) becomes x, z (up) becomes y
+Z_UP_TO_Y_UP = [-0.5, -0.5, -0.5, 0.5]  # quaternion x y z w
+
+
+class Buffer:
+    """The binary chunk and the accessors into it. Arrays are packed by kind, each view on a multiple of 4 bytes."""
+
+    def __init__(self) -> None:
+        self.chunks: list[bytes] = []
+        self.length = 0
+        self.views: list[dict[str, Any]] = []
+        self.accessors: list[dict[str, Any]] = []
+
+    def add(self, array: np.ndarray, kind: str, component: int, target: int | None = None, bounds: bool = False) -> int:
+        """The number of a new accessor over ``array``."""
+        data = np.ascontiguousarray(array).tobytes()
+        view = {"buffer": 0, "byteOffset": self.length, "byteLength": len(data)}
+        if target is not None:
+            view["target"] = target
+        self.views.append(view)
+        self.chunks.append(data + b"\0" * (-len(data) % 4))
+        self.length += len(self.chunks[-1])
+        count = array.size if kind == "SCALAR" else len(array)
+        accessor = {"bufferView": len(self.views) - 1, "componentType": component, "count": count, "type": kind}
+        if bounds:
+            rows = array.reshape(count, -1)
+            accessor |= {"min": rows.min(axis=0).tolist(), "max": rows.max(axis=0).tolist()}
+        self.accessors.append(accessor)
+        return len(self.accessors) - 1
+
+
+def glb_bytes(robot: Robot) -> bytes:
+    """The whole .glb file of one object."""
+    buffer = Buffer()
+    looks: dict[Look, int] = {}
+    meshes: list[dict[str, Any]] = []
+    top = {"name": robot.name, "rotation": Z_UP_TO_Y_UP, "children": [1], "extras": {"frame": "x front, y left, z up"}}
+    # node 0 turns the axes, node 1 + k is link k, primitives follow
+    nodes: list[dict[str, Any]] = [top, *({"name": link.name} for link in robot.links)]
+    taken = {node["name"] for node in nodes}
+    for k, link in enumerate(robot.links):
+        children = nodes[1 + k].setdefault("children", [])
+        for visual in link.visuals:
+            meshes.append(_mesh(visual, link.origin, buffer, looks))
+            name = f"{visual.name}.solid" if visual.name in taken else visual.name  # the link keeps the plain name
+            nodes.append({"name": name, "mesh": len(meshes) - 1})
+            children.append(len(nodes) - 1)
+    values = rest_values(robot)
+    for joint in robot.joints:
+        node = nodes[1 + joint.child]
+        nodes[1 + joint.parent].setdefault("children", []).append(1 + joint.child)
+        node |= _placement(joint, values[joint.name])
+        node["extras"] = {"joint": _describe(joint)}
+    for node in nodes:
+        if not node.get("children", True):
+            del node["children"]
+    document: dict[str, Any] = {
+        "asset": {"version": "2.0", "generator": "artipg_dsl"},
+        "scene": 0,
+        "scenes": [{"name": robot.name, "nodes": [0]}],
+        "nodes": nodes,
+        "meshes": meshes,
+        "materials": [_material(look) for look in looks],
+    }
+    animation = _animation(robot, values, buffer)
+    if animation["channels"]:
+        document["animations"] = [animation]
+    document |= {"accessors": buffer.accessors, "bufferViews": buffer.views, "buffers": [{"byteLength": buffer.length}]}
+    document = {key: value for key, value in document.items() if value != []}
+    return pack(document, b"".join(buffer.chunks))
+
+
+def write_glb(robot: Robot, folder: Path) -> None:
+    """Write ``object.glb`` into ``folder``, which the caller makes appear as a whole."""
+    (folder / "object.glb").write_bytes(glb_bytes(robot))
+
+
+def pack(document: dict[str, Any], binary: bytes) -> bytes:
+    """The container: header, JSON chunk padded with blanks, binary chunk."""
+    text = json.dumps(document, separators=(",", ":"), ensure_ascii=False).encode("utf-8")
+    text += b" " * (-len(text) % 4)
+    chunks = struct.pack("<II", len(text), 0x4E4F534A) + text
+    if binary:
+        chunks += struct.pack("<II", len(binary), 0x004E4942) + binary
+    return struct.pack("<III", 0x46546C67, 2, 12 + len(chunks)) + chunks
+
+
+def rest_values(robot: Robot) -> dict[str, float]:
+    """The value of every joint at rest; a follower's comes from its leader."""
+    return follow(robot, {joint.name: joint.rest for joint in robot.joints})
+
+
+def open_values(robot: Robot) -> dict[str, float]:
+    """The value of every joint at the end of its range that is farther from rest (a joint without limits: a full turn)."""
+    return follow(robot, {joint.name: other_end(joint) for joint in robot.joints})
+
+
+def follow(robot: Robot, values: dict[str, float]) -> dict[str, float]:
+    """``values`` with those of mimicking joints set from their leaders' (chains of followers are followed)."""
+    by_name = {joint.name: joint for joint in robot.joints}
+
+    def value(name: str, depth: int = 0) -> float:
+        mimic = by_name[name].mimic
+        if mimic is None or depth > len(by_name):
+            return values[name]
+        leader, multiplier, offset = mimic
+        return multiplier * value(leader, depth + 1) + offset
+
+    return {name: value(name) for name in values}
+
+
+def other_end(joint: RobotJoint) -> float:
+    if joint.low is None or joint.high is None:
+        return joint.rest + 2 * np.pi
+    return joint.high if joint.high - joint.rest >= joint.rest - joint.low else joint.low
+
+
+def _mesh(visual: Any, origin: np.ndarray, buffer: Buffer, looks: dict[Look, int]) -> dict[str, Any]:
+    group, k = visual.item.group, visual.item.k
+    shading = group.shading
+    position = (group.vertices[k][shading.source] - origin).astype("<f4")
+    normal = shading.normals[k].astype("<f4") + np.float32(0.0)
+    small = len(position) < 0xFFFF
+    index = shading.faces.astype("<u2" if small else "<u4").ravel()
+    primitive = {
+        "attributes": {
+            "POSITION": buffer.add(position, "VEC3", FLOAT, VERTICES, bounds=True),
+            "NORMAL": buffer.add(normal, "VEC3", FLOAT, VERTICES),
+        },
+        "indices": buffer.add(index, "SCALAR", UNSIGNED_SHORT if small else UNSIGNED_INT, INDICES),
+        "material": looks.setdefault(visual.look, len(looks)),
+    }
+    return {"name": visual.name, "primitives": [primitive]}
+
+
+def _material(look: Look) -> dict[str, Any]:
+    colour = np.round(linear(np.array(look.colour)), 6).tolist()
+    material: dict[str, Any] = {
+        "name": look.name,
+        "pbrMetallicRoughness": {
+            "baseColorFactor": [*colour, round(look.opacity, 6)],
+            "metallicFactor": look.metalness,
+            "roughnessFactor": look.roughness,
+        },
+    }
+    if look.opacity < 1.0:
+        material |= {"alphaMode": "BLEND", "doubleSided": True}
+    return material
+
+
+def _placement(joint: RobotJoint, value: float) -> dict[str, Any]:
+    """Translation and rotation of the child link's node in its parent's, at a joint value."""
+    values = np.array([value])
+    place: dict[str, Any] = {"translation": short(translations(joint, values)[0])}
+    if joint.kind != "prismatic" and value != 0.0:
+        place["rotation"] = short(turns(joint, values)[0])
+    return place
+
+
+def translations(joint: RobotJoint, values: np.ndarray) -> np.ndarray:
+    """Origins (n, 3) of the child link in the parent's frame."""
+    if joint.kind != "prismatic":
+        return np.broadcast_to(joint.origin, (len(values), 3))
+    return joint.origin + values[:, None] * joint.axis
+
+
+def turns(joint: RobotJoint, values: np.ndarray) -> np.ndarray:
+    """Quaternions (n, 4), x y z w, of the child link in the parent's frame."""
+    half = values / 2
+    return np.concatenate([np.sin(half)[:, None] * joint.axis, np.cos(half)[:, None]], axis=1)
+
+
+def short(values: np.ndarray) -> list[float]:
+    return (np.round(values, 9) + 0.0).tolist()
+
+
+def _describe(joint: RobotJoint) -> dict[str, Any]:
+    described: dict[str, Any] = {
+        "name": joint.name,
+        "type": joint.kind,
+        "axis": short(joint.axis),
+        "origin": short(joint.origin),
+        "limits": None if joint.low is None or joint.high is None else short(np.array([joint.low, joint.high])),
+        "rest": round(joint.rest, 9),
+    }
+    if joint.mimic is not None:
+        described["mimic"] = {"joint": joint.mimic[0], "multiplier": joint.mimic[1], "offset": joint.mimic[2]}
+    return described
+
+
+def _animation(robot: Robot, rest: dict[str, float], buffer: Buffer) -> dict[str, Any]:
+    """Every joint from rest to its other end and back; a turn takes eight keys, so that each is well below half a turn."""
+    samplers: list[dict[str, Any]] = []
+    channels: list[dict[str, Any]] = []
+    ends = open_values(robot)
+    moving = [joint for joint in robot.joints if joint.kind in ("revolute", "continuous", "prismatic")]
+    clock = buffer.add(OPENING.astype("<f4"), "SCALAR", FLOAT, bounds=True) if moving else -1
+    for joint in moving:
+        start, end = rest[joint.name], ends[joint.name]
+        share = SHARE if joint.kind != "continuous" else np.arange(len(OPENING)) / (len(OPENING) - 1)
+        values = start + (end - start) * share
+        if joint.kind == "prismatic":
+            keys, kind, path = translations(joint, values), "VEC3", "translation"
+        else:
+            keys, kind, path = turns(joint, values), "VEC4", "rotation"
+        output = buffer.add(keys.astype("<f4"), kind, FLOAT)
+        samplers.append({"input": clock, "interpolation": "LINEAR", "output": output})
+        channels.append({"sampler": len(samplers) - 1, "target": {"node": 1 + joint.child, "path": path}})
+    return {"name": "open", "samplers": samplers, "channels": channels}

@@ -1,0 +1,166 @@
+"""``manifest.json``: what made a folder of objects and what every array in it means."""
+
+from __future__ import annotations
+
+import json
+import platform
+from collections.abc import Sequence
+from dataclasses import asdict
+from importlib import metadata
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..annotate.points import field_kinds
+from .shards import MEANINGS
+from .write import ExportError
+
+if TYPE_CHECKING:
+    from ..graph.program import Program
+
+NAME = "manifest.json"
+FORMAT = 1
+# what a folder must have been made with for its files to be kept by a later run
+IDENTITY = {
+    "program": "the compiled program",
+    "seed": "the seed",
+    "numbers": "the objects asked for",
+    "points": "the number of points",
+    "formats": "the formats",
+    "shard": "the number of objects per shard",
+    "settings": "the parameters that were set",
+    "artipg_dsl": "the version of artipg_dsl",
+    "numpy": "the version of NumPy",
+}
+DTYPES = {
+    "points": "float32", "normals": "float32", "u": "float32", "v": "float32", "object": "int64",
+}  # fmt: skip
+
+
+def cpu_class() -> str:
+    """The machine and the widest vector instructions that NumPy uses on it: results are equal to the bit within a class."""
+    from numpy._core import _multiarray_umath as core
+
+    enabled = [name for name in core.__cpu_dispatch__ if core.__cpu_features__.get(name)]
+    return " ".join([platform.machine(), *enabled[-1:]])
+
+
+def version() -> str:
+    try:
+        return metadata.version("artipg_dsl")
+    except metadata.PackageNotFoundError:
+        return "0"
+
+
+def spans(numbers: Sequence[int] | np.ndarray) -> list[list[int]]:
+    """Object numbers as runs ``[first, last]``."""
+    numbers = np.asarray(numbers, dtype=np.int64)
+    if not len(numbers):
+        return []
+    breaks = np.flatnonzero(np.diff(numbers) != 1) + 1
+    return [[int(run[0]), int(run[-1])] for run in np.split(numbers, breaks)]
+
+
+def build(
+    program: Program,
+    *,
+    seed: int,
+    numbers: np.ndarray,
+    n_points: int,
+    formats: Sequence[str],
+    shard: int,
+    settings: dict[str, Any] | None = None,
+    counts: dict[str, Any] | None = None,
+) -> dict[str, Any]:
+    """The manifest of a data set. ``counts`` what the run has counted (repaired, rejected, ...), once it is over."""
+    size = len(numbers)
+    shards = [f"{i // shard:05d}" for i in range(0, size, shard)]
+    manifest: dict[str, Any] = {
+        "manifest": FORMAT,
+        "category": program.name,
+        "about": program.doc,
+        "identity": {
+            "program": program.hash,
+            "seed": int(seed),
+            "numbers": spans(numbers),
+            "points": int(n_points),
+            "formats": list(formats),
+            "shard": int(shard),
+            "settings": {key: (settings or {})[key] for key in sorted(settings or {})},
+            "artipg_dsl": version(),
+            "numpy": np.__version__,
+        },
+        "objects": size,
+        "shards": shards,
+        "python": platform.python_version(),
+        "cpu": cpu_class(),
+        "frame": "right-handed, x front, y left, z up; metres, radians, kilograms; quaternions w x y z",
+        "vocabularies": vocabularies(program),
+        "sites": [{"path": site.path, "primitive": site.primitive} for site in program.sites],
+    }
+    if "points" in formats:
+        manifest["arrays"] = arrays(program, n_points)
+    if counts is not None:
+        manifest["counts"] = counts
+    return manifest
+
+
+def vocabularies(program: Program) -> dict[str, list[str]]:
+    """Words by vocabulary: the program's, those its labels use, and the names of its joints, grasps and materials."""
+    words = {name: list(entries) for name, entries in program.vocabularies.items()}
+    for label in program.labels:
+        known = words.setdefault(label.vocabulary, [])
+        if label.name not in known:
+            known.append(label.name)
+    words["joints"] = list(dict.fromkeys(joint.name for joint in program.joints))
+    words["grasps"] = list(dict.fromkeys(grasp.name for grasp in program.grasps))
+    words["materials"] = list(program.materials)
+    return words
+
+
+def arrays(program: Program, n_points: int) -> dict[str, Any]:
+    """Meaning, dtype, shape, frame and unit of every array of a points shard."""
+    described: dict[str, Any] = {}
+    for name, meaning in MEANINGS.items():
+        described[name] = {"dtype": DTYPES.get(name, "uint16")} | asdict(meaning)
+    for name, kind in field_kinds(program.labels).items():
+        text = {"mask": "the label holds", "grade": "how far the label holds, 0 .. 1", "field": "value, nan where undefined"}
+        dtype = "bool" if kind == "mask" else "float32"
+        described[name] = {"dtype": dtype, "text": text[kind], "shape": "objects, points", "frame": "", "unit": ""}
+    for entry in described.values():
+        entry["shape"] = entry["shape"].replace("points", str(n_points))
+    return described
+
+
+def text(manifest: dict[str, Any]) -> bytes:
+    return (json.dumps(manifest, indent=1, ensure_ascii=False) + "\n").encode("utf-8")
+
+
+def read(folder: Path | str) -> dict[str, Any] | None:
+    """The manifest in a folder, None where there is none."""
+    path = Path(folder) / NAME
+    try:
+        found = json.loads(path.read_bytes())
+    except FileNotFoundError:
+        return None
+    except NotADirectoryError:
+        raise ExportError(f"{folder} is a file, a folder was expected", "give the folder that samples were written to") from None
+    except (ValueError, OSError) as error:
+        raise ExportError(f"cannot read {path}: {error}", "give the folder that samples were written to") from error
+    if not isinstance(found, dict) or "identity" not in found:
+        raise ExportError(f"{path} is not a manifest of this program", "choose another folder")
+    return found
+
+
+def difference(old: dict[str, Any], new: dict[str, Any]) -> str | None:
+    """What sets two manifests apart so that their files do not belong together, in words; None if they do."""
+    before, after = old["identity"], new["identity"]
+    words = [f"{title} ({_short(before.get(key))}, now {_short(after.get(key))})" for key, title in IDENTITY.items()
+             if before.get(key) != after.get(key)]  # fmt: skip
+    return " and ".join(words) or None
+
+
+def _short(value: Any) -> str:
+    shown = ", ".join(map(str, value)) if isinstance(value, list) else str(value)
+    return shown if len(shown) <= 40 else shown[:37] + "..."

@@ -1,0 +1,245 @@
+"""One model of an object that every robot format is written from: links with mass, what is seen, what collides, joints.
+
+Frames: the root link's is the object's; any other link has its origin at its joint's and the axes of the object at
+joint value 0, so that joint frames need no rotation and every mesh of a link is in axes that a reader recognises.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..graph.program import Material
+from . import materials, solids
+from .mesh_obj import Shape
+
+if TYPE_CHECKING:
+    from ..runtime.batch import Batch
+
+# what a joint gets where its text gives none: N m and rad/s, or N and m/s; damping in N m s/rad or N s/m
+DEFAULTS = {
+    "revolute": {"effort": 20.0, "velocity": 3.0, "damping": 0.02, "friction": 0.0},
+    "continuous": {"effort": 20.0, "velocity": 6.0, "damping": 0.01, "friction": 0.0},
+    "prismatic": {"effort": 50.0, "velocity": 1.0, "damping": 1.0, "friction": 0.0},
+}
+SMALLEST_MASS = 1e-6  # kg
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """A material as it is seen in one object: sRGB colour and opacity in 0 .. 1."""
+
+    name: str
+    colour: tuple[float, float, float]
+    opacity: float
+    metalness: float
+    roughness: float
+
+
+@dataclass(frozen=True, slots=True)
+class Visual:
+    """A primitive to be seen: vertices and faces in the link's frame, closed; ``shading`` for formats with normals."""
+
+    name: str
+    look: Look
+    shape: Shape
+    item: solids.Item
+
+
+@dataclass(frozen=True, slots=True)
+class Collider:
+    """A convex piece in the link's frame: a box (``size`` about ``center`` turned by ``rotation``) or a ``hull``."""
+
+    name: str
+    material: Material
+    size: tuple[float, float, float] | None
+    center: np.ndarray
+    rotation: np.ndarray
+    hull: Shape | None
+
+
+@dataclass(frozen=True, slots=True)
+class RobotLink:
+    """``origin`` (3,) of its frame in the object at joint value 0; centre of mass and inertia in the link's frame."""
+
+    name: str
+    origin: np.ndarray
+    mass: float
+    center: np.ndarray
+    inertia: np.ndarray
+    visuals: tuple[Visual, ...]
+    colliders: tuple[Collider, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class RobotJoint:
+    """``origin`` in the parent link's frame, ``axis`` in the object's axes. ``low``, ``high`` None: no limit.
+
+    ``mimic`` is (name of the leader, multiplier, offset). Radians and metres.
+    """
+
+    name: str
+    kind: str
+    parent: int
+    child: int
+    origin: np.ndarray
+    axis: np.ndarray
+    low: float | None
+    high: float | None
+    rest: float
+    effort: float
+    velocity: float
+    damping: float
+    friction: float
+    mimic: tuple[str, float, float] | None
+
+
+@dataclass(frozen=True, slots=True)
+class Robot:
+    """One object. ``links[0]`` is the root."""
+
+    name: str
+    number: int
+    links: tuple[RobotLink, ...]
+    joints: tuple[RobotJoint, ...]
+
+
+class Robots:
+    """The robots of a batch; the numbers of all of them are computed together."""
+
+    def __init__(self, batch: Batch, *, steps: int = 24, collision: bool = True):
+        self.batch = batch
+        self.tables = batch.sites()
+        self.links, self.joints, self.parts = batch.links(), batch.joints(), batch.parts()
+        self.meshes = solids.build_meshes(self.tables, steps)
+        self.pieces = solids.build_pieces(self.tables) if collision else []
+        self.materials = {t.number: materials.material_of(batch, t) for t in self.tables}
+        self.visuals = solids.by_object(self.meshes, len(batch))
+        self.colliders = solids.by_object(self.pieces, len(batch))
+        objects = np.arange(len(batch) + 1)
+        self.link_start = np.searchsorted(self.links.owner, objects)
+        self.joint_start = np.searchsorted(self.joints.owner, objects)
+        self.part_start = np.searchsorted(self.parts.owner, objects)
+
+    @cached_property
+    def origins(self) -> np.ndarray:
+        """Origins (L, 3) of the link frames in the object's."""
+        origins = np.zeros((len(self.links.owner), 3))
+        origins[self.link_start[self.joints.owner] + self.joints.child] = self.joints.origin
+        return origins
+
+    @cached_property
+    def mass(self) -> solids.Mass:
+        """Mass, centre and inertia in link frames, made safe to print with few digits and for links of next to nothing."""
+        densities = [np.full(len(t.owner), materials.density(self.materials[t.number])) for t in self.tables]
+        mass = solids.link_mass(self.tables, densities, self.link_start[:-1], len(self.links.owner))
+        trace = mass.inertia[:, 0, 0] + mass.inertia[:, 1, 1] + mass.inertia[:, 2, 2]
+        # a little on the diagonal keeps the tensor positive and within the triangle inequality after rounding
+        spare = np.maximum(1e-6 * trace, 1e-12)
+        inertia = mass.inertia + spare[:, None, None] * np.eye(3)
+        center = np.where(mass.mass[:, None] > 0, mass.center - self.origins, 0.0)
+        return solids.Mass(np.maximum(mass.mass, SMALLEST_MASS), center, inertia)
+
+    @cached_property
+    def looks(self) -> dict[int, list[Look]]:
+        """For each site number, its look in each object."""
+        made: dict[str, list[Look]] = {}
+        for material in self.materials.values():
+            if material.name not in made:
+                made[material.name] = [
+                    Look(material.name, tuple(c), 1.0 - material.transparency, material.metalness, material.roughness)
+                    for c in materials.colours(self.batch, material).tolist()
+                ]
+        return {number: made[material.name] for number, material in self.materials.items()}
+
+    @cached_property
+    def part_names(self) -> list[str]:
+        """Names of all part instances, unique within an object and fit for file names: ``handle.post_1``."""
+        return [re.sub(r"[^\w.-]", "_", re.sub(r"\[(\d+)\]", r"_\1", name)) for name in self.parts.name]
+
+    def robot(self, i: int) -> Robot:
+        """Object ``i`` of the batch."""
+        names = self.links.name[self.link_start[i] : self.link_start[i + 1]]
+        visuals: list[list[Visual]] = [[] for _ in names]
+        colliders: list[list[Collider]] = [[] for _ in names]
+        for item in self.visuals[i]:
+            visuals[int(item.group.table.link[item.row])].append(self._visual(i, item))
+        for item in self.colliders[i]:
+            link = int(item.group.table.link[item.row])
+            colliders[link].append(self._collider(i, item, len(colliders[link])))
+        first = int(self.link_start[i])
+        links = tuple(
+            RobotLink(
+                name,
+                self.origins[first + k],
+                float(self.mass.mass[first + k]),
+                self.mass.center[first + k],
+                self.mass.inertia[first + k],
+                tuple(visuals[k]),
+                tuple(colliders[k]),
+            )
+            for k, name in enumerate(names)
+        )
+        number = int(self.batch.numbers[i])
+        return Robot(f"{self.batch.program.name}_{number:06d}", number, links, tuple(self._joints(i)))
+
+    def _name(self, i: int, item: solids.Item) -> str:
+        return self.part_names[int(self.part_start[i]) + int(item.group.table.instance[item.row])]
+
+    def _origin(self, i: int, item: solids.Item) -> np.ndarray:
+        return self.origins[int(self.link_start[i]) + int(item.group.table.link[item.row])]
+
+    def _visual(self, i: int, item: solids.Item) -> Visual:
+        group, name = item.group, self._name(i, item)
+        shape = Shape(name, group.vertices[item.k] - self._origin(i, item), group.faces)
+        return Visual(name, self.looks[group.table.number][i], shape, item)
+
+    def _collider(self, i: int, item: solids.Item, index: int) -> Collider:
+        group, name = item.group, f"{self._name(i, item)}_{index}"
+        origin, material = self._origin(i, item), self.materials[group.table.number]
+        center, rotation = group.center[item.k] - origin, group.table.rotation[item.row]
+        if group.is_box[item.k]:
+            return Collider(name, material, tuple(group.size[item.k].tolist()), center, rotation, None)
+        hull = Shape(name, group.vertices[item.k] - origin, group.faces)
+        return Collider(name, material, None, center, rotation, hull)
+
+    def _joints(self, i: int) -> list[RobotJoint]:
+        joints, first, last = self.joints, int(self.joint_start[i]), int(self.joint_start[i + 1])
+        made = []
+        for j in range(first, last):
+            kind, parent = joints.kind[j], int(joints.parent[j])
+            given = DEFAULTS.get(kind, DEFAULTS["revolute"])
+            leader = int(joints.mimic[j])
+            made.append(
+                RobotJoint(
+                    name=joints.name[j],
+                    kind=kind,
+                    parent=parent,
+                    child=int(joints.child[j]),
+                    origin=joints.origin[j] - self.origins[int(self.link_start[i]) + parent],
+                    axis=joints.axis[j],
+                    low=number_or_none(joints.low[j]),
+                    high=number_or_none(joints.high[j]),
+                    rest=number_or_none(joints.rest[j]) or 0.0,
+                    effort=number_or(joints.effort[j], given["effort"]),
+                    velocity=number_or(joints.velocity[j], given["velocity"]),
+                    damping=number_or(joints.damping[j], given["damping"]),
+                    friction=number_or(joints.friction[j], given["friction"]),
+                    mimic=None
+                    if leader < 0
+                    else (joints.name[first + leader], float(joints.multiplier[j]), float(joints.offset[j])),
+                )
+            )
+        return made
+
+
+def number_or_none(value: float) -> float | None:
+    return None if np.isnan(value) else float(value)
+
+
+def number_or(value: float, default: float) -> float:
+    return default if np.isnan(value) else float(value)

@@ -1,0 +1,62 @@
+"""Normals for pictures: smooth over a curved patch and across tangent patches, sharp at edges."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+SHARP = np.cos(np.radians(35.0))  # patches that meet at a smaller angle than this look like one smooth surface
+
+
+@dataclass(frozen=True, slots=True)
+class Shading:
+    """``source`` (W,) the welded vertex of each split one; ``faces`` (F, 3) into the split ones; ``normals`` (k, W, 3)."""
+
+    source: np.ndarray
+    faces: np.ndarray
+    normals: np.ndarray
+
+
+def shade(vertices: np.ndarray, faces: np.ndarray, face_patch: np.ndarray) -> Shading:
+    """Split the vertices of k meshes of one topology, (k, V, 3), at patch borders, and give them unit normals."""
+    n_vertices = vertices.shape[1]
+    corner = (face_patch.astype(np.int64)[:, None] * n_vertices + faces).ravel()
+    keys, split = np.unique(corner, return_inverse=True)
+    source = keys % n_vertices
+    split = split.ravel()
+
+    corners = vertices[:, faces]  # (k, F, 3, 3)
+    edges = np.roll(corners, -1, axis=2) - corners
+    normal = np.cross(edges[:, :, 0], edges[:, :, 1])  # twice the area times the unit normal
+    length = np.sqrt((edges * edges).sum(axis=-1))
+    before = np.roll(length, 1, axis=2)
+    cosine = -(edges * np.roll(edges, 1, axis=2)).sum(axis=-1) / np.where(length * before > 0, length * before, 1.0)
+    angle = np.arccos(np.clip(cosine, -1.0, 1.0))  # the corner's angle: fans and quads weigh the same
+    weighted = (unit(normal)[:, :, None] * angle[..., None]).reshape(len(vertices), -1, 3)
+
+    order = np.argsort(split, kind="stable")
+    starts = np.searchsorted(split[order], np.arange(len(keys)))
+    summed = np.add.reduceat(weighted[:, order], starts, axis=1)
+    return Shading(source, split.reshape(faces.shape).astype(np.int32), blend(summed, source))
+
+
+def blend(summed: np.ndarray, source: np.ndarray) -> np.ndarray:
+    """Add up the normals (k, W, 3) of split vertices of one source where they differ by less than the sharp angle."""
+    own = unit(summed)
+    order = np.argsort(source, kind="stable")
+    ranked = source[order]
+    result = summed.copy()
+    for shift in range(1, int(np.bincount(source).max())):  # the other patches that meet at a vertex, a handful
+        pairs = np.flatnonzero(ranked[shift:] == ranked[:-shift])
+        a, b = order[pairs], order[pairs + shift]
+        near = ((own[:, a] * own[:, b]).sum(axis=-1) > SHARP)[..., None]
+        result[:, a] += np.where(near, summed[:, b], 0.0)
+        result[:, b] += np.where(near, summed[:, a], 0.0)
+    return unit(result)
+
+
+def unit(vectors: np.ndarray) -> np.ndarray:
+    """Vectors of length 1; where there is no direction, up."""
+    length = np.sqrt((vectors * vectors).sum(axis=-1, keepdims=True))
+    return np.where(length > 0, vectors / np.where(length > 0, length, 1.0), np.array([0.0, 0.0, 1.0]))

@@ -1,0 +1,182 @@
+"""The solids of a batch: meshes, convex pieces and mass of every primitive, in the object's frame at zero pose.
+
+Instances of one site that share a topology stay together in one array, so everything is computed for all objects at
+once; ``Solid`` picks out one instance.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..annotate.frames import place, reflect, rotate
+from ..geometry import mesh, pieces
+from ..graph.program import Material
+from .shading import Shading, shade
+
+if TYPE_CHECKING:
+    from ..geometry.sites import SiteTable
+
+UNNAMED = Material("plain")
+
+
+@dataclass(frozen=True)
+class SolidGroup:
+    """Instances ``rows`` of one site with common ``faces`` (F, 3), outward, and vertices (k, V, 3)."""
+
+    table: SiteTable
+    rows: np.ndarray
+    vertices: np.ndarray
+    faces: np.ndarray
+    face_patch: np.ndarray
+
+    @cached_property
+    def shading(self) -> Shading:
+        """Vertices split where an edge is to look sharp, with normals (k, V', 3)."""
+        return shade(self.vertices, self.faces, self.face_patch)
+
+
+@dataclass(frozen=True, slots=True)
+class PieceGroup:
+    """Convex pieces of ``rows`` of one site. Where ``is_box``, the piece is a box of ``size`` about ``center`` in the
+    directions of the site's rotation; otherwise the hull of vertices (k, P, 3). All in the object's frame."""
+
+    table: SiteTable
+    rows: np.ndarray
+    vertices: np.ndarray
+    faces: np.ndarray
+    is_box: np.ndarray
+    size: np.ndarray
+    center: np.ndarray
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """Row ``k`` of ``group``, which belongs to site ``site`` and there to row ``row``."""
+
+    group: SolidGroup | PieceGroup
+    k: int
+    row: int
+
+
+def build_meshes(tables: list[SiteTable], steps: int = 24) -> list[SolidGroup]:
+    """Meshes of all instances of all sites."""
+    groups: list[SolidGroup] = []
+    for table in tables:
+        if not len(table.owner):
+            continue
+        for part in mesh.build(table.primitive, table.params, steps):
+            rows = np.asarray(part.rows)
+            vertices = placed(table, rows, part.vertices)
+            for sign in (1.0, -1.0):
+                chosen = np.flatnonzero(table.mirror[rows] == sign)
+                if len(chosen):
+                    faces = part.faces if sign > 0 else part.faces[:, ::-1]  # a mirror turns faces inside out
+                    groups.append(SolidGroup(table, rows[chosen], vertices[chosen], faces, part.face_patch))
+    return groups
+
+
+def build_pieces(tables: list[SiteTable]) -> list[PieceGroup]:
+    """Convex pieces of all instances of all sites, boxes told from other hulls."""
+    groups: list[PieceGroup] = []
+    for table in tables:
+        if not len(table.owner):
+            continue
+        for part in pieces.build(table.primitive, table.params):
+            rows = np.asarray(part.rows)
+            is_box, size, center = as_box(part.vertices)
+            center = placed(table, rows, center[:, None])[:, 0]
+            vertices = placed(table, rows, part.vertices)
+            for sign in (1.0, -1.0):
+                c = np.flatnonzero(table.mirror[rows] == sign)
+                if len(c):
+                    faces = part.faces if sign > 0 else part.faces[:, ::-1]
+                    groups.append(PieceGroup(table, rows[c], vertices[c], faces, is_box[c], size[c], center[c]))
+    return groups
+
+
+def placed(table: SiteTable, rows: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Local points (k, n, 3) of ``rows`` in the object's frame."""
+    return place(table.rotation[rows], table.translation[rows], points, table.mirror[rows])
+
+
+def as_box(vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Whether the points (k, P, 3) are the eight corners of a box along the axes; its size and centre (k, 3)."""
+    low, high = vertices.min(axis=1), vertices.max(axis=1)
+    size, center = high - low, (high + low) / 2
+    if vertices.shape[1] != 8:
+        return np.zeros(len(vertices), dtype=bool), size, center
+    upper = vertices > center[:, None]
+    corner = np.where(upper, high[:, None], low[:, None])
+    exact = (np.abs(vertices - corner) <= 1e-9).all(axis=(1, 2))
+    code = np.sort(upper[..., 0] + 2 * upper[..., 1] + 4 * upper[..., 2], axis=1)
+    return exact & (code == np.arange(8)).all(axis=1) & (size > 0).all(axis=1), size, center
+
+
+def by_object(groups: list, n_objects: int) -> list[list[Item]]:
+    """Items of each object, in the order of groups (of sites, then pieces) and within them of rows."""
+    items: list[list[Item]] = [[] for _ in range(n_objects)]
+    for group in groups:
+        for k, (row, owner) in enumerate(zip(group.rows.tolist(), group.table.owner[group.rows].tolist(), strict=True)):
+            items[owner].append(Item(group, k, row))
+    for one in items:  # groups of one site (two topologies, mirrored rows) lie together: order them by row
+        one.sort(key=lambda item: (item.group.table.number, item.row))
+    return items
+
+
+@dataclass(frozen=True, slots=True)
+class Mass:
+    """Per link of the batch: mass (L,) kg, centre (L, 3) and inertia about it (L, 3, 3), axes of the object."""
+
+    mass: np.ndarray
+    center: np.ndarray
+    inertia: np.ndarray
+
+
+def link_mass(
+    tables: list[SiteTable], densities: list[np.ndarray], link_start: np.ndarray, n_links: int
+) -> Mass:
+    """Mass of every link: the sum over its primitives (where they overlap, as a post sunk in a wall does, both count).
+
+    ``densities`` one array (k,) kg/m3 per table; ``link_start`` (B,) the first link row of each object.
+    """
+    total = np.zeros(n_links)
+    first = np.zeros((n_links, 3))
+    rows: list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]] = []
+    for table, density in zip(tables, densities, strict=True):
+        if not len(table.owner):
+            continue
+        volume, center, inertia = mesh.volume_inertia(table.primitive, table.params)
+        link = link_start[table.owner] + table.link
+        mass = np.abs(volume) * density
+        center = rotate(table.rotation, reflect(center, table.mirror)) + table.translation
+        total += np.bincount(link, mass, n_links)
+        first += np.stack([np.bincount(link, mass * center[:, i], n_links) for i in range(3)], axis=1)
+        rows.append((link, mass, center, turned_inertia(table, inertia * density[:, None, None])))
+    middle = first / np.where(total > 0, total, 1.0)[:, None]
+    summed = np.zeros((n_links, 3, 3))
+    for link, mass, center, inertia in rows:
+        about = inertia + parallel_axis(mass, center - middle[link])
+        for i in range(3):
+            for j in range(3):
+                summed[:, i, j] += np.bincount(link, about[:, i, j], n_links)
+    return Mass(total, middle, summed)
+
+
+def turned_inertia(table: SiteTable, inertia: np.ndarray) -> np.ndarray:
+    """Inertia tensors (k, 3, 3) of local frames in the axes of the object."""
+    sign = np.stack([np.ones_like(table.mirror), table.mirror, np.ones_like(table.mirror)], axis=-1)
+    inertia = inertia * sign[:, :, None] * sign[:, None, :]
+    half = np.stack([rotate(table.rotation, inertia[..., j]) for j in range(3)], axis=-1)  # R I
+    return np.stack([rotate(table.rotation, half[:, j]) for j in range(3)], axis=-2)  # (R I) R^T, row by row
+
+
+def parallel_axis(mass: np.ndarray, offset: np.ndarray) -> np.ndarray:
+    """What a mass (k,) at ``offset`` (k, 3) adds to the inertia: m (|d|^2 1 - d d^T)."""
+    x, y, z = offset[:, 0], offset[:, 1], offset[:, 2]
+    square = x * x + y * y + z * z
+    outer = offset[:, :, None] * offset[:, None, :]
+    return mass[:, None, None] * (square[:, None, None] * np.eye(3) - outer)

@@ -1,0 +1,124 @@
+"""URDF with OBJ meshes: one mesh per link and material to be seen, convex pieces to collide."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..annotate.frames import euler
+from .mesh_obj import obj_bytes
+from .robot import Collider, Robot, RobotJoint, RobotLink
+from .write import ExportError
+
+if TYPE_CHECKING:
+    from jinja2 import Template
+
+KINDS = ("revolute", "continuous", "prismatic", "fixed")
+
+
+def urdf_files(robot: Robot) -> dict[str, bytes]:
+    """The files of a robot by path relative to its folder: ``object.urdf`` and what it refers to in ``meshes/``."""
+    files: dict[str, bytes] = {}
+    looks: dict[str, str] = {}
+    links = [_link(link, files, looks) for link in robot.links]
+    joints = [_joint(joint, robot) for joint in robot.joints]
+    materials = [{"name": name, "rgba": rgba} for name, rgba in looks.items()]
+    text = _template().render(name=robot.name, materials=materials, links=links, joints=joints)
+    files["object.urdf"] = (text + "\n").encode("utf-8")
+    return files
+
+
+def write_urdf(robot: Robot, folder: Path) -> None:
+    """Write ``object.urdf`` and ``meshes/`` into ``folder``, which the caller makes appear as a whole."""
+    files = urdf_files(robot)
+    if len(files) > 1:
+        (folder / "meshes").mkdir(exist_ok=True)
+    for name, data in files.items():
+        (folder / name).write_bytes(data)
+
+
+@lru_cache(maxsize=1)
+def _template() -> Template:
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    environment = Environment(
+        loader=PackageLoader("artipg_dsl.export"), undefined=StrictUndefined, autoescape=True, auto_reload=False
+    )
+    return environment.get_template("robot.urdf.j2")
+
+
+def _link(link: RobotLink, files: dict[str, bytes], looks: dict[str, str]) -> dict[str, Any]:
+    visuals = []
+    for material in dict.fromkeys(visual.look.name for visual in link.visuals):
+        same = [visual for visual in link.visuals if visual.look.name == material]
+        look = same[0].look
+        looks.setdefault(material, numbers([*look.colour, look.opacity]))
+        name = f"{link.name}_{material}"
+        file = f"meshes/{name}.obj"
+        files[file] = obj_bytes([visual.shape for visual in same])
+        visuals.append({"name": name, "file": file, "material": material})
+    noise = 1e-12 * (link.inertia[0, 0] + link.inertia[1, 1] + link.inertia[2, 2])
+    tensor = np.where(np.abs(link.inertia) > noise, link.inertia, 0.0)
+    inertia = {
+        name: f"{tensor[i, j]:.9g}"
+        for name, i, j in [("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2)]
+    }
+    return {
+        "name": link.name,
+        "center": numbers(link.center),
+        "mass": f"{link.mass:.9g}",
+        "inertia": inertia,
+        "visuals": visuals,
+        "colliders": [_collider(link, collider, files) for collider in link.colliders],
+    }
+
+
+def _collider(link: RobotLink, collider: Collider, files: dict[str, bytes]) -> dict[str, Any]:
+    name = f"{link.name}_{collider.name}"
+    if collider.hull is None:
+        assert collider.size is not None
+        rpy = numbers(euler(collider.rotation))
+        return {"name": name, "xyz": numbers(collider.center), "rpy": rpy, "box": numbers(collider.size)}
+    file = f"meshes/{name}.collision.obj"
+    files[file] = obj_bytes([collider.hull])
+    return {"name": name, "xyz": "0 0 0", "rpy": "0 0 0", "box": "", "file": file}
+
+
+def _joint(joint: RobotJoint, robot: Robot) -> dict[str, Any]:
+    kind = joint.kind
+    if kind not in KINDS:
+        raise ExportError(
+            f"{robot.name}: joint {joint.name} is a {kind} joint, which URDF cannot state",
+            f"URDF has {', '.join(KINDS)}; leave urdf out of --format",
+        )
+    limited = joint.low is not None and joint.high is not None
+    if kind == "revolute" and not limited:
+        kind = "continuous"
+    limit = {"effort": f"{joint.effort:.9g}", "velocity": f"{joint.velocity:.9g}"}
+    if kind != "continuous" and limited:
+        limit = {"lower": numbers([joint.low]), "upper": numbers([joint.high])} | limit
+    mimic = None
+    if joint.mimic is not None:
+        leader, multiplier, offset = joint.mimic
+        mimic = {"joint": leader, "multiplier": f"{multiplier:.9g}", "offset": f"{offset:.9g}"}
+    return {
+        "name": joint.name,
+        "kind": kind,
+        "parent": robot.links[joint.parent].name,
+        "child": robot.links[joint.child].name,
+        "origin": numbers(joint.origin),
+        "axis": numbers(joint.axis),
+        "limit": limit,
+        "damping": f"{joint.damping:.9g}",
+        "friction": f"{joint.friction:.9g}",
+        "mimic": mimic,
+    }
+
+
+def numbers(values: Any) -> str:
+    """Numbers with nine significant digits and a blank between, rounding noise below 1e-12 dropped."""
+    rounded = np.round(np.asarray(values, dtype=np.float64), 12) + 0.0
+    return " ".join(f"{value:.9g}" for value in rounded.tolist())

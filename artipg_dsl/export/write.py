@@ -1,0 +1,128 @@
+"""Files and folders that appear whole or not at all: written beside their place, then renamed into it."""
+
+from __future__ import annotations
+
+import errno
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import BinaryIO
+
+MARK = ".partial-"
+
+
+class ExportError(Exception):
+    """Something about the output that the user can put right: ``message`` says what is wrong, ``hint`` what to try."""
+
+    def __init__(self, message: str, hint: str = ""):
+        super().__init__(f"{message} ({hint})" if hint else message)
+        self.message, self.hint = message, hint
+
+
+def explain(error: OSError, path: Path) -> ExportError:
+    """An operating system's refusal in words."""
+    place = error.filename if isinstance(error.filename, str) else path
+    place = Path(place)
+    if MARK in place.name:  # the user knows the file by its final name
+        place = place.with_name(place.name.split(MARK)[0].removeprefix("."))
+    if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS):
+        return ExportError(f"no permission to write {place}", "choose another output folder or change its permissions")
+    if error.errno in (errno.ENOTDIR, errno.EEXIST):
+        return ExportError(f"{place} is in the way: a folder is needed there", "choose another output folder")
+    if error.errno == errno.EISDIR:
+        return ExportError(f"{place} is a folder, a file was to be written", "choose another output name")
+    if error.errno in (errno.ENOSPC, errno.EDQUOT):
+        return ExportError(f"no space left while writing {place}", "free some space, then run the same command again")
+    if error.errno == errno.ENAMETOOLONG:
+        return ExportError(f"the name {place} is too long for this file system", "choose a shorter output folder")
+    return ExportError(f"cannot write {place}: {error.strerror or error}", "choose another output folder")
+
+
+def beside(path: Path) -> Path:
+    """A hidden sibling that marks itself as unfinished and as belonging to this process."""
+    return path.with_name(f".{path.name}{MARK}{os.getpid()}")
+
+
+def ensure_folder(path: Path) -> Path:
+    """The folder ``path``, made with its parents if need be."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise explain(error, path) from error
+    return path
+
+
+def refuse_existing(path: Path, force: bool) -> None:
+    if not force and (path.exists() or path.is_symlink()):
+        raise ExportError(f"{path} exists", "remove it, choose another name, or use --force to replace it")
+
+
+@contextmanager
+def replacing_file(path: Path | str, *, force: bool = False) -> Iterator[BinaryIO]:
+    """A binary file to write to, which takes the name ``path`` only when the block ends without an exception."""
+    path = Path(path)
+    refuse_existing(path, force)
+    if path.is_dir():
+        raise ExportError(f"{path} is a folder, a file was to be written", "choose another output name")
+    ensure_folder(path.parent)
+    partial = beside(path)
+    try:
+        with open(partial, "wb") as stream:
+            yield stream
+        os.replace(partial, path)
+    except OSError as error:
+        raise explain(error, path) from error
+    finally:  # also after KeyboardInterrupt
+        partial.unlink(missing_ok=True) if os.access(path.parent, os.W_OK) else None
+
+
+@contextmanager
+def replacing_folder(path: Path | str, *, force: bool = False) -> Iterator[Path]:
+    """An empty folder to fill, which takes the name ``path`` only when the block ends without an exception."""
+    path = Path(path)
+    refuse_existing(path, force)
+    ensure_folder(path.parent)
+    partial = beside(path)
+    old = partial.with_name(partial.name + "-old")
+    try:
+        shutil.rmtree(partial, ignore_errors=True)
+        partial.mkdir()
+        yield partial
+        if path.is_dir() and not path.is_symlink():
+            os.rename(path, old)  # a folder that is not empty cannot be replaced in one step
+        elif path.exists():
+            path.unlink()
+        os.rename(partial, path)
+    except OSError as error:
+        raise explain(error, path) from error
+    finally:
+        shutil.rmtree(partial, ignore_errors=True)
+        if old.exists() and not path.exists():
+            os.rename(old, path)
+        shutil.rmtree(old, ignore_errors=True)
+
+
+def write_bytes(path: Path | str, data: bytes, *, force: bool = False) -> None:
+    """The file ``path`` with the contents ``data``, whole or not at all."""
+    with replacing_file(path, force=force) as stream:
+        stream.write(data)
+
+
+def sweep(folder: Path) -> None:
+    """Remove what a killed process left unfinished in ``folder`` (what a running one still writes stays)."""
+    for left in folder.glob(f".*{MARK}*"):
+        owner = left.name.split(MARK)[1].removesuffix("-old")
+        if owner.isdigit() and not _alive(int(owner)):
+            shutil.rmtree(left) if left.is_dir() else left.unlink(missing_ok=True)
+
+
+def _alive(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        return True
+    return True
