@@ -12,7 +12,7 @@ DIRECTIONS = ("x", "y", "z")
 
 SCALAR_TYPES = (
     "length", "angle", "ratio", "count", "bool", "area", "volume", "mass", "density", "time", "force", "torque",
-    "speed", "stiffness",
+    "speed",
 )  # fmt: skip
 """Type names whose values are numbers."""
 
@@ -23,7 +23,7 @@ TYPE_NAMES = (
 
 FUNCTIONS = (
     "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sqrt", "hypot", "abs", "min", "max", "sum", "floor",
-    "ceil", "round", "exp", "log", "sign", "clamp", "number", "lowest", "norm", "dot", "cross",
+    "ceil", "round", "exp", "log", "sign", "mod", "number", "lowest",
 )  # fmt: skip
 
 CONSTRUCTORS = ("frame", "line", "box", "from", "arc", "circle", "rectangle", "polygon", "offset")

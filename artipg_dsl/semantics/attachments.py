@@ -1,0 +1,152 @@
+"""Every part of a category is attached exactly once, or is the root; joints and connects are counted per guard."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from ..source import Span
+from ..syntax import ast
+from .guards import And, Atom, Condition, Not, Or, assignments, conjunction, consistent
+from .scope import Entry, Guards, Scope, Variant
+from .types import Part
+
+if TYPE_CHECKING:
+    from .checker import Checker
+
+
+@dataclass(frozen=True, slots=True)
+class Attachment:
+    """A ``connect`` or ``joint`` whose subject is the part, with what holds where it stands."""
+
+    span: Span
+    word: str
+    condition: Condition
+
+
+def check(ck: Checker, scope: Scope) -> None:
+    """The parts of a category or template, and of its repeats."""
+    category = scope.owner.kind == "category"
+    found: dict[int, list[Attachment]] = {}
+    for at, stmt, guards in _statements(scope, scope.owner.body, ()):
+        subject = (
+            stmt.subject
+            if isinstance(stmt, ast.ConnectStmt)
+            else stmt.child if isinstance(stmt, ast.JointDecl) and stmt.kind is not None else None
+        )
+        name = _first_name(subject)
+        if name is None:
+            continue
+        condition = ck.condition(guards)
+        for entry in at.find(name):
+            if entry.kind == "part" and consistent(condition, ck.entry_condition(entry)):
+                word = "connect" if isinstance(stmt, ast.ConnectStmt) else "joint"
+                found.setdefault(id(entry), []).append(Attachment(stmt.span, word, condition))
+    roots: list[Entry] = []
+    for inner in _all(scope):
+        for entry in inner.entries:
+            if entry.kind == "part":
+                root = isinstance(entry.node, ast.PartDecl) and entry.node.root
+                if root:
+                    roots.append(entry)
+                _count(ck, entry, found.get(id(entry), []), category and not root, root)
+    if category:
+        _check_roots(ck, scope, roots)
+
+
+def _check_roots(ck: Checker, scope: Scope, roots: list[Entry]) -> None:
+    if not roots:
+        first = next((e for e in scope.entries if e.kind == "part"), None)
+        hint = f"write `root part {first.name}`" if first is not None else "write `root part body : ...`"
+        span = scope.owner.decl.name_span
+        ck.error("no-root", span, f"the category `{scope.owner.name}` has no root part", hint=hint)
+    for position, entry in enumerate(roots):
+        for earlier in roots[:position]:
+            if consistent(ck.entry_condition(entry), ck.entry_condition(earlier)):
+                ck.error(
+                    "two-roots", entry.span, "a category has one root part",
+                    notes=((earlier.span, "the first one"),),
+                )  # fmt: skip
+                break
+
+
+def _count(ck: Checker, entry: Entry, found: list[Attachment], needed: bool, root: bool) -> None:
+    for attachment in found if root else ():
+        ck.error(
+            "two-attachments", attachment.span, f"`{entry.name}` is the root: it cannot be attached",
+            notes=((entry.span, "declared as root here"),),
+        )  # fmt: skip
+        return
+    exists = _exists(ck, entry)
+    for position, later in enumerate(found):
+        for earlier in found[:position]:
+            if consistent(exists, earlier.condition, later.condition):
+                ck.error(
+                    "two-attachments", later.span, f"`{entry.name}` is attached twice",
+                    hint="a part has one attachment: `align` places without attaching",
+                    notes=((earlier.span, "the first attachment"),),
+                )  # fmt: skip
+                return
+    if not needed:
+        return
+    if not found:
+        ck.error(
+            "no-attachment", entry.span, f"`{entry.name}` is not attached to anything",
+            hint=f"write `connect {entry.name} to ...` or give it a joint; `align` places but does not attach",
+        )  # fmt: skip
+        return
+    open_cases = assignments(And((exists, Not(Or(tuple(a.condition for a in found))))))
+    case = next(open_cases, None) if open_cases is not None else None
+    if case is not None:
+        ck.error(
+            "no-attachment", entry.span, f"`{entry.name}` is not attached {_words(case, found)}",
+            notes=((found[0].span, "attached here, under a guard"),),
+        )  # fmt: skip
+
+
+def _words(case: dict[str, Hashable], found: list[Attachment]) -> str:
+    """A case in words: ``when handle is none and rows is 2``."""
+    told = []
+    for key, value in case.items():
+        name = key.rsplit(":", 1)[-1].rsplit(".", 1)[-1].split("~")[0]
+        if key.endswith("#rank"):
+            name = "the rank"
+        shown = "none" if value is None else value.name if isinstance(value, Variant) else str(value).lower()
+        told.append(f"{name} is {shown}")
+    return "when " + " and ".join(told) if told else "in every case"
+
+
+def _exists(ck: Checker, entry: Entry) -> Condition:
+    kind = ck.entry_type(entry)
+    condition = ck.entry_condition(entry)
+    if isinstance(kind, Part) and None in kind.domain:
+        there = Atom(kind.key, frozenset(v for v in kind.domain if v is not None), kind.domain)
+        return conjunction((condition, there))
+    return condition
+
+
+def _first_name(expr: ast.Expr | None) -> str | None:
+    while isinstance(expr, ast.MemberExpr | ast.IndexExpr):
+        expr = expr.obj
+    return expr.name if isinstance(expr, ast.NameExpr) else None
+
+
+def _all(scope: Scope) -> Iterator[Scope]:
+    yield scope
+    for inner in scope.inner.values():
+        yield from _all(inner)
+
+
+def _statements(
+    scope: Scope, body: tuple[ast.Stmt, ...], guards: Guards
+) -> Iterator[tuple[Scope, ast.Stmt, Guards]]:
+    for stmt in body:
+        if isinstance(stmt, ast.WhenStmt):
+            yield from _statements(scope, stmt.body, scope.branches[id(stmt), True])
+            yield from _statements(scope, stmt.otherwise, scope.branches[id(stmt), False])
+        elif isinstance(stmt, ast.RepeatStmt):
+            inner = scope.inner[id(stmt)]
+            yield from _statements(inner, stmt.body, inner.guards)
+        else:
+            yield scope, stmt, guards

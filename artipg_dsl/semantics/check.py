@@ -1,0 +1,105 @@
+"""AST to typed program: resolves names, infers types and reports what does not hold together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..diagnostics import Report
+from ..diagnostics.suggest import did_you_mean
+from ..syntax import ast
+from . import attachments, declarations, primitives, roles, statements
+from .checker import Checker, Context
+from .modules import Workspace
+from .symbols import ModuleScope, Symbol
+from .types import DIMENSIONS, UNKNOWN, Scalar, Type, Vec
+
+
+@dataclass(slots=True, eq=False)
+class TypedProgram:
+    """The outcome of a check. ``types`` maps ``id`` of an expression to its type; ``modules`` keep the trees alive."""
+
+    modules: dict[str, ModuleScope]
+    main: ModuleScope
+    category: Symbol | None
+    types: dict[int, Type]
+    checker: Checker
+
+    def type_of(self, expr: ast.Expr) -> Type:
+        """The type of an expression; unknown where an error stands or nothing asked for it."""
+        return self.types.get(id(expr), UNKNOWN)
+
+
+def check(workspace: Workspace, module: ModuleScope, report: Report) -> TypedProgram:
+    """Checks every module of the workspace once; errors are collected in ``report``."""
+    ck = Checker(workspace, report)
+    for scope in workspace.modules.values():
+        for symbol in scope.own():
+            if isinstance(symbol.decl, ast.VocabularyDecl):
+                ck.vocabularies.setdefault(symbol.name, set()).update(symbol.decl.words)
+    for scope in workspace.modules.values():
+        for symbol in scope.own():
+            _declaration(ck, symbol)
+    categories = [s for s in module.own() if s.kind == "category"]
+    for extra in categories[1:]:
+        report.error(
+            "two-categories", extra.decl.name_span, "a file holds one category",
+            notes=((categories[0].decl.name_span, "the first one"),),
+        )  # fmt: skip
+    return TypedProgram(workspace.modules, module, categories[0] if categories else None, ck.types, ck)
+
+
+def _declaration(ck: Checker, symbol: Symbol) -> None:
+    match symbol.decl:
+        case ast.RoleDecl() | ast.TemplateDecl() | ast.PrimitiveDecl() | ast.CategoryDecl():
+            _body(ck, symbol)
+        case ast.FunctionDecl(parameters=parameters, value=value):
+            ck.infer(Context(symbol.module, extra=dict.fromkeys(parameters, UNKNOWN)), value)
+        case ast.MaterialDecl() as decl:
+            _material(ck, symbol, decl)
+        case ast.VocabularyDecl() as decl:
+            seen: set[str] = set()
+            for word, span in zip(decl.words, decl.word_spans, strict=True):
+                if word in seen:
+                    ck.error("duplicate-name", span, f"`{word}` stands twice in this vocabulary")
+                seen.add(word)
+
+
+def _body(ck: Checker, symbol: Symbol) -> None:
+    roles.check_parent(ck, symbol)
+    scope = ck.scope_of(symbol)
+    declarations.check_names(ck, scope)
+    statements.check_body(ck, scope, symbol.body, ())
+    if symbol.kind == "template":
+        roles.check_template(ck, symbol)
+    if symbol.kind == "primitive":
+        primitives.check_whole(ck, symbol, scope)
+    if symbol.kind in ("template", "category"):
+        attachments.check(ck, scope)
+
+
+_RATIO = Scalar(DIMENSIONS["ratio"])
+_PROPERTIES: dict[str, Type] = {
+    "density": Scalar(DIMENSIONS["density"]),
+    "friction": _RATIO,
+    "friction_static": _RATIO,
+    "friction_dynamic": _RATIO,
+    "restitution": _RATIO,
+    "colour": Vec(3, DIMENSIONS["ratio"]),
+    "roughness": _RATIO,
+    "metalness": _RATIO,
+    "transparency": _RATIO,
+}
+
+
+def _material(ck: Checker, symbol: Symbol, decl: ast.MaterialDecl) -> None:
+    ctx = Context(symbol.module)
+    for clause in decl.properties:
+        wanted = _PROPERTIES.get(clause.word)
+        if wanted is None:
+            ck.error(
+                "unknown-argument", clause.span, f"a material has no property `{clause.word}`",
+                hint=did_you_mean(clause.word, _PROPERTIES) or "it has " + ", ".join(_PROPERTIES),
+            )  # fmt: skip
+            continue
+        for value in clause.values:
+            ck.expect(ctx, value, wanted, f"`{clause.word}`")

@@ -1,0 +1,172 @@
+"""The state of one check: the report, the types found so far, and the entry points that the rules call."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+
+from ..diagnostics import Report
+from ..source import Span
+from ..syntax import ast
+from . import conditions, entries, expressions
+from .guards import TRUE, Condition, conjunction, implies
+from .modules import Workspace
+from .scope import Entry, Guards, Scope, build_scope, interface
+from .symbols import ModuleScope, Symbol
+from .types import NONE, UNKNOWN, Scalar, Type, Vec, fits
+
+
+@dataclass(frozen=True, slots=True)
+class Context:
+    """Where an expression stands.
+
+    ``condition``: what is known to hold there. ``extra``: names that only this place has (parameters of a function,
+    ``p`` and ``n`` in a label). ``many``: the name of a repeat stands for all of its elements. ``lenient``: where a
+    list, presence is not demanded but noted in it. ``holes``: ``_`` may stand for a component. ``silent``: the types
+    are not recorded (the body of a function, once per call). ``ends``: it names an end of a connection.
+    """
+
+    module: ModuleScope
+    scope: Scope | None = None
+    condition: Condition = TRUE
+    extra: Mapping[str, Type] = field(default_factory=dict)
+    many: bool = False
+    lenient: list[Condition] | None = None
+    holes: bool = False
+    silent: bool = False
+    ends: bool = False
+
+    def but(self, **changes: object) -> Context:
+        return replace(self, **changes)  # type: ignore[arg-type]
+
+    def given(self, *more: Condition) -> Context:
+        """The same place where more is known to hold."""
+        return replace(self, condition=conjunction((self.condition, *more))) if more else self
+
+    def names(self) -> list[str]:
+        """All names that could be meant here, for suggestions."""
+        own = self.scope.names() if self.scope is not None else []
+        return [*self.extra, *own, *self.module.names]
+
+
+class Checker:
+    """One check of a workspace. The rules are functions of a checker, a context and a piece of the tree."""
+
+    def __init__(self, workspace: Workspace, report: Report) -> None:
+        self.workspace = workspace
+        self.report = report
+        self.types: dict[int, Type] = {}
+        self.vocabularies: dict[str, set[str]] = {}
+        self._scopes: dict[int, Scope] = {}
+        self._entries: dict[int, Type] = {}
+        self._open: list[Entry] = []
+        self._muted = 0
+        self._interfaces: dict[int, dict[str, tuple[Symbol, ast.Stmt]]] = {}
+        self._conditions: dict[int, Condition] = {}
+        self.calls: dict[tuple, Type] = {}
+
+    def error(
+        self, code: str, span: Span, message: str, hint: str | None = None, notes: tuple[tuple[Span, str], ...] = ()
+    ) -> Type:
+        """Reports an error; the unknown type, to go on with."""
+        if not self._muted:
+            self.report.error(code, span, message, hint=hint, notes=notes)
+        return UNKNOWN
+
+    @contextmanager
+    def muted(self) -> Iterator[None]:
+        """Looks without reporting: for what is reported when it is checked in its own place."""
+        self._muted += 1
+        try:
+            yield
+        finally:
+            self._muted -= 1
+
+    def interface_of(self, symbol: Symbol) -> dict[str, tuple[Symbol, ast.Stmt]]:
+        """What the roles of a template (or a role and its parents) declare: name -> (role, declaration)."""
+        if id(symbol) not in self._interfaces:
+            self._interfaces[id(symbol)] = interface(symbol)
+        return self._interfaces[id(symbol)]
+
+    def scope_of(self, symbol: Symbol) -> Scope:
+        """The (shared) scope of a role, template, primitive or category."""
+        if id(symbol) not in self._scopes:
+            self._scopes[id(symbol)] = build_scope(symbol)
+        return self._scopes[id(symbol)]
+
+    def infer(self, ctx: Context, expr: ast.Expr) -> Type:
+        """The type of an expression, recorded; errors are reported once per place."""
+        kind = expressions.infer(self, ctx, expr)
+        if not ctx.silent:
+            self.types[id(expr)] = kind
+        return kind
+
+    def expect(self, ctx: Context, expr: ast.Expr, wanted: Type, what: str) -> Type:
+        """Infers, and reports where the type does not fit; ``what`` names the thing ("the margin")."""
+        given = self.infer(ctx, expr)
+        if not fits(given, wanted):
+            self.mismatch(expr, given, wanted, what)
+        return given
+
+    def mismatch(self, expr: ast.Expr, given: Type, wanted: Type, what: str) -> None:
+        """Reports that ``expr`` of type ``given`` stands where ``wanted`` is expected."""
+        if isinstance(wanted, Scalar | Vec) and isinstance(given, Scalar | Vec):
+            if given.dimension == NONE and wanted.dimension != NONE and expressions.is_unitless(expr):
+                unit = expressions.usual_unit(wanted.dimension)
+                text = expr.span.source.text[expr.span.start : expr.span.end]
+                hint = f"write {text}{unit}" if isinstance(expr, ast.NumberExpr) else f"give the numbers a unit: {unit}"
+                self.error("missing-unit", expr.span, f"{what} needs a unit: {wanted} is expected", hint=hint)
+                return
+            self.error("wrong-dimension", expr.span, f"{what} is {wanted}, but this is {given}")
+            return
+        self.error("wrong-type", expr.span, f"{what} is {wanted}, but this is {given}")
+
+    def entry_type(self, entry: Entry) -> Type:
+        """The type of a declaration (of a part: all its variants); circular definitions are reported."""
+        key = id(entry)
+        if key not in self._entries:
+            if entry in self._open:
+                ring = [e.name for e in self._open[self._open.index(entry) :]]
+                self._entries[key] = self.error(
+                    "circular-definition", entry.span,
+                    f"`{entry.name}` is defined by itself: {' -> '.join([*ring, entry.name])}",
+                )  # fmt: skip
+                return UNKNOWN
+            self._open.append(entry)
+            muted, self._muted = self._muted, 0  # a declaration is typed once: its errors must not get lost
+            kind = entries.type_of(self, entry)
+            self._muted = muted
+            self._open.pop()
+            self._entries.setdefault(key, kind)
+        return self._entries[key]
+
+    def condition(self, guards: Guards) -> Condition:
+        """What holds under the guards."""
+        known: list[Condition] = []
+        for guard in guards:
+            key = id(guard)
+            if key not in self._conditions:
+                self._conditions[key] = TRUE  # a guard that leads back to itself says nothing
+                ctx = self.context(guard.scope).given(*known)
+                self._conditions[key] = conditions.of_guard(self, ctx, guard)
+            known.append(self._conditions[key])
+        return conjunction(known)
+
+    def entry_condition(self, entry: Entry) -> Condition:
+        """What holds wherever the declaration exists."""
+        return self.condition(entry.guards)
+
+    def context(self, scope: Scope) -> Context:
+        """The plain context of a body, with what its outer guards ensure."""
+        return Context(scope.owner.module, scope, self.condition(scope.guards))
+
+    def demand(self, ctx: Context, wanted: Condition, span: Span, message: str, hint: str | None) -> None:
+        """Reports an optional name outside a guard that ensures it, unless the place is lenient."""
+        if implies(ctx.condition, wanted):
+            return
+        if ctx.lenient is not None:
+            ctx.lenient.append(wanted)
+        else:
+            self.error("optional-outside-when", span, message, hint=hint)
+

@@ -1,0 +1,170 @@
+"""Expressions that are true or false: their checks, and what they say about parts, counts and choices."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..diagnostics.suggest import did_you_mean
+from ..syntax import ast
+from . import expressions
+from .fold import constant
+from .guards import OPERATORS, TRUE, Atom, Compare, Condition, Not, Or, conjunction
+from .scope import Guard
+from .symbols import is_a
+from .types import BOOL, BOX, UNKNOWN, Choice, Part, Scalar, Type
+
+if TYPE_CHECKING:
+    from .checker import Checker, Context
+
+_FLIPPED = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "==": "==", "!=": "!="}
+
+
+def truth(ck: Checker, ctx: Context, expr: ast.Expr) -> None:
+    """Checks that an expression can be asked: it is true or false, or a part that may be there."""
+    kind = ck.infer(ctx.but(lenient=[]) if _asks_presence(expr) else ctx, expr)
+    if kind in (BOOL, UNKNOWN) or isinstance(kind, Part) or (kind == BOX and isinstance(expr, ast.MemberExpr)):
+        return
+    ck.error("wrong-type", expr.span, f"a condition is true or false, but this is {kind}")
+
+
+def _asks_presence(expr: ast.Expr) -> bool:
+    return isinstance(expr, ast.NameExpr | ast.MemberExpr | ast.IndexExpr)
+
+
+def check_is(ck: Checker, ctx: Context, expr: ast.IsExpr) -> Type:
+    """``part is Template``: the subject is a part (absence is just false), the name something it can be."""
+    subject = ck.infer(ctx.but(lenient=[]), expr.subject)
+    wanted = ctx.module.find(expr.type_name)
+    if wanted is None or wanted.kind not in ("role", "template", "primitive"):
+        names = [s.name for s in ctx.module.names.values() if s.kind in ("role", "template", "primitive")]
+        ck.error(
+            "unknown-template", expr.type_span, f"there is no role or template `{expr.type_name}` here",
+            hint=did_you_mean(expr.type_name, names),
+        )  # fmt: skip
+    elif isinstance(subject, Part):
+        known = [v for v in subject.domain if v is not None]
+        if all(v.symbol is not None for v in known):
+            if not any(v.symbol and (is_a(v.symbol, wanted) or is_a(wanted, v.symbol)) for v in known):
+                names = sorted({v.name for v in known})
+                ck.error(
+                    "unrelated-type", expr.type_span, f"this part can never be {expr.type_name}",
+                    hint=did_you_mean(expr.type_name, names) or f"it is {' or '.join(names)}",
+                )  # fmt: skip
+    elif subject != UNKNOWN:
+        ck.error("wrong-type", expr.subject.span, f"`is` asks what a part is, but this is {subject}")
+    return BOOL
+
+
+def of_guard(ck: Checker, ctx: Context, guard: Guard) -> Condition:
+    """What is known in one branch of a ``when``."""
+    condition = of(ck, ctx, guard.test)
+    return condition if guard.truth else Not(condition)
+
+
+def of(ck: Checker, ctx: Context, expr: ast.Expr) -> Condition:
+    """What an expression says when it is true; a variable of its own where it is not about discrete facts."""
+    match expr:
+        case ast.UnaryExpr(op="not", operand=operand):
+            return Not(of(ck, ctx, operand))
+        case ast.BinaryExpr(op="and", left=left, right=right):
+            known = of(ck, ctx, left)
+            return conjunction((known, of(ck, ctx.given(known), right)))
+        case ast.BinaryExpr(op="or", left=left, right=right):
+            known = of(ck, ctx, left)
+            return Or((known, of(ck, ctx.given(Not(known)), right)))
+        case ast.IsExpr():
+            return _is(ck, ctx, expr)
+        case ast.BinaryExpr() if expr.op in OPERATORS:
+            return _compare(ck, ctx, expr)
+        case ast.NameExpr(name="true"):
+            return TRUE
+        case ast.NameExpr(name="false"):
+            return Not(TRUE)
+        case ast.NameExpr() | ast.MemberExpr() | ast.IndexExpr():
+            return _presence(ck, ctx, expr)
+    return _opaque(ctx, expr)
+
+
+def _quiet(ck: Checker, ctx: Context, expr: ast.Expr) -> tuple[Type, list[Condition]]:
+    """The type of a path without a second report, and what its being there takes."""
+    noted: list[Condition] = []
+    with ck.muted():
+        kind = ck.infer(ctx.but(lenient=noted), expr)
+    return kind, noted
+
+
+def _presence(ck: Checker, ctx: Context, expr: ast.Expr) -> Condition:
+    kind, noted = _quiet(ck, ctx, expr)
+    if isinstance(kind, Part):
+        there = frozenset(v for v in kind.domain if v is not None)
+        return conjunction((*noted, Atom(kind.key, there, kind.domain)) if None in kind.domain else noted)
+    if kind == BOX:
+        return conjunction(noted)
+    return conjunction((*noted, Atom(_key(ctx, expr), frozenset((True,)), (True, False))))
+
+
+def _is(ck: Checker, ctx: Context, expr: ast.IsExpr) -> Condition:
+    kind, noted = _quiet(ck, ctx, expr.subject)
+    wanted = ctx.module.find(expr.type_name)
+    if not isinstance(kind, Part) or wanted is None:
+        return _opaque(ctx, expr)
+    allowed = frozenset(v for v in kind.domain if v is not None and v.symbol is not None and is_a(v.symbol, wanted))
+    if not allowed:  # a style parameter knows its role alone: the question stands for itself
+        return conjunction((*noted, _opaque(ctx, expr)))
+    return conjunction((*noted, Atom(kind.key, allowed, kind.domain)))
+
+
+def _compare(ck: Checker, ctx: Context, expr: ast.BinaryExpr) -> Condition:
+    for subject, other, op in ((expr.left, expr.right, expr.op), (expr.right, expr.left, _FLIPPED[expr.op])):
+        value = constant(other)
+        if value is not None and value == int(value) and isinstance(subject, ast.NameExpr | ast.MemberExpr):
+            kind, noted = _quiet(ck, ctx, subject)
+            if isinstance(kind, Scalar) and kind.count:
+                return conjunction((*noted, Compare(_key(ctx, subject), op, int(value))))
+        if isinstance(other, ast.NameExpr) and expr.op in ("==", "!="):
+            with ck.muted():
+                word = expressions.choice_word(ck, ctx, subject, other)
+            if isinstance(word, Choice):
+                chosen = Atom(_key(ctx, subject), frozenset((other.name,)), word.values)
+                return chosen if expr.op == "==" else Not(chosen)
+    return _opaque(ctx, expr)
+
+
+def _key(ctx: Context, expr: ast.Expr) -> str:
+    """The guard variable that a path stands for."""
+    if isinstance(expr, ast.NameExpr) and ctx.scope is not None:
+        entries = ctx.scope.find(expr.name)
+        if entries:
+            return entries[0].key
+    if isinstance(expr, ast.MemberExpr):
+        return f"{_key(ctx, expr.obj)}.{expr.name}"
+    return f"{ctx.scope.path if ctx.scope is not None else ''}:{_text(expr)}"
+
+
+def _text(expr: ast.Expr) -> str:
+    return " ".join(expr.span.source.text[expr.span.start : expr.span.end].split())
+
+
+def _opaque(ctx: Context, expr: ast.Expr) -> Condition:
+    return Atom(f"{ctx.scope.path if ctx.scope is not None else ''}:{_text(expr)}", frozenset((True,)), (True, False))
+
+
+def check_discrete(ck: Checker, ctx: Context, expr: ast.Expr) -> None:
+    """A guard of ``when`` is about parts, counts, ranks, choices and switches: never about lengths or angles."""
+    match expr:
+        case ast.UnaryExpr(operand=operand):
+            check_discrete(ck, ctx, operand)
+        case ast.BinaryExpr(op="and" | "or", left=left, right=right):
+            check_discrete(ck, ctx, left)
+            check_discrete(ck, ctx, right)
+        case ast.BinaryExpr() if expr.op in OPERATORS:
+            for side in (expr.left, expr.right):
+                kind = ck.types.get(id(side), UNKNOWN)
+                if isinstance(kind, Scalar) and not kind.count:
+                    ck.error(
+                        "bad-guard", expr.span, f"a guard compares counts, ranks or choices, but this is {kind}",
+                        hint="what depends on measures is a `require`, or an alternative with `when`",
+                    )  # fmt: skip
+                    return
+
+

@@ -1,0 +1,148 @@
+"""Types of declarations: what a name of a body stands for."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..diagnostics.suggest import did_you_mean
+from ..syntax import ast
+from .guards import possible
+from .names import TYPE_NAMES
+from .scope import Entry, Scope, Variant
+from .types import (
+    COUNT,
+    CURVE,
+    DIMENSIONS,
+    MATERIAL,
+    PLACES,
+    SURFACE,
+    UNKNOWN,
+    Array,
+    Choice,
+    Element,
+    Function,
+    Joint,
+    Part,
+    Scalar,
+    Slot,
+    Style,
+    Type,
+    Vec,
+)  # fmt: skip
+
+if TYPE_CHECKING:
+    from .checker import Checker, Context
+
+
+def type_of(ck: Checker, entry: Entry) -> Type:
+    """The type of an entry; of a part, with all its variants."""
+    ctx = ck.context(entry.scope).given(ck.entry_condition(entry))
+    match entry.node:
+        case ast.ParamDecl(type=ref):
+            return of_reference(ck, ctx, ref)
+        case ast.CountDecl():
+            return COUNT
+        case ast.LetDecl(parameters=parameters, value=value, keyword=keyword):
+            if parameters:
+                return Function(entry)
+            kind = ck.infer(ctx, value)
+            if keyword == "curve" and kind != CURVE and not isinstance(kind, Vec) and kind != UNKNOWN:
+                return ck.error("wrong-type", value.span, f"`{entry.name}` is declared as a curve, but this is {kind}")
+            return kind
+        case ast.PartDecl():
+            domain = choices(ck, entry)
+            return Part(tuple(v for v in domain if v is not None), entry.key, domain)
+        case ast.StyleDecl(role=role):
+            return MATERIAL if role == "material" else Style(choices(ck, entry), role)
+        case ast.RepeatStmt():
+            return COUNT if entry.kind == "index" else Element(entry, entry.key)
+        case ast.SlotDecl(name=name):
+            return Slot(name)
+        case ast.PortDecl():
+            return _port(ck, ctx, entry, entry.node)
+        case ast.JointDecl(kind=kind):
+            return Joint(kind)
+        case ast.SurfaceDecl():
+            return SURFACE
+        case ast.CurveDecl():
+            return CURVE
+    return UNKNOWN
+
+
+def _port(ck: Checker, ctx: Context, entry: Entry, node: ast.PortDecl) -> Type:
+    declared = node.type
+    if declared is None:
+        # the role says what type a port has
+        _, role_port = ck.interface_of(entry.scope.owner).get(entry.name, (None, None))
+        if isinstance(role_port, ast.PortDecl) and role_port is not node:
+            declared = role_port.type
+    if declared is not None:
+        item = of_reference(ck, ctx, declared)
+    elif node.value is not None:
+        item = ck.infer(ctx, node.value)
+    else:
+        item = UNKNOWN
+    return Array(item) if node.index is not None else item
+
+
+def of_reference(ck: Checker, ctx: Context, ref: ast.TypeRef) -> Type:
+    """The type that a type name stands for."""
+    if ref.values:
+        return Choice(ref.values)
+    if ref.style:
+        symbol = ctx.module.find(ref.name)
+        if symbol is None or symbol.kind not in ("role", "template"):
+            roles = [s.name for s in ctx.module.names.values() if s.kind == "role"]
+            return ck.error(
+                "unknown-type", ref.span, f"there is no role `{ref.name}` here", hint=did_you_mean(ref.name, roles)
+            )
+        return Style((Variant(ref.name, symbol), None), ref.name)
+    if ref.name == "count":
+        return COUNT
+    if ref.name in DIMENSIONS:
+        dimension = DIMENSIONS[ref.name]
+        return Scalar(dimension) if ref.size is None else Vec(ref.size, dimension)
+    if ref.name == "vec":
+        return Vec(ref.size or 3, DIMENSIONS["ratio"])
+    if ref.name in PLACES:
+        return PLACES[ref.name] if ref.size is None else Array(PLACES[ref.name])
+    hint = did_you_mean(ref.name, TYPE_NAMES)
+    symbol = ctx.module.find(ref.name)
+    if symbol is not None and symbol.kind in ("role", "template"):
+        hint = f"a part is declared with `part`, a choice handed in with `style {ref.name}`"
+    return ck.error("unknown-type", ref.span, f"there is no type `{ref.name}`", hint=hint)
+
+
+def choices(ck: Checker, entry: Entry) -> tuple[Variant | None, ...]:
+    """What a part or a style can be: variants, and None where it may be absent."""
+    node = entry.node
+    if not isinstance(node, ast.PartDecl | ast.StyleDecl):
+        return ()
+    found: list[Variant | None] = []
+    for alternative in node.alternatives:
+        for variant in of_alternative(ck, entry.scope, alternative):
+            if variant not in found:
+                found.append(variant)
+    if node.alternatives and all(a.guard is not None for a in node.alternatives) and None not in found:
+        found.append(None)
+    return tuple(found)
+
+
+def of_alternative(ck: Checker, scope: Scope, alternative: ast.Alternative) -> tuple[Variant | None, ...]:
+    """What one alternative stands for: a style stands for all that it chooses from."""
+    if alternative.name is None:
+        return (None,)
+    for entry in scope.find(alternative.name):
+        kind = ck.entry_type(entry)
+        if isinstance(kind, Style):
+            return kind.domain
+    return (Variant(alternative.name, scope.owner.module.find(alternative.name)),)
+
+
+def narrowed(ctx: Context, part: Part) -> Part:
+    """The part with the variants that are left under what holds here."""
+    if len(part.domain) < 2:
+        return part
+    left = possible(ctx.condition, part.key, part.domain)
+    return Part(tuple(v for v in part.domain if v is not None and v in left), part.key, part.domain, part.many)
+

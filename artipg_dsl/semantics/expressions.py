@@ -1,0 +1,304 @@
+"""Types of expressions: literals, operators and conditions; names and calls are in ``paths`` and ``calls``."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from ..diagnostics.suggest import did_you_mean
+from ..syntax import ast
+from . import calls, conditions, paths
+from .fold import constant
+from .guards import Not
+from .types import (
+    BOOL,
+    COUNT,
+    CURVE,
+    DIRECTION,
+    LENGTH,
+    LENGTH_DIM,
+    NONE,
+    PLANE,
+    POINT,
+    SIZE,
+    STRING,
+    UNKNOWN,
+    ZERO,
+    Choice,
+    Part,
+    Scalar,
+    Type,
+    Vec,
+    dimension_of,
+    fits,
+    is_number,
+    power,
+    times,
+)  # fmt: skip
+from .units import UNITS, Dimension
+
+if TYPE_CHECKING:
+    from .checker import Checker, Context
+
+_USUAL_UNITS = {"length": "cm", "angle": "deg", "mass": "kg", "density": "kg/m3", "time": "s", "force": "N"}
+
+
+def infer(ck: Checker, ctx: Context, expr: ast.Expr) -> Type:
+    """The type of an expression where it stands."""
+    match expr:
+        case ast.NumberExpr():
+            return _number(ck, expr)
+        case ast.StringExpr():
+            return STRING
+        case ast.NameExpr():
+            return paths.name(ck, ctx, expr)
+        case ast.MemberExpr():
+            return paths.member(ck, ctx, expr)
+        case ast.IndexExpr():
+            return paths.index(ck, ctx, expr)
+        case ast.CallExpr():
+            return calls.call(ck, ctx, expr)
+        case ast.ChainExpr():
+            return calls.chain(ck, ctx, expr)
+        case ast.VectorExpr():
+            return _vector(ck, ctx, expr)
+        case ast.HoleExpr():
+            return ck.error(
+                "misplaced-hole", expr.span, "`_` may only stand for a component of a vector argument",
+                hint="as in `Cuboid(size = [_, wall, _])`: the open components are determined by equations",
+            )  # fmt: skip
+        case ast.UnaryExpr(op="not", operand=operand):
+            conditions.truth(ck, ctx, operand)
+            return BOOL
+        case ast.UnaryExpr(op=op, operand=operand):
+            kind = ck.infer(ctx, operand)
+            if isinstance(kind, Scalar | Vec) or kind in (UNKNOWN, DIRECTION):
+                return kind
+            if kind == PLANE:
+                return LENGTH
+            return ck.error("wrong-type", expr.span, f"`{op}` needs a number, a vector or a direction; this is {kind}")
+        case ast.BinaryExpr(op="and" | "or"):
+            conditions.truth(ck, ctx, expr.left)
+            known = conditions.of(ck, ctx, expr.left)
+            conditions.truth(ck, ctx.given(known if expr.op == "and" else Not(known)), expr.right)
+            return BOOL
+        case ast.BinaryExpr(op="==" | "!=" | "<" | "<=" | ">" | ">="):
+            return _compare(ck, ctx, expr)
+        case ast.BinaryExpr():
+            return _arithmetic(ck, ctx, expr)
+        case ast.IsExpr():
+            return conditions.check_is(ck, ctx, expr)
+        case ast.IfExpr():
+            return _if(ck, ctx, expr)
+    raise TypeError(f"no rule for {type(expr).__name__}")
+
+
+def _number(ck: Checker, expr: ast.NumberExpr) -> Type:
+    if expr.unit:
+        if expr.unit not in UNITS:
+            return ck.error(
+                "unknown-unit", expr.span, f"there is no unit `{expr.unit}`", hint=did_you_mean(expr.unit, UNITS)
+            )
+        return Scalar(UNITS[expr.unit][1])
+    if expr.value == 0:
+        return ZERO
+    return Scalar(NONE, count=float(expr.value).is_integer())
+
+
+def is_unitless(expr: ast.Expr) -> bool:
+    """Whether an expression consists of numbers without units alone."""
+    match expr:
+        case ast.NumberExpr(unit=unit):
+            return unit == ""
+        case ast.UnaryExpr(operand=operand):
+            return is_unitless(operand)
+        case ast.BinaryExpr(left=left, right=right):
+            return is_unitless(left) and is_unitless(right)
+        case ast.VectorExpr(items=items):
+            return all(isinstance(i, ast.HoleExpr) or is_unitless(i) for i in items)
+    return False
+
+
+def usual_unit(dimension: Dimension) -> str:
+    """The unit to suggest for a dimension."""
+    from .types import dimension_name
+
+    return _USUAL_UNITS.get(dimension_name(dimension), "")
+
+
+def _vector(ck: Checker, ctx: Context, expr: ast.VectorExpr) -> Type:
+    if len(expr.items) not in (2, 3):
+        return ck.error("wrong-type", expr.span, f"a vector has two or three components, this has {len(expr.items)}")
+    dimension: Dimension | None = None
+    first: ast.Expr | None = None
+    plain = ctx.but(holes=False) if ctx.holes else ctx
+    failed = False
+    for item in expr.items:
+        if isinstance(item, ast.HoleExpr) and ctx.holes:
+            continue
+        kind = ck.infer(plain, item)
+        if kind == UNKNOWN:
+            failed = True
+            continue
+        if not is_number(kind):
+            failed = True
+            ck.error("wrong-type", item.span, f"a component of a vector is a number, but this is {kind}")
+            continue
+        found = dimension_of(kind)
+        if found is None:
+            continue
+        if dimension is None:
+            dimension, first = found, item
+        elif found != dimension and first is not None:
+            failed = True
+            wanted = Scalar(dimension)
+            if is_unitless(first):  # the one without a unit is the one to blame
+                ck.mismatch(first, Scalar(dimension), kind, "a component of this vector")
+            else:
+                ck.mismatch(item, kind, wanted, "a component of this vector")
+    return UNKNOWN if failed else Vec(len(expr.items), dimension)
+
+
+def _if(ck: Checker, ctx: Context, expr: ast.IfExpr) -> Type:
+    conditions.truth(ck, ctx, expr.condition)
+    known = conditions.of(ck, ctx, expr.condition)
+    then = ck.infer(ctx.given(known), expr.then)
+    otherwise = ck.infer(ctx.given(Not(known)), expr.otherwise)
+    for a, b in ((then, otherwise), (otherwise, then)):
+        if fits(a, b):
+            return LENGTH if PLANE in (a, b) and a != b else UNKNOWN if UNKNOWN in (a, b) else b
+    ck.mismatch(expr.otherwise, otherwise, then, "the other branch")
+    return UNKNOWN
+
+
+def _compare(ck: Checker, ctx: Context, expr: ast.BinaryExpr) -> Type:
+    left = choice_word(ck, ctx, expr.right, expr.left) or ck.infer(ctx, expr.left)
+    right = choice_word(ck, ctx, expr.left, expr.right) or ck.infer(ctx, expr.right)
+    if UNKNOWN in (left, right):
+        return BOOL
+    if is_number(left) and is_number(right):
+        if None not in (dimension_of(left), dimension_of(right)) and dimension_of(left) != dimension_of(right):
+            _blame(ck, expr, left, right, f"`{expr.op}` compares like with like")
+        return BOOL
+    same = left == right == BOOL or left == right == STRING
+    if expr.op in ("==", "!=") and (same or isinstance(left, Choice) and isinstance(right, Choice)):
+        return BOOL
+    if isinstance(left, Part) or isinstance(right, Part):
+        hint = "to ask what a part is, write `part is Template`"
+        ck.error("wrong-type", expr.span, f"`{expr.op}` cannot compare {left} and {right}", hint=hint)
+    else:
+        ck.error("wrong-type", expr.span, f"`{expr.op}` cannot compare {left} and {right}")
+    return BOOL
+
+
+def choice_word(ck: Checker, ctx: Context, other: ast.Expr, expr: ast.Expr) -> Type | None:
+    """The type of ``expr`` where it is a bare word compared with a choice (``lever == left``), else None."""
+    if not isinstance(expr, ast.NameExpr) or isinstance(other, ast.NumberExpr | ast.BinaryExpr | ast.CallExpr):
+        return None
+    if ctx.scope is None or ctx.scope.find(expr.name):
+        return None
+    if isinstance(other, ast.NameExpr) and not ctx.scope.find(other.name):
+        return None
+    kind = ck.infer(ctx, other)
+    if not isinstance(kind, Choice):
+        return None
+    if expr.name not in kind.values:
+        return ck.error(
+            "unknown-choice", expr.span, f"`{expr.name}` is none of the values {', '.join(kind.values)}",
+            hint=did_you_mean(expr.name, kind.values),
+        )  # fmt: skip
+    if not ctx.silent:
+        ck.types[id(expr)] = kind
+    return kind
+
+
+def _blame(ck: Checker, expr: ast.BinaryExpr, left: Type, right: Type, rule: str) -> None:
+    """Reports a mismatch of two operands at the one that carries no unit, else at the operator."""
+    for operand, own, other in ((expr.left, left, right), (expr.right, right, left)):
+        if isinstance(own, Scalar | Vec) and own.dimension == NONE and is_unitless(operand):
+            ck.mismatch(operand, own, other if other != PLANE else LENGTH, "this number")
+            return
+    ck.error("wrong-dimension", expr.span, f"{rule}: on the left {left}, on the right {right}")
+
+
+def _arithmetic(ck: Checker, ctx: Context, expr: ast.BinaryExpr) -> Type:
+    left, right = ck.infer(ctx, expr.left), ck.infer(ctx, expr.right)
+    if UNKNOWN in (left, right):
+        return UNKNOWN
+    if expr.op in ("+", "-"):
+        found = _sum(expr.op, left, right)
+        if found is None and _addable(left) and _addable(right):
+            _blame(ck, expr, left, right, f"`{expr.op}` needs the same dimension on both sides")
+            return UNKNOWN
+    elif expr.op == "^":
+        return _power(ck, expr, left, right)
+    else:
+        found = _product(expr.op, left, right)
+    if found is None:
+        return ck.error("wrong-type", expr.span, f"`{expr.op}` does not apply to {left} and {right}")
+    return found
+
+
+def _addable(kind: Type) -> bool:
+    return isinstance(kind, Scalar | Vec) or kind in (PLANE, POINT)
+
+
+def _sum(op: str, left: Type, right: Type) -> Type | None:
+    if left == PLANE or right == PLANE:
+        if left == right or (right == PLANE and op == "-"):
+            return LENGTH if fits(left, LENGTH) else None
+        return PLANE if fits(left, LENGTH) and fits(right, LENGTH) else None
+    if isinstance(left, Scalar) and isinstance(right, Scalar):
+        if left.zero or right.zero:
+            kept = right if left.zero else left
+            return kept
+        if left.dimension != right.dimension:
+            return None
+        return Scalar(left.dimension, count=left.count and right.count)
+    if left == right == CURVE:
+        return CURVE
+    if left == POINT or right == POINT:
+        if not (fits(left, POINT) and fits(right, POINT)):
+            return None
+        return SIZE if left == right else POINT
+    if DIRECTION in (left, right):
+        left, right = (Vec(3, NONE) if t == DIRECTION else t for t in (left, right))
+    if isinstance(left, Vec) and isinstance(right, Vec) and fits(left, right):
+        return left if right.dimension is None else right
+    return None
+
+
+def _product(op: str, left: Type, right: Type) -> Type | None:
+    sign = 1 if op == "*" else -1
+    left, right = (
+        LENGTH if t == PLANE else SIZE if t == POINT else Vec(3, NONE) if t == DIRECTION else t for t in (left, right)
+    )
+    if isinstance(left, Scalar) and isinstance(right, Scalar):
+        if left.zero or (right.zero and op == "*"):
+            return ZERO
+        dimension = times(left.dimension, right.dimension, sign)
+        return Scalar(dimension, count=left.count and right.count and op == "*")
+    if isinstance(left, Vec) and isinstance(right, Scalar):
+        return Vec(left.size, None if left.dimension is None else times(left.dimension, right.dimension, sign))
+    if isinstance(left, Scalar) and isinstance(right, Vec) and op == "*":
+        return Vec(right.size, None if right.dimension is None else times(left.dimension, right.dimension))
+    return None
+
+
+def _power(ck: Checker, expr: ast.BinaryExpr, left: Type, right: Type) -> Type:
+    if not isinstance(left, Scalar) and left != PLANE:
+        return ck.error("wrong-type", expr.left.span, f"`^` needs a number, but this is {left}")
+    if not isinstance(right, Scalar) or dimension_of(right) not in (NONE, None):
+        return ck.error("wrong-dimension", expr.right.span, f"an exponent is a plain number, but this is {right}")
+    dimension = LENGTH_DIM if left == PLANE else left.dimension  # type: ignore[union-attr]
+    if dimension == NONE:
+        return COUNT if left == COUNT and right == COUNT else Scalar(NONE)
+    value = constant(expr.right)
+    if value is None:
+        return ck.error(
+            "wrong-dimension", expr.right.span, f"a {left} can only be raised to a constant power",
+            hint="the dimension of the result must be known",
+        )  # fmt: skip
+    return Scalar(power(dimension, Fraction(value).limit_denominator(12)))
+
+

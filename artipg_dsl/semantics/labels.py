@@ -1,0 +1,152 @@
+"""Labels, fields, grasps, keypoints, symmetries and materials: their targets and their formulas."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from ..diagnostics.suggest import did_you_mean
+from ..syntax import ast
+from .calls import range_type
+from .declarations import unknown_material
+from .entries import of_reference
+from .types import (
+    BOOL,
+    DIRECTION,
+    EDGE,
+    FRAME,
+    LENGTH,
+    LINE,
+    MATERIAL,
+    NONE,
+    PLANE,
+    POINT,
+    RATIO,
+    SIZE,
+    SURFACE,
+    UNKNOWN,
+    Element,
+    Part,
+    Slot,
+    Type,
+    Vec,
+)
+
+if TYPE_CHECKING:
+    from .checker import Checker, Context
+
+# u and v have the dimension of the surface that a point lies on
+FORMULA: Mapping[str, Type] = {"p": SIZE, "n": Vec(3, NONE), "u": UNKNOWN, "v": UNKNOWN, "size": SIZE}
+
+
+def check(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
+    """One statement that says something about parts rather than making them."""
+    match stmt:
+        case ast.LabelStmt():
+            _label(ck, ctx, stmt)
+        case ast.FieldStmt(targets=targets, type=reference, value=value):
+            kind = of_reference(ck, ctx, reference)
+            ctx = _targets(ck, ctx, targets, "a field lies on")
+            ck.expect(formula(ctx), value, kind, "the field")
+        case ast.GraspStmt():
+            _grasp(ck, ctx, stmt)
+        case ast.KeypointStmt(target=at, at=place):
+            kind, ctx = _place(ck, ctx, at)
+            if not isinstance(kind, Part | Slot | Element) and kind not in (
+                UNKNOWN, FRAME, POINT, PLANE, EDGE, LINE, SURFACE,
+            ):  # fmt: skip
+                ck.error("wrong-type", at.span, f"a keypoint lies on a part, a port or a point, but this is {kind}")
+            if place is not None:
+                ck.expect(formula(ctx), place, POINT, "the place of a keypoint")
+        case ast.SymmetryStmt(target=at, direction=direction):
+            target(ck, ctx, at, "a symmetry belongs to")
+            ck.expect(ctx, direction, DIRECTION, "the axis of a symmetry")
+        case ast.MaterialStmt():
+            _material(ck, ctx, stmt)
+        case _:
+            raise TypeError(f"no rule for {type(stmt).__name__}")
+
+
+def formula(ctx: Context) -> Context:
+    """The place of a formula on a surface: ``p``, ``n``, ``u``, ``v`` and ``size`` are the target's own."""
+    return ctx.but(extra={**ctx.extra, **FORMULA})
+
+
+def _place(ck: Checker, ctx: Context, expr: ast.Expr) -> tuple[Type, Context]:
+    """A target and the context of what stands beside it: absent, the statement is void."""
+    noted: list = []
+    kind = ck.infer(ctx.but(lenient=noted, many=True), expr)
+    return kind, ctx.given(*noted)
+
+
+def target(ck: Checker, ctx: Context, expr: ast.Expr, rule: str) -> Context:
+    """What a label lies on: parts, slots and surfaces, also through repeats."""
+    kind, ctx = _place(ck, ctx, expr)
+    if not isinstance(kind, Part | Slot | Element) and kind not in (UNKNOWN, PLANE, SURFACE):
+        ck.error("wrong-type", expr.span, f"{rule} parts, slots or surfaces, but this is {kind}")
+    return ctx
+
+
+def _targets(ck: Checker, ctx: Context, targets: tuple[ast.Expr, ...], rule: str) -> Context:
+    for expr in targets:
+        ctx = target(ck, ctx, expr, rule)
+    return ctx
+
+
+def _label(ck: Checker, ctx: Context, stmt: ast.LabelStmt) -> None:
+    words = ck.vocabularies.get(stmt.vocabulary)
+    if words is None:
+        ck.error(
+            "unknown-vocabulary", stmt.label_span, f"there is no vocabulary `{stmt.vocabulary}`",
+            hint=did_you_mean(stmt.vocabulary, ck.vocabularies)
+            or f"declare it: `vocabulary {stmt.vocabulary} {{ {stmt.label} }}`",
+        )  # fmt: skip
+    elif stmt.label not in words:
+        ck.error(
+            "unknown-label", stmt.label_span, f"the vocabulary `{stmt.vocabulary}` has no word `{stmt.label}`",
+            hint=did_you_mean(stmt.label, words) or f"add it: `vocabulary {stmt.vocabulary} {{ {stmt.label} }}`",
+        )  # fmt: skip
+    place = formula(_targets(ck, ctx, stmt.targets, "a label lies on"))
+    if stmt.where is not None:
+        kind = ck.infer(place, stmt.where)
+        if kind not in (BOOL, UNKNOWN):
+            ck.error("wrong-type", stmt.where.span, f"`where` needs a condition, but this is {kind}")
+    if stmt.value is not None:
+        ck.expect(place, stmt.value, RATIO, "the degree of a label")
+
+
+_GRASP: dict[str, Type] = {"at": POINT, "approach": DIRECTION, "close": DIRECTION, "opening": LENGTH, "quality": RATIO}
+
+
+def _grasp(ck: Checker, ctx: Context, stmt: ast.GraspStmt) -> None:
+    ctx = target(ck, ctx, stmt.target, "a grasp lies on")
+    place = formula(ctx)
+    if stmt.range is not None and stmt.parameter is not None:
+        kind = range_type(ck, place, stmt.range)
+        place = place.but(extra={**place.extra, stmt.parameter: kind})
+    for clause in stmt.clauses:
+        if clause.word not in _GRASP:
+            ck.error(
+                "unknown-clause", clause.span, f"`grasp` takes no `{clause.word}`",
+                hint=did_you_mean(clause.word, _GRASP),
+            )  # fmt: skip
+            continue
+        for value in clause.values:
+            ck.expect(place, value, _GRASP[clause.word], f"`{clause.word}` of a grasp")
+    missing = [w for w in ("at", "approach", "close", "opening") if all(c.word != w for c in stmt.clauses)]
+    if missing:
+        ck.error("missing-clause", stmt.name_span, f"the grasp lacks {' and '.join(f'`{w}`' for w in missing)}")
+
+
+def _material(ck: Checker, ctx: Context, stmt: ast.MaterialStmt) -> None:
+    for expr in stmt.targets:
+        target(ck, ctx, expr, "a material lies on")
+    entries = ctx.scope.find(stmt.material) if ctx.scope is not None else []
+    if entries:
+        kind = ck.entry_type(entries[0])
+        if kind not in (MATERIAL, UNKNOWN):
+            ck.error("wrong-type", stmt.material_span, f"`{stmt.material}` is no material, but {kind}")
+        return
+    symbol = ctx.module.find(stmt.material)
+    if symbol is None or symbol.kind != "material":
+        unknown_material(ck, ctx, stmt.material, stmt.material_span)

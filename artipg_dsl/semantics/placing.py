@@ -1,0 +1,283 @@
+"""``connect`` and ``joint``: their ends, the clauses that place, and what a joint's kind takes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..diagnostics.suggest import did_you_mean
+from ..syntax import ast
+from .declarations import check_range
+from .names import DIRECTIONS, FACES
+from .types import (
+    ANGLE,
+    BASE,
+    BOX,
+    DIRECTION,
+    EDGE,
+    FRAME,
+    LENGTH,
+    LINE,
+    PLANE,
+    POINT,
+    SURFACE,
+    UNKNOWN,
+    Element,
+    Joint,
+    Part,
+    Scalar,
+    Slot,
+    Type,
+    fits,
+)
+
+if TYPE_CHECKING:
+    from .checker import Checker, Context
+
+KINDS = ("revolute", "prismatic", "continuous", "screw", "ball", "fixed")
+
+_PLACING = ("to", "on", "in", "at", "fit", "between", "gap", "sink", "facing", "turned")
+_PHYSICS = ("damping", "friction", "effort", "velocity", "rest", "mimic")
+_TAKES: dict[str, tuple[str, ...]] = {
+    "revolute": ("about", "range", *_PHYSICS),
+    "continuous": ("about", *_PHYSICS),
+    "screw": ("about", "range", "pitch", *_PHYSICS),
+    "prismatic": ("along", "range", *_PHYSICS),
+    "ball": ("range", *_PHYSICS),
+    "fixed": (),
+}
+_TURNS = ("revolute", "continuous", "screw")
+
+
+def subject(ck: Checker, ctx: Context, expr: ast.Expr) -> tuple[Type, Context]:
+    """What a statement goes with: absent, the statement is void; so the rest of it may take its presence for granted."""
+    noted: list = []
+    kind = ck.infer(ctx.but(lenient=noted, ends=True), expr)
+    return kind, ctx.given(*noted)
+
+
+def check_connect(ck: Checker, ctx: Context, node: ast.ConnectStmt) -> None:
+    kind, ctx = subject(ck, ctx, node.subject)
+    _end(ck, node.subject, kind, "what is connected")
+    for clause in node.clauses:
+        if clause.word in _PLACING:
+            check_clause(ck, ctx, clause)
+        else:
+            _unknown_clause(ck, clause, "connect", _PLACING)
+    if not any(c.word in ("to", "on", "in", "between") for c in node.clauses):
+        ck.error(
+            "missing-clause", node.span, "`connect` says to what: `to`, `on`, `in` or `between` is missing",
+        )  # fmt: skip
+
+
+def _unknown_clause(ck: Checker, clause: ast.Clause, what: str, known: tuple[str, ...]) -> None:
+    ck.error("unknown-clause", clause.span, f"`{what}` takes no `{clause.word}`", hint=did_you_mean(clause.word, known))
+
+
+def _end(ck: Checker, expr: ast.Expr, kind: Type, what: str) -> None:
+    """One end of a connection: a part, or a port, face, edge or line of one."""
+    if isinstance(kind, Part | Slot | Element) or kind in (UNKNOWN, FRAME, PLANE, EDGE, LINE, POINT, SURFACE, BASE, BOX):
+        return
+    ck.error(
+        "wrong-type", expr.span, f"{what} is a part or one of its ports and faces, but this is {kind}",
+    )  # fmt: skip
+
+
+def check_clause(ck: Checker, ctx: Context, clause: ast.Clause) -> None:
+    """A clause that places."""
+    match clause.word:
+        case "to" | "on":
+            for value in clause.values:
+                _end(ck, value, ck.infer(ctx.but(ends=True), value), f"what follows `{clause.word}`")
+        case "between":
+            for value in clause.values:
+                _end(ck, value, ck.infer(ctx.but(ends=True), value), "what follows `between`")
+        case "in":
+            for value in clause.values:
+                kind = ck.infer(ctx.but(ends=True), value)
+                if not isinstance(kind, Part | Slot | Element) and kind not in (BOX, UNKNOWN):
+                    ck.error("wrong-type", value.span, f"`in` needs a box, but this is {kind}")
+        case "gap" | "sink":
+            for value in clause.values:
+                ck.expect(ctx, value, LENGTH, f"the `{clause.word}`")
+        case "facing":
+            for value in clause.values:
+                ck.expect(ctx, value, DIRECTION, "what follows `facing`")
+        case "turned":
+            for value, wanted in zip(clause.values, (ANGLE, DIRECTION), strict=False):
+                ck.expect(ctx, value, wanted, "what follows `turned`")
+        case "fit":
+            for value in clause.values:
+                if not isinstance(value, ast.NameExpr) or value.name not in (*FACES, *DIRECTIONS):
+                    hint = did_you_mean(value.name, FACES) if isinstance(value, ast.NameExpr) else None
+                    ck.error("wrong-type", value.span, "`fit` takes names of faces", hint=hint)
+        case "at":
+            _at(ck, ctx, clause)
+
+
+def _at(ck: Checker, ctx: Context, clause: ast.Clause) -> None:
+    names = clause.names or ("",) * len(clause.values)
+    for name, value in zip(names, clause.values, strict=True):
+        if name in DIRECTIONS:
+            ck.expect(ctx, value, LENGTH, f"the coordinate `{name}`")
+        elif name in ("u", "v"):
+            ck.infer(ctx, value)
+        elif name:
+            ck.error(
+                "unknown-argument", value.span, f"`at` takes coordinates x, y and z, not `{name}`",
+                hint=did_you_mean(name, DIRECTIONS),
+            )  # fmt: skip
+        elif not (isinstance(value, ast.NameExpr) and value.name in ("center", *FACES)):
+            kind = ck.infer(ctx, value)
+            if kind not in (UNKNOWN, FRAME, EDGE, LINE, PLANE) and not fits(kind, POINT):
+                ck.error(
+                    "wrong-type", value.span, f"`at` needs `center`, coordinates or a point, but this is {kind}",
+                    hint="write `at y = ..., z = ...`",
+                )  # fmt: skip
+
+
+# ---------------------------------------------------------------- joints
+
+
+def check_joint(ck: Checker, ctx: Context, node: ast.JointDecl) -> None:
+    """A joint of a template or category; one of a role has no kind."""
+    if node.kind is None or node.parent is None or node.child is None:
+        return
+    if node.kind not in KINDS:
+        assert node.kind_span is not None
+        ck.error(
+            "unknown-joint-kind", node.kind_span, f"there is no kind of joint `{node.kind}`",
+            hint=did_you_mean(node.kind, KINDS) or "there are " + ", ".join(KINDS),
+        )  # fmt: skip
+    child, ctx = subject(ck, ctx, node.child)
+    _end(ck, node.child, child, "what a joint moves")
+    parent = ck.infer(ctx.but(ends=True), node.parent)
+    _end(ck, node.parent, parent, "what a joint stands on")
+    assert ctx.scope is not None
+    if child == BASE:
+        ck.error("wrong-type", node.child.span, "`base` is what the template is attached to: it cannot be moved")
+    if parent == BASE and ctx.scope.owner.kind == "category":
+        ck.error("wrong-type", node.parent.span, "`base` has a meaning only in a template", hint="name the root part")
+    takes = _TAKES.get(node.kind)
+    for clause in node.clauses:
+        if clause.word in _PLACING:
+            check_clause(ck, ctx, clause)
+        elif takes is not None and clause.word not in takes:
+            _not_taken(ck, node.kind, clause)
+        else:
+            _motion(ck, ctx, node.kind, clause)
+    if takes is not None:
+        _axis(ck, node, parent, child)
+
+
+def _not_taken(ck: Checker, kind: str, clause: ast.Clause) -> None:
+    hint = None
+    if kind == "continuous" and clause.word == "range":
+        hint = "a joint with ends is `revolute`"
+    elif clause.word == "about" and kind == "prismatic":
+        hint = "a prismatic joint slides `along` a direction"
+    elif clause.word == "along" and kind in _TURNS:
+        hint = "it turns `about` an edge or a line"
+    known = any(clause.word in words for words in _TAKES.values())
+    code = "bad-axis" if clause.word in ("about", "along") else "unknown-clause"
+    if not known:
+        hint = did_you_mean(clause.word, [*_TAKES.get(kind, ()), *_PLACING])
+    ck.error(code, clause.span, f"a {kind} joint takes no `{clause.word}`", hint=hint)
+
+
+def _motion(ck: Checker, ctx: Context, kind: str, clause: ast.Clause) -> None:
+    wanted = LENGTH if kind == "prismatic" else ANGLE
+    match clause.word:
+        case "range":
+            motion_range(ck, ctx, clause.values, wanted if kind in KINDS else UNKNOWN, clause)
+        case "rest":
+            for value in clause.values:
+                ck.expect(ctx, value, wanted, "the rest of the joint")
+        case "about" | "along":
+            for value in clause.values:
+                _axis_value(ck, clause.word, value, ck.infer(ctx, value))
+        case "mimic":
+            for value in clause.values:
+                _mimic(ck, ctx, value, wanted)
+        case "pitch":
+            for value in clause.values:
+                given = ck.infer(ctx, value)
+                if not isinstance(given, Scalar) and given != UNKNOWN:
+                    ck.mismatch(value, given, LENGTH, "the pitch")
+        case _:
+            for value in clause.values:
+                given = ck.infer(ctx, value)
+                if not isinstance(given, Scalar) and given != UNKNOWN:
+                    ck.error("wrong-type", value.span, f"`{clause.word}` is a number, but this is {given}")
+
+
+def motion_range(
+    ck: Checker, ctx: Context, values: tuple[ast.Expr, ...], wanted: Type, node: ast.Node
+) -> None:
+    """A range of motion; either end may be ``clearance``."""
+    plain = [v for v in values if not (isinstance(v, ast.NameExpr) and v.name == "clearance")]
+    if len(plain) == 2:
+        interval = ast.RangeExpr(span=node.span, low=plain[0], high=plain[1])
+        check_range(ck, ctx, interval, wanted, "an end of the range of motion")
+    else:
+        for value in plain:
+            ck.expect(ctx, value, wanted, "an end of the range of motion")
+
+
+def _mimic(ck: Checker, ctx: Context, value: ast.Expr, wanted: Type) -> None:
+    """``mimic previous.open``, ``mimic -other.turn``, ``mimic 2 * other.turn``: the first element leads."""
+    match value:
+        case ast.UnaryExpr(operand=operand):
+            _mimic(ck, ctx, operand, wanted)
+        case ast.BinaryExpr(left=left, right=right):
+            _mimic(ck, ctx, left, wanted)
+            _mimic(ck, ctx, right, wanted)
+        case ast.NumberExpr():
+            ck.infer(ctx, value)
+        case _:
+            given = ck.infer(ctx.but(lenient=[]), value)
+            if not isinstance(given, Joint | Scalar) and given != UNKNOWN:
+                ck.error("wrong-type", value.span, f"`mimic` follows a joint, but this is {given}")
+
+
+def _axis_value(ck: Checker, word: str, value: ast.Expr, kind: Type) -> None:
+    if kind in (UNKNOWN, LINE, EDGE, FRAME) or (fits(kind, DIRECTION) if word == "along" else kind == DIRECTION):
+        return
+    if isinstance(kind, Part):
+        hint = "name an edge or a line of it, such as `door.left.back` or `hub.axis`"
+        ck.error("bad-axis", value.span, "an axis is an edge or a line, but this is a whole part", hint=hint)
+    elif kind == PLANE:
+        if word == "along":
+            return
+        ck.error(
+            "bad-axis", value.span, "an axis is an edge or a line, but this is a plane",
+            hint="two faces meet in an edge: `door.left.back`",
+        )  # fmt: skip
+    else:
+        need = "a direction" if word == "along" else "an edge or a line"
+        ck.error("bad-axis", value.span, f"an axis is {need}, but this is {kind}")
+
+
+def _axis(ck: Checker, node: ast.JointDecl, parent: Type, child: Type) -> None:
+    """A joint that turns or slides has an axis: a clause, or the ``out`` of the port it stands on."""
+    word = "about" if node.kind in _TURNS else "along" if node.kind == "prismatic" else None
+    if word is None or UNKNOWN in (parent, child):
+        return
+    clause = next((c for c in node.clauses if c.word == word), None)
+    ends = (FRAME, PLANE, LINE, EDGE, SURFACE)
+    placed = any(c.word in ("to", "on", "in", "at", "between") for c in node.clauses)
+    if clause is None:
+        if any(c.word in ("about", "along") for c in node.clauses):
+            return
+        if parent not in ends and child not in ends and not any(c.word in ("to", "on") for c in node.clauses):
+            hint = "add `about` an edge or a line" if word == "about" else "add `along` a direction"
+            ck.error("bad-axis", node.span, f"the {node.kind} joint `{node.name}` has no axis", hint=hint)
+        return
+    value = clause.values[0] if clause.values else None
+    if word == "about" and value is not None and ck.types.get(id(value)) == DIRECTION:
+        if parent not in (*ends, POINT) and child not in (*ends, POINT) and not placed:
+            ck.error(
+                "bad-axis", value.span, "a direction alone is no axis: nothing says where it lies",
+                hint="write `about line(at = ..., along = ...)`",
+            )  # fmt: skip
+
+

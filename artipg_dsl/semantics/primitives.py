@@ -1,0 +1,129 @@
+"""Checks of what a primitive is made of: surfaces, curves, the inside function, its box, pieces and operators."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..diagnostics.suggest import did_you_mean
+from ..syntax import ast
+from .calls import range_type
+from .conditions import truth
+from .declarations import check_range
+from .scope import Scope
+from .symbols import Symbol
+from .types import COUNT, CURVE, DIRECTION, LENGTH, LENGTH_DIM, POINT, SIZE, UNKNOWN, Scalar, Type, Vec, fits
+
+if TYPE_CHECKING:
+    from .checker import Checker, Context
+
+_OPERATORS = ("lathe", "extrude", "sweep", "loft")
+
+
+def check(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
+    """One statement that shapes a primitive."""
+    match stmt:
+        case ast.SurfaceDecl():
+            _surface(ck, ctx, stmt)
+        case ast.CurveDecl(parameter=name, parameter_range=interval, value=value):
+            kind = _parameter(ck, ctx, interval, f"`{name}`")
+            given = ck.infer(ctx.but(extra={name: kind}), value)
+            if given not in (UNKNOWN, CURVE, POINT) and not (
+                isinstance(given, Vec) and given.dimension in (LENGTH_DIM, None)
+            ):
+                ck.mismatch(value, given, Vec(2, LENGTH_DIM), f"a point of the curve `{stmt.name}`")
+        case ast.InsideDecl(parameter=name, value=value):
+            ck.expect(ctx.but(extra={name: SIZE}), value, LENGTH, "`inside`")
+        case ast.BoxDecl():
+            for value in (stmt.value, stmt.low, stmt.high):
+                if value is not None:
+                    ck.expect(ctx, value, SIZE, "the box")
+        case ast.PieceDecl():
+            _piece(ck, ctx, stmt)
+        case ast.SolidDecl():
+            _solid(ck, ctx, stmt)
+
+
+def _parameter(ck: Checker, ctx: Context, interval: ast.RangeExpr, what: str) -> Type:
+    kind = range_type(ck, ctx, interval)
+    if kind != UNKNOWN and not isinstance(kind, Scalar):
+        ck.error("wrong-type", interval.span, f"{what} runs over numbers, but this is {kind}")
+        return UNKNOWN
+    check_range(ck, ctx, interval, kind, f"an end of the range of {what}")
+    return kind
+
+
+def _indexed(ck: Checker, ctx: Context, index: str | None, count: ast.Expr | None) -> Context:
+    if count is not None:
+        ck.expect(ctx, count, COUNT, "the number of copies")
+    return ctx if index is None else ctx.but(extra={**ctx.extra, index: COUNT})
+
+
+def _surface(ck: Checker, ctx: Context, stmt: ast.SurfaceDecl) -> None:
+    ctx = _indexed(ck, ctx, stmt.index, stmt.index_count)
+    u = _parameter(ck, ctx, stmt.u_range, f"`{stmt.u}`")
+    v = _parameter(ck, ctx, stmt.v_range, f"`{stmt.v}`")
+    place = ctx.but(extra={**ctx.extra, stmt.u: u, stmt.v: v})
+    ck.expect(place, stmt.value, SIZE, f"a point of the surface `{stmt.name}`")
+    if stmt.guard is not None:
+        truth(ck, ctx, stmt.guard)
+
+
+def _piece(ck: Checker, ctx: Context, stmt: ast.PieceDecl) -> None:
+    ctx = _indexed(ck, ctx, stmt.index, stmt.count)
+    for point in stmt.points:
+        ck.expect(ctx, point, POINT, "a corner of a piece")
+    if len(stmt.points) < 4:
+        ck.error("wrong-arguments", stmt.span, "a piece has at least four corners")
+    if stmt.guard is not None:
+        truth(ck, ctx, stmt.guard)
+
+
+def _solid(ck: Checker, ctx: Context, stmt: ast.SolidDecl) -> None:
+    if stmt.operator not in _OPERATORS:
+        ck.error(
+            "unknown-function", stmt.span, f"there is no operator `{stmt.operator}`",
+            hint=did_you_mean(stmt.operator, _OPERATORS) or "there are " + ", ".join(_OPERATORS),
+        )  # fmt: skip
+    for argument in stmt.arguments:
+        ck.expect(ctx, argument.value, CURVE, f"an argument of `{stmt.operator}`")
+    for clause in stmt.clauses:
+        for value in clause.values:
+            if clause.word in ("from", "to"):
+                ck.expect(ctx, value, LENGTH, f"`{clause.word}`")
+                continue
+            kind = ck.infer(ctx, value)
+            if kind != CURVE and not fits(kind, DIRECTION):
+                ck.mismatch(value, kind, DIRECTION, f"what follows `{clause.word}`")
+
+
+def check_whole(ck: Checker, symbol: Symbol, scope: Scope) -> None:
+    """A primitive is surfaces with an inside function and a box, or one solid."""
+    body = _flat(symbol.body)
+    solids = [s for s in body if isinstance(s, ast.SolidDecl)]
+    if len(solids) > 1:
+        ck.error(
+            "duplicate-name", solids[1].span, "a primitive is made by one operator",
+            notes=((solids[0].span, "the first one"),),
+        )  # fmt: skip
+    if solids:
+        return
+    lacking = [
+        word
+        for word, kind in (("surface", ast.SurfaceDecl), ("inside", ast.InsideDecl), ("box", ast.BoxDecl))
+        if not any(isinstance(s, kind) for s in body)
+    ]
+    if lacking:
+        ck.error(
+            "incomplete-primitive", symbol.decl.name_span,
+            f"the primitive `{symbol.name}` lacks {' and '.join(f'`{w}`' for w in lacking)}",
+            hint="state surfaces, `inside` and `box`, or a `solid`",
+        )  # fmt: skip
+
+
+def _flat(body: tuple[ast.Stmt, ...]) -> list[ast.Stmt]:
+    found: list[ast.Stmt] = []
+    for stmt in body:
+        found.append(stmt)
+        if isinstance(stmt, ast.WhenStmt):
+            found.extend(_flat(stmt.body) + _flat(stmt.otherwise))
+    return found

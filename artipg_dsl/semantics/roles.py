@@ -1,0 +1,109 @@
+"""Whether a template fulfils its role, and whether a role is sound in itself."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..diagnostics.suggest import did_you_mean
+from ..syntax import ast
+from .scope import Entry, Scope
+from .symbols import Symbol, lineage, parent_of
+
+if TYPE_CHECKING:
+    from .checker import Checker
+
+
+def check_parent(ck: Checker, symbol: Symbol) -> None:
+    """The role named after the colon exists, and roles do not refine each other in a circle."""
+    decl = symbol.decl
+    if isinstance(decl, ast.RoleDecl):
+        name, span = decl.parent, decl.parent_span
+    elif isinstance(decl, ast.TemplateDecl):
+        name, span = decl.role, decl.role_span
+    else:
+        return
+    if name is None or span is None:
+        return
+    found = symbol.module.find(name)
+    if found is None or found.kind != "role":
+        roles = [s.name for s in symbol.module.names.values() if s.kind == "role" and s is not symbol]
+        what = f"there is no role `{name}` here" if found is None else f"`{name}` is a {found.kind}, not a role"
+        ck.error("unknown-template", span, what, hint=did_you_mean(name, roles))
+    elif symbol.kind == "role" and parent_of(lineage(symbol)[-1]) is symbol:
+        names = [s.name for s in lineage(symbol)]
+        ck.error("circular-definition", span, f"roles refine each other in a circle: {' : '.join([*names, names[0]])}")
+
+
+def check_template(ck: Checker, symbol: Symbol) -> None:
+    """Every slot, port, joint and output of the role is bound; what is inherited is not assigned."""
+    role = parent_of(symbol)
+    if role is None:
+        return
+    scope = ck.scope_of(symbol)
+    bound = _names_at_any_depth(scope)
+    missing: list[tuple[str, str, ast.Stmt]] = []
+    for name, (_, stmt) in ck.interface_of(symbol).items():
+        own = [e for e in scope.table.get(name, []) if e.node is not stmt]
+        match stmt:
+            case ast.SlotDecl(optional=False):
+                if not any(e.kind in ("slot", "part") for e in bound.get(name, ())):
+                    missing.append(("slot", name, stmt))
+            case ast.PortDecl(optional=False):
+                if not any(e.kind == "port" for e in own):
+                    missing.append(("port", name, stmt))
+            case ast.JointDecl(optional=False):
+                if not any(e.kind == "joint" for e in bound.get(name, ())):
+                    missing.append(("joint", name, stmt))
+            case ast.ParamDecl(keyword="out"):
+                if not own and not _is_aligned(symbol.body, name):
+                    missing.append(("out", name, stmt))
+            case ast.ParamDecl(keyword="inherit"):
+                _not_assigned(ck, name, own, stmt)
+    if missing:
+        names = ", ".join(f"{kind} `{name}`" for kind, name, _ in missing)
+        ck.error(
+            "role-not-fulfilled", symbol.decl.name_span,
+            f"the template `{symbol.name}` does not fulfil its role {role.name}: it lacks {names}",
+            hint=_how(*missing[0][:2]), notes=tuple((s.span, f"{kind} `{n}` is asked for here") for kind, n, s in missing),
+        )  # fmt: skip
+
+
+def _how(kind: str, name: str) -> str:
+    return {
+        "slot": f"name a part `{name}`, or bind the slot: `slot {name} = part`",
+        "port": f"write `port {name} = ...`",
+        "joint": f"write `joint {name} : ...`; where nothing moves, `joint {name} : fixed base -> part`",
+        "out": f"write `let {name} = ...`",
+    }[kind]
+
+
+def _not_assigned(ck: Checker, name: str, own: list[Entry], stmt: ast.ParamDecl) -> None:
+    for entry in own:
+        ck.error(
+            "inherited-assigned", entry.span,
+            f"`{name}` is inherited: the role's user gives it, so a template cannot declare it again",
+            hint="use it as it is, or choose another name", notes=((stmt.span, "inherited here"),),
+        )  # fmt: skip
+
+
+def _names_at_any_depth(scope: Scope) -> dict[str, list[Entry]]:
+    """Declarations of the template itself, those inside its repeats included: a slot may bind several."""
+    found: dict[str, list[Entry]] = {}
+    stack = [scope]
+    while stack:
+        at = stack.pop()
+        stack.extend(at.inner.values())
+        for entry in at.entries:
+            found.setdefault(entry.name, []).append(entry)
+    return found
+
+
+def _is_aligned(body: tuple[ast.Stmt, ...], name: str) -> bool:
+    """Whether an equation names the output, so that it may determine it."""
+    for stmt in body:
+        if isinstance(stmt, ast.AlignStmt):
+            if any(isinstance(side, ast.NameExpr) and side.name == name for side in (stmt.left, stmt.right)):
+                return True
+        elif isinstance(stmt, ast.WhenStmt) and (_is_aligned(stmt.body, name) or _is_aligned(stmt.otherwise, name)):
+            return True
+    return False

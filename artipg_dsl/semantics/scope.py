@@ -1,0 +1,172 @@
+"""Symbol tables of bodies: what a category, template, role, primitive or repeat declares, and under which guards."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from ..source import Span
+from ..syntax import ast
+from .guards import Compare, Condition
+from .symbols import Symbol, lineage, members
+
+Guards = tuple["Guard", ...]
+"""The guards under which something stands, outermost first."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Guard:
+    """The ``when`` (``truth`` True) or ``else`` (False) branch of a statement that stands in ``scope``."""
+
+    scope: Scope
+    test: ast.Expr
+    truth: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Variant:
+    """One thing that a part can be. ``symbol`` is None where the name is unknown (reported where it stands)."""
+
+    name: str
+    symbol: Symbol | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Entry:
+    """One declaration in a body. ``kind``: param count let part style repeat slot port joint index surface curve.
+
+    ``scope`` is the body in which it is written, ``key`` its name among the variables of guards.
+    """
+
+    name: str
+    kind: str
+    node: ast.Stmt
+    span: Span
+    scope: Scope = field(repr=False)
+    guards: Guards = field(repr=False)
+    key: str
+
+    @property
+    def private(self) -> bool:
+        """Whether only the body itself may name it."""
+        return self.kind in ("style", "index")
+
+
+@dataclass(slots=True, eq=False)
+class Scope:
+    """The declarations of one body. ``repeat`` is set for the body of a repeat, whose elements are its rows."""
+
+    owner: Symbol
+    path: str
+    parent: Scope | None = None
+    repeat: ast.RepeatStmt | None = None
+    guards: Guards = ()
+    table: dict[str, list[Entry]] = field(default_factory=dict)
+    inner: dict[int, Scope] = field(default_factory=dict)  # id(RepeatStmt) -> the scope of its body
+    branches: dict[tuple[int, bool], Guards] = field(default_factory=dict)  # (id(WhenStmt), branch) -> its guards
+
+    @property
+    def entries(self) -> Iterator[Entry]:
+        for entries in self.table.values():
+            yield from entries
+
+    @property
+    def root(self) -> Scope:
+        scope = self
+        while scope.parent is not None:
+            scope = scope.parent
+        return scope
+
+    @property
+    def rank_key(self) -> str:
+        """The guard variable for the rank of an element of this repeat."""
+        return f"{self.path}#rank"
+
+    @property
+    def after_first(self) -> Condition:
+        """Holds for all elements of this repeat but the first."""
+        return Compare(self.rank_key, ">", 0)
+
+    def chain(self) -> Iterator[Scope]:
+        """This scope, then the ones around it."""
+        scope: Scope | None = self
+        while scope is not None:
+            yield scope
+            scope = scope.parent
+
+    def find(self, name: str) -> list[Entry]:
+        """The declarations of a name in the innermost scope that has it (several under exclusive guards)."""
+        for scope in self.chain():
+            if name in scope.table:
+                return scope.table[name]
+        return []
+
+    def names(self) -> list[str]:
+        return [name for scope in self.chain() for name in scope.table]
+
+
+def build_scope(symbol: Symbol) -> Scope:
+    """The scope of a role, template, primitive or category, with those of its repeats.
+
+    A template's scope holds the parameters of its role too; a role's what its parents declare.
+    """
+    scope = Scope(symbol, symbol.name)
+    _collect(scope, members(symbol), ())
+    return scope
+
+
+def interface(symbol: Symbol) -> dict[str, tuple[Symbol, ast.Stmt]]:
+    """What the roles of a template (or a role and its parents) declare: name -> (role, declaration)."""
+    found: dict[str, tuple[Symbol, ast.Stmt]] = {}
+    for role in lineage(symbol):
+        if role.kind == "role":
+            for stmt in role.body:
+                for name in stmt.names if isinstance(stmt, ast.ParamDecl) else (getattr(stmt, "name", None),):
+                    if name is not None:
+                        found.setdefault(name, (role, stmt))
+    return found
+
+
+def _collect(scope: Scope, body: tuple[ast.Stmt, ...], guards: Guards) -> None:
+    def add(name: str, kind: str, node: ast.Stmt, span: Span, into: Scope = scope) -> None:
+        entries = into.table.setdefault(name, [])
+        key = f"{into.path}.{name}" + (f"~{len(entries)}" if entries else "")
+        entries.append(Entry(name, kind, node, span, scope, guards, key))
+
+    for stmt in body:
+        match stmt:
+            case ast.ParamDecl():
+                for name, span in zip(stmt.names, stmt.name_spans, strict=True):
+                    add(name, "param", stmt, span)
+            case ast.CountDecl():
+                add(stmt.name, "count", stmt, stmt.name_span)
+            case ast.LetDecl():
+                add(stmt.name, "let", stmt, stmt.name_span)
+            case ast.PartDecl():
+                add(stmt.name, "part", stmt, stmt.name_span)
+            case ast.StyleDecl():
+                add(stmt.name, "style", stmt, stmt.name_span)
+            case ast.SlotDecl():
+                add(stmt.name, "slot", stmt, stmt.name_span)
+            case ast.PortDecl():
+                # an indexed port bound inside a repeat is the template's own
+                add(stmt.name, "port", stmt, stmt.name_span, scope.root if stmt.index is not None else scope)
+            case ast.JointDecl():
+                add(stmt.name, "joint", stmt, stmt.name_span)
+            case ast.SurfaceDecl():
+                add(stmt.name, "surface", stmt, stmt.name_span)
+            case ast.CurveDecl():
+                add(stmt.name, "curve", stmt, stmt.name_span)
+            case ast.RepeatStmt():
+                add(stmt.name, "repeat", stmt, stmt.name_span)
+                inner = Scope(scope.owner, f"{scope.path}.{stmt.name}@{stmt.name_span.start}", scope, stmt, guards)
+                scope.inner[id(stmt)] = inner
+                if stmt.index is not None:
+                    entry = Entry(stmt.index, "index", stmt, stmt.name_span, inner, guards, inner.rank_key)
+                    inner.table[stmt.index] = [entry]
+                _collect(inner, stmt.body, guards)
+            case ast.WhenStmt():
+                for truth, branch in ((True, stmt.body), (False, stmt.otherwise)):
+                    within = (*guards, Guard(scope, stmt.guard, truth))
+                    scope.branches[id(stmt), truth] = within
+                    _collect(scope, branch, within)

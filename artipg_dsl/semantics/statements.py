@@ -1,0 +1,263 @@
+"""Checks of the statements of a body, in the context of their guards."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..diagnostics.suggest import did_you_mean
+from ..syntax import ast
+from . import conditions, declarations, labels, placing, primitives
+from .scope import Guards, Scope
+from .types import (
+    BASE,
+    BOOL,
+    BOX,
+    COUNT,
+    CURVE,
+    DIRECTION,
+    EDGE,
+    FRAME,
+    LENGTH,
+    LINE,
+    PLANE,
+    POINT,
+    RATIO,
+    UNKNOWN,
+    Array,
+    Choice,
+    Element,
+    Joint,
+    Part,
+    Slot,
+    Type,
+    dimension_of,
+    fits,
+    is_number,
+)
+
+if TYPE_CHECKING:
+    from .checker import Checker, Context
+
+_DECLARATIONS = (ast.ParamDecl, ast.LetDecl, ast.PortDecl, ast.RequireStmt, ast.WhenStmt)
+_SHAPE = (ast.SurfaceDecl, ast.CurveDecl, ast.InsideDecl, ast.BoxDecl, ast.PieceDecl, ast.SolidDecl)
+_ROLE = (ast.ParamDecl, ast.SlotDecl, ast.PortDecl, ast.JointDecl, ast.CountDecl, ast.RequireStmt)
+
+
+def check_body(ck: Checker, scope: Scope, body: tuple[ast.Stmt, ...], guards: Guards) -> None:
+    """All statements of a body that stand under ``guards``; repeats and guarded blocks included."""
+    ctx = ck.context(scope).given(ck.condition(guards))
+    for stmt in body:
+        if _misplaced(ck, scope, stmt):
+            continue
+        if isinstance(stmt, ast.WhenStmt):
+            conditions.truth(ck, ctx, stmt.guard)
+            if scope.owner.kind != "primitive":
+                conditions.check_discrete(ck, ctx, stmt.guard)
+            check_body(ck, scope, stmt.body, scope.branches[id(stmt), True])
+            check_body(ck, scope, stmt.otherwise, scope.branches[id(stmt), False])
+        elif isinstance(stmt, ast.RepeatStmt):
+            _repeat(ck, ctx, stmt)
+            inner = scope.inner[id(stmt)]
+            declarations.check_names(ck, inner)
+            check_body(ck, inner, stmt.body, inner.guards)
+        else:
+            _statement(ck, ctx, stmt)
+
+
+def _misplaced(ck: Checker, scope: Scope, stmt: ast.Stmt) -> bool:
+    kind = scope.owner.kind
+    if kind == "role":
+        wrong = not isinstance(stmt, _ROLE)
+    elif kind == "primitive":
+        wrong = not isinstance(stmt, _SHAPE + _DECLARATIONS)
+    else:
+        wrong = isinstance(stmt, _SHAPE)
+    if wrong:
+        ck.error("misplaced-statement", stmt.span, f"this cannot stand in a {kind}")
+    return wrong
+
+
+def _statement(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
+    match stmt:
+        case ast.ParamDecl() | ast.CountDecl() | ast.LetDecl() | ast.PartDecl() | ast.StyleDecl():
+            _declaration(ck, ctx, stmt)
+        case ast.SlotDecl(targets=targets):
+            for target in targets:
+                labels.target(ck, ctx, target, "a slot binds")
+        case ast.PortDecl():
+            _port(ck, ctx, stmt)
+        case ast.JointDecl():
+            placing.check_joint(ck, ctx, stmt)
+        case ast.ConnectStmt():
+            placing.check_connect(ck, ctx, stmt)
+        case ast.AlignStmt():
+            _align(ck, ctx, stmt)
+        case ast.RequireStmt() | ast.PreferStmt():
+            _condition(ck, ctx, stmt)
+        case ast.ClearStmt(subject=subject, other=other, distance=distance):
+            _parts(ck, ctx, subject, other, "clear")
+            ck.expect(ctx, distance, LENGTH, "the distance")
+        case ast.AllowStmt(subject=subject, other=other, kind=kind):
+            _parts(ck, ctx, subject, other, "allow overlap" if kind == "overlap" else kind)
+        case ast.LimitStmt(joint=joint, range=interval):
+            kind, inside = placing.subject(ck, ctx, joint)
+            if not isinstance(kind, Joint) and kind != UNKNOWN:
+                ck.error("wrong-type", joint.span, f"`limit` narrows a joint, but this is {kind}")
+            wanted: Type = UNKNOWN
+            if isinstance(kind, Joint) and kind.kind in ("revolute", "prismatic"):
+                wanted = LENGTH if kind.kind == "prismatic" else placing.ANGLE
+            placing.motion_range(ck, inside, (interval.low, interval.high), wanted, interval)
+        case ast.CloseStmt(subject=subject, other=other):
+            kind, inside = placing.subject(ck, ctx, subject)
+            for expr, found in ((subject, kind), (other, ck.infer(inside, other))):
+                if found not in (UNKNOWN, POINT, FRAME, LINE, EDGE) and not isinstance(found, Part):
+                    ck.error("wrong-type", expr.span, f"`close` joins points, lines or frames, but this is {found}")
+        case _ if isinstance(stmt, _SHAPE):
+            primitives.check(ck, ctx, stmt)
+        case _:
+            labels.check(ck, ctx, stmt)
+
+
+def _declaration(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
+    assert ctx.scope is not None
+    match stmt:
+        case ast.ParamDecl():
+            for name in stmt.names:
+                for entry in ctx.scope.table.get(name, ()):
+                    ck.entry_type(entry)
+            declarations.check_param(ck, ctx, stmt)
+        case ast.CountDecl():
+            declarations.check_count(ck, ctx, stmt)
+        case ast.LetDecl():
+            for entry in ctx.scope.table.get(stmt.name, ()):
+                if entry.node is stmt and not stmt.parameters:
+                    ck.entry_type(entry)
+            if stmt.parameters:
+                extra = dict.fromkeys(stmt.parameters, UNKNOWN)
+                ck.infer(ctx.but(extra={**ctx.extra, **extra}), stmt.value)
+        case ast.PartDecl():
+            if stmt.root and ctx.scope.owner.kind != "category":
+                ck.error("misplaced-statement", stmt.name_span, "only a category has a `root` part")
+            elif stmt.root and ctx.scope.repeat is not None:
+                ck.error("misplaced-statement", stmt.name_span, "the `root` part cannot stand in a repeat")
+            declarations.check_part(ck, ctx, stmt)
+        case ast.StyleDecl():
+            declarations.check_style(ck, ctx, stmt)
+
+
+def _port(ck: Checker, ctx: Context, stmt: ast.PortDecl) -> None:
+    assert ctx.scope is not None
+    entries = ctx.scope.root.table if stmt.index is not None else ctx.scope.table
+    entry = next(e for e in entries[stmt.name] if e.node is stmt)
+    kind = ck.entry_type(entry)
+    if stmt.index is not None:
+        ck.expect(ctx, stmt.index, COUNT, "the index of a port")
+    if stmt.value is None:
+        if ctx.scope.owner.kind != "role":
+            ck.error(
+                "missing-value", stmt.span, f"the port `{stmt.name}` has no value",
+                hint=f"write `port {stmt.name} = ...`",
+            )  # fmt: skip
+        return
+    wanted = kind.item if isinstance(kind, Array) else kind
+    given = ck.infer(ctx, stmt.value)
+    places = (FRAME, PLANE, EDGE, LINE, POINT, BOX, CURVE, BASE)
+    if wanted == UNKNOWN or given == UNKNOWN:
+        return
+    if not fits(given, wanted) and not (wanted == BOX and isinstance(given, Part | Slot | Element)):
+        ck.mismatch(stmt.value, given, wanted, f"the port `{stmt.name}`")
+    elif given not in places and not is_number(given) and not isinstance(given, Part | Slot | Element):
+        if not fits(given, POINT):
+            ck.error("wrong-type", stmt.value.span, f"a port is a place, but this is {given}")
+
+
+def _align(ck: Checker, ctx: Context, stmt: ast.AlignStmt) -> None:
+    left, right = ck.infer(ctx, stmt.left), ck.infer(ctx, stmt.right)
+    if UNKNOWN in (left, right):
+        return
+    for kind, expr in ((left, stmt.left), (right, stmt.right)):
+        if not is_number(kind) and not fits(kind, POINT):
+            hint = None
+            if isinstance(kind, Part | Element | Slot):
+                hint = "name a face of it (`.front`) or its middle (`.center`)"
+            elif kind in (FRAME, LINE, EDGE):
+                hint = "name its point: `.origin`"
+            ck.error(
+                "wrong-type", expr.span, f"`align` equates planes, numbers or points, but this is {kind}", hint=hint
+            )
+            return
+    if is_number(left) != is_number(right):
+        number = stmt.left if is_number(left) else stmt.right
+        kind = left if is_number(left) else right
+        ck.error("wrong-type", number.span, f"a point can only be aligned with a point, but this is {kind}")
+        return
+    a, b = dimension_of(left), dimension_of(right)
+    if is_number(left) and None not in (a, b) and a != b:
+        wanted, given, expr = (left, right, stmt.right) if a != RATIO.dimension else (right, left, stmt.left)
+        ck.mismatch(expr, given, LENGTH if wanted == PLANE else wanted, "this side of `align`")
+
+
+def _condition(ck: Checker, ctx: Context, stmt: ast.RequireStmt | ast.PreferStmt) -> None:
+    if stmt.condition is not None:  # without the optional parts it names, it holds trivially
+        kind = ck.infer(ctx.but(lenient=[]), stmt.condition)
+        if kind not in (BOOL, UNKNOWN) and not isinstance(kind, Part):
+            word = "require" if isinstance(stmt, ast.RequireStmt) else "prefer"
+            ck.error("wrong-type", stmt.condition.span, f"`{word}` needs a condition, but this is {kind}")
+    if isinstance(stmt, ast.PreferStmt):
+        if stmt.weight is not None:
+            ck.expect(ctx, stmt.weight, RATIO, "the weight")
+    elif stmt.repair is not None:
+        kind = ck.infer(ctx.but(lenient=[]), stmt.repair)
+        if not is_number(kind) and not isinstance(kind, Choice | Part) and kind != UNKNOWN:
+            ck.error("wrong-type", stmt.repair.span, f"`repair` names what should give way, but this is {kind}")
+
+
+def _parts(ck: Checker, ctx: Context, subject: ast.Expr, other: ast.Expr, word: str) -> None:
+    for expr in (subject, other):
+        kind = ck.infer(ctx.but(lenient=[], many=True), expr)
+        if not isinstance(kind, Part | Slot | Element) and kind not in (UNKNOWN, PLANE):
+            ck.error("wrong-type", expr.span, f"`{word}` names parts, but this is {kind}")
+
+
+# ---------------------------------------------------------------- repeats
+
+_CLAUSES: dict[str, Type] = {
+    "pitch": LENGTH,
+    "margin": LENGTH,
+    "every": LENGTH,
+    "weight": RATIO,
+    "gap": LENGTH,
+    "each": LENGTH,
+    "along": DIRECTION,
+    "across": DIRECTION,
+}
+
+
+def _repeat(ck: Checker, ctx: Context, stmt: ast.RepeatStmt) -> None:
+    assert ctx.scope is not None
+    if stmt.count is not None:
+        ck.expect(ctx, stmt.count, COUNT, "the number of elements")
+    inner = ck.context(ctx.scope.inner[id(stmt)])
+    for clause in stmt.clauses:
+        for value in clause.values:
+            place = inner if clause.word == "weight" else ctx
+            if clause.word in _CLAUSES:
+                ck.expect(place, value, _CLAUSES[clause.word], f"the `{clause.word}`")
+            elif clause.word in ("spread", "split", "fill"):
+                kind = ck.infer(ctx, value)
+                if not isinstance(kind, Part | Slot | Element) and kind not in (BOX, UNKNOWN):
+                    ck.error(
+                        "wrong-type", value.span, f"`{clause.word}` needs a box, but this is {kind}",
+                        hint="name a part, a box or an element of another repeat",
+                    )  # fmt: skip
+            elif clause.word == "about":
+                placing._axis_value(ck, "about", value, ck.infer(ctx, value))
+            elif clause.word in ("ring", "mirror"):
+                ck.infer(ctx, value)
+            else:
+                known = [*_CLAUSES, "about"]
+                ck.error(
+                    "unknown-clause", clause.span, f"`repeat` takes no `{clause.word}`",
+                    hint=did_you_mean(clause.word, known),
+                )  # fmt: skip
+                break

@@ -1,0 +1,270 @@
+"""Types of expressions. A frozen value each; ``UNKNOWN`` stands after an error and silences what follows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from .units import Dimension
+
+if TYPE_CHECKING:
+    from .scope import Entry, Variant
+
+NONE = Dimension(0, 0, 0, 0)
+LENGTH_DIM = Dimension(1, 0, 0, 0)
+ANGLE_DIM = Dimension(0, 1, 0, 0)
+
+DIMENSIONS: dict[str, Dimension] = {
+    "ratio": NONE,
+    "count": NONE,
+    "length": LENGTH_DIM,
+    "angle": ANGLE_DIM,
+    "area": Dimension(2, 0, 0, 0),
+    "volume": Dimension(3, 0, 0, 0),
+    "mass": Dimension(0, 0, 1, 0),
+    "density": Dimension(-3, 0, 1, 0),
+    "time": Dimension(0, 0, 0, 1),
+    "speed": Dimension(1, 0, 0, -1),
+    "force": Dimension(1, 0, 1, -2),
+    "torque": Dimension(2, 0, 1, -2),
+}
+"""Type names of numbers to dimensions."""
+
+_NAMES = {dimension: name for name, dimension in reversed(DIMENSIONS.items())} | {NONE: "ratio"}
+
+
+def dimension_name(dimension: Dimension) -> str:
+    """``length``, ``area``, or a product such as ``length^2 angle^-1``."""
+    if dimension in _NAMES:
+        return _NAMES[dimension]
+    powers = zip(("length", "angle", "mass", "time"), dimension, strict=True)
+    return " ".join(name if power == 1 else f"{name}^{power}" for name, power in powers if power)
+
+
+def times(a: Dimension, b: Dimension, sign: int = 1) -> Dimension:
+    """The dimension of a product (``sign`` 1) or quotient (-1)."""
+    return Dimension(*(x + sign * y for x, y in zip(a, b, strict=True)))
+
+
+def power(a: Dimension, exponent: Fraction) -> Dimension:
+    """The dimension of a power."""
+    scaled = (Fraction(x) * exponent for x in a)
+    return Dimension(*(int(x) if x.denominator == 1 else x for x in scaled))
+
+
+@dataclass(frozen=True, slots=True)
+class Type:
+    """Base of all types; ``str`` gives the words that messages use."""
+
+
+@dataclass(frozen=True, slots=True)
+class Unknown(Type):
+    def __str__(self) -> str:
+        return "unknown"
+
+
+@dataclass(frozen=True, slots=True)
+class Scalar(Type):
+    """A number. ``count``: a whole number; ``zero``: the literal 0, which fits any dimension."""
+
+    dimension: Dimension
+    count: bool = False
+    zero: bool = False
+
+    def __str__(self) -> str:
+        return "count" if self.count else dimension_name(self.dimension)
+
+
+@dataclass(frozen=True, slots=True)
+class Vec(Type):
+    """``size`` numbers of one dimension; None where every component is 0 or open."""
+
+    size: int
+    dimension: Dimension | None
+
+    def __str__(self) -> str:
+        return f"{dimension_name(self.dimension) if self.dimension is not None else 'vec'}[{self.size}]"
+
+
+@dataclass(frozen=True, slots=True)
+class Named(Type):
+    """A type without parameters: bool, string, point, frame, plane, edge, line, box, curve, material, direction ..."""
+
+    name: str
+
+    def __str__(self) -> str:
+        return _WORDS.get(self.name, f"a {self.name}")
+
+
+_WORDS = {"bool": "true or false", "direction": "a direction (x, -y, ...)", "edge": "an edge"}
+
+
+@dataclass(frozen=True, slots=True)
+class Choice(Type):
+    values: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return "one of " + ", ".join(self.values)
+
+
+@dataclass(frozen=True, slots=True)
+class Array(Type):
+    """Indexed ports: ``port socket[2] : frame``."""
+
+    item: Type
+
+    def __str__(self) -> str:
+        return f"several of {self.item}"
+
+
+@dataclass(frozen=True, slots=True)
+class Function(Type):
+    """A ``let f(x)`` or a surface or curve of a primitive, which only a call may use."""
+
+    entry: Entry = field(compare=False)
+
+    def __str__(self) -> str:
+        return "a function"
+
+
+@dataclass(frozen=True, slots=True)
+class Part(Type):
+    """An instance. ``domain`` is all that it can be (None: absent), ``variants`` what of that is left here.
+
+    ``key`` names the part for guards; ``many`` says that it stands for one per element of a repeat.
+    """
+
+    variants: tuple[Variant, ...]
+    key: str
+    domain: tuple[Variant | None, ...]
+    many: bool = False
+
+    def __str__(self) -> str:
+        names = sorted({v.name for v in self.variants})
+        return f"a part ({' or '.join(names)})" if names else "a part"
+
+
+@dataclass(frozen=True, slots=True)
+class Style(Type):
+    """A style used as a value: its role, and what it chooses from (None: nothing)."""
+
+    domain: tuple[Variant | None, ...]
+    role: str
+
+    def __str__(self) -> str:
+        return f"a style of {self.role}"
+
+
+@dataclass(frozen=True, slots=True)
+class Element(Type):
+    """An element of a repeat; ``inside`` when the expression stands in its body. ``many``: all of them."""
+
+    entry: Entry = field(compare=False)
+    key: str
+    many: bool = False
+
+    def __str__(self) -> str:
+        return "an element of a repeat"
+
+
+@dataclass(frozen=True, slots=True)
+class Slot(Type):
+    """What a slot binds: a box to outsiders; ``many`` as for parts."""
+
+    name: str
+    many: bool = False
+
+    def __str__(self) -> str:
+        return f"the slot {self.name}"
+
+
+@dataclass(frozen=True, slots=True)
+class Joint(Type):
+    kind: str | None
+
+    def __str__(self) -> str:
+        return "a joint"
+
+
+UNKNOWN = Unknown()
+RATIO = Scalar(NONE)
+COUNT = Scalar(NONE, count=True)
+LENGTH = Scalar(LENGTH_DIM)
+ANGLE = Scalar(ANGLE_DIM)
+ZERO = Scalar(NONE, count=True, zero=True)
+SIZE = Vec(3, LENGTH_DIM)
+BOOL = Named("bool")
+STRING = Named("string")
+POINT = Named("point")
+FRAME = Named("frame")
+PLANE = Named("plane")
+EDGE = Named("edge")
+LINE = Named("line")
+BOX = Named("box")
+CURVE = Named("curve")
+MATERIAL = Named("material")
+DIRECTION = Named("direction")
+SURFACE = Named("surface")
+BASE = Named("base")
+
+PLACES: dict[str, Type] = {
+    "bool": BOOL,
+    "string": STRING,
+    "point": POINT,
+    "frame": FRAME,
+    "plane": PLANE,
+    "edge": EDGE,
+    "line": LINE,
+    "box": BOX,
+    "curve": CURVE,
+    "material": MATERIAL,
+}
+"""Type names that stand for a Named type."""
+
+
+def is_number(kind: Type) -> bool:
+    """Whether a value can be computed with as one number: a scalar, or a plane read as its coordinate."""
+    return isinstance(kind, Scalar) or kind == PLANE
+
+
+def dimension_of(kind: Type) -> Dimension | None:
+    """The dimension of a number; None for 0 and for what is not a number."""
+    if isinstance(kind, Scalar):
+        return None if kind.zero else kind.dimension
+    return LENGTH_DIM if kind == PLANE else kind.dimension if isinstance(kind, Vec) else None
+
+
+def fits(given: Type, wanted: Type) -> bool:
+    """Whether a value of ``given`` may stand where ``wanted`` is expected."""
+    if UNKNOWN in (given, wanted) or given == wanted:
+        return True
+    if isinstance(wanted, Scalar):
+        if given == PLANE:
+            return wanted.dimension == LENGTH_DIM
+        if not isinstance(given, Scalar):
+            return False
+        if wanted.count and not given.count:
+            return False
+        return given.zero or given.dimension == wanted.dimension
+    if isinstance(wanted, Vec):
+        if given == POINT:
+            return wanted == SIZE
+        return (
+            isinstance(given, Vec)
+            and given.size == wanted.size
+            and (None in (given.dimension, wanted.dimension) or given.dimension == wanted.dimension)
+        )
+    if wanted == POINT:
+        return given in (SIZE, Vec(3, None))
+    if wanted == DIRECTION:
+        return isinstance(given, Vec) and given.size == 3
+    if wanted == FRAME:
+        return given == PLANE
+    if wanted == LINE:
+        return given == EDGE
+    if wanted == BOX:
+        return isinstance(given, Element) and not given.many
+    if isinstance(wanted, Choice):
+        return isinstance(given, Choice) and set(given.values) <= set(wanted.values)
+    return False
