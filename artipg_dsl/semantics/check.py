@@ -81,8 +81,8 @@ _RATIO = Scalar(DIMENSIONS["ratio"])
 _PROPERTIES: dict[str, Type] = {
     "density": Scalar(DIMENSIONS["density"]),
     "friction": _RATIO,
-    "friction_static": _RATIO,
-    "friction_dynamic": _RATIO,
+    "static_friction": _RATIO,
+    "dynamic_friction": _RATIO,
     "restitution": _RATIO,
     "colour": Vec(3, DIMENSIONS["ratio"]),
     "roughness": _RATIO,

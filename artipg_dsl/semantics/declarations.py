@@ -11,7 +11,7 @@ from . import conditions
 from .entries import of_alternative, of_reference
 from .fold import components, constant
 from .guards import consistent
-from .names import DIRECTIONS, FACES, OWN, TYPE_NAMES, WORDS
+from .names import FACES, OWN, TYPE_NAMES, WORDS
 from .scope import Scope
 from .symbols import Symbol, is_a
 from .types import (
@@ -79,11 +79,12 @@ def _reserved(scope: Scope, kind: str, node: ast.Stmt, name: str) -> str | None:
         return "a face of the box that every part has"
     if name in OWN and not (name == "size" and kind == "param"):
         return "a member that every part has"
-    if kind in ("port", "slot", "surface", "curve") or (isinstance(node, ast.LetDecl) and node.parameters):
+    called = isinstance(node, ast.LetDecl) and node.parameters
+    if kind in ("port", "slot", "surface", "curve", "joint") or called:
         return None  # reached after a dot, or by a call
-    if name in TYPE_NAMES:
+    if name in TYPE_NAMES and kind != "part":  # `part frame` is no riddle: a type name alone says nothing
         return "a type name"
-    if name in WORDS and not (kind == "param" and scope.owner.kind == "primitive" and name in DIRECTIONS):
+    if name in WORDS and not (name == "base" and scope.owner.kind == "category"):
         return "a word of the language"
     return None
 
@@ -302,7 +303,8 @@ def _bad_alternative(ck: Checker, ctx: Context, alternative: ast.Alternative, sy
     offered = [s.name for s in ctx.module.names.values() if s.kind in ("template", "primitive")]
     offered += [e.name for scope in ctx.scope.chain() for e in scope.entries if e.kind in ("style", "param")]
     ck.error(
-        "unknown-template", alternative.name_span, f"there is no template, primitive or style `{alternative.name}` here",
+        "unknown-template", alternative.name_span,
+        f"there is no template, primitive or style `{alternative.name}` here",
         hint=did_you_mean(alternative.name, offered) or "bring it in with `use`",
     )  # fmt: skip
 

@@ -79,10 +79,18 @@ def _port(ck: Checker, ctx: Context, entry: Entry, node: ast.PortDecl) -> Type:
     if declared is not None:
         item = of_reference(ck, ctx, declared)
     elif node.value is not None:
-        item = ck.infer(ctx, node.value)
+        item = ck.infer(port_context(ctx, node), node.value)
     else:
         item = UNKNOWN
     return Array(item) if node.index is not None else item
+
+
+def port_context(ctx: Context, node: ast.PortDecl) -> Context:
+    """Where a port's value stands: in ``port socket[i] = ...`` a new name ``i`` runs over all of its indices."""
+    index = node.index
+    if isinstance(index, ast.NameExpr) and ctx.scope is not None and not ctx.scope.find(index.name):
+        return ctx.but(extra={**ctx.extra, index.name: COUNT})
+    return ctx
 
 
 def of_reference(ck: Checker, ctx: Context, ref: ast.TypeRef) -> Type:

@@ -17,6 +17,7 @@ from .types import (
     BOOL,
     BOX,
     COUNT,
+    CURVE,
     DIRECTION,
     EDGE,
     FRAME,
@@ -26,6 +27,7 @@ from .types import (
     PLANE,
     POINT,
     SIZE,
+    SURFACE,
     UNKNOWN,
     Array,
     Element,
@@ -77,7 +79,8 @@ def unknown_name(ck: Checker, ctx: Context, word: str, span: Span) -> Type:
     if hint is None and ctx.scope is not None:
         for scope in _below(ctx.scope.root):
             if word in scope.table and scope.repeat is not None:
-                hint = f"`{word}` is declared inside the repeat `{scope.repeat.name}`: write `{scope.repeat.name}.{word}`"
+                of = scope.repeat.name
+                hint = f"`{word}` is declared inside the repeat `{of}`: write `{of}.{word}`"
                 break
     return ck.error("unknown-name", span, f"there is no `{word}` here", hint=hint)
 
@@ -214,7 +217,8 @@ def member(ck: Checker, ctx: Context, expr: ast.MemberExpr) -> Type:
             found = UNKNOWN if obj == UNKNOWN else None
     if found is None:
         known = _place_names(obj)
-        return ck.error("unknown-member", span, f"{obj} has no `{word}`", hint=did_you_mean(word, known) or _list(known))
+        hint = did_you_mean(word, known) or _list(known)
+        return ck.error("unknown-member", span, f"{obj} has no `{word}`", hint=hint)
     return found
 
 
@@ -256,7 +260,7 @@ def _element_member(ck: Checker, ctx: Context, obj: Element, word: str, span: Sp
     if found:
         target = found[0]
         if target.kind == "repeat":
-            return Element(target, f"{obj.key}.{word}", many=obj.many) if obj.many else _inner(ck, ctx, obj, target, span)
+            return _inner(ck, ctx, obj, target, span)
         kind = ck.entry_type(target)
         if isinstance(kind, Part):
             current = obj.key == entry.key and not obj.many
@@ -284,6 +288,8 @@ def _element_member(ck: Checker, ctx: Context, obj: Element, word: str, span: Sp
 
 
 def _inner(ck: Checker, ctx: Context, obj: Element, target: Entry, span: Span) -> Type:
+    if obj.many:
+        return Element(target, f"{obj.key}.{target.name}", many=True)
     if obj.key != obj.entry.key:  # of one named element, all of an inner repeat
         if not ctx.many:
             return ck.error(
@@ -316,7 +322,8 @@ def part_member(ck: Checker, ctx: Context, part: Part, word: str, span: Span) ->
         whole = Part(tuple(v for v in domain if v is not None), f"{part.key}.{word}", domain, part.many)
         there = _present(whole)
         if there != TRUE and not part.many:
-            ck.demand(ctx, there, span, f"`{word}` is optional: it may not be there", f"ask with `when ... .{word} {{ }}`")
+            hint = f"ask for it: `when ... .{word} {{ }}`"
+            ck.demand(ctx, there, span, f"`{word}` is optional: it may not be there", hint)
         return narrowed(ctx, whole)
     first = kinds[0]
     if isinstance(first, Element):
@@ -373,6 +380,8 @@ def symbol_member(ck: Checker, symbol: Symbol, word: str) -> Type | None:
         kind = ck.entry_type(entry)
         if entry.kind == "surface" and word in FACES:
             return PLANE
+        if symbol.kind == "primitive" and kind == CURVE and not isinstance(entry.node, ast.ParamDecl):
+            return SURFACE  # surfaces bear the names of the curves that make them
         if isinstance(kind, Part) and (entry.guards or len(entries) > 1):
             kinds = [k for e in entries if isinstance(k := ck.entry_type(e), Part)]
             domain = tuple(dict.fromkeys((*(v for k in kinds for v in k.domain), None)))
@@ -391,7 +400,7 @@ def _made(symbol: Symbol, word: str) -> Type | None:
     """What an operator supplies: a sweep has ports ``start`` and ``end``, every solid surfaces of those names."""
     for stmt in symbol.body:
         if isinstance(stmt, ast.SolidDecl) and word in ("start", "end", "rim"):
-            return FRAME if stmt.operator == "sweep" and word != "rim" else Named("surface")
+            return FRAME if stmt.operator == "sweep" and word != "rim" else SURFACE
     return None
 
 
@@ -406,4 +415,4 @@ def index(ck: Checker, ctx: Context, expr: ast.IndexExpr) -> Type:
         return obj.item
     if obj == UNKNOWN:
         return UNKNOWN
-    return ck.error("wrong-type", expr.span, f"only elements of a repeat and indexed ports have an index; this is {obj}")
+    return ck.error("wrong-type", expr.span, f"only elements of repeats and indexed ports have an index; this is {obj}")

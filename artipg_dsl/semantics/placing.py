@@ -49,7 +49,7 @@ _TURNS = ("revolute", "continuous", "screw")
 
 
 def subject(ck: Checker, ctx: Context, expr: ast.Expr) -> tuple[Type, Context]:
-    """What a statement goes with: absent, the statement is void; so the rest of it may take its presence for granted."""
+    """What a statement goes with: without it the statement is void, so the rest may take its presence for granted."""
     noted: list = []
     kind = ck.infer(ctx.but(lenient=noted, ends=True), expr)
     return kind, ctx.given(*noted)
@@ -64,9 +64,7 @@ def check_connect(ck: Checker, ctx: Context, node: ast.ConnectStmt) -> None:
         else:
             _unknown_clause(ck, clause, "connect", _PLACING)
     if not any(c.word in ("to", "on", "in", "between") for c in node.clauses):
-        ck.error(
-            "missing-clause", node.span, "`connect` says to what: `to`, `on`, `in` or `between` is missing",
-        )  # fmt: skip
+        ck.error("missing-clause", node.span, "`connect` says to what: `to`, `on`, `in` or `between` is missing")
 
 
 def _unknown_clause(ck: Checker, clause: ast.Clause, what: str, known: tuple[str, ...]) -> None:
@@ -75,11 +73,9 @@ def _unknown_clause(ck: Checker, clause: ast.Clause, what: str, known: tuple[str
 
 def _end(ck: Checker, expr: ast.Expr, kind: Type, what: str) -> None:
     """One end of a connection: a part, or a port, face, edge or line of one."""
-    if isinstance(kind, Part | Slot | Element) or kind in (UNKNOWN, FRAME, PLANE, EDGE, LINE, POINT, SURFACE, BASE, BOX):
-        return
-    ck.error(
-        "wrong-type", expr.span, f"{what} is a part or one of its ports and faces, but this is {kind}",
-    )  # fmt: skip
+    places = (UNKNOWN, FRAME, PLANE, EDGE, LINE, POINT, SURFACE, BASE, BOX)
+    if not isinstance(kind, Part | Slot | Element) and kind not in places:
+        ck.error("wrong-type", expr.span, f"{what} is a part or one of its ports and faces, but this is {kind}")
 
 
 def check_clause(ck: Checker, ctx: Context, clause: ast.Clause) -> None:
@@ -194,7 +190,7 @@ def _motion(ck: Checker, ctx: Context, kind: str, clause: ast.Clause) -> None:
                 ck.expect(ctx, value, wanted, "the rest of the joint")
         case "about" | "along":
             for value in clause.values:
-                _axis_value(ck, clause.word, value, ck.infer(ctx, value))
+                axis_value(ck, clause.word, value, ck.infer(ctx, value))
         case "mimic":
             for value in clause.values:
                 _mimic(ck, ctx, value, wanted)
@@ -239,7 +235,7 @@ def _mimic(ck: Checker, ctx: Context, value: ast.Expr, wanted: Type) -> None:
                 ck.error("wrong-type", value.span, f"`mimic` follows a joint, but this is {given}")
 
 
-def _axis_value(ck: Checker, word: str, value: ast.Expr, kind: Type) -> None:
+def axis_value(ck: Checker, word: str, value: ast.Expr, kind: Type) -> None:
     if kind in (UNKNOWN, LINE, EDGE, FRAME) or (fits(kind, DIRECTION) if word == "along" else kind == DIRECTION):
         return
     if isinstance(kind, Part):

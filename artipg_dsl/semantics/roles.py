@@ -64,7 +64,8 @@ def check_template(ck: Checker, symbol: Symbol) -> None:
         ck.error(
             "role-not-fulfilled", symbol.decl.name_span,
             f"the template `{symbol.name}` does not fulfil its role {role.name}: it lacks {names}",
-            hint=_how(*missing[0][:2]), notes=tuple((s.span, f"{kind} `{n}` is asked for here") for kind, n, s in missing),
+            hint=_how(*missing[0][:2]),
+            notes=tuple((s.span, f"{kind} `{n}` is asked for here") for kind, n, s in missing),
         )  # fmt: skip
 
 

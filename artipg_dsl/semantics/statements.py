@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from ..diagnostics.suggest import did_you_mean
 from ..syntax import ast
 from . import conditions, declarations, labels, placing, primitives
+from .entries import port_context
 from .scope import Guards, Scope
 from .types import (
     BASE,
@@ -150,6 +151,7 @@ def _port(ck: Checker, ctx: Context, stmt: ast.PortDecl) -> None:
     entries = ctx.scope.root.table if stmt.index is not None else ctx.scope.table
     entry = next(e for e in entries[stmt.name] if e.node is stmt)
     kind = ck.entry_type(entry)
+    ctx = port_context(ctx, stmt)
     if stmt.index is not None:
         ck.expect(ctx, stmt.index, COUNT, "the index of a port")
     if stmt.value is None:
@@ -251,7 +253,7 @@ def _repeat(ck: Checker, ctx: Context, stmt: ast.RepeatStmt) -> None:
                         hint="name a part, a box or an element of another repeat",
                     )  # fmt: skip
             elif clause.word == "about":
-                placing._axis_value(ck, "about", value, ck.infer(ctx, value))
+                placing.axis_value(ck, "about", value, ck.infer(ctx, value))
             elif clause.word in ("ring", "mirror"):
                 ck.infer(ctx, value)
             else:
