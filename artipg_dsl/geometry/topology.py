@@ -65,7 +65,7 @@ def topology(primitive: Primitive, variant: tuple[bool, ...]) -> Topology:
     straight, turn = np.ones(2 * len(patches), dtype=bool), np.zeros(2 * len(patches))
     for position, patch in enumerate(patches):
         straight[2 * position : 2 * position + 2] = _straight(primitive, patch, params, scale)
-        turn[2 * position : 2 * position + 2] = _turns(primitive, patch)
+        turn[2 * position : 2 * position + 2] = turns(primitive, patch)
     ends = np.abs(curves[:, :, 0] - curves[:, :, -1]).max(axis=(0, 2)) < TOLERANCE
     closed = np.zeros(2 * len(patches), dtype=bool)
     for edge in np.flatnonzero(ends & ~points):
@@ -178,7 +178,7 @@ def shown(primitive: Primitive, patch: int) -> Params:
 
 
 @lru_cache(maxsize=4096)
-def _turns(primitive: Primitive, patch: int) -> tuple[float, float]:
+def turns(primitive: Primitive, patch: int) -> tuple[float, float]:
     """The greatest angles that lines along u and along v turn through, over all test values of all variants."""
     u, v = np.meshgrid(_FINE, np.array([0.0, 0.5, 1.0]), indexing="ij")
     params = shown(primitive, patch)

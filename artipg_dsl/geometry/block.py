@@ -1,0 +1,124 @@
+"""The rows of all sites of some objects, arranged by primitive: one call then serves all instances of a primitive."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..graph.primitive import Primitive
+from .box import bounds
+from .patches import Params
+from .sites import SiteTable
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Shelf:
+    """The rows ``start .. stop`` of a block, which are instances of one primitive."""
+
+    primitive: Primitive
+    params: Params
+    start: int
+    stop: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Block:
+    """Rows of ``objects`` consecutive objects, sorted by primitive, then as they come in the site tables.
+
+    ``rank`` orders the rows of an object by site number and rank within the site: of two coincident surfaces the
+    lower one keeps its points. ``low``, ``high`` (R, 3) bound the rows in their object's frame.
+    """
+
+    objects: int
+    shelves: tuple[Shelf, ...]
+    owner: np.ndarray  # (R,) object within the block
+    site: np.ndarray  # (R,) site number
+    row: np.ndarray  # (R,) row of that site's table
+    rank: np.ndarray  # (R,) position among all rows of the block, by (owner, site number, rank)
+    rotation: np.ndarray  # (9, R) row by row
+    translation: np.ndarray  # (3, R)
+    mirror: np.ndarray  # (R,)
+    low: np.ndarray  # (R, 3)
+    high: np.ndarray  # (R, 3)
+    diagonal: np.ndarray  # (R,) of the box in the row's own frame, metres
+
+
+def block(sites: list[SiteTable], first: int, stop: int) -> Block:
+    """The rows of the objects ``first .. stop - 1``."""
+    by_primitive: dict[int, list[tuple[SiteTable, slice]]] = {}
+    for site in sites:
+        span = slice(*np.searchsorted(site.owner, (first, stop)).tolist())
+        if span.stop > span.start:
+            by_primitive.setdefault(id(site.primitive), []).append((site, span))
+    shelves, low, high = [], [np.empty((0, 3))], [np.empty((0, 3))]
+    chosen: list[tuple[SiteTable, slice]] = []
+    start = 0
+    for parts in by_primitive.values():
+        primitive = parts[0][0].primitive
+        stop_row = start + sum(s.stop - s.start for _, s in parts)
+        params = {n: np.concatenate([t.params[n][s] for t, s in parts]) for n in primitive.parameters}
+        params[""] = np.zeros(stop_row - start)
+        shelves.append(Shelf(primitive, params, start, stop_row))
+        corners = bounds(primitive, params)
+        low.append(corners[0])
+        high.append(corners[1])
+        chosen.extend(parts)
+        start = stop_row
+
+    def column(pick, kind=np.int64) -> np.ndarray:
+        return np.concatenate([np.empty(0, kind), *(pick(t, s) for t, s in chosen)])
+
+    owner = column(lambda t, s: t.owner[s]) - first
+    site = column(lambda t, s: np.full(s.stop - s.start, t.number))
+    order = np.lexsort((column(lambda t, s: t.rank[s]), site, owner))
+    rank = np.empty(start, dtype=np.int64)
+    rank[order] = np.arange(start)
+    rotation = np.concatenate([np.empty((0, 3, 3)), *(t.rotation[s] for t, s in chosen)]).reshape(-1, 9)
+    translation = np.concatenate([np.empty((0, 3)), *(t.translation[s] for t, s in chosen)])
+    mirror = column(lambda t, s: t.mirror[s], np.float64)
+    own_low, own_high = np.concatenate(low), np.concatenate(high)
+    extent = own_high - own_low
+    diagonal = np.sqrt(extent[:, 0] * extent[:, 0] + extent[:, 1] * extent[:, 1] + extent[:, 2] * extent[:, 2])
+    poses = (np.ascontiguousarray(rotation.T), np.ascontiguousarray(translation.T), mirror)
+    rows = column(lambda t, s: np.arange(s.start, s.stop))
+    where = placed_bounds(poses, np.arange(start), own_low, own_high)
+    return Block(stop - first, tuple(shelves), owner, site, rows, rank, *poses, *where, diagonal)
+
+
+Poses = tuple[np.ndarray, np.ndarray, np.ndarray]
+
+
+def placed_bounds(poses: Poses, row: np.ndarray, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Boxes (m, 3) in the own frames of rows, bounded by boxes in the object's frame."""
+    rotation, translation, mirror = poses[0][:, row], poses[1][:, row], poses[2][row]
+    middle, half = (low + high) / 2, (high - low) / 2
+    out_low, out_high = np.empty_like(middle), np.empty_like(middle)
+    y = middle[:, 1] * mirror
+    for axis in range(3):
+        a, b, c = rotation[3 * axis], rotation[3 * axis + 1], rotation[3 * axis + 2]
+        centre = a * middle[:, 0] + b * y + c * middle[:, 2] + translation[axis]
+        reach = np.abs(a) * half[:, 0] + np.abs(b) * half[:, 1] + np.abs(c) * half[:, 2]
+        out_low[:, axis], out_high[:, axis] = centre - reach, centre + reach
+    return out_low, out_high
+
+
+def to_object(poses: Poses, row: np.ndarray, local, shift: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Local coordinates (three arrays (m,)) of rows in the object's frame; directions without ``shift``."""
+    x, y, z = local[0], local[1] * poses[2][row], local[2]
+    out = []
+    for axis in range(3):
+        a, b, c = (poses[0][3 * axis + k][row] for k in range(3))
+        value = a * x + b * y + c * z
+        out.append(value + poses[1][axis][row] if shift else value)
+    return out[0], out[1], out[2]
+
+
+def to_local(poses: Poses, row: np.ndarray, point) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Coordinates of points of the object (three arrays (m,)) in the own frames of rows."""
+    offset = [point[axis] - poses[1][axis][row] for axis in range(3)]
+    out = []
+    for axis in range(3):
+        a, b, c = (poses[0][3 * k + axis][row] for k in range(3))
+        out.append(a * offset[0] + b * offset[1] + c * offset[2])
+    return out[0], out[1] * poses[2][row], out[2]

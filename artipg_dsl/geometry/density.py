@@ -1,0 +1,210 @@
+"""The area element of a patch, classified when the primitive is compiled, and points drawn by area.
+
+Along each fraction the element is constant, linear, or curved; it may be the same profile for all instances up to a
+factor. Constant and linear elements have a closed inverse, curved ones a table of a piecewise linear density.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from ..graph.expr import Expr, call
+from ..graph.primitive import Primitive
+from .patches import Params, Split, existing, grid, surfaces
+from .topology import shown
+
+_FLAT = 1e-9  # relative deviation below which an element counts as constant or linear
+_SAMPLES = np.linspace(0.0, 1.0, 9)
+_NODES_ONE, _NODES_BOTH, _NODES_SHARED = 65, 33, 257
+_GAUSS = [  # 4 panels of 8 nodes: bends of quarter turns end where panels do
+    ((panel + (x + 1) / 2) / 4, w / 8)
+    for panel in range(4)
+    for x, w in zip(*(a.tolist() for a in np.polynomial.legendre.leggauss(8)), strict=True)
+]
+
+
+@lru_cache(maxsize=4096)
+def element_split(primitive: Primitive, patch: int) -> Split:
+    """|du x dv| over fractions: square metres per unit of u and v."""
+    return Split(primitive, (norm(surfaces(primitive)[patch].cross),))
+
+
+def norm(vector: tuple[Expr, Expr, Expr]) -> Expr:
+    """The length of a vector."""
+    x, y, z = vector
+    return call("sqrt", x * x + y * y + z * z)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Kind:
+    """Nodes of the density along u and v: 1 constant, 2 linear, more a table.
+
+    With ``profile`` (nodes of u, nodes of v) one table holds for all instances: their area is ``factor`` times the
+    element at ``reference`` (fractions).
+    """
+
+    nodes: tuple[int, int]
+    profile: np.ndarray | None = None
+    factor: float = 1.0
+    reference: tuple[float, float] = (0.5, 0.5)
+
+
+@lru_cache(maxsize=4096)
+def kind(primitive: Primitive, patch: int) -> Kind:
+    """How the area element of a patch varies, from the test values."""
+    params = shown(primitive, patch)
+    u, v = np.meshgrid(_SAMPLES, _SAMPLES, indexing="ij")
+    element = grid(element_split(primitive, patch), params, u, v)[..., 0]
+    element = element / np.maximum(element.max(axis=(1, 2), keepdims=True), 1e-300)
+    nodes = tuple(_bend(np.moveaxis(element, 1 + axis, 1)) for axis in range(2))
+    curved = [n > 2 for n in nodes]
+    if not any(curved):
+        return Kind(nodes)  # type: ignore[arg-type]
+    same = np.abs(element - element[:1]).max() < _FLAT
+    size = (_NODES_BOTH if all(curved) else _NODES_ONE) if not same else (129 if all(curved) else _NODES_SHARED)
+    found: tuple[int, int] = tuple(size if c else n for c, n in zip(curved, nodes, strict=True))  # type: ignore[assignment]
+    if not same:
+        return Kind(found)
+    one = {name: value[:1] for name, value in params.items()}
+    top = np.unravel_index(int(np.argmax(element[0])), element[0].shape)
+    reference = (float(_SAMPLES[top[0]]), float(_SAMPLES[top[1]]))
+    scale = _at(primitive, patch, one, *reference)
+    factor = float((_integral(primitive, patch, one, found) / scale)[0])
+    return Kind(found, _table(primitive, patch, one, found)[0], factor, reference)
+
+
+def _bend(element: np.ndarray) -> int:
+    """1, 2 or 3: constant, linear or curved along axis 1."""
+    if np.abs(element - element[:, :1]).max() < _FLAT:
+        return 1
+    chord = element[:, :1] + _SAMPLES[None, :, None] * (element[:, -1:] - element[:, :1])
+    return 2 if np.abs(element - chord).max() < _FLAT else 3
+
+
+def _at(primitive: Primitive, patch: int, params: Params, u: float, v: float) -> np.ndarray:
+    """(k,): the element of each instance at one place."""
+    return grid(element_split(primitive, patch), params, np.array([u]), np.array([v]))[:, 0, 0]
+
+
+def _weights(nodes: int) -> list[tuple[float, float]]:
+    return [(0.5, 1.0)] if nodes == 1 else [(0.0, 0.5), (1.0, 0.5)] if nodes == 2 else _GAUSS
+
+
+def _integral(primitive: Primitive, patch: int, params: Params, nodes: tuple[int, int]) -> np.ndarray:
+    """(k,) areas, summed node by node so that the batch does not change the order."""
+    total = 0.0
+    for u, wu in _weights(nodes[0]):
+        for v, wv in _weights(nodes[1]):
+            total = total + _at(primitive, patch, params, u, v) * (wu * wv)
+    return np.asarray(total)
+
+
+def _table(primitive: Primitive, patch: int, params: Params, nodes: tuple[int, int]) -> np.ndarray:
+    """(k, nodes of u, nodes of v) the element at equally spaced nodes."""
+    u, v = (np.array([0.5]) if n == 1 else np.linspace(0.0, 1.0, n) for n in nodes)
+    return grid(element_split(primitive, patch), params, *np.meshgrid(u, v, indexing="ij"))[..., 0]
+
+
+class Placement:
+    """Areas (k,) of one patch on k instances, and where numbers in (0, 1) fall on it."""
+
+    def __init__(self, primitive: Primitive, patch: int, params: Params):
+        found = kind(primitive, patch)
+        self._shared = found.profile is not None
+        if found.profile is not None:
+            density = found.profile[None]
+            self.area = _at(primitive, patch, params, *found.reference) * found.factor
+        elif found.nodes == (1, 1):
+            density = None
+            self.area = _at(primitive, patch, params, 0.5, 0.5)
+        else:
+            density = _table(primitive, patch, params, found.nodes)
+            flat = max(found.nodes) == 2
+            self.area = _trapezoid(density) if flat else _integral(primitive, patch, params, found.nodes)
+        guard = surfaces(primitive)[patch].guard
+        if guard is not None:
+            self.area = np.where(existing(primitive, params)[:, patch], self.area, 0.0)
+        self._density = density
+        if density is not None:
+            marginal = (
+                (density[:, :, 1:] + density[:, :, :-1]).sum(axis=2) if density.shape[2] > 1 else density[:, :, 0]
+            )
+            self._first = _Line(marginal) if density.shape[1] > 1 else None
+
+    def place(self, row: np.ndarray, first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Fractions (u, v) for two arrays of numbers in (0, 1) on instances ``row``; area-uniform."""
+        density = self._density
+        if density is None:
+            return first, second
+        if self._shared:
+            row = np.zeros_like(row)
+        nu, nv = density.shape[1:]
+        if self._first is None:
+            return first, _Line(density[:, 0]).invert(row, second)
+        u = self._first.invert(row, first)
+        if nv == 1:
+            return u, second
+        cell = np.minimum((u * (nu - 1)).astype(np.int64), nu - 2)
+        t = u * (nu - 1) - cell
+        flat = density.reshape(-1, nv)
+        low = row * nu + cell
+        return u, _Line(flat).between(low, t, second)
+
+
+def _trapezoid(density: np.ndarray) -> np.ndarray:
+    """(k,): the mean of a table with one or two nodes along each axis."""
+    first = (density[:, 0] + density[:, -1]) / 2
+    return (first[:, 0] + first[:, -1]) / 2
+
+
+class _Line:
+    """Piecewise linear densities (k, n + 1) over 0 .. 1 with their running sums."""
+
+    def __init__(self, density: np.ndarray):
+        self.density = np.ascontiguousarray(density)
+        self.cells = density.shape[1] - 1
+        running = np.cumsum((self.density[:, 1:] + self.density[:, :-1]) / 2, axis=1)
+        self.running = np.concatenate([np.zeros((len(density), 1)), running], axis=1)
+
+    def invert(self, row: np.ndarray, q: np.ndarray) -> np.ndarray:
+        """Where the share ``q`` of the mass of line ``row`` is reached."""
+        n = self.cells + 1
+        density, running = self.density.reshape(-1), self.running.reshape(-1)
+        base = row * n
+        target = q * running[base + self.cells]
+        cell = self._search(lambda at: running[base + at], target)
+        left = base + cell
+        return (cell + _solve(target - running[left], density[left], density[left + 1])) / self.cells
+
+    def between(self, low: np.ndarray, t: np.ndarray, q: np.ndarray) -> np.ndarray:
+        """The same on the line at ``t`` between lines ``low`` and ``low + 1``."""
+        n = self.cells + 1
+        density, running = self.density.reshape(-1), self.running.reshape(-1)
+        base, s = low * n, 1.0 - t
+
+        def blend(values: np.ndarray, at: np.ndarray | int) -> np.ndarray:
+            return s * values[base + at] + t * values[base + n + at]
+
+        target = q * blend(running, self.cells)
+        cell = self._search(lambda at: blend(running, at), target)
+        inner = _solve(target - blend(running, cell), blend(density, cell), blend(density, cell + 1))
+        return (cell + inner) / self.cells
+
+    def _search(self, running, target: np.ndarray) -> np.ndarray:
+        """The last cell whose start does not exceed the target, by bisection."""
+        cell = np.zeros(len(target), dtype=np.int64)
+        step = 1 << (self.cells.bit_length() - 1)
+        while step:
+            probe = np.minimum(cell + step, self.cells - 1)
+            cell = np.where(running(probe) <= target, probe, cell)
+            step >>= 1
+        return cell
+
+
+def _solve(mass: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """x in 0 .. 1 with start * x + (end - start) * x ** 2 / 2 = mass, without cancellation."""
+    root = np.sqrt(np.maximum(start * start + 2.0 * mass * (end - start), 0.0))
+    return np.clip(2.0 * mass / np.maximum(start + root, 1e-300), 0.0, 1.0)

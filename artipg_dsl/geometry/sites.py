@@ -1,0 +1,33 @@
+"""The instances of one primitive site of a program, as a table."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..graph.primitive import Primitive
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SiteTable:
+    """All instances of one site in a batch, k rows sorted by ``owner`` and then ``rank``.
+
+    A local point (x, y, z) of row r lies at ``rotation[r] @ (x, mirror[r] * y, z) + translation[r]`` of its object.
+    """
+
+    number: int  # of the site in the program
+    path: str
+    primitive: Primitive
+    params: dict[str, np.ndarray]  # (k,) float64 each
+    owner: np.ndarray  # (k,) int64 object index within the batch, ascending
+    rotation: np.ndarray  # (k, 3, 3) proper
+    translation: np.ndarray  # (k, 3) metres
+    mirror: np.ndarray  # (k,) +1.0 or -1.0
+    link: np.ndarray  # (k,) int64 link instance number within its object
+    instance: np.ndarray  # (k,) int64 part instance number within its object
+    semantic: np.ndarray  # (k,) int64 semantic id of the whole site
+    rank: np.ndarray  # (k,) int64 rank of the row among the rows of this site in its object
+
+    def __len__(self) -> int:
+        return len(self.owner)

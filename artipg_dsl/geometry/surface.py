@@ -1,0 +1,79 @@
+"""Area, placing and exact normals on the surfaces of many instances."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from ..graph.expr import ZERO, const
+from ..graph.primitive import Primitive
+from .density import Placement, norm
+from .patches import Params, Split, rows_of, surfaces
+from .topology import orientation
+
+_COLLAPSED = 1e-60  # m4: the square of an area element that is zero but for rounding
+_NUDGE = 1e-6  # fraction by which a normal at a collapsed edge is taken further in
+
+Coordinates = tuple[np.ndarray, np.ndarray, np.ndarray]
+
+
+def areas(primitive: Primitive, params: Params) -> np.ndarray:
+    """(k, patches) areas in square metres, 0 where a patch does not exist."""
+    out = np.empty((rows_of(params), len(surfaces(primitive))))
+    for patch in range(out.shape[1]):
+        out[:, patch] = Placement(primitive, patch, params).area
+    return out
+
+
+def place(
+    primitive: Primitive, patch: int, params: Params, row: np.ndarray, first: np.ndarray, second: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Fractions (u, v), uniform by area, for pairs of numbers in (0, 1) on instances ``row`` (m,)."""
+    return Placement(primitive, patch, params).place(row, first, second)
+
+
+@lru_cache(maxsize=4096)
+def _split(primitive: Primitive, patch: int) -> Split:
+    """Position, outward unit normal, and the squared element where it can vanish on the surface (else 1)."""
+    surface = surfaces(primitive)[patch]
+    sign = const(float(orientation(primitive)[patch]))
+    x, y, z = surface.cross
+    length = norm(surface.cross)
+    normal = tuple(ZERO if c is ZERO else sign * c / length for c in surface.cross)
+    return Split(primitive, (*surface.position, *normal, x * x + y * y + z * z))
+
+
+class Evaluator:
+    """Positions and normals of one patch on k instances."""
+
+    def __init__(self, primitive: Primitive, patch: int, params: Params):
+        self._split = _split(primitive, patch)
+        self._rows = self._split.rows(params)
+
+    def at(self, row: np.ndarray, u: np.ndarray, v: np.ndarray) -> tuple[Coordinates, Coordinates]:
+        """Position (metres) and outward unit normal, as three arrays (m,) each, at fractions u, v of instances ``row``.
+
+        At a collapsed edge the normal is that of a point slightly further in.
+        """
+        gathered = [values[row] for values in self._rows]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            *found, element = self._split.points(gathered, u, v)
+        out = [np.broadcast_to(np.asarray(f, dtype=np.float64), u.shape) for f in found]
+        bad = np.flatnonzero(np.broadcast_to(element < _COLLAPSED, u.shape))
+        if len(bad):
+            inner = [np.clip(f[bad], _NUDGE, 1.0 - _NUDGE) for f in (u, v)]
+            with np.errstate(divide="ignore", invalid="ignore"):
+                fixed = self._split.points([g[bad] for g in gathered], *inner)
+            for axis in range(3, 6):
+                out[axis] = np.array(out[axis])
+                out[axis][bad] = fixed[axis]
+        return (out[0], out[1], out[2]), (out[3], out[4], out[5])
+
+
+def evaluate(
+    primitive: Primitive, patch: int, params: Params, row: np.ndarray, u: np.ndarray, v: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Position (m, 3) in metres and outward unit normal (m, 3) at fractions (u, v) of instances ``row`` (m,)."""
+    position, normal = Evaluator(primitive, patch, params).at(row, u, v)
+    return np.stack(position, axis=-1), np.stack(normal, axis=-1)
