@@ -1,0 +1,284 @@
+"""The self-test of a declared primitive over its test range: does everything that is said about it agree?
+
+Surfaces must close, the inside function must vanish on them and rise outwards, the box must be the box of the mesh,
+the volumes by mesh and by inside function must agree, and the convex pieces must lie within the solid and fill it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..graph import random
+from ..graph.primitive import Primitive
+from . import mesh, pieces, surface
+from .box import bounds
+from .errors import PrimitiveError
+from .hidden import inside_split
+from .patches import Params, rows_of, surfaces
+from .trial import trial
+
+ON_SURFACE = 1e-9  # how far the inside function may be from 0 on a surface, relative to the diagonal
+OFF_SURFACE = 1e-6  # how far off a surface its sides are asked
+LOOSE = 2e-3  # how much of its greatest side a box may exceed the mesh by
+AREA = 5e-3  # relative difference of areas by formula and by a fine mesh
+WITHIN = 1e-6  # how far out of the solid a piece may reach, relative to the diagonal
+FILL = 0.5  # what pieces leave out may lie this deep, relative to the greatest depth: a quarter of a wall
+MISSED = 0.015  # share of deeper places that may be missed all the same: the rim of a slice thinner than its rounding
+_FINE = 96  # steps per turn of the mesh that stands for the true shape
+_PLACES = 64  # places per surface
+_VOLUME = 8192  # places in the box
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """Something that does not agree. ``surface`` names the surface (or piece) at fault, where one is."""
+
+    primitive: str
+    check: str  # "closed", "inside", "normal", "slope", "box", "area", "volume", "pieces"
+    surface: str | None
+    message: str
+
+    def __str__(self) -> str:
+        place = f" {self.surface}" if self.surface else ""
+        return f"{self.primitive}{place}: {self.message}"
+
+
+def check_primitive(primitive: Primitive, samples: int = 12) -> list[Finding]:
+    """All that is wrong with a primitive over ``samples`` test values and the ends of its test ranges."""
+    try:
+        params = trial(primitive, samples)
+        mesh.build(primitive, params)
+    except PrimitiveError as error:
+        check = "inside" if "inside function" in error.message else "closed"
+        return [Finding(primitive.name, check, error.patch, error.message)]
+    inspection = _Inspection(primitive, params)
+    out: list[Finding] = []
+    for check in (_surfaces, _slope, _box, _areas, _volume, _pieces):
+        for name, where, message in check(inspection):
+            out.append(Finding(primitive.name, name, where, message))
+    return out
+
+
+Report = Iterator[tuple[str, str | None, str]]
+
+
+class _Inspection:
+    """What the checks share: places on the surfaces and in the boxes of the test values."""
+
+    def __init__(self, primitive: Primitive, params: Params):
+        self.primitive, self.params = primitive, params
+        self.count = rows_of(params)
+        self.low, self.high = bounds(primitive, params)
+        self._split = inside_split(primitive)
+        self._rows = self._split.rows(params)
+        self.fine = mesh.build(primitive, params, _FINE)
+        low, high = np.empty((self.count, 3)), np.empty((self.count, 3))
+        for group in self.fine:
+            low[group.rows], high[group.rows] = group.vertices.min(axis=1), group.vertices.max(axis=1)
+        self.mesh_low, self.mesh_high = low, high
+        self.diagonal = np.sqrt(((high - low) ** 2).sum(axis=1))
+        self.areas = surface.areas(primitive, params)
+
+    def inside(self, row: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """(m,) the inside function of rows at points (m, 3)."""
+        value = self._split.points([r[row] for r in self._rows], *points.T)[0]
+        return np.broadcast_to(value, row.shape)
+
+    def places(self, patch: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Rows (m,), positions and normals (m, 3) of places spread over one surface of all rows that have it."""
+        row = np.repeat(np.flatnonzero(self.areas[:, patch] > 0), _PLACES)
+        first, second = self.numbers(f"surface {patch}", len(row))
+        u, v = surface.place(self.primitive, patch, self.params, row, first, second)
+        return row, *surface.evaluate(self.primitive, patch, self.params, row, u, v)
+
+    def numbers(self, name: str, count: int) -> tuple[np.ndarray, np.ndarray]:
+        return random.pair(random.key(0, "selftest", self.primitive.name, name), np.arange(count))
+
+    def in_boxes(self) -> tuple[np.ndarray, np.ndarray]:
+        """Rows (m,) and places (m, 3) spread over boxes a tenth wider than those of the meshes."""
+        row = np.repeat(np.arange(self.count), _VOLUME)
+        x, y = self.numbers("volume", len(row))
+        z, _ = self.numbers("height", len(row))
+        fraction = np.stack([x, y, z], axis=-1) * 1.1 - 0.05
+        return row, self.mesh_low[row] + fraction * (self.mesh_high - self.mesh_low)[row]
+
+    def at(self, row: int) -> str:
+        """The test value of a row, for messages."""
+        return ", ".join(f"{n} = {float(self.params[n][row]):.4g}" for n in self.primitive.parameters)
+
+
+def _surfaces(seen: _Inspection) -> Report:
+    """The inside function is 0 on every surface, positive beyond and negative behind."""
+    for patch, made in enumerate(surfaces(seen.primitive)):
+        row, position, normal = seen.places(patch)
+        size = seen.diagonal[row]
+        value = np.abs(seen.inside(row, position)) / size
+        worst = int(np.argmax(value))
+        if value[worst] > ON_SURFACE:
+            share = f"{100 * value[worst]:.3g} % of its size"
+            yield "inside", made.name, f"the inside function is off the surface by {share} ({seen.at(row[worst])})"
+            continue
+        step = OFF_SURFACE * size
+        out = seen.inside(row, position + step[:, None] * normal) > 0
+        back = seen.inside(row, position - step[:, None] * normal) < 0
+        wrong = ~(out & back)
+        if wrong.mean() > 0.02:  # a place may lie within the step of an edge
+            worst = int(np.argmax(wrong))
+            yield (
+                "normal",
+                made.name,
+                (
+                    f"at {100 * wrong.mean():.3g} % of places the normal does not lead from inside to outside "
+                    f"({seen.at(row[worst])})"
+                ),
+            )
+
+
+def _slope(seen: _Inspection) -> Report:
+    """The inside function is a length: it changes by no more than the distance."""
+    row, points = seen.in_boxes()
+    first, second = seen.numbers("direction", len(row))
+    polar, around = np.arccos(2 * first - 1), 2 * np.pi * second
+    direction = np.stack([np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), np.cos(polar)], axis=-1)
+    step = 1e-4 * seen.diagonal[row]
+    change = np.abs(seen.inside(row, points + step[:, None] * direction) - seen.inside(row, points)) / step
+    worst = int(np.argmax(change))
+    if change[worst] > 1 + 1e-6:
+        yield (
+            "slope",
+            None,
+            f"the slope of the inside function reaches {change[worst]:.4g}, not 1 ({seen.at(row[worst])})",
+        )
+
+
+def _box(seen: _Inspection) -> Report:
+    """The stated box is that of the mesh."""
+    size = (seen.mesh_high - seen.mesh_low).max(axis=1)
+    for axis, name in enumerate("xyz"):
+        flipped = seen.low[:, axis] >= seen.high[:, axis]
+        if flipped.any():
+            yield "box", None, f"the box is turned inside out along {name} ({seen.at(int(np.argmax(flipped)))})"
+            continue
+        ends: tuple[tuple[str, np.ndarray, Callable], ...] = (
+            ("low", seen.low[:, axis] - seen.mesh_low[:, axis], np.argmin),
+            ("high", seen.mesh_high[:, axis] - seen.high[:, axis], np.argmax),
+        )
+        for end, beyond, find in ends:
+            out = beyond / size
+            worst = int(np.argmax(np.abs(out)))
+            if out.max() > ON_SURFACE:
+                worst = int(np.argmax(out))
+                patch = _reaching(seen, worst, axis, find)
+                yield (
+                    "box",
+                    patch,
+                    f"it reaches {1000 * beyond[worst]:.4g} mm out of the box, {end} {name} ({seen.at(worst)})",
+                )
+            elif np.abs(out).max() > LOOSE:
+                yield (
+                    "box",
+                    None,
+                    f"the box is {-1000 * beyond[worst]:.4g} mm too wide at {end} {name} ({seen.at(worst)})",
+                )
+
+
+def _reaching(seen: _Inspection, row: int, axis: int, find: Callable) -> str:
+    """The surface of the vertex that lies furthest out."""
+    for group in seen.fine:
+        at = np.flatnonzero(group.rows == row)
+        if len(at):
+            vertex = find(group.vertices[at[0], :, axis])
+            face = int(np.argmax((group.faces == vertex).any(axis=1)))
+            return surfaces(seen.primitive)[group.face_patch[face]].name
+    raise AssertionError("every row has a mesh")
+
+
+def _areas(seen: _Inspection) -> Report:
+    """Areas by formula agree with those of a fine mesh."""
+    for group in seen.fine:
+        corners = group.vertices[:, group.faces]
+        cross = np.cross(corners[:, :, 1] - corners[:, :, 0], corners[:, :, 2] - corners[:, :, 0])
+        area = np.sqrt((cross**2).sum(axis=-1)) / 2
+        for patch in np.unique(group.face_patch):
+            expected = area[:, group.face_patch == patch].sum(axis=1)
+            error = np.abs(seen.areas[group.rows, patch] / expected - 1)
+            worst = int(np.argmax(error))
+            if error[worst] > AREA:
+                name = surfaces(seen.primitive)[patch].name
+                row = int(group.rows[worst])
+                yield "area", name, f"its area differs from the mesh by {100 * error[worst]:.3g} % ({seen.at(row)})"
+
+
+def _volume(seen: _Inspection) -> Report:
+    """The share of the box that the inside function fills is that of the mesh."""
+    row, points = seen.in_boxes()
+    filled = (seen.inside(row, points) < 0).reshape(seen.count, -1).mean(axis=1)
+    box = np.prod(1.1 * (seen.mesh_high - seen.mesh_low), axis=1)
+    expected = np.empty(seen.count)
+    for group in seen.fine:
+        expected[group.rows] = mesh.moments(group.vertices, group.faces)[0]
+    if (expected <= 0).any():
+        yield "volume", None, f"the inside function has the wrong sign ({seen.at(int(np.argmin(expected)))})"
+        return
+    share = expected / box
+    error = np.abs(filled - share) - 5 * np.sqrt(share * np.maximum(1 - share, 0) / _VOLUME) - 2e-3
+    worst = int(np.argmax(error))
+    if error[worst] > 0:
+        shares = f"{100 * share[worst]:.3g} % of the space, the inside function {100 * filled[worst]:.3g} %"
+        yield "volume", None, f"the mesh fills {shares} ({seen.at(worst)})"
+
+
+def _pieces(seen: _Inspection) -> Report:
+    """Convex pieces lie within the solid and leave out no more than a quarter of a wall."""
+    groups = pieces.build(seen.primitive, seen.params)
+    for group in groups:
+        corners = group.vertices[:, group.faces]
+        middle = (corners[:, :, 0] + corners[:, :, 1] + corners[:, :, 2]) / 3
+        edges = (corners + np.roll(corners, 1, axis=2)).reshape(len(group.rows), -1, 3) / 2
+        points = np.concatenate([group.vertices, middle, edges], axis=1)
+        row = np.repeat(group.rows, points.shape[1])
+        out = seen.inside(row, points.reshape(-1, 3)) / seen.diagonal[row]
+        worst = int(np.argmax(out))
+        if out[worst] > WITHIN:
+            size = 1000 * out[worst] * seen.diagonal[row[worst]]
+            yield "pieces", group.name, f"this piece reaches {size:.4g} mm out of the solid ({seen.at(row[worst])})"
+    row, points = _deep(seen)
+    covered = np.zeros(len(row), dtype=bool)
+    for group in groups:
+        slot = np.full(seen.count, -1)
+        slot[group.rows] = np.arange(len(group.rows))
+        asked = np.flatnonzero((slot[row] >= 0) & ~covered)
+        corners = group.vertices[:, group.faces]
+        normal = np.cross(corners[:, :, 1] - corners[:, :, 0], corners[:, :, 2] - corners[:, :, 0])
+        reach = (normal * corners[:, :, 0]).sum(axis=-1)
+        behind = np.ones(len(asked), dtype=bool)
+        for face in range(len(group.faces)):
+            mine = slot[row[asked]]
+            behind &= (normal[mine, face] * points[asked]).sum(axis=1) <= reach[mine, face] + 1e-15
+        covered[asked[behind]] = True
+    share = 1 - covered.mean()
+    if share > MISSED:
+        worst = int(np.argmin(covered))
+        yield "pieces", None, f"no piece covers {100 * share:.3g} % of the depth of the solid ({seen.at(row[worst])})"
+
+
+def _deep(seen: _Inspection) -> tuple[np.ndarray, np.ndarray]:
+    """Rows and places that lie deeper than ``FILL`` of the greatest depth, found from the box and below surfaces."""
+    row, points = seen.in_boxes()
+    some = slice(None, None, 8)
+    rows, places = [row[some]], [points[some]]
+    thickness = np.min(seen.mesh_high - seen.mesh_low, axis=1)
+    for patch in range(seen.areas.shape[1]):
+        own, position, normal = seen.places(patch)
+        for fraction in (0.45, 0.2, 0.05, 0.02, 0.005):
+            rows.append(own)
+            places.append(position - fraction * thickness[own, None] * normal)
+    row, points = np.concatenate(rows), np.concatenate(places)
+    depth = -seen.inside(row, points)
+    greatest = np.zeros(seen.count)
+    np.maximum.at(greatest, row, depth)
+    kept = depth > FILL * greatest[row]
+    return row[kept], points[kept]
