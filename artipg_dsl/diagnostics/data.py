@@ -1,0 +1,52 @@
+"""Diagnostics as data for tools: JSON and SARIF."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from typing import Any
+
+from ..source import Span
+from .codes import CODES
+from .model import Diagnostic
+
+
+def place(span: Span | None) -> dict[str, Any] | None:
+    """File, and line and column from 1 at both ends (the end is behind the last character)."""
+    if span is None:
+        return None
+    line, column = span.source.position(span.start)
+    end_line, end_column = span.source.position(span.end)
+    return {"file": span.source.name, "line": line, "column": column, "end_line": end_line, "end_column": end_column}
+
+
+def to_json(diagnostics: Iterable[Diagnostic]) -> str:
+    """A JSON list of findings."""
+    rows = [
+        {
+            "code": d.code, "severity": d.severity, "message": d.message, "place": place(d.span), "hint": d.hint,
+            "notes": [{"place": place(s), "message": t} for s, t in d.notes],
+            "trace": [{"place": place(s), "message": t} for s, t in d.trace],
+        }
+        for d in diagnostics
+    ]  # fmt: skip
+    return json.dumps(rows, indent=2)
+
+
+def to_sarif(diagnostics: Iterable[Diagnostic], version: str) -> str:
+    """SARIF 2.1.0, which code hosts and editors read."""
+    found = list(diagnostics)
+    rules = [{"id": c, "shortDescription": {"text": CODES[c].summary}} for c in sorted({d.code for d in found})]
+    results = []
+    for d in found:
+        result: dict[str, Any] = {"ruleId": d.code, "level": d.severity, "message": {"text": d.message}}
+        if (where := place(d.span)) is not None:
+            region = {
+                "startLine": where["line"], "startColumn": where["column"],
+                "endLine": where["end_line"], "endColumn": where["end_column"],
+            }  # fmt: skip
+            location = {"artifactLocation": {"uri": where["file"]}, "region": region}
+            result["locations"] = [{"physicalLocation": location}]
+        results.append(result)
+    driver = {"name": "apgc", "version": version, "rules": rules}
+    return json.dumps({"version": "2.1.0", "runs": [{"tool": {"driver": driver}, "results": results}]}, indent=2)

@@ -1,0 +1,438 @@
+"""Scalar expressions over the columns of tables: immutable, interned, folded while they are built.
+
+An expression lives in a *scope* (a table): the deepest one that its columns belong to, or none for a constant or a
+formula over free variables. A value of an ancestor scope is gathered into a deeper one implicitly; values go the other
+way only through ``phi`` (one row or none per parent row), ``reduce`` and ``element``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from weakref import WeakValueDictionary
+
+
+@dataclass(eq=False, slots=True)
+class Scope:
+    """A table of the program. ``count`` gives the rows per row of the parent: a count, or a guard that is 0 or 1."""
+
+    name: str
+    parent: Scope | None = None
+    kind: str = "root"  # "root" | "repeat" | "guard"
+    count: Expr | None = None
+
+    @property
+    def depth(self) -> int:
+        return 0 if self.parent is None else self.parent.depth + 1
+
+    def ancestors(self) -> Iterable[Scope]:
+        """This scope, its parent, and so on up to the root."""
+        scope: Scope | None = self
+        while scope is not None:
+            yield scope
+            scope = scope.parent
+
+    def within(self, other: Scope | None) -> bool:
+        return other is None or any(scope is other for scope in self.ancestors())
+
+    def __repr__(self) -> str:
+        return f"<scope {self.name}>"
+
+
+@dataclass(eq=False, slots=True)
+class Column:
+    """A named value per row of a scope. ``kind`` is "real", "count", "choice" or "bool"."""
+
+    scope: Scope
+    name: str
+    kind: str = "real"
+
+    @property
+    def path(self) -> str:
+        return f"{self.scope.name}.{self.name}" if self.scope.parent is not None else self.name
+
+    def __repr__(self) -> str:
+        return f"<column {self.path}>"
+
+
+class Expr:
+    """One node. ``op`` names it, ``args`` are expressions, ``value`` what is not an expression."""
+
+    __slots__ = ("op", "args", "value", "scope", "__weakref__")
+
+    op: str
+    args: tuple[Expr, ...]
+    value: object
+    scope: Scope | None
+
+    @property
+    def constant(self) -> float | None:
+        return self.value if self.op == "const" else None  # type: ignore[return-value]
+
+    def __repr__(self) -> str:
+        return show(self)
+
+    def __add__(self, other: Expr | float) -> Expr:
+        return add(self, wrap(other))
+
+    def __radd__(self, other: float) -> Expr:
+        return add(wrap(other), self)
+
+    def __sub__(self, other: Expr | float) -> Expr:
+        return sub(self, wrap(other))
+
+    def __rsub__(self, other: float) -> Expr:
+        return sub(wrap(other), self)
+
+    def __mul__(self, other: Expr | float) -> Expr:
+        return mul(self, wrap(other))
+
+    def __rmul__(self, other: float) -> Expr:
+        return mul(wrap(other), self)
+
+    def __truediv__(self, other: Expr | float) -> Expr:
+        return div(self, wrap(other))
+
+    def __rtruediv__(self, other: float) -> Expr:
+        return div(wrap(other), self)
+
+    def __neg__(self) -> Expr:
+        return neg(self)
+
+
+_interned: WeakValueDictionary[tuple, Expr] = WeakValueDictionary()
+
+# name -> (arity, scalar implementation used for folding constants)
+FUNCTIONS: dict[str, tuple[int, Callable[..., float]]] = {
+    "add": (2, lambda a, b: a + b),
+    "sub": (2, lambda a, b: a - b),
+    "mul": (2, lambda a, b: a * b),
+    "div": (2, lambda a, b: a / b),
+    "neg": (1, lambda a: -a),
+    "pow": (2, lambda a, b: a**b),
+    "abs": (1, abs),
+    "sqrt": (1, math.sqrt),
+    "sin": (1, math.sin),
+    "cos": (1, math.cos),
+    "tan": (1, math.tan),
+    "asin": (1, math.asin),
+    "acos": (1, math.acos),
+    "atan": (1, math.atan),
+    "atan2": (2, math.atan2),
+    "hypot": (2, math.hypot),
+    "exp": (1, math.exp),
+    "log": (1, math.log),
+    "floor": (1, math.floor),
+    "ceil": (1, math.ceil),
+    "sign": (1, lambda a: float((a > 0) - (a < 0))),
+    "min": (2, min),
+    "max": (2, max),
+    "mod": (2, lambda a, b: a % b),
+    "lt": (2, lambda a, b: a < b),
+    "le": (2, lambda a, b: a <= b),
+    "eq": (2, lambda a, b: a == b),
+    "and": (2, lambda a, b: bool(a) and bool(b)),
+    "or": (2, lambda a, b: bool(a) or bool(b)),
+    "not": (1, lambda a: not a),
+    "where": (3, lambda c, a, b: a if c else b),
+}
+PREDICATES = frozenset({"lt", "le", "eq", "and", "or", "not"})
+# ops that read other tables: phi (value: child scopes; args: one per child, then the default), reduce (value: (kind, child)),
+# element (value: child; args: expression, rank), previous (value: scope; args: expression, first), scan (exclusive sum before a row)
+CROSSING = frozenset({"phi", "reduce", "element", "previous", "scan"})
+
+
+def _make(op: str, args: tuple[Expr, ...] = (), value: object = None, scope: Scope | None = None) -> Expr:
+    key = (op, tuple(map(id, args)), (type(value), value) if not isinstance(value, tuple) else value)
+    found = _interned.get(key)
+    if found is None:
+        found = Expr()
+        found.op, found.args, found.value, found.scope = op, args, value, scope
+        _interned[key] = found
+    return found
+
+
+def deepest(args: Iterable[Expr]) -> Scope | None:
+    """The scope in which an operation on ``args`` lives; they must lie on one chain of ancestors."""
+    best: Scope | None = None
+    for arg in args:
+        if arg.scope is None or arg.scope is best:
+            continue
+        if best is None or arg.scope.within(best):
+            best = arg.scope
+        elif not best.within(arg.scope):
+            raise ScopeError(best, arg.scope)
+    return best
+
+
+class ScopeError(Exception):
+    """Two values of tables that are not on one chain; the lowering turns it into a diagnostic."""
+
+    def __init__(self, first: Scope, second: Scope):
+        super().__init__(f"{first.name} and {second.name} have no common rows")
+        self.first, self.second = first, second
+
+
+def const(value: float | bool) -> Expr:
+    if not isinstance(value, bool):
+        value = float(value)
+        if value == 0.0:
+            value = 0.0  # one zero: -0.0 would be a second constant of the same value
+    return _make("const", value=value)
+
+
+ZERO, ONE, TRUE, FALSE = const(0.0), const(1.0), const(True), const(False)
+
+
+def wrap(value: Expr | float) -> Expr:
+    return value if isinstance(value, Expr) else const(value)
+
+
+def col(column: Column) -> Expr:
+    return _make("col", value=column, scope=column.scope)
+
+
+def var(name: str) -> Expr:
+    """A free variable of a formula (``u``, ``v``, ``p.x``, a parameter of a primitive)."""
+    return _make("var", value=name)
+
+
+def rank(scope: Scope) -> Expr:
+    """The rank of a row of a repeat among its siblings, from 0."""
+    return _make("rank", value=scope, scope=scope)
+
+
+def call(op: str, *args: Expr) -> Expr:
+    """An operation of ``FUNCTIONS``, folded when all its arguments are constants."""
+    arity, function = FUNCTIONS[op]
+    if len(args) != arity:
+        raise ValueError(f"{op} takes {arity} arguments")
+    if all(a.op == "const" for a in args):
+        try:
+            return const(function(*(a.value for a in args)))
+        except (ValueError, ZeroDivisionError, OverflowError):
+            pass
+    return _make(op, args, scope=deepest(args))
+
+
+def add(a: Expr, b: Expr) -> Expr:
+    if a is ZERO:
+        return b
+    if b is ZERO:
+        return a
+    if b.op == "neg":
+        return sub(a, b.args[0])
+    return call("add", a, b)
+
+
+def sub(a: Expr, b: Expr) -> Expr:
+    if b is ZERO:
+        return a
+    if a is ZERO:
+        return neg(b)
+    if a is b:
+        return ZERO
+    if b.op == "neg":
+        return add(a, b.args[0])
+    return call("sub", a, b)
+
+
+def mul(a: Expr, b: Expr) -> Expr:
+    if a is ZERO or b is ZERO:
+        return ZERO
+    if a is ONE:
+        return b
+    if b is ONE:
+        return a
+    if a.constant == -1.0:
+        return neg(b)
+    if b.constant == -1.0:
+        return neg(a)
+    return call("mul", a, b)
+
+
+def div(a: Expr, b: Expr) -> Expr:
+    if a is ZERO:
+        return ZERO
+    if b is ONE:
+        return a
+    if b.op == "const" and b.value not in (0.0, True, False) and a.op != "const":
+        return mul(a, const(1.0 / float(b.value)))  # type: ignore[arg-type]
+    return call("div", a, b)
+
+
+def neg(a: Expr) -> Expr:
+    return a.args[0] if a.op == "neg" else call("neg", a)
+
+
+def power(a: Expr, b: Expr) -> Expr:
+    if b.constant == 1.0:
+        return a
+    if b.constant == 2.0:
+        return mul(a, a)
+    return call("pow", a, b)
+
+
+def both(a: Expr, b: Expr) -> Expr:
+    if a is FALSE or b is FALSE:
+        return FALSE
+    if a is TRUE:
+        return b
+    if b is TRUE or a is b:
+        return a
+    return call("and", a, b)
+
+
+def either(a: Expr, b: Expr) -> Expr:
+    if a is TRUE or b is TRUE:
+        return TRUE
+    if a is FALSE:
+        return b
+    if b is FALSE or a is b:
+        return a
+    return call("or", a, b)
+
+
+def negate(a: Expr) -> Expr:
+    return a.args[0] if a.op == "not" else call("not", a)
+
+
+def where(condition: Expr, a: Expr, b: Expr) -> Expr:
+    if condition is TRUE or a is b:
+        return a
+    if condition is FALSE:
+        return b
+    return call("where", condition, a, b)
+
+
+def minimum(*args: Expr) -> Expr:
+    best = args[0]
+    for arg in args[1:]:
+        best = best if best is arg else call("min", best, arg)
+    return best
+
+
+def maximum(*args: Expr) -> Expr:
+    best = args[0]
+    for arg in args[1:]:
+        best = best if best is arg else call("max", best, arg)
+    return best
+
+
+def phi(parent: Scope, branches: Iterable[tuple[Scope, Expr]], default: Expr = ZERO) -> Expr:
+    """In ``parent``, the value of whichever child has a row, else ``default`` (an expression of ``parent``).
+
+    Branches are ``(child guard scope, expression in it)``, whose rows exclude one another.
+    """
+    branches = tuple(branches)
+    if branches and all(value is branches[0][1] for _, value in branches):
+        value = branches[0][1]
+        if value.scope is None or parent.within(value.scope):
+            if value is default or default is ZERO:
+                return value
+    return _make("phi", (*(v for _, v in branches), default), tuple(s for s, _ in branches), parent)
+
+
+def reduce(kind: str, child: Scope, value: Expr) -> Expr:
+    """``sum``, ``min``, ``max``, ``any`` or ``all`` of the rows of ``child`` per row of its parent.
+
+    Over no rows: 0, +inf, -inf, False, True.
+    """
+    return _make("reduce", (value,), (kind, child), child.parent)
+
+
+def element(child: Scope, value: Expr, index: Expr) -> Expr:
+    """The value of the row of ``child`` with rank ``index`` (an expression of the parent), for each row of its parent."""
+    return _make("element", (value, index), child, child.parent)
+
+
+def previous(scope: Scope, value: Expr, first: Expr) -> Expr:
+    """The value of the sibling before; ``first`` for rank 0."""
+    return _make("previous", (value, first), scope, scope)
+
+
+def scan(scope: Scope, value: Expr) -> Expr:
+    """The sum of ``value`` over the siblings before a row."""
+    return _make("scan", (value,), scope, scope)
+
+
+# ---------------------------------------------------------------- walking
+
+
+def leaves(root: Expr, *, through: bool = True) -> set[Column]:
+    """The columns an expression reads; with ``through`` also inside phi, reductions and elements."""
+    found: set[Column] = set()
+    seen: set[int] = set()
+    stack = [root]
+    while stack:
+        node = stack.pop()
+        if id(node) in seen:
+            continue
+        seen.add(id(node))
+        if node.op == "col":
+            found.add(node.value)  # type: ignore[arg-type]
+        elif through or node.op not in CROSSING:
+            stack.extend(node.args)
+    return found
+
+
+def substitute(root: Expr, mapping: dict[Expr, Expr]) -> Expr:
+    """Replace nodes (columns or variables, as a rule) throughout, folding again."""
+    memo: dict[int, Expr] = {}
+
+    def visit(node: Expr) -> Expr:
+        if node in mapping:
+            return mapping[node]
+        if not node.args:
+            return node
+        done = memo.get(id(node))
+        if done is None:
+            args = tuple(visit(a) for a in node.args)
+            done = node if all(x is y for x, y in zip(args, node.args, strict=True)) else rebuild(node, args)
+            memo[id(node)] = done
+        return done
+
+    return visit(root)
+
+
+_BUILDERS: dict[str, Callable[..., Expr]] = {
+    "add": add, "sub": sub, "mul": mul, "div": div, "neg": neg, "pow": power,
+    "and": both, "or": either, "not": negate, "where": where,
+}  # fmt: skip
+
+
+def rebuild(node: Expr, args: tuple[Expr, ...]) -> Expr:
+    """A node of the same operation on other arguments."""
+    if node.op == "phi":
+        scopes: tuple[Scope, ...] = node.value  # type: ignore[assignment]
+        return phi(node.scope, zip(scopes, args[:-1], strict=True), args[-1])  # type: ignore[arg-type]
+    if node.op in CROSSING:
+        return _make(node.op, args, node.value, node.scope)
+    return _BUILDERS[node.op](*args) if node.op in _BUILDERS else call(node.op, *args)
+
+
+_INFIX = {"add": "+", "sub": "-", "mul": "*", "div": "/", "pow": "^", "lt": "<", "le": "<=", "eq": "==", "and": "and", "or": "or"}
+
+
+def show(node: Expr) -> str:
+    """A readable form, for people; the exact form is in ``graph.text``."""
+    if node.op == "const":
+        return f"{node.value:.9g}" if not isinstance(node.value, bool) else str(node.value).lower()
+    if node.op == "col":
+        return node.value.path  # type: ignore[union-attr]
+    if node.op == "var":
+        return str(node.value)
+    if node.op == "rank":
+        return f"rank({node.value.name})"  # type: ignore[union-attr]
+    if node.op in _INFIX:
+        return f"({show(node.args[0])} {_INFIX[node.op]} {show(node.args[1])})"
+    if node.op == "neg":
+        return f"-{show(node.args[0])}"
+    inner = ", ".join(show(a) for a in node.args)
+    if node.op == "phi":
+        return f"phi({inner})"
+    if node.op == "reduce":
+        kind, child = node.value  # type: ignore[misc]
+        return f"{kind}[{child.name}]({inner})"
+    return f"{node.op}({inner})"

@@ -1,0 +1,108 @@
+"""Formulas over free variables turned into NumPy functions: patches, inside functions, label fields.
+
+The generated function takes arrays that broadcast with one another and returns one array per expression. Equal
+subexpressions are computed once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+
+import numpy as np
+
+from .expr import Expr, show
+
+NUMPY = {
+    "add": "({0} + {1})", "sub": "({0} - {1})", "mul": "({0} * {1})", "div": "({0} / {1})", "neg": "(-{0})",
+    "pow": "np.power({0}, {1})", "abs": "np.abs({0})", "sqrt": "np.sqrt({0})", "sin": "np.sin({0})", "cos": "np.cos({0})",
+    "tan": "np.tan({0})", "asin": "np.arcsin({0})", "acos": "np.arccos({0})", "atan": "np.arctan({0})",
+    "atan2": "np.arctan2({0}, {1})", "hypot": "np.hypot({0}, {1})", "exp": "np.exp({0})", "log": "np.log({0})",
+    "floor": "np.floor({0})", "ceil": "np.ceil({0})", "sign": "np.sign({0})", "min": "np.minimum({0}, {1})",
+    "max": "np.maximum({0}, {1})", "mod": "np.mod({0}, {1})", "lt": "({0} < {1})", "le": "({0} <= {1})",
+    "eq": "({0} == {1})", "and": "np.logical_and({0}, {1})", "or": "np.logical_or({0}, {1})",
+    "not": "np.logical_not({0})", "where": "np.where({0}, {1}, {2})",
+}  # fmt: skip
+
+
+def literal(value: object) -> str:
+    """A constant as Python source that reads back to the same bits."""
+    if isinstance(value, bool):
+        return repr(value)
+    number = float(value)  # type: ignore[arg-type]
+    if number != number or number in (float("inf"), float("-inf")):
+        return {"inf": "np.inf", "-inf": "-np.inf", "nan": "np.nan"}[repr(number)]
+    return repr(number) if number >= 0 else f"({number!r})"
+
+
+def source(exprs: Sequence[Expr], names: Sequence[str]) -> str:
+    """Python source of ``def formula(<names>)`` that returns a tuple with one value per expression.
+
+    ``names`` are the free variables in the order of the parameters; ``p.x`` is written ``p_x``.
+    """
+    lines: list[str] = []
+    done: dict[int, str] = {}
+    known = set(names)
+
+    def emit(node: Expr) -> str:
+        if id(node) in done:
+            return done[id(node)]
+        if node.op == "const":
+            text = literal(node.value)
+        elif node.op == "var":
+            if node.value not in known:
+                raise ValueError(f"a formula reads {node.value}, which is not among its variables {sorted(known)}")
+            text = mangle(str(node.value))
+        elif node.op in NUMPY:
+            text = NUMPY[node.op].format(*(emit(a) for a in node.args))
+            name = f"t{len(lines)}"
+            lines.append(f"    {name} = {text}")
+            text = name
+        else:
+            raise ValueError(f"{show(node)} is not a formula over variables")
+        done[id(node)] = text
+        return text
+
+    results = [emit(e) for e in exprs]
+    header = f"def formula({', '.join(mangle(n) for n in names)}):"
+    return "\n".join([header, *lines, f"    return ({', '.join(results)},)"])
+
+
+def mangle(name: str) -> str:
+    return "v_" + name.replace(".", "_")
+
+
+@lru_cache(maxsize=4096)
+def _compile(exprs: tuple[Expr, ...], names: tuple[str, ...]) -> Callable[..., tuple]:
+    namespace: dict[str, object] = {"np": np}
+    exec(source(exprs, names), namespace)  # noqa: S102 - our own generated text, no user string reaches it
+    return namespace["formula"]  # type: ignore[return-value]
+
+
+def compile_formula(exprs: Sequence[Expr], names: Sequence[str]) -> Callable[..., tuple]:
+    """A function of the variables ``names`` (arrays or scalars) that returns a tuple of values, one per expression."""
+    return _compile(tuple(exprs), tuple(names))
+
+
+def evaluate(exprs: Sequence[Expr], values: dict[str, np.ndarray | float]) -> list[np.ndarray]:
+    """Values of the expressions for the given variables, broadcast to one common shape, float64 or bool."""
+    names = tuple(sorted(free_variables(exprs)))
+    results = compile_formula(exprs, names)(*(values[n] for n in names))
+    shape = np.broadcast_shapes(*(np.shape(v) for v in values.values())) if values else ()
+    return [np.broadcast_to(np.asarray(r), shape) for r in results]
+
+
+def free_variables(exprs: Sequence[Expr]) -> set[str]:
+    """Names of the variables that the expressions read."""
+    found: set[str] = set()
+    seen: set[int] = set()
+    stack = list(exprs)
+    while stack:
+        node = stack.pop()
+        if id(node) in seen:
+            continue
+        seen.add(id(node))
+        if node.op == "var":
+            found.add(str(node.value))
+        stack.extend(node.args)
+    return found

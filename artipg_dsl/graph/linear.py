@@ -1,0 +1,209 @@
+"""Linear forms of expressions in chosen columns, and solving for a single occurrence."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from . import expr as E
+from .expr import ONE, ZERO, Column, Expr
+
+Form = tuple[dict[Column, Expr], Expr]  # coefficient of each column, and the rest
+
+
+class Linear:
+    """Linear forms in the columns for which ``unknown`` holds, reading defined columns through ``definitions``."""
+
+    def __init__(self, unknown: Callable[[Column], bool], definitions: Mapping[Column, Expr]):
+        self.unknown, self.definitions = unknown, definitions
+        self.memo: dict[Expr, Form | None] = {}
+        self.reads_memo: dict[Expr, bool] = {}
+
+    def reads(self, node: Expr) -> bool:
+        """Whether the expression depends on an unknown at all."""
+        known = self.reads_memo.get(node)
+        if known is None:
+            if node.op == "col":
+                column: Column = node.value  # type: ignore[assignment]
+                definition = self.definitions.get(column)
+                known = self.unknown(column) or (definition is not None and self.reads(definition))
+            else:
+                known = any(self.reads(a) for a in node.args)
+            self.reads_memo[node] = known
+        return known
+
+    def columns(self, node: Expr) -> set[Column]:
+        """The unknowns on which an expression depends."""
+        found: set[Column] = set()
+        stack = [node]
+        seen: set[Expr] = set()
+        while stack:
+            at = stack.pop()
+            if at in seen or not self.reads(at):
+                continue
+            seen.add(at)
+            if at.op == "col":
+                column: Column = at.value  # type: ignore[assignment]
+                if self.unknown(column):
+                    found.add(column)
+                else:
+                    stack.append(self.definitions[column])
+            else:
+                stack.extend(at.args)
+        return found
+
+    def form(self, node: Expr) -> Form | None:
+        """Coefficients and rest, or None where the expression is not linear in the unknowns."""
+        if not self.reads(node):
+            return {}, node
+        if node not in self.memo:
+            self.memo[node] = self._form(node)
+        return self.memo[node]
+
+    def _form(self, node: Expr) -> Form | None:
+        if node.op == "col":
+            column: Column = node.value  # type: ignore[assignment]
+            return ({column: ONE}, ZERO) if self.unknown(column) else self.form(self.definitions[column])
+        if node.op in ("add", "sub"):
+            left, right = self.form(node.args[0]), self.form(node.args[1])
+            if left is None or right is None:
+                return None
+            return combine(left, right, ONE if node.op == "add" else E.const(-1.0))
+        if node.op == "neg":
+            inner = self.form(node.args[0])
+            return None if inner is None else scaled(inner, E.const(-1.0))
+        if node.op == "mul":
+            a, b = node.args
+            if self.reads(a) and self.reads(b):
+                return None
+            inner = self.form(a if self.reads(a) else b)
+            return None if inner is None else scaled(inner, b if self.reads(a) else a)
+        if node.op == "div" and not self.reads(node.args[1]):
+            inner = self.form(node.args[0])
+            return None if inner is None else scaled(inner, E.div(ONE, node.args[1]))
+        if node.op == "where" and not self.reads(node.args[0]):
+            return self.branches(node.args[1:], lambda values: E.where(node.args[0], *values))
+        if node.op == "phi":
+            scopes = node.value
+            return self.branches(
+                node.args,
+                lambda values: E.phi(node.scope, zip(scopes, values[:-1], strict=True), values[-1]),  # type: ignore[arg-type]
+                default_free=True,
+            )
+        return None
+
+    def branches(self, args: tuple[Expr, ...], make: Callable, *, default_free: bool = False) -> Form | None:
+        forms = [self.form(a) for a in args]
+        if any(f is None for f in forms):
+            return None
+        names = {c for f in forms for c in f[0]}  # type: ignore[index]
+        real = forms[:-1] if default_free else forms
+        coefficients: dict[Column, Expr] = {}
+        for name in names:
+            values = [f[0].get(name, ZERO) for f in forms]  # type: ignore[index]
+            shared = {f[0].get(name, ZERO) for f in real}  # type: ignore[index]
+            coefficients[name] = shared.pop() if len(shared) == 1 else make(values)
+        return coefficients, make([f[1] for f in forms])  # type: ignore[index]
+
+
+def combine(a: Form, b: Form, factor: Expr) -> Form:
+    """a + factor * b, without the coefficients that cancel."""
+    coefficients = dict(a[0])
+    for column, value in b[0].items():
+        total = E.add(coefficients.get(column, ZERO), E.mul(factor, value))
+        if total is ZERO:
+            coefficients.pop(column, None)
+        else:
+            coefficients[column] = total
+    return coefficients, E.add(a[1], E.mul(factor, b[1]))
+
+
+def scaled(form: Form, factor: Expr) -> Form:
+    return {c: E.mul(v, factor) for c, v in form[0].items()}, E.mul(form[1], factor)
+
+
+INVERSES: dict[str, Callable[[Expr], Expr]] = {
+    "neg": E.neg,
+    "sqrt": lambda v: E.mul(v, v),
+    "abs": lambda v: v,  # lengths: the positive root
+    "sin": lambda v: E.call("asin", v),
+    "cos": lambda v: E.call("acos", v),
+    "tan": lambda v: E.call("atan", v),
+    "asin": lambda v: E.call("sin", v),
+    "exp": lambda v: E.call("log", v),
+    "log": lambda v: E.call("exp", v),
+}
+
+
+def isolate(node: Expr, target: Column, value: Expr, linear: Linear) -> Expr | None:
+    """Solve ``node = value`` for a column that stands in it once; the principal root where there are several."""
+    while True:
+        if node.op == "col":
+            if node.value is target:
+                return value
+            definition = linear.definitions.get(node.value)  # type: ignore[arg-type]
+            if definition is None:
+                return None
+            node = definition
+            continue
+        inside = [k for k, a in enumerate(node.args) if linear.reads(a)]
+        if len(inside) != 1:
+            if node.op == "mul" and node.args[0] is node.args[1]:
+                node, value = node.args[0], E.call("sqrt", value)
+                continue
+            return None
+        k = inside[0]
+        other = node.args[1 - k] if len(node.args) == 2 else None
+        if node.op in INVERSES:
+            value = INVERSES[node.op](value)
+        elif node.op == "add":
+            value = E.sub(value, other)  # type: ignore[arg-type]
+        elif node.op == "sub":
+            value = E.add(value, other) if k == 0 else E.sub(other, value)  # type: ignore[arg-type]
+        elif node.op == "mul":
+            value = E.div(value, other)  # type: ignore[arg-type]
+        elif node.op == "div":
+            value = E.mul(value, other) if k == 0 else E.div(other, value)  # type: ignore[arg-type]
+        elif node.op == "hypot":
+            value = E.call("sqrt", E.sub(E.mul(value, value), E.mul(other, other)))  # type: ignore[arg-type]
+        elif node.op == "pow" and k == 0:
+            value = E.call("pow", value, E.div(ONE, other))  # type: ignore[arg-type]
+        else:
+            return None
+        node = node.args[k]
+
+
+def solve_block(forms: list[Form], columns: list[Column]) -> dict[Column, Expr] | None:
+    """Gauss elimination of ``form = 0`` for as many columns; pivots are constants where there are any."""
+    rows = [(dict(c), rest) for c, rest in forms]
+    order: list[tuple[Column, dict[Column, Expr], Expr]] = []
+    left = list(columns)
+    while left:
+        best = None
+        for r, (coefficients, _) in enumerate(rows):
+            for column in left:
+                value = coefficients.get(column)
+                if value is not None and value is not ZERO:
+                    quality = (value.op != "const", len(coefficients))
+                    if best is None or quality < best[0]:
+                        best = (quality, r, column)
+        if best is None:
+            return None
+        _, r, column = best
+        coefficients, rest = rows.pop(r)
+        pivot = coefficients.pop(column)
+        factor = E.div(E.const(-1.0), pivot)
+        solved = scaled((coefficients, rest), factor)  # column = solved
+        next_rows = []
+        for other, other_rest in rows:
+            value = other.pop(column, None)
+            next_rows.append((other, other_rest) if value is None else combine((other, other_rest), solved, value))
+        rows = next_rows
+        order.append((column, solved[0], solved[1]))
+        left.remove(column)
+    result: dict[Column, Expr] = {}
+    for column, coefficients, rest in reversed(order):
+        value = rest
+        for other, factor in coefficients.items():
+            value = E.add(value, E.mul(factor, result.get(other, E.col(other))))
+        result[column] = value
+    return result

@@ -1,0 +1,59 @@
+"""A primitive as the runtime knows it: formulas over its parameters, nothing else.
+
+Variables of the formulas: each parameter by its name (a vector's components as ``size.x``, ``size.y``, ``size.z``),
+``u`` and ``v`` on a surface, ``p.x``, ``p.y``, ``p.z`` in the inside function, ``i`` (the index) in indexed patches
+and pieces. Lengths in metres, angles in radians, the primitive's own frame.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from .expr import Expr
+
+Triple = tuple[Expr, Expr, Expr]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Patch:
+    """A surface ``position(u, v)`` over ``u0 .. u1`` by ``v0 .. v1`` (formulas of the parameters).
+
+    ``guard`` (a predicate of the parameters, or None) says when the patch exists. ``count`` (a constant, or None)
+    repeats an indexed patch for ``i`` = 0 .. count - 1.
+    """
+
+    name: str
+    position: Triple
+    u_range: tuple[Expr, Expr]
+    v_range: tuple[Expr, Expr]
+    guard: Expr | None = None
+    count: int | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Piece:
+    """Convex pieces: the hull of ``points``, for ``i`` = 0 .. count - 1 (``count`` a formula of the parameters, None: one)."""
+
+    name: str
+    points: tuple[Triple, ...]
+    count: Expr | None = None
+    guard: Expr | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Primitive:
+    """``parameters`` are the scalar parameter names in order; ``test`` their test ranges (metres, radians) in the same
+    order; ``requires`` predicates that the parameters must meet. Without ``pieces`` a primitive is the hull of its mesh.
+    """
+
+    name: str
+    parameters: tuple[str, ...]
+    test: tuple[tuple[float, float], ...]
+    patches: tuple[Patch, ...]
+    inside: Expr
+    low: Triple
+    high: Triple
+    pieces: tuple[Piece, ...] = ()
+    requires: tuple[Expr, ...] = ()
+    where: str = ""  # "file:line" of the declaration
+    surfaces: tuple[str, ...] = field(default=())  # names that labels may use, in order

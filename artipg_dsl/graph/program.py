@@ -1,0 +1,275 @@
+"""The compiled program: tables, draws, definitions, requirements, and what stands on them.
+
+Everything here is data about scopes and expressions; nothing knows syntax, nothing holds numbers of a sample. Poses
+are in the frame of the object (x front, y left, z up, metres), at joint values 0 unless said otherwise. A reference to a
+link is a tuple of link numbers of which exactly one has a row there (alternatives may bring links of their own).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from .expr import Column, Expr, Scope
+from .primitive import Primitive
+
+Triple = tuple[Expr, Expr, Expr]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Where:
+    """A place in the source text, for messages."""
+
+    file: str
+    line: int
+    column: int = 1
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pose:
+    """A rigid placement: rotation (rows of a proper 3 x 3 matrix) and translation, both expressions.
+
+    ``mirror`` is +1 or -1: local geometry is taken at (x, mirror * y, z) before it is placed.
+    """
+
+    rotation: tuple[Triple, Triple, Triple]
+    translation: Triple
+    mirror: Expr
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Bound:
+    """A conditional bound of a draw: the value lies above (``side`` "low") or below ("high") ``value`` where ``guard`` holds."""
+
+    side: str
+    value: Expr
+    guard: Expr
+    requirement: int  # index into Program.requirements
+
+
+@dataclass(slots=True, eq=False)
+class Draw:
+    """A variable that is drawn. ``address`` names it for the random function (the path, or the old name after ``was``).
+
+    ``kind`` "real" and "count": uniform, normal (mean, deviation), lognormal (median, sigma) or values (the values)
+    between ``low`` and ``high``, narrowed by ``bounds``. ``kind`` "choice": one of ``options`` with ``weights``.
+    ``vary`` is the reach of a CPA step: (True, fraction of the value) or (False, metres or radians).
+    """
+
+    column: Column
+    address: str
+    kind: str
+    low: Expr | None = None
+    high: Expr | None = None
+    default: Expr | None = None
+    distribution: str = "uniform"
+    arguments: tuple[Expr, ...] = ()
+    options: tuple[str, ...] = ()
+    weights: tuple[Expr, ...] = ()
+    vary: tuple[bool, Expr] | None = None
+    unit: str = ""
+    where: Where | None = None
+    bounds: list[Bound] = field(default_factory=list)
+    doc: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Requirement:
+    """``condition`` must hold in every row of ``scope`` where ``guard`` does.
+
+    ``slack`` (low, high), when the condition is ``low <= high``, lets the evaluator allow for rounding.
+    """
+
+    scope: Scope
+    condition: Expr
+    guard: Expr
+    message: str
+    where: Where | None
+    slack: tuple[Expr, Expr] | None = None
+    repair: str | None = None
+    text: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Part:
+    """A node of the part tree, one instance per row of ``scope`` (a chosen alternative has its own scope).
+
+    ``path`` such as ``door`` or ``handle.post``; ``parent`` indexes Program.parts (-1: the object itself).
+    ``template`` is the template or primitive it is an instance of. ``box`` (low, high) lies in the part's own frame.
+    """
+
+    path: str
+    name: str
+    scope: Scope
+    parent: int
+    template: str
+    pose: Pose
+    low: Triple
+    high: Triple
+    link: tuple[int, ...]
+    semantic: str = ""  # innermost semantic label of the whole part, "" where none
+    symmetry: tuple[int, int] = (1, 2)  # (turns, axis 0..2); turns 0: any angle
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Site:
+    """An elementary primitive, one instance per row of ``scope``. ``parameters`` in the order of the primitive's."""
+
+    path: str
+    scope: Scope
+    primitive: str
+    parameters: tuple[Expr, ...]
+    pose: Pose
+    link: tuple[int, ...]
+    part: int  # index into Program.parts: the part that this primitive is
+    materials: tuple[tuple[str, Expr], ...] = ()  # (name, predicate), the last that holds counts
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Link:
+    """A rigid link, one instance per row of ``scope``; link 0 is the root. ``part`` is the part whose frame it takes."""
+
+    path: str
+    scope: Scope
+    part: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Joint:
+    """``kind``: revolute, prismatic, continuous, screw, ball or fixed; origin and axis in the object's frame at value 0.
+
+    ``low``, ``high``, ``rest`` in radians or metres (None for continuous and ball: no limit). ``mimic`` is (joint
+    index, multiplier, offset). One instance per row of ``scope``.
+    """
+
+    path: str
+    name: str
+    scope: Scope
+    kind: str
+    parent: tuple[int, ...]  # link
+    child: int  # link
+    origin: Triple
+    axis: Triple
+    low: Expr | None
+    high: Expr | None
+    rest: Expr
+    mimic: tuple[int, Expr, Expr] | None = None
+    damping: Expr | None = None
+    friction: Expr | None = None
+    effort: Expr | None = None
+    velocity: Expr | None = None
+    pitch: Expr | None = None
+    where: Where | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Target:
+    """Where a label lies: a site, with the surfaces meant (empty: all), in the frame and size a formula reads.
+
+    ``frame`` places the formula's frame in the object; ``low``, ``high`` are the box of what the formula is on, in
+    that frame (its centre is the origin of ``p``).
+    """
+
+    site: int
+    surfaces: tuple[str, ...]
+    frame: Pose
+    size: Triple
+    center: Triple
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Label:
+    """A formula on the surface. ``vocabulary`` "semantic", "affordance", ... or "field".
+
+    ``value`` is a formula over p.x p.y p.z n.x n.y n.z u v size.x size.y size.z and columns of ``scope``'s chain:
+    a predicate (True everywhere where a label has no ``where``) or a number in 0 .. 1 (a graded label) or any (a field).
+    """
+
+    vocabulary: str
+    name: str
+    targets: tuple[Target, ...]
+    value: Expr
+    where: Where | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Grasp:
+    """A family of grasps over the parameter (variable ``t``) in ``low .. high``, in the frame of ``target``.
+
+    ``at`` a point, ``approach`` and ``close`` unit directions, ``opening`` a width, formulas over t, size.x ... and columns.
+    """
+
+    name: str
+    scope: Scope
+    link: tuple[int, ...]
+    frame: Pose
+    size: Triple
+    center: Triple
+    low: Expr
+    high: Expr
+    at: Triple
+    approach: Triple
+    close: Triple
+    opening: Expr
+    quality: Expr
+    where: Where | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Keypoint:
+    name: str
+    scope: Scope
+    link: tuple[int, ...]
+    point: Triple  # in the object's frame
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Material:
+    """Physical and optical properties, each a (low, high) range in SI units; colour is linear-free sRGB in 0 .. 1."""
+
+    name: str
+    density: tuple[float, float] = (700.0, 700.0)
+    friction_static: tuple[float, float] = (0.5, 0.5)
+    friction_dynamic: tuple[float, float] = (0.4, 0.4)
+    restitution: tuple[float, float] = (0.1, 0.1)
+    colour: tuple[tuple[float, float, float], ...] = ((0.7, 0.7, 0.7),)
+    metalness: float = 0.0
+    roughness: float = 0.6
+    transparency: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Allowed:
+    """``allow overlap`` and ``free``: pairs of links, with the reason given."""
+
+    kind: str  # "overlap" | "free" | "clear"
+    first: tuple[int, ...]
+    second: tuple[int, ...]
+    reason: str
+
+
+@dataclass(slots=True, eq=False)
+class Program:
+    """A compiled category."""
+
+    name: str
+    doc: str = ""
+    scopes: list[Scope] = field(default_factory=list)
+    draws: list[Draw] = field(default_factory=list)
+    definitions: dict[Column, Expr] = field(default_factory=dict)
+    requirements: list[Requirement] = field(default_factory=list)
+    parts: list[Part] = field(default_factory=list)
+    links: list[Link] = field(default_factory=list)
+    joints: list[Joint] = field(default_factory=list)
+    sites: list[Site] = field(default_factory=list)
+    labels: list[Label] = field(default_factory=list)
+    grasps: list[Grasp] = field(default_factory=list)
+    keypoints: list[Keypoint] = field(default_factory=list)
+    materials: dict[str, Material] = field(default_factory=dict)
+    primitives: dict[str, Primitive] = field(default_factory=dict)
+    vocabularies: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    allowed: list[Allowed] = field(default_factory=list)
+    stable: str | None = None
+    hash: str = ""

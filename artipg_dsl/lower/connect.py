@@ -1,0 +1,218 @@
+"""Statements that place and attach: ``align``, ``connect``, ``joint``; and those that are noted for the end."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from ..graph import expr as E
+from ..source import Span
+from ..syntax import ast
+from .context import Abort, Equation, text_of
+from .env import Env
+from .evaluate import Evaluator
+from .place import mount_of, root_name
+from .values import AXES, FACES, Box, Frame, Plane, Ref, Value, Vec, squared
+
+if TYPE_CHECKING:
+    from .part import Part
+
+
+@dataclass(slots=True, eq=False)
+class Attachment:
+    """How a part hangs on the rest: ``to`` are the parts (or None: the base) whose link carries it."""
+
+    env: Env
+    span: Span
+    to: tuple[Part, ...]
+    base: bool
+    joint: ast.JointDecl | None = None
+
+
+def statements(env: Env) -> None:
+    """Process the statements of an environment and of those inside it."""
+    for part in env.parts:
+        try:
+            _ = part.pose
+        except Abort:
+            continue
+    for statement in env.statements:
+        try:
+            match statement:
+                case ast.AlignStmt():
+                    align(env, statement.left, statement.right, statement.span)
+                case ast.ConnectStmt():
+                    connect(env, statement)
+                case ast.JointDecl() if statement.kind is not None:
+                    joint(env, statement)
+                case _:
+                    pass
+        except Abort:
+            continue
+    for inner in env.inner:
+        statements(inner)
+
+
+def align(env: Env, left: ast.Expr, right: ast.Expr, span: Span) -> None:
+    ev = Evaluator(env)
+    equate(ev, ev.value(left), ev.value(right), left.span, right.span, span)
+
+
+def equate(ev: Evaluator, a: Value, b: Value, left: Span, right: Span, span: Span) -> None:
+    """One equation for planes and scalars, three for points."""
+    if isinstance(a, Vec) and isinstance(b, Vec):
+        for x, y in zip(a.items, b.items, strict=True):
+            ev.env.equations.append(Equation(x, y, span, text_of(span)))
+        return
+    if isinstance(a, Vec) or isinstance(b, Vec):
+        raise ev.wrong(left if isinstance(b, Vec) else right, "a point", a if isinstance(b, Vec) else b)
+    pa = ev.plane(a, left) if isinstance(a, Frame | Plane) else None
+    pb = ev.plane(b, right) if isinstance(b, Frame | Plane) else None
+    if pa is not None and pb is not None and pa.axis != pb.axis:
+        raise ev.across(span, pa, pb)
+    x = pa.coordinate if pa is not None else ev.number(a, left)
+    y = pb.coordinate if pb is not None else ev.number(b, right)
+    ev.env.equations.append(Equation(x, y, span, text_of(span)))
+
+
+def placing(env: Env, part: Part, subject: ast.Expr, clauses: tuple[ast.Clause, ...], gap_default: E.Expr) -> Value | None:
+    """Equations of ``on``, ``in``, ``fit`` and ``at``; returns what the part is placed on, for its link."""
+    ev = Evaluator(env)
+    words = {c.word: c for c in clauses}
+    gap = ev.scalar(words["gap"].values[0]) if "gap" in words else gap_default
+    target: Value | None = None
+    if "on" in words:
+        node = words["on"].values[0]
+        target = ev.value(node)
+        on_plane(ev, subject, node, target, gap, words["on"].span)
+    elif "in" in words:
+        node = words["in"].values[0]
+        box = squared(ev.box(node))
+        target = box
+        names = face_names(words["fit"]) if "fit" in words else tuple(FACES)
+        own = ev.box(ast.NameExpr(span=subject.span, name=part.name))
+        for name in names:
+            match_faces(ev, own, box, name, words["in"].span, gap if "gap" in words else E.ZERO)
+    if "fit" in words and "in" not in words and target is not None:
+        owner = target_box(ev, words["on"].values[0], words["fit"].span)
+        own = ev.box(ast.NameExpr(span=subject.span, name=part.name))
+        for name in face_names(words["fit"]):
+            match_faces(ev, own, owner, name, words["fit"].span, E.ZERO)
+    if "at" in words and mount_less(words):
+        at_point(ev, subject, words["at"], target)
+    return target
+
+
+def mount_less(words: dict[str, ast.Clause]) -> bool:
+    return "to" not in words and "between" not in words and ("on" in words or "in" in words)
+
+
+def face_names(clause: ast.Clause) -> tuple[str, ...]:
+    return tuple(v.name for v in clause.values if isinstance(v, ast.NameExpr) and v.name in FACES)
+
+
+def on_plane(ev: Evaluator, subject: ast.Expr, node: ast.Expr, target: Value, gap: E.Expr, span: Span) -> None:
+    own = ev.value(subject)
+    if not isinstance(target, Frame | Plane) or not isinstance(own, Frame | Plane):
+        raise ev.wrong(node.span if not isinstance(target, Frame | Plane) else subject.span, "a face", target if not isinstance(target, Frame | Plane) else own)
+    a, b = ev.plane(own, subject.span), ev.plane(target, node.span)
+    if a.axis != b.axis:
+        raise ev.across(span, a, b)
+    sign = 1.0
+    if isinstance(target, Frame):
+        sign = target.out[b.axis or 0].constant or 1.0
+    ev.env.equations.append(
+        Equation(a.coordinate, E.add(b.coordinate, E.mul(gap, E.const(sign))), span, text_of(span))
+    )
+
+
+def target_box(ev: Evaluator, node: ast.Expr, span: Span) -> Box:
+    """The box whose face ``on`` names: ``body.bottom`` is a face of ``body``."""
+    if isinstance(node, ast.MemberExpr) and node.name in FACES:
+        return squared(ev.box(node.obj))
+    if isinstance(node, ast.NameExpr) and node.name in FACES and (own := ev.own_box()) is not None:
+        return squared(own)
+    raise ev.env.context.error("wrong-kind", span, "`fit` needs a target of the form part.face")
+
+
+def match_faces(ev: Evaluator, own: Box, other: Box, name: str, span: Span, gap: E.Expr) -> None:
+    axis, sign = FACES[name]
+    mine, theirs = squared(own), squared(other)
+    a, b = (mine.high, theirs.high) if sign > 0 else (mine.low, theirs.low)
+    right = E.sub(b[axis], gap) if sign > 0 else E.add(b[axis], gap)
+    ev.env.equations.append(Equation(a[axis], right, span, f"fit {name}"))
+
+
+def at_point(ev: Evaluator, subject: ast.Expr, clause: ast.Clause, target: Value | None) -> None:
+    """``at center`` equates the two other coordinates of the centres; ``at y = ...`` one coordinate each."""
+    own = ev.value(subject)
+    origin = own.origin if isinstance(own, Frame) else ev.box(subject).center
+    normal = next((k for k in range(3) if isinstance(own, Frame) and own.out[k].constant in (1.0, -1.0)), None)
+    for name, node in zip(clause.names, clause.values, strict=True):
+        if name in AXES:
+            k = AXES.index(name)
+            ev.env.equations.append(Equation(origin[k], ev.scalar(node), node.span, f"at {name}"))
+        else:
+            other = target.origin if isinstance(target, Frame) and isinstance(node, ast.NameExpr) and node.name == "center" else ev.vector(node)  # fmt: skip
+            for k in range(3):
+                if k != normal:
+                    ev.env.equations.append(Equation(origin[k], other[k], node.span, f"at {AXES[k]}"))
+
+
+# ---------------------------------------------------------------- attachments
+
+
+def connect(env: Env, statement: ast.ConnectStmt) -> None:
+    part = part_of(env, statement.subject)
+    words = {c.word: c for c in statement.clauses}
+    ev = Evaluator(env)
+    if mount_of(env, statement, part.name) is None:
+        if "to" in words:
+            target: Value | None = ev.value(words["to"].values[0])
+        else:
+            target = placing(env, part, statement.subject, statement.clauses, E.ZERO)
+    elif "between" in words:
+        target = ev.value(words["between"].values[0])
+    else:
+        target = ev.value(words["to"].values[0])
+    carried = carriers(target)
+    attach(part, Attachment(env, statement.span, carried, base=not carried))
+
+
+def joint(env: Env, statement: ast.JointDecl) -> None:
+    assert statement.child is not None and statement.parent is not None
+    part = part_of(env, statement.child)
+    placing(env, part, statement.child, joint_placing(statement), E.const(0.0))
+    if isinstance(statement.parent, ast.NameExpr) and statement.parent.name == "base" and env.find("base") is None:
+        attach(part, Attachment(env, statement.span, (), True, statement))
+        return
+    carried = carriers(Evaluator(env).value(statement.parent))
+    attach(part, Attachment(env, statement.span, carried, base=not carried, joint=statement))
+
+
+def joint_placing(statement: ast.JointDecl) -> tuple[ast.Clause, ...]:
+    return tuple(c for c in statement.clauses if c.word in ("on", "in", "at", "fit", "gap"))
+
+
+def part_of(env: Env, node: ast.Expr) -> Part:
+    """The part that a path begins with."""
+    name = root_name(node)
+    value = env.find(name) if name is not None else None
+    if not isinstance(value, Ref):
+        raise env.context.error("wrong-kind", node.span, "a part is needed here")
+    return value.branches[0].members[0][0]
+
+
+def carriers(value: Value) -> tuple[Part, ...]:
+    if isinstance(value, Ref):
+        return tuple(p for b in value.branches for p, _ in b.members)
+    box = getattr(value, "box", None)
+    return tuple(dict.fromkeys(getattr(value, "on", ()) or (getattr(box, "on", ()) if box is not None else ())))
+
+
+def attach(part: Part, attachment: Attachment) -> None:
+    found = part.attachment
+    if isinstance(found, list):
+        found.append(attachment)
+    else:
+        part.attachment = [attachment]

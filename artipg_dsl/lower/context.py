@@ -1,0 +1,96 @@
+"""What one lowering shares: the program that grows, the report, the order of draws, shared guard scopes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from ..diagnostics import Report
+from ..graph import expr as E
+from ..graph.expr import Column, Expr, Scope
+from ..graph.program import Draw, Program, Where
+from ..source import Span
+
+if TYPE_CHECKING:
+    from .part import Part
+
+
+class Abort(Exception):
+    """A statement cannot be lowered; its diagnostic is in the report already."""
+
+
+@dataclass(slots=True, eq=False)
+class Equation:
+    """``left = right`` in the scope of the environment that states it."""
+
+    left: Expr
+    right: Expr
+    span: Span
+    text: str
+
+
+@dataclass(slots=True, eq=False)
+class Unknown:
+    """A scalar that equations may determine.
+
+    ``kind``: "position" (a coordinate of a part; free ones are centred), "size" (no domain: must be determined),
+    "default" (no domain, but a default), "param" (drawn when free) or "derived" (must be determined).
+    """
+
+    column: Column
+    kind: str
+    span: Span
+    name: str
+    part: Part | None = None
+    axis: int = 0
+    draw: Draw | None = None
+    default: Expr | None = None
+    positive: bool = False
+    reason: str = ""  # how it was settled, for the ledger
+
+
+@dataclass(slots=True, eq=False)
+class Context:
+    report: Report
+    program: Program
+    guards: dict[tuple[Scope, Expr], Scope] = field(default_factory=dict)
+    draws: list[Draw] = field(default_factory=list)
+    spans: dict[Column, Span] = field(default_factory=dict)
+    ledger: list[tuple[Part | None, Unknown]] = field(default_factory=list)
+    parts: list[Part] = field(default_factory=list)
+    solids: dict = field(default_factory=dict)  # primitive symbol -> Lowered
+    clearances: list[Span] = field(default_factory=list)  # limits that only collision checking can give
+    trace: list[tuple[Span, str]] = field(default_factory=list)
+
+    def error(self, code: str, span: Span, message: str, **more: object) -> Abort:
+        """Report an error with the present trace of instantiations; returns what the caller raises."""
+        self.report.error(code, span, message, trace=tuple(self.trace), **more)  # type: ignore[arg-type]
+        return Abort(message)
+
+    def scope(self, name: str, parent: Scope, kind: str, count: Expr) -> Scope:
+        scope = Scope(name, parent, kind, count)
+        self.program.scopes.append(scope)
+        return scope
+
+    def guard(self, parent: Scope, condition: Expr, name: str) -> Scope:
+        """The table of the rows of ``parent`` where ``condition`` holds; one table per condition."""
+        if condition is E.TRUE:
+            return parent
+        key = (parent, condition)
+        if key not in self.guards:
+            self.guards[key] = self.scope(name, parent, "guard", condition)
+        return self.guards[key]
+
+    def column(self, scope: Scope, name: str, kind: str, span: Span) -> Column:
+        column = Column(scope, name, kind)
+        self.spans[column] = span
+        return column
+
+
+def where(span: Span) -> Where:
+    return Where(span.source.name, span.line, span.column)
+
+
+def text_of(span: Span) -> str:
+    """The source text of a span on one line."""
+    return " ".join(span.source.text[span.start : span.end].split())

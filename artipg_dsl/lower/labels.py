@@ -1,0 +1,366 @@
+"""Labels, materials, grasps and keypoints: targets to sites, formulas into the frames of their targets."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from ..graph import expr as E
+from ..graph.expr import Expr, Scope
+from ..graph.program import Grasp, Keypoint, Label, Pose, Target
+from ..syntax import ast
+from .context import Abort, where
+from .env import Element, Env
+from .evaluate import Evaluator, Surface
+from .links import Links
+from .part import Part
+from .place import root_name
+from .values import (
+    HERE,
+    ONE,
+    Box,
+    Frame,
+    Line,
+    Ref,
+    Value,
+    Vec,
+    compose,
+    direct,
+    extent,
+    inverse,
+    merged,
+    moved,
+    place,
+)
+
+if TYPE_CHECKING:
+    from .part import Instance
+
+
+@dataclass(slots=True, eq=False)
+class Aim:
+    """What a target path names: parts (with the box of each group) or surfaces of one, in the object's frame."""
+
+    parts: list[Part]
+    surfaces: tuple[str, ...]
+    frame: Pose  # of the formula, in the object
+    box: Box  # in that frame
+    scope: Scope  # the table of one instance of the target
+    depth: int
+
+
+def statements(links: Links, env: Env) -> None:
+    """The labels and the like of an environment, those inside parts first (so that outer ones may stand over them)."""
+    for part in env.parts:
+        for instance in part.instances:
+            if instance.env is not None:
+                statements(links, instance.env)
+    for inner in env.inner:
+        statements(links, inner)
+    for statement in env.statements:
+        try:
+            match statement:
+                case ast.LabelStmt():
+                    label(links, env, statement)
+                case ast.FieldStmt():
+                    field_label(links, env, statement)
+                case ast.MaterialStmt():
+                    material(links, env, statement)
+                case ast.GraspStmt():
+                    grasp(links, env, statement)
+                case ast.KeypointStmt():
+                    keypoint(links, env, statement)
+                case ast.SymmetryStmt():
+                    symmetry(links, env, statement)
+                case _:
+                    pass
+        except Abort:
+            continue
+
+
+# ---------------------------------------------------------------- targets
+
+
+def aims(links: Links, env: Env, node: ast.Expr) -> list[Aim]:
+    """The things a target names; a path may run through repeats and slots."""
+    found: list[Aim] = []
+    for value, home in walk(env, node):
+        if isinstance(value, Surface):
+            part = value.ref.branches[0].members[0][0]
+            found.append(aim_at(links, [part], part.env.scope, part, (value.name,)))
+            continue
+        if not isinstance(value, Ref):
+            raise env.context.error("wrong-kind", node.span, "a part, a slot or a surface is needed here")
+        for branch in value.branches:
+            parts = [p for p, _ in branch.members]
+            owner = role_owner(parts, home, value)
+            if owner is not None and len(parts) >= 1:
+                found.append(aim_at(links, parts, parts[0].env.scope, owner, ()))
+            else:
+                found.extend(aim_at(links, [p], p.env.scope, p, ()) for p in parts)
+    return found
+
+
+def role_owner(parts: list[Part], home: Env, value: Ref) -> Part | None:
+    """A slot's formula has the axes of the instance that binds it: the owner of its parts, unless a part is named directly."""
+    part = parts[0]
+    instance = part.env.root.instance
+    if len(parts) == 1 and part.name == value.name and part.env.root is home.root:
+        return None
+    if instance is None:
+        return None
+    bound = instance.slots.get(value.name)
+    return instance.part if bound is not None or len(parts) > 1 or part.name == value.name and instance.part.role is not None else None
+
+
+def walk(env: Env, node: ast.Expr) -> list[tuple[Value, Env]]:
+    """Values of a path without an index, through every repeat it names, each in its own environment."""
+    if isinstance(node, ast.NameExpr):
+        value = env.find(node.name)
+        if value is None:
+            raise env.context.error("unknown-name", node.span, f"`{node.name}` is not known here")
+        return [(value, env)]
+    if isinstance(node, ast.IndexExpr):
+        return walk(env, node.obj)
+    if not isinstance(node, ast.MemberExpr):
+        raise env.context.error("wrong-kind", node.span, "a path of names is needed here")
+    found: list[tuple[Value, Env]] = []
+    for value, home in walk(env, node.obj):
+        if isinstance(value, Element):
+            inner = value.env.names.get(node.name)
+            if inner is not None:
+                found.append((value.env.force(node.name), value.env))
+            else:
+                for branch in value.env.branches.values():
+                    if node.name in branch.names:
+                        found.append((branch.force(node.name), branch))
+        elif isinstance(value, Ref):
+            found.extend(inner_values(value, node.name))
+    if not found:
+        raise env.context.error("unknown-member", node.name_span, f"nothing here has `{node.name}`")
+    return found
+
+
+def inner_values(ref: Ref, name: str) -> list[tuple[Value, Env]]:
+    """A member of every alternative that has it."""
+    found: list[tuple[Value, Env]] = []
+    for branch in ref.branches:
+        for part, _ in branch.members:
+            for instance in part.instances:
+                value = own_member(instance, name)
+                if value is not None:
+                    found.append((value, instance.env or part.env))
+    return found
+
+
+def own_member(instance: Instance, name: str) -> Value | None:
+    if instance.solid is not None:
+        return Surface(Ref("", ((_branch(instance.part)),)), name) if name in instance.solid.primitive.surfaces else None
+    if name in instance.slots:
+        return instance.slots[name]
+    assert instance.env is not None
+    if name in instance.env.names:
+        return instance.env.force(name)
+    for branch in instance.env.branches.values():
+        if name in branch.names:
+            return branch.force(name)
+    return None
+
+
+def _branch(part: Part):  # noqa: ANN202
+    from .values import Branch
+
+    return Branch(None, ((part, HERE),))
+
+
+def aim_at(links: Links, parts: list[Part], scope: Scope, owner: Part, surfaces: tuple[str, ...]) -> Aim:
+    """The formula's frame: axes of ``owner``, box of ``parts`` in them."""
+    frame = links.part_world(owner)
+    back = inverse(frame)
+    boxes = []
+    for part in parts:
+        box: Box = moved(part.box(), compose(back, links.part_world(part)))  # type: ignore[assignment]
+        if part is owner:
+            box = part.box()
+        held = extent(box)
+        at = part.env.scope
+        while not scope.within(at):
+            if at.kind == "repeat":
+                held = Box(
+                    tuple(E.reduce("min", at, c) for c in held.low),  # type: ignore[arg-type]
+                    tuple(E.reduce("max", at, c) for c in held.high),  # type: ignore[arg-type]
+                )
+            else:
+                held = merged(at.parent, [(at, held)])  # type: ignore[assignment,arg-type]
+            at = at.parent  # type: ignore[assignment]
+        boxes.append(held)
+    low = tuple(E.minimum(*(b.low[k] for b in boxes)) for k in range(3))
+    high = tuple(E.maximum(*(b.high[k] for b in boxes)) for k in range(3))
+    depth = min(depth_of(p) for p in parts)
+    return Aim(parts, surfaces, frame, Box(low, high), scope, depth)  # type: ignore[arg-type]
+
+
+def depth_of(part: Part) -> int:
+    depth, instance = 1, part.env.root.instance
+    while instance is not None:
+        depth, instance = depth + 1, instance.part.env.root.instance
+    return depth
+
+
+def sites_of(links: Links, part: Part) -> list[int]:
+    """All elementary primitives of a part, those of its inner parts included."""
+    found = list(links.sites.get(part, []))
+    for instance in part.instances:
+        for inner in instance.parts():
+            found.extend(sites_of(links, inner))
+    return found
+
+
+def targets(links: Links, aim: Aim) -> tuple[Target, ...]:
+    center = aim.box.center
+    return tuple(
+        Target(site, aim.surfaces, aim.frame, aim.box.size, center) for part in aim.parts for site in sites_of(links, part)
+    )
+
+
+def formula(links: Links, env: Env, aim: Aim) -> Evaluator:
+    """Evaluates in the frame of the target with its centre as origin; p, n, u, v, size are the target's own."""
+    local: dict[str, Value] = {
+        "p": Vec(tuple(E.var(f"p.{a}") for a in "xyz")),
+        "n": Vec(tuple(E.var(f"n.{a}") for a in "xyz")),
+        "u": E.var("u"), "v": E.var("v"),
+        "size": Vec(tuple(E.var(f"size.{a}") for a in "xyz")),
+    }  # fmt: skip
+    origin = Pose(aim.frame.rotation, place(aim.frame, aim.box.center), aim.frame.mirror)
+    carry = compose(inverse(origin), links.world(env))
+    return Evaluator(env, local, carry)
+
+
+# ---------------------------------------------------------------- statements
+
+
+def label(links: Links, env: Env, statement: ast.LabelStmt) -> None:
+    program = env.context.program
+    for node in statement.targets:
+        for aim in aims(links, env, node):
+            ev = formula(links, env, aim)
+            value: Expr = E.TRUE
+            if statement.where is not None:
+                value = ev.truth(ev.value(statement.where), statement.where.span)
+            elif statement.value is not None:
+                value = ev.scalar(statement.value)
+            made = Label(statement.vocabulary, statement.label, targets(links, aim), value, where(statement.span))
+            links.context.labels.append((aim.depth, made))
+            if statement.vocabulary == "semantic" and statement.where is None and not aim.surfaces:
+                for part in aim.parts:
+                    for instance in part.instances:
+                        number = links.nodes.get((part, instance.symbol.name))
+                        if number is not None:
+                            program.parts[number] = replace(program.parts[number], semantic=statement.label)
+                links.context.semantic_groups.append(tuple(aim.parts))
+
+
+def field_label(links: Links, env: Env, statement: ast.FieldStmt) -> None:
+    for node in statement.targets:
+        for aim in aims(links, env, node):
+            value = formula(links, env, aim).scalar(statement.value)
+            made = Label("field", statement.name, targets(links, aim), value, where(statement.span))
+            links.context.labels.append((aim.depth, made))
+
+
+def material(links: Links, env: Env, statement: ast.MaterialStmt) -> None:
+    from .looks import Look, lower_material
+
+    look = env.find(statement.material)
+    pairs: tuple[tuple[str, Expr], ...]
+    if isinstance(look, Look):
+        pairs = look.options
+    else:
+        symbol = env.module.find(statement.material)
+        if symbol is None or symbol.kind != "material":
+            raise env.context.error("unknown-material", statement.material_span, f"there is no material `{statement.material}`")
+        lower_material(env.context, symbol)
+        pairs = ((symbol.name, E.TRUE),)
+    for node in statement.targets:
+        for aim in aims(links, env, node):
+            for part in aim.parts:
+                for site in sites_of(links, part):
+                    links.context.materials.setdefault(site, []).append((aim.depth, pairs))
+
+
+def grasp(links: Links, env: Env, statement: ast.GraspStmt) -> None:
+    words = {c.word: c for c in statement.clauses}
+    for word in ("at", "approach", "close", "opening"):
+        if word not in words:
+            raise env.context.error("wrong-arguments", statement.span, f"the grasp has no `{word}`")
+    for aim in aims(links, env, statement.target):
+        ev = formula(links, env, aim)
+        if statement.parameter is not None:
+            ev.local[statement.parameter] = E.var("t")
+        low = high = E.ZERO
+        if statement.range is not None:
+            low, high = Evaluator(env).scalar(statement.range.low), Evaluator(env).scalar(statement.range.high)
+        own = dict(ev.local)
+        plain = Evaluator(env, own, ev.pose)
+        directions = [Evaluator(env, {**own, **axes()}).direction(words[w].values[0]) for w in ("approach", "close")]
+        quality = plain.scalar(words["quality"].values[0]) if "quality" in words else ONE
+        links.context.program.grasps.append(
+            Grasp(
+                statement.name, aim.scope, links.of(aim.parts[0]), aim.frame, aim.box.size, aim.box.center, low, high,
+                plain.vector(words["at"].values[0]), directions[0], directions[1],
+                plain.scalar(words["opening"].values[0]), quality, where(statement.span),
+            )  # fmt: skip
+        )
+
+
+def axes() -> dict[str, Value]:
+    """In a grasp, axis words are the target's own axes."""
+    from .values import unit
+
+    return {letter: Vec(unit(k)) for k, letter in enumerate("xyz")}
+
+
+def keypoint(links: Links, env: Env, statement: ast.KeypointStmt) -> None:
+    program = env.context.program
+    try_part = [a for a in aims(links, env, statement.target)] if is_part_path(env, statement.target) else []
+    if try_part:
+        for aim in try_part:
+            point = place(aim.frame, aim.box.center)
+            if statement.at is not None:
+                own = formula(links, env, aim)
+                own.local.update({"size": Vec(aim.box.size)})
+                origin = Pose(aim.frame.rotation, point, aim.frame.mirror)
+                point = place(origin, Evaluator(env, own.local).vector(statement.at))
+            program.keypoints.append(Keypoint(statement.name, aim.scope, links.of(aim.parts[0]), point))
+        return
+    value = Evaluator(env).value(statement.target)
+    point = value.origin if isinstance(value, Frame) else value.point if isinstance(value, Line) else Evaluator(env).vector(statement.target)
+    on = getattr(value, "on", ())
+    program.keypoints.append(
+        Keypoint(statement.name, env.scope, links.carried(on, statement.span) if on else (0,), place(links.world(env), point))
+    )
+
+
+def is_part_path(env: Env, node: ast.Expr) -> bool:
+    try:
+        quiet = len(env.context.report.diagnostics)
+        found = all(isinstance(v, Ref) for v, _ in walk(env, node)) if root_name(node) else False
+        return found and len(env.context.report.diagnostics) == quiet
+    except Abort:
+        env.context.report.retract()
+        return False
+
+
+def symmetry(links: Links, env: Env, statement: ast.SymmetryStmt) -> None:
+    direction = Evaluator(env).direction(statement.direction)
+    axis = next((k for k in range(3) if direction[k].constant in (1.0, -1.0)), 2)
+    program = env.context.program
+    for aim in aims(links, env, statement.target):
+        for part in aim.parts:
+            for instance in part.instances:
+                number = links.nodes.get((part, instance.symbol.name))
+                if number is not None:
+                    program.parts[number] = replace(program.parts[number], symmetry=(statement.turn or 0, axis))
+
+
+__all__ = ["Aim", "direct", "statements"]

@@ -1,0 +1,303 @@
+"""Attachments to links and joints, sites and the part tree, once every pose is known.
+
+A reference to a link is a tuple of link numbers, of which exactly one has a row wherever the reference does: the
+alternatives of a part may bring links of their own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from ..graph import expr as E
+from ..graph.expr import Expr
+from ..graph.program import Joint, Link, Pose, Site
+from ..graph.program import Part as PartNode
+from ..source import Span
+from ..syntax import ast
+from .connect import Attachment
+from .context import Abort, Context, where
+from .env import Env
+from .evaluate import Evaluator
+from .part import Instance, Part
+from .place import root_name
+from .values import HERE, Box, Edge, Frame, Line, Triple, Vec, compose, direct, normalized, place, signed_axis
+
+KINDS = ("revolute", "prismatic", "continuous", "screw", "ball", "fixed")
+MOVING_ABOUT = ("revolute", "continuous", "screw")
+
+
+@dataclass(slots=True, eq=False)
+class Links:
+    """Numbers of links, joints, part nodes and sites while they are made."""
+
+    context: Context
+    worlds: dict[Env, Pose] = field(default_factory=dict)
+    own: dict[Part, int] = field(default_factory=dict)  # link of a jointed part
+    known: dict[Part, tuple[int, ...]] = field(default_factory=dict)
+    nodes: dict[tuple[Part, str], int] = field(default_factory=dict)
+    sites: dict[Part, list[int]] = field(default_factory=dict)
+    joints: dict[int, int] = field(default_factory=dict)  # link -> its joint
+    resolving: set[Part] = field(default_factory=set)
+
+    # ------------------------------------------------------------ poses in the object's frame
+
+    def world(self, env: Env) -> Pose:
+        """The pose of an environment's frame in the object."""
+        found = self.worlds.get(env)
+        if found is None:
+            if env.outer is not None:
+                found = compose(self.world(env.outer), env.frame) if env.frame is not HERE else self.world(env.outer)
+            elif env.instance is not None:
+                found = self.part_world(env.instance.part)
+            else:
+                found = HERE
+            self.worlds[env] = found
+        return found
+
+    def part_world(self, part: Part) -> Pose:
+        outer = self.world(part.env)
+        return compose(outer, part.pose) if outer is not HERE else part.pose
+
+    # ------------------------------------------------------------ links
+
+    def attachment(self, part: Part) -> Attachment | None:
+        found = part.attachment
+        if not isinstance(found, list):
+            return None
+        joints = [a for a in found if a.joint is not None]
+        return joints[0] if joints else found[0]
+
+    def of(self, part: Part) -> tuple[int, ...]:
+        """The link that carries a part."""
+        if part in self.known:
+            return self.known[part]
+        if part in self.resolving:
+            raise self.context.error("circular", part.span, f"the attachment of `{part.name}` leads back to itself")
+        self.resolving.add(part)
+        try:
+            self.known[part] = self.find(part)
+        finally:
+            self.resolving.discard(part)
+        return self.known[part]
+
+    def find(self, part: Part) -> tuple[int, ...]:
+        attachment = self.attachment(part)
+        owner = part.env.root.instance
+        if attachment is not None and attachment.joint is not None:
+            return (self.own_link(part),)
+        if attachment is not None and not attachment.base:
+            return self.carried(attachment.to, part.span)
+        if owner is None:
+            return (0,)
+        first = first_part(owner)
+        if attachment is None and first is not None and first is not part:
+            return self.of(first)
+        return self.of(owner.part)
+
+    def own_link(self, part: Part) -> int:
+        """The link of a part that a joint moves (made at the first question)."""
+        if part not in self.own:
+            program = self.context.program
+            scope = self.context.guard(part.env.scope, part.exists, f"{part.path} exists")
+            self.own[part] = len(program.links)
+            program.links.append(Link(part.path, scope, -1))
+        return self.own[part]
+
+    def carried(self, parts: tuple[Part, ...], span: Span) -> tuple[int, ...]:
+        """The link on which values of these parts lie; alternatives of one part give several."""
+        found: list[tuple[int, ...]] = []
+        for part in parts:
+            links = self.carrier(part)
+            if links not in found:
+                found.append(links)
+        if len(found) > 1 and not exclusive(parts):
+            raise self.context.error(
+                "two-links", span, "this lies on two links: " + " and ".join(f"`{p.name}`" for p in parts[:2]),
+                hint="name a port or a face of one of them",
+            )  # fmt: skip
+        return tuple(dict.fromkeys(k for links in found for k in links))
+
+    def carrier(self, part: Part) -> tuple[int, ...]:
+        """The link of a part's box and of ports that name no inner part: its first link."""
+        found: list[int] = []
+        for instance in part.instances:
+            first = first_part(instance)
+            found.extend(self.of(part) if first is None else self.of(first))
+        return tuple(dict.fromkeys(found)) or self.of(part)
+
+    # ------------------------------------------------------------ the tree
+
+    def build(self, env: Env, parent: int) -> None:
+        """Nodes, sites and joints of the parts of an environment, depth first in the order of the text."""
+        for part in env.parts:
+            try:
+                self.build_part(part, parent)
+            except Abort:
+                continue
+        for inner in env.inner:
+            self.build(inner, parent)
+
+    def build_part(self, part: Part, parent: int) -> None:
+        program = self.context.program
+        pose = self.part_world(part)
+        links = self.of(part)
+        attachment = self.attachment(part)
+        for instance in part.instances:
+            box = instance.box()
+            number = len(program.parts)
+            self.nodes[part, instance.symbol.name] = number
+            first = first_part(instance)
+            carried = links if first is None else self.of(first)
+            program.parts.append(
+                PartNode(part.path, part.name, instance.scope, parent, instance.symbol.name, pose, box.low, box.high, carried)
+            )
+            if instance.solid is not None:
+                self.sites.setdefault(part, []).append(len(program.sites))
+                program.sites.append(
+                    Site(part.path, instance.scope, instance.symbol.name, instance.solid.scalars(instance), pose, links, number)
+                )
+            elif instance.env is not None:
+                self.build(instance.env, number)
+        if attachment is not None and attachment.joint is not None:
+            self.build_joint(part, attachment)
+
+    # ------------------------------------------------------------ joints
+
+    def build_joint(self, part: Part, attachment: Attachment) -> None:
+        statement = attachment.joint
+        assert statement is not None and statement.child is not None
+        env, program = attachment.env, self.context.program
+        ev = Evaluator(env)
+        kind = statement.kind or "fixed"
+        if kind not in KINDS:
+            raise self.context.error(
+                "wrong-kind", statement.kind_span or statement.span, f"there is no joint kind `{kind}`", hint=f"one of {', '.join(KINDS)}"
+            )
+        child = self.own_link(part)
+        owner = env.root.instance
+        base = (0,) if owner is None else self.of(owner.part)
+        parents = base if attachment.base else self.carried(attachment.to, statement.span)
+        origin, axis = self.axis(ev, part, statement, kind)
+        outer = self.world(env)
+        words = {c.word: c for c in statement.clauses}
+        low = high = None
+        if "range" in words and kind not in ("continuous", "ball"):
+            low, high = (self.limit(ev, node) for node in words["range"].values)
+        elif kind in ("revolute", "prismatic", "screw"):
+            raise self.context.error(
+                "wrong-arguments", statement.span, f"a {kind} joint needs `range low .. high`", hint="or make it continuous"
+            )
+        rest = self.rest(ev, words, low, high)
+        mimic = self.mimic(ev, words)
+        physics = {w: ev.scalar(words[w].values[0]) for w in ("damping", "friction", "effort", "velocity", "pitch") if w in words}
+        name = part.path if statement.name in ("motion", "") else joint_name(env, statement)
+        joint = Joint(
+            joint_name(env, statement), name, program.links[child].scope, kind, parents, child,
+            place(outer, origin), normalized(direct(outer, axis)), low, high, rest, mimic, where=where(statement.span), **physics,
+        )  # fmt: skip
+        self.joints[child] = len(program.joints)
+        program.joints.append(joint)
+
+    def limit(self, ev: Evaluator, node: ast.Expr) -> Expr:
+        if isinstance(node, ast.NameExpr) and node.name == "clearance" and ev.env.find("clearance") is None:
+            self.context.clearances.append(node.span)
+            return E.const(1.5)
+        return ev.scalar(node)
+
+    def rest(self, ev: Evaluator, words: dict[str, ast.Clause], low: Expr | None, high: Expr | None) -> Expr:
+        """The given rest value, else the value of the range nearest 0."""
+        if "rest" in words:
+            return ev.scalar(words["rest"].values[0])
+        if low is None or high is None:
+            return E.ZERO
+        return E.minimum(E.maximum(E.ZERO, low), high)
+
+    def mimic(self, ev: Evaluator, words: dict[str, ast.Clause]) -> tuple | None:
+        clause = words.get("mimic")
+        if clause is None:
+            return None
+        multiplier = ev.scalar(clause.values[1]) if len(clause.values) > 1 else E.ONE
+        return (clause.values[0], multiplier, E.ZERO, ev.env)
+
+    def axis(self, ev: Evaluator, part: Part, statement: ast.JointDecl, kind: str) -> tuple[Triple, Triple]:
+        """Origin and direction in the frame of the statement."""
+        words = {c.word: c for c in statement.clauses}
+        center = place(part.pose, part.box().center) if part.env is ev.env else ev.box(ast.NameExpr(span=part.span, name=part.name)).center  # fmt: skip
+        clause = words.get("about") or words.get("along")
+        if clause is None:
+            assert statement.parent is not None
+            value = ev.value(statement.parent) if isinstance(statement.parent, ast.MemberExpr) else None
+            if isinstance(value, Frame):
+                return value.origin, value.out
+            if isinstance(value, Line):
+                return value.point, value.direction
+            if kind in ("fixed", "ball"):
+                at = words.get("at")
+                return (ev.vector(at.values[0]) if at is not None else center), (E.ONE, E.ZERO, E.ZERO)
+            raise self.context.error(
+                "bad-axis", statement.span, f"this {kind} joint has no axis",
+                hint="say `about` an edge or a line (door.left.back), or `along` a direction for a prismatic joint",
+            )  # fmt: skip
+        value = ev.value(clause.values[0])
+        if clause.word == "about" and kind == "prismatic" or clause.word == "along" and kind in MOVING_ABOUT and isinstance(value, Vec):
+            right = "along x" if kind == "prismatic" else "about door.left.back"
+            raise self.context.error(
+                "bad-axis", clause.span, f"a {kind} joint does not move {clause.word} this", hint=f"write for example `{right}`"
+            )
+        if isinstance(value, Edge | Line):
+            return value.point, value.direction
+        if isinstance(value, Frame):
+            return value.origin, value.out
+        if isinstance(value, Vec) and not value.point and len(value.items) == 3:
+            return center, value.items  # type: ignore[return-value]
+        raise self.context.error(
+            "bad-axis", clause.span, "this is no axis", hint="an edge (door.left.back), a port of kind line, line(...), or a direction"
+        )
+
+
+def joint_name(env: Env, statement: ast.JointDecl) -> str:
+    return env.path + statement.name
+
+
+def first_part(instance: Instance) -> Part | None:
+    """The first part of a template's body; None for a primitive."""
+    parts = instance.parts()
+    return parts[0] if parts else None
+
+
+def exclusive(parts: tuple[Part, ...]) -> bool:
+    """Whether parts live in tables whose rows exclude one another (alternatives), or belong to one another."""
+    if len({p.env.root.instance for p in parts}) > 1:
+        return True
+    scopes = {p.env.scope for p in parts}
+    return len(scopes) > 1
+
+
+def resolve_mimics(links: Links) -> None:
+    """Fill in which joint each ``mimic`` follows."""
+    from dataclasses import replace
+
+    program = links.context.program
+    names = {j.path: k for k, j in enumerate(program.joints)}
+    for k, joint in enumerate(program.joints):
+        if joint.mimic is None or len(joint.mimic) == 3:
+            continue
+        node, multiplier, offset, env = joint.mimic  # type: ignore[misc]
+        leader = k if root_name(node) == "previous" else leader_of(links, names, node, env)
+        if leader is None:
+            links.context.error("unknown-name", node.span, "there is no such joint to follow")
+            continue
+        program.joints[k] = replace(joint, mimic=(leader, multiplier, offset))
+
+
+def leader_of(links: Links, names: dict[str, int], node: ast.Expr, env: Env) -> int | None:
+    text = node.span.source.text[node.span.start : node.span.end]
+    at: Env | None = env
+    while at is not None:
+        if at.path + text in names:
+            return names[at.path + text]
+        at = at.outer
+    return next((k for path, k in names.items() if path.endswith("." + text)), None)
+
+
+__all__ = ["Box", "Links", "first_part", "resolve_mimics", "signed_axis"]

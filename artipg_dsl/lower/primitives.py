@@ -1,0 +1,247 @@
+"""Declared primitives: their formulas once per declaration, boxes and ports per use."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from ..graph import expr as E
+from ..graph.expr import Expr
+from ..graph.primitive import Patch, Piece, Primitive
+from ..graph.program import Requirement
+from ..semantics.symbols import Symbol
+from ..syntax import ast
+from .context import Context, where
+from .curves import Curve, solid_of
+from .env import Env, Function
+from .evaluate import Evaluator, Surface
+from .values import Box, Branch, Ref, Value, Vec, mapped
+
+if TYPE_CHECKING:
+    from .part import Instance
+
+
+@dataclass(slots=True, eq=False)
+class Lowered:
+    """A primitive's formulas over variables, and what else its declaration offers."""
+
+    primitive: Primitive
+    names: tuple[tuple[str, int], ...]  # parameter, components (0: a scalar)
+    ports: dict[str, Value] = field(default_factory=dict)
+    conditions: list[tuple[Expr, tuple[Expr, Expr] | None, str, ast.RequireStmt | ast.ParamDecl, str]] = field(default_factory=list)
+    centred_size: bool = False
+
+    def scalars(self, instance: Instance) -> tuple[Expr, ...]:
+        """The arguments of a use in the order of the primitive's parameters."""
+        found: list[Expr] = []
+        for name, components in self.names:
+            value = instance.values.get(name)
+            if components:
+                found.extend(value.items)  # type: ignore[union-attr]
+            else:
+                found.append(value if isinstance(value, Expr) else value.code)  # type: ignore[union-attr]
+        return tuple(found)
+
+    def mapping(self, instance: Instance) -> dict[Expr, Expr]:
+        names = self.primitive.parameters
+        return {E.var(n): v for n, v in zip(names, self.scalars(instance), strict=True)}
+
+    def box(self, instance: Instance) -> Box:
+        mapping = self.mapping(instance)
+        low, high = (
+            tuple(E.substitute(c, mapping) for c in end) for end in (self.primitive.low, self.primitive.high)
+        )
+        return Box(low, high)  # type: ignore[arg-type]
+
+    def member(self, instance: Instance, name: str) -> Value | None:
+        if name in self.ports:
+            mapping = self.mapping(instance)
+            return mapped(self.ports[name], lambda e: E.substitute(e, mapping))
+        if name in self.primitive.surfaces:
+            from .values import FACES, HERE
+
+            if name in FACES:
+                return None  # the face of the box is the same plane, and a frame
+            return Surface(Ref(instance.part.name, (Branch(None, ((instance.part, HERE),)),)), name)
+        return None
+
+    def require(self, instance: Instance) -> None:
+        """The declaration's requirements (and positive parameters) for this use, in its table."""
+        from ..graph.interval import always
+
+        mapping = self.mapping(instance)
+        program = instance.part.context.program
+        for condition, slack, message, statement, text in self.conditions:
+            here = E.substitute(condition, mapping)
+            if here is E.TRUE or always(here, instance.part.context.draws):
+                continue
+            sides = None if slack is None else tuple(E.substitute(s, mapping) for s in slack)
+            program.requirements.append(
+                Requirement(
+                    instance.scope, here, E.TRUE, f"{instance.part.path}: {message}", where(instance.part.span), sides,  # type: ignore[arg-type]
+                    text=f"{instance.part.path}: {text}",
+                )  # fmt: skip
+            )
+
+
+def lower_primitive(context: Context, symbol: Symbol) -> Lowered:
+    key = symbol
+    found = context.solids.get(key)
+    if found is None:
+        found = context.solids[key] = make(context, symbol)
+        context.program.primitives[symbol.name] = found.primitive
+    return found
+
+
+def make(context: Context, symbol: Symbol) -> Lowered:
+    from ..graph.expr import Scope
+
+    root = Scope(f"primitive {symbol.name}")
+    env = Env(context, symbol.module, symbol, root, "")
+    names: list[tuple[str, int]] = []
+    parameters: list[str] = []
+    tests: list[tuple[float, float]] = []
+    conditions: list = []
+    for statement in symbol.body:
+        if isinstance(statement, ast.ParamDecl):
+            for name in statement.names:
+                declare_parameter(env, statement, name, names, parameters, tests, conditions)
+    for statement in symbol.body:
+        if isinstance(statement, ast.LetDecl):
+            if statement.parameters:
+                env.names[statement.name] = Function(statement.name, statement.parameters, statement.value, env)
+            elif isinstance(statement.value, ast.ChainExpr):
+                env.names[statement.name] = Curve(statement, env)
+            else:
+                from .env import Thunk
+
+                env.names[statement.name] = Thunk(
+                    lambda statement=statement: Evaluator(env).value(statement.value), statement.name_span
+                )
+        elif isinstance(statement, ast.CurveDecl):
+            env.names[statement.name] = Curve(statement, env)
+        elif isinstance(statement, ast.SurfaceDecl):
+            env.names[statement.name] = Function(statement.name, (statement.u, statement.v), statement.value, env)
+    for statement in symbol.body:
+        if isinstance(statement, ast.RequireStmt) and statement.condition is not None:
+            conditions.append(condition_of(Evaluator(env), statement))
+    patches, pieces = [], []
+    inside: Expr | None = None
+    low = high = None
+    solid: ast.SolidDecl | None = None
+    ports: dict[str, Value] = {}
+    for statement in symbol.body:
+        match statement:
+            case ast.SurfaceDecl():
+                patches.append(patch_of(env, statement))
+            case ast.PieceDecl():
+                pieces.append(piece_of(env, statement))
+            case ast.InsideDecl():
+                point = Vec(tuple(E.var(f"p.{a}") for a in "xyz"))
+                inside = Evaluator(env, {statement.parameter: point}).scalar(statement.value)
+            case ast.BoxDecl():
+                low, high = box_of(Evaluator(env), statement)
+            case ast.SolidDecl():
+                solid = statement
+            case ast.PortDecl() if statement.value is not None and solid is None:
+                ports[statement.name] = Evaluator(env).value(statement.value)
+            case _:
+                pass
+    if solid is not None:
+        made = solid_of(env, solid)
+        patches, pieces, inside = list(made.patches), list(made.pieces), made.inside
+        low, high = (low, high) if low is not None else (made.low, made.high)
+        ports = {**made.ports, **{s.name: Evaluator(env).value(s.value) for s in symbol.body if isinstance(s, ast.PortDecl) and s.value is not None}}  # fmt: skip
+    if inside is None or low is None or high is None or not patches:
+        raise context.error(
+            "incomplete-primitive", symbol.decl.name_span,
+            f"the primitive `{symbol.name}` needs surfaces, `inside (p) = ...` and `box = ...`, or a `solid`",
+        )  # fmt: skip
+    primitive = Primitive(
+        symbol.name, tuple(parameters), tuple(tests), tuple(patches), inside, low, high, tuple(pieces),  # type: ignore[arg-type]
+        tuple(c[0] for c in conditions), str(where(symbol.decl.span)), tuple(dict.fromkeys(p.name for p in patches)),
+    )  # fmt: skip
+    lowered = Lowered(primitive, tuple(names), ports, conditions)
+    size = [E.var(f"size.{a}") for a in "xyz"]
+    half = [E.mul(s, E.const(0.5)) for s in size]
+    lowered.centred_size = all(h is c for h, c in zip(half, high, strict=True))
+    return lowered
+
+
+def declare_parameter(
+    env: Env, statement: ast.ParamDecl, name: str, names: list, parameters: list, tests: list, conditions: list
+) -> None:
+    size = statement.type.size
+    components = [f"{name}.{'xyz'[k]}" for k in range(size)] if size else [name]
+    names.append((name, size or 0))
+    parameters.extend(components)
+    value: Value = Vec(tuple(E.var(c) for c in components)) if size else E.var(name)
+    if statement.type.name == "curve":
+        return
+    env.names[name] = value
+    source = statement.test or statement.domain
+    for k, component in enumerate(components):
+        if source is not None:
+            ends = []
+            for node in (source.low, source.high):
+                end = Evaluator(env).value(node)
+                end = end.items[k] if isinstance(end, Vec) else end
+                ends.append(float(end.constant) if isinstance(end, Expr) and end.constant is not None else 0.1)
+            tests.append((ends[0], ends[1]))
+        else:
+            tests.append((0.01, 0.5))
+        if statement.positive:
+            small = E.const(1e-5)
+            pair = (small, E.var(component))
+            conditions.append((E.call("le", *pair), pair, f"{component} must be positive", statement, f"{component} > 0"))
+        elif statement.domain is not None:
+            low, high = (Evaluator(env).scalar(n) for n in (statement.domain.low, statement.domain.high))
+            for pair in ((low, E.var(component)), (E.var(component), high)):
+                conditions.append((E.call("le", *pair), pair, f"{component} lies outside its domain", statement, f"{component} in its domain"))  # fmt: skip
+
+
+def condition_of(ev: Evaluator, statement: ast.RequireStmt) -> tuple:
+    condition, slack = comparison(ev, statement.condition)  # type: ignore[arg-type]
+    return condition, slack, statement.message or "a requirement of the primitive fails", statement, "requirement"
+
+
+def comparison(ev: Evaluator, node: ast.Expr) -> tuple[Expr, tuple[Expr, Expr] | None]:
+    """A condition and, for an inequality, its two sides (low, high)."""
+    if isinstance(node, ast.BinaryExpr) and node.op in ("<", "<=", ">", ">="):
+        left, right = ev.number(ev.value(node.left), node.left.span), ev.number(ev.value(node.right), node.right.span)
+        pair = (left, right) if node.op in ("<", "<=") else (right, left)
+        return E.call("le", *pair), pair
+    return ev.truth(ev.value(node), node.span), None
+
+
+def box_of(ev: Evaluator, statement: ast.BoxDecl) -> tuple:
+    if statement.value is not None:
+        size = ev.vector(statement.value)
+        half = tuple(E.mul(c, E.const(0.5)) for c in size)
+        return tuple(E.neg(c) for c in half), half
+    assert statement.low is not None and statement.high is not None
+    return ev.vector(statement.low), ev.vector(statement.high)
+
+
+def patch_of(env: Env, statement: ast.SurfaceDecl) -> Patch:
+    local: dict[str, Value] = {statement.u: E.var("u"), statement.v: E.var("v")}
+    if statement.index is not None:
+        local[statement.index] = E.var("i")
+    ev = Evaluator(env, local)
+    plain = Evaluator(env, {statement.index: E.var("i")} if statement.index is not None else None)
+    u = (plain.scalar(statement.u_range.low), plain.scalar(statement.u_range.high))
+    v = (plain.scalar(statement.v_range.low), plain.scalar(statement.v_range.high))
+    guard = None if statement.guard is None else ev.truth(ev.value(statement.guard), statement.guard.span)
+    count = None
+    if statement.index_count is not None:
+        number = plain.scalar(statement.index_count).constant
+        count = int(number) if number is not None else None
+    return Patch(statement.name, ev.vector(statement.value), u, v, guard, count)
+
+
+def piece_of(env: Env, statement: ast.PieceDecl) -> Piece:
+    local: dict[str, Value] = {statement.index: E.var("i")} if statement.index is not None else {}
+    ev = Evaluator(env, local)
+    count = None if statement.count is None else Evaluator(env).scalar(statement.count)
+    guard = None if statement.guard is None else ev.truth(ev.value(statement.guard), statement.guard.span)
+    return Piece(statement.name, tuple(ev.vector(p) for p in statement.points), count, guard)

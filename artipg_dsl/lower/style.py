@@ -1,0 +1,55 @@
+"""Styles: a choice and its parameters drawn once, used by many parts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from ..graph import expr as E
+from ..graph.expr import Expr, Scope
+from ..semantics.symbols import Symbol
+from ..syntax import ast
+from .draws import draw_choice, draw_scalar
+from .env import Env
+from .values import Choice
+
+
+@dataclass(slots=True, eq=False)
+class Style:
+    """``style pull : Handle = A | B | none``: the choice, and per alternative the parameters drawn so far."""
+
+    env: Env
+    declaration: ast.StyleDecl
+    role: Symbol | None
+    choice: Choice
+    drawn: dict[tuple[str, str], Expr] = field(default_factory=dict)
+
+    def guard(self, option: str) -> Expr:
+        options = self.choice.options
+        return E.TRUE if len(options) == 1 else E.call("eq", self.choice.code, E.const(float(options.index(option))))
+
+    def scope(self, option: str) -> Scope:
+        return self.env.context.guard(self.env.scope, self.guard(option), f"{self.declaration.name}={option}")
+
+    def shared(self, option: str | None, name: str, declaration: ast.ParamDecl | ast.CountDecl, component: int | None, local: Env) -> Expr:
+        """The style's own draw of a parameter: of the role (``option`` None) or of one alternative."""
+        key = (option or "", name)
+        if key not in self.drawn:
+            scope = self.env.scope if option is None else self.scope(option)
+            home = Env(local.context, local.module, local.symbol, scope, f"{self.env.path}{self.declaration.name}.")
+            home.names = dict(local.names)
+            value = draw_scalar(home, declaration, f"{self.env.path}{self.declaration.name}.{name}", component)
+            if scope is not self.env.scope:
+                value = E.phi(self.env.scope, [(scope, value)])
+            self.drawn[key] = value
+        return self.drawn[key]
+
+
+def build_style(env: Env, declaration: ast.StyleDecl) -> Style:
+    names = tuple(a.name or "none" for a in declaration.alternatives)
+    role = env.module.find(declaration.role)
+    path = env.path + declaration.name
+    if len(names) == 1:
+        choice = Choice(E.ZERO, names)
+    else:
+        choice = draw_choice(env, path, names, declaration.alternatives, declaration.name_span, declaration)
+    return Style(env, declaration, role, choice)
