@@ -11,7 +11,7 @@ from . import conditions
 from .entries import of_alternative, of_reference
 from .fold import components, constant
 from .guards import consistent
-from .names import FACES, OWN, TYPE_NAMES, WORDS
+from .names import FACES, OWN, RESERVED_TYPES, WORDS
 from .scope import Scope
 from .symbols import Symbol, is_a
 from .types import (
@@ -82,7 +82,7 @@ def _reserved(scope: Scope, kind: str, node: ast.Stmt, name: str) -> str | None:
     called = isinstance(node, ast.LetDecl) and node.parameters
     if kind in ("port", "slot", "surface", "curve", "joint") or called:
         return None  # reached after a dot, or by a call
-    if name in TYPE_NAMES and kind != "part":  # `part frame` is no riddle: a type name alone says nothing
+    if name in RESERVED_TYPES and kind != "part":  # `part frame` is no riddle: a type name alone says nothing
         return "a type name"
     if name in WORDS and not (name == "base" and scope.owner.kind == "category"):
         return "a word of the language"

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 from ..diagnostics.suggest import did_you_mean
 from ..syntax import ast
-from .guards import possible
+from . import conditions
+from .guards import Or, implies, possible
 from .names import TYPE_NAMES
 from .scope import Entry, Scope, Variant
 from .types import (
@@ -131,9 +132,19 @@ def choices(ck: Checker, entry: Entry) -> tuple[Variant | None, ...]:
         for variant in of_alternative(ck, entry.scope, alternative):
             if variant not in found:
                 found.append(variant)
-    if node.alternatives and all(a.guard is not None for a in node.alternatives) and None not in found:
+    if None not in found and _can_lack(ck, entry, node.alternatives):
         found.append(None)
     return tuple(found)
+
+
+def _can_lack(ck: Checker, entry: Entry, alternatives: tuple[ast.Alternative, ...]) -> bool:
+    """Whether all alternatives carry a guard and the guards leave a case open."""
+    guards = [a.guard for a in alternatives if a.guard is not None]
+    if not guards or len(guards) < len(alternatives):
+        return False
+    known = ck.entry_condition(entry)
+    ctx = ck.context(entry.scope).given(known)
+    return not implies(ctx.condition, Or(tuple(conditions.of(ck, ctx, guard) for guard in guards)))
 
 
 def of_alternative(ck: Checker, scope: Scope, alternative: ast.Alternative) -> tuple[Variant | None, ...]:

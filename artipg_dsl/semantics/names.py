@@ -26,6 +26,11 @@ FUNCTIONS = (
     "ceil", "round", "exp", "log", "sign", "mod", "number", "lowest",
 )  # fmt: skip
 
+RESERVED_TYPES = (
+    "length", "angle", "ratio", "count", "bool", "choice", "vec", "frame", "plane", "line", "curve", "material",
+)  # fmt: skip
+"""Type names that a program may not take: the others are free, they only stand where a type is expected."""
+
 CONSTRUCTORS = ("frame", "line", "box", "from", "arc", "circle", "rectangle", "polygon", "offset")
 
 WORDS = ("base", "previous", "last", "true", "false", *DIRECTIONS)

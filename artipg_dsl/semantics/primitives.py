@@ -85,7 +85,9 @@ def _solid(ck: Checker, ctx: Context, stmt: ast.SolidDecl) -> None:
             hint=did_you_mean(stmt.operator, _OPERATORS) or "there are " + ", ".join(_OPERATORS),
         )  # fmt: skip
     for argument in stmt.arguments:
-        ck.expect(ctx, argument.value, CURVE, f"an argument of `{stmt.operator}`")
+        chain = argument.value.items if isinstance(argument.value, ast.VectorExpr) else (argument.value,)
+        for curve in chain:  # one curve, or a chain of them in brackets
+            ck.expect(ctx, curve, CURVE, f"an argument of `{stmt.operator}`")
     for clause in stmt.clauses:
         for value in clause.values:
             if clause.word in ("from", "to"):

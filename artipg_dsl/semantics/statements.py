@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from ..diagnostics.suggest import did_you_mean
 from ..syntax import ast
 from . import conditions, declarations, labels, placing, primitives
-from .entries import port_context
+from .entries import of_reference, port_context
 from .scope import Guards, Scope
 from .types import (
     BASE,
@@ -136,6 +136,8 @@ def _declaration(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
             if stmt.parameters:
                 extra = dict.fromkeys(stmt.parameters, UNKNOWN)
                 ck.infer(ctx.but(extra={**ctx.extra, **extra}), stmt.value)
+            elif stmt.keyword == "out":
+                _output(ck, ctx, stmt)
         case ast.PartDecl():
             if stmt.root and ctx.scope.owner.kind != "category":
                 ck.error("misplaced-statement", stmt.name_span, "only a category has a `root` part")
@@ -144,6 +146,24 @@ def _declaration(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
             declarations.check_part(ck, ctx, stmt)
         case ast.StyleDecl():
             declarations.check_style(ck, ctx, stmt)
+
+
+def _output(ck: Checker, ctx: Context, stmt: ast.LetDecl) -> None:
+    """``out mouth = ...`` in a template: the role says what it is."""
+    assert ctx.scope is not None
+    _, declared = ck.interface_of(ctx.scope.owner).get(stmt.name, (None, None))
+    if not isinstance(declared, ast.ParamDecl) or declared.keyword != "out":
+        outputs = [n for n, (_, d) in ck.interface_of(ctx.scope.owner).items() if getattr(d, "keyword", "") == "out"]
+        ck.error(
+            "unknown-member", stmt.name_span, f"the role has no output `{stmt.name}`",
+            hint=did_you_mean(stmt.name, outputs) or "a value of the template's own is a `let`",
+        )  # fmt: skip
+        return
+    with ck.muted():
+        wanted = of_reference(ck, ctx, declared.type)
+    given = ck.types.get(id(stmt.value), UNKNOWN)
+    if not fits(given, wanted):
+        ck.mismatch(stmt.value, given, wanted, f"the output `{stmt.name}`")
 
 
 def _port(ck: Checker, ctx: Context, stmt: ast.PortDecl) -> None:

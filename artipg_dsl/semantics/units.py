@@ -1,53 +1,65 @@
-"""The closed list of units: what a number's unit is in SI, and which dimension it gives."""
+"""The units of the language: a factor to SI (metre, radian, kilogram, second) and a dimension each."""
 
 from __future__ import annotations
 
-import math
-from fractions import Fraction
+from math import pi
 from typing import NamedTuple
-
-Power = int | Fraction
 
 
 class Dimension(NamedTuple):
-    """Exponents of the base dimensions. Angles are a dimension of their own."""
+    """Exponents of the four base dimensions."""
 
-    length: Power
-    angle: Power
-    mass: Power
-    time: Power
+    length: int = 0
+    angle: int = 0
+    mass: int = 0
+    time: int = 0
 
 
-_RATIO = Dimension(0, 0, 0, 0)
-_LENGTH = Dimension(1, 0, 0, 0)
-_ANGLE = Dimension(0, 1, 0, 0)
-_MASS = Dimension(0, 0, 1, 0)
-_TIME = Dimension(0, 0, 0, 1)
-_DENSITY = Dimension(-3, 0, 1, 0)
+_NONE = Dimension()
+_LENGTH = Dimension(length=1)
+_ANGLE = Dimension(angle=1)
+_MASS = Dimension(mass=1)
+_TIME = Dimension(time=1)
+_DENSITY = Dimension(mass=1, length=-3)
+_SPEED = Dimension(length=1, time=-1)
+_TURNING = Dimension(angle=1, time=-1)
+_FORCE = Dimension(mass=1, length=1, time=-2)
+_TORQUE = Dimension(mass=1, length=2, time=-2)
 
 UNITS: dict[str, tuple[float, Dimension]] = {
-    "mm": (1e-3, _LENGTH),
-    "cm": (1e-2, _LENGTH),
+    "%": (0.01, _NONE),
+    "mm": (0.001, _LENGTH),
+    "cm": (0.01, _LENGTH),
     "m": (1.0, _LENGTH),
-    "deg": (math.pi / 180, _ANGLE),
+    "km": (1000.0, _LENGTH),
+    "deg": (pi / 180, _ANGLE),
     "rad": (1.0, _ANGLE),
-    "turn": (2 * math.pi, _ANGLE),
-    "%": (0.01, _RATIO),
-    "g": (1e-3, _MASS),
+    "turn": (2 * pi, _ANGLE),
     "kg": (1.0, _MASS),
-    "ms": (1e-3, _TIME),
+    "g": (0.001, _MASS),
     "s": (1.0, _TIME),
+    "ms": (0.001, _TIME),
+    "N": (1.0, _FORCE),
     "kg/m3": (1.0, _DENSITY),
-    "g/cm3": (1e3, _DENSITY),
-    "N": (1.0, Dimension(1, 0, 1, -2)),
-    "Nm": (1.0, Dimension(2, 0, 1, -2)),
-    "m/s": (1.0, Dimension(1, 0, 0, -1)),
-    "cm/s": (1e-2, Dimension(1, 0, 0, -1)),
-    "rad/s": (1.0, Dimension(0, 1, 0, -1)),
-    "deg/s": (math.pi / 180, Dimension(0, 1, 0, -1)),
-    "Ns/m": (1.0, Dimension(0, 0, 1, -1)),
-    "Nms/rad": (1.0, Dimension(2, -1, 1, -1)),
-    "Nm/rad": (1.0, Dimension(2, -1, 1, -2)),
-    "N/m": (1.0, Dimension(0, 0, 1, -2)),
+    "g/cm3": (1000.0, _DENSITY),
+    "g/m3": (0.001, _DENSITY),
+    "m/s": (1.0, _SPEED),
+    "cm/s": (0.01, _SPEED),
+    "mm/s": (0.001, _SPEED),
+    "m/s2": (1.0, Dimension(length=1, time=-2)),
+    "rad/s": (1.0, _TURNING),
+    "deg/s": (pi / 180, _TURNING),
+    "turn/s": (2 * pi, _TURNING),
+    "Nm": (1.0, _TORQUE),
+    "N*m": (1.0, _TORQUE),
+    "N/m": (1.0, Dimension(mass=1, time=-2)),
+    "N/m2": (1.0, Dimension(mass=1, length=-1, time=-2)),
+    "Ns/m": (1.0, Dimension(mass=1, time=-1)),
+    "N*s/m": (1.0, Dimension(mass=1, time=-1)),
+    "Nm/rad": (1.0, Dimension(mass=1, length=2, time=-2, angle=-1)),
+    "Nms": (1.0, Dimension(mass=1, length=2, time=-1)),
+    "N*m*s": (1.0, Dimension(mass=1, length=2, time=-1)),
+    "Nms/rad": (1.0, Dimension(mass=1, length=2, time=-1, angle=-1)),
+    "N*m*s/rad": (1.0, Dimension(mass=1, length=2, time=-1, angle=-1)),
 }
-"""Unit as written -> (factor to SI, dimension)."""
+"""Unit as written after a number -> (factor to SI, dimension). A blank unit is a plain number."""
