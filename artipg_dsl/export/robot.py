@@ -117,7 +117,8 @@ class Robots:
         self.links, self.joints, self.parts = batch.links(), batch.joints(), batch.parts()
         self.meshes = solids.build_meshes(self.tables, steps)
         self.pieces = solids.build_pieces(self.tables) if collision else []
-        self.materials = {t.number: materials.material_of(batch, t) for t in self.tables}
+        self.catalogue = materials.catalogue(batch)
+        self.material_rows = {t.number: materials.material_rows(batch, t) for t in self.tables}
         self.visuals = solids.by_object(self.meshes, len(batch))
         self.colliders = solids.by_object(self.pieces, len(batch))
         objects = np.arange(len(batch) + 1)
@@ -135,7 +136,8 @@ class Robots:
     @cached_property
     def mass(self) -> solids.Mass:
         """Mass, centre and inertia in link frames, made safe to print with few digits and for links of next to nothing."""
-        densities = [np.full(len(t.owner), materials.density(self.materials[t.number])) for t in self.tables]
+        density = np.array([materials.density(material) for material in self.catalogue])
+        densities = [density[self.material_rows[t.number]] for t in self.tables]
         mass = solids.link_mass(self.tables, densities, self.link_start[:-1], len(self.links.owner))
         trace = mass.inertia[:, 0, 0] + mass.inertia[:, 1, 1] + mass.inertia[:, 2, 2]
         # a little on the diagonal keeps the tensor positive and within the triangle inequality after rounding
@@ -145,16 +147,23 @@ class Robots:
         return solids.Mass(np.maximum(mass.mass, SMALLEST_MASS), center, inertia)
 
     @cached_property
-    def looks(self) -> dict[int, list[Look]]:
-        """For each site number, its look in each object."""
-        made: dict[str, list[Look]] = {}
-        for material in self.materials.values():
-            if material.name not in made:
-                made[material.name] = [
-                    Look(material.name, tuple(c), 1.0 - material.transparency, material.metalness, material.roughness)
-                    for c in materials.colours(self.batch, material).tolist()
-                ]
-        return {number: made[material.name] for number, material in self.materials.items()}
+    def looks(self) -> list[list[Look]]:
+        """For each material of the catalogue, how it looks in each object."""
+        return [
+            [
+                Look(material.name, tuple(c), 1.0 - material.transparency, material.metalness, material.roughness)
+                for c in materials.colours(self.batch, material).tolist()
+            ]
+            for material in self.catalogue
+        ]
+
+    def material(self, item: solids.Item) -> int:
+        """Index into ``catalogue`` of what a primitive is made of."""
+        return int(self.material_rows[item.group.table.number][item.row])
+
+    def look(self, i: int, item: solids.Item) -> Look:
+        """How a primitive of object ``i`` looks."""
+        return self.looks[self.material(item)][i]
 
     @cached_property
     def part_names(self) -> list[str]:
@@ -196,11 +205,11 @@ class Robots:
     def _visual(self, i: int, item: solids.Item) -> Visual:
         group, name = item.group, self._name(i, item)
         shape = Shape(name, group.vertices[item.k] - self._origin(i, item), group.faces)
-        return Visual(name, self.looks[group.table.number][i], shape, item)
+        return Visual(name, self.look(i, item), shape, item)
 
     def _collider(self, i: int, item: solids.Item, index: int) -> Collider:
         group, name = item.group, f"{self._name(i, item)}_{index}"
-        origin, material = self._origin(i, item), self.materials[group.table.number]
+        origin, material = self._origin(i, item), self.catalogue[self.material(item)]
         center, rotation = group.center[item.k] - origin, group.table.rotation[item.row]
         if group.is_box[item.k]:
             return Collider(name, material, tuple(group.size[item.k].tolist()), center, rotation, None)

@@ -14,13 +14,11 @@ import numpy as np
 
 from ..annotate.frames import place, reflect, rotate
 from ..geometry import mesh, pieces
-from ..graph.program import Material
 from .shading import Shading, shade
 
 if TYPE_CHECKING:
     from ..geometry.sites import SiteTable
 
-UNNAMED = Material("plain")
 
 
 @dataclass(frozen=True)

@@ -81,11 +81,11 @@ def program() -> Program:
     kinds = ["Cuboid"] * 6 + ["Cylinder", "Cylinder"]
     looks = ["paint"] * 5 + ["glass", "steel", "steel"]
     parts = [
-        Part(p, p.split(".")[-1], root, 5 if p == "handle" else -1, k, IDENTITY, zero3, zero3, n, s)
+        Part(p, p.split(".")[-1], root, 5 if p == "handle" else -1, k, IDENTITY, zero3, zero3, (n,), s)
         for p, k, n, s in zip(paths, kinds, links, semantics, strict=True)
     ]
     sites = [
-        Site(p, root, k, (), IDENTITY, n, i, m)
+        Site(p, root, k, (), IDENTITY, (n,), i, ((m, e.TRUE),))
         for i, (p, k, n, m) in enumerate(zip(paths, kinds, links, looks, strict=True))
     ]
     width = e.col(e.Column(root, "width"))
@@ -100,16 +100,16 @@ def program() -> Program:
     at = (ZERO, ZERO, e.var("t") * e.var("size.z"))
     size = (ONE, ONE, e.const(0.2))
     grasp = Grasp(
-        "pull_handle", root, 1, grip.frame, size, zero3, e.const(-0.4), e.const(0.4), at, (-ONE, ZERO, ZERO),
+        "pull_handle", root, (1,), grip.frame, size, zero3, e.const(-0.4), e.const(0.4), at, (-ONE, ZERO, ZERO),
         (ZERO, ONE, ZERO), e.const(0.02), ONE,
     )  # fmt: skip
     joints = [
-        Joint("open", "open", root, "revolute", 0, 1, zero3, (ZERO, ZERO, ONE), ZERO, ONE, ZERO),
-        Joint("press", "press", root, "prismatic", 0, 2, zero3, (-ONE, ZERO, ZERO), ZERO, ONE, ZERO),
+        Joint("open", "open", root, "revolute", (0,), 1, zero3, (ZERO, ZERO, ONE), ZERO, ONE, ZERO),
+        Joint("press", "press", root, "prismatic", (0,), 2, zero3, (-ONE, ZERO, ZERO), ZERO, ONE, ZERO),
     ]
     return Program(
         "Cupboard", "A cupboard.", [root], parts=parts, links=[Link(n, root, p) for n, p in LINKS], joints=joints,
-        sites=sites, labels=labels, grasps=[grasp], keypoints=[Keypoint("tip", root, 1, (width, ZERO, ZERO))],
+        sites=sites, labels=labels, grasps=[grasp], keypoints=[Keypoint("tip", root, (1,), (width, ZERO, ZERO))],
         materials={
             "paint": Material("paint", (600.0, 800.0), colour=((0.92, 0.91, 0.88), (0.35, 0.45, 0.55))),
             "glass": Material("glass", (2500.0, 2500.0), colour=((0.6, 0.75, 0.8),), roughness=0.05, transparency=0.6),
@@ -171,7 +171,7 @@ class FakeBatch:
                 SimpleNamespace(
                     number=s, path=site.path, primitive=self.program.primitives[site.primitive], params=params,
                     owner=np.arange(self.n), rotation=np.broadcast_to(turn, (self.n, 3, 3)), translation=centers[s],
-                    mirror=np.full(self.n, -1.0 if s == 2 else 1.0), link=np.full(self.n, site.link),
+                    mirror=np.full(self.n, -1.0 if s == 2 else 1.0), link=np.full(self.n, site.link[0]),
                     instance=np.full(self.n, s), semantic=np.full(self.n, SEMANTIC.index(self.program.parts[s].semantic)),
                     rank=np.zeros(self.n, dtype=np.int64),
                 )
@@ -216,7 +216,7 @@ class FakeBatch:
             **self._table([part.path for part in program.parts]), parent=np.tile([p.parent for p in program.parts], n),
             path=[p.path for p in program.parts] * n, template=[p.template for p in program.parts] * n,
             semantic=np.tile([SEMANTIC.index(p.semantic) for p in program.parts], n),
-            link=np.tile([p.link for p in program.parts], n), rotation=rotation,
+            link=np.tile([p.link[0] for p in program.parts], n), rotation=rotation,
             translation=centers.transpose(1, 0, 2).reshape(-1, 3), low=-half.transpose(1, 0, 2).reshape(-1, 3),
             high=half.transpose(1, 0, 2).reshape(-1, 3), symmetry=np.tile([[1, 2]] * 6 + [[0, 2]] * 2, (n, 1)),
         )  # fmt: skip

@@ -1,0 +1,95 @@
+"""Where one looks from, and where the light comes from: shared by all renderers, so that their pictures agree."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+FIELD = np.radians(24.0)  # a long lens: little distortion
+
+
+@dataclass(frozen=True, slots=True)
+class Camera:
+    """``eye`` (3,), rows of ``axes`` (3, 3): right, up, backward; ``scale`` = 1 / tan(half the field of view)."""
+
+    eye: np.ndarray
+    axes: np.ndarray
+    scale: float
+    near: float
+    far: float
+
+    def local(self, points: np.ndarray) -> np.ndarray:
+        """Points (..., 3) in the camera's axes: x right, y up, z backward."""
+        shifted = points - self.eye
+        return np.stack([(shifted * axis).sum(axis=-1) for axis in self.axes], axis=-1)
+
+    def matrix(self) -> np.ndarray:
+        """World to clip coordinates (4, 4), OpenGL's way."""
+        view = np.eye(4)
+        view[:3, :3] = self.axes
+        view[:3, 3] = -self.axes @ self.eye
+        n, f, s = self.near, self.far, self.scale
+        lens = np.array([[s, 0, 0, 0], [0, s, 0, 0], [0, 0, (f + n) / (n - f), 2 * f * n / (n - f)], [0, 0, -1.0, 0]])
+        return lens @ view
+
+
+@dataclass(frozen=True, slots=True)
+class Lights:
+    """Directions towards the light (K, 3), the irradiance (K, 3) each gives a surface that faces it; ``sun`` (K,) bool."""
+
+    direction: np.ndarray
+    power: np.ndarray
+    sun: np.ndarray
+
+
+def look_at(points: np.ndarray, azimuth: float = 33.0, elevation: float = 24.0, margin: float = 1.1) -> Camera:
+    """A camera at ``azimuth`` degrees to the left of the front, ``elevation`` above, that sees all ``points`` (n, 3)."""
+    a, e = np.radians(azimuth), np.radians(elevation)
+    back = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
+    right = np.array([-np.sin(a), np.cos(a), 0.0])
+    axes = np.stack([right, np.cross(back, right), back])
+    scale = 1.0 / np.tan(FIELD / 2)
+    seen = np.stack([(points * axis).sum(axis=-1) for axis in axes], axis=-1)
+    middle = (seen.min(axis=0) + seen.max(axis=0)) / 2
+    for _ in range(8):  # put the projected box into the middle: perspective makes near things larger
+        distance = (np.abs(seen[:, :2] - middle[:2]) * scale * margin + (seen[:, 2:] - middle[2])).max()
+        depth = distance - (seen[:, 2] - middle[2])
+        projected = (seen[:, :2] - middle[:2]) / depth[:, None]
+        middle[:2] += (projected.min(axis=0) + projected.max(axis=0)) / 2 * distance
+    eye = axes.T @ middle + back * distance
+    size = np.abs(seen - middle).max() * 4
+    return Camera(eye, axes, scale, max(distance - size, distance * 0.02), distance + 3 * size)
+
+
+def lights(camera: Camera, sun_count: int = 12, sky_count: int = 32) -> Lights:
+    """A broad sun from above the viewer's left and a sky, as bundles of parallel lights, each with a shadow of its own.
+
+    The counts are multiples of 4: the samples of a pixel share the lights out (``deferred.pick_lights``).
+    """
+    right, _, back = camera.axes
+    main = unit(-0.75 * right + 0.55 * back + np.array([0.0, 0.0, 1.0]))
+    a = unit(np.cross(main, [0.0, 0.0, 1.0]))
+    b = np.cross(main, a)
+    turn = np.pi * (3 - np.sqrt(5))
+    i = np.arange(sun_count)
+    radius = 0.16 * np.sqrt((i + 0.5) / sun_count)
+    disc = radius[:, None] * (np.cos(turn * i)[:, None] * a + np.sin(turn * i)[:, None] * b)
+    sun = unit(main + disc)
+    j = np.arange(sky_count)
+    z = 0.06 + 0.92 * (j + 0.5) / sky_count  # even over the upper half of the sphere
+    flat = np.sqrt(1 - z * z)
+    sky = np.stack([flat * np.cos(turn * j + 0.5), flat * np.sin(turn * j + 0.5), z], axis=-1)
+    # a little more light from the viewer's side than from behind the object
+    share = 1.0 + 0.55 * (sky * unit(back * [1.0, 1.0, 0.0])).sum(axis=-1)
+    power = np.concatenate(
+        [
+            np.full((sun_count, 3), 0.62 / sun_count) * [1.0, 0.985, 0.95],
+            share[:, None] * np.full((sky_count, 3), 1.0 / sky_count) * [0.96, 0.985, 1.0],
+        ]
+    )
+    return Lights(np.concatenate([sun, sky]), power, np.arange(sun_count + sky_count) < sun_count)
+
+
+def unit(vectors: np.ndarray) -> np.ndarray:
+    return vectors / np.sqrt((vectors * vectors).sum(axis=-1, keepdims=True))

@@ -1,0 +1,193 @@
+"""Shading in NumPy for renderers without a graphics library: find what each pixel shows, then light all pixels at once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from .camera import Camera, Lights, unit
+from .scene import Scene
+
+SAMPLES = 2  # supersampling per axis
+GROUND_REACH = 1.3  # how far from the object its shadow is looked for, in its own sizes
+
+
+@dataclass(frozen=True, slots=True)
+class Hits:
+    """For each ray (n,): the face it meets, -1 for none, its barycentric ``u``, ``v`` and the ``distance``."""
+
+    face: np.ndarray
+    u: np.ndarray
+    v: np.ndarray
+    distance: np.ndarray
+
+
+class Engine(Protocol):
+    """What differs between the renderers: which face a ray meets first, and which lights a point sees."""
+
+    def begin(self, scene: Scene, camera: Camera, lights: Lights, floor: float) -> None: ...
+
+    def first(self, faces: np.ndarray, rays: Rays) -> Hits: ...
+
+    def visible(self, points: np.ndarray, light: np.ndarray) -> np.ndarray: ...
+
+
+@dataclass(frozen=True, slots=True)
+class Rays:
+    """One ray per sample of the picture, ``edge`` samples on a side: unit directions (n, 3) from ``eye``."""
+
+    eye: np.ndarray
+    direction: np.ndarray
+    edge: int
+
+
+@dataclass(frozen=True, slots=True)
+class Surface:
+    """What is seen at some samples: position and unit normal (n, 3) towards the viewer, tint (n, 4), finish (n,) each."""
+
+    position: np.ndarray
+    normal: np.ndarray
+    tint: np.ndarray
+    metalness: np.ndarray
+    gloss: np.ndarray
+
+
+def camera_rays(camera: Camera, size: int) -> Rays:
+    """Rays through the samples of a picture of ``size`` pixels."""
+    edge = size * SAMPLES
+    steps = ((np.arange(edge) + 0.5) / edge * 2 - 1) / camera.scale
+    right, up, back = camera.axes
+    direction = unit(steps[None, :, None] * right - steps[:, None, None] * up - back)
+    return Rays(camera.eye, direction.reshape(-1, 3), edge)
+
+
+def draw(
+    engine: Engine, size: int, backdrop: np.ndarray, scene: Scene, camera: Camera, lights: Lights, floor: float
+) -> np.ndarray:
+    """Linear light (size, size, 3) of a scene that stands on the plane z = ``floor``."""
+    engine.begin(scene, camera, lights, floor)
+    rays = camera_rays(camera, size)
+    opaque, clear = scene.split()
+    image = np.broadcast_to(backdrop, rays.direction.shape).copy()
+    solid = engine.first(opaque, rays)
+    extent = float((scene.vertices.max(axis=0) - scene.vertices.min(axis=0)).max())
+    chosen = pick_lights(lights, rays.edge)
+
+    ground = ground_samples(scene, rays, solid, floor, extent)
+    points = rays.eye + rays.direction[ground] * distance_to_floor(rays, ground, floor)[:, None]
+    image[ground] = backdrop * shadow(engine, lights, chosen[ground], points, rays.edge, ground)
+    at = np.flatnonzero(solid.face >= 0)
+    image[at] = light_up(engine, lights, chosen[at], surface(scene, rays, at, solid), rays, at, backdrop, extent)[0]
+    if len(clear):
+        pane = engine.first(clear, rays)
+        nearer = np.where(solid.face >= 0, solid.distance, np.inf)
+        at = np.flatnonzero((pane.face >= 0) & (pane.distance < nearer))
+        shown, alpha = light_up(engine, lights, chosen[at], surface(scene, rays, at, pane), rays, at, backdrop, extent)
+        image[at] = shown * alpha[:, None] + image[at] * (1 - alpha[:, None])
+    grid = np.clip(image, 0.0, 1.0).reshape(size, SAMPLES, size, SAMPLES, 3)
+    return grid.mean(axis=(1, 3))
+
+
+def pick_lights(lights: Lights, edge: int) -> np.ndarray:
+    """Lights (n, m) for each sample: those of one pixel share out all lights, so that their mean has seen every one."""
+    share = SAMPLES * SAMPLES
+    y, x = np.divmod(np.arange(edge * edge), edge)
+    which = (y % SAMPLES) * SAMPLES + x % SAMPLES
+    return np.arange(len(lights.direction), dtype=np.uint8).reshape(-1, share).T[which]
+
+
+def picked_power(lights: Lights, chosen: np.ndarray) -> np.ndarray:
+    """Irradiance (n, m, 3) of picked lights, such that the picks of one sample stand for all lights."""
+    return (lights.power * (SAMPLES * SAMPLES))[chosen]
+
+
+def surface(scene: Scene, rays: Rays, at: np.ndarray, hits: Hits) -> Surface:
+    """What the samples ``at`` show, interpolated over the faces they hit."""
+    corners = scene.faces[hits.face[at]]
+    u, v = hits.u[at][:, None], hits.v[at][:, None]
+    share = (1 - u - v, u, v)
+    normal = unit_or_up(sum(w * scene.normals[corners[:, i]] for i, w in enumerate(share)))
+    towards = -rays.direction[at]
+    normal = np.where((normal * towards).sum(axis=1, keepdims=True) < 0, -normal, normal)
+    position = rays.eye - towards * hits.distance[at][:, None]
+    first = corners[:, 0]
+    return Surface(position, normal, scene.colour[first], scene.metalness[first], scene.gloss[first])
+
+
+def unit_or_up(vectors: np.ndarray) -> np.ndarray:
+    length = np.sqrt((vectors * vectors).sum(axis=-1, keepdims=True))
+    return np.where(length > 1e-12, vectors / np.maximum(length, 1e-12), [0.0, 0.0, 1.0])
+
+
+def light_up(
+    engine: Engine,
+    lights: Lights,
+    chosen: np.ndarray,
+    seen: Surface,
+    rays: Rays,
+    at: np.ndarray,
+    backdrop: np.ndarray,
+    extent: float,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Linear light (n, 3) that leaves the surface towards the eye, and how much it covers (n,)."""
+    normal, towards = seen.normal, -rays.direction[at]
+    direction = lights.direction[chosen]
+    facing = np.maximum((direction * normal[:, None]).sum(axis=-1), 0.0)
+    visible = engine.visible(seen.position + normal * (0.004 * extent), chosen) * (facing > 0)
+    power = picked_power(lights, chosen) * visible[..., None]
+    light = (power * facing[..., None]).sum(axis=1) + 0.13 + 0.10 * backdrop * (0.5 - 0.5 * normal[:, 2:])
+    middle = unit_or_up(direction + towards[:, None])
+    sharp = np.exp2(2.0 + 7.0 * seen.gloss)[:, None]
+    glint = np.maximum((middle * normal[:, None]).sum(axis=-1), 0.0) ** sharp * lights.sun[chosen]
+    shine = (power * glint[..., None]).sum(axis=1)
+    cosine = (normal * towards).sum(axis=1)
+    edge = (1 - np.maximum(cosine, 0.0)) ** 5
+    metal, gloss = seen.metalness[:, None], seen.gloss[:, None]
+    base = 0.04 * (1 - metal) + seen.tint[:, :3] * metal
+    mirrored = surroundings(2 * cosine[:, None] * normal - towards, lights.direction[0])
+    mirrored = mirrored * np.clip(np.sqrt((light * light).sum(axis=1, keepdims=True)), 0.25, 1.1)
+    fresnel = base + (1 - base) * edge[:, None] * gloss
+    body = seen.tint[:, :3] * light * (1 - metal)
+    colour = body + fresnel * mirrored * (0.5 * gloss * (1 - metal) + metal) + shine * base * (1 + 7 * gloss) * 1.6
+    alpha = seen.tint[:, 3]
+    glassy = np.clip(alpha + 0.6 * edge + np.sqrt((shine * shine).sum(axis=1)) * seen.gloss, 0.0, 1.0)
+    return colour, np.where(alpha < 0.999, glassy, 1.0)
+
+
+def surroundings(direction: np.ndarray, sun: np.ndarray) -> np.ndarray:
+    """What a mirror sees (n, 1): bright sky above, a soft horizon, the ground below."""
+    sky = smooth(-0.15, 0.75, direction[:, 2])
+    glow = smooth(0.55, 0.95, (direction * sun).sum(axis=1))
+    return (0.42 + 0.56 * sky + 0.25 * glow)[:, None]
+
+
+def smooth(low: float, high: float, values: np.ndarray) -> np.ndarray:
+    t = np.clip((values - low) / (high - low), 0.0, 1.0)
+    return t * t * (3 - 2 * t)
+
+
+def distance_to_floor(rays: Rays, at: np.ndarray, floor: float) -> np.ndarray:
+    return (floor - rays.eye[2]) / np.minimum(rays.direction[at, 2], -1e-9)
+
+
+def ground_samples(scene: Scene, rays: Rays, solid: Hits, floor: float, extent: float) -> np.ndarray:
+    """Samples that show ground near enough to the object to lie in its shadow."""
+    at = np.flatnonzero((solid.face < 0) & (rays.direction[:, 2] < -1e-6))
+    points = rays.eye[:2] + rays.direction[at, :2] * distance_to_floor(rays, at, floor)[:, None]
+    low, high = scene.vertices.min(axis=0)[:2], scene.vertices.max(axis=0)[:2]
+    away = np.maximum(np.maximum(low - points, points - high), 0.0).max(axis=1)
+    return at[away < GROUND_REACH * extent]
+
+
+def shadow(
+    engine: Engine, lights: Lights, chosen: np.ndarray, points: np.ndarray, edge: int, at: np.ndarray
+) -> np.ndarray:
+    """How much of the open sky's light (n, 3) reaches points of the ground; 1 towards the border of the picture."""
+    up = np.maximum(lights.direction[chosen][..., 2:], 0.0) * picked_power(lights, chosen)
+    got = (up * engine.visible(points + [0.0, 0.0, 1e-5], chosen)[..., None]).sum(axis=1)
+    y, x = np.divmod(at, edge)
+    border = np.minimum(np.minimum(x, edge - 1 - x), np.minimum(y, edge - 1 - y)) / edge
+    kept = smooth(0.0, 0.12, border)[:, None]
+    return 1 - kept + kept * (got / up.sum(axis=1)) ** 0.85

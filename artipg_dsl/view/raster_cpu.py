@@ -1,0 +1,153 @@
+"""Pictures with NumPy alone: a z-buffer over all triangles at once, shadow maps from the same rasteriser."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .camera import Camera, Lights
+from .deferred import Hits, Rays, draw
+from .raster_gl import light_matrices
+from .scene import Scene
+
+MAP = 112  # pixels of one shadow map
+BLOCK = 1_500_000  # candidates (triangle, pixel) looked at together
+
+
+class Renderer:
+    """Draws scenes in tiles of ``size`` pixels."""
+
+    name = "numpy"
+    light_counts = (8, 20)  # sun, sky
+
+    def __init__(self, size: int, backdrop: np.ndarray):
+        self.size, self.backdrop = size, backdrop
+
+    def render(self, scene: Scene, camera: Camera, lights: Lights, floor: float) -> np.ndarray:
+        """Linear light (size, size, 3) of a scene that stands on the plane z = ``floor``."""
+        return draw(self, self.size, self.backdrop, scene, camera, lights, floor)
+
+    def begin(self, scene: Scene, camera: Camera, lights: Lights, floor: float) -> None:
+        """Draw the shadow map of every light: the depth (K, MAP, MAP) along it of what is nearest."""
+        self.scene, self.camera = scene, camera
+        opaque, _ = scene.split()
+        triangles = scene.vertices[scene.faces[opaque]]
+        low, high = scene.vertices.min(axis=0), scene.vertices.max(axis=0)
+        low[2] = min(low[2], floor)
+        self.matrices = light_matrices(lights, low, high)
+        self.maps = np.zeros((len(self.matrices), MAP + 2, MAP + 2), dtype=np.float32)
+        for k in range(len(self.matrices)):
+            local = self._to_light(triangles.reshape(-1, 3), k).T.reshape(-1, 3, 3)
+            self.maps[k, 1:-1, 1:-1] = rasterise(local[..., :2] * MAP, local[..., 2], MAP)[1]
+
+    def _to_light(self, points: np.ndarray, k: int) -> np.ndarray:
+        """Points (n, 3) in the map of light ``k``, (3, n): x, y and nearness to the light, all 0 .. 1."""
+        m = self.matrices[k] * [[0.5], [0.5], [-0.5], [1.0]]
+        x, y, z = points.T
+        return np.stack([m[i, 0] * x + m[i, 1] * y + m[i, 2] * z + (m[i, 3] + 0.5) for i in range(3)])
+
+    def visible(self, points: np.ndarray, light: np.ndarray) -> np.ndarray:
+        """How much of the lights (n, m) each point sees: the mean of the four texels around it, weighted by nearness."""
+        flat = light.ravel()
+        order = np.argsort(flat, kind="stable")  # all points that look at one light together
+        edges = np.searchsorted(flat[order], np.arange(len(self.maps) + 1))
+        seen = np.empty(len(flat))
+        points = points.astype(np.float32)
+        for k, (start, end) in enumerate(zip(edges[:-1], edges[1:], strict=True)):
+            at = order[start:end]
+            seen[at] = self._lit(points[at // light.shape[1]], k)
+        return seen.reshape(light.shape)
+
+    def _lit(self, points: np.ndarray, k: int) -> np.ndarray:
+        x, y, near = self._to_light(points, k)
+        x, y, near = np.clip(x, 0, 1) * MAP + 0.5, np.clip(y, 0, 1) * MAP + 0.5, np.maximum(near, 0) + 0.008
+        i, j = x.astype(np.int32), y.astype(np.int32)  # texels of a map with a free border of one
+        fx, fy = x - i, y - j
+        at, map_ = j * (MAP + 2) + i, self.maps[k].ravel()
+        below = (map_[at] < near) * (1 - fx) + (map_[at + 1] < near) * fx
+        above = (map_[at + MAP + 2] < near) * (1 - fx) + (map_[at + MAP + 3] < near) * fx
+        return below * (1 - fy) + above * fy
+
+    def first(self, faces: np.ndarray, rays: Rays) -> Hits:
+        """The nearest of ``faces`` at each sample of the picture."""
+        local = self.camera.local(self.scene.vertices)
+        depth = -local[:, 2]
+        place = np.stack([local[:, 0], -local[:, 1]], axis=1) * (self.camera.scale / depth)[:, None]
+        corners = self.scene.faces[faces]
+        triangle = ((place + 1) * (rays.edge / 2))[corners]
+        nearness = 1.0 / depth[corners]  # varies linearly over the picture
+        found, near = rasterise(triangle, nearness, rays.edge)
+        found, near = found.ravel(), near.ravel()
+        met = np.flatnonzero(found >= 0)
+        u, v = np.zeros(found.size), np.zeros(found.size)
+        distance = np.full(found.size, np.inf)
+        y, x = np.divmod(met, rays.edge)
+        weights = barycentric(triangle[found[met]], x + 0.5, y + 0.5) * nearness[found[met]]
+        weights = weights / weights.sum(axis=1, keepdims=True)  # true over the triangle, not over its picture
+        u[met], v[met] = weights[:, 1], weights[:, 2]
+        back = (rays.direction[met] * -self.camera.axes[2]).sum(axis=1)
+        distance[met] = 1.0 / (near[met] * back)
+        face = np.full(found.size, -1)
+        face[met] = faces[found[met]]
+        return Hits(face, u, v, distance)
+
+
+def barycentric(triangle: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Weights (n, 3) of the corners of triangles (n, 3, 2) at points of the plane."""
+    a, b, c = triangle[:, 0], triangle[:, 1], triangle[:, 2]
+    area = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
+    first = (b[:, 0] - x) * (c[:, 1] - y) - (b[:, 1] - y) * (c[:, 0] - x)
+    second = (c[:, 0] - x) * (a[:, 1] - y) - (c[:, 1] - y) * (a[:, 0] - x)
+    area = np.where(area == 0, 1.0, area)
+    return np.stack([first / area, second / area, 1 - (first + second) / area], axis=1)
+
+
+def rasterise(triangle: np.ndarray, nearness: np.ndarray, edge: int) -> tuple[np.ndarray, np.ndarray]:
+    """Nearest triangle at each pixel of an ``edge`` x ``edge`` picture: its number (-1: none) and its nearness.
+
+    ``triangle`` (T, 3, 2) in pixels, ``nearness`` (T, 3) > 0 and linear over the picture. All pixels of all bounding
+    boxes are tried at once; the winner of a pixel is found by a maximum over keys of nearness and number.
+    """
+    low = np.clip(np.ceil(triangle.min(axis=1) - 0.5), 0, edge).astype(np.int64)
+    high = np.clip(np.floor(triangle.max(axis=1) - 0.5) + 1, 0, edge).astype(np.int64)
+    size = np.maximum(high - low, 0)
+    count = size[:, 0] * size[:, 1]
+    plane = planes(triangle, nearness)
+    keys = np.zeros(edge * edge, dtype=np.uint64)
+    ends = np.cumsum(count)
+    start = 0
+    while start < len(triangle):
+        before = int(ends[start] - count[start])
+        stop = max(start + 1, int(np.searchsorted(ends, before + BLOCK, side="right")))
+        number = np.repeat(np.arange(start, stop), count[start:stop])
+        within = np.arange(len(number)) - (ends - count)[number] + before
+        width = np.maximum(size[number, 0], 1)
+        x, y = low[number, 0] + within % width, low[number, 1] + within // width
+        p = plane[number]
+        keep = np.arange(len(number))
+        for side in range(3):  # each edge looks only at what the ones before have left
+            p, i, j = plane[number[keep], side], x[keep], y[keep]
+            keep = keep[p[:, 0] * i + p[:, 1] * j + p[:, 2] >= 0]
+        p, i, j, number = plane[number[keep], 3], x[keep], y[keep], number[keep]
+        near = np.maximum(p[:, 0] * i + p[:, 1] * j + p[:, 2], 1e-9).astype(np.float32).view(np.uint32)
+        key = (near.astype(np.uint64) << np.uint64(32)) | (number + 1).astype(np.uint64)
+        np.maximum.at(keys, j * edge + i, key)
+        start = stop
+    found = (keys & np.uint64(0xFFFFFFFF)).astype(np.int64) - 1
+    near = (keys >> np.uint64(32)).astype(np.uint32).view(np.float32).astype(np.float64)
+    return found.reshape(edge, edge), near.reshape(edge, edge)
+
+
+def planes(triangle: np.ndarray, nearness: np.ndarray) -> np.ndarray:
+    """Coefficients (T, 4, 3) of x, y, 1 at pixel centres: three edges (inside where all are >= 0) and the nearness."""
+    coefficients = np.zeros((len(triangle), 4, 3))
+    a, b, c = triangle[:, 0], triangle[:, 1], triangle[:, 2]
+    area = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
+    flat = np.abs(area) < 1e-12
+    scale = 1.0 / np.where(flat, 1.0, area)
+    for i, (p, q) in enumerate(((b, c), (c, a), (a, b))):
+        dx, dy = (p[:, 1] - q[:, 1]) * scale, (q[:, 0] - p[:, 0]) * scale
+        coefficients[:, i, 0], coefficients[:, i, 1] = dx, dy
+        coefficients[:, i, 2] = -(dx * (p[:, 0] - 0.5) + dy * (p[:, 1] - 0.5))
+    coefficients[:, 3] = (coefficients[:, :3] * nearness[:, :, None]).sum(axis=1)
+    coefficients[flat, :3] = -1.0  # a triangle seen from its edge covers nothing
+    return coefficients

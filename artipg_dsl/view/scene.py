@@ -1,0 +1,91 @@
+"""What a renderer gets: the triangles of one object with its joints at some values, coloured by part or by material."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..annotate.frames import rotate
+from ..export.materials import linear
+from ..export.robot import Robots
+
+if TYPE_CHECKING:
+    from ..runtime.batch import Batch
+
+COLOURINGS = ("part", "material")
+# one colour per semantic class in the order of the vocabulary; the first, as a rule the body, is neutral
+PALETTE = (
+    "c4ccd5", "4a86cf", "e8603c", "62a87c", "f2a93b", "8e6bb0", "2fa5a8", "d8648f", "9a7256", "5f6f7a", "b3c151",
+    "e9b59c", "3f5f9e", "c9473a", "3f7f5c", "c98a1b",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """``vertices``, ``normals`` (V, 3) in the object's frame, metres; ``faces`` (F, 3), outward.
+
+    ``colour`` (V, 4) is linear light and opacity; ``metalness`` and ``gloss`` (1 - roughness) are (V,), all 0 .. 1.
+    """
+
+    vertices: np.ndarray
+    normals: np.ndarray
+    faces: np.ndarray
+    colour: np.ndarray
+    metalness: np.ndarray
+    gloss: np.ndarray
+
+    def split(self) -> tuple[np.ndarray, np.ndarray]:
+        """Numbers of the opaque faces, and of those one sees through."""
+        clear = self.colour[self.faces[:, 0], 3] < 0.999
+        return np.flatnonzero(~clear), np.flatnonzero(clear)
+
+
+def hex_colour(text: str) -> np.ndarray:
+    """Linear light (3,) of ``rrggbb``."""
+    return linear(np.array([int(text[i : i + 2], 16) / 255 for i in (0, 2, 4)]))
+
+
+def palette() -> np.ndarray:
+    return np.array([hex_colour(text) for text in PALETTE])
+
+
+def scene(robots: Robots, i: int, pose: tuple[np.ndarray, np.ndarray], colouring: str = "part") -> Scene:
+    """Object ``i`` of a batch with its links moved by ``pose``, what ``batch.pose`` returns for the whole batch."""
+    turn, shift = pose
+    semantic = palette()
+    parts: dict[str, list[np.ndarray]] = {n: [] for n in ("vertices", "normals", "faces", "colour", "metalness", "gloss")}
+    first = 0
+    for item in robots.visuals[i]:
+        group, shading = item.group, item.group.shading
+        link = int(robots.link_start[i]) + int(group.table.link[item.row])
+        vertices = rotate(turn[link], group.vertices[item.k][shading.source]) + shift[link]
+        look = robots.look(i, item)
+        rgb = linear(np.array(look.colour))
+        if colouring == "part":
+            rgb = semantic[int(group.table.semantic[item.row]) % len(semantic)]
+        count = len(vertices)
+        parts["vertices"].append(vertices)
+        parts["normals"].append(rotate(turn[link], shading.normals[item.k]))
+        parts["faces"].append(shading.faces + first)
+        parts["colour"].append(np.broadcast_to([*rgb, look.opacity], (count, 4)))
+        plain = colouring == "part"
+        parts["metalness"].append(np.full(count, 0.0 if plain else look.metalness))
+        parts["gloss"].append(np.full(count, 0.3 if plain and look.opacity > 0.99 else 1.0 - look.roughness))
+        first += count
+    return Scene(**{name: np.concatenate(arrays) for name, arrays in parts.items()})
+
+
+def opened(batch: Batch, share: float = 0.8) -> np.ndarray:
+    """Joint values (J,) with every limited joint ``share`` of the way from rest to its farther end."""
+    joints = batch.joints()
+    rest = np.where(np.isnan(joints.rest), 0.0, joints.rest)
+    low, high = (np.where(np.isnan(limit), rest, limit) for limit in (joints.low, joints.high))
+    end = np.where(high - rest >= rest - low, high, low)
+    values = rest + share * (end - rest)
+    starts = np.searchsorted(joints.owner, joints.owner)
+    leader = np.asarray(joints.mimic)
+    for _ in range(int((leader >= 0).any()) * 4):  # followers of followers
+        values = np.where(leader >= 0, joints.multiplier * values[starts + leader] + joints.offset, values)
+    return values

@@ -1,0 +1,113 @@
+"""Contact sheets: many objects in one picture, each numbered, every other one with its joints opened."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..annotate.frames import rotate
+from ..export.robot import Robots
+from ..export.write import ExportError, write_bytes
+from .camera import lights, look_at
+from .png import png_bytes, srgb, write_number
+from .scene import COLOURINGS, hex_colour, opened, scene
+
+if TYPE_CHECKING:
+    from ..runtime.batch import Batch
+
+RENDERERS = ("moderngl", "embreex", "numpy")
+AZIMUTH = 33.0  # degrees from the front
+BACKDROP = "f1f3f5"
+
+
+def renderer(name: str, size: int) -> Any:
+    """A renderer by name, or with ``auto`` the first of ``RENDERERS`` that works on this machine."""
+    if name != "auto" and name not in RENDERERS:
+        raise ExportError(f"unknown renderer {name!r}", f"the renderers are auto, {', '.join(RENDERERS)}")
+    reasons = []
+    for candidate in RENDERERS if name == "auto" else (name,):
+        try:
+            return _make(candidate, size)
+        except Exception as error:  # noqa: BLE001 - a missing library, driver or display, each with its own exception
+            reasons.append(f"{candidate}: {error}")
+    raise ExportError(f"cannot draw with {'; '.join(reasons)}", "leave the choice of the renderer to the program")
+
+
+def _make(name: str, size: int) -> Any:
+    backdrop = hex_colour(BACKDROP)
+    if name == "moderngl":
+        from .raster_gl import Renderer as Gl
+
+        return Gl(size, backdrop)
+    if name == "embreex":
+        from .raster_rays import Renderer as Rays
+
+        return Rays(size, backdrop)
+    from .raster_cpu import Renderer as Plain
+
+    return Plain(size, backdrop)
+
+
+def sheet(
+    batch: Batch,
+    *,
+    columns: int | None = None,
+    tile: int = 256,
+    colour: str = "part",
+    which: str = "auto",
+    states: str = "alternate",
+    progress: Callable[[int, int], None] | None = None,
+) -> np.ndarray:
+    """The picture (height, width, 3) uint8 of all objects of a batch, ``tile`` pixels each.
+
+    ``states``: "rest", "open", or "alternate": even tiles at rest, odd ones opened.
+    """
+    if colour not in COLOURINGS:
+        raise ExportError(f"unknown colouring {colour!r}", f"the colourings are {', '.join(COLOURINGS)}")
+    if not len(batch):
+        raise ExportError("there is no object to draw", "sample at least one")
+    draw = renderer(which, tile)
+    robots = Robots(batch, collision=False)
+    poses = {"rest": batch.pose(), "open": batch.pose(opened(batch))}
+    azimuth = AZIMUTH * side(robots, poses["open"])
+    columns = columns or default_columns(len(batch))
+    rows = -(-len(batch) // columns)
+    image = np.empty((rows * tile, columns * tile, 3), dtype=np.uint8)
+    image[:] = srgb(hex_colour(BACKDROP))
+    for i, number in enumerate(batch.numbers.tolist()):
+        state = states if states != "alternate" else ("rest", "open")[(i + i // columns * (columns % 2 == 0)) % 2]
+        both = [scene(robots, i, poses[name], colour) for name in ("rest", "open")]
+        shown = both[0] if state == "rest" else both[1]
+        camera = look_at(np.concatenate([one.vertices for one in both]), azimuth)
+        floor = float(shown.vertices[:, 2].min())
+        light = draw.render(shown, camera, lights(camera, *draw.light_counts), floor)
+        y, x = i // columns * tile, i % columns * tile
+        cell = image[y : y + tile, x : x + tile]
+        cell[:] = srgb(light)
+        write_number(cell, number, (120, 126, 134), size=max(1, tile // 160))
+        if progress:
+            progress(i + 1, len(batch))
+    return image
+
+
+def side(robots: Robots, pose: tuple[np.ndarray, np.ndarray]) -> float:
+    """Which side to look from: -1 (the objects' right) if what opens swings to their left, so that one sees inside, else 1."""
+    turn, shift = pose
+    links = robots.links
+    moved = rotate(turn, links.translation) + shift - links.translation
+    return -1.0 if float(moved[:, 1].mean()) > 1e-3 else 1.0
+
+
+def default_columns(count: int) -> int:
+    """Columns of a sheet somewhat wider than high, with few tiles left empty in its last row."""
+    around = np.sqrt(count * 1.3)
+    candidates = range(max(1, int(around)), int(around * 1.4) + 2)
+    return min(candidates, key=lambda columns: (-count % columns / columns + abs(columns - around) / around, columns))
+
+
+def write_sheet(batch: Batch, path: Path | str, *, force: bool = False, **options: Any) -> None:
+    """Write the contact sheet of a batch as PNG; the options are those of ``sheet``."""
+    write_bytes(path, png_bytes(sheet(batch, **options)), force=force)
