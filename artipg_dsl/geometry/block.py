@@ -70,8 +70,8 @@ def block(sites: list[SiteTable], first: int, stop: int) -> Block:
         return np.concatenate([np.empty(0, kind), *(pick(t, s) for t, s in chosen)])
 
     owner = column(lambda t, s: t.owner[s]) - first
-    site = column(lambda t, s: np.full(s.stop - s.start, t.number))
-    order = np.lexsort((column(lambda t, s: t.rank[s]), site, owner))
+    number = column(lambda t, s: np.full(s.stop - s.start, t.number))
+    order = np.lexsort((column(lambda t, s: t.rank[s]), number, owner))
     rank = np.empty(start, dtype=np.int64)
     rank[order] = np.arange(start)
     rotation = np.concatenate([np.empty((0, 3, 3)), *(t.rotation[s] for t, s in chosen)]).reshape(-1, 9)
@@ -83,7 +83,7 @@ def block(sites: list[SiteTable], first: int, stop: int) -> Block:
     poses = (np.ascontiguousarray(rotation.T), np.ascontiguousarray(translation.T), mirror)
     rows = column(lambda t, s: np.arange(s.start, s.stop))
     where = placed_bounds(poses, np.arange(start), own_low, own_high)
-    return Block(stop - first, tuple(shelves), owner, site, rows, rank, *poses, *where, diagonal)
+    return Block(stop - first, tuple(shelves), owner, number, rows, rank, *poses, *where, diagonal)
 
 
 Poses = tuple[np.ndarray, np.ndarray, np.ndarray]

@@ -95,7 +95,7 @@ def _weights(nodes: int) -> list[tuple[float, float]]:
 
 def _integral(primitive: Primitive, patch: int, params: Params, nodes: tuple[int, int]) -> np.ndarray:
     """(k,) areas, summed node by node so that the batch does not change the order."""
-    total = 0.0
+    total: np.ndarray | float = 0.0
     for u, wu in _weights(nodes[0]):
         for v, wv in _weights(nodes[1]):
             total = total + _at(primitive, patch, params, u, v) * (wu * wv)

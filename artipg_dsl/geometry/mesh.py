@@ -15,6 +15,8 @@ from .patches import Params, existing, position_split, rows_of
 from .topology import topology
 from .weld import Plan, plan
 
+_TRIANGLES = 100_000  # summed at a time, so that the terms stay in the caches
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MeshGroup:
@@ -96,6 +98,11 @@ def volume_inertia(primitive: Primitive, params: Params, steps: int = 24) -> tup
     """Volume (k,) m3, centre (k, 3) m, inertia about the centre per unit density (k, 3, 3) m5 of the meshes."""
     count = rows_of(params)
     volume, centre, inertia = np.empty(count), np.empty((count, 3)), np.empty((count, 3, 3))
-    for group in build(primitive, params, steps):
-        volume[group.rows], centre[group.rows], inertia[group.rows] = moments(group.vertices, group.faces)
+    for variant, rows in group_rows(primitive, params):
+        welded = plan(topology(primitive, variant), steps)
+        at_once = max(1, _TRIANGLES // len(welded.faces))
+        for start in range(0, len(rows), at_once):
+            part = rows[start : start + at_once]
+            vertices = _vertices(primitive, welded, take(params, part))
+            volume[part], centre[part], inertia[part] = moments(vertices, welded.faces)
     return volume, centre, inertia

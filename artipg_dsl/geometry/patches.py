@@ -77,7 +77,6 @@ class Split:
 
         for expr in exprs:
             collect(expr)
-        self._keep = (*hoisted, *exprs)  # expressions are interned weakly; ``memo`` holds their ids
         self._rows = compile_formula(tuple(hoisted), self._names)
         names = (*(str(v.value) for v in hoisted.values()), *point)
         self._points = compile_formula(tuple(substitute(e, hoisted) for e in exprs), names)
@@ -122,7 +121,7 @@ def _parameter_formula(primitive: Primitive, exprs: tuple[Expr, ...]):
 def evaluate_rows(primitive: Primitive, exprs: Sequence[Expr], params: Params, kind: type = np.float64) -> np.ndarray:
     """(number of expressions, k): formulas of the parameters alone, per instance."""
     values = _parameter_formula(primitive, tuple(exprs))(*(params[n] for n in primitive.parameters))
-    out = np.empty((len(exprs), rows_of(params)), dtype=kind)
+    out: np.ndarray = np.empty((len(exprs), rows_of(params)), dtype=kind)
     for row, value in zip(out, values, strict=True):
         row[...] = value
     return out

@@ -12,14 +12,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..graph import random
-from .block import Block, block, to_object
+from .block import Block, Shelf, block, to_object
 from .density import Placement
 from .hidden import Cells, hidden, occluders, scales
 from .patches import surfaces
 from .sites import SiteTable
 from .surface import Evaluator
 
-_BLOCK = 32  # objects at a time: the arrays of their candidates stay in the caches
+_CANDIDATES = 80_000  # at a time: their arrays stay in the caches
 _SPARE = 1.25  # candidates per point wanted
 _ROUNDS = 40
 _LEAST = 1 / 64  # share of visible candidates that later rounds reckon with at least
@@ -61,10 +61,20 @@ def sample(sites: list[SiteTable], n_objects: int, n_points: int, key: random.Ke
         np.zeros(shape), np.zeros((*shape, 3)), np.zeros((*shape, 3)),
     )  # fmt: skip
     if n_points:
-        for first in range(0, n_objects, _BLOCK):
-            stop = min(first + _BLOCK, n_objects)
+        step = _objects_at_once(n_points)
+        for first in range(0, n_objects, step):
+            stop = min(first + step, n_objects)
             _Sampler(block(sites, first, stop), key, address[first:stop], first).fill(out, n_points)
     return out
+
+
+def _objects_at_once(n: int) -> int:
+    return min(max(1, _CANDIDATES // _first_round(n)), 256)
+
+
+def _first_round(n: int) -> int:
+    """Candidates of the first round per object."""
+    return int(np.ceil(_SPARE * n)) + 32
 
 
 class _Sampler:
@@ -80,7 +90,8 @@ class _Sampler:
 
     def _make_cells(self) -> None:
         rows = self.rows
-        self.placements, self.evaluators = [], []
+        self.placements: list[tuple[Shelf, Placement]] = []
+        self.evaluators: list[Evaluator] = []
         row, patch, area, combo = (
             [np.empty(0, np.int64)],
             [np.empty(0, np.int64)],
@@ -118,7 +129,7 @@ class _Sampler:
     def fill(self, out: PointSet, n: int) -> None:
         """Rounds of candidates until every object has its points."""
         filled = np.zeros(self.rows.objects, dtype=np.int64)
-        wanted = np.full(self.rows.objects, int(np.ceil(_SPARE * n)) + 32, dtype=np.int64)
+        wanted = np.full(self.rows.objects, _first_round(n), dtype=np.int64)
         tried, seen = np.zeros_like(wanted), np.zeros_like(wanted)
         for attempt in range(_ROUNDS):
             survivors = self._round(out, n, filled, wanted, attempt)
@@ -198,8 +209,9 @@ def evaluate(sites: list[SiteTable], binding: PointSet) -> tuple[np.ndarray, np.
     """
     position, normal = np.empty(binding.position.shape), np.empty(binding.normal.shape)
     count = binding.u.shape[1]
-    for first in range(0, len(binding.u), _BLOCK):
-        stop = min(first + _BLOCK, len(binding.u))
+    step = _objects_at_once(count)
+    for first in range(0, len(binding.u), step):
+        stop = min(first + step, len(binding.u))
         part = slice(first, stop)
         rows = block(sites, first, stop)
         poses = (rows.rotation, rows.translation, rows.mirror)

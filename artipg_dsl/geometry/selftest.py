@@ -56,8 +56,8 @@ def check_primitive(primitive: Primitive, samples: int = 12) -> list[Finding]:
         return [Finding(primitive.name, check, error.patch, error.message)]
     inspection = _Inspection(primitive, params)
     out: list[Finding] = []
-    for check in (_surfaces, _slope, _box, _areas, _volume, _pieces):
-        for name, where, message in check(inspection):
+    for examine in (_surfaces, _slope, _box, _areas, _volume, _pieces):
+        for name, where, message in examine(inspection):
             out.append(Finding(primitive.name, name, where, message))
     return out
 

@@ -50,7 +50,7 @@ def allowed(primitive: Primitive, conditions: tuple[Expr, ...], params: Params) 
     """(k,) bool: which instances meet all conditions."""
     if not conditions:
         return np.ones(len(next(iter(params.values()))), dtype=bool)
-    return evaluate_rows(primitive, conditions, params, bool).all(axis=0)
+    return np.logical_and.reduce(evaluate_rows(primitive, conditions, params, bool), axis=0)
 
 
 @lru_cache(maxsize=512)
