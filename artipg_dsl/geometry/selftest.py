@@ -234,6 +234,7 @@ def _volume(seen: _Inspection) -> Report:
 def _pieces(seen: _Inspection) -> Report:
     """Convex pieces lie within the solid and leave out no more than a quarter of a wall."""
     groups = pieces.build(seen.primitive, seen.params)
+    reach: dict[str, tuple[float, int, str]] = {}  # per declared piece, the worst of all its indices
     for group in groups:
         corners = group.vertices[:, group.faces]
         middle = (corners[:, :, 0] + corners[:, :, 1] + corners[:, :, 2]) / 3
@@ -242,9 +243,12 @@ def _pieces(seen: _Inspection) -> Report:
         row = np.repeat(group.rows, points.shape[1])
         out = seen.inside(row, points.reshape(-1, 3)) / seen.diagonal[row]
         worst = int(np.argmax(out))
-        if out[worst] > WITHIN:
-            size = 1000 * out[worst] * seen.diagonal[row[worst]]
-            yield "pieces", group.name, f"this piece reaches {size:.4g} mm out of the solid ({seen.at(row[worst])})"
+        declared = group.name.partition("[")[0]
+        if out[worst] > max(WITHIN, reach.get(declared, (0.0, 0, ""))[0]):
+            reach[declared] = (float(out[worst]), int(row[worst]), group.name)
+    for out_by, at, name in reach.values():
+        length = 1000 * out_by * seen.diagonal[at]
+        yield "pieces", name, f"this piece reaches {length:.4g} mm out of the solid ({seen.at(at)})"
     row, points = _deep(seen)
     covered = np.zeros(len(row), dtype=bool)
     for group in groups:
