@@ -26,7 +26,7 @@ def compose(first: np.ndarray, second: np.ndarray) -> np.ndarray:
 def place(
     rotation: np.ndarray, translation: np.ndarray, points: np.ndarray, mirror: np.ndarray | None = None
 ) -> np.ndarray:
-    """Points (k, n, 3) of k own frames in the object's frame: rotation (k, 3, 3), translation (k, 3), mirror (k,) or None."""
+    """Points (k, n, 3) of k own frames, placed: rotation (k, 3, 3), translation (k, 3), mirror (k,) or None."""
     if mirror is not None:
         points = reflect(points, mirror)
     return rotate(rotation[:, None], points) + translation[:, None]

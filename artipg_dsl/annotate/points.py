@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Labels:
-    """``semantic`` (B, n) ids into the vocabulary; ``fields`` by name such as ``affordance.pull``, (B, n) bool or float32.
+    """``semantic`` (B, n) ids into the vocabulary; ``fields`` such as ``affordance.pull``, (B, n) bool or float32.
 
     A point outside all targets is False, 0 (graded) or nan (a field).
     """

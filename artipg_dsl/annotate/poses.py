@@ -21,8 +21,8 @@ AXES = "xyz"
 
 @dataclass(frozen=True, slots=True)
 class PartPoses:
-    """Per part instance of a batch: rotation (P, 3, 3), quaternion (P, 4) w x y z, center (P, 3), size (P, 3) in metres,
-    scale (P,), the length of the diagonal. In the object's frame."""
+    """Per part instance of a batch: rotation (P, 3, 3), quaternion (P, 4) w x y z, center (P, 3) and size (P, 3) in
+    metres, scale (P,), the length of the diagonal. In the object's frame."""
 
     rotation: np.ndarray
     quaternion: np.ndarray
@@ -51,7 +51,7 @@ def normalised(poses: PartPoses, part: np.ndarray, points: np.ndarray) -> np.nda
 
 
 def symmetry_words(symmetry: np.ndarray) -> list[str | None]:
-    """``(turns, axis)`` (P, 2) as words such as ``"2 about z"``; "any about z" for a body of revolution, None for none."""
+    """``(turns, axis)`` (P, 2) as words such as "2 about z"; "any about z" for a body of revolution, None for none."""
     return [
         None if turns == 1 else f"{'any' if turns == 0 else turns} about {AXES[axis]}"
         for turns, axis in np.asarray(symmetry, dtype=np.int64).tolist()

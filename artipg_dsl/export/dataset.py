@@ -127,7 +127,7 @@ def write_objects(
     force: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> None:
-    """A folder ``objects/<number>`` for every object of the batch (or those of ``only``), with the files of all formats."""
+    """A folder ``objects/<number>`` with the files of all formats for every object of the batch (or of ``only``)."""
     robots = Robots(batch)
     wanted = set(batch.numbers.tolist() if only is None else only.tolist())
     for i, number in enumerate(batch.numbers.tolist()):

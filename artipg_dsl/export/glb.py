@@ -113,7 +113,7 @@ def rest_values(robot: Robot) -> dict[str, float]:
 
 
 def open_values(robot: Robot) -> dict[str, float]:
-    """The value of every joint at the end of its range that is farther from rest (a joint without limits: a full turn)."""
+    """The value of every joint at the end of its range that is farther from rest (without limits: a full turn on)."""
     return follow(robot, {joint.name: other_end(joint) for joint in robot.joints})
 
 
@@ -211,7 +211,7 @@ def _describe(joint: RobotJoint) -> dict[str, Any]:
 
 
 def _animation(robot: Robot, rest: dict[str, float], buffer: Buffer) -> dict[str, Any]:
-    """Every joint from rest to its other end and back; a turn takes eight keys, so that each is well below half a turn."""
+    """Every joint from rest to its other end and back; eight keys, so that each step is well below half a turn."""
     samplers: list[dict[str, Any]] = []
     channels: list[dict[str, Any]] = []
     ends = open_values(robot)

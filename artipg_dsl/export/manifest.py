@@ -38,8 +38,16 @@ DTYPES = {
 }  # fmt: skip
 
 
+WANTED = "give the folder that samples were written to"
+KINDS = {
+    "mask": "the label holds",
+    "grade": "how far the label holds, 0 .. 1",
+    "field": "value, nan where undefined",
+}
+
+
 def cpu_class() -> str:
-    """The machine and the widest vector instructions that NumPy uses on it: results are equal to the bit within a class."""
+    """The machine and the widest vector instructions NumPy uses on it: results are equal to the bit within a class."""
     from numpy._core import _multiarray_umath as core
 
     enabled = [name for name in core.__cpu_dispatch__ if core.__cpu_features__.get(name)]
@@ -125,9 +133,8 @@ def arrays(program: Program, n_points: int) -> dict[str, Any]:
     for name, meaning in MEANINGS.items():
         described[name] = {"dtype": DTYPES.get(name, "uint16")} | asdict(meaning)
     for name, kind in field_kinds(program.labels).items():
-        text = {"mask": "the label holds", "grade": "how far the label holds, 0 .. 1", "field": "value, nan where undefined"}
         dtype = "bool" if kind == "mask" else "float32"
-        described[name] = {"dtype": dtype, "text": text[kind], "shape": "objects, points", "frame": "", "unit": ""}
+        described[name] = {"dtype": dtype, "text": KINDS[kind], "shape": "objects, points", "frame": "", "unit": ""}
     for entry in described.values():
         entry["shape"] = entry["shape"].replace("points", str(n_points))
     return described
@@ -145,9 +152,9 @@ def read(folder: Path | str) -> dict[str, Any] | None:
     except FileNotFoundError:
         return None
     except NotADirectoryError:
-        raise ExportError(f"{folder} is a file, a folder was expected", "give the folder that samples were written to") from None
+        raise ExportError(f"{folder} is a file, a folder was expected", WANTED) from None
     except (ValueError, OSError) as error:
-        raise ExportError(f"cannot read {path}: {error}", "give the folder that samples were written to") from error
+        raise ExportError(f"cannot read {path}: {error}", WANTED) from error
     if not isinstance(found, dict) or "identity" not in found:
         raise ExportError(f"{path} is not a manifest of this program", "choose another folder")
     return found

@@ -135,7 +135,7 @@ class Robots:
 
     @cached_property
     def mass(self) -> solids.Mass:
-        """Mass, centre and inertia in link frames, made safe to print with few digits and for links of next to nothing."""
+        """Mass, centre and inertia in link frames, safe to print with few digits and for links of next to nothing."""
         density = np.array([materials.density(material) for material in self.catalogue])
         densities = [density[self.material_rows[t.number]] for t in self.tables]
         mass = solids.link_mass(self.tables, densities, self.link_start[:-1], len(self.links.owner))

@@ -11,7 +11,7 @@ SHARP = np.cos(np.radians(35.0))  # patches that meet at a smaller angle than th
 
 @dataclass(frozen=True, slots=True)
 class Shading:
-    """``source`` (W,) the welded vertex of each split one; ``faces`` (F, 3) into the split ones; ``normals`` (k, W, 3)."""
+    """``source`` (W,) the welded vertex of each split one; ``faces`` (F, 3) of split ones; ``normals`` (k, W, 3)."""
 
     source: np.ndarray
     faces: np.ndarray

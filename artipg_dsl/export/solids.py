@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from ..geometry.sites import SiteTable
 
 
-
 @dataclass(frozen=True)
 class SolidGroup:
     """Instances ``rows`` of one site with common ``faces`` (F, 3), outward, and vertices (k, V, 3)."""
@@ -134,9 +133,7 @@ class Mass:
     inertia: np.ndarray
 
 
-def link_mass(
-    tables: list[SiteTable], densities: list[np.ndarray], link_start: np.ndarray, n_links: int
-) -> Mass:
+def link_mass(tables: list[SiteTable], densities: list[np.ndarray], link_start: np.ndarray, n_links: int) -> Mass:
     """Mass of every link: the sum over its primitives (where they overlap, as a post sunk in a wall does, both count).
 
     ``densities`` one array (k,) kg/m3 per table; ``link_start`` (B,) the first link row of each object.

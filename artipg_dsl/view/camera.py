@@ -36,7 +36,7 @@ class Camera:
 
 @dataclass(frozen=True, slots=True)
 class Lights:
-    """Directions towards the light (K, 3), the irradiance (K, 3) each gives a surface that faces it; ``sun`` (K,) bool."""
+    """Directions towards the lights (K, 3), the irradiance (K, 3) each gives what faces it; ``sun`` (K,) bool."""
 
     direction: np.ndarray
     power: np.ndarray
@@ -44,7 +44,7 @@ class Lights:
 
 
 def look_at(points: np.ndarray, azimuth: float = 33.0, elevation: float = 24.0, margin: float = 1.1) -> Camera:
-    """A camera at ``azimuth`` degrees to the left of the front, ``elevation`` above, that sees all ``points`` (n, 3)."""
+    """A camera ``azimuth`` degrees to the left of the front, ``elevation`` above, that sees all ``points`` (n, 3)."""
     a, e = np.radians(azimuth), np.radians(elevation)
     back = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
     right = np.array([-np.sin(a), np.cos(a), 0.0])
@@ -63,7 +63,7 @@ def look_at(points: np.ndarray, azimuth: float = 33.0, elevation: float = 24.0, 
 
 
 def lights(camera: Camera, sun_count: int = 12, sky_count: int = 32) -> Lights:
-    """A broad sun from above the viewer's left and a sky, as bundles of parallel lights, each with a shadow of its own.
+    """A broad sun from above the viewer's left and a sky, as bundles of parallel lights that each cast a shadow.
 
     The counts are multiples of 4: the samples of a pixel share the lights out (``deferred.pick_lights``).
     """

@@ -1,4 +1,4 @@
-"""Shading in NumPy for renderers without a graphics library: find what each pixel shows, then light all pixels at once."""
+"""Shading in NumPy for renderers without a graphics library: find what each sample shows, then light all at once."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Rays:
 
 @dataclass(frozen=True, slots=True)
 class Surface:
-    """What is seen at some samples: position and unit normal (n, 3) towards the viewer, tint (n, 4), finish (n,) each."""
+    """What is seen at some samples: position, unit normal (n, 3) towards the viewer, tint (n, 4), finish (n,) each."""
 
     position: np.ndarray
     normal: np.ndarray

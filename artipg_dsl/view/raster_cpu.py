@@ -46,7 +46,7 @@ class Renderer:
         return np.stack([m[i, 0] * x + m[i, 1] * y + m[i, 2] * z + (m[i, 3] + 0.5) for i in range(3)])
 
     def visible(self, points: np.ndarray, light: np.ndarray) -> np.ndarray:
-        """How much of the lights (n, m) each point sees: the mean of the four texels around it, weighted by nearness."""
+        """How much of the lights (n, m) each point sees: the weighted mean of the four texels around it."""
         flat = light.ravel()
         order = np.argsort(flat, kind="stable")  # all points that look at one light together
         edges = np.searchsorted(flat[order], np.arange(len(self.maps) + 1))

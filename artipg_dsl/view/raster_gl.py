@@ -47,7 +47,8 @@ float seen(int k, vec3 p, float turn) {
 
 vec3 surroundings(vec3 r) {      // what a mirror sees: bright sky above, a soft horizon, the ground below
     float z = r.z;
-    return mix(vec3(0.42), vec3(0.98), smoothstep(-0.15, 0.75, z)) + 0.25 * smoothstep(0.55, 0.95, dot(r, direction[0]));
+    float glow = 0.25 * smoothstep(0.55, 0.95, dot(r, direction[0]));
+    return mix(vec3(0.42), vec3(0.98), smoothstep(-0.15, 0.75, z)) + glow;
 }
 
 void main() {
@@ -66,7 +67,7 @@ void main() {
         if (float(k) < sun_count)
             shine += visible * power[k] * pow(max(dot(m, normalize(direction[k] + v)), 0.0), sharp);
     }
-    if (ground > 0.5) {                    // bare ground is the backdrop itself; shadows fade out towards the tile's border
+    if (ground > 0.5) {                // bare ground is the backdrop itself; shadows fade out towards the border
         vec2 border = min(gl_FragCoord.xy, vec2(pixels) - gl_FragCoord.xy) / pixels;
         float kept = smoothstep(0.0, 0.12, min(border.x, border.y));
         result = vec4(backdrop * mix(vec3(1.0), pow(light / open_ground, vec3(0.85)), kept), 1.0);

@@ -55,7 +55,9 @@ def scene(robots: Robots, i: int, pose: tuple[np.ndarray, np.ndarray], colouring
     """Object ``i`` of a batch with its links moved by ``pose``, what ``batch.pose`` returns for the whole batch."""
     turn, shift = pose
     semantic = palette()
-    parts: dict[str, list[np.ndarray]] = {n: [] for n in ("vertices", "normals", "faces", "colour", "metalness", "gloss")}
+    parts: dict[str, list[np.ndarray]] = {
+        n: [] for n in ("vertices", "normals", "faces", "colour", "metalness", "gloss")
+    }
     first = 0
     for item in robots.visuals[i]:
         group, shading = item.group, item.group.shading

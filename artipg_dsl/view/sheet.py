@@ -94,7 +94,7 @@ def sheet(
 
 
 def side(robots: Robots, pose: tuple[np.ndarray, np.ndarray]) -> float:
-    """Which side to look from: -1 (the objects' right) if what opens swings to their left, so that one sees inside, else 1."""
+    """The side to look from: -1 (the objects' right) if what opens swings to their left, so that one sees inside."""
     turn, shift = pose
     links = robots.links
     moved = rotate(turn, links.translation) + shift - links.translation

@@ -40,7 +40,9 @@ def cuboid() -> Primitive:
     high = (size[0] * 0.5, size[1] * 0.5, size[2] * 0.5)
     names = ("size.x", "size.y", "size.z")
     patches = tuple(face(*f) for f in faces)
-    return Primitive("Cuboid", names, ((0.01, 1.0),) * 3, patches, inside, low, high, surfaces=tuple(p.name for p in patches))
+    return Primitive(
+        "Cuboid", names, ((0.01, 1.0),) * 3, patches, inside, low, high, surfaces=tuple(p.name for p in patches)
+    )
 
 
 def cylinder() -> Primitive:
@@ -93,7 +95,7 @@ def program() -> Program:
     grip = Target(6, (), pose(e.col(e.Column(root, "handle_x"))), (ONE, ONE, ONE), zero3)
     labels = [
         Label("affordance", "pull", (grip,), e.TRUE),
-        Label("affordance", "push", (door_front,), e.call("lt", e.var("p.y"), width * e.const(-0.25))),
+        Label("affordance", "push", (door_front,), e.call("lt", e.var("p.y"), width * e.const(-0.1))),
         Label("semantic", "grip", (grip,), e.call("le", ZERO, e.var("p.z"))),
         Label("field", "reach", (door_front,), e.var("p.y") / e.var("size.y")),
     ]
@@ -193,7 +195,9 @@ class FakeBatch:
     def links(self) -> SimpleNamespace:
         table = self._table([name for name, _ in LINKS])
         translation = self._boxes()[0][[0, 5, 7]].transpose(1, 0, 2).reshape(-1, 3)
-        return SimpleNamespace(**table, rotation=np.broadcast_to(np.eye(3), (3 * self.n, 3, 3)), translation=translation)
+        return SimpleNamespace(
+            **table, rotation=np.broadcast_to(np.eye(3), (3 * self.n, 3, 3)), translation=translation
+        )
 
     def joints(self) -> SimpleNamespace:
         n = self.n
@@ -279,7 +283,6 @@ class FakeBatch:
         labels = label_points(self, self.sites(), made)
         return SimpleNamespace(
             position=made.position, normal=made.normal, semantic=labels.semantic, instance=made.site,
-            link=np.ones_like(made.site), primitive=made.site, row=made.row, patch=made.patch, u=made.u, v=made.v,
+            link=np.ones_like(made.site), primitive=made.site, patch=made.patch, u=made.u, v=made.v,
             labels=labels.fields,
         )  # fmt: skip
-

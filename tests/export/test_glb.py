@@ -1,0 +1,116 @@
+"""GLB: nodes, colours, normals and the opening animation, read back by trimesh and by hand."""
+
+from __future__ import annotations
+
+import json
+import struct
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import trimesh
+
+from artipg_dsl.export.glb import glb_bytes, open_values
+from artipg_dsl.export.materials import linear
+from artipg_dsl.export.robot import Robot, Robots
+from artipg_dsl.export.shading import shade
+
+from .fake_batch import FakeBatch
+
+
+@pytest.fixture(scope="module")
+def robot() -> Robot:
+    return Robots(FakeBatch(2)).robot(0)
+
+
+def parse(data: bytes) -> tuple[dict, bytes]:
+    magic, version, length = struct.unpack("<III", data[:12])
+    assert (magic, version, length) == (0x46546C67, 2, len(data))
+    size = struct.unpack("<I", data[12:16])[0]
+    return json.loads(data[20 : 20 + size]), data[28 + size :]
+
+
+def accessor(document: dict, binary: bytes, number: int) -> np.ndarray:
+    entry = document["accessors"][number]
+    view = document["bufferViews"][entry["bufferView"]]
+    dtype = {5126: "<f4", 5123: "<u2", 5125: "<u4"}[entry["componentType"]]
+    width = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}[entry["type"]]
+    return np.frombuffer(binary, dtype, entry["count"] * width, view["byteOffset"]).reshape(-1, width)
+
+
+def test_trimesh_reads_links_and_primitives_standing_upright(robot: Robot) -> None:
+    batch = FakeBatch(1)
+    scene = trimesh.load(trimesh.util.wrap_as_stream(glb_bytes(robot)), file_type="glb")
+    assert {"base", "door", "button", "body.left", "door.solid", "handle"} <= set(scene.graph.nodes)
+    low, high = scene.bounds
+    assert low[1] == pytest.approx(0, abs=1e-6) and high[1] == pytest.approx(batch.height[0])  # up is y
+    assert low[2] == pytest.approx(-batch.depth[0] / 2) and high[0] == pytest.approx(batch.width[0] / 2)
+    for solid in scene.geometry.values():
+        solid.merge_vertices(merge_norm=True)
+        assert solid.is_watertight and solid.volume > 0
+
+
+def test_colours_are_linear_and_glass_is_blended(robot: Robot) -> None:
+    document, _ = parse(glb_bytes(robot))
+    glass = next(m for m in document["materials"] if m["name"] == "glass")
+    colour = glass["pbrMetallicRoughness"]["baseColorFactor"]
+    assert colour[:3] == pytest.approx(linear(np.array([0.6, 0.75, 0.8])), abs=1e-6) and colour[3] == pytest.approx(0.4)
+    assert glass["alphaMode"] == "BLEND"
+    assert linear(np.array([0.0, 1.0])).tolist() == [0.0, 1.0]
+
+
+def test_nodes_tell_their_joints_and_the_animation_drives_them(robot: Robot) -> None:
+    document, binary = parse(glb_bytes(robot))
+    nodes = {node["name"]: node for node in document["nodes"]}
+    joint = nodes["door"]["extras"]["joint"]
+    assert joint["name"] == "open" and joint["type"] == "revolute" and joint["limits"] == [0.0, 1.9]
+    animation = document["animations"][0]
+    targets = {document["nodes"][c["target"]["node"]]["name"]: c for c in animation["channels"]}
+    assert {name: c["target"]["path"] for name, c in targets.items()} == {"door": "rotation", "button": "translation"}
+    sampler = animation["samplers"][targets["door"]["sampler"]]
+    turns = accessor(document, binary, sampler["output"])
+    assert turns[0] == pytest.approx(turns[-1]) and turns[0] == pytest.approx([0, 0, 0, 1])
+    assert turns[4] == pytest.approx([0, 0, np.sin(0.95), np.cos(0.95)])
+    slide = accessor(document, binary, animation["samplers"][targets["button"]["sampler"]]["output"])
+    assert (slide[4] - slide[0]).tolist() == pytest.approx([-0.005, 0, 0], abs=1e-6)
+
+
+def test_a_joint_at_rest_inside_its_range_is_placed_there(robot: Robot) -> None:
+    ajar = replace(robot, joints=(replace(robot.joints[0], rest=0.5), robot.joints[1]))
+    document, _ = parse(glb_bytes(ajar))
+    door = next(node for node in document["nodes"] if node["name"] == "door")
+    assert door["rotation"] == pytest.approx([0, 0, np.sin(0.25), np.cos(0.25)], abs=1e-8)
+
+
+def test_followers_go_with_their_leader(robot: Robot) -> None:
+    follower = replace(robot.joints[1], mimic=("open", 0.5, 0.1))
+    assert open_values(replace(robot, joints=(robot.joints[0], follower)))["press"] == pytest.approx(0.5 * 1.9 + 0.1)
+
+
+def test_normals_are_smooth_over_a_cylinder_and_sharp_at_its_rim() -> None:
+    group = next(g for g in Robots(FakeBatch(2)).meshes if g.table.path == "handle")
+    shading = group.shading
+    position = group.vertices[0][shading.source] - group.table.translation[0]
+    normal = shading.normals[0]
+    assert np.abs(np.sqrt((normal**2).sum(axis=1)) - 1).max() < 1e-12
+    side = np.abs(normal[:, 2]) < 0.5
+    radial = position[side, :2] / np.sqrt((position[side, :2] ** 2).sum(axis=1, keepdims=True))
+    assert np.abs(normal[side, :2] - radial).max() < 1e-6
+    assert np.abs(np.abs(normal[~side, 2]) - 1).max() < 1e-12 and (~side).any()
+
+
+def test_patches_that_are_tangent_share_their_normals() -> None:
+    flat = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0.1], [2, 1, 0.1]])
+    faces = np.array([[0, 1, 2], [0, 2, 3], [1, 4, 5], [1, 5, 2]])
+    shading = shade(flat[None], faces, np.array([0, 0, 1, 1]))
+    at_seam = [shading.normals[0][shading.source == vertex] for vertex in (1, 2)]
+    assert all(len(n) == 2 and np.abs(n[0] - n[1]).max() < 1e-12 for n in at_seam)
+    folded = flat.copy()
+    folded[4:, 2] = 2.0
+    sharp = shade(folded[None], faces, np.array([0, 0, 1, 1]))
+    first, second = sharp.normals[0][sharp.source == 1]
+    assert np.abs(first - second).max() > 0.5
+
+
+def test_bytes_do_not_depend_on_the_batch(robot: Robot) -> None:
+    assert glb_bytes(Robots(FakeBatch(5)).robot(0)) == glb_bytes(robot)

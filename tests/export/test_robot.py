@@ -1,0 +1,145 @@
+"""The common model, OBJ and URDF: closed meshes, real masses, and a robot that MuJoCo loads and moves."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+import trimesh
+
+from artipg_dsl.export.robot import Robot, Robots
+from artipg_dsl.export.solids import as_box
+from artipg_dsl.export.urdf import urdf_files
+from artipg_dsl.export.write import ExportError
+
+from .fake_batch import FakeBatch
+
+
+@pytest.fixture(scope="module")
+def robot() -> Robot:
+    return Robots(FakeBatch(3)).robot(1)
+
+
+@pytest.fixture(scope="module")
+def files(robot: Robot) -> dict[str, bytes]:
+    return urdf_files(robot)
+
+
+def mujoco_model(files: dict[str, bytes]):  # type: ignore[no-untyped-def]
+    mujoco = pytest.importorskip("mujoco")
+    assets = {name: data for name, data in files.items() if name.endswith(".obj")}
+    return mujoco, mujoco.MjModel.from_xml_string(files["object.urdf"].decode(), assets)
+
+
+def test_every_primitive_is_closed_and_faces_outwards(robot: Robot) -> None:
+    for link in robot.links:
+        for visual in link.visuals:
+            solid = trimesh.Trimesh(visual.shape.vertices, visual.shape.faces, process=False)
+            assert solid.is_watertight and solid.volume > 0, visual.name
+
+
+def test_obj_reads_back_as_closed_groups(files: dict[str, bytes]) -> None:
+    loaded = trimesh.load(trimesh.util.wrap_as_stream(files["meshes/base_paint.obj"].decode()), file_type="obj")
+    assert files["meshes/base_paint.obj"].count(b"\no ") + 1 == 5
+    pieces = loaded.split() if isinstance(loaded, trimesh.Trimesh) else list(loaded.geometry.values())
+    assert len(pieces) == 5 and all(piece.is_watertight for piece in pieces)
+
+
+def test_masses_are_volume_times_density_and_centres_those_of_the_solid() -> None:
+    batch = FakeBatch(2)
+    robot = Robots(batch).robot(1)
+    door = robot.links[1]
+    slab = np.prod(batch._boxes()[1][5][1]) * 2500
+    bar = trimesh.Trimesh(door.visuals[1].shape.vertices, door.visuals[1].shape.faces).volume * 7850
+    assert door.mass == pytest.approx(slab + bar, rel=1e-9)
+    center = batch._boxes()[0][5:7, 1] - door.origin
+    assert door.center == pytest.approx((slab * center[0] + bar * center[1]) / (slab + bar), abs=1e-9)
+
+
+def test_inertia_agrees_with_an_independent_computation(robot: Robot) -> None:
+    link = robot.links[0]
+    whole = trimesh.util.concatenate([trimesh.Trimesh(v.shape.vertices, v.shape.faces) for v in link.visuals])
+    whole.density = 700.0
+    assert link.inertia == pytest.approx(whole.moment_inertia, rel=1e-5, abs=1e-7)
+
+
+def test_inertia_is_valid_also_of_a_tiny_button(robot: Robot) -> None:
+    assert robot.links[2].mass < 0.1
+    for link in robot.links:
+        principal = np.sort(np.linalg.eigvalsh(link.inertia))
+        assert link.mass > 0 and principal[0] > 0 and principal[0] + principal[1] > principal[2], link.name
+
+
+def test_box_is_told_from_other_hulls() -> None:
+    corners = np.array([[x, y, z] for x in (-1.0, 1) for y in (-2.0, 2) for z in (-3.0, 3)])
+    sheared = corners + corners[:, 2:] * [0.1, 0, 0]
+    repeated = corners.copy()
+    repeated[7] = corners[6]
+    is_box, size, center = as_box(np.stack([corners, sheared, repeated]))
+    assert is_box.tolist() == [True, False, False]
+    assert size[0].tolist() == [2, 4, 6] and center[0].tolist() == [0, 0, 0]
+
+
+def test_boards_collide_as_boxes_and_the_rest_as_hulls(files: dict[str, bytes]) -> None:
+    tree = ElementTree.fromstring(files["object.urdf"])
+    base, door = tree.findall("link")[:2]
+    assert len(base.findall("collision/geometry/box")) == 5
+    assert len(door.findall("collision/geometry/mesh")) == 1
+    for mesh in tree.iter("mesh"):
+        assert mesh.get("filename") in files and mesh.get("filename", "").startswith("meshes/")
+    named = [(e.tag, e.get("name")) for kind in ("link", "joint", "visual", "collision") for e in tree.iter(kind)]
+    assert len(named) == len(set(named))
+
+
+def test_mujoco_loads_it_with_its_joints_ranges_and_masses(files: dict[str, bytes]) -> None:
+    mujoco, model = mujoco_model(files)
+    assert model.njnt == 2
+    assert model.joint("open").range == pytest.approx([0, 1.9]) and model.joint("press").range == pytest.approx(
+        [0, 0.005]
+    )
+    assert (model.body_mass[1:] > 0).all() and (model.body_inertia[1:] > 0).all()
+
+
+def test_the_door_moves_through_its_range_in_mujoco(files: dict[str, bytes]) -> None:
+    mujoco = pytest.importorskip("mujoco")
+    assets = {name: data for name, data in files.items() if name.endswith(".obj")}
+    spec = mujoco.MjSpec.from_string(files["object.urdf"].decode(), assets=assets)
+    spec.option.gravity = [0, 0, 0]
+    for joint in spec.joints:
+        joint.armature = 0.01
+        actuator = spec.add_actuator(name=joint.name, target=joint.name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
+        actuator.set_to_position(kp=40.0, kv=8.0)
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    for end in (1, 0):
+        data.ctrl[:] = model.jnt_range[:, end]
+        for _ in range(3000):
+            mujoco.mj_step(model, data)
+        assert data.joint("open").qpos[0] == pytest.approx(model.joint("open").range[end], abs=0.02)
+        assert np.isfinite(data.qacc).all()
+
+
+def test_files_are_the_same_alone_and_in_a_batch(files: dict[str, bytes]) -> None:
+    assert urdf_files(Robots(FakeBatch(1, first=1)).robot(0)) == files
+
+
+def test_a_mimicking_joint_names_its_leader() -> None:
+    tree = ElementTree.fromstring(urdf_files(Robots(FakeBatch(1, mimic=True)).robot(0))["object.urdf"])
+    mimic = tree.find("joint[@name='press']/mimic")
+    assert mimic is not None and mimic.attrib == {"joint": "open", "multiplier": "0.002", "offset": "0"}
+
+
+def test_joints_that_urdf_cannot_state_are_refused_with_words(robot: Robot) -> None:
+    ball = replace(robot, joints=(replace(robot.joints[0], kind="ball"),))
+    with pytest.raises(ExportError, match="open is a ball joint"):
+        urdf_files(ball)
+
+
+def test_a_joint_without_limits_is_continuous(robot: Robot) -> None:
+    wheel = replace(robot, joints=(replace(robot.joints[0], kind="continuous", low=None, high=None),))
+    joint = ElementTree.fromstring(urdf_files(wheel)["object.urdf"]).find("joint")
+    assert joint is not None and joint.get("type") == "continuous"
+    limit = joint.find("limit")
+    assert limit is not None and set(limit.attrib) == {"effort", "velocity"}

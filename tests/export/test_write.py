@@ -1,0 +1,87 @@
+"""Files and folders appear whole or not at all."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from artipg_dsl.export.write import ExportError, replacing_file, replacing_folder, sweep, write_bytes
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.iterdir())
+
+
+def test_a_file_is_refused_where_one_exists_unless_forced(tmp_path: Path) -> None:
+    target = tmp_path / "deep" / "a.bin"
+    write_bytes(target, b"one")
+    with pytest.raises(ExportError) as caught:
+        write_bytes(target, b"two")
+    assert "exists" in caught.value.message and "--force" in caught.value.hint
+    assert target.read_bytes() == b"one"
+    write_bytes(target, b"two", force=True)
+    assert target.read_bytes() == b"two" and names(target.parent) == ["a.bin"]
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, ValueError])
+def test_an_interrupted_file_leaves_nothing(tmp_path: Path, error: type[BaseException]) -> None:
+    with pytest.raises(error), replacing_file(tmp_path / "a.bin") as stream:
+        stream.write(b"half")
+        raise error
+    assert names(tmp_path) == []
+
+
+def test_an_interrupted_folder_leaves_the_old_one(tmp_path: Path) -> None:
+    with replacing_folder(tmp_path / "o") as folder:
+        (folder / "x").write_bytes(b"old")
+    with pytest.raises(KeyboardInterrupt), replacing_folder(tmp_path / "o", force=True) as folder:
+        (folder / "x").write_bytes(b"new")
+        raise KeyboardInterrupt
+    assert names(tmp_path) == ["o"] and (tmp_path / "o" / "x").read_bytes() == b"old"
+    with replacing_folder(tmp_path / "o", force=True) as folder:
+        (folder / "y").write_bytes(b"new")
+    assert names(tmp_path) == ["o"] and names(tmp_path / "o") == ["y"]
+
+
+def test_a_file_in_the_way_of_a_folder_is_named(tmp_path: Path) -> None:
+    (tmp_path / "file").write_bytes(b"")
+    with pytest.raises(ExportError) as caught:
+        write_bytes(tmp_path / "file" / "a.bin", b"")
+    assert "in the way" in caught.value.message and "file" in caught.value.message
+    (tmp_path / "folder").mkdir()
+    with pytest.raises(ExportError) as caught:
+        write_bytes(tmp_path / "folder", b"", force=True)
+    assert "is a folder" in caught.value.message
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
+def test_a_folder_without_permission_is_named(tmp_path: Path) -> None:
+    (tmp_path / "closed").mkdir(mode=0o555)
+    with pytest.raises(ExportError) as caught:
+        write_bytes(tmp_path / "closed" / "a.bin", b"")
+    assert "no permission" in caught.value.message and "partial" not in caught.value.message
+
+
+def test_permission_and_space_are_told_in_words(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for code, words in ((13, "no permission"), (28, "no space left"), (36, "too long")):
+
+        def refuse(source: object, target: object, code: int = code) -> None:
+            raise OSError(code, "refused", str(source))
+
+        monkeypatch.setattr(os, "replace", refuse)
+        with pytest.raises(ExportError) as caught:
+            write_bytes(tmp_path / "a.bin", b"x")
+        assert words in caught.value.message and "partial" not in caught.value.message
+        assert names(tmp_path) == []
+
+
+def test_what_a_killed_process_left_is_swept(tmp_path: Path) -> None:
+    dead = next(n for n in range(4_000_000, 4_100_000) if not Path(f"/proc/{n}").exists())
+    (tmp_path / f".a.bin.partial-{dead}").write_bytes(b"half")
+    (tmp_path / f".o.partial-{dead}").mkdir()
+    (tmp_path / f".b.bin.partial-{os.getpid()}").write_bytes(b"still at it")
+    (tmp_path / ".hidden").write_bytes(b"")
+    sweep(tmp_path)
+    assert names(tmp_path) == [f".b.bin.partial-{os.getpid()}", ".hidden"]

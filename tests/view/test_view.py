@@ -1,0 +1,204 @@
+"""Pictures: right occlusion and colours from every renderer, valid PNG, labels, and the choice of a renderer."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from export.fake_batch import FakeBatch
+
+from artipg_dsl.export.robot import Robots
+from artipg_dsl.export.write import ExportError
+from artipg_dsl.view import sheet as sheets
+from artipg_dsl.view.camera import lights, look_at
+from artipg_dsl.view.deferred import camera_rays
+from artipg_dsl.view.png import png_bytes, srgb, write_number
+from artipg_dsl.view.raster_cpu import barycentric, rasterise
+from artipg_dsl.view.scene import Scene, hex_colour, opened, scene
+
+BACKDROP = hex_colour(sheets.BACKDROP)
+
+
+def available(name: str):  # type: ignore[no-untyped-def]
+    try:
+        return sheets.renderer(name, 64)
+    except ExportError as error:
+        pytest.skip(error.message)
+
+
+def decode(data: bytes) -> np.ndarray:
+    """An independent reading of what ``png_bytes`` writes."""
+    assert data[:8] == b"\x89PNG\r\n\x1a\n"
+    chunks, at = {}, 8
+    while at < len(data):
+        size, kind = struct.unpack(">I4s", data[at : at + 8])
+        body = data[at + 8 : at + 8 + size]
+        assert struct.unpack(">I", data[at + 8 + size : at + 12 + size])[0] == zlib.crc32(kind + body)
+        chunks[kind], at = body, at + 12 + size
+    width, height = struct.unpack(">II", chunks[b"IHDR"][:8])
+    rows = np.frombuffer(zlib.decompress(chunks[b"IDAT"]), np.uint8).reshape(height, 1 + 3 * width)
+    assert (rows[:, 0] == 2).all()
+    return np.cumsum(rows[:, 1:], axis=0, dtype=np.uint8).reshape(height, width, 3)
+
+
+def two_squares() -> Scene:
+    """A red square, facing +x, behind a green one on its right half and a blue pane to see through on its left."""
+    square = np.array([[0, -1, 0], [0, 1, 0], [0, 1, 2], [0, -1, 2]], dtype=float)
+    right, left = square.copy(), square.copy()
+    right[:, 1], right[:, 0] = right[:, 1] / 2 + 0.5, 0.3  # the viewer's right is the object's left, +y
+    left[:, 1], left[:, 0], left[:, 2] = left[:, 1] / 2 - 0.5, 0.3, left[:, 2] / 2
+    colours = [[0.8, 0.1, 0.1, 1.0], [0.1, 0.8, 0.1, 1.0], [0.1, 0.1, 0.8, 0.5]]
+    faces = np.array([[0, 1, 2], [0, 2, 3]])
+    return Scene(
+        np.concatenate([square, right, left]), np.tile([1.0, 0, 0], (12, 1)),
+        np.concatenate([faces, faces + 4, faces + 8]), np.repeat(colours, 4, axis=0), np.zeros(12), np.zeros(12),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("name", sheets.RENDERERS)
+def test_what_is_in_front_covers_what_is_behind(name: str) -> None:
+    draw, seen = available(name), two_squares()
+    camera = look_at(seen.vertices, azimuth=0.0, elevation=0.5)
+    image = draw.render(seen, camera, lights(camera, *draw.light_counts), 0.0)
+    assert image.shape == (64, 64, 3) and np.isfinite(image).all()
+
+    def at(point: list[float]) -> np.ndarray:
+        x, y, z = camera.local(np.array(point))
+        column, row = (1 + x * camera.scale / -z) * 32, (1 - y * camera.scale / -z) * 32
+        return image[int(row), int(column)]
+
+    green, red, pane = at([0.3, 0.5, 1.0]), at([0.0, -0.5, 1.6]), at([0.3, -0.5, 0.5])
+    assert green[1] > 3 * green[0] and red[0] > 3 * red[1]
+    assert pane[2] > 2 * red[2] and pane[0] > 2 * pane[1], "red shines through the blue pane"
+
+
+@pytest.mark.parametrize("name", sheets.RENDERERS)
+def test_a_sheet_shows_objects_on_a_plain_backdrop(name: str) -> None:
+    available(name)
+    image = sheets.sheet(FakeBatch(3), tile=64, columns=2, which=name)
+    assert image.shape == (128, 128, 3) and image.dtype == np.uint8
+    plain = srgb(BACKDROP)
+    assert (image[64:, 64:] == plain).all(), "the fourth tile is empty"
+    shown = (np.abs(image[:64, :64].astype(int) - plain).sum(axis=2) > 60).mean()
+    assert 0.15 < shown < 0.8
+    assert np.abs(image[0].astype(int) - plain).max() <= 2, "the border is backdrop"
+    changed = np.abs(image[:64, :64].astype(int) - image[:64, 64:]).sum(axis=2) > 60
+    assert changed.mean() > 0.03, "the second is opened"
+
+
+def test_renderers_agree() -> None:
+    images = [
+        sheets.sheet(FakeBatch(1), tile=64, which=name).astype(int) for name in sheets.RENDERERS if available(name)
+    ]
+    for image in images[1:]:
+        assert np.abs(image - images[0]).mean() < 6
+
+
+def test_colour_by_part_and_by_material_differ() -> None:
+    batch = FakeBatch(1)
+    robots = Robots(batch, collision=False)
+    part, material = (scene(robots, 0, batch.pose(), colouring) for colouring in ("part", "material"))
+    assert (part.vertices == material.vertices).all() and np.abs(part.colour - material.colour).max() > 0.1
+    assert sorted(set(material.colour[:, 3].tolist())) == pytest.approx([0.4, 1.0])
+
+
+def test_opened_goes_most_of_the_way_and_followers_follow() -> None:
+    assert opened(FakeBatch(1)) == pytest.approx([1.9 * 0.8, 0.005 * 0.8])
+    assert opened(FakeBatch(2, mimic=True)).reshape(2, 2)[1] == pytest.approx([1.9 * 0.8, 0.002 * 1.9 * 0.8])
+
+
+def test_an_opened_door_is_elsewhere() -> None:
+    batch = FakeBatch(1)
+    robots = Robots(batch, collision=False)
+    rest, swung = (scene(robots, 0, batch.pose(states)).vertices for states in (None, opened(batch)))
+    assert rest.shape == swung.shape and swung[:, 0].max() > rest[:, 0].max() + 0.2
+
+
+def test_the_camera_frames_all_points() -> None:
+    points = np.random.default_rng(1).uniform([-3, -0.1, 0], [0.5, 2, 1], (200, 3))
+    camera = look_at(points)
+    x, y, z = camera.local(points).T
+    reach = np.abs(np.stack([x, y]) * camera.scale / -z).max(axis=1)
+    assert reach.max() < 1.0 and reach.max() > 0.75 and (z < 0).all()
+    assert (-z > camera.near).all() and (-z < camera.far).all()
+    clip = np.concatenate([points, np.ones((200, 1))], axis=1) @ camera.matrix().T
+    assert clip[:, 0] / clip[:, 3] == pytest.approx(x * camera.scale / -z)
+
+
+def test_rays_pass_through_the_picture() -> None:
+    camera = look_at(np.array([[0.0, 0, 0], [1, 1, 1]]))
+    rays = camera_rays(camera, 8)
+    local = camera.local(rays.direction + camera.eye)
+    assert local[0, 0] < 0 < local[0, 1] and local[-1, 0] > 0 > local[-1, 1]
+
+
+def test_the_rasteriser_covers_a_square_once_and_keeps_the_nearest() -> None:
+    corners = np.array(
+        [[[2.0, 2], [10, 2], [10, 10]], [[2, 2], [10, 10], [2, 10]], [[4, 4], [8, 4], [8, 8]], [[1, 1], [5, 5], [9, 9]]]
+    )
+    found, near = rasterise(corners, np.array([[1.0] * 3, [1.0] * 3, [2.0] * 3, [9.0] * 3]), 12)
+    assert (found >= 0).sum() == 64 and set(np.unique(found)) == {-1, 0, 1, 2}, (
+        "a triangle seen from its edge covers nothing"
+    )
+    assert found[5, 7] == 2 and near[5, 7] == 2.0 and found[0, 0] == -1
+    none, _ = rasterise(np.zeros((0, 3, 2)), np.zeros((0, 3)), 4)
+    assert (none == -1).all()
+    weights = barycentric(corners[:1], np.array([8.0]), np.array([4.0]))
+    assert weights @ corners[0] == pytest.approx(np.array([[8.0, 4.0]]))
+
+
+def test_png_holds_the_picture() -> None:
+    image = np.random.default_rng(0).integers(0, 256, (13, 21, 3), dtype=np.uint8)
+    assert (decode(png_bytes(image)) == image).all()
+
+
+def test_numbers_are_drawn_into_the_corner() -> None:
+    image = np.zeros((40, 60, 3), dtype=np.uint8)
+    write_number(image, 17, (255, 0, 9), size=2, margin=4)
+    ink = (image == (255, 0, 9)).all(axis=2)
+    assert (
+        ink.any()
+        and not ink[:20].any()
+        and ink[22:36, 4:14].any()
+        and ink[22:36, 16:26].any()
+        and not ink[:, 30:].any()
+    )
+    write_number(image, 123456789, (1, 1, 1), size=2)  # runs over the edge without complaint
+
+
+def test_a_sheet_is_written_whole_and_not_over_another(tmp_path: Path) -> None:
+    target = tmp_path / "sheet.png"
+    sheets.write_sheet(FakeBatch(1), target, tile=32, which="numpy")
+    assert decode(target.read_bytes()).std() > 5
+    with pytest.raises(ExportError, match="exists"):
+        sheets.write_sheet(FakeBatch(1), target, tile=32, which="numpy")
+
+
+def test_wrong_options_are_answered_in_words() -> None:
+    for options, words in (({"which": "opengl"}, "moderngl"), ({"colour": "mass"}, "material")):
+        with pytest.raises(ExportError) as caught:
+            sheets.sheet(FakeBatch(1), **options)  # type: ignore[arg-type]
+        assert words in caught.value.hint
+    with pytest.raises(ExportError):
+        sheets.sheet(FakeBatch(0))
+
+
+def test_without_graphics_libraries_numpy_draws(monkeypatch: pytest.MonkeyPatch) -> None:
+    import sys
+
+    for missing in ("moderngl", "embreex", "embreex.mesh_construction", "embreex.rtcore_scene"):
+        monkeypatch.setitem(sys.modules, missing, None)
+    assert sheets.renderer("auto", 16).name == "numpy"
+    with pytest.raises(ExportError) as caught:
+        sheets.renderer("moderngl", 16)
+    assert "moderngl" in caught.value.message
+
+
+def test_sheets_have_few_empty_tiles() -> None:
+    for count in (1, 2, 5, 12, 30, 31, 100):
+        columns = sheets.default_columns(count)
+        assert -count % columns < columns and columns * 0.45 <= -(-count // columns) <= columns * 2
+    assert sheets.default_columns(30) == 6 and sheets.default_columns(12) == 4
