@@ -15,6 +15,7 @@ from .modules import Workspace
 from .scope import Entry, Guards, Scope, build_scope, interface
 from .symbols import ModuleScope, Symbol
 from .types import NONE, UNKNOWN, Scalar, Type, Vec, fits
+from .units import Dimension
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +26,7 @@ class Context:
     ``p`` and ``n`` in a label). ``many``: the name of a repeat stands for all of its elements. ``lenient``: where a
     list, presence is not demanded but noted in it. ``holes``: ``_`` may stand for a component. ``silent``: the types
     are not recorded (the body of a function, once per call). ``ends``: it names an end of a connection.
+    ``component``: the dimension that the components of this vector should have.
     """
 
     module: ModuleScope
@@ -36,6 +38,7 @@ class Context:
     holes: bool = False
     silent: bool = False
     ends: bool = False
+    component: Dimension | None = None
 
     def but(self, **changes: object) -> Context:
         return replace(self, **changes)  # type: ignore[arg-type]
@@ -104,6 +107,8 @@ class Checker:
 
     def expect(self, ctx: Context, expr: ast.Expr, wanted: Type, what: str) -> Type:
         """Infers, and reports where the type does not fit; ``what`` names the thing ("the margin")."""
+        if isinstance(expr, ast.VectorExpr) and isinstance(wanted, Vec):
+            ctx = ctx.but(component=wanted.dimension)
         given = self.infer(ctx, expr)
         if not fits(given, wanted):
             self.mismatch(expr, given, wanted, what)

@@ -44,7 +44,8 @@ def check_names(ck: Checker, scope: Scope) -> None:
             if entry.scope.owner is scope.owner and _is_own(scope, entry.node):
                 why = _reserved(scope, entry.kind, entry.node, name)
                 if why is not None:
-                    ck.error("reserved-name", entry.span, f"`{name}` cannot be declared: it is {why}")
+                    hint = "choose another name"
+                    ck.error("reserved-name", entry.span, f"`{name}` cannot be declared: it is {why}", hint=hint)
         for position, entry in enumerate(entries):
             for earlier in entries[:position]:
                 if earlier.node is entry.node or _shared(earlier.node, entry.node):
@@ -110,8 +111,8 @@ def check_param(ck: Checker, ctx: Context, node: ast.ParamDecl) -> None:
     if node.test is not None:
         check_range(ck, ctx, node.test, kind, f"an end of the test range of {what}")
     if node.default is not None:
-        _default(ck, ctx, node.default, kind, what)
-        _inside(ck, ctx, node.default, node.domain, what)
+        if _default(ck, ctx, node.default, kind, what):
+            _inside(ck, ctx, node.default, node.domain, what)
     if node.distribution is not None:
         _distribution(ck, ctx, node.distribution, kind, node.domain)
     if node.vary is not None:
@@ -125,21 +126,23 @@ def check_count(ck: Checker, ctx: Context, node: ast.CountDecl) -> None:
     what = f"`{node.name}`"
     check_range(ck, ctx, node.domain, COUNT, f"an end of the range of {what}")
     if node.default is not None:
-        _default(ck, ctx, node.default, COUNT, what)
-        _inside(ck, ctx, node.default, node.domain, what)
+        if _default(ck, ctx, node.default, COUNT, what):
+            _inside(ck, ctx, node.default, node.domain, what)
     if node.distribution is not None:
         _distribution(ck, ctx, node.distribution, RATIO, node.domain)
 
 
-def _default(ck: Checker, ctx: Context, default: ast.Expr, kind: Type, what: str) -> None:
+def _default(ck: Checker, ctx: Context, default: ast.Expr, kind: Type, what: str) -> bool:
+    """Whether a default fits the type; a value of a choice is a bare word."""
     if isinstance(kind, Choice) and isinstance(default, ast.NameExpr):
         if default.name not in kind.values:
             ck.error(
                 "unknown-choice", default.span, f"`{default.name}` is none of the values {', '.join(kind.values)}",
                 hint=did_you_mean(default.name, kind.values),
             )  # fmt: skip
-        return
-    ck.expect(ctx.but(holes=True) if isinstance(default, ast.VectorExpr) else ctx, default, kind, what)
+        return default.name in kind.values
+    given = ck.expect(ctx.but(holes=True) if isinstance(default, ast.VectorExpr) else ctx, default, kind, what)
+    return fits(given, kind)
 
 
 def check_range(ck: Checker, ctx: Context, interval: ast.RangeExpr, kind: Type, what: str) -> None:
@@ -243,7 +246,8 @@ def check_style(ck: Checker, ctx: Context, node: ast.StyleDecl) -> None:
 
 def unknown_material(ck: Checker, ctx: Context, name: str, span: Span) -> None:
     materials = [s.name for s in ctx.module.names.values() if s.kind == "material"]
-    ck.error("unknown-material", span, f"there is no material `{name}` here", hint=did_you_mean(name, materials))
+    hint = did_you_mean(name, materials) or f"bring it in: `use materials {{ {name} }}`"
+    ck.error("unknown-material", span, f"there is no material `{name}` here", hint=hint)
 
 
 def _role(ck: Checker, ctx: Context, name: str, span: Span | None) -> Symbol | None:
@@ -358,7 +362,9 @@ def _argument(ck: Checker, ctx: Context, argument: ast.Argument, wanted: Type) -
         if ctx.scope is None or not ctx.scope.find(value.name):
             _default(ck, ctx, value, wanted, f"`{argument.name}`")
             return
-    place = ctx.but(holes=True) if isinstance(value, ast.VectorExpr) else ctx
+    place = ctx
+    if isinstance(value, ast.VectorExpr):
+        place = ctx.but(holes=True, component=wanted.dimension if isinstance(wanted, Vec) else None)
     given = ck.infer(place, value)
     if isinstance(wanted, Style):
         if isinstance(given, Style):

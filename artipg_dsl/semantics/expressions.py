@@ -129,9 +129,9 @@ def usual_unit(dimension: Dimension) -> str:
 def _vector(ck: Checker, ctx: Context, expr: ast.VectorExpr) -> Type:
     if len(expr.items) not in (2, 3):
         return ck.error("wrong-type", expr.span, f"a vector has two or three components, this has {len(expr.items)}")
-    dimension: Dimension | None = None
+    dimension = ctx.component
     first: ast.Expr | None = None
-    plain = ctx.but(holes=False) if ctx.holes else ctx
+    plain = ctx.but(holes=False, component=None)
     failed = False
     for item in expr.items:
         if isinstance(item, ast.HoleExpr) and ctx.holes:
@@ -149,10 +149,10 @@ def _vector(ck: Checker, ctx: Context, expr: ast.VectorExpr) -> Type:
             continue
         if dimension is None:
             dimension, first = found, item
-        elif found != dimension and first is not None:
+        elif found != dimension:
             failed = True
             wanted = Scalar(dimension)
-            if is_unitless(first):  # the one without a unit is the one to blame
+            if first is not None and is_unitless(first):  # the one without a unit is the one to blame
                 ck.mismatch(first, Scalar(dimension), kind, "a component of this vector")
             else:
                 ck.mismatch(item, kind, wanted, "a component of this vector")
@@ -296,7 +296,7 @@ def _power(ck: Checker, expr: ast.BinaryExpr, left: Type, right: Type) -> Type:
     value = constant(expr.right)
     if value is None:
         return ck.error(
-            "wrong-dimension", expr.right.span, f"a {left} can only be raised to a constant power",
+            "wrong-dimension", expr.right.span, f"{left} can only be raised to a constant power",
             hint="the dimension of the result must be known",
         )  # fmt: skip
     return Scalar(power(dimension, Fraction(value).limit_denominator(12)))

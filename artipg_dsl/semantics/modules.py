@@ -7,41 +7,48 @@ from pathlib import Path
 
 from ..diagnostics import Report
 from ..diagnostics.suggest import did_you_mean
+from ..resources import library_dir
 from ..source import Source, Span
 from ..syntax import ast
+from ..syntax.parse import load, parse
 from .names import reserved_name
 from .symbols import KINDS, ModuleScope, Symbol
 
-Loader = Callable[[Source], "ast.Module | None"]
+Loader = Callable[[Source, Report], "ast.Module | None"]
+Reader = Callable[[Path, Report, str], "Source | None"]
 
 
 class Workspace:
-    """The modules of one compilation, each parsed once.
+    """The modules of one compilation, each read and parsed once; errors go to ``report``.
 
-    ``loader`` turns a source into a tree and reports syntax errors itself (None: they were fatal). ``reader`` turns
-    a path into a source, or None after reporting why it cannot be read. ``search_path`` holds the folders where
-    ``use`` looks after the importing file's own.
+    ``search_path`` holds the folders where ``use`` looks after the importing file's own (default: the shipped
+    library). ``loader`` turns a source into a tree, ``reader`` a path and the name to show for it into a source;
+    both report what is wrong and return None.
     """
 
     def __init__(
-        self, report: Report, search_path: Sequence[Path], loader: Loader, reader: Callable[[Path], Source | None]
+        self,
+        report: Report,
+        search_path: Sequence[Path] | None = None,
+        loader: Loader | None = None,
+        reader: Reader | None = None,
     ) -> None:
         self.report = report
-        self.search_path = tuple(search_path)
-        self.loader = loader
-        self.reader = reader
+        self.search_path = tuple(search_path) if search_path is not None else (library_dir(),)
+        self.loader = loader or parse
+        self.reader = reader or load
         self.modules: dict[str, ModuleScope] = {}
         self._trail: list[tuple[str, Span]] = []  # the uses that led to the module being loaded
         self._failed: set[str] = set()
 
-    def load_file(self, path: Path) -> ModuleScope | None:
-        """The scope of a file; None after an error in reading or parsing it."""
+    def load_file(self, path: Path, shown: str | None = None) -> ModuleScope | None:
+        """The scope of a file, named ``shown`` in messages; None after an error in reading or parsing it."""
         key = str(path.resolve())
         if key in self.modules:
             return self.modules[key]
         if key in self._failed:
             return None
-        source = self.reader(path)
+        source = self.reader(path, self.report, shown or str(path))
         scope = self._load(source, key, path.parent) if source is not None else None
         if scope is None:
             self._failed.add(key)
@@ -53,7 +60,7 @@ class Workspace:
         return self._load(source, str(path.resolve()), path.parent)
 
     def _load(self, source: Source, key: str, folder: Path) -> ModuleScope | None:
-        tree = self.loader(source)
+        tree = self.loader(source, self.report)
         if tree is None:
             return None
         scope = ModuleScope(Path(source.name).stem, source, tree)
@@ -81,14 +88,15 @@ class Workspace:
                 scope.names[decl.name] = Symbol(decl.name, KINDS[type(decl)], decl, scope)
 
     def _use(self, scope: ModuleScope, use: ast.UseDecl, key: str, folder: Path) -> None:
-        path = self._locate(use.module, folder)
-        if path is None:
+        found = self._locate(use.module, folder, Path(scope.source.name).parent)
+        if found is None:
             self.report.error(
                 "unknown-module", use.module_span, f"there is no module `{use.module}`",
                 hint=did_you_mean(use.module, self._available(folder))
                 or f"`use` looks for {use.module}.apg beside this file, then in the library",
             )  # fmt: skip
             return
+        path, shown = found
         target = str(path.resolve())
         self._trail.append((key, use.module_span))
         try:
@@ -96,7 +104,7 @@ class Workspace:
             if target in keys:
                 self._cycle(keys.index(target))
                 return
-            module = self.load_file(path)
+            module = self.load_file(path, shown)
         finally:
             self._trail.pop()
         if module is not None:
@@ -140,11 +148,14 @@ class Workspace:
             hint="move what both need into a module of its own", notes=notes,
         )  # fmt: skip
 
-    def _locate(self, name: str, folder: Path) -> Path | None:
-        for place in (folder, *self.search_path):
-            path = place / f"{name}.apg"
-            if path.is_file():
-                return path
+    def _locate(self, name: str, folder: Path, shown: Path) -> tuple[Path, str] | None:
+        """Where a module is, and what to call it: beside the importing file, or as ``library/name.apg``."""
+        file = f"{name}.apg"
+        if (folder / file).is_file():
+            return folder / file, str(shown / file)
+        for place in self.search_path:
+            if (place / file).is_file():
+                return place / file, f"{place.name}/{file}"
         return None
 
     def _available(self, folder: Path) -> list[str]:

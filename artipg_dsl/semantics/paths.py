@@ -94,11 +94,18 @@ def _use(ck: Checker, ctx: Context, entries: list[Entry], span: Span) -> Type:
     live = entries
     if len(entries) > 1:
         live = [e for e in entries if consistent(ctx.condition, ck.entry_condition(e))] or entries[:1]
+    if len(live) > 1 and consistent(*(ck.entry_condition(e) for e in live)):
+        live = live[:1]  # declared twice, which is reported where it is declared
     entry = live[0]
     kind = ck.entry_type(entry)
     if entry.kind == "repeat":
         return _repeat(ck, ctx, entry, span)
     wanted = [ck.entry_condition(e) for e in live]
+    if not any(consistent(ctx.condition, w) for w in wanted):
+        return ck.error(
+            "optional-outside-when", span, f"`{entry.name}` never exists here: its guard excludes this one",
+            notes=((entry.span, "declared here"),),
+        )  # fmt: skip
     if isinstance(kind, Part):
         parts = [t for e in live if isinstance(t := ck.entry_type(e), Part)]
         kind = parts[0] if len(parts) == 1 else _either(parts)

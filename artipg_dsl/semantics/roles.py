@@ -30,7 +30,10 @@ def check_parent(ck: Checker, symbol: Symbol) -> None:
         what = f"there is no role `{name}` here" if found is None else f"`{name}` is a {found.kind}, not a role"
         ck.error("unknown-template", span, what, hint=did_you_mean(name, roles))
     elif symbol.kind == "role" and parent_of(lineage(symbol)[-1]) is symbol:
-        names = [s.name for s in lineage(symbol)]
+        ring = lineage(symbol)
+        if symbol is not min(ring, key=lambda s: (s.module.name, s.decl.span.start)):
+            return  # reported once
+        names = [s.name for s in ring]
         ck.error("circular-definition", span, f"roles refine each other in a circle: {' : '.join([*names, names[0]])}")
 
 

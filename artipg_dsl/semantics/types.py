@@ -42,6 +42,11 @@ def dimension_name(dimension: Dimension) -> str:
     return " ".join(name if power == 1 else f"{name}^{power}" for name, power in powers if power)
 
 
+def with_article(name: str) -> str:
+    """``a length``, ``an angle``; products of dimensions stay as they are."""
+    return name if " " in name or "^" in name else f"an {name}" if name[0] in "aeiou" else f"a {name}"
+
+
 def times(a: Dimension, b: Dimension, sign: int = 1) -> Dimension:
     """The dimension of a product (``sign`` 1) or quotient (-1)."""
     return Dimension(*(x + sign * y for x, y in zip(a, b, strict=True)))
@@ -73,7 +78,7 @@ class Scalar(Type):
     zero: bool = False
 
     def __str__(self) -> str:
-        return "count" if self.count else dimension_name(self.dimension)
+        return "a count" if self.count else with_article(dimension_name(self.dimension))
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,60 @@
+"""Whole programs: the design's examples, the library and the shipped categories pass the check."""
+
+from pathlib import Path
+
+import pytest
+
+from artipg_dsl.diagnostics.text import render
+from artipg_dsl.resources import categories_dir, library_dir
+from artipg_dsl.semantics.show import show_typed
+
+from .helpers import HEAD, check_file, check_text
+
+PROGRAMS = Path(__file__).parent / "programs"
+
+
+@pytest.mark.parametrize("path", sorted(PROGRAMS.glob("*_of_design.apg")), ids=lambda p: p.stem)
+def test_examples_of_the_design(path):
+    report, _ = check_file(path)
+    assert render(report.diagnostics, colour=False) == ""
+
+
+@pytest.mark.parametrize(
+    "path", sorted([*library_dir().glob("*.apg"), *categories_dir().glob("*.apg")]), ids=lambda p: p.stem
+)
+def test_shipped_files(path):
+    report, _ = check_file(path)
+    assert render(report.diagnostics, colour=False) == ""
+
+
+def test_typed_text(tmp_path):
+    text = HEAD + """
+let gap = 3mm
+category Chest {
+  param width : length in 30cm .. 60cm
+  count rows in 1 .. 3
+  root part body : Cuboid
+  part pull : Handle = BarHandle | none
+  connect pull to body
+  repeat row[r] in 0 ..< rows split body along z {
+    part board : Cuboid
+    connect board in row
+    when r > 0 { let above = row.top } else { let first = true }
+  }
+}
+"""
+    _, typed = check_text(tmp_path, text)
+    shown = show_typed(typed)
+    assert shown[: shown.index("module primitives")] == (
+        "module main\n"
+        "  function gap : a length\n"
+        "  category Chest\n"
+        "    param width : a length\n"
+        "    count rows : a count\n"
+        "    root part body : Cuboid\n"
+        "    part pull : BarHandle | none\n"
+        "    repeat row\n"
+        "      part board : Cuboid\n"
+        "      let above : a plane  when r > 0\n"
+        "      let first : true or false  when not (r > 0)\n"
+    )
