@@ -89,17 +89,18 @@ def _at(primitive: Primitive, patch: int, params: Params, u: float, v: float) ->
     return grid(element_split(primitive, patch), params, np.array([u]), np.array([v]))[:, 0, 0]
 
 
-def _weights(nodes: int) -> list[tuple[float, float]]:
-    return [(0.5, 1.0)] if nodes == 1 else [(0.0, 0.5), (1.0, 0.5)] if nodes == 2 else _GAUSS
+def _rule(nodes: int) -> tuple[np.ndarray, np.ndarray]:
+    """Places and weights of a quadrature over 0 .. 1."""
+    rule = [(0.5, 1.0)] if nodes == 1 else [(0.0, 0.5), (1.0, 0.5)] if nodes == 2 else _GAUSS
+    return np.array([x for x, _ in rule]), np.array([w for _, w in rule])
 
 
 def _integral(primitive: Primitive, patch: int, params: Params, nodes: tuple[int, int]) -> np.ndarray:
-    """(k,) areas, summed node by node so that the batch does not change the order."""
-    total: np.ndarray | float = 0.0
-    for u, wu in _weights(nodes[0]):
-        for v, wv in _weights(nodes[1]):
-            total = total + _at(primitive, patch, params, u, v) * (wu * wv)
-    return np.asarray(total)
+    """(k,) areas; the rows of terms are contiguous, so that the batch does not change the order of summation."""
+    (u, wu), (v, wv) = (_rule(n) for n in nodes)
+    places = np.meshgrid(u, v, indexing="ij")
+    element = grid(element_split(primitive, patch), params, places[0].ravel(), places[1].ravel())[..., 0]
+    return np.add.reduce(np.ascontiguousarray(element * (wu[:, None] * wv).ravel()), axis=1)
 
 
 def _table(primitive: Primitive, patch: int, params: Params, nodes: tuple[int, int]) -> np.ndarray:

@@ -234,7 +234,7 @@ def _volume(seen: _Inspection) -> Report:
 def _pieces(seen: _Inspection) -> Report:
     """Convex pieces lie within the solid and leave out no more than a quarter of a wall."""
     groups = pieces.build(seen.primitive, seen.params)
-    reach: dict[str, tuple[float, int, str]] = {}  # per declared piece, the worst of all its indices
+    furthest: dict[str, tuple[float, int, str]] = {}  # per declared piece, the worst of all its indices
     for group in groups:
         corners = group.vertices[:, group.faces]
         middle = (corners[:, :, 0] + corners[:, :, 1] + corners[:, :, 2]) / 3
@@ -244,9 +244,9 @@ def _pieces(seen: _Inspection) -> Report:
         out = seen.inside(row, points.reshape(-1, 3)) / seen.diagonal[row]
         worst = int(np.argmax(out))
         declared = group.name.partition("[")[0]
-        if out[worst] > max(WITHIN, reach.get(declared, (0.0, 0, ""))[0]):
-            reach[declared] = (float(out[worst]), int(row[worst]), group.name)
-    for out_by, at, name in reach.values():
+        if out[worst] > max(WITHIN, furthest.get(declared, (0.0, 0, ""))[0]):
+            furthest[declared] = (float(out[worst]), int(row[worst]), group.name)
+    for out_by, at, name in furthest.values():
         length = 1000 * out_by * seen.diagonal[at]
         yield "pieces", name, f"this piece reaches {length:.4g} mm out of the solid ({seen.at(at)})"
     row, points = _deep(seen)
