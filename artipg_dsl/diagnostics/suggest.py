@@ -1,4 +1,4 @@
-"""Suggestions for misspelt names."""
+"""Did you mean ...?"""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ from difflib import get_close_matches
 
 
 def suggest(name: str, candidates: Iterable[str]) -> str | None:
-    """The candidate nearest to a name, or None when none is near."""
-    pool = sorted(set(candidates))
-    found = get_close_matches(name, pool, n=1, cutoff=0.6)
-    if not found:
-        lowered = {c.lower(): c for c in pool}
-        found = [lowered[c] for c in get_close_matches(name.lower(), lowered, n=1, cutoff=0.6)]
-    return found[0] if found else None
+    """The candidate that resembles ``name`` most, or None where none does."""
+    known = sorted(set(candidates) - {name})
+    by_lower = {c.lower(): c for c in reversed(known)}
+    if name.lower() in by_lower:
+        return by_lower[name.lower()]
+    close = get_close_matches(name, known, n=1, cutoff=0.6)
+    return close[0] if close else None
 
 
 def did_you_mean(name: str, candidates: Iterable[str]) -> str | None:
-    """``did you mean `x`?``, for a hint; None when nothing is near."""
+    """A hint with the nearest candidate: ``did you mean `width`?``."""
     found = suggest(name, candidates)
-    return None if found is None else f"did you mean `{found}`?"
+    return f"did you mean `{found}`?" if found is not None else None

@@ -1,0 +1,121 @@
+"""Actions for expressions, ranges, arguments and clauses."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from lark import Token
+
+from . import ast
+from .build import BuilderBase, Piece, exprs, split_number, unquote
+
+Children = list[Any]
+
+
+class ExpressionBuilder(BuilderBase):
+    def number(self, c: Children) -> ast.Expr:
+        value, unit = split_number(c[0].value)
+        return ast.NumberExpr(span=self.span(c), value=float(value), unit=unit)
+
+    def fraction(self, c: Children) -> ast.Expr:
+        top, _, bottom = c[0].value.partition("/")
+        value, unit = split_number(bottom)
+        if not int(value):
+            self.problem(c[0], "this divides by zero")
+            value = "1"
+        return ast.NumberExpr(span=self.span(c), value=int(top) / int(value), unit=unit)
+
+    def string(self, c: Children) -> ast.Expr:
+        return ast.StringExpr(span=self.span(c), value=unquote(c[0].value))
+
+    def name(self, c: Children) -> ast.Expr:
+        return ast.NameExpr(span=self.span(c), name=c[0].value)
+
+    def hole(self, c: Children) -> ast.Expr:
+        return ast.HoleExpr(span=self.span(c))
+
+    def group(self, c: Children) -> ast.Expr:
+        return c[1]
+
+    def vector(self, c: Children) -> ast.Expr:
+        return ast.VectorExpr(span=self.span(c), items=exprs(c))
+
+    def unary(self, c: Children) -> ast.Expr:
+        return ast.UnaryExpr(span=self.span(c), op=c[0].value, operand=c[1])
+
+    def binary(self, c: Children) -> ast.Expr:
+        return ast.BinaryExpr(span=self.span(c), op=c[1].value, left=c[0], right=c[2])
+
+    def is_test(self, c: Children) -> ast.Expr:
+        return ast.IsExpr(span=self.span(c), subject=c[0], type_name=c[2].value, type_span=self.at(c[2]))
+
+    def conditional(self, c: Children) -> ast.Expr:
+        return ast.IfExpr(span=self.span(c), then=c[0], condition=c[2], otherwise=c[4])
+
+    def member(self, c: Children) -> ast.Expr:
+        return ast.MemberExpr(span=self.span(c), obj=c[0], name=c[2].value, name_span=self.at(c[2]))
+
+    def index(self, c: Children) -> ast.Expr:
+        return ast.IndexExpr(span=self.span(c), obj=c[0], index=c[2])
+
+    def call(self, c: Children) -> ast.Expr:
+        return ast.CallExpr(span=self.span(c), function=c[0], arguments=c[1].value)
+
+    def path(self, c: Children) -> ast.Expr:
+        found: ast.Expr = self.name(c[:1])
+        for index in range(2, len(c), 2):
+            found = ast.MemberExpr(
+                span=self.span(c[: index + 1]), obj=found, name=c[index].value, name_span=self.at(c[index])
+            )
+        return found
+
+    def range(self, c: Children) -> ast.RangeExpr:
+        return ast.RangeExpr(span=self.span(c), low=c[0], high=c[2])
+
+    def argument(self, c: Children) -> ast.Argument:
+        return ast.Argument(span=self.span(c), name=None, value=c[0])
+
+    def named_argument(self, c: Children) -> ast.Argument:
+        return ast.Argument(span=self.span(c), name=c[0].value, value=c[2])
+
+    def arguments(self, c: Children) -> Piece:
+        return self.piece("arguments", tuple(a for a in c if isinstance(a, ast.Argument)), c)
+
+    def clause(self, c: Children) -> ast.Clause:
+        """``word e``, ``word e, e``, ``word low .. high``, ``between a and b``, ``mirror``."""
+        values = exprs(c)
+        if len(c) == 2 and isinstance(c[1], ast.RangeExpr):
+            values = (c[1].low, c[1].high)
+        return ast.Clause(span=self.span(c), word=c[0].value, values=values, names=("",) * len(values))
+
+    property = clause
+
+    def at_clause(self, c: Children) -> ast.Clause:
+        items = [a for a in c if isinstance(a, ast.Argument)]
+        return ast.Clause(
+            span=self.span(c), word="at", values=tuple(a.value for a in items), names=tuple(a.name or "" for a in items)
+        )
+
+    def properties(self, c: Children) -> Piece:
+        return self.piece("properties", tuple(p for p in c if isinstance(p, ast.Clause)), c)
+
+    def names(self, c: Children) -> Piece:
+        return self.piece("names", [t for t in c if t.type == "NAME"], c)
+
+    def parameters(self, c: Children) -> Piece:
+        return self.piece("parameters", tuple(t.value for t in c if t.type == "NAME"), c)
+
+    def type(self, c: Children) -> ast.TypeRef:
+        words = [t for t in c if isinstance(t, Token)]
+        span = self.span(c)
+        if words[0].type == "STYLE":
+            return ast.TypeRef(span=span, name=words[1].value, style=True)
+        if words[0].type == "CHOICE":
+            return ast.TypeRef(span=span, name="choice", values=tuple(t.value for t in words[1:] if t.type == "NAME"))
+        if len(words) == 1:
+            return ast.TypeRef(span=span, name=words[0].value)
+        size = words[2].value
+        if not size.isdigit() or not int(size):
+            self.problem(words[2], "the number of components is a whole number", "write for example `length[3]`")
+            size = "3"
+        return ast.TypeRef(span=span, name=words[0].value, size=int(size))

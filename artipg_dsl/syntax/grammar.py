@@ -1,0 +1,134 @@
+"""The parser made from grammar/apg.lark, and its cache in the user's cache folder.
+
+The cache is a convenience: missing, unreadable, corrupt or read-only, it is made anew or done without.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import pickle
+import sys
+import tempfile
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import lark
+from lark import Lark
+
+from ..resources import grammar_file
+from ..source import Source
+from . import ast
+from .build_module import TreeBuilder
+from .layout import Layout
+
+OPTIONS: dict[str, Any] = {
+    "parser": "lalr",
+    "lexer": "contextual",
+    "start": "module",
+    "keep_all_tokens": True,
+    "maybe_placeholders": False,
+}
+_RESERVED_PRIORITY = 2
+
+
+class Machine:
+    """A parser with its lexical layout and its tree builder. Not for two parses at once."""
+
+    def __init__(self, use_cache: bool = True) -> None:
+        self.layout = Layout()
+        self.builder = TreeBuilder(self.layout)
+        live = {
+            "transformer": self.builder,
+            "postlex": self.layout,
+            "lexer_callbacks": {"COMMENT": self.layout.comment, "DOC": self.layout.comment},
+        }
+        text = grammar_path().read_text(encoding="utf-8")
+        path = _cache_path(text) if use_cache else None
+        self.lark = _from_cache(path, live) or _built(text, path, live)
+        self.layout.reserved = {
+            word: name for name, word in keywords(self.lark).items() if _priority(self.lark, name) == _RESERVED_PRIORITY
+        }
+
+    def run(self, source: Source, text: str) -> ast.Module:
+        """The tree of ``text``, whose spans point into ``source``; lark's UnexpectedInput where it has none."""
+        self.layout.begin(text)
+        self.builder.begin(source)
+        return self.lark.parse(text)  # type: ignore[return-value]
+
+
+def grammar_path() -> Path:
+    """The file that defines the syntax."""
+    return grammar_file()
+
+
+def keywords(parser: Lark) -> dict[str, str]:
+    """Terminal names to words, for all terminals that are a word."""
+    ending = "(?![A-Za-z0-9_])"
+    found = {}
+    for terminal in parser.lexer_conf.terminals:
+        word = terminal.pattern.value.removesuffix(ending)
+        if word != terminal.pattern.value and word.isalpha():
+            found[terminal.name] = word
+    return found
+
+
+def reserved_words() -> frozenset[str]:
+    """The words that are never names."""
+    return frozenset(machine().layout.reserved)
+
+
+@cache
+def machine() -> Machine:
+    """The parser of this process, made at the first call."""
+    return Machine()
+
+
+def _priority(parser: Lark, name: str) -> int:
+    return parser.lexer_conf.terminals_by_name[name].priority
+
+
+def _built(text: str, path: Path | None, live: dict[str, Any]) -> Lark:
+    parser = Lark(text, **OPTIONS, **live)
+    if path is not None:
+        _store(parser, path)
+    return parser
+
+
+def _cache_path(grammar: str) -> Path | None:
+    """Where the tables of this grammar belong, for this lark and Python; None where no home is known."""
+    key = "\0".join((grammar, repr(sorted(OPTIONS.items())), lark.__version__, sys.version))
+    name = f"grammar-{hashlib.sha256(key.encode()).hexdigest()[:20]}.pickle"
+    chosen = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA")
+    try:
+        folder = Path(chosen) if chosen else Path.home() / ".cache"
+    except RuntimeError:
+        return None
+    return folder / "artipg_dsl" / name
+
+
+def _from_cache(path: Path | None, live: dict[str, Any]) -> Lark | None:
+    if path is None:
+        return None
+    try:
+        with path.open("rb") as file:
+            data = pickle.load(file)
+        parser = Lark.__new__(Lark)
+        return parser._load(data, **live)
+    except Exception:  # whatever is wrong with the file, building the tables anew is the answer
+        return None
+
+
+def _store(parser: Lark, path: Path) -> None:
+    """Writes beside the place and renames, so that no reader ever sees half a file."""
+    temporary = None
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile(dir=path.parent, prefix=path.name, delete=False) as file:
+            temporary = file.name
+            parser.save(file, ("postlex", "transformer", "lexer_callbacks"))
+        os.replace(temporary, path)
+    except OSError:
+        if temporary is not None and os.path.exists(temporary):
+            os.unlink(temporary)

@@ -1,0 +1,91 @@
+"""Going on after a syntax error: the statement that holds it is blanked out, and the rest is parsed again."""
+
+from __future__ import annotations
+
+import re
+
+_QUIET = re.compile(r'"(?:[^"\\\n]|\\[^\n])*"?|#[^\n]*')
+_BEGINS = re.compile(
+    r"(?m)^[ \t]*(?:use|role|template|primitive|category|material|vocabulary|param|inherit|out|count|let|root|part|style"
+    r"|slot|port|joint|connect|align|require|prefer|clear|allow|free|limit|close|repeat|when|label|field|grasp|keypoint"
+    r"|symmetry|surface|curve|inside|box|piece|solid)(?![A-Za-z0-9_])|^[ \t]*\}"
+)
+_TOP = re.compile(r"(?m)^(?:use|role|template|primitive|category|vocabulary)(?![A-Za-z0-9_])")
+
+
+def quiet(text: str) -> str:
+    """The text with comments and strings blanked, for looking at braces."""
+    return _QUIET.sub(lambda m: " " * len(m.group()), text)
+
+
+def without_statement(text: str, place: int, code: str) -> str | None:
+    """``text`` with the statement around ``place`` blanked; None where there is nothing sensible left to parse.
+
+    A statement runs from the last line that begins like one to the next; a block that it opens goes with it.
+    """
+    if code == "missing-brace":
+        return None
+    plain = quiet(text)
+    start = plain.rfind("\n", 0, place) + 1
+    for match in _BEGINS.finditer(plain):
+        if match.start() > place:
+            break
+        if match.group().strip() != "}":
+            start = match.start()
+    line_end = plain.find("\n", place)
+    following = _BEGINS.search(plain, line_end) if line_end >= 0 else None
+    end = following.start() if following is not None else len(text)
+    end = _after_blocks(plain, start, end)
+    if end is None or end <= place and end <= start:
+        return None
+    if not plain[start:end].strip():
+        return None
+    return text[:start] + re.sub(r"[^\n]", " ", text[start:end]) + text[end:]
+
+
+def _after_blocks(plain: str, start: int, end: int) -> int | None:
+    """The end of what is blanked, so that its braces are balanced."""
+    depth, index = 0, start
+    while index < len(plain) and (index < end or depth > 0):
+        if plain[index] == "{":
+            depth += 1
+        elif plain[index] == "}":
+            if depth == 0:
+                return index
+            depth -= 1
+        index += 1
+    return index if depth == 0 else None
+
+
+def opening_brace(text: str) -> int | None:
+    """The brace that is never closed: of those open at the end, the last one at or before which indentation went wrong.
+
+    Where every block is indented, the culprit is the innermost open brace whose line is indented at least as far as
+    a statement that begins a file does after it; otherwise the innermost open brace.
+    """
+    plain = quiet(text)
+    stack: list[int] = []
+    for match in re.finditer(r"[{}]", plain):
+        if match.group() == "{":
+            stack.append(match.start())
+        elif stack:
+            stack.pop()
+    if not stack:
+        return None
+    culprits = stack
+    for match in _TOP.finditer(plain):
+        inside = _open_at(plain, match.start())
+        if inside:
+            culprits = inside
+            break
+    return culprits[-1]
+
+
+def _open_at(plain: str, place: int) -> list[int]:
+    stack: list[int] = []
+    for match in re.finditer(r"[{}]", plain[:place]):
+        if match.group() == "{":
+            stack.append(match.start())
+        elif stack:
+            stack.pop()
+    return stack
