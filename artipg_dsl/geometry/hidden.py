@@ -20,7 +20,7 @@ from .topology import turns
 OFF = 1e-6  # how far off its surface a point is asked, relative to the largest primitive of its object
 _ABOUT = 1.5  # a coincident surface lies within this many times that distance of the point asked
 _MARGIN = 0.15  # a smooth quarter turn stays this close to the box of a few of its points
-_PAIRS = 4_000_000  # row pairs looked at together
+_PAIRS = 2_000_000  # pairs of rows, or of a point and a row, looked at together
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -162,29 +162,38 @@ def hidden(
     (m,) each in the object's frame, ``off`` (m,) the distance at which to ask.
     """
     out = np.zeros(len(cell), dtype=bool)
-    poses = (rows.rotation, rows.translation, rows.mirror)
     outer = [p + off * n for p, n in zip(position, normal, strict=True)]
     for group in near:
         counts = group.start[cell + 1] - group.start[cell]
-        if not counts.any():
-            continue
-        point = np.repeat(np.arange(len(cell)), counts)
-        slot = np.arange(len(point)) - np.repeat(np.cumsum(counts) - counts, counts)
-        other = group.rows[group.start[cell[point]] + slot]
-        for axis in range(3):
-            value, slack = outer[axis][point], off[point]
-            kept = (value >= rows.low[other, axis] - slack) & (value <= rows.high[other, axis] + slack)
-            point, other = point[kept], other[kept]
-        if len(point) == 0:
-            continue
-        depth = _inside(group, poses, other, [c[point] for c in outer])
-        out[point[depth < 0.0]] = True
-        close = (depth >= 0.0) & (depth <= _ABOUT * off[point]) & (rows.rank[other] < rows.rank[own[point]])
-        point, other = point[close], other[close]
-        if len(point):
-            inner = [p[point] - off[point] * n[point] for p, n in zip(position, normal, strict=True)]
-            out[point[_inside(group, poses, other, inner) < 0.0]] = True
+        asked = np.flatnonzero(counts)
+        ends = np.cumsum(counts[asked])
+        cuts = np.searchsorted(ends, np.arange(_PAIRS, int(ends[-1]) if len(ends) else 0, _PAIRS))
+        for part in np.split(asked, cuts):
+            out[_hiding(rows, group, cell, own, part, counts[part], position, normal, outer, off)] = True
     return out
+
+
+def _hiding(
+    rows: Block, group: Occluders, cell: np.ndarray, own: np.ndarray, asked: np.ndarray, counts: np.ndarray,
+    position, normal, outer, off: np.ndarray,
+) -> np.ndarray:  # fmt: skip
+    """Which of the points ``asked`` (indices), with ``counts`` occluders each, are hidden by one of this group."""
+    poses = (rows.rotation, rows.translation, rows.mirror)
+    point = np.repeat(asked, counts)
+    slot = np.arange(len(point)) - np.repeat(np.cumsum(counts) - counts, counts)
+    other = group.rows[group.start[cell[point]] + slot]
+    for axis in range(3):
+        value, slack = outer[axis][point], off[point]
+        kept = (value >= rows.low[other, axis] - slack) & (value <= rows.high[other, axis] + slack)
+        point, other = point[kept], other[kept]
+    if len(point) == 0:
+        return point
+    depth = _inside(group, poses, other, [c[point] for c in outer])
+    within = point[depth < 0.0]
+    close = (depth >= 0.0) & (depth <= _ABOUT * off[point]) & (rows.rank[other] < rows.rank[own[point]])
+    point, other = point[close], other[close]
+    inner = [p[point] - off[point] * n[point] for p, n in zip(position, normal, strict=True)]
+    return np.concatenate([within, point[_inside(group, poses, other, inner) < 0.0]])
 
 
 def _inside(group: Occluders, poses, other: np.ndarray, point) -> np.ndarray:

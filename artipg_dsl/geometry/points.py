@@ -19,7 +19,7 @@ from .patches import surfaces
 from .sites import SiteTable
 from .surface import Evaluator
 
-_CANDIDATES = 80_000  # at a time: their arrays stay in the caches
+_CANDIDATES = 120_000  # at a time: their arrays stay in the caches
 _SPARE = 1.25  # candidates per point wanted
 _ROUNDS = 40
 _LEAST = 1 / 64  # share of visible candidates that later rounds reckon with at least
@@ -232,11 +232,11 @@ def evaluate(sites: list[SiteTable], binding: PointSet) -> tuple[np.ndarray, np.
 
 
 def _rows(sites: list[SiteTable], rows: Block, number: np.ndarray, row: np.ndarray) -> np.ndarray:
-    """Rows of a block for pairs (site number, row of that site's table)."""
-    offset = np.zeros(max((s.number for s in sites), default=0) + 2, dtype=np.int64)
-    for site in sites:
-        offset[site.number + 1] = len(site)
-    start = np.cumsum(offset)
-    where = np.full(int(start[-1]) + 1, -1, dtype=np.int64)
-    where[start[rows.site] + rows.row] = np.arange(len(rows.row))
-    return where[start[number] + row]
+    """Rows of a block for pairs (site number, row of that site's table); ValueError when there is no such row."""
+    longest = max((len(s) for s in sites), default=0) + 1
+    have, asked = rows.site * longest + rows.row, number.astype(np.int64) * longest + row
+    order = np.argsort(have)
+    found = order[np.minimum(np.searchsorted(have[order], asked), len(order) - 1)]
+    if (have[found] != asked).any():
+        raise ValueError("points are bound to rows that their objects do not have")
+    return found

@@ -169,3 +169,31 @@ def test_partial_turns_and_sleeves_take_points_on_existing_patches_only():
     sites = [scenes.table(0, ring, {**params, "span": spans}, [0, 1], np.zeros(3))]
     found = points.sample(sites, 2, 3000, KEY, numbers(0, 1))
     assert set(found.patch[0]) == {0, 1, 2, 3} and set(found.patch[1]) == set(range(6))
+
+
+def test_a_binding_to_rows_that_do_not_exist_is_refused():
+    sites = [box(0, (0.1, 0.1, 0.1), (0, 0, 0))]
+    found = points.sample(sites, 1, 10, KEY, numbers(0))
+    found.row[0, 3] = 1
+    with pytest.raises(ValueError, match="do not have"):
+        points.evaluate(sites, found)
+
+
+def test_a_binding_follows_a_change_of_parameters():
+    """The same fractions on a box of twice the size are the points at twice the place."""
+    small, large = (box(0, (s, s, s), (0, 0, 0)) for s in (0.1, 0.2))
+    found = points.sample([small], 1, 500, KEY, numbers(0))
+    position, normal = points.evaluate([large], found)
+    assert np.allclose(position, 2 * found.position, atol=1e-15)
+    assert np.array_equal(normal, found.normal)
+
+
+def test_many_occluders_are_asked_in_parts(monkeypatch):
+    from artipg_dsl.geometry import hidden
+
+    address = np.arange(5, dtype=np.uint64)
+    sites = scenes.cluttered(PRIMITIVES, address, 12)
+    whole = points.sample(sites, 5, 300, KEY, address)
+    monkeypatch.setattr(hidden, "_PAIRS", 100)
+    parts = points.sample(sites, 5, 300, KEY, address)
+    assert parts.position.tobytes() == whole.position.tobytes()
