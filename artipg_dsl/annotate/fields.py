@@ -1,4 +1,4 @@
-"""Formulas of labels and grasps: what depends on the instance is read once per row, the rest is a function of points."""
+"""Formulas of labels and grasps: what depends on the instance is read per row, the rest is a function of points."""
 
 from __future__ import annotations
 
@@ -57,15 +57,11 @@ def _collect(expr: Expr, mapping: dict[Expr, Expr]) -> None:
     """Replacements of the largest subexpressions that read columns and no variable."""
     if expr in mapping or expr.op in ("const", "var"):
         return
-    if expr.scope is not None and not _has_variable(expr):
+    if expr.scope is not None and not free_variables([expr]):
         mapping[expr] = var(f"row{len(mapping)}")
         return
     for argument in expr.args:
         _collect(argument, mapping)
-
-
-def _has_variable(expr: Expr) -> bool:
-    return bool(free_variables([expr]))
 
 
 def read_pose(reader: Reader, pose: Pose, scope: Scope) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

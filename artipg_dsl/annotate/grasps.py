@@ -31,7 +31,7 @@ class GraspTable:
     def moved(
         self, link_start: np.ndarray, turn: np.ndarray, shift: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Point, rotation, quaternion (w x y z) with the links moved as ``batch.pose`` says: turn (L, 3, 3), shift (L, 3)."""
+        """Point, rotation, quaternion (w x y z) with links moved as by ``batch.pose``: turn (L, 3, 3), shift (L, 3)."""
         link = link_start[self.owner] + self.link
         rotation = np.stack([rotate(turn[link], self.rotation[..., j]) for j in range(3)], axis=-1)
         return rotate(turn[link], self.point) + shift[link], rotation, quaternion(rotation)
@@ -94,7 +94,7 @@ def sample_grasps(reader: Reader, link_of: list[np.ndarray], values: int = 5) ->
 
 
 def grasp_frame(approach: np.ndarray, close: np.ndarray) -> np.ndarray:
-    """Right-handed frames (..., 3, 3), columns x y z: z along ``approach``, y along what of ``close`` is square to it."""
+    """Right-handed frames (..., 3, 3), columns x y z: z along ``approach``, y what of ``close`` is square to it."""
     z = approach / length(approach)
     y = close - (close[..., :1] * z[..., :1] + close[..., 1:2] * z[..., 1:2] + close[..., 2:] * z[..., 2:]) * z
     y = y / length(y)

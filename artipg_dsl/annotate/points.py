@@ -31,22 +31,21 @@ class Labels:
 def label_points(reader: Reader, sites: list[SiteTable], points: PointSet) -> Labels:
     """Labels of points at joint values 0, where ``points.position`` and ``normal`` are in the object's frame.
 
-    Semantic labels run from the outer target to the inner one, in the order of ``Program.labels``: the later wins.
-    Labels of one other name unite (the larger value where they are graded).
+    ``Program.labels`` run from the outer targets to the inner ones. Within one vocabulary the deepest label that holds
+    at a point wins; those of one depth unite (in ``semantic``, which has one word per point, the later wins).
     """
     tables = {table.number: table for table in sites}
-    flat_site = np.asarray(points.site).ravel()
+    rows, flat_site = np.asarray(points.row).ravel(), np.asarray(points.site).ravel()
     order = np.argsort(flat_site, kind="stable")
-    numbers = list(tables)
-    edges = {s: np.searchsorted(flat_site[order], [s, s + 1]) for s in numbers}
-    chosen = {s: order[a:b] for s, (a, b) in edges.items()}  # flat point numbers of each site
+    edges = np.searchsorted(flat_site[order], np.arange(len(reader.program.sites) + 1))
+    chosen = {number: order[edges[number] : edges[number + 1]] for number in tables}  # flat point numbers of each site
 
     semantic = np.zeros(flat_site.shape, dtype=np.int64)
-    rows = np.asarray(points.row).ravel()
     for number, table in tables.items():
         semantic[chosen[number]] = table.semantic[rows[chosen[number]]]
 
     fields = empty_fields(reader, flat_site.shape)
+    levels = {label.vocabulary: np.full(flat_site.shape, -1, dtype=np.int64) for label in reader.program.labels}
     classes = {name: i for i, name in enumerate(reader.program.vocabularies.get("semantic", ()))}
     for label in reader.program.labels:
         for target in label.targets:
@@ -58,11 +57,22 @@ def label_points(reader: Reader, sites: list[SiteTable], points: PointSet) -> La
             value = evaluate(reader, label, target, at, points)
             if label.vocabulary == "semantic":
                 semantic[at] = np.where(value.astype(bool), classes[label.name], semantic[at])
-            else:
-                into = fields[field_name(label)]
-                into[at] = merge(into[at], value)
+                continue
+            if label.vocabulary != "field":
+                outdo(label, at[value > 0], levels[label.vocabulary], fields)
+            into = fields[field_name(label)]
+            into[at] = merge(into[at], value)
     shape = np.asarray(points.site).shape
     return Labels(semantic.reshape(shape), {name: finish(field).reshape(shape) for name, field in fields.items()})
+
+
+def outdo(label: Label, at: np.ndarray, level: np.ndarray, fields: dict[str, np.ndarray]) -> None:
+    """Where ``label`` holds (flat point numbers ``at``), take back what less deep ones of its vocabulary have said."""
+    over = at[level[at] < label.depth]
+    level[over] = label.depth
+    for name, field in fields.items():
+        if name.startswith(f"{label.vocabulary}."):
+            field[over] = 0
 
 
 def field_name(label: Label) -> str:

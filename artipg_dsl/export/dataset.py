@@ -47,7 +47,12 @@ def write_dataset(
     ``progress(done, total)`` hears of objects as they are finished; ``counts()`` is asked once all are.
     """
     out, numbers = Path(out), np.asarray(numbers, dtype=np.int64)
-    make = {"seed": seed, "numbers": numbers, "n_points": n_points, "formats": [f.name for f in formats]}
+    make: dict[str, Any] = {
+        "seed": seed,
+        "numbers": numbers,
+        "n_points": n_points,
+        "formats": [f.name for f in formats],
+    }
     manifest = manifests.build(program, **make, shard=shard, settings=settings)
     prepare(out, manifest, force)
     done = 0

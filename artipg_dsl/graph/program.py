@@ -185,6 +185,7 @@ class Label:
 
     ``value`` is a formula over p.x p.y p.z n.x n.y n.z u v size.x size.y size.z and columns of ``scope``'s chain:
     a predicate (True everywhere where a label has no ``where``) or a number in 0 .. 1 (a graded label) or any (a field).
+    ``depth`` of the target in the part tree: within one vocabulary the deepest label that holds at a point wins.
     """
 
     vocabulary: str
@@ -192,6 +193,7 @@ class Label:
     targets: tuple[Target, ...]
     value: Expr
     where: Where | None = None
+    depth: int = 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from artipg_dsl.annotate.frames import axis_angle, compose, euler, quaternion, r
 from artipg_dsl.annotate.grasps import grasp_frame
 from artipg_dsl.annotate.points import field_kinds, label_points
 from artipg_dsl.annotate.poses import normalised, part_poses, symmetry_words
+from artipg_dsl.annotate.reads import reads
 from artipg_dsl.graph import expr as e
 
 
@@ -50,7 +52,8 @@ def test_labels_follow_their_formulas() -> None:
     front, width = points.patch == 0, batch.width[:, None]
     expected = (points.site == 5) & front & (points.position[..., 1] < -0.1 * width)
     assert expected.any() and (labels.fields["affordance.push"] == expected).all()
-    upper = on_handle & (points.position[..., 2] >= 0)
+    upper = on_handle & (points.position[..., 2] >= batch.height[:, None] / 2)
+    assert upper.any() and (on_handle & ~upper).any()
     assert (labels.semantic == np.where(upper, SEMANTIC.index("grip"), np.where(on_handle, 2, 1))).all()
     reach = labels.fields["field.reach"]
     assert reach.dtype == np.float32 and np.isnan(reach[~((points.site == 5) & front)]).all()
@@ -69,6 +72,39 @@ def test_a_label_on_one_surface_leaves_the_others() -> None:
     points.patch = np.ones_like(points.patch)  # all on the back
     labels = label_points(batch, batch.sites(), points)
     assert not labels.fields["affordance.push"].any() and labels.fields["affordance.pull"].any()
+
+
+def test_in_one_vocabulary_the_deepest_label_wins() -> None:
+    batch = FakeBatch(1)
+    pull, push = batch.program.labels[:2]
+    handle = replace(push, targets=pull.targets, value=e.call("lt", e.var("p.z"), e.ZERO), depth=2)
+    points = batch.point_set(40)
+    batch.program.labels[:2] = [pull, handle]
+    deeper = label_points(batch, batch.sites(), points).fields
+    below = (points.site == 6) & (points.position[..., 2] < batch.height[:, None] / 2)
+    assert (deeper["affordance.push"] == below).all() and below.any()
+    assert (deeper["affordance.pull"] == ((points.site == 6) & ~below)).all()
+    batch.program.labels[:2] = [pull, replace(handle, depth=0)]
+    together = label_points(batch, batch.sites(), points).fields
+    assert (together["affordance.push"] & together["affordance.pull"] == below).all()
+
+
+def test_everything_that_is_read_is_announced() -> None:
+    batch = FakeBatch(2)
+    announced = set(reads(batch.program))
+    asked: list[tuple] = []
+
+    class Watched(FakeBatch):
+        def read(self, exprs, scope):  # type: ignore[no-untyped-def]
+            asked.extend((expr, scope) for expr in exprs)
+            return super().read(exprs, scope)
+
+    watched = Watched(2)
+    watched.program = batch.program
+    label_points(watched, watched.sites(), watched.point_set(20))
+    watched.grasps()
+    watched.keypoints()
+    assert asked and set(asked) <= announced
 
 
 def test_moving_an_object_moves_its_labels() -> None:
@@ -131,7 +167,8 @@ def test_grasps_lie_on_the_handle_at_even_steps() -> None:
     batch = FakeBatch(2)
     grasps = batch.grasps()
     assert len(grasps.owner) == 10 and grasps.t[:5].tolist() == pytest.approx([-0.4, -0.2, 0, 0.2, 0.4])
-    assert grasps.point[:5, 2].tolist() == pytest.approx([-0.08, -0.04, 0, 0.04, 0.08])
+    steps = grasps.point[:5, 2] - batch.height[0] / 2
+    assert steps.tolist() == pytest.approx([-0.08, -0.04, 0, 0.04, 0.08])
     assert grasps.point[0, 0] == pytest.approx(batch._boxes()[0][6, 0, 0])
     assert grasps.rotation[0].T.tolist() == [[0, 0, 1], [0, 1, 0], [-1, 0, 0]]
     assert (grasps.opening == 0.02).all() and (np.diff(grasps.owner) >= 0).all()

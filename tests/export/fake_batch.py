@@ -68,8 +68,8 @@ BOARDS = ("back", "left", "right", "top", "bottom")
 SEMANTIC = ("body", "door", "handle", "button", "grip")
 
 
-def pose(x: e.Expr) -> Pose:
-    return Pose(IDENTITY.rotation, (x, ZERO, ZERO), ONE)
+def pose(x: e.Expr, z: e.Expr = ZERO) -> Pose:
+    return Pose(IDENTITY.rotation, (x, ZERO, z), ONE)
 
 
 def program() -> Program:
@@ -92,7 +92,9 @@ def program() -> Program:
     ]
     width = e.col(e.Column(root, "width"))
     door_front = Target(5, ("front",), pose(e.col(e.Column(root, "door_x"))), (ONE, width, ONE), zero3)
-    grip = Target(6, (), pose(e.col(e.Column(root, "handle_x"))), (ONE, ONE, ONE), zero3)
+    grip = Target(
+        6, (), pose(e.col(e.Column(root, "handle_x")), e.col(e.Column(root, "handle_z"))), (ONE, ONE, ONE), zero3
+    )
     labels = [
         Label("affordance", "pull", (grip,), e.TRUE),
         Label("affordance", "push", (door_front,), e.call("lt", e.var("p.y"), width * e.const(-0.1))),
@@ -163,7 +165,7 @@ class FakeBatch:
 
     def sites(self) -> list[SimpleNamespace]:
         centers, sizes = self._boxes()
-        made = []
+        words, made = SEMANTIC, []
         for s, site in enumerate(self.program.sites):
             turn = np.eye(3) if s != 7 else np.array([[0.0, 0, 1], [0, 1, 0], [-1, 0, 0]])  # the button lies along x
             size = sizes[s]
@@ -174,7 +176,7 @@ class FakeBatch:
                     number=s, path=site.path, primitive=self.program.primitives[site.primitive], params=params,
                     owner=np.arange(self.n), rotation=np.broadcast_to(turn, (self.n, 3, 3)), translation=centers[s],
                     mirror=np.full(self.n, -1.0 if s == 2 else 1.0), link=np.full(self.n, site.link[0]),
-                    instance=np.full(self.n, s), semantic=np.full(self.n, SEMANTIC.index(self.program.parts[s].semantic)),
+                    instance=np.full(self.n, s), semantic=np.full(self.n, words.index(self.program.parts[s].semantic)),
                     rank=np.zeros(self.n, dtype=np.int64),
                 )
             )  # fmt: skip
@@ -244,7 +246,12 @@ class FakeBatch:
 
     def read(self, exprs: list[e.Expr], scope: e.Scope) -> list[np.ndarray]:
         centers = self._boxes()[0]
-        columns = {"width": self.width, "door_x": centers[5, :, 0] + self.slab / 2, "handle_x": centers[6, :, 0]}
+        columns = {
+            "width": self.width,
+            "door_x": centers[5, :, 0] + self.slab / 2,
+            "handle_x": centers[6, :, 0],
+            "handle_z": centers[6, :, 2],
+        }
 
         def value(node: e.Expr) -> np.ndarray:
             if node.op == "const":
