@@ -120,7 +120,7 @@ def _compare(ck: Checker, ctx: Context, expr: ast.BinaryExpr) -> Condition:
         if value is not None and value == int(value) and isinstance(subject, ast.NameExpr | ast.MemberExpr):
             kind, noted = _quiet(ck, ctx, subject)
             if isinstance(kind, Scalar) and kind.count:
-                return conjunction((*noted, Compare(_key(ctx, subject), op, int(value))))
+                return conjunction((*noted, Compare(_key(ctx, subject), op, int(value), *_ends(ctx, subject))))
         if isinstance(other, ast.NameExpr) and expr.op in ("==", "!="):
             with ck.muted():
                 word = expressions.choice_word(ck, ctx, subject, other)
@@ -128,6 +128,16 @@ def _compare(ck: Checker, ctx: Context, expr: ast.BinaryExpr) -> Condition:
                 chosen = Atom(_key(ctx, subject), frozenset((other.name,)), word.values)
                 return chosen if expr.op == "==" else Not(chosen)
     return _opaque(ctx, expr)
+
+
+def _ends(ctx: Context, expr: ast.Expr) -> tuple[int, int | None]:
+    """The range of a count where it is written with constants."""
+    entries = ctx.scope.find(expr.name) if isinstance(expr, ast.NameExpr) and ctx.scope is not None else []
+    if entries and isinstance(entries[0].node, ast.CountDecl):
+        domain = entries[0].node.domain
+        low, high = constant(domain.low, ctx.module), constant(domain.high, ctx.module)
+        return (0 if low is None else int(low)), (None if high is None else int(high))
+    return 0, None
 
 
 def _key(ctx: Context, expr: ast.Expr) -> str:

@@ -32,11 +32,13 @@ class Atom(Condition):
 
 @dataclass(frozen=True, slots=True)
 class Compare(Condition):
-    """The whole number ``key`` (never negative) stands in relation ``op`` to ``value``."""
+    """The whole number ``key``, within ``low .. high`` (None: no end), stands in relation ``op`` to ``value``."""
 
     key: str
     op: str
     value: int
+    low: int = 0
+    high: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,9 +99,10 @@ def domains(conditions: Iterable[Condition]) -> dict[str, tuple[Hashable, ...]]:
             case Atom(key=key, domain=domain):
                 known = found.setdefault(key, [])
                 known.extend(v for v in domain if v not in known)
-            case Compare(key=key, value=value):
+            case Compare(key=key, value=value, low=low, high=high):
                 known = found.setdefault(key, [])
-                known.extend(v for v in (value - 1, value, value + 1) if v >= 0 and v not in known)
+                near = [v for v in (value - 1, value, value + 1) if v >= low and (high is None or v <= high)]
+                known.extend(v for v in near or [low] if v not in known)
             case And(terms=terms) | Or(terms=terms):
                 stack.extend(terms[::-1])
             case Not(term=term):

@@ -26,7 +26,8 @@ COVERED = [
     "when lid is BarHandle { connect lid to body } else { connect lid.mount to body.front at center }",
     "when lid is BarHandle { connect lid to body }\n when lid is BowHandle { connect lid to body }\n"
     "when lid is BracketHandle { connect lid to body }",
-    "when hinged == left { connect lid to body } else when hinged == right { connect lid to body } else { connect lid to body }",
+    "when hinged == left { connect lid to body } else when hinged == right { connect lid to body }\n"
+    "else { connect lid to body }",
     "when hinged != left { connect lid to body }\n when hinged == left { connect lid to body }",
     "when feet == 2 { connect lid to body }\n when feet > 2 { connect lid to body }",
     "when soft and feet == 2 { connect lid to body }\n when not soft or feet != 2 { connect lid to body }",
@@ -104,8 +105,9 @@ def test_an_optional_part_outside_such_guards(tmp_path, statements):
 
 
 def test_one_name_in_exclusive_branches_is_one_part_afterwards(tmp_path):
-    text = "connect lid to body\n when soft { part pad : Cylinder(radius = 1cm, height = 1cm) } else { part pad : Cuboid }\n"
-    assert findings(tmp_path, text + "connect pad to body\n align pad.top = body.top", optional=False) == []
-    assert findings(tmp_path, text + "connect pad to body\n align pad.axis.origin.z = body.top", optional=False) == [
-        "optional-outside-when"
-    ]
+    text = (
+        "connect lid to body\n connect pad to body\n"
+        "when soft { part pad : Cylinder(radius = 1cm, height = 1cm) } else { part pad : Cuboid }\n"
+    )
+    assert findings(tmp_path, text + "align pad.top = body.top", optional=False) == []
+    assert findings(tmp_path, text + "align pad.axis.origin.z = body.top", optional=False) == ["optional-outside-when"]

@@ -20,8 +20,7 @@ template Frame {
   part pin : Cylinder(radius = wall, height = 3cm)
   part grip : Handle = BarHandle | BowHandle
   repeat row[i] in 0 ..< n split box along z gap wall { part board : Cuboid }
-  port hook[2] : frame
-  port hook[k] = frame(at = front.center, out = x, up = z)
+  port hook[k] : frame = frame(at = front.center, out = x, up = z)
   let probe = EXPR
 }
 """
@@ -89,7 +88,8 @@ GOOD = {
 
 @pytest.mark.parametrize("text", GOOD)
 def test_type_of(tmp_path, text):
-    report, typed = check_text(tmp_path, HEAD + BODY.replace("EXPR", text).replace("let probe = from", "curve probe = from"))
+    body = BODY.replace("EXPR", text).replace("let probe = from", "curve probe = from")
+    report, typed = check_text(tmp_path, HEAD + body)
     assert codes(report) == []
     probe = next(s for s in typed.main.find("Frame").body if isinstance(s, ast.LetDecl) and s.name == "probe")
     assert str(typed.type_of(probe.value)) == GOOD[text]
