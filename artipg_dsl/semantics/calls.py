@@ -58,7 +58,7 @@ def call(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
     if symbol is not None and isinstance(symbol.decl, ast.FunctionDecl) and symbol.decl.parameters:
         arguments = _positional(ck, ctx, expr, len(symbol.decl.parameters), word)
         inside = type(ctx)(symbol.module)
-        return _apply(ck, inside, symbol.decl.parameters, symbol.decl.value, arguments, id(symbol))
+        return _apply(ck, inside, expr, symbol.decl.parameters, symbol.decl.value, arguments, id(symbol.decl))
     for argument in expr.arguments:
         ck.infer(ctx, argument.value)
     if symbol is not None or (ctx.scope is not None and ctx.scope.find(word)):
@@ -87,7 +87,7 @@ def _own(ck: Checker, ctx: Context, expr: ast.CallExpr, entry: Entry) -> Type:
     inside = ck.context(entry.scope)
     if isinstance(node, ast.LetDecl):
         arguments = _positional(ck, ctx, expr, len(node.parameters), entry.name)
-        return _apply(ck, inside, node.parameters, node.value, arguments, id(node))
+        return _apply(ck, inside, expr, node.parameters, node.value, arguments, id(node))
     ranges = [node.u_range, node.v_range] if isinstance(node, ast.SurfaceDecl) else [node.parameter_range]  # type: ignore[union-attr]
     if len(expr.arguments) != len(ranges):
         _positional(ck, ctx, expr, len(ranges), entry.name)
@@ -99,7 +99,7 @@ def _own(ck: Checker, ctx: Context, expr: ast.CallExpr, entry: Entry) -> Type:
     if isinstance(node, ast.SurfaceDecl):
         return POINT
     names = (node.parameter,)  # type: ignore[union-attr]
-    return _apply(ck, inside, names, node.value, [range_type(ck, inside, ranges[0])], id(node))  # type: ignore[union-attr]
+    return _apply(ck, inside, expr, names, node.value, [range_type(ck, inside, ranges[0])], id(node))  # type: ignore[union-attr]
 
 
 def range_type(ck: Checker, ctx: Context, interval: ast.RangeExpr) -> Type:
@@ -112,16 +112,25 @@ def range_type(ck: Checker, ctx: Context, interval: ast.RangeExpr) -> Type:
 
 
 def _apply(
-    ck: Checker, inside: Context, names: Sequence[str], value: ast.Expr, arguments: list[Type], identity: int
+    ck: Checker,
+    inside: Context,
+    expr: ast.CallExpr,
+    names: Sequence[str],
+    value: ast.Expr,
+    arguments: list[Type],
+    identity: int,
 ) -> Type:
     """The type of a function's body for arguments of these types."""
     arguments = [Scalar(t.dimension) if isinstance(t, Scalar) and not t.zero else t for t in arguments]
     key = (identity, *arguments)
+    if identity in ck.calling:
+        return ck.error("circular-definition", expr.span, "this function is defined by itself")
     if key not in ck.calls:
-        ck.calls[key] = UNKNOWN  # a function that calls itself
         extra = dict(zip(names, arguments, strict=True))
         silent = inside.but(extra=extra, silent=True)
+        ck.calling.append(identity)
         ck.calls[key] = UNKNOWN if UNKNOWN in arguments else ck.infer(silent, value)
+        ck.calling.pop()
     return ck.calls[key]
 
 

@@ -39,6 +39,7 @@ def check(workspace: Workspace, module: ModuleScope, report: Report) -> TypedPro
     for scope in workspace.modules.values():
         for symbol in scope.own():
             _declaration(ck, symbol)
+    roles.check_nesting(ck, [s for scope in workspace.modules.values() for s in scope.own()])
     categories = [s for s in module.own() if s.kind == "category"]
     for extra in categories[1:]:
         report.error(

@@ -22,11 +22,15 @@ from .units import Dimension
 class Context:
     """Where an expression stands.
 
-    ``condition``: what is known to hold there. ``extra``: names that only this place has (parameters of a function,
-    ``p`` and ``n`` in a label). ``many``: the name of a repeat stands for all of its elements. ``lenient``: where a
-    list, presence is not demanded but noted in it. ``holes``: ``_`` may stand for a component. ``silent``: the types
-    are not recorded (the body of a function, once per call). ``ends``: it names an end of a connection.
+    ``condition``: what is known to hold there.
+    ``extra``: names that only this place has (parameters of a function, ``p`` and ``n`` in a label).
+    ``many``: the name of a repeat stands for all of its elements.
+    ``lenient``: where a list, presence is not demanded but noted in it.
+    ``subject``: the statement goes with what is named, so what only some alternatives have may be named too.
+    ``ends``: it names an end of a connection.
+    ``holes``: ``_`` may stand for a component.
     ``component``: the dimension that the components of this vector should have.
+    ``silent``: the types are not recorded (the body of a function, once per call).
     """
 
     module: ModuleScope
@@ -38,6 +42,7 @@ class Context:
     holes: bool = False
     silent: bool = False
     ends: bool = False
+    subject: bool = False
     component: Dimension | None = None
 
     def but(self, **changes: object) -> Context:
@@ -68,6 +73,7 @@ class Checker:
         self._interfaces: dict[int, dict[str, tuple[Symbol, ast.Stmt]]] = {}
         self._conditions: dict[int, Condition] = {}
         self.calls: dict[tuple, Type] = {}
+        self.calling: list[int] = []
 
     def error(
         self, code: str, span: Span, message: str, hint: str | None = None, notes: tuple[tuple[Span, str], ...] = ()

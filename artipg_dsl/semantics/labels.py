@@ -75,7 +75,7 @@ def formula(ctx: Context) -> Context:
 def _place(ck: Checker, ctx: Context, expr: ast.Expr) -> tuple[Type, Context]:
     """A target and the context of what stands beside it: absent, the statement is void."""
     noted: list = []
-    kind = ck.infer(ctx.but(lenient=noted, many=True), expr)
+    kind = ck.infer(ctx.but(lenient=noted, many=True, subject=True), expr)
     return kind, ctx.given(*noted)
 
 

@@ -320,7 +320,9 @@ def part_member(ck: Checker, ctx: Context, part: Part, word: str, span: Span) ->
         else:
             found.append((variant, kind))
     if lacking:
-        return _lacking(ck, ctx, part, [v for v, _ in found], word, span)
+        kind = _lacking(ck, ctx, part, [v for v, _ in found], word, span)
+        if kind is not None or not found:
+            return kind or UNKNOWN
     if not found:
         return UNKNOWN
     kinds = [kind for _, kind in found]
@@ -354,7 +356,15 @@ def _common(kinds: list[Type], word: str) -> Type:
     return kinds[0] if all(isinstance(k, Scalar) for k in kinds) else UNKNOWN
 
 
-def _lacking(ck: Checker, ctx: Context, part: Part, having: list[Variant], word: str, span: Span) -> Type:
+def _lacking(
+    ck: Checker, ctx: Context, part: Part, having: list[Variant], word: str, span: Span
+) -> Type | None:
+    """Some variants lack a member: fine where the statement goes with it (None, or the role's type), else an error."""
+    promised = _optional_in_role(ck, part, word)
+    if ctx.subject and ctx.lenient is not None and (having or promised is not None):
+        if having:
+            ctx.lenient.append(Atom(part.key, frozenset(having), part.domain))
+        return None if having else promised
     if having:
         names = " and ".join(v.name for v in having)
         return ck.error(
@@ -362,6 +372,9 @@ def _lacking(ck: Checker, ctx: Context, part: Part, having: list[Variant], word:
             if len(having) == 1 else f"only {names} have `{word}`, the other alternatives have not",
             hint=f"put this under `when ... is {having[0].name} {{ }}`",
         )  # fmt: skip
+    if promised is not None:
+        what = " or ".join(dict.fromkeys(v.name for v in part.variants))
+        return ck.error("optional-outside-when", span, f"`{word}` is optional in the role, and {what} does not bind it")
     offered = sorted({n for v in part.variants if v.symbol is not None for n in member_names(ck, v.symbol)})
     what = " or ".join(dict.fromkeys(v.name for v in part.variants))
     code, missing = ("unknown-port", f"port or part `{word}`") if ctx.ends else ("unknown-member", f"`{word}`")
@@ -369,6 +382,15 @@ def _lacking(ck: Checker, ctx: Context, part: Part, having: list[Variant], word:
         code, span, f"{what} has no {missing}",
         hint=did_you_mean(word, offered) or _list([n for n in offered if n not in BOX_MEMBERS]),
     )  # fmt: skip
+
+
+def _optional_in_role(ck: Checker, part: Part, word: str) -> Type | None:
+    """The type of what a role of the part offers as optional under this name."""
+    for variant in part.variants:
+        role, decl = ck.interface_of(variant.symbol).get(word, (None, None)) if variant.symbol else (None, None)
+        if role is not None and getattr(decl, "optional", False):
+            return symbol_member(ck, role, word)
+    return None
 
 
 def member_names(ck: Checker, symbol: Symbol) -> list[str]:
@@ -399,8 +421,15 @@ def symbol_member(ck: Checker, symbol: Symbol, word: str) -> Type | None:
         if made is not None:
             return made
     if symbol.kind == "template" and word in ck.interface_of(symbol):
-        return symbol_member(ck, ck.interface_of(symbol)[word][0], word)
+        role, decl = ck.interface_of(symbol)[word]
+        if not getattr(decl, "optional", False) or word in _names_in_repeats(ck.scope_of(symbol)):
+            return symbol_member(ck, role, word)
     return box_member(word)
+
+
+def _names_in_repeats(scope: Scope) -> set[str]:
+    """Names that the repeats of a template declare: a part in a repeat binds the slot of its name."""
+    return {name for inner in _below(scope)[1:] for name in inner.table}
 
 
 def _made(symbol: Symbol, word: str) -> Type | None:

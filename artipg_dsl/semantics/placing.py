@@ -51,7 +51,7 @@ _TURNS = ("revolute", "continuous", "screw")
 def subject(ck: Checker, ctx: Context, expr: ast.Expr) -> tuple[Type, Context]:
     """What a statement goes with: without it the statement is void, so the rest may take its presence for granted."""
     noted: list = []
-    kind = ck.infer(ctx.but(lenient=noted, ends=True), expr)
+    kind = ck.infer(ctx.but(lenient=noted, ends=True, subject=True), expr)
     return kind, ctx.given(*noted)
 
 

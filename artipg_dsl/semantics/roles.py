@@ -8,6 +8,7 @@ from ..diagnostics.suggest import did_you_mean
 from ..syntax import ast
 from .scope import Entry, Scope
 from .symbols import Symbol, lineage, parent_of
+from .types import Part
 
 if TYPE_CHECKING:
     from .checker import Checker
@@ -70,6 +71,34 @@ def check_template(ck: Checker, symbol: Symbol) -> None:
             hint=_how(*missing[0][:2]),
             notes=tuple((s.span, f"{kind} `{n}` is asked for here") for kind, n, s in missing),
         )  # fmt: skip
+
+
+def check_nesting(ck: Checker, symbols: list[Symbol]) -> None:
+    """No template contains itself, be it through the parts of its parts."""
+    done: set[int] = set()
+
+    def visit(symbol: Symbol, trail: list[tuple[Symbol, Entry]]) -> None:
+        above = [s for s, _ in trail]
+        if symbol in above:
+            ring = trail[above.index(symbol) :]
+            names = [s.name for s, _ in ring]
+            entry = ring[-1][1]
+            ck.error(
+                "circular-definition", entry.span, f"templates contain each other: {' > '.join([*names, names[0]])}"
+            )
+            return
+        if id(symbol) in done or symbol.kind not in ("template", "category"):
+            return
+        done.add(id(symbol))
+        for entries in _names_at_any_depth(ck.scope_of(symbol)).values():
+            for entry in entries:
+                kind = ck.entry_type(entry)
+                for variant in kind.domain if isinstance(kind, Part) else ():
+                    if variant is not None and variant.symbol is not None:
+                        visit(variant.symbol, [*trail, (symbol, entry)])
+
+    for symbol in symbols:
+        visit(symbol, [])
 
 
 def _how(kind: str, name: str) -> str:

@@ -111,3 +111,37 @@ def test_one_name_in_exclusive_branches_is_one_part_afterwards(tmp_path):
     )
     assert findings(tmp_path, text + "align pad.top = body.top", optional=False) == []
     assert findings(tmp_path, text + "align pad.axis.origin.z = body.top", optional=False) == ["optional-outside-when"]
+
+
+OPTIONAL_SLOT = """
+role Pad {{ slot face  slot dial ?  port eye : frame ? }}
+template Plain : Pad {{ part face : Cuboid(size = [1cm, 1cm, 1cm]) }}
+template Round : Pad {{
+  part face : Cuboid(size = [1cm, 1cm, 1cm])
+  repeat knob[i] in 0 ..< 2 {{ part dial : Cylinder(radius = 1cm, height = 1cm) }}
+  port eye = frame(at = face.front.center, out = x, up = z)
+}}
+material steel {{ density 7850kg/m3 }}
+category Oven {{
+  root part body : Cuboid(size = [40cm, 60cm, 30cm])
+  part pad : Pad = {alternatives}
+  connect pad to body
+  {statements}
+}}
+"""
+
+
+@pytest.mark.parametrize(
+    "alternatives, statements, found",
+    [
+        ("Plain | Round", "material steel on pad.dial", []),
+        ("Plain", "material steel on pad.dial", []),
+        ("Plain | Round", "when pad is Round { align pad.eye.origin.z = body.center.z }", []),
+        ("Plain | Round", "align pad.eye.origin.z = body.center.z", ["optional-outside-when"]),
+        ("Plain", "align pad.dial.top = body.top", ["optional-outside-when"]),
+        ("Plain", "material steel on pad.dail", ["unknown-member"]),
+    ],
+)
+def test_what_a_role_offers_as_optional(tmp_path, alternatives, statements, found):
+    text = OPTIONAL_SLOT.format(alternatives=alternatives, statements=statements)
+    assert codes(check_text(tmp_path, HEAD + text)[0]) == found

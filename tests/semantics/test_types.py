@@ -147,3 +147,15 @@ def test_an_error_is_reported_once_however_often_its_value_is_used(tmp_path):
     text = HEAD + "template T {\n  let a = hight + 1cm\n  let b = a * 2\n  let c = sin(b) + a.x\n  require c < b\n}\n"
     report, _ = check_text(tmp_path, text)
     assert [(d.code, d.span.line) for d in report.diagnostics] == [("unknown-name", 5)]
+
+
+def test_templates_and_functions_do_not_contain_themselves(tmp_path):
+    text = HEAD + (
+        "let f(a) = g(a) + 1\nlet g(a) = f(a)\nlet h = f(2)\n"
+        "template A { part b : B | none }\ntemplate B { part c : Cuboid | C }\ntemplate C { part a : A }\n"
+    )
+    report, _ = check_text(tmp_path, text)
+    assert [(d.code, d.message) for d in report.diagnostics] == [
+        ("circular-definition", "this function is defined by itself"),
+        ("circular-definition", "templates contain each other: A > B > C > A"),
+    ]
