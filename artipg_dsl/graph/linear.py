@@ -8,6 +8,7 @@ from . import expr as E
 from .expr import ONE, ZERO, Column, Expr
 
 Form = tuple[dict[Column, Expr], Expr]  # coefficient of each column, and the rest
+Parts = tuple[dict[Column | Expr, Expr], Expr]  # the same with atoms beside the columns
 
 
 class Linear:
@@ -15,7 +16,7 @@ class Linear:
 
     def __init__(self, unknown: Callable[[Column], bool], definitions: Mapping[Column, Expr]):
         self.unknown, self.definitions = unknown, definitions
-        self.memo: dict[Expr, Form | None] = {}
+        self.memo: dict[Expr, Parts] = {}
         self.reads_memo: dict[Expr, bool] = {}
 
     def reads(self, node: Expr) -> bool:
@@ -53,33 +54,35 @@ class Linear:
 
     def form(self, node: Expr) -> Form | None:
         """Coefficients and rest, or None where the expression is not linear in the unknowns."""
+        found = self.parts(node)
+        if any(isinstance(key, Expr) for key in found[0]):
+            return None
+        return found  # type: ignore[return-value]
+
+    def parts(self, node: Expr) -> Parts:
+        """A sum of coefficients times columns or *atoms* (what is not linear, kept whole so that it can cancel)."""
         if not self.reads(node):
             return {}, node
-        if node not in self.memo:
-            self.memo[node] = self._form(node)
-        return self.memo[node]
+        found = self.memo.get(node)
+        if found is None:
+            found = self.memo[node] = self._parts(node)
+        return found
 
-    def _form(self, node: Expr) -> Form | None:
+    def _parts(self, node: Expr) -> Parts:
         if node.op == "col":
             column: Column = node.value  # type: ignore[assignment]
-            return ({column: ONE}, ZERO) if self.unknown(column) else self.form(self.definitions[column])
+            return ({column: ONE}, ZERO) if self.unknown(column) else self.parts(self.definitions[column])
         if node.op in ("add", "sub"):
-            left, right = self.form(node.args[0]), self.form(node.args[1])
-            if left is None or right is None:
-                return None
+            left, right = self.parts(node.args[0]), self.parts(node.args[1])
             return combine(left, right, ONE if node.op == "add" else E.const(-1.0))
         if node.op == "neg":
-            inner = self.form(node.args[0])
-            return None if inner is None else scaled(inner, E.const(-1.0))
+            return scaled(self.parts(node.args[0]), E.const(-1.0))
         if node.op == "mul":
             a, b = node.args
-            if self.reads(a) and self.reads(b):
-                return None
-            inner = self.form(a if self.reads(a) else b)
-            return None if inner is None else scaled(inner, b if self.reads(a) else a)
+            if not (self.reads(a) and self.reads(b)):
+                return scaled(self.parts(a if self.reads(a) else b), b if self.reads(a) else a)
         if node.op == "div" and not self.reads(node.args[1]):
-            inner = self.form(node.args[0])
-            return None if inner is None else scaled(inner, E.div(ONE, node.args[1]))
+            return scaled(self.parts(node.args[0]), E.div(ONE, node.args[1]))
         if node.op == "where" and not self.reads(node.args[0]):
             return self.branches(node.args[1:], lambda values: E.where(node.args[0], *values))
         if node.op == "phi":
@@ -89,23 +92,35 @@ class Linear:
                 lambda values: E.phi(node.scope, zip(scopes, values[:-1], strict=True), values[-1]),  # type: ignore[arg-type]
                 default_free=True,
             )
-        return None
+        return {node: ONE}, ZERO
 
-    def branches(self, args: tuple[Expr, ...], make: Callable, *, default_free: bool = False) -> Form | None:
-        forms = [self.form(a) for a in args]
-        if any(f is None for f in forms):
-            return None
-        names = {c for f in forms for c in f[0]}  # type: ignore[index]
+    def branches(self, args: tuple[Expr, ...], make: Callable, *, default_free: bool = False) -> Parts:
+        forms = [self.parts(a) for a in args]
+        names = dict.fromkeys(c for f in forms for c in f[0])
         real = forms[:-1] if default_free else forms
-        coefficients: dict[Column, Expr] = {}
+        coefficients: dict[Column | Expr, Expr] = {}
         for name in names:
-            values = [f[0].get(name, ZERO) for f in forms]  # type: ignore[index]
-            shared = {f[0].get(name, ZERO) for f in real}  # type: ignore[index]
+            values = [f[0].get(name, ZERO) for f in forms]
+            shared = {f[0].get(name, ZERO) for f in real}
             coefficients[name] = shared.pop() if len(shared) == 1 else make(values)
-        return coefficients, make([f[1] for f in forms])  # type: ignore[index]
+        return coefficients, make([f[1] for f in forms])
 
 
-def combine(a: Form, b: Form, factor: Expr) -> Form:
+def tidy(node: Expr) -> Expr:
+    """The same value as a sum in which equal terms are gathered and opposite ones are gone."""
+    everything = Linear(lambda c: True, {})
+    terms, rest = everything.parts(node)
+    total = rest
+    for key, factor in terms.items():
+        item = key if isinstance(key, Expr) else E.col(key)
+        if factor.constant == -1.0:
+            total = E.sub(total, item)
+        else:
+            total = E.add(total, E.mul(factor, item)) if total is not ZERO else E.mul(factor, item)
+    return total
+
+
+def combine(a: Parts, b: Parts, factor: Expr) -> Parts:
     """a + factor * b, without the coefficients that cancel."""
     coefficients = dict(a[0])
     for column, value in b[0].items():
@@ -117,7 +132,7 @@ def combine(a: Form, b: Form, factor: Expr) -> Form:
     return coefficients, E.add(a[1], E.mul(factor, b[1]))
 
 
-def scaled(form: Form, factor: Expr) -> Form:
+def scaled(form: Parts, factor: Expr) -> Parts:
     return {c: E.mul(v, factor) for c, v in form[0].items()}, E.mul(form[1], factor)
 
 

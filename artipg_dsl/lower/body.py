@@ -60,8 +60,7 @@ def lower_body(instance: Instance, option: Option, scope: Scope, given: dict[str
 
         half = times(size.items, HALF)  # type: ignore[arg-type]
         env.box = Box(times(half, E.const(-1.0)), half)
-    body = tuple(s for s in symbol.body if not isinstance(s, ast.ParamDecl))
-    lower_statements(env, body)
+    lower_statements(env, tuple(s for s in symbol.body if not isinstance(s, ast.ParamDecl)))
     return env
 
 
@@ -112,9 +111,8 @@ def own_scalar(env: Env, declaration: ast.ParamDecl, name: str, component: int |
 def declare(env: Env, body: tuple[ast.Stmt, ...]) -> None:
     """Register every name of a body, then lower the declarations in the order of the text."""
     env.statements.extend(body)
-    blocks: list[ast.Stmt] = []
     for statement in body:
-        register(env, statement, blocks)
+        register(env, statement)
     for statement in body:
         try:
             if isinstance(statement, ast.WhenStmt):
@@ -136,7 +134,8 @@ def names_of(statement: ast.Stmt) -> Iterator[str]:
         yield statement.name
 
 
-def register(env: Env, statement: ast.Stmt, blocks: list[ast.Stmt]) -> None:
+def register(env: Env, statement: ast.Stmt) -> None:
+    """Give each declared name a thunk; statements that declare nothing are left for later."""
     from .part import build_part
 
     def thunk(name: str, span: Span, make) -> None:  # noqa: ANN001
@@ -174,7 +173,7 @@ def register(env: Env, statement: ast.Stmt, blocks: list[ast.Stmt]) -> None:
         case ast.PortDecl() if statement.value is not None:
             register_port(env, statement)
         case _:
-            blocks.append(statement)
+            pass
 
 
 def register_port(env: Env, statement: ast.PortDecl) -> None:
@@ -216,5 +215,7 @@ def bind_slots(env: Env, body: tuple[ast.Stmt, ...]) -> None:
         return
     for statement in body:
         if isinstance(statement, ast.SlotDecl) and statement.targets:
-            instance.pending_slots.append((env, statement))
+            instance.bindings[statement.name] = (env, statement)
+
+
 __all__ = ["declare", "lower_body", "lower_statements", "parameters_of"]

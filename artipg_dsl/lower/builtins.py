@@ -113,6 +113,10 @@ def function(ev: Evaluator, node: ast.CallExpr) -> Value:
     if name == "norm":
         vector = ev.vector(node.arguments[0].value)
         return E.call("sqrt", dot(vector, vector))
+    if name == "offset":
+        from .curves import offset
+
+        return offset(ev, node)
     if name == "frame":
         return make_frame(ev, node)
     if name == "line":

@@ -59,6 +59,9 @@ class Context:
     ledger: list[tuple[Part | None, Unknown]] = field(default_factory=list)
     parts: list[Part] = field(default_factory=list)
     solids: dict = field(default_factory=dict)  # primitive symbol -> Lowered
+    labels: list = field(default_factory=list)  # (depth of the target, Label)
+    materials: dict = field(default_factory=dict)  # site -> [(depth, ((material, predicate), ...))]
+    semantic_groups: list = field(default_factory=list)
     clearances: list[Span] = field(default_factory=list)  # limits that only collision checking can give
     trace: list[tuple[Span, str]] = field(default_factory=list)
 

@@ -89,7 +89,7 @@ class Env:
         value = self.names.get(name)
         if isinstance(value, Thunk):
             if value.running:
-                raise self.context.error("circular", value.span, f"`{name}` is defined by itself")
+                raise self.context.error("circular-definition", value.span, f"`{name}` is defined by itself")
             value.running = True
             made = value.make()
             self.names[name] = made

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from ..graph import expr as E
 from ..graph.expr import Expr, Scope, ScopeError
@@ -43,6 +44,9 @@ from .values import (
     unit,
 )
 from .values import plus as vector_plus
+
+if TYPE_CHECKING:
+    from .part import Part
 
 HALF = E.const(0.5)
 OPERATIONS = {"+": E.add, "-": E.sub, "*": E.mul, "/": E.div, "^": E.power, "and": E.both, "or": E.either}
@@ -560,7 +564,7 @@ class Evaluator:
         boxes: list[tuple[Scope | None, Box]] = []
         carriers: list = []
         for branch in ref.branches:
-            held = [moved(part.box(), outer if ref.own else compose(outer, part.pose)) for part, outer in branch.members]
+            held = [self.member_box(part, outer, ref.own, branch.scope) for part, outer in branch.members]
             carriers += [part for part, _ in branch.members if part not in carriers]
             if len(held) > 1:
                 held = [extent(b) for b in held]  # type: ignore[arg-type]
@@ -574,6 +578,16 @@ class Evaluator:
         parent = boxes[0][0].parent  # type: ignore[union-attr]
         value = merged(parent, boxes)  # type: ignore[arg-type]
         return self.lift(replace(value, on=on), parent)  # type: ignore[return-value,type-var]
+
+    def member_box(self, part: Part, outer: Pose, own: bool, scope: Scope | None) -> Value:
+        """The box of one part of a reference; over all rows where the part stands in a repeat of its template."""
+        from .part import raised
+
+        box = moved(part.box(), outer if own else compose(outer, part.pose))
+        target = scope if scope is not None else self.env.scope
+        if part.env.scope.kind == "repeat" and part.env.scope.within(target) and part.env.scope is not target:
+            return raised(extent(box), part.env.scope, target)  # type: ignore[arg-type]
+        return box
 
     # ------------------------------------------------------------ calls
 

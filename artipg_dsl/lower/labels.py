@@ -28,7 +28,6 @@ from .values import (
     direct,
     extent,
     inverse,
-    merged,
     moved,
     place,
 )
@@ -87,30 +86,25 @@ def aims(links: Links, env: Env, node: ast.Expr) -> list[Aim]:
     for value, home in walk(env, node):
         if isinstance(value, Surface):
             part = value.ref.branches[0].members[0][0]
-            found.append(aim_at(links, [part], part.env.scope, part, (value.name,)))
-            continue
-        if not isinstance(value, Ref):
+            found.append(aim_at(links, part, part, (value.name,)))
+        elif isinstance(value, Ref):
+            for branch in value.branches:
+                found.extend(aim_at(links, p, slot_owner(p, home, env), ()) for p, _ in branch.members)
+        elif isinstance(value, Element):
+            for part in value.env.all_parts():
+                found.append(aim_at(links, part, part, ()))
+        else:
             raise env.context.error("wrong-kind", node.span, "a part, a slot or a surface is needed here")
-        for branch in value.branches:
-            parts = [p for p, _ in branch.members]
-            owner = role_owner(parts, home, value)
-            if owner is not None and len(parts) >= 1:
-                found.append(aim_at(links, parts, parts[0].env.scope, owner, ()))
-            else:
-                found.extend(aim_at(links, [p], p.env.scope, p, ()) for p in parts)
     return found
 
 
-def role_owner(parts: list[Part], home: Env, value: Ref) -> Part | None:
-    """A slot's formula has the axes of the instance that binds it: the owner of its parts, unless a part is named directly."""
-    part = parts[0]
-    instance = part.env.root.instance
-    if len(parts) == 1 and part.name == value.name and part.env.root is home.root:
-        return None
-    if instance is None:
-        return None
-    bound = instance.slots.get(value.name)
-    return instance.part if bound is not None or len(parts) > 1 or part.name == value.name and instance.part.role is not None else None
+def slot_owner(part: Part, home: Env, env: Env) -> Part:
+    """Whose axes a formula has: those of the instance whose role declares the slot, for a part reached through one."""
+    instance = home.root.instance
+    if instance is None or home.root is env.root:
+        return part
+    names = {s.name for s in instance.part.role.body if isinstance(s, ast.SlotDecl)} if instance.part.role is not None else set()
+    return instance.part if part.name in names or instance.bindings else part
 
 
 def walk(env: Env, node: ast.Expr) -> list[tuple[Value, Env]]:
@@ -147,6 +141,9 @@ def inner_values(ref: Ref, name: str) -> list[tuple[Value, Env]]:
     for branch in ref.branches:
         for part, _ in branch.members:
             for instance in part.instances:
+                if name in instance.bindings:
+                    found.extend(instance.bound(name))
+                    continue
                 value = own_member(instance, name)
                 if value is not None:
                     found.append((value, instance.env or part.env))
@@ -156,8 +153,6 @@ def inner_values(ref: Ref, name: str) -> list[tuple[Value, Env]]:
 def own_member(instance: Instance, name: str) -> Value | None:
     if instance.solid is not None:
         return Surface(Ref("", ((_branch(instance.part)),)), name) if name in instance.solid.primitive.surfaces else None
-    if name in instance.slots:
-        return instance.slots[name]
     assert instance.env is not None
     if name in instance.env.names:
         return instance.env.force(name)
@@ -173,31 +168,13 @@ def _branch(part: Part):  # noqa: ANN202
     return Branch(None, ((part, HERE),))
 
 
-def aim_at(links: Links, parts: list[Part], scope: Scope, owner: Part, surfaces: tuple[str, ...]) -> Aim:
-    """The formula's frame: axes of ``owner``, box of ``parts`` in them."""
+def aim_at(links: Links, part: Part, owner: Part, surfaces: tuple[str, ...]) -> Aim:
+    """The formula's frame: axes of ``owner``, box of ``part`` in them."""
+    if owner is part:
+        return Aim([part], surfaces, links.part_world(part), part.box(), part.env.scope, depth_of(part))
     frame = links.part_world(owner)
-    back = inverse(frame)
-    boxes = []
-    for part in parts:
-        box: Box = moved(part.box(), compose(back, links.part_world(part)))  # type: ignore[assignment]
-        if part is owner:
-            box = part.box()
-        held = extent(box)
-        at = part.env.scope
-        while not scope.within(at):
-            if at.kind == "repeat":
-                held = Box(
-                    tuple(E.reduce("min", at, c) for c in held.low),  # type: ignore[arg-type]
-                    tuple(E.reduce("max", at, c) for c in held.high),  # type: ignore[arg-type]
-                )
-            else:
-                held = merged(at.parent, [(at, held)])  # type: ignore[assignment,arg-type]
-            at = at.parent  # type: ignore[assignment]
-        boxes.append(held)
-    low = tuple(E.minimum(*(b.low[k] for b in boxes)) for k in range(3))
-    high = tuple(E.maximum(*(b.high[k] for b in boxes)) for k in range(3))
-    depth = min(depth_of(p) for p in parts)
-    return Aim(parts, surfaces, frame, Box(low, high), scope, depth)  # type: ignore[arg-type]
+    box = extent(moved(part.box(), compose(inverse(frame), links.part_world(part))))  # type: ignore[arg-type]
+    return Aim([part], surfaces, frame, box, part.env.scope, depth_of(part))
 
 
 def depth_of(part: Part) -> int:

@@ -18,9 +18,9 @@ from .connect import Attachment
 from .context import Abort, Context, where
 from .env import Env
 from .evaluate import Evaluator
-from .part import Instance, Part
+from .part import Instance, Part, union_of
 from .place import root_name
-from .values import HERE, Box, Edge, Frame, Line, Triple, Vec, compose, direct, normalized, place, signed_axis
+from .values import HERE, IDENTITY, Box, Edge, Frame, Line, Triple, Vec, compose, direct, normalized, place, signed_axis
 
 KINDS = ("revolute", "prismatic", "continuous", "screw", "ball", "fixed")
 MOVING_ABOUT = ("revolute", "continuous", "screw")
@@ -49,8 +49,8 @@ class Links:
                 found = compose(self.world(env.outer), env.frame) if env.frame is not HERE else self.world(env.outer)
             elif env.instance is not None:
                 found = self.part_world(env.instance.part)
-            else:
-                found = HERE
+            else:  # the category: lifted so that the object stands on z = 0
+                found = Pose(IDENTITY, (E.ZERO, E.ZERO, E.neg(union_of(env, env.scope).low[2])), E.ONE)
             self.worlds[env] = found
         return found
 
@@ -72,7 +72,7 @@ class Links:
         if part in self.known:
             return self.known[part]
         if part in self.resolving:
-            raise self.context.error("circular", part.span, f"the attachment of `{part.name}` leads back to itself")
+            raise self.context.error("circular-definition", part.span, f"the attachment of `{part.name}` leads back to itself")
         self.resolving.add(part)
         try:
             self.known[part] = self.find(part)

@@ -27,6 +27,7 @@ from .values import (
     Value,
     Vec,
     along,
+    compose,
     extent,
     merged,
     moved,
@@ -81,7 +82,7 @@ class Part:
             from .place import pose_of
 
             if self._posing:
-                raise self.context.error("circular", self.span, f"the place of `{self.name}` depends on itself")
+                raise self.context.error("circular-definition", self.span, f"the place of `{self.name}` depends on itself")
             self._posing = True
             self._pose = pose_of(self)
         return self._pose
@@ -142,7 +143,7 @@ class Instance:
     env: Env | None = None  # the body of a template
     solid: Lowered | None = None  # of a primitive
     values: dict[str, Value] = field(default_factory=dict)
-    slots: dict[str, Ref] = field(default_factory=dict)
+    bindings: dict[str, tuple[Env, ast.SlotDecl]] = field(default_factory=dict)
     _box: Box | None = None
 
     @property
@@ -157,8 +158,8 @@ class Instance:
         if self.solid is not None:
             return self.solid.member(self, name)
         assert self.env is not None
-        if name in self.slots:
-            return self.slots[name]
+        if name in self.bindings:
+            return self.slot(name)
         if name in self.env.names:
             return self.env.force(name)
         for branch in self.env.branches.values():
@@ -170,6 +171,24 @@ class Instance:
                     ) else value  # fmt: skip
                 return merged(self.env.scope, [(branch.scope, value)])
         return None
+
+    def bound(self, name: str) -> list[tuple[Value, Env]]:
+        """What a slot binds, each value with the environment it lives in; paths may run through repeats."""
+        from .labels import walk
+
+        env, statement = self.bindings[name]
+        return [found for node in statement.targets for found in walk(env, node)]
+
+    def slot(self, name: str) -> Value:
+        """A slot as one reference to all the parts it binds (or the first surface, where it binds surfaces)."""
+        values = self.bound(name)
+        members = []
+        for value, home in values:
+            if not isinstance(value, Ref):
+                return value
+            for branch in value.branches:
+                members.extend((part, pose_between(home, self.env, outer)) for part, outer in branch.members)
+        return Ref(name, (Branch(None, tuple(members)),))
 
     def box(self) -> Box:
         if self._box is None:
@@ -185,6 +204,30 @@ class Instance:
 
     def parts(self) -> list[Part]:
         return self.env.all_parts() if self.env is not None else []
+
+
+def pose_between(home: Env, root: Env | None, outer: Pose) -> Pose:
+    """A pose of ``home``'s frame carried to that of the body's root."""
+    at: Env | None = home
+    while at is not None and at is not root:
+        if at.frame is not HERE:
+            outer = compose(at.frame, outer) if outer is not HERE else at.frame
+        at = at.outer
+    return outer
+
+
+def raised(box: Box, scope: Scope | None, to: Scope) -> Box:
+    """A box of the rows of ``scope``, as the box around all its rows per row of ``to``."""
+    while scope is not None and scope is not to and scope.within(to) and scope.parent is not None:
+        if scope.kind == "repeat":
+            low = tuple(E.reduce("min", scope, c) for c in box.low)
+            high = tuple(E.reduce("max", scope, c) for c in box.high)
+        else:
+            inf = E.const(float("inf"))
+            low = tuple(E.phi(scope.parent, [(scope, c)], inf) for c in box.low)
+            high = tuple(E.phi(scope.parent, [(scope, c)], E.neg(inf)) for c in box.high)
+        box, scope = Box(low, high, on=box.on), scope.parent  # type: ignore[arg-type]
+    return box
 
 
 def union_of(env: Env, scope: Scope) -> Box:
@@ -209,12 +252,7 @@ def union_of(env: Env, scope: Scope) -> Box:
         if not inner.all_parts():
             continue
         box = extent(moved(union_of(inner, inner.scope), inner.frame))  # type: ignore[arg-type]
-        if inner.scope is not scope:
-            box = Box(
-                tuple(E.reduce("min", inner.scope, c) for c in box.low),  # type: ignore[arg-type]
-                tuple(E.reduce("max", inner.scope, c) for c in box.high),  # type: ignore[arg-type]
-            )
-        note(box)
+        note(raised(box, inner.scope, scope))
     if not lows[0]:
         return Box(ORIGIN, ORIGIN)
     return Box(tuple(E.minimum(*c) for c in lows), tuple(E.maximum(*c) for c in highs))  # type: ignore[arg-type]
@@ -374,7 +412,7 @@ def instantiate(part: Part, option: Option) -> Instance:
     scope = context.guard(part.env.scope, guard, f"{part.path}={option.name}")
     instance = Instance(part, option.symbol, scope, part.path + ".")
     if len(context.trace) > 40:
-        raise context.error("circular", part.span, f"`{option.name}` contains itself")
+        raise context.error("circular-definition", part.span, f"`{option.name}` contains itself")
     context.trace.append((part.span, f"in the part `{part.path}`, a {option.name}"))
     try:
         own = dict(part.inputs)

@@ -12,9 +12,10 @@ from ..graph.program import Requirement
 from ..semantics.symbols import Symbol
 from ..syntax import ast
 from .context import Context, where
-from .curves import Curve, solid_of
+from .curves import Curve
 from .env import Env, Function
 from .evaluate import Evaluator, Surface
+from .operators import solid_of
 from .values import Box, Branch, Ref, Value, Vec, mapped
 
 if TYPE_CHECKING:

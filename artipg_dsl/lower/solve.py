@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from ..graph import expr as E
 from ..graph.expr import Column, Expr
-from ..graph.linear import Linear, combine, isolate, solve_block
+from ..graph.linear import Linear, combine, isolate, solve_block, tidy
 from ..graph.matching import Matching, components, match
 from ..graph.program import Requirement
 from .context import Abort, Equation, Unknown, where
@@ -143,7 +143,7 @@ def solve_matched(env: Env, unknowns: list[Unknown], result: Matching, forms: li
             rest = Linear(lambda c, block=tuple(names): c in block, definitions)  # type: ignore[misc]
             if rest.reads(value):
                 value = E.substitute(value, {E.col(c): solution[c] for c in names if c is not column})
-            definitions[column] = value
+            definitions[column] = tidy(value)
 
 
 def surplus(env: Env, unknowns: list[Unknown], result: Matching) -> None:
@@ -184,7 +184,7 @@ def default(env: Env, unknown: Unknown, near: list[Equation]) -> None:
     definitions = env.context.program.definitions
     if unknown.kind == "position":
         unknown.reason = "centred"
-        definitions[unknown.column] = centred(env, unknown)
+        definitions[unknown.column] = tidy(centred(env, unknown))
     elif unknown.kind == "default":
         unknown.reason = "default"
         assert unknown.default is not None

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from ..graph import expr as E
 from ..graph.expr import ONE, ZERO, Expr, Scope
+from ..graph.linear import tidy
 from ..graph.program import Pose
 
 if TYPE_CHECKING:
@@ -238,11 +239,11 @@ class Box:
 
     @property
     def size(self) -> Triple:
-        return minus(self.high, self.low)
+        return tuple(tidy(c) for c in minus(self.high, self.low))  # type: ignore[return-value]
 
     @property
     def center(self) -> Triple:
-        return times(plus(self.low, self.high), E.const(0.5))
+        return tuple(tidy(c) for c in times(plus(self.low, self.high), E.const(0.5)))  # type: ignore[return-value]
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,173 @@
+"""The operators that make a solid of curves: ``lathe`` and ``extrude`` here, ``sweep`` and ``loft`` in ``sweeps``.
+
+An operator supplies surfaces that close, the inside function, the box and convex pieces. Surfaces bear the names of
+the curves; what closes them is ``start``, ``end`` or ``rim``:
+
+* ``lathe(skin) about z``: where the chain does not begin or end on the axis, a disc ``start`` or ``end``.
+* ``lathe(skin, lining) about z``: the ends of the two chains are joined by a ring, ``start`` at their first ends and
+  ``rim`` at their last; chains that begin on the axis both need none. So a vessel with a bottom begins both its chains
+  on the axis (``lathe([base, side], [floor, lining])``), and one without a bottom is open below.
+* ``extrude(outline[, inner]) along z from a to b``: the ends are ``start`` and ``end``. Two closed curves make a tube;
+  two open ones are the two sides of a strip, joined by ``rim`` at both their ends; one open curve is closed by ``rim``.
+
+Several curves in brackets are one chain, which must meet end to end.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from ..graph import expr as E
+from ..graph.expr import ONE, ZERO, Expr
+from ..graph.primitive import Patch, Piece, Triple
+from ..syntax import ast
+from .curves import TURN, spans_of
+from .env import Env
+from .evaluate import Evaluator
+from .probe import Probe
+from .profiles import Loop, Point, Side, Span, V, between, distance, extreme
+from .values import Value, signed_axis
+
+U = E.var("u")
+PX, PY, PZ = (E.var(f"p.{a}") for a in "xyz")
+FULL = (ZERO, E.const(TURN))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Made:
+    """What an operator supplies. ``requires`` are (low, high, message): low <= high must hold."""
+
+    patches: tuple[Patch, ...]
+    pieces: tuple[Piece, ...]
+    inside: Expr
+    low: Triple
+    high: Triple
+    ports: dict[str, Value] = field(default_factory=dict)
+    requires: tuple[tuple[Expr, Expr, str], ...] = ()
+
+
+def solid_of(env: Env, solid: ast.SolidDecl) -> Made:
+    """The solid of ``solid = operator(curves) ...``; raises Abort after a diagnostic where it cannot be made."""
+    makers = {"lathe": lathe, "extrude": extrude}
+    if solid.operator not in makers:
+        raise env.context.error(
+            "unknown-function", solid.span, f"there is no operator `{solid.operator}`",
+            hint="there are " + ", ".join(makers),
+        )  # fmt: skip
+    return makers[solid.operator](env, solid)
+
+
+def chains_of(env: Env, probe: Probe, solid: ast.SolidDecl) -> list[list[Span]]:
+    """One chain or two; the curves of each meet end to end."""
+    if not 1 <= len(solid.arguments) <= 2:
+        raise env.context.error(
+            "wrong-arguments", solid.span, f"`{solid.operator}` takes one chain of curves, or an outer and an inner one"
+        )
+    chains = [spans_of(Evaluator(env), a.value) for a in solid.arguments]
+    for chain, argument in zip(chains, solid.arguments, strict=True):
+        for a, b in zip(chain, chain[1:], strict=False):
+            if not probe.same(a.end, b.start):
+                raise env.context.error(
+                    "broken-chain", argument.span, f"`{b.name}` does not begin where `{a.name}` ends",
+                    hint="the curves of a chain meet end to end, for every test value",
+                )  # fmt: skip
+    return chains
+
+
+def clause(solid: ast.SolidDecl, word: str) -> ast.Expr | None:
+    return next((c.values[0] for c in solid.clauses if c.word == word), None)
+
+
+def axis_of(env: Env, solid: ast.SolidDecl, word: str) -> int:
+    """The axis that follows ``about`` or ``along``; z where the clause is left out."""
+    node = clause(solid, word)
+    if node is None:
+        return 2
+    found = signed_axis(Evaluator(env).direction(node))
+    if found is None or found[1] < 0:
+        raise env.context.error("bad-axis", node.span, f"`{solid.operator}` takes x, y or z after `{word}`")
+    return found[0]
+
+
+def turned(axis: int, across: Point, height: Expr) -> Triple:
+    """A place given across and along an axis; across are the two other axes in cyclic order."""
+    place: list[Expr] = [ZERO] * 3
+    place[(axis + 1) % 3], place[(axis + 2) % 3], place[axis] = across[0], across[1], height
+    return tuple(place)  # type: ignore[return-value]
+
+
+# ---------------------------------------------------------------- lathe
+
+
+def lathe(env: Env, solid: ast.SolidDecl) -> Made:
+    """A solid of revolution; profile curves give [radius, height]."""
+    probe = Probe(env, solid.span)
+    axis = axis_of(env, solid, "about")
+    chains = chains_of(env, probe, solid)
+    loop = profile_loop(probe, chains)
+    for side in loop:
+        check_radius(env, probe, solid, side.span)
+    patches = []
+    for side in loop:
+        radius, height = side.span.position
+        place = turned(axis, (E.mul(radius, E.call("cos", U)), E.mul(radius, E.call("sin", U))), height)
+        patches.append(Patch(side.span.name, place, FULL, (side.span.low, side.span.high)))
+    point = turned_back(axis)
+    inside = distance(probe, [(loop, False)], (E.call("hypot", point[0], point[1]), point[2]))
+    spans = [side.span for side in loop]
+    wide = extreme(probe, spans, 0, 1)
+    low = turned(axis, (E.neg(wide), E.neg(wide)), extreme(probe, spans, 1, -1))
+    high = turned(axis, (wide, wide), extreme(probe, spans, 1, 1))
+    return Made(tuple(patches), (), inside, low, high)
+
+
+def turned_back(axis: int) -> tuple[Expr, Expr, Expr]:
+    """p across (two coordinates) and along an axis."""
+    p = (PX, PY, PZ)
+    return p[(axis + 1) % 3], p[(axis + 2) % 3], p[axis]
+
+
+def profile_loop(probe: Probe, chains: list[list[Span]]) -> Loop:
+    """The boundary of a profile in the half plane (radius, height), without what runs along the axis."""
+    outer = chains[0]
+    first, last = outer[0].start, outer[-1].end
+    sides = [Side(s) for s in outer]
+    if len(chains) == 1:
+        if not probe.zero(first[0]):
+            sides.insert(0, Side(between("start", (ZERO, first[1]), first)))
+        if not probe.zero(last[0]):
+            sides.append(Side(between("end", last, (ZERO, last[1]))))
+        return tuple(sides)
+    inner = chains[1]
+    begin, end = inner[0].start, inner[-1].end
+    if not probe.zero(last[0], end[0]):
+        sides.append(Side(between("rim", last, end)))
+    sides += [Side(s, back=True) for s in reversed(inner)]
+    if not probe.zero(first[0], begin[0]):
+        sides.append(Side(between("start", begin, first)))
+    return tuple(sides)
+
+
+def check_radius(env: Env, probe: Probe, solid: ast.SolidDecl, span: Span) -> None:
+    import numpy as np
+
+    from .profiles import samples
+
+    seen = samples(probe, span, 16)
+    if np.isnan(seen).any():
+        raise env.context.error(
+            "bad-curve", solid.span, f"the curve `{span.name}` has no value at some of the test values",
+            hint="narrow the ranges after `test`, or add a `require`",
+        )  # fmt: skip
+    if seen[..., 0].min() < -1e-9:
+        raise env.context.error(
+            "bad-curve", solid.span, f"the curve `{span.name}` reaches a radius below 0 at some of the test values",
+            hint="profile curves of `lathe` give [radius, height] with radius >= 0",
+        )  # fmt: skip
+
+
+# ---------------------------------------------------------------- extrude
+
+
+def extrude(env: Env, solid: ast.SolidDecl) -> Made:
+    raise env.context.error("wrong-kind", solid.span, "not yet")

@@ -1,0 +1,208 @@
+"""The lowering from end to end: a checked category to a program of tables."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from ..diagnostics import Report
+from ..graph import expr as E
+from ..graph.expr import Expr, Scope
+from ..graph.program import Allowed, Label, Link, Program, Requirement
+from ..semantics.symbols import Symbol
+from ..syntax import ast
+from . import labels
+from .bounds import attach_bounds
+from .connect import carriers
+from .body import lower_statements
+from .context import Abort, Context, text_of, where
+from .env import Env
+from .evaluate import Evaluator
+from .links import Links, resolve_mimics
+from .part import Part
+from .primitives import comparison
+from .values import Ref
+
+
+@dataclass(slots=True, eq=False)
+class Lowering:
+    """The program and what the ledger and other views of it need."""
+
+    program: Program
+    context: Context
+    root: Env
+
+
+def lower_category(category: Symbol, report: Report) -> Lowering | None:
+    """Lower a category; None after errors."""
+    program = Program(category.name, category.decl.doc)
+    root = Scope(category.name)
+    program.scopes.append(root)
+    context = Context(report, program)
+    env = Env(context, category.module, category, root, "")
+    try:
+        lower_statements(env, category.body)
+    except Abort:
+        return None
+    if report.failed:
+        return None
+    links = Links(context)
+    try:
+        finish(links, env)
+    except Abort:
+        return None
+    return None if report.failed else Lowering(program, context, env)
+
+
+def finish(links: Links, env: Env) -> None:
+    context = links.context
+    program = context.program
+    program.links.append(Link(root_path(env), program.scopes[0], -1))
+    links.build(env, -1)
+    resolve_mimics(links)
+    number_links(links)
+    program.draws = context.draws
+    labels.statements(links, env)
+    order_labels(context)
+    dress(context)
+    conditions(links, env)
+    vocabularies(env)
+    attach_bounds(program)
+    prune(program)
+
+
+def root_path(env: Env) -> str:
+    return next((p.path for p in env.parts if p.declaration.root), "base")
+
+
+def number_links(links: Links) -> None:
+    """Give each link the node of its part, whose frame it takes."""
+    program = links.context.program
+    owners = {number: part for part, number in links.own.items()}
+    for number, link in enumerate(program.links):
+        part = owners.get(number)
+        node = next((n for (p, _), n in links.nodes.items() if p is part), -1) if part is not None else 0
+        program.links[number] = replace(link, part=node)
+
+
+def order_labels(context: Context) -> None:
+    """Outer labels first, so that the innermost is said last; the order of the text among equals."""
+    ordered = sorted(context.labels, key=lambda pair: pair[0])
+    merged: dict[tuple, Label] = {}
+    for _, label in ordered:
+        merged[len(merged), label.vocabulary, label.name] = label
+    context.program.labels = [label for label in merged.values() if label.targets]
+
+
+def dress(context: Context) -> None:
+    """The materials of each site: outer ones first, the last that holds counts."""
+    program = context.program
+    for number, found in context.materials.items():
+        ordered = [pair for _, pairs in sorted(found, key=lambda f: f[0]) for pair in pairs]
+        program.sites[number] = replace(program.sites[number], materials=tuple(ordered))
+
+
+def conditions(links: Links, env: Env) -> None:
+    """Requirements and pairs of links that may touch, of an environment and all inside it."""
+    context = links.context
+    for part in env.parts:
+        for instance in part.instances:
+            if instance.env is not None:
+                conditions(links, instance.env)
+    for inner in env.inner:
+        conditions(links, inner)
+    for statement in env.statements:
+        try:
+            match statement:
+                case ast.RequireStmt() if statement.condition is not None:
+                    require(env, statement)
+                case ast.RequireStmt():
+                    context.program.stable = statement.stable
+                case ast.PreferStmt():
+                    Evaluator(env).scalar(statement.condition)
+                case ast.AllowStmt():
+                    pair(links, env, statement.subject, statement.other, statement.kind, statement.reason or "")
+                case ast.ClearStmt():
+                    Evaluator(env).scalar(statement.distance)
+                    pair(links, env, statement.subject, statement.other, "clear", text_of(statement.span))
+                case _:
+                    pass
+        except Abort:
+            continue
+
+
+def require(env: Env, statement: ast.RequireStmt) -> None:
+    assert statement.condition is not None
+    ev = Evaluator(env)
+    for node in conjuncts(statement.condition):
+        condition, slack = comparison(ev, node)
+        guard = presence(env, node)
+        message = statement.message or text_of(statement.span)
+        repair = None if statement.repair is None else text_of(statement.repair.span)
+        env.context.program.requirements.append(
+            Requirement(env.scope, condition, guard, message, where(statement.span), slack, repair, text_of(node.span))
+        )
+
+
+def conjuncts(node: ast.Expr) -> list[ast.Expr]:
+    """``a and b`` is two requirements."""
+    if isinstance(node, ast.BinaryExpr) and node.op == "and":
+        return conjuncts(node.left) + conjuncts(node.right)
+    return [node]
+
+
+def presence(env: Env, node: ast.Node) -> Expr:
+    """A requirement that names an optional part holds trivially without it."""
+    guard = E.TRUE
+    for child in walk(node):
+        if isinstance(child, ast.NameExpr):
+            value = env.names.get(child.name) if child.name in env.names else env.find(child.name)
+            if isinstance(value, Ref) and len(value.branches) == 1:
+                part: Part = value.branches[0].members[0][0]
+                guard = E.both(guard, part.exists)
+    return guard
+
+
+def walk(node: ast.Node) -> list[ast.Node]:
+    found = [node]
+    for name in node.__dataclass_fields__:
+        value = getattr(node, name)
+        for item in value if isinstance(value, tuple) else (value,):
+            if isinstance(item, ast.Node):
+                found.extend(walk(item))
+    return found
+
+
+def pair(links: Links, env: Env, first: ast.Expr, second: ast.Expr, kind: str, reason: str) -> None:
+    sides = []
+    for node in (first, second):
+        found = [links.carrier(p) for v, _ in labels.walk(env, node) for p in carriers(v)]
+        sides.append(tuple(dict.fromkeys(k for group in found for k in group)))
+    links.context.program.allowed.append(Allowed(kind, sides[0], sides[1], reason))
+
+
+def vocabularies(env: Env) -> None:
+    """The vocabularies in sight of the category and of everything it uses, and the words its labels need."""
+    program = env.context.program
+    seen: set[int] = set()
+
+    def visit(module) -> None:  # noqa: ANN001
+        if id(module) in seen:
+            return
+        seen.add(id(module))
+        for symbol in module.names.values():
+            if symbol.kind == "vocabulary":
+                words = program.vocabularies.get(symbol.name, ())
+                extra = tuple(w for w in symbol.decl.words if w not in words)
+                program.vocabularies[symbol.name] = words + extra
+            if symbol.module is not module:
+                visit(symbol.module)
+
+    visit(env.module)
+
+
+def prune(program: Program) -> None:
+    """Number the draws' bounds by the final list of requirements; drop scopes that nothing lives in."""
+    program.scopes = [s for s in program.scopes if s.parent is None or s.count is not None]
+
+
+__all__ = ["Lowering", "lower_category"]

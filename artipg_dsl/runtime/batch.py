@@ -1,0 +1,263 @@
+"""A batch: the objects of some numbers as tables, and everything that follows from them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ..geometry.sites import SiteTable
+from ..graph.expr import Expr, Scope
+from ..graph.program import Program
+from . import motion
+from .kernels import State
+from .needs import pose_cells
+from .plan import Plan, make_plan
+from .tables import Instances, JointTable, LinkTable, PartTable, Rowmap, whichever
+
+
+class Batch:
+    """Objects of one program as columns. ``numbers`` (B,) are the object numbers, ``seed`` what they were drawn with."""
+
+    def __init__(self, program: Program, plan: Plan, state: State, tables: list, values: list):
+        self.program, self.plan, self.state = program, plan, state
+        self.seed, self.numbers = state.seed, state.objects.astype(np.int64)
+        self._tables, self._values = tables, values
+        self.rowmap = Rowmap(plan.scopes, tables)
+
+    def __len__(self) -> int:
+        return len(self.numbers)
+
+    # ------------------------------------------------------------ reading
+
+    def owner(self, scope: Scope) -> np.ndarray:
+        """The object (0 .. B - 1) of each row of a scope, ascending."""
+        return self.rowmap.rows(scope).owner
+
+    def read(self, exprs: Sequence[Expr], scope: Scope) -> list[np.ndarray]:
+        """One array (rows of ``scope``,) per expression."""
+        size = self.rowmap.rows(scope).size
+        missing = [e for e in exprs if (e, scope) not in self.plan.outputs and e.op != "const"]
+        extra: dict[Expr, Any] = {}
+        if missing:
+            plan = make_plan(self.program, [(e, scope) for e in missing])
+            _, values = plan.function(State(self.seed, self.state.objects, self.state.attempt, self.state.given, self.state.defaults))
+            extra = {e: values[plan.outputs[e, scope]] for e in missing}
+        found = []
+        for expr in exprs:
+            value = expr.value if expr.op == "const" else extra[expr] if expr in extra else self._values[self.plan.outputs[expr, scope]]
+            array = np.asarray(value)
+            found.append(array if array.shape == (size,) else np.full(size, array))
+        return found
+
+    def _vectors(self, cells: Sequence[Expr], scope: Scope) -> np.ndarray:
+        """(rows, len(cells)) float64."""
+        return np.stack([np.asarray(v, dtype=np.float64) for v in self.read(cells, scope)], axis=-1)
+
+    def _poses(self, pose: Any, scope: Scope) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        cells = self._vectors(pose_cells(pose), scope)
+        return cells[:, :9].reshape(-1, 3, 3), cells[:, 9:12], cells[:, 12]
+
+    # ------------------------------------------------------------ instances
+
+    @cached_property
+    def _link_instances(self) -> Instances:
+        return Instances.of([self.owner(link.scope) for link in self.program.links], len(self))
+
+    @cached_property
+    def _part_instances(self) -> Instances:
+        return Instances.of([self.owner(part.scope) for part in self.program.parts], len(self))
+
+    @cached_property
+    def _joint_instances(self) -> Instances:
+        return Instances.of([self.owner(joint.scope) for joint in self.program.joints], len(self))
+
+    def link_numbers(self, scope: Scope, links: Sequence[int]) -> np.ndarray:
+        """The link number within its object for each row of a scope, given a reference to links."""
+        scopes = [link.scope for link in self.program.links]
+        return whichever(self.rowmap, self._link_instances, scopes, scope, links)
+
+    @cached_property
+    def _semantic_parts(self) -> list[int]:
+        """For each part, the nearest part at or above it with a semantic label, or itself."""
+        found = []
+        for number, part in enumerate(self.program.parts):
+            at = number
+            while at >= 0 and not self.program.parts[at].semantic:
+                at = self.program.parts[at].parent
+            found.append(at if at >= 0 else number)
+            del part
+        return found
+
+    def semantic_id(self, word: str) -> int:
+        """The index of a word of the vocabulary ``semantic``."""
+        words = self.program.vocabularies.get("semantic", ())
+        return words.index(word) if word in words else 0
+
+    def sites(self) -> list[SiteTable]:
+        """The elementary primitives, placed at joint values 0."""
+        return self._sites
+
+    @cached_property
+    def _sites(self) -> list[SiteTable]:
+        found = []
+        for number, site in enumerate(self.program.sites):
+            owner = self.owner(site.scope)
+            primitive = self.program.primitives[site.primitive]
+            rotation, translation, mirror = self._poses(site.pose, site.scope)
+            values = self.read(site.parameters, site.scope)
+            params = {n: np.asarray(v, dtype=np.float64) for n, v in zip(primitive.parameters, values, strict=True)}
+            meant = self._semantic_parts[site.part]
+            part = self.program.parts[meant]
+            instance = self._part_instances.numbers(meant, self.rowmap.across(site.scope, part.scope))
+            first = np.searchsorted(owner, np.arange(len(self)))
+            rank = np.arange(len(owner)) - first[owner]
+            found.append(
+                SiteTable(
+                    number, site.path, primitive, params, owner, rotation, translation, mirror,
+                    self.link_numbers(site.scope, site.link), instance,
+                    np.full(len(owner), self.semantic_id(part.semantic), dtype=np.int64), rank,
+                )  # fmt: skip
+            )
+        return found
+
+    def links(self) -> LinkTable:
+        """The rigid links."""
+        return self._links
+
+    @cached_property
+    def _links(self) -> LinkTable:
+        rotations, translations, names = [], [], []
+        made = self._link_instances
+        for link in self.program.links:
+            part = self.program.parts[link.part] if link.part >= 0 else None
+            size = self.rowmap.rows(link.scope).size
+            if part is not None and link.scope.within(part.scope):
+                rotation, translation, _ = self._poses(part.pose, link.scope)
+            else:
+                rotation, translation = np.tile(np.eye(3), (size, 1, 1)), np.zeros((size, 3))
+            rotations.append(rotation)
+            translations.append(translation)
+            names.append(self.rowmap.names(link.scope, link.path))
+        return LinkTable(
+            made.owner, made.number, [tag(n) for n in made.sort_names(names)], made.definition,
+            made.sort(rotations, (3, 3)), made.sort(translations, (3,)),
+        )  # fmt: skip
+
+    def joints(self) -> JointTable:
+        """The joints, each the one above its child link."""
+        return self._joints
+
+    @cached_property
+    def _joints(self) -> JointTable:
+        made, program = self._joint_instances, self.program
+        columns: dict[str, list[np.ndarray]] = {name: [] for name in _JOINT_COLUMNS}
+        names: list[list[str]] = []
+        for number, joint in enumerate(program.joints):
+            scope, size = joint.scope, self.rowmap.rows(joint.scope).size
+            columns["parent"].append(self.link_numbers(scope, joint.parent))
+            columns["child"].append(self.link_numbers(scope, (joint.child,)))
+            columns["origin"].append(self._vectors(joint.origin, scope))
+            columns["axis"].append(self._vectors(joint.axis, scope))
+            for name in ("low", "high", "damping", "friction", "effort", "velocity"):
+                expr = getattr(joint, name)
+                columns[name].append(np.full(size, np.nan) if expr is None else self.read([expr], scope)[0])
+            columns["rest"].append(self.read([joint.rest], scope)[0])
+            mimic, multiplier, offset = np.full(size, -1), np.ones(size), np.zeros(size)
+            if joint.mimic is not None:
+                leader = joint.mimic[0]
+                row = self.rowmap.across(scope, program.joints[leader].scope)
+                if leader == number:  # elements after the first follow the first
+                    rows = self.rowmap.rows(scope)
+                    row = np.where(rows.rank > 0, np.arange(size) - rows.rank, -1)
+                mimic = made.numbers(leader, row)
+                multiplier, offset = self.read(joint.mimic[1:], scope)
+            columns["mimic"].append(mimic)
+            columns["multiplier"].append(multiplier)
+            columns["offset"].append(offset)
+            names.append(self.rowmap.names(scope, joint.path))
+        kinds = [program.joints[d].kind for d in made.definition]
+        sorted_columns = {
+            name: made.sort(values, (3,) if name in ("origin", "axis") else (), np.int64 if name in ("parent", "child", "mimic") else np.float64)
+            for name, values in columns.items()
+        }  # fmt: skip
+        return JointTable(made.owner, made.number, [tag(n) for n in made.sort_names(names)], made.definition, kinds, **sorted_columns)
+
+    def parts(self) -> PartTable:
+        """The parts, elementary ones too."""
+        return self._parts
+
+    @cached_property
+    def _parts(self) -> PartTable:
+        made, program = self._part_instances, self.program
+        rotations, translations, lows, highs, parents, links, semantics, symmetries = ([] for _ in range(8))
+        names = []
+        for part in program.parts:
+            size = self.rowmap.rows(part.scope).size
+            rotation, translation, _ = self._poses(part.pose, part.scope)
+            rotations.append(rotation)
+            translations.append(translation)
+            lows.append(self._vectors(part.low, part.scope))
+            highs.append(self._vectors(part.high, part.scope))
+            if part.parent >= 0:
+                row = self.rowmap.across(part.scope, program.parts[part.parent].scope)
+                parents.append(made.numbers(part.parent, row))
+            else:
+                parents.append(np.full(size, -1))
+            links.append(self.link_numbers(part.scope, part.link))
+            known = part.semantic in program.vocabularies.get("semantic", ())
+            semantics.append(np.full(size, self.semantic_id(part.semantic) if known else -1))
+            symmetries.append(np.broadcast_to(np.array(part.symmetry), (size, 2)))
+            names.append(self.rowmap.names(part.scope, part.path))
+        return PartTable(
+            made.owner, made.number, made.sort_names(names), [program.parts[d].path for d in made.definition],
+            [program.parts[d].template for d in made.definition], made.definition, made.sort(parents, dtype=np.int64),
+            made.sort(semantics, dtype=np.int64), made.sort(links, dtype=np.int64), made.sort(rotations, (3, 3)),
+            made.sort(translations, (3,)), made.sort(lows, (3,)), made.sort(highs, (3,)), made.sort(symmetries, (2,), np.int64),
+        )  # fmt: skip
+
+    # ------------------------------------------------------------ motion
+
+    def rest(self) -> np.ndarray:
+        """Joint values (J,) at rest."""
+        return self.joints().rest
+
+    def pose(self, states: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """Rotation (L, 3, 3), translation (L, 3) that move each link from joint values 0 to ``states`` (J,), rest by default."""
+        return motion.link_motion(self.links(), self.joints(), self.rest() if states is None else states)
+
+    # ------------------------------------------------------------ what was drawn
+
+    def drawn(self, index: int) -> dict[str, Any]:
+        """The drawn parameters, counts and choices of the object at ``index``: lists where a repeat draws several."""
+        found: dict[str, Any] = {}
+        for number, draw in enumerate(self.program.draws):
+            rows = np.flatnonzero(self.owner(draw.column.scope) == index)
+            values = self.state.values[number][rows]
+            if draw.kind == "choice":
+                plain: list[Any] = [draw.options[int(v)] for v in values]
+            elif draw.kind == "count":
+                plain = [int(v) for v in values]
+            else:
+                plain = [float(v) for v in values]
+            if plain:
+                repeated = any(s.kind == "repeat" for s in draw.column.scope.ancestors())
+                found[draw.column.name] = plain if repeated else plain[0]
+        return found
+
+    def values(self) -> dict[str, np.ndarray]:
+        """Each drawn column by its address: one value per row of its table (choices as indices)."""
+        return {draw.address: self.state.values[k] for k, draw in enumerate(self.program.draws)}
+
+
+_JOINT_COLUMNS = (
+    "parent", "child", "origin", "axis", "low", "high", "rest", "mimic", "multiplier", "offset", "damping", "friction", "effort",
+    "velocity",
+)  # fmt: skip
+
+
+def tag(name: str) -> str:
+    """A name that every format takes: ``pad.row[1].key[0].cap`` becomes ``pad.row_1.key_0.cap``."""
+    return name.replace("[", "_").replace("]", "")

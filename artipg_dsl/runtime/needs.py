@@ -1,0 +1,65 @@
+"""What a batch must know of a program: the expressions, each in the scope whose rows want it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from ..graph.expr import Expr, Scope
+from ..graph.formula import free_variables
+from ..graph.program import Pose, Program
+
+Wanted = tuple[Expr, Scope]
+
+
+def pose_cells(pose: Pose) -> list[Expr]:
+    """The 13 scalars of a pose: rotation by rows, translation, mirror."""
+    return [*(cell for row in pose.rotation for cell in row), *pose.translation, pose.mirror]
+
+
+def wanted(program: Program) -> Iterator[Wanted]:
+    """Everything that tables, labels, grasps and keypoints read."""
+    for site in program.sites:
+        yield from each(site.scope, site.parameters, pose_cells(site.pose), (p for _, p in site.materials))
+    for part in program.parts:
+        yield from each(part.scope, pose_cells(part.pose), part.low, part.high)
+    for joint in program.joints:
+        physics = (joint.low, joint.high, joint.rest, joint.damping, joint.friction, joint.effort, joint.velocity, joint.pitch)
+        yield from each(joint.scope, joint.origin, joint.axis, (p for p in physics if p is not None))
+        if joint.mimic is not None:
+            yield from each(joint.scope, joint.mimic[1:])
+    for label in program.labels:
+        inputs = row_values([label.value])
+        for target in label.targets:
+            scope = program.sites[target.site].scope
+            yield from each(scope, pose_cells(target.frame), target.size, target.center, inputs)
+    for grasp in program.grasps:
+        formulas = [*grasp.at, *grasp.approach, *grasp.close, grasp.opening, grasp.quality]
+        yield from each(
+            grasp.scope, pose_cells(grasp.frame), grasp.size, grasp.center, (grasp.low, grasp.high), row_values(formulas)
+        )
+    for keypoint in program.keypoints:
+        yield from each(keypoint.scope, keypoint.point)
+
+
+def each(scope: Scope, *groups: Iterable[Expr]) -> Iterator[Wanted]:
+    for group in groups:
+        for expr in group:
+            yield expr, scope
+
+
+def row_values(formulas: Iterable[Expr]) -> list[Expr]:
+    """The largest subexpressions that read columns and no variable of a formula."""
+    found: dict[Expr, None] = {}
+
+    def visit(node: Expr) -> None:
+        if node.op in ("const", "var") or node in found:
+            return
+        if node.scope is not None and not free_variables([node]):
+            found[node] = None
+            return
+        for arg in node.args:
+            visit(arg)
+
+    for formula in formulas:
+        visit(formula)
+    return list(found)

@@ -1,0 +1,251 @@
+"""From a program to straight-line NumPy code: tables, draws and definitions in one order of dependence.
+
+The generated function ``evaluate(state, want)`` returns the tables and one array per output, an output being an
+expression in a scope. What no output, draw or requirement needs is not computed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+
+from ..graph.expr import Column, Expr, Scope, both, call, negate, show
+from ..graph.formula import NUMPY, literal
+from ..graph.program import Bound, Draw, Program
+
+
+class PlanError(Exception):
+    """A program that cannot be put in order (a value needs itself)."""
+
+
+@dataclass(slots=True, eq=False)
+class Plan:
+    """``source`` is the generated code; ``outputs`` the index of each (expression, scope) among its results."""
+
+    program: Program
+    source: str
+    outputs: dict[tuple[Expr, Scope], int]
+    scopes: dict[Scope, int]
+    loose: tuple[tuple[int, Bound], ...]  # bounds that would have needed a later draw: left to the check of requirements
+    _function: Callable | None = None
+
+    @property
+    def function(self) -> Callable:
+        if self._function is None:
+            from . import kernels
+
+            namespace: dict[str, object] = {**vars(kernels)}
+            exec(compile(self.source, f"<plan of {self.program.name}>", "exec"), namespace)  # noqa: S102 - generated here
+            self._function = namespace["evaluate"]  # type: ignore[assignment]
+        return self._function  # type: ignore[return-value]
+
+
+@dataclass(slots=True, eq=False)
+class _Emitter:
+    program: Program
+    lines: list[str] = field(default_factory=list)
+    names: dict[Expr, str] = field(default_factory=dict)
+    gathered: dict[tuple[str, Scope], str] = field(default_factory=dict)
+    tables: dict[Scope, str] = field(default_factory=dict)
+    routes: dict[tuple[Scope, Scope], str] = field(default_factory=dict)
+    draws: dict[Column, int] = field(default_factory=dict)
+    drawn: dict[Column, str] = field(default_factory=dict)
+    running: list[object] = field(default_factory=list)
+    loose: list[tuple[int, Bound]] = field(default_factory=list)
+    scalars: set[str] = field(default_factory=set)  # names that hold one number for all rows
+    counter: int = 0
+
+    def scalar(self, name: str) -> bool:
+        return name in self.scalars or not name[0].isalpha() or name in ("True", "False") or name.startswith("np.")
+
+    def line(self, text: str) -> None:
+        self.lines.append("    " + text)
+
+    def fresh(self, text: str, letter: str = "x") -> str:
+        name = f"{letter}{self.counter}"
+        self.counter += 1
+        self.line(f"{name} = {text}")
+        return name
+
+    # ------------------------------------------------------------ tables
+
+    def table(self, scope: Scope) -> str:
+        name = self.tables.get(scope)
+        if name is None:
+            if scope.parent is None:
+                name = self.fresh("root_rows(state)", "T")
+            else:
+                assert scope.count is not None
+                parent = self.table(scope.parent)
+                count = self.value(scope.count, scope.parent)
+                name = self.fresh(f"child_rows({parent}, {count}, guard={scope.kind == 'guard'})", "T")
+            self.lines[-1] += f"  # {scope.name}"
+            self.tables[scope] = name
+        return name
+
+    def route(self, above: Scope, below: Scope) -> str:
+        """Row of ``above`` for each row of ``below``."""
+        name = self.routes.get((above, below))
+        if name is None:
+            table = self.table(below)
+            if below.parent is above:
+                name = f"{table}.parent"
+            else:
+                assert below.parent is not None
+                name = self.fresh(f"{self.route(above, below.parent)}[{table}.parent]", "g")
+            self.routes[above, below] = name
+        return name
+
+    def value(self, node: Expr, scope: Scope | None) -> str:
+        """An expression in the rows of ``scope`` (a scalar where it is one)."""
+        name = self.node(node)
+        if node.scope is None or scope is None or node.scope is scope or self.scalar(name):
+            return name
+        key = (name, scope)
+        found = self.gathered.get(key)
+        if found is None:
+            found = self.gathered[key] = self.fresh(f"{name}[{self.route(node.scope, scope)}]")
+        return found
+
+    # ------------------------------------------------------------ nodes
+
+    def node(self, node: Expr) -> str:
+        found = self.names.get(node)
+        if found is None:
+            found = self.names[node] = self.make(node)
+        return found
+
+    def make(self, node: Expr) -> str:
+        if node.op == "const":
+            return literal(node.value)
+        if node.op == "col":
+            return self.column(node.value)  # type: ignore[arg-type]
+        if node.op == "rank":
+            return self.fresh(f"{self.table(node.scope)}.rank.astype(np.float64)")  # type: ignore[arg-type]
+        if node.op == "phi":
+            return self.phi(node)
+        if node.op in ("reduce", "element", "previous", "scan"):
+            return self.crossing(node)
+        if node.op == "var":
+            raise PlanError(f"the variable {node.value} stands outside a formula")
+        arguments = [self.value(a, node.scope) for a in node.args]
+        text = NUMPY[node.op].format(*arguments)
+        if node.scope is not None:
+            self.table(node.scope)
+        name = self.fresh(text)
+        if all(map(self.scalar, arguments)):
+            self.scalars.add(name)
+        return name
+
+    def phi(self, node: Expr) -> str:
+        scopes: tuple[Scope, ...] = node.value  # type: ignore[assignment]
+        parent = self.table(node.scope)  # type: ignore[arg-type]
+        default = self.value(node.args[-1], node.scope)
+        branches = []
+        for scope, value in zip(scopes, node.args[:-1], strict=True):
+            branches.append(f"({self.table(scope)}, {self.value(value, scope)})")
+        return self.fresh(f"merge({parent}, {default}, [{', '.join(branches)}])")
+
+    def crossing(self, node: Expr) -> str:
+        if node.op == "reduce":
+            kind, scope = node.value  # type: ignore[misc]
+            return self.fresh(f"reduce_rows({kind!r}, {self.table(scope)}, {self.value(node.args[0], scope)})")
+        scope: Scope = node.value  # type: ignore[assignment]
+        table, value = self.table(scope), self.value(node.args[0], scope)
+        if node.op == "element":
+            return self.fresh(f"pick_row({table}, {value}, {self.value(node.args[1], node.scope)})")
+        if node.op == "previous":
+            return self.fresh(f"row_before({table}, {value}, {self.value(node.args[1], scope)})")
+        return self.fresh(f"running_sum({table}, {value})")
+
+    # ------------------------------------------------------------ columns
+
+    def column(self, column: Column) -> str:
+        definition = self.program.definitions.get(column)
+        if definition is not None:
+            self.enter(column)
+            name = self.value(definition, column.scope)
+            self.running.pop()
+            return name
+        if column not in self.drawn:
+            if column not in self.draws:
+                raise PlanError(f"nothing gives {column.path} a value")
+            self.enter(column)
+            self.draw(self.draws[column], self.program.draws[self.draws[column]])
+            self.running.pop()
+        return self.drawn[column]
+
+    def enter(self, column: Column) -> None:
+        if column in self.running:
+            chain = " -> ".join(c.path for c in self.running[self.running.index(column) :])  # type: ignore[attr-defined]
+            raise PlanError(f"{chain} -> {column.path}")
+        self.running.append(column)
+
+    def draw(self, number: int, draw: Draw) -> None:
+        scope = draw.column.scope
+        table = self.table(scope)
+        if draw.kind == "choice":
+            weights = ", ".join(self.value(w, scope) for w in draw.weights)
+            name = self.fresh(f"draw_choice(state, {table}, {number}, {draw.address!r}, ({weights},))")
+        else:
+            assert draw.low is not None and draw.high is not None
+            low = self.fresh(f"full({table}, {self.value(draw.low, scope)}).astype(np.float64)")
+            high = self.fresh(f"full({table}, {self.value(draw.high, scope)}).astype(np.float64)")
+            for bound in draw.bounds:
+                self.bound(number, bound, scope, low, high)
+            default = "None" if draw.default is None else self.value(draw.default, scope)
+            arguments = "".join(self.value(a, scope) + ", " for a in draw.arguments)
+            function = "draw_count" if draw.kind == "count" else "draw_real"
+            name = self.fresh(
+                f"{function}(state, {table}, {number}, {draw.address!r}, {low}, {high}, {draw.distribution!r}, ({arguments}), {default})"
+            )
+        self.lines[-1] += f"  # {draw.column.path}"
+        self.drawn[draw.column] = name
+
+    def bound(self, number: int, bound: Bound, scope: Scope, low: str, high: str) -> None:
+        """Narrow a draw; a bound that needs what is drawn later is left to the check."""
+        before = len(self.lines)
+        kept = (
+            dict(self.names), dict(self.gathered), dict(self.tables), dict(self.routes), dict(self.drawn), list(self.running)
+        )
+        try:
+            value, guard = self.value(bound.value, scope), self.value(bound.guard, scope)
+        except PlanError:
+            del self.lines[before:]
+            self.names, self.gathered, self.tables, self.routes, self.drawn, self.running = kept  # type: ignore[assignment]
+            self.loose.append((number, bound))
+            return
+        self.line(f"narrow({low}, {high}, {bound.side!r}, {value}, {guard})")
+
+
+def make_plan(program: Program, wanted: Iterable[tuple[Expr, Scope]]) -> Plan:
+    """Plan the evaluation of a program with the given outputs."""
+    emitter = _Emitter(program)
+    emitter.draws = {d.column: k for k, d in enumerate(program.draws)}
+    emitter.table(program.scopes[0])
+    for draw in program.draws:
+        emitter.column(draw.column)
+    for number, requirement in enumerate(program.requirements):
+        holds = requirement.condition
+        if requirement.slack is not None:
+            holds = call("le", requirement.slack[0], requirement.slack[1] + 1e-9)
+        holds = negate(both(requirement.guard, negate(holds)))
+        value = emitter.value(holds, requirement.scope)
+        emitter.line(f"demand(state, {emitter.table(requirement.scope)}, {number}, {value})  # {requirement.where}")
+    outputs: dict[tuple[Expr, Scope], int] = {}
+    values: list[str] = []
+    for expr, scope in wanted:
+        if (expr, scope) not in outputs:
+            outputs[expr, scope] = len(values)
+            values.append(emitter.value(expr, scope))
+    for scope in program.scopes:
+        emitter.table(scope)
+    tables = ", ".join(emitter.tables[s] for s in program.scopes)
+    lines = ["def evaluate(state):", *emitter.lines, f"    tables = [{tables}]", "    values = ["]
+    lines += [f"        {v}," for v in values]
+    lines += ["    ]", "    return tables, values", ""]
+    scopes = {s: k for k, s in enumerate(program.scopes)}
+    return Plan(program, "\n".join(lines), outputs, scopes, tuple(emitter.loose))
+
+
+__all__ = ["Plan", "PlanError", "make_plan", "show"]

@@ -1,0 +1,122 @@
+"""One object per compilation: its phases as cached properties, from text to a sampler. The public API's spine."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from .diagnostics import CompileError, Report, did_you_mean
+from .resources import categories_dir, library_dir
+from .semantics.check import TypedProgram, check
+from .semantics.modules import Workspace
+from .semantics.symbols import ModuleScope
+from .source import Source
+from .syntax import ast
+from .syntax.parse import load
+
+if TYPE_CHECKING:
+    from .lower.program import Lowering
+    from .runtime.sample import Sampler
+
+
+def categories() -> dict[str, Path]:
+    """The shipped categories: name (``Microwave``) to file."""
+    found = {}
+    for path in sorted(categories_dir().glob("*.apg")):
+        found["".join(word.capitalize() for word in path.stem.split("_"))] = path
+    return found
+
+
+def locate(name: str | Path, report: Report) -> Path | None:
+    """The file of a category given by name (in any case) or by path."""
+    text = str(name)
+    path = Path(text)
+    if path.suffix == ".apg" or path.exists():
+        return path
+    shipped = categories()
+    known = {k.lower(): v for k, v in shipped.items()}
+    if text.lower().replace("_", "") in known:
+        return known[text.lower().replace("_", "")]
+    hint = did_you_mean(text, shipped) or f"shipped are {', '.join(shipped)}; or give the path of an .apg file"
+    report.error("missing-file", None, f"there is no category `{text}`", hint=hint)
+    return None
+
+
+class Session:
+    """A compilation of one file or text. Findings of all phases gather in ``report``; a phase that failed is None."""
+
+    def __init__(self, source: Source | None, path: Path | None, report: Report | None = None):
+        self.report = report or Report()
+        self.source, self.path = source, path
+
+    @classmethod
+    def of(cls, name: str | Path) -> Session:
+        """A category by name, or a file."""
+        report = Report()
+        path = locate(name, report)
+        return cls(None, path, report)
+
+    @classmethod
+    def of_text(cls, text: str, name: str = "<text>") -> Session:
+        return cls(Source(name, text), None)
+
+    @cached_property
+    def workspace(self) -> Workspace:
+        return Workspace(self.report, [library_dir()], reader=lambda path, report, _: load(path, report, shown(path)))
+
+    @cached_property
+    def module(self) -> ModuleScope | None:
+        """The parsed file with its imports."""
+        if self.source is not None:
+            return self.workspace.load_source(self.source)
+        return None if self.path is None else self.workspace.load_file(self.path)
+
+    @property
+    def tree(self) -> ast.Module | None:
+        return None if self.module is None else self.module.tree
+
+    @cached_property
+    def typed(self) -> TypedProgram | None:
+        """The checked program; None when it could not be read at all."""
+        return None if self.module is None else check(self.workspace, self.module, self.report)
+
+    @cached_property
+    def lowering(self) -> Lowering | None:
+        """The constraint graph of the category; None after errors, and for a file without a category."""
+        from .lower.program import lower_category
+
+        typed = self.typed
+        if typed is None or self.report.failed or typed.category is None:
+            return None
+        return lower_category(typed.category, self.report)
+
+    @cached_property
+    def sampler(self) -> Sampler:
+        """The category ready to be sampled. Raises CompileError."""
+        from .runtime.sample import Sampler
+
+        lowering = self.lowering
+        if lowering is None and not self.report.failed:
+            self.report.error("no-category", None, f"{self.path or 'the text'} declares no category: there is nothing to sample")
+        if lowering is None:
+            raise CompileError(self.report)
+        return Sampler(lowering.program)
+
+
+def shown(path: Path) -> str:
+    """A path as messages show it: shipped files by their last two parts, others as they were given."""
+    for folder in (library_dir(), categories_dir()):
+        if path.resolve().is_relative_to(folder.resolve()):
+            return f"{folder.name}/{path.resolve().relative_to(folder.resolve())}"
+    return str(path)
+
+
+def check_text(source: Source) -> Report:
+    """Check a text as far as it goes: names, types, and the constraint graph of its category."""
+    session = Session(source, None)
+    _ = session.lowering
+    return session.report
+
+
+__all__ = ["Session", "categories", "check_text", "locate"]
