@@ -114,7 +114,7 @@ def test_one_name_in_exclusive_branches_is_one_part_afterwards(tmp_path):
 
 
 OPTIONAL_SLOT = """
-role Pad {{ slot face  slot dial ?  port eye : frame ? }}
+role Pad {{ slot face  slot dial ?  port eye ? : frame }}
 template Plain : Pad {{ part face : Cuboid(size = [1cm, 1cm, 1cm]) }}
 template Round : Pad {{
   part face : Cuboid(size = [1cm, 1cm, 1cm])
