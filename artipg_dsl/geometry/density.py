@@ -6,6 +6,7 @@ factor. Constant and linear elements have a closed inverse, curved ones a table 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -14,16 +15,13 @@ import numpy as np
 from ..graph.expr import Expr, call
 from ..graph.primitive import Primitive
 from .patches import Params, Split, existing, grid, surfaces
-from .topology import shown
+from .topology import shown, turns
 
 _FLAT = 1e-9  # relative deviation below which an element counts as constant or linear
 _SAMPLES = np.linspace(0.0, 1.0, 9)
-_NODES_ONE, _NODES_BOTH, _NODES_SHARED = 65, 33, 257
-_GAUSS = [  # 4 panels of 8 nodes: bends of quarter turns end where panels do
-    ((panel + (x + 1) / 2) / 4, w / 8)
-    for panel in range(4)
-    for x, w in zip(*(a.tolist() for a in np.polynomial.legendre.leggauss(8)), strict=True)
-]
+_QUARTER = 16  # cells of a table per quarter turn: a linear density is then within 0.2 % of a smooth one
+_MOST_BOTH, _SHARED_BOTH, _SHARED = 32, 128, 256  # cells at most along two bent axes; of a table for all instances
+_GAUSS = np.polynomial.legendre.leggauss(8)
 
 
 @lru_cache(maxsize=4096)
@@ -64,8 +62,12 @@ def kind(primitive: Primitive, patch: int) -> Kind:
     if not any(curved):
         return Kind(nodes)  # type: ignore[arg-type]
     same = np.abs(element - element[:1]).max() < _FLAT
-    size = (_NODES_BOTH if all(curved) else _NODES_ONE) if not same else (129 if all(curved) else _NODES_SHARED)
-    found: tuple[int, int] = tuple(size if c else n for c, n in zip(curved, nodes, strict=True))  # type: ignore[assignment]
+    cells = [_QUARTER * min(4, max(1, math.ceil(t / (math.pi / 2) - 1e-6))) for t in turns(primitive, patch)]
+    if all(curved):
+        cells = [_SHARED_BOTH if same else min(c, _MOST_BOTH) for c in cells]
+    elif same:
+        cells = [_SHARED, _SHARED]
+    found: tuple[int, int] = tuple(c + 1 if b else n for c, b, n in zip(cells, curved, nodes, strict=True))  # type: ignore[assignment]
     if not same:
         return Kind(found)
     one = {name: value[:1] for name, value in params.items()}
@@ -91,8 +93,11 @@ def _at(primitive: Primitive, patch: int, params: Params, u: float, v: float) ->
 
 def _rule(nodes: int) -> tuple[np.ndarray, np.ndarray]:
     """Places and weights of a quadrature over 0 .. 1."""
-    rule = [(0.5, 1.0)] if nodes == 1 else [(0.0, 0.5), (1.0, 0.5)] if nodes == 2 else _GAUSS
-    return np.array([x for x, _ in rule]), np.array([w for _, w in rule])
+    if nodes <= 2:
+        return (np.array([0.5]), np.array([1.0])) if nodes == 1 else (np.array([0.0, 1.0]), np.array([0.5, 0.5]))
+    panels = min(4, (nodes - 1) // _QUARTER)  # bends of quarter turns end where panels do
+    places = (np.arange(panels)[:, None] + (_GAUSS[0] + 1) / 2) / panels
+    return places.ravel(), np.tile(_GAUSS[1] / (2 * panels), panels)
 
 
 def _integral(primitive: Primitive, patch: int, params: Params, nodes: tuple[int, int]) -> np.ndarray:

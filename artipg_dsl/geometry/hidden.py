@@ -14,7 +14,7 @@ import numpy as np
 from ..graph.primitive import Primitive
 from .block import Block, Shelf, placed_bounds, to_local
 from .box import bounds
-from .patches import Params, Split, grid, position_split, surfaces
+from .patches import Params, Split, position_split, surfaces
 from .topology import turns
 
 OFF = 1e-6  # how far off its surface a point is asked, relative to the largest primitive of its object
@@ -71,12 +71,12 @@ def patch_bounds(
         if probes is None:
             continue
         u, v, margin = probes
-        points = grid(position_split(primitive, patch), params, u, v)
-        least, most = points[:, 0], points[:, 0]
-        for n in range(1, points.shape[1]):
-            least, most = np.minimum(least, points[:, n]), np.maximum(most, points[:, n])
-        slack = margin * (most - least)
-        lows[:, patch], highs[:, patch] = least - slack, most + slack
+        split = position_split(primitive, patch)
+        values = split.points([r[None] for r in split.rows(params)], u[:, None], v[:, None])
+        for axis, value in enumerate(np.atleast_2d(v) for v in values):
+            least, most = np.minimum.reduce(value, axis=0), np.maximum.reduce(value, axis=0)
+            slack = margin * (most - least)
+            lows[:, patch, axis], highs[:, patch, axis] = least - slack, most + slack
     return lows, highs
 
 

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from artipg_dsl.geometry import mesh, points
+from artipg_dsl.geometry.selftest import check_primitive
 from artipg_dsl.geometry.sites import SiteTable
 from artipg_dsl.graph import random
+from artipg_dsl.graph.expr import ZERO, substitute
 from artipg_dsl.graph.formula import compile_formula
 
 from . import scenes, shapes
@@ -197,3 +199,23 @@ def test_many_occluders_are_asked_in_parts(monkeypatch):
     monkeypatch.setattr(hidden, "_PAIRS", 100)
     parts = points.sample(sites, 5, 300, KEY, address)
     assert parts.position.tobytes() == whole.position.tobytes()
+
+
+def test_a_surface_with_a_constant_coordinate():
+    """A block that stands on z = 0 of its own frame, with another in front of it."""
+    x, y, z = shapes.size()
+    lifted = tuple(
+        shapes.patch(p.name, (p.position[0], p.position[1], ZERO if p.name == "bottom" else p.position[2] + z / 2))
+        for p in BOX.patches
+    )
+    block = shapes.cuboid(
+        patches=lifted, inside=substitute(BOX.inside, {shapes.PZ: shapes.PZ - z / 2}),
+        low=(*BOX.low[:2], ZERO), high=(*BOX.high[:2], z),
+    )  # fmt: skip
+    assert check_primitive(block) == []
+    sites = [
+        scenes.table(n, block, {"size.x": 0.1, "size.y": 0.1, "size.z": 0.1}, [0], [at])
+        for n, at in enumerate(((0, 0, 0), (0.1, 0, 0)))
+    ]
+    found = points.sample(sites, 1, 1000, KEY, numbers(0))
+    assert abs((found.patch == 4).sum() - 200) < 4 and not ((found.site == 0) & (found.patch == 0)).any()
