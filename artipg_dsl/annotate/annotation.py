@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .frames import rotate
+from .grasps import sample_grasps, sample_keypoints
 from .poses import part_poses, symmetry_words
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 VERSION = 1
 
 
-def annotations(batch: Batch) -> list[dict[str, Any]]:
+def describe(batch: Batch) -> list[dict[str, Any]]:
     """One annotation per object of the batch, keys in a fixed order. Everything is as at rest.
 
     Lengths in metres, angles in radians, the object's frame (x front, y left, z up), quaternions w x y z.
@@ -131,7 +132,7 @@ def _parts(batch: Batch) -> list[list[dict[str, Any]]]:
     poses = part_poses(batch)
     words = batch.program.vocabularies.get("semantic", ())
     semantic = [words[i] if 0 <= i < len(words) else None for i in np.asarray(parts.semantic).tolist()]
-    columns = {
+    columns: dict[str, list[Any]] = {
         "number": np.asarray(parts.number).tolist(),
         "name": list(parts.name),
         "path": list(parts.path),
@@ -149,7 +150,7 @@ def _parts(batch: Batch) -> list[list[dict[str, Any]]]:
 
 
 def _grasps(batch: Batch) -> list[list[dict[str, Any]]]:
-    grasps, links, n = batch.grasps(), batch.links(), len(batch)
+    grasps, links, n = sample_grasps(batch), batch.links(), len(batch)
     starts = np.searchsorted(links.owner, np.arange(n))
     point, _, turned = grasps.moved(starts, *batch.pose())
     columns = {
@@ -165,7 +166,7 @@ def _grasps(batch: Batch) -> list[list[dict[str, Any]]]:
 
 
 def _keypoints(batch: Batch) -> list[list[dict[str, Any]]]:
-    keypoints, links, n = batch.keypoints(), batch.links(), len(batch)
+    keypoints, links, n = sample_keypoints(batch), batch.links(), len(batch)
     turn, shift = batch.pose()
     link = np.searchsorted(links.owner, np.arange(n))[keypoints.owner] + keypoints.link
     point = rotate(turn[link], keypoints.point) + shift[link]

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..graph.expr import Expr, Scope, substitute, var
 from ..graph.formula import compile_formula, free_variables
+from ..runtime.needs import pose_cells, row_values
 
 if TYPE_CHECKING:
     from ..graph.program import Pose, Program
@@ -30,6 +31,10 @@ class Reader(Protocol):
         """The object (0 .. B - 1) of each row of ``scope``, ascending."""
         ...
 
+    def link_numbers(self, scope: Scope, links: Sequence[int]) -> np.ndarray:
+        """The link number within its object of each row of ``scope``, given a reference to links of the program."""
+        ...
+
 
 class Field:
     """Expressions over the variables ``p.x`` ... ``t`` and columns, split into per-row values and a formula.
@@ -38,10 +43,8 @@ class Field:
     """
 
     def __init__(self, exprs: Sequence[Expr]):
-        mapping: dict[Expr, Expr] = {}
-        for expr in exprs:
-            _collect(expr, mapping)
-        self.inputs = list(mapping)
+        self.inputs = row_values(exprs)
+        mapping = {expr: var(f"row{i}") for i, expr in enumerate(self.inputs)}
         self.formulas = [substitute(expr, mapping) for expr in exprs]
         self.names = tuple(sorted(free_variables(self.formulas)))
 
@@ -53,21 +56,9 @@ class Field:
         return [np.broadcast_to(np.asarray(r), shape) for r in results]
 
 
-def _collect(expr: Expr, mapping: dict[Expr, Expr]) -> None:
-    """Replacements of the largest subexpressions that read columns and no variable."""
-    if expr in mapping or expr.op in ("const", "var"):
-        return
-    if expr.scope is not None and not free_variables([expr]):
-        mapping[expr] = var(f"row{len(mapping)}")
-        return
-    for argument in expr.args:
-        _collect(argument, mapping)
-
-
 def read_pose(reader: Reader, pose: Pose, scope: Scope) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Rotation (k, 3, 3), translation (k, 3) and mirror (k,) of a pose in the rows of a scope."""
-    exprs = [cell for row in pose.rotation for cell in row] + [*pose.translation, pose.mirror]
-    values = np.stack([np.asarray(v, dtype=np.float64) for v in reader.read(exprs, scope)], axis=-1)
+    values = np.stack([np.asarray(v, dtype=np.float64) for v in reader.read(pose_cells(pose), scope)], axis=-1)
     return values[:, :9].reshape(-1, 3, 3), values[:, 9:12], values[:, 12]
 
 

@@ -47,11 +47,8 @@ class KeypointTable:
     point: np.ndarray
 
 
-def sample_grasps(reader: Reader, link_of: list[np.ndarray], values: int = 5) -> GraspTable:
-    """All grasps of a batch, each family at ``values`` evenly spaced parameters.
-
-    ``link_of[i]`` (rows of the scope of grasp ``i``,) is the number of the link within its object.
-    """
+def sample_grasps(reader: Reader, values: int = 5) -> GraspTable:
+    """All grasps of a batch, each family at ``values`` evenly spaced parameters."""
     columns: list[dict[str, np.ndarray]] = []
     names: list[str] = []
     for number, grasp in enumerate(reader.program.grasps):
@@ -74,7 +71,7 @@ def sample_grasps(reader: Reader, link_of: list[np.ndarray], values: int = 5) ->
         columns.append(
             {
                 "owner": np.repeat(owner, values),
-                "link": np.repeat(np.asarray(link_of[number]), values),
+                "link": np.repeat(reader.link_numbers(grasp.scope, grasp.link), values),
                 "family": np.full(t.size, number),
                 "t": t.ravel(),
                 "point": point.reshape(-1, 3),
@@ -105,13 +102,13 @@ def length(vectors: np.ndarray) -> np.ndarray:
     return np.sqrt(vectors[..., :1] ** 2 + vectors[..., 1:2] ** 2 + vectors[..., 2:] ** 2)
 
 
-def sample_keypoints(reader: Reader, link_of: list[np.ndarray]) -> KeypointTable:
-    """All keypoints of a batch; ``link_of[i]`` as for grasps."""
+def sample_keypoints(reader: Reader) -> KeypointTable:
+    """All keypoints of a batch."""
     owners, links, points, names = [], [], [], []
-    for number, keypoint in enumerate(reader.program.keypoints):
+    for keypoint in reader.program.keypoints:
         owner = np.asarray(reader.owner(keypoint.scope))
         owners.append(owner)
-        links.append(np.asarray(link_of[number]))
+        links.append(reader.link_numbers(keypoint.scope, keypoint.link))
         points.append(read_triples(reader, [keypoint.point], keypoint.scope)[0].reshape(-1, 3))
         names += [keypoint.name] * len(owner)
     if not owners:

@@ -48,7 +48,7 @@ KINDS = {
 
 def cpu_class() -> str:
     """The machine and the widest vector instructions NumPy uses on it: results are equal to the bit within a class."""
-    from numpy._core import _multiarray_umath as core
+    from numpy._core import _multiarray_umath as core  # type: ignore[attr-defined]
 
     enabled = [name for name in core.__cpu_dispatch__ if core.__cpu_features__.get(name)]
     return " ".join([platform.machine(), *enabled[-1:]])

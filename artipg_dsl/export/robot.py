@@ -47,7 +47,7 @@ class Visual:
     name: str
     look: Look
     shape: Shape
-    item: solids.Item
+    item: solids.Item[solids.SolidGroup]
 
 
 @dataclass(frozen=True, slots=True)
@@ -177,9 +177,9 @@ class Robots:
         colliders: list[list[Collider]] = [[] for _ in names]
         for item in self.visuals[i]:
             visuals[int(item.group.table.link[item.row])].append(self._visual(i, item))
-        for item in self.colliders[i]:
-            link = int(item.group.table.link[item.row])
-            colliders[link].append(self._collider(i, item, len(colliders[link])))
+        for piece in self.colliders[i]:
+            link = int(piece.group.table.link[piece.row])
+            colliders[link].append(self._collider(i, piece, len(colliders[link])))
         first = int(self.link_start[i])
         links = tuple(
             RobotLink(
@@ -202,12 +202,12 @@ class Robots:
     def _origin(self, i: int, item: solids.Item) -> np.ndarray:
         return self.origins[int(self.link_start[i]) + int(item.group.table.link[item.row])]
 
-    def _visual(self, i: int, item: solids.Item) -> Visual:
+    def _visual(self, i: int, item: solids.Item[solids.SolidGroup]) -> Visual:
         group, name = item.group, self._name(i, item)
         shape = Shape(name, group.vertices[item.k] - self._origin(i, item), group.faces)
         return Visual(name, self.look(i, item), shape, item)
 
-    def _collider(self, i: int, item: solids.Item, index: int) -> Collider:
+    def _collider(self, i: int, item: solids.Item[solids.PieceGroup], index: int) -> Collider:
         group, name = item.group, f"{self._name(i, item)}_{index}"
         origin, material = self._origin(i, item), self.catalogue[self.material(item)]
         center, rotation = group.center[item.k] - origin, group.table.rotation[item.row]

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..annotate.annotation import annotations, line
+from ..annotate.annotation import describe, line
+from ..annotate.cloud import sample_points
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
@@ -43,7 +44,7 @@ MEANINGS = {
 
 def point_arrays(batch: Batch, n_points: int) -> dict[str, np.ndarray]:
     """The arrays of a points shard, by name: those of ``MEANINGS``, then one per label."""
-    points = batch.points(n_points)
+    points = sample_points(batch, n_points)
     arrays = {
         "object": np.asarray(batch.numbers, dtype=np.int64),
         "points": points.position.astype(np.float32),
@@ -88,4 +89,4 @@ def points_shard(batch: Batch, n_points: int) -> bytes:
 
 def annotation_shard(batch: Batch, n_points: int) -> bytes:
     """The bytes of ``annotation-<shard>.jsonl``: one object per line."""
-    return "".join(line(annotation) + "\n" for annotation in annotations(batch)).encode("utf-8")
+    return "".join(line(annotation) + "\n" for annotation in describe(batch)).encode("utf-8")

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 import numpy as np
 
@@ -50,11 +50,14 @@ class PieceGroup:
     center: np.ndarray
 
 
-@dataclass(frozen=True, slots=True)
-class Item:
-    """Row ``k`` of ``group``, which belongs to site ``site`` and there to row ``row``."""
+Group = TypeVar("Group", SolidGroup, PieceGroup)
 
-    group: SolidGroup | PieceGroup
+
+@dataclass(frozen=True, slots=True)
+class Item(Generic[Group]):
+    """Row ``k`` of ``group``, which is row ``row`` of the group's site table."""
+
+    group: Group
     k: int
     row: int
 
@@ -113,9 +116,9 @@ def as_box(vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return exact & (code == np.arange(8)).all(axis=1) & (size > 0).all(axis=1), size, center
 
 
-def by_object(groups: list, n_objects: int) -> list[list[Item]]:
+def by_object(groups: list[Group], n_objects: int) -> list[list[Item[Group]]]:
     """Items of each object, in the order of groups (of sites, then pieces) and within them of rows."""
-    items: list[list[Item]] = [[] for _ in range(n_objects)]
+    items: list[list[Item[Group]]] = [[] for _ in range(n_objects)]
     for group in groups:
         for k, (row, owner) in enumerate(zip(group.rows.tolist(), group.table.owner[group.rows].tolist(), strict=True)):
             items[owner].append(Item(group, k, row))

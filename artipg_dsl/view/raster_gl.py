@@ -6,6 +6,8 @@ shadow and ambient occlusion.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from .camera import Camera, Lights
@@ -104,7 +106,7 @@ class Renderer:
         import moderngl
 
         self.gl = moderngl
-        self.context = moderngl.create_standalone_context(backend="egl")
+        self.context: Any = moderngl.create_context(standalone=True, backend="egl")  # type: ignore[arg-type]
         self.size, self.backdrop = size, backdrop
         count = sum(self.light_counts)
         self.columns = int(np.ceil(np.sqrt(count)))
@@ -141,7 +143,7 @@ class Renderer:
             for thing in reversed(made):
                 thing.release()
 
-    def _shadows(self, vertices, faces: np.ndarray, matrices: np.ndarray, made: list) -> None:  # type: ignore[no-untyped-def]
+    def _shadows(self, vertices: Any, faces: np.ndarray, matrices: np.ndarray, made: list) -> None:
         context = self.context
         self.shadow_target.use()
         context.enable_only(self.gl.DEPTH_TEST)
@@ -157,7 +159,17 @@ class Renderer:
             self.shadow_program["view"].write(matrix.T.astype("f4").tobytes())
             array.render()
 
-    def _picture(self, vertices, scene, faces, camera, lights, floor, matrices, made) -> np.ndarray:  # type: ignore[no-untyped-def]
+    def _picture(
+        self,
+        vertices: Any,
+        scene: Scene,
+        faces: tuple[np.ndarray, np.ndarray],
+        camera: Camera,
+        lights: Lights,
+        floor: float,
+        matrices: np.ndarray,
+        made: list,
+    ) -> np.ndarray:
         context, program = self.context, self.program
         extent = float(np.abs(scene.vertices.max(axis=0) - scene.vertices.min(axis=0)).max())
         self.atlas.use(0)

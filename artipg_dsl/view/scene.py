@@ -80,14 +80,12 @@ def scene(robots: Robots, i: int, pose: tuple[np.ndarray, np.ndarray], colouring
 
 
 def opened(batch: Batch, share: float = 0.8) -> np.ndarray:
-    """Joint values (J,) with every limited joint ``share`` of the way from rest to its farther end."""
+    """Joint values (J,) with every limited joint ``share`` of the way from rest to its farther end.
+
+    What mimics another joint is put right by ``batch.pose``.
+    """
     joints = batch.joints()
     rest = np.where(np.isnan(joints.rest), 0.0, joints.rest)
     low, high = (np.where(np.isnan(limit), rest, limit) for limit in (joints.low, joints.high))
     end = np.where(high - rest >= rest - low, high, low)
-    values = rest + share * (end - rest)
-    starts = np.searchsorted(joints.owner, joints.owner)
-    leader = np.asarray(joints.mimic)
-    for _ in range(int((leader >= 0).any()) * 4):  # followers of followers
-        values = np.where(leader >= 0, joints.multiplier * values[starts + leader] + joints.offset, values)
-    return values
+    return rest + share * (end - rest)

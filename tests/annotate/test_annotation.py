@@ -9,13 +9,12 @@ import numpy as np
 import pytest
 from export.fake_batch import SEMANTIC, FakeBatch
 
-from artipg_dsl.annotate.annotation import annotations, line, plain
+from artipg_dsl.annotate.annotation import describe, line, plain
 from artipg_dsl.annotate.fields import Field
 from artipg_dsl.annotate.frames import axis_angle, compose, euler, quaternion, rotate, unrotate
-from artipg_dsl.annotate.grasps import grasp_frame
+from artipg_dsl.annotate.grasps import grasp_frame, sample_grasps
 from artipg_dsl.annotate.points import field_kinds, label_points
 from artipg_dsl.annotate.poses import normalised, part_poses, symmetry_words
-from artipg_dsl.annotate.reads import reads
 from artipg_dsl.graph import expr as e
 
 
@@ -89,24 +88,6 @@ def test_in_one_vocabulary_the_deepest_label_wins() -> None:
     assert (together["affordance.push"] & together["affordance.pull"] == below).all()
 
 
-def test_everything_that_is_read_is_announced() -> None:
-    batch = FakeBatch(2)
-    announced = set(reads(batch.program))
-    asked: list[tuple] = []
-
-    class Watched(FakeBatch):
-        def read(self, exprs, scope):  # type: ignore[no-untyped-def]
-            asked.extend((expr, scope) for expr in exprs)
-            return super().read(exprs, scope)
-
-    watched = Watched(2)
-    watched.program = batch.program
-    label_points(watched, watched.sites(), watched.point_set(20))
-    watched.grasps()
-    watched.keypoints()
-    assert asked and set(asked) <= announced
-
-
 def test_moving_an_object_moves_its_labels() -> None:
     """The formula is evaluated in the frame of its target: a rigid motion of both changes nothing."""
 
@@ -165,7 +146,7 @@ def test_normalised_coordinates_have_a_unit_diagonal() -> None:
 
 def test_grasps_lie_on_the_handle_at_even_steps() -> None:
     batch = FakeBatch(2)
-    grasps = batch.grasps()
+    grasps = sample_grasps(batch)
     assert len(grasps.owner) == 10 and grasps.t[:5].tolist() == pytest.approx([-0.4, -0.2, 0, 0.2, 0.4])
     steps = grasps.point[:5, 2] - batch.height[0] / 2
     assert steps.tolist() == pytest.approx([-0.08, -0.04, 0, 0.04, 0.08])
@@ -182,7 +163,7 @@ def test_a_grasp_frame_is_square_even_if_its_words_are_not() -> None:
 
 def test_the_annotation_tells_the_whole_object() -> None:
     batch = FakeBatch(2)
-    second = annotations(batch)[1]
+    second = describe(batch)[1]
     assert second["object"] == 1 and second["category"] == "Cupboard" and second["seed"] == 7
     hinge = second["joints"][0]
     assert hinge["name"] == "open" and (hinge["parent"], hinge["child"]) == ("base", "door")
@@ -195,8 +176,8 @@ def test_the_annotation_tells_the_whole_object() -> None:
 
 
 def test_a_line_is_json_short_and_the_same_from_any_batch() -> None:
-    text = line(annotations(FakeBatch(5))[3])
-    assert text == line(annotations(FakeBatch(1, first=3))[0]) and "\n" not in text
+    text = line(describe(FakeBatch(5))[3])
+    assert text == line(describe(FakeBatch(1, first=3))[0]) and "\n" not in text
     again = json.loads(text)
     assert line(again) == text and "-0.0," not in text and "e-1" not in text
 

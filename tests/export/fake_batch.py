@@ -12,8 +12,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from artipg_dsl.annotate.frames import axis_angle, rotate
-from artipg_dsl.annotate.grasps import sample_grasps, sample_keypoints
-from artipg_dsl.annotate.points import label_points
+from artipg_dsl.geometry.sites import SiteTable
 from artipg_dsl.graph import expr as e
 from artipg_dsl.graph.primitive import Patch, Primitive
 from artipg_dsl.graph.program import Grasp, Joint, Keypoint, Label, Link, Material, Part, Pose, Program, Site, Target
@@ -163,7 +162,7 @@ class FakeBatch:
         centers = np.stack([np.stack([np.broadcast_to(c, self.n) for c in center], axis=-1) for center, _ in rows])
         return centers, np.stack([np.stack(size, axis=-1) for _, size in rows])
 
-    def sites(self) -> list[SimpleNamespace]:
+    def sites(self) -> list[SiteTable]:
         centers, sizes = self._boxes()
         words, made = SEMANTIC, []
         for s, site in enumerate(self.program.sites):
@@ -172,7 +171,7 @@ class FakeBatch:
             names = {"size.x": size[:, 0], "size.y": size[:, 1], "size.z": size[:, 2]}
             params = names if site.primitive == "Cuboid" else {"radius": size[:, 0], "height": size[:, 2]}
             made.append(
-                SimpleNamespace(
+                SiteTable(
                     number=s, path=site.path, primitive=self.program.primitives[site.primitive], params=params,
                     owner=np.arange(self.n), rotation=np.broadcast_to(turn, (self.n, 3, 3)), translation=centers[s],
                     mirror=np.full(self.n, -1.0 if s == 2 else 1.0), link=np.full(self.n, site.link[0]),
@@ -263,11 +262,8 @@ class FakeBatch:
 
         return [value(node) for node in exprs]
 
-    def grasps(self):
-        return sample_grasps(self, [np.full(self.n, 1)])
-
-    def keypoints(self):
-        return sample_keypoints(self, [np.full(self.n, 1)])
+    def link_numbers(self, scope: e.Scope, links: tuple[int, ...]) -> np.ndarray:
+        return np.full(self.n, links[0])
 
     def point_set(self, count: int) -> SimpleNamespace:
         """Points on the front faces of door (the first half) and along the handle, on a regular grid."""
@@ -284,12 +280,3 @@ class FakeBatch:
         return SimpleNamespace(
             site=site, row=row, patch=np.zeros_like(site), u=share, v=share, position=position, normal=normal
         )
-
-    def points(self, count: int = 2048, states: np.ndarray | None = None) -> SimpleNamespace:
-        made = self.point_set(count)
-        labels = label_points(self, self.sites(), made)
-        return SimpleNamespace(
-            position=made.position, normal=made.normal, semantic=labels.semantic, instance=made.site,
-            link=np.ones_like(made.site), primitive=made.site, patch=made.patch, u=made.u, v=made.v,
-            labels=labels.fields,
-        )  # fmt: skip
