@@ -73,6 +73,13 @@ def _misplaced(ck: Checker, scope: Scope, stmt: ast.Stmt) -> bool:
         wrong = not isinstance(stmt, _SHAPE + _DECLARATIONS)
     else:
         wrong = isinstance(stmt, _SHAPE)
+    if isinstance(stmt, ast.ParamDecl) and stmt.keyword in ("inherit", "out") and kind != "role":
+        ck.error(
+            "misplaced-statement", stmt.span, f"`{stmt.keyword}` belongs into a role, not into a {kind}",
+            hint=f"a template binds an output of its role with `let {stmt.names[0]} = ...`"
+            if stmt.keyword == "out" else "a parameter of its own is a `param`",
+        )  # fmt: skip
+        return True
     if wrong:
         ck.error("misplaced-statement", stmt.span, f"this cannot stand in a {kind}")
     return wrong
@@ -136,7 +143,7 @@ def _declaration(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
             if stmt.parameters:
                 extra = dict.fromkeys(stmt.parameters, UNKNOWN)
                 ck.infer(ctx.but(extra={**ctx.extra, **extra}), stmt.value)
-            elif stmt.keyword == "out":
+            else:
                 _output(ck, ctx, stmt)
         case ast.PartDecl():
             if stmt.root and ctx.scope.owner.kind != "category":
@@ -149,21 +156,15 @@ def _declaration(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
 
 
 def _output(ck: Checker, ctx: Context, stmt: ast.LetDecl) -> None:
-    """``out mouth = ...`` in a template: the role says what it is."""
+    """``let mouth = ...`` binds the ``out mouth : length`` of the role, which says what it is."""
     assert ctx.scope is not None
     _, declared = ck.interface_of(ctx.scope.owner).get(stmt.name, (None, None))
-    if not isinstance(declared, ast.ParamDecl) or declared.keyword != "out":
-        outputs = [n for n, (_, d) in ck.interface_of(ctx.scope.owner).items() if getattr(d, "keyword", "") == "out"]
-        ck.error(
-            "unknown-member", stmt.name_span, f"the role has no output `{stmt.name}`",
-            hint=did_you_mean(stmt.name, outputs) or "a value of the template's own is a `let`",
-        )  # fmt: skip
-        return
-    with ck.muted():
-        wanted = of_reference(ck, ctx, declared.type)
-    given = ck.types.get(id(stmt.value), UNKNOWN)
-    if not fits(given, wanted):
-        ck.mismatch(stmt.value, given, wanted, f"the output `{stmt.name}`")
+    if isinstance(declared, ast.ParamDecl) and declared.keyword == "out":
+        with ck.muted():
+            wanted = of_reference(ck, ctx, declared.type)
+        given = ck.types.get(id(stmt.value), UNKNOWN)
+        if not fits(given, wanted):
+            ck.mismatch(stmt.value, given, wanted, f"the output `{stmt.name}`")
 
 
 def _port(ck: Checker, ctx: Context, stmt: ast.PortDecl) -> None:

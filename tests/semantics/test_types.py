@@ -159,3 +159,13 @@ def test_templates_and_functions_do_not_contain_themselves(tmp_path):
         ("circular-definition", "this function is defined by itself"),
         ("circular-definition", "templates contain each other: A > B > C > A"),
     ]
+
+
+def test_an_output_of_a_role_has_the_type_that_the_role_says(tmp_path):
+    text = HEAD + (
+        "role Pot { out mouth : length }\n"
+        "template A : Pot { let mouth = 3cm }\ntemplate B : Pot { let mouth = 3deg }\n"
+        "template C : Pot { param mouth : length in 1cm .. 2cm }\ntemplate D : Pot { let mouth = 3 }\n"
+    )
+    report, _ = check_text(tmp_path, text)
+    assert [(d.code, d.span.line) for d in report.diagnostics] == [("wrong-dimension", 6), ("missing-unit", 8)]
