@@ -18,7 +18,9 @@ class Code:
 CODES: dict[str, Code] = {
     "always-true": Code("always-true", "a requirement holds always"),
     "bad-axis": Code("bad-axis", "a joint or repeat has no valid axis"),
+    "bad-curve": Code("bad-curve", "a curve cannot make this solid"),
     "bad-guard": Code("bad-guard", "a guard is not a condition"),
+    "broken-chain": Code("broken-chain", "curves of a chain do not meet end to end"),
     "circular": Code("circular", "something depends on itself"),
     "circular-definition": Code("circular-definition", "something is defined by itself"),
     "contradictory": Code("contradictory", "equations contradict one another"),
@@ -34,6 +36,7 @@ CODES: dict[str, Code] = {
     "misplaced-hole": Code("misplaced-hole", "`_` stands where nothing can be left open"),
     "misplaced-statement": Code("misplaced-statement", "a statement cannot stand here"),
     "missing-argument": Code("missing-argument", "an argument is missing"),
+    "missing-bracket": Code("missing-bracket", "a round or square bracket is never closed"),
     "missing-brace": Code("missing-brace", "a brace is never closed"),
     "missing-clause": Code("missing-clause", "a statement lacks a clause"),
     "missing-file": Code("missing-file", "a file is missing or cannot be read"),

@@ -21,7 +21,7 @@ _CONTINUED = re.compile(r"(?:[ \t\f\r]*(?:#[^\n]*)?\n)*[ \t\f\r]*(?:\||\{|else(?
 
 
 class Layout:
-    """Lark's postlex stage. Set ``text`` before each parse."""
+    """Lark's postlex stage. ``seen`` are the tokens of this parse that the parser got, ``comments`` those it did not."""
 
     always_accept = ("_NL",)
 
@@ -29,13 +29,15 @@ class Layout:
         self.text = ""
         self.reserved: Mapping[str, str] = {}
         self.comments: list[Token] = []
+        self.seen: list[Token] = []
         self._pending: list[Token] = []
         self._leading: dict[int, str] = {}
         self._trailing: list[Token] = []
 
     def begin(self, text: str) -> None:
         self.text = text
-        self.comments.clear()
+        self.comments = []
+        self.seen = []
         self._pending.clear()
         self._leading.clear()
         self._trailing.clear()
@@ -55,7 +57,7 @@ class Layout:
         """Drops the line ends that do not count and turns reserved words that were read as names into what they are."""
         depth = 0
         last = "_NL"
-        reserved = self.reserved
+        reserved, seen = self.reserved, self.seen
         for token in stream:
             kind = token.type
             if kind == "_NL":
@@ -71,6 +73,7 @@ class Layout:
                 self._leading[token.start_pos] = "\n".join(_words(t) for t in self._pending)
                 self._pending.clear()
             last = kind
+            seen.append(token)
             yield token
 
     def doc(self, start: int, end: int) -> str:

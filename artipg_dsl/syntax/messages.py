@@ -1,14 +1,57 @@
-"""Syntax errors in words."""
+"""Syntax errors in words: what stands there, what was expected, what to try.
+
+First what the lexer cannot read, then what is never closed, then what the tokens before tell, then the table of
+mistakes by example, and last what the parser would have taken.
+"""
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable
 from typing import NamedTuple
 
-from lark import UnexpectedCharacters, UnexpectedInput, UnexpectedToken
+from lark import Token, UnexpectedCharacters, UnexpectedInput, UnexpectedToken
 
+from ..diagnostics.suggest import suggest
 from ..source import Source, Span
-from .grammar import Machine
+from .grammar import Machine, keywords
+from .mistakes import key, table
 from .recover import opening_brace
+
+Notes = tuple[tuple[Span, str], ...]
+Maker = Callable[..., "Found"]
+
+STATEMENTS = frozenset(
+    "PARAM INHERIT OUT COUNT LET ROOT PART STYLE SLOT PORT JOINT CONNECT ALIGN REQUIRE PREFER CLEAR ALLOW FREE LIMIT CLOSE "
+    "REPEAT WHEN WHEN_BLOCK LABEL FIELD GRASP KEYPOINT SYMMETRY MATERIAL SURFACE CURVE INSIDE BOX PIECE SOLID".split()
+)
+TOP = frozenset("USE ROLE TEMPLATE PRIMITIVE CATEGORY MATERIAL VOCABULARY LET".split())
+OPERATORS = frozenset(
+    "PLUS MINUS STAR SLASH CARET EQUALS UNEQUAL LESS AT_MOST MORE AT_LEAST AND OR IS ARROW UNTIL UPTO COMMA EQUAL DOT TILDE "
+    "COLON IN ON IF".split()
+)
+VALUE = frozenset({"NUMBER", "NAME", "LPAR"})
+_BEGINS_VALUE = frozenset("NUMBER QUANTITY FRACTION NAME STRING LPAR LSQB HOLE".split())
+_ENDS_VALUE = frozenset("NUMBER QUANTITY FRACTION NAME STRING RPAR RSQB HOLE".split())
+_CONDITIONS = frozenset("WHEN WHEN_BLOCK REQUIRE PREFER WHERE IF".split())
+_PAIRS = {"LPAR": "(", "LSQB": "["}
+_SIGNS = {
+    "LBRACE": "`{`", "RBRACE": "`}`", "LPAR": "`(`", "RPAR": "`)`", "LSQB": "`[`", "RSQB": "`]`", "COLON": "`:`",
+    "COMMA": "`,`", "EQUAL": "`=`", "ARROW": "`->`", "UNTIL": "`..`", "UPTO": "`..<`", "DOT": "`.`", "BAR": "`|`",
+    "NAME": "a name", "WORD": "a word", "NUMBER": "a number", "STRING": "a text in quotes", "$END": "the end of the file",
+}  # fmt: skip
+_FOREIGN = {
+    "if": "a condition on statements is `when ... { ... }`", "for": "repetition is `repeat x[i] in 0 ..< n { ... }`",
+    "import": "modules come in by `use module { Name }`", "from": "modules come in by `use module { Name }`",
+    "def": "a function is `let f(x) = ...`", "class": "reusable parts are `template Name { ... }`",
+    "var": "a name for a value is `let x = ...`", "const": "a name for a value is `let x = ...`",
+    "assert": "a condition that has to hold is `require ...`", "else": "`else` follows the closing brace of a `when`",
+}  # fmt: skip
+_CHARACTERS = {
+    "'": 'text stands in double quotes: `"..."`', ";": "a statement ends at the end of its line; no `;` is needed",
+    "&": "write `and`", "!": "write `not`", "`": "names stand without quotes", "\\": "a line that is open in brackets goes on by itself",
+    "\t": None, "%": "a percentage is written right behind its number: `8%`; a remainder is `mod(a, b)`",
+}  # fmt: skip
 
 
 class Found(NamedTuple):
@@ -19,22 +62,259 @@ class Found(NamedTuple):
     message: str
     place: int
     hint: str | None = None
-    notes: tuple[tuple[Span, str], ...] = ()
+    notes: Notes = ()
+    fatal: bool = False  # what follows would only be consequences
 
 
 def describe(error: UnexpectedInput, tools: Machine, source: Source, text: str) -> Found:
     """What is wrong at the place where the parser stopped."""
-    if isinstance(error, UnexpectedToken) and error.token.type != "$END":
-        token = error.token
-        span = Span(source, token.start_pos or 0, token.end_pos or 0)
-        return Found("syntax", span, f"`{token}` cannot stand here", span.start)
+    history = list(tools.layout.seen)
     if isinstance(error, UnexpectedCharacters):
-        at = error.pos_in_stream
-        if text[at] == '"':
-            return Found("unterminated-string", Span(source, at, at + 1), "this text has no closing quote on its line", at)
-        return Found("syntax", Span(source, at, at + 1), f"`{text[at]}` cannot stand here", at)
+        return _character(error.pos_in_stream, source, text)
+    assert isinstance(error, UnexpectedToken)
+    token: Token = error.token
+    if token.type != "$END" and history and history[-1].start_pos == token.start_pos:
+        history.pop()
+    if token.type == "$END":
+        found = _end(error, history, source, text)
+    else:
+        found = _unclosed(token, history, source) or _by_history(error, history, tools, source, text)
+    if found is not None:
+        return found
+    span = _span(token, source, text)
+    mistake = table(tools).get(key(error))
+    if mistake is not None:
+        return Found("syntax", span, mistake.message.format(_shown(token)), span.start, mistake.hint)
+    return _by_accepts(error, history, tools, span)
+
+
+def _span(token: Token, source: Source, text: str) -> Span:
+    if token.type == "$END":
+        end = len(text.rstrip())
+        return Span(source, max(0, end - 1), end)
+    return Span(source, token.start_pos or 0, token.end_pos or 0)
+
+
+def _shown(token: Token) -> str:
+    if token.type == "_NL":
+        return "the end of the line"
+    return "the end of the file" if token.type == "$END" else token.value
+
+
+def _quoted(token: Token) -> str:
+    shown = _shown(token)
+    return shown if token.type in ("_NL", "$END") else f"`{shown}`"
+
+
+def _character(at: int, source: Source, text: str) -> Found:
+    char = text[at]
+    span = Span(source, at, at + 1)
+    if char == '"':
+        line_end = text.find("\n", at)
+        whole = Span(source, at, len(text) if line_end < 0 else line_end)
+        return Found("unterminated-string", whole, "this text has no closing quote on its line", at, 'end it with `"`')
+    if char.isalpha():
+        start = at
+        while start and (text[start - 1].isalnum() or text[start - 1] == "_"):
+            start -= 1
+        word = re.compile(r"\w+").match(text, start)
+        assert word is not None
+        span = Span(source, start, word.end())
+        return Found("syntax", span, f"`{word.group()}` is no name", start, "names are made of the letters a to z, digits and `_`")
+    return Found("syntax", span, f"`{char}` has no meaning here", at, _CHARACTERS.get(char))
+
+
+def _open_bracket(history: list[Token]) -> Token | None:
+    """The innermost round or square bracket that is open behind these tokens."""
+    stack: list[Token] = []
+    for token in history:
+        if token.type in _PAIRS:
+            stack.append(token)
+        elif token.type in ("RPAR", "RSQB") and stack:
+            stack.pop()
+        elif token.type in ("LBRACE", "RBRACE"):
+            stack.clear()
+    return stack[-1] if stack else None
+
+
+def _end(error: UnexpectedToken, history: list[Token], source: Source, text: str) -> Found | None:
+    bracket = _open_bracket(history)
+    if bracket is not None:
+        return _never_closed(bracket, source)
     at = opening_brace(text)
-    if at is not None:
-        return Found("missing-brace", Span(source, at, at + 1), "this brace is never closed", at, "add the missing `}`")
-    end = len(text.rstrip())
-    return Found("syntax", Span(source, end, end), "the text ends too early", end)
+    if at is None:
+        return None
+    accepted = error.accepts or set()
+    if "RBRACE" not in accepted and not _may_end(history, accepted):
+        return None
+    return _brace(at, source)
+
+
+def _may_end(history: list[Token], accepted: set[str]) -> bool:
+    return not history or history[-1].type in ("_NL", "LBRACE", "RBRACE") or "_NL" in accepted
+
+
+def _never_closed(bracket: Token, source: Source) -> Found:
+    start = bracket.start_pos or 0
+    closing = {"(": ")", "[": "]"}[bracket.value]
+    return Found(
+        "missing-bracket", Span(source, start, start + 1), "this bracket is never closed", start, f"add the missing `{closing}`"
+    )
+
+
+def _unclosed(token: Token, history: list[Token], source: Source) -> Found | None:
+    """A statement begins, or a block ends, within brackets."""
+    bracket = _open_bracket(history)
+    begins = token.type in (STATEMENTS | TOP) - {"OUT", "BOX", "INSIDE", "CLOSE", "FREE", "CLEAR", "FIELD", "LIMIT"}
+    if bracket is not None and (begins and _first_on_line(token, source) or token.type in ("LBRACE", "RBRACE")):
+        return _never_closed(bracket, source)
+    if bracket is not None and token.type in ("RPAR", "RSQB") and (bracket.type == "LPAR") != (token.type == "RPAR"):
+        return _never_closed(bracket, source)
+    return None
+
+
+def _first_on_line(token: Token, source: Source) -> bool:
+    start = token.start_pos or 0
+    return not source.text[source.text.rfind("\n", 0, start) + 1 : start].strip()
+
+
+def _by_history(
+    error: UnexpectedToken, history: list[Token], tools: Machine, source: Source, text: str
+) -> Found | None:
+    """What the tokens before tell."""
+    token: Token = error.token
+    last = history[-1] if history else None
+    accepted = error.accepts or set()
+    span = _span(token, source, text)
+
+    def found(message: str, hint: str | None = None, code: str = "syntax", notes: Notes = ()) -> Found:
+        return Found(code, span, message, span.start, hint, notes)
+
+    if token.type == "RBRACE" and accepted & TOP and "RBRACE" not in accepted:
+        return found("this brace closes nothing", "remove it, or look for a `{` that is missing above")
+    if last is None or last.type in ("_NL", "LBRACE", "RBRACE"):
+        return _at_beginning(token, last, accepted, tools, found, source, text)
+    values = accepted >= VALUE
+    if values and token.type in STATEMENTS | TOP and _first_on_line(token, source):
+        at = last.start_pos or 0
+        where = Span(source, at, last.end_pos or at)
+        return Found("syntax", where, f"a value is missing behind `{last.value}`", at, "a statement ends with its line")
+    reserved = token.value in tools.layout.reserved
+    if reserved and accepted & {"NAME", "WORD"}:
+        return found(
+            f"`{token.value}` is a word of the language and cannot be a name", "choose another name", "reserved-word"
+        )
+    if values and token.type == "DOT":
+        return found("a number begins with a digit", "write `0.5`")
+    if values and token.type in OPERATORS | {"_NL", "RPAR", "RSQB", "BAR", "RBRACE", "LBRACE"} and last.type in OPERATORS | {"EQUAL"}:
+        if not (token.type == "STAR" and last.type == "STAR"):
+            return found(f"a value is missing between `{last.value}` and {_quoted(token)}")
+    statement = next((t for t in reversed(history) if t.type in STATEMENTS | TOP | {"WHERE", "IF"}), None)
+    if token.type == "EQUAL" and statement is not None and statement.type in _CONDITIONS:
+        return found("`=` gives a value to a name; it compares nothing", "to compare, write `==`")
+    if last.type in _ENDS_VALUE and token.type in _BEGINS_VALUE:
+        return _two_values(token, last, history, accepted, found)
+    return None
+
+
+def _at_beginning(
+    token: Token, last: Token | None, accepted: set[str], tools: Machine, found: Maker, source: Source, text: str
+) -> Found | None:
+    """The token stands where a statement begins."""
+    top = "CATEGORY" in accepted
+    beginners = (TOP if top else STATEMENTS) & accepted
+    if not beginners:
+        return None
+    if token.type in OPERATORS and last is not None and token.type != "IF":
+        return found(
+            f"a line cannot begin with `{token.value}`: the statement above ended with its line",
+            "put the operator at the end of the line above, or the whole in parentheses",
+        )
+    if token.value in _FOREIGN:
+        return found(f"no statement begins with `{token.value}`", _FOREIGN[token.value])
+    if not re.fullmatch(r"[A-Za-z_]\w*", token.value):
+        return found(f"no statement begins with {_quoted(token)}")
+    if top and token.type in STATEMENTS or not top and token.type in TOP:
+        return _misplaced(token, last, top, source, text)
+    words = keywords(tools.lark)
+    if token.type in words and last is not None and last.type == "_NL":
+        return found(
+            f"no statement begins with `{token.value}`; the one above ended with its line",
+            f"put `{token.value} ...` on the line above: a line goes on only in brackets or after `,`, `=` or an operator",
+        )
+    near = suggest(token.value, [words[b] for b in beginners if b in words])
+    hint = f"did you mean `{near}`?" if near else None
+    if hint is None:
+        hint = "`let name = value` names a value, `align a = b` states an equation" if not top else "see docs/language.md"
+    return found(f"no statement begins with `{token.value}`", hint)
+
+
+def _misplaced(token: Token, last: Token | None, top: bool, source: Source, text: str) -> Found:
+    """A statement at the top of a file, or a declaration of the file within a body."""
+    at = token.start_pos or 0
+    span = Span(source, at, token.end_pos or at)
+    brace = opening_brace(text)
+    if not top and brace is not None:
+        return _brace(brace, source)
+    if not top:
+        return Found("syntax", span, f"`{token.value}` cannot stand within a body", at, "it belongs to the top of the file")
+    notes: Notes = ()
+    if last is not None and last.type == "RBRACE":
+        end = last.end_pos or 0
+        notes = ((Span(source, end - 1, end), "the declaration above ends with this brace"),)
+    message = f"`{token.value}` cannot stand at the top of a file"
+    hint = "it belongs into a category, template, role or primitive"
+    return Found("syntax", span, message, at, hint, notes, fatal=True)
+
+
+def _brace(at: int, source: Source) -> Found:
+    return Found(
+        "missing-brace", Span(source, at, at + 1), "this brace is never closed", at, "add the missing `}`", fatal=True
+    )
+
+
+def _two_values(token: Token, last: Token, history: list[Token], accepted: set[str], found: Maker) -> Found | None:
+    """Two values in a row."""
+    from ..semantics.units import UNITS
+
+    if last.type == "NUMBER" and last.value[-1].isdigit() and token.value in UNITS:
+        return found("a unit stands right behind its number", f"write `{last.value}{token.value}`")
+    if _open_bracket(history) is not None:
+        return found(f"a comma or an operator is missing before `{token.value}`", "values in brackets are separated by commas")
+    words = [t for t in history if t.type in STATEMENTS or t.type in ("IN", "RANGE", "EACH", "TEST")]
+    if words and words[-1].type in ("IN", "RANGE", "EACH", "TEST") and token.type in ("NUMBER", "QUANTITY", "FRACTION"):
+        return found("`..` is missing between the ends of this range", "a range is written `low .. high`")
+    if words and words[-1].type == "JOINT" and "ARROW" not in {t.type for t in history[history.index(words[-1]) :]}:
+        return found(f"`->` is missing before `{token.value}`", "`joint name : kind parent -> child`")
+    if words and words[-1].type == "ALIGN" and "EQUAL" not in {t.type for t in history[history.index(words[-1]) :]}:
+        return found(f"`=` is missing before `{token.value}`", "an equation is written `align a.left = b.right + 1mm`")
+    return None
+
+
+def _by_accepts(error: UnexpectedToken, history: list[Token], tools: Machine, span: Span) -> Found:
+    """What the parser would have taken, if that is short; else what is plain from it."""
+    token: Token = error.token
+    accepted = (error.accepts or set()) - {"_NL"}
+    words = keywords(tools.lark)
+    shown = _quoted(token)
+
+    def found(message: str, hint: str | None = None) -> Found:
+        return Found("syntax", span, message, span.start, hint)
+
+    if accepted >= VALUE:
+        return found(f"a value is missing before {shown}", "for example a number with its unit, a name or a vector `[x, y, z]`")
+    if accepted <= {"LBRACE"}:
+        return found(f"`{{` is missing before {shown}")
+    clauses = sorted(words[a] for a in accepted - STATEMENTS - TOP - OPERATORS if a in words and a not in ("AND", "OR"))
+    statement = next((t for t in reversed(history) if t.type in STATEMENTS | TOP), None)
+    if "UNTIL" in accepted and len(accepted) <= 4:
+        return found(f"`..` is missing before {shown}", "a range is written `low .. high`")
+    if 0 < len(accepted) <= 4:
+        names = sorted(_SIGNS.get(a, f"`{words.get(a, a.lower())}`") for a in accepted)
+        return found(f"{' or '.join(names)} is expected before {shown}")
+    if statement is not None and token.value:
+        near = suggest(token.value, clauses)
+        listed = ", ".join(f"`{c}`" for c in clauses)
+        hint = f"did you mean `{near}`?" if near else f"here may follow {listed}" if 0 < len(clauses) <= 12 else None
+        return found(f"{shown} does not continue this `{statement.value}`", hint)
+    return found(f"{shown} cannot stand here")

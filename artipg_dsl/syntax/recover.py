@@ -18,13 +18,11 @@ def quiet(text: str) -> str:
     return _QUIET.sub(lambda m: " " * len(m.group()), text)
 
 
-def without_statement(text: str, place: int, code: str) -> str | None:
+def without_statement(text: str, place: int) -> str | None:
     """``text`` with the statement around ``place`` blanked; None where there is nothing sensible left to parse.
 
     A statement runs from the last line that begins like one to the next; a block that it opens goes with it.
     """
-    if code == "missing-brace":
-        return None
     plain = quiet(text)
     start = plain.rfind("\n", 0, place) + 1
     for match in _BEGINS.finditer(plain):
@@ -58,34 +56,30 @@ def _after_blocks(plain: str, start: int, end: int) -> int | None:
 
 
 def opening_brace(text: str) -> int | None:
-    """The brace that is never closed: of those open at the end, the last one at or before which indentation went wrong.
+    """The brace that is never closed, None where all are.
 
-    Where every block is indented, the culprit is the innermost open brace whose line is indented at least as far as
-    a statement that begins a file does after it; otherwise the innermost open brace.
+    The braces alone only tell that one is missing. Where a block's closing brace stands further left than the line
+    that opens it, or a declaration of the file begins at the left edge within a block, that block is the one.
     """
     plain = quiet(text)
     stack: list[int] = []
-    for match in re.finditer(r"[{}]", plain):
+    culprit: int | None = None
+    for match in re.finditer(r"[{}]|" + _TOP.pattern.removeprefix("(?m)"), plain, re.M):
         if match.group() == "{":
             stack.append(match.start())
-        elif stack:
-            stack.pop()
+        elif match.group() == "}":
+            if stack:
+                opened = stack.pop()
+                if culprit is None and _indent(plain, match.start()) < _indent(plain, opened):
+                    culprit = opened
+        elif stack and culprit is None:
+            culprit = stack[-1]
     if not stack:
         return None
-    culprits = stack
-    for match in _TOP.finditer(plain):
-        inside = _open_at(plain, match.start())
-        if inside:
-            culprits = inside
-            break
-    return culprits[-1]
+    return stack[-1] if culprit is None else culprit
 
 
-def _open_at(plain: str, place: int) -> list[int]:
-    stack: list[int] = []
-    for match in re.finditer(r"[{}]", plain[:place]):
-        if match.group() == "{":
-            stack.append(match.start())
-        elif stack:
-            stack.pop()
-    return stack
+def _indent(plain: str, place: int) -> int:
+    start = plain.rfind("\n", 0, place) + 1
+    line = plain[start:].split("\n", 1)[0]
+    return len(line) - len(line.lstrip())
