@@ -33,7 +33,9 @@ def check(ck: Checker, scope: Scope) -> None:
         subject = (
             stmt.subject
             if isinstance(stmt, ast.ConnectStmt)
-            else stmt.child if isinstance(stmt, ast.JointDecl) and stmt.kind is not None else None
+            else stmt.child
+            if isinstance(stmt, ast.JointDecl) and stmt.kind is not None
+            else None
         )
         name = _first_name(subject)
         if name is None:
@@ -138,9 +140,7 @@ def _all(scope: Scope) -> Iterator[Scope]:
         yield from _all(inner)
 
 
-def _statements(
-    scope: Scope, body: tuple[ast.Stmt, ...], guards: Guards
-) -> Iterator[tuple[Scope, ast.Stmt, Guards]]:
+def _statements(scope: Scope, body: tuple[ast.Stmt, ...], guards: Guards) -> Iterator[tuple[Scope, ast.Stmt, Guards]]:
     for stmt in body:
         if isinstance(stmt, ast.WhenStmt):
             yield from _statements(scope, stmt.body, scope.branches[id(stmt), True])

@@ -88,18 +88,18 @@ def _own(ck: Checker, ctx: Context, expr: ast.CallExpr, entry: Entry) -> Type:
     if isinstance(node, ast.LetDecl):
         arguments = _positional(ck, ctx, expr, len(node.parameters), entry.name)
         return _apply(ck, inside, expr, node.parameters, node.value, arguments, id(node))
-    ranges = [node.u_range, node.v_range] if isinstance(node, ast.SurfaceDecl) else [node.parameter_range]  # type: ignore[union-attr]
+    assert isinstance(node, ast.SurfaceDecl | ast.CurveDecl)
+    ranges = [node.u_range, node.v_range] if isinstance(node, ast.SurfaceDecl) else [node.parameter_range]
     if len(expr.arguments) != len(ranges):
         _positional(ck, ctx, expr, len(ranges), entry.name)
         return UNKNOWN
     for argument, interval in zip(expr.arguments, ranges, strict=True):
-        # `[0 ..< n]` patches know their index only while they are declared: a range end of 0 fits any dimension
         wanted = range_type(ck, inside, interval)
         ck.expect(ctx, argument.value, wanted, f"an argument of `{entry.name}`")
     if isinstance(node, ast.SurfaceDecl):
         return POINT
-    names = (node.parameter,)  # type: ignore[union-attr]
-    return _apply(ck, inside, expr, names, node.value, [range_type(ck, inside, ranges[0])], id(node))  # type: ignore[union-attr]
+    kind = range_type(ck, inside, node.parameter_range)
+    return _apply(ck, inside, expr, (node.parameter,), node.value, [kind], id(node))
 
 
 def range_type(ck: Checker, ctx: Context, interval: ast.RangeExpr) -> Type:

@@ -123,8 +123,9 @@ class Checker:
     def mismatch(self, expr: ast.Expr, given: Type, wanted: Type, what: str) -> None:
         """Reports that ``expr`` of type ``given`` stands where ``wanted`` is expected."""
         if isinstance(wanted, Scalar | Vec) and isinstance(given, Scalar | Vec):
-            if given.dimension == NONE and wanted.dimension != NONE and expressions.is_unitless(expr):
-                unit = expressions.usual_unit(wanted.dimension)
+            need = wanted.dimension
+            if given.dimension == NONE and need not in (NONE, None) and expressions.is_unitless(expr):
+                unit = expressions.usual_unit(need)  # type: ignore[arg-type]
                 text = expr.span.source.text[expr.span.start : expr.span.end]
                 hint = f"write {text}{unit}" if isinstance(expr, ast.NumberExpr) else f"give the numbers a unit: {unit}"
                 self.error("missing-unit", expr.span, f"{what} needs a unit: {wanted} is expected", hint=hint)
@@ -180,4 +181,3 @@ class Checker:
             ctx.lenient.append(wanted)
         else:
             self.error("optional-outside-when", span, message, hint=hint)
-

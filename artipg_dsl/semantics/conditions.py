@@ -176,5 +176,3 @@ def check_discrete(ck: Checker, ctx: Context, expr: ast.Expr) -> None:
                         hint="what depends on measures is a `require`, or an alternative with `when`",
                     )  # fmt: skip
                     return
-
-

@@ -69,9 +69,7 @@ def _shared(a: ast.Stmt, b: ast.Stmt) -> bool:
     """Indexed ports are bound one by one; a slot may bear the name of the part it binds."""
     if isinstance(a, ast.PortDecl) and isinstance(b, ast.PortDecl):
         return a.index is not None and b.index is not None
-    return any(
-        isinstance(x, ast.SlotDecl) and x.targets and isinstance(y, ast.PartDecl) for x, y in ((a, b), (b, a))
-    )
+    return any(isinstance(x, ast.SlotDecl) and x.targets and isinstance(y, ast.PartDecl) for x, y in ((a, b), (b, a)))
 
 
 def _reserved(scope: Scope, kind: str, node: ast.Stmt, name: str) -> str | None:
@@ -161,9 +159,7 @@ def check_range(ck: Checker, ctx: Context, interval: ast.RangeExpr, kind: Type, 
                 return
 
 
-def _inside(
-    ck: Checker, ctx: Context, default: ast.Expr, domain: ast.RangeExpr | None, what: str
-) -> None:
+def _inside(ck: Checker, ctx: Context, default: ast.Expr, domain: ast.RangeExpr | None, what: str) -> None:
     """A constant default lies in the constant domain."""
     if domain is None:
         return
@@ -187,9 +183,7 @@ def _inside(
 _DISTRIBUTIONS = ("uniform", "normal", "lognormal", "values")
 
 
-def _distribution(
-    ck: Checker, ctx: Context, node: ast.Distribution, kind: Type, domain: ast.RangeExpr | None
-) -> None:
+def _distribution(ck: Checker, ctx: Context, node: ast.Distribution, kind: Type, domain: ast.RangeExpr | None) -> None:
     if node.name not in _DISTRIBUTIONS:
         ck.error(
             "unknown-distribution", node.span, f"there is no distribution `{node.name}`",
@@ -341,7 +335,7 @@ def check_arguments(ck: Checker, ctx: Context, given: tuple[ast.Argument, ...], 
         if argument.name in seen:
             ck.error("wrong-arguments", argument.span, f"`{argument.name}` is given twice")
         seen.add(argument.name)
-        wanted = UNKNOWN
+        wanted: Type = UNKNOWN
         for symbol in symbols:
             kind = _parameter(ck, symbol, argument.name)
             if kind is None:
@@ -391,5 +385,3 @@ def _parameter(ck: Checker, symbol: Symbol, name: str) -> Type | None:
 def parameters(ck: Checker, symbol: Symbol) -> list[str]:
     """The names that may be given as arguments."""
     return [e.name for e in ck.scope_of(symbol).entries if e.kind in ("param", "count")]
-
-

@@ -164,4 +164,3 @@ def narrowed(ctx: Context, part: Part) -> Part:
         return part
     left = possible(ctx.condition, part.key, part.domain)
     return Part(tuple(v for v in part.domain if v is not None and v in left), part.key, part.domain, part.many)
-

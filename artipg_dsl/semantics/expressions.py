@@ -300,5 +300,3 @@ def _power(ck: Checker, expr: ast.BinaryExpr, left: Type, right: Type) -> Type:
             hint="the dimension of the result must be known",
         )  # fmt: skip
     return Scalar(power(dimension, Fraction(value).limit_denominator(12)))
-
-

@@ -207,7 +207,7 @@ def member(ck: Checker, ctx: Context, expr: ast.MemberExpr) -> Type:
     word, span = expr.name, expr.name_span
     match obj:
         case Part():
-            return part_member(ck, ctx, obj, word, span)
+            return part_member(ck, ctx, obj, word, span, _text(expr.obj))
         case Element():
             return _element_member(ck, ctx, obj, word, span)
         case Slot():
@@ -307,8 +307,12 @@ def _inner(ck: Checker, ctx: Context, obj: Element, target: Entry, span: Span) -
     return _repeat(ck, ctx, target, span)
 
 
-def part_member(ck: Checker, ctx: Context, part: Part, word: str, span: Span) -> Type:
-    """A member of a part: every variant that is left must have it."""
+def _text(expr: ast.Expr) -> str:
+    return " ".join(expr.span.source.text[expr.span.start : expr.span.end].split())
+
+
+def part_member(ck: Checker, ctx: Context, part: Part, word: str, span: Span, path: str) -> Type:
+    """A member of a part, written ``path``: every variant that is left must have it."""
     found: list[tuple[Variant, Type]] = []
     lacking: list[Variant] = []
     for variant in part.variants:
@@ -320,18 +324,19 @@ def part_member(ck: Checker, ctx: Context, part: Part, word: str, span: Span) ->
         else:
             found.append((variant, kind))
     if lacking:
-        kind = _lacking(ck, ctx, part, [v for v, _ in found], word, span)
-        if kind is not None or not found:
-            return kind or UNKNOWN
+        instead = _lacking(ck, ctx, part, [v for v, _ in found], word, span, path)
+        if instead is not None or not found:
+            return instead or UNKNOWN
     if not found:
         return UNKNOWN
     kinds = [kind for _, kind in found]
-    if all(isinstance(k, Part) for k in kinds):
-        domain = tuple(dict.fromkeys(v for k in kinds for v in k.domain))  # type: ignore[union-attr]
+    parts = [k for k in kinds if isinstance(k, Part)]
+    if len(parts) == len(kinds):
+        domain = tuple(dict.fromkeys(v for k in parts for v in k.domain))
         whole = Part(tuple(v for v in domain if v is not None), f"{part.key}.{word}", domain, part.many)
         there = _present(whole)
         if there != TRUE and not part.many:
-            hint = f"ask for it: `when ... .{word} {{ }}`"
+            hint = f"put this under `when {path}.{word} {{ }}`"
             ck.demand(ctx, there, span, f"`{word}` is optional: it may not be there", hint)
         return narrowed(ctx, whole)
     first = kinds[0]
@@ -357,7 +362,7 @@ def _common(kinds: list[Type], word: str) -> Type:
 
 
 def _lacking(
-    ck: Checker, ctx: Context, part: Part, having: list[Variant], word: str, span: Span
+    ck: Checker, ctx: Context, part: Part, having: list[Variant], word: str, span: Span, path: str
 ) -> Type | None:
     """Some variants lack a member: fine where the statement goes with it (None, or the role's type), else an error."""
     promised = _optional_in_role(ck, part, word)
@@ -370,7 +375,7 @@ def _lacking(
         return ck.error(
             "optional-outside-when", span, f"only {names} has `{word}`, the other alternatives have not"
             if len(having) == 1 else f"only {names} have `{word}`, the other alternatives have not",
-            hint=f"put this under `when ... is {having[0].name} {{ }}`",
+            hint=f"put this under `when {path} is {having[0].name} {{ }}`",
         )  # fmt: skip
     if promised is not None:
         what = " or ".join(dict.fromkeys(v.name for v in part.variants))

@@ -206,9 +206,7 @@ def _motion(ck: Checker, ctx: Context, kind: str, clause: ast.Clause) -> None:
                     ck.error("wrong-type", value.span, f"`{clause.word}` is a number, but this is {given}")
 
 
-def motion_range(
-    ck: Checker, ctx: Context, values: tuple[ast.Expr, ...], wanted: Type, node: ast.Node
-) -> None:
+def motion_range(ck: Checker, ctx: Context, values: tuple[ast.Expr, ...], wanted: Type, node: ast.Node) -> None:
     """A range of motion; either end may be ``clearance``."""
     plain = [v for v in values if not (isinstance(v, ast.NameExpr) and v.name == "clearance")]
     if len(plain) == 2:
@@ -275,5 +273,3 @@ def _axis(ck: Checker, node: ast.JointDecl, parent: Type, child: Type) -> None:
                 "bad-axis", value.span, "a direction alone is no axis: nothing says where it lies",
                 hint="write `about line(at = ..., along = ...)`",
             )  # fmt: skip
-
-

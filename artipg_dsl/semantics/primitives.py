@@ -34,9 +34,9 @@ def check(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
         case ast.InsideDecl(parameter=name, value=value):
             ck.expect(ctx.but(extra={name: SIZE}), value, LENGTH, "`inside`")
         case ast.BoxDecl():
-            for value in (stmt.value, stmt.low, stmt.high):
-                if value is not None:
-                    ck.expect(ctx, value, SIZE, "the box")
+            for corner in (stmt.value, stmt.low, stmt.high):
+                if corner is not None:
+                    ck.expect(ctx, corner, SIZE, "the box")
         case ast.PieceDecl():
             _piece(ck, ctx, stmt)
         case ast.SolidDecl():

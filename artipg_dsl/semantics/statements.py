@@ -105,8 +105,8 @@ def _statement(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
         case ast.ClearStmt(subject=subject, other=other, distance=distance):
             _parts(ck, ctx, subject, other, "clear")
             ck.expect(ctx, distance, LENGTH, "the distance")
-        case ast.AllowStmt(subject=subject, other=other, kind=kind):
-            _parts(ck, ctx, subject, other, "allow overlap" if kind == "overlap" else kind)
+        case ast.AllowStmt(subject=subject, other=other, kind=word):
+            _parts(ck, ctx, subject, other, "allow overlap" if word == "overlap" else word)
         case ast.LimitStmt(joint=joint, range=interval):
             kind, inside = placing.subject(ck, ctx, joint)
             if not isinstance(kind, Joint) and kind != UNKNOWN:
@@ -169,14 +169,15 @@ def _output(ck: Checker, ctx: Context, stmt: ast.LetDecl) -> None:
 
 def _port(ck: Checker, ctx: Context, stmt: ast.PortDecl) -> None:
     assert ctx.scope is not None
-    entries = ctx.scope.root.table if stmt.index is not None else ctx.scope.table
+    scope = ctx.scope
+    entries = scope.root.table if stmt.index is not None else scope.table
     entry = next(e for e in entries[stmt.name] if e.node is stmt)
     kind = ck.entry_type(entry)
     ctx = port_context(ctx, stmt)
     if stmt.index is not None:
         ck.expect(ctx, stmt.index, COUNT, "the index of a port")
     if stmt.value is None:
-        if ctx.scope.owner.kind != "role":
+        if scope.owner.kind != "role":
             ck.error(
                 "missing-value", stmt.span, f"the port `{stmt.name}` has no value",
                 hint=f"write `port {stmt.name} = ...`",

@@ -55,7 +55,8 @@ def times(a: Dimension, b: Dimension, sign: int = 1) -> Dimension:
 def power(a: Dimension, exponent: Fraction) -> Dimension:
     """The dimension of a power."""
     scaled = (Fraction(x) * exponent for x in a)
-    return Dimension(*(int(x) if x.denominator == 1 else x for x in scaled))
+    # the root of a length has a broken exponent: it may stand in a formula on its way to a whole one
+    return Dimension(*(int(x) if x.denominator == 1 else x for x in scaled))  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,7 +28,9 @@ def test_shipped_files(path):
 
 
 def test_typed_text(tmp_path):
-    text = HEAD + """
+    text = (
+        HEAD
+        + """
 let gap = 3mm
 category Chest {
   param width : length in 30cm .. 60cm
@@ -43,6 +45,7 @@ category Chest {
   }
 }
 """
+    )
     _, typed = check_text(tmp_path, text)
     shown = show_typed(typed)
     assert shown[: shown.index("module primitives")] == (
