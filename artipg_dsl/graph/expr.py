@@ -153,6 +153,11 @@ def _make(op: str, args: tuple[Expr, ...] = (), value: object = None, scope: Sco
     return found
 
 
+def raw(op: str, args: tuple[Expr, ...] = (), value: object = None, scope: Scope | None = None) -> Expr:
+    """A node just as it is, without folding (for reading a program back); the scope follows from the arguments."""
+    return _make(op, args, value, scope if scope is not None else deepest(args))
+
+
 def deepest(args: Iterable[Expr]) -> Scope | None:
     """The scope in which an operation on ``args`` lives; they must lie on one chain of ancestors."""
     best: Scope | None = None

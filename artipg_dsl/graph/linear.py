@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from . import expr as E
-from .expr import ONE, ZERO, Column, Expr
+from .expr import ONE, ZERO, Column, Expr, Scope
 
 Form = tuple[dict[Column, Expr], Expr]  # coefficient of each column, and the rest
 Parts = tuple[dict[Column | Expr, Expr], Expr]  # the same with atoms beside the columns
@@ -90,20 +90,38 @@ class Linear:
             return self.branches(
                 node.args,
                 lambda values: E.phi(node.scope, zip(scopes, values[:-1], strict=True), values[-1]),  # type: ignore[arg-type]
-                default_free=True,
+                parent=node.scope,
             )
         return {node: ONE}, ZERO
 
-    def branches(self, args: tuple[Expr, ...], make: Callable, *, default_free: bool = False) -> Parts:
+    def branches(self, args: tuple[Expr, ...], make: Callable, *, parent: Scope | None = None) -> Parts:
+        """The forms of alternatives as one. With ``parent`` the args are those of a phi: what lives in a child table
+        stays inside, since only columns of ``parent``'s chain can stand beside it, and its default is free."""
         forms = [self.parts(a) for a in args]
+        if parent is not None:
+            forms = [kept_inside(form, parent) for form in forms]
         names = dict.fromkeys(c for f in forms for c in f[0])
-        real = forms[:-1] if default_free else forms
+        real = forms[:-1] if parent is not None else forms
         coefficients: dict[Column | Expr, Expr] = {}
         for name in names:
             values = [f[0].get(name, ZERO) for f in forms]
             shared = {f[0].get(name, ZERO) for f in real}
-            coefficients[name] = shared.pop() if len(shared) == 1 else make(values)
+            single = shared.pop() if len(shared) == 1 else None
+            alike = single is not None and (parent is None or parent.within(single.scope))
+            coefficients[name] = single if alike else make(values)  # type: ignore[assignment]
         return coefficients, make([f[1] for f in forms])
+
+
+def kept_inside(form: Parts, parent: Scope) -> Parts:
+    """A form in which only what ``parent``'s rows know stands as a term; the others belong to the rest."""
+    coefficients: dict[Column | Expr, Expr] = {}
+    rest = form[1]
+    for key, factor in form[0].items():
+        if parent.within(key.scope):
+            coefficients[key] = factor
+        else:
+            rest = E.add(rest, E.mul(factor, key if isinstance(key, Expr) else E.col(key)))
+    return coefficients, rest
 
 
 def tidy(node: Expr) -> Expr:

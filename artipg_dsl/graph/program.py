@@ -252,6 +252,16 @@ class Allowed:
     reason: str
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Closure:
+    """``close a on b``: two points (in the object's frame at joint values 0) on two links that stay together."""
+
+    scope: Scope
+    links: tuple[tuple[int, ...], tuple[int, ...]]
+    points: tuple[Triple, Triple]
+    where: Where | None = None
+
+
 @dataclass(slots=True, eq=False)
 class Program:
     """A compiled category."""
@@ -273,5 +283,6 @@ class Program:
     primitives: dict[str, Primitive] = field(default_factory=dict)
     vocabularies: dict[str, tuple[str, ...]] = field(default_factory=dict)
     allowed: list[Allowed] = field(default_factory=list)
+    closures: list[Closure] = field(default_factory=list)
     stable: str | None = None
     hash: str = ""

@@ -20,7 +20,21 @@ from .env import Env
 from .evaluate import Evaluator
 from .part import Instance, Part, union_of
 from .place import root_name
-from .values import HERE, IDENTITY, Box, Edge, Frame, Line, Triple, Vec, compose, direct, normalized, place, signed_axis
+from .values import (
+    HERE,
+    IDENTITY,
+    Box,
+    Edge,
+    Frame,
+    Line,
+    Triple,
+    Vec,
+    compose,
+    direct,
+    normalized,
+    place,
+    signed_axis,
+)
 
 KINDS = ("revolute", "prismatic", "continuous", "screw", "ball", "fixed")
 MOVING_ABOUT = ("revolute", "continuous", "screw")

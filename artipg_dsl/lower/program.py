@@ -8,12 +8,13 @@ from ..diagnostics import Report
 from ..graph import expr as E
 from ..graph.expr import Expr, Scope
 from ..graph.program import Allowed, Label, Link, Program, Requirement
+from ..graph.text import digest
 from ..semantics.symbols import Symbol
 from ..syntax import ast
 from . import labels
+from .body import lower_statements
 from .bounds import attach_bounds
 from .connect import carriers
-from .body import lower_statements
 from .context import Abort, Context, text_of, where
 from .env import Env
 from .evaluate import Evaluator
@@ -67,7 +68,7 @@ def finish(links: Links, env: Env) -> None:
     conditions(links, env)
     vocabularies(env)
     attach_bounds(program)
-    prune(program)
+    program.hash = digest(program)
 
 
 def root_path(env: Env) -> str:
@@ -198,11 +199,6 @@ def vocabularies(env: Env) -> None:
                 visit(symbol.module)
 
     visit(env.module)
-
-
-def prune(program: Program) -> None:
-    """Number the draws' bounds by the final list of requirements; drop scopes that nothing lives in."""
-    program.scopes = [s for s in program.scopes if s.parent is None or s.count is not None]
 
 
 __all__ = ["Lowering", "lower_category"]

@@ -145,7 +145,7 @@ def narrow(low: np.ndarray, high: np.ndarray, side: str, bound: np.ndarray | flo
         np.minimum(high, np.where(guard, bound, np.inf), out=high)
 
 
-def _unit(state: State, rows: Rows, address: str) -> np.ndarray:
+def _lot(state: State, rows: Rows, address: str) -> np.ndarray:
     return uniform(key(state.seed, address), rows.address, 0, state.attempt[rows.owner])
 
 
@@ -174,7 +174,7 @@ def draw_real(
         if state.defaults and default is not None:
             found = np.minimum(np.maximum(full(rows, default).astype(np.float64), low), top)
         else:
-            found = spread(_unit(state, rows, address), low, top, distribution, arguments)
+            found = spread(_lot(state, rows, address), low, top, distribution, arguments)
     state.values[number] = found
     return found
 
@@ -240,10 +240,10 @@ def draw_count(
         if state.defaults and default is not None:
             found = np.minimum(np.maximum(full(rows, default).astype(np.float64), first), last)
         elif distribution == "uniform":
-            unit = _unit(state, rows, address)
+            unit = _lot(state, rows, address)
             found = np.minimum(first + np.floor(unit * (last - first + 1.0)), last)
         else:
-            wide = spread(_unit(state, rows, address), first - 0.5, last + 0.5, distribution, arguments)
+            wide = spread(_lot(state, rows, address), first - 0.5, last + 0.5, distribution, arguments)
             found = np.minimum(np.maximum(np.floor(wide + 0.5), first), last)
     state.values[number] = found
     return found
@@ -259,7 +259,7 @@ def draw_choice(state: State, rows: Rows, number: int, address: str, weights: tu
         if state.defaults:
             found = np.argmax(table > 0.0, axis=0).astype(np.float64)
         else:
-            mark = _unit(state, rows, address) * total[-1]
+            mark = _lot(state, rows, address) * total[-1]
             found = np.minimum((total <= mark).sum(axis=0), len(weights) - 1).astype(np.float64)
     state.values[number] = found
     return found
