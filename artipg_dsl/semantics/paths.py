@@ -8,26 +8,22 @@ from ..diagnostics.suggest import did_you_mean
 from ..source import Span
 from ..syntax import ast
 from .entries import narrowed
-from .guards import TRUE, And, Atom, Condition, Or, consistent
+from .guards import TRUE, And, Or, consistent
 from .names import DIRECTIONS, FACES, FUNCTIONS
-from .scope import Entry, Scope, Variant
+from .parts import BOX_MEMBERS, below, box_member, listed, part_member, path_text, place_member, place_names, present
+from .scope import Entry, Variant
 from .symbols import Symbol
 from .types import (
     BASE,
     BOOL,
     BOX,
     COUNT,
-    CURVE,
     DIRECTION,
-    EDGE,
-    FRAME,
     LENGTH,
-    LINE,
     MATERIAL,
     PLANE,
     POINT,
     SIZE,
-    SURFACE,
     UNKNOWN,
     Array,
     Element,
@@ -43,8 +39,6 @@ from .types import (
 
 if TYPE_CHECKING:
     from .checker import Checker, Context
-
-BOX_MEMBERS = (*FACES, "center", "size", "box")
 
 
 def name(ck: Checker, ctx: Context, expr: ast.NameExpr) -> Type:
@@ -77,16 +71,12 @@ def unknown_name(ck: Checker, ctx: Context, word: str, span: Span) -> Type:
     """Reports a name that nothing declares."""
     hint = did_you_mean(word, ctx.names())
     if hint is None and ctx.scope is not None:
-        for scope in _below(ctx.scope.root):
+        for scope in below(ctx.scope.root):
             if word in scope.table and scope.repeat is not None:
                 of = scope.repeat.name
                 hint = f"`{word}` is declared inside the repeat `{of}`: write `{of}.{word}`"
                 break
     return ck.error("unknown-name", span, f"there is no `{word}` here", hint=hint)
-
-
-def _below(scope: Scope) -> list[Scope]:
-    return [scope, *(deeper for inner in scope.inner.values() for deeper in _below(inner))]
 
 
 def _use(ck: Checker, ctx: Context, entries: list[Entry], span: Span) -> Type:
@@ -109,7 +99,7 @@ def _use(ck: Checker, ctx: Context, entries: list[Entry], span: Span) -> Type:
     if isinstance(kind, Part):
         parts = [t for e in live if isinstance(t := ck.entry_type(e), Part)]
         kind = parts[0] if len(parts) == 1 else _either(parts)
-        there = _present(kind)
+        there = present(kind)
         if there != TRUE:
             wanted = [And((w, there)) for w in wanted]
     demanded = wanted[0] if len(wanted) == 1 else Or(tuple(wanted))
@@ -123,12 +113,6 @@ def _either(parts: list[Part]) -> Part:
     """One part declared in exclusive branches."""
     domain = tuple(dict.fromkeys(v for p in parts for v in p.domain))
     return Part(tuple(v for v in domain if v is not None), "|".join(p.key for p in parts), domain)
-
-
-def _present(part: Part) -> Condition:
-    if None not in part.domain:
-        return TRUE
-    return Atom(part.key, frozenset(v for v in part.domain if v is not None), part.domain)
 
 
 def _absent(entry: Entry, kind: Type) -> tuple[str, str]:
@@ -207,7 +191,7 @@ def member(ck: Checker, ctx: Context, expr: ast.MemberExpr) -> Type:
     word, span = expr.name, expr.name_span
     match obj:
         case Part():
-            return part_member(ck, ctx, obj, word, span, _text(expr.obj))
+            return part_member(ck, ctx, obj, word, span, path_text(expr.obj))
         case Element():
             return _element_member(ck, ctx, obj, word, span)
         case Slot():
@@ -217,47 +201,16 @@ def member(ck: Checker, ctx: Context, expr: ast.MemberExpr) -> Type:
             if word in DIRECTIONS[:size]:
                 found = Scalar(dimension) if dimension is not None else LENGTH
         case Named():
-            found = _place_member(obj, word)
+            found = place_member(obj, word)
         case Function():
             return ck.error("wrong-type", expr.span, f"`{obj.entry.name}` is a function: it needs arguments")
         case _:
             found = UNKNOWN if obj == UNKNOWN else None
     if found is None:
-        known = _place_names(obj)
-        hint = did_you_mean(word, known) or _list(known)
+        known = place_names(obj)
+        hint = did_you_mean(word, known) or listed(known)
         return ck.error("unknown-member", span, f"{obj} has no `{word}`", hint=hint)
     return found
-
-
-_PLACE: dict[Type, dict[str, Type]] = {
-    PLANE: {**{face: EDGE for face in FACES}, "center": POINT, "origin": POINT, "out": DIRECTION, "up": DIRECTION},
-    EDGE: {**{face: POINT for face in FACES}, "center": POINT, "origin": POINT, "along": DIRECTION},
-    POINT: {axis: LENGTH for axis in DIRECTIONS},
-    FRAME: {"origin": POINT, "out": DIRECTION, "up": DIRECTION},
-    LINE: {"origin": POINT, "along": DIRECTION},
-    BOX: {**{face: PLANE for face in FACES}, "center": POINT, "size": SIZE, "box": BOX},
-}
-
-
-def _place_member(obj: Named, word: str) -> Type | None:
-    return _PLACE.get(obj, {}).get(word)
-
-
-def box_member(word: str) -> Type | None:
-    """Members that everything with a box has."""
-    return _PLACE[BOX].get(word)
-
-
-def _place_names(obj: Type) -> list[str]:
-    if isinstance(obj, Vec):
-        return list(DIRECTIONS[: obj.size])
-    if isinstance(obj, Slot):
-        return list(BOX_MEMBERS)
-    return list(_PLACE.get(obj, {}))
-
-
-def _list(names: list[str]) -> str | None:
-    return "it has " + ", ".join(names) if names else None
 
 
 def _element_member(ck: Checker, ctx: Context, obj: Element, word: str, span: Span) -> Type:
@@ -272,7 +225,7 @@ def _element_member(ck: Checker, ctx: Context, obj: Element, word: str, span: Sp
         if isinstance(kind, Part):
             current = obj.key == entry.key and not obj.many
             part = Part(kind.variants, kind.key if current else f"{obj.key}.{word}", kind.domain, obj.many)
-            wanted = And((ck.entry_condition(target), _present(part))) if current else _present(part)
+            wanted = And((ck.entry_condition(target), present(part))) if current else present(part)
             if wanted != TRUE and not obj.many:
                 message, hint = _absent(target, kind)
                 ck.demand(ctx, wanted, span, message, hint)
@@ -285,9 +238,9 @@ def _element_member(ck: Checker, ctx: Context, obj: Element, word: str, span: Sp
                 f"put this under `when {entry.name}.gap {{ }}`",
             )  # fmt: skip
         return BOX
-    kind = box_member(word)
-    if kind is not None:
-        return kind
+    own = box_member(word)
+    if own is not None:
+        return own
     names = [*inner.table, *BOX_MEMBERS, "gap"]
     return ck.error(
         "unknown-member", span, f"an element of `{entry.name}` has no `{word}`", hint=did_you_mean(word, names)
@@ -305,144 +258,6 @@ def _inner(ck: Checker, ctx: Context, obj: Element, target: Entry, span: Span) -
             )  # fmt: skip
         return Element(target, f"{obj.key}.{target.name}", many=True)
     return _repeat(ck, ctx, target, span)
-
-
-def _text(expr: ast.Expr) -> str:
-    return " ".join(expr.span.source.text[expr.span.start : expr.span.end].split())
-
-
-def part_member(ck: Checker, ctx: Context, part: Part, word: str, span: Span, path: str) -> Type:
-    """A member of a part, written ``path``: every variant that is left must have it."""
-    found: list[tuple[Variant, Type]] = []
-    lacking: list[Variant] = []
-    for variant in part.variants:
-        if variant.symbol is None:
-            return UNKNOWN
-        kind = symbol_member(ck, variant.symbol, word)
-        if kind is None:
-            lacking.append(variant)
-        else:
-            found.append((variant, kind))
-    if lacking:
-        instead = _lacking(ck, ctx, part, [v for v, _ in found], word, span, path)
-        if instead is not None or not found:
-            return instead or UNKNOWN
-    if not found:
-        return UNKNOWN
-    kinds = [kind for _, kind in found]
-    parts = [k for k in kinds if isinstance(k, Part)]
-    if len(parts) == len(kinds):
-        domain = tuple(dict.fromkeys(v for k in parts for v in k.domain))
-        whole = Part(tuple(v for v in domain if v is not None), f"{part.key}.{word}", domain, part.many)
-        there = _present(whole)
-        if there != TRUE and not part.many:
-            hint = f"put this under `when {path}.{word} {{ }}`"
-            ck.demand(ctx, there, span, f"`{word}` is optional: it may not be there", hint)
-        return narrowed(ctx, whole)
-    first = kinds[0]
-    if isinstance(first, Element):
-        if not ctx.many:
-            return ck.error(
-                "many-elements", span, f"`{word}` stands for all elements of a repeat here",
-                hint=f"name one: `{word}[0]` or `{word}[last]`",
-            )  # fmt: skip
-        return Element(first.entry, f"{part.key}.{word}", many=True)
-    if len(set(kinds)) == 1:
-        return first
-    return _common(kinds, word)
-
-
-def _common(kinds: list[Type], word: str) -> Type:
-    """One type for what the variants call by the same name."""
-    if any(isinstance(k, Slot | Part | Element) for k in kinds):
-        return Slot(word)
-    if all(k in (PLANE, FRAME) for k in kinds):
-        return FRAME
-    return kinds[0] if all(isinstance(k, Scalar) for k in kinds) else UNKNOWN
-
-
-def _lacking(
-    ck: Checker, ctx: Context, part: Part, having: list[Variant], word: str, span: Span, path: str
-) -> Type | None:
-    """Some variants lack a member: fine where the statement goes with it (None, or the role's type), else an error."""
-    promised = _optional_in_role(ck, part, word)
-    if ctx.subject and ctx.lenient is not None and (having or promised is not None):
-        if having:
-            ctx.lenient.append(Atom(part.key, frozenset(having), part.domain))
-        return None if having else promised
-    if having:
-        names = " and ".join(v.name for v in having)
-        return ck.error(
-            "optional-outside-when", span, f"only {names} has `{word}`, the other alternatives have not"
-            if len(having) == 1 else f"only {names} have `{word}`, the other alternatives have not",
-            hint=f"put this under `when {path} is {having[0].name} {{ }}`",
-        )  # fmt: skip
-    if promised is not None:
-        what = " or ".join(dict.fromkeys(v.name for v in part.variants))
-        return ck.error("optional-outside-when", span, f"`{word}` is optional in the role, and {what} does not bind it")
-    offered = sorted({n for v in part.variants if v.symbol is not None for n in member_names(ck, v.symbol)})
-    what = " or ".join(dict.fromkeys(v.name for v in part.variants))
-    code, missing = ("unknown-port", f"port or part `{word}`") if ctx.ends else ("unknown-member", f"`{word}`")
-    return ck.error(
-        code, span, f"{what} has no {missing}",
-        hint=did_you_mean(word, offered) or _list([n for n in offered if n not in BOX_MEMBERS]),
-    )  # fmt: skip
-
-
-def _optional_in_role(ck: Checker, part: Part, word: str) -> Type | None:
-    """The type of what a role of the part offers as optional under this name."""
-    for variant in part.variants:
-        role, decl = ck.interface_of(variant.symbol).get(word, (None, None)) if variant.symbol else (None, None)
-        if role is not None and getattr(decl, "optional", False):
-            return symbol_member(ck, role, word)
-    return None
-
-
-def member_names(ck: Checker, symbol: Symbol) -> list[str]:
-    """What a part of this template, primitive or role offers to others."""
-    scope = ck.scope_of(symbol)
-    own = [entry.name for entry in scope.entries if not entry.private]
-    role = [] if symbol.kind == "role" else [n for n in ck.interface_of(symbol)]
-    return [*dict.fromkeys([*own, *role]), *BOX_MEMBERS]
-
-
-def symbol_member(ck: Checker, symbol: Symbol, word: str) -> Type | None:
-    """The type of a member of an instance of ``symbol``; None where it has none."""
-    entries = [e for e in ck.scope_of(symbol).table.get(word, []) if not e.private]
-    if entries:
-        entry = entries[0]
-        kind = ck.entry_type(entry)
-        if entry.kind == "surface" and word in FACES:
-            return PLANE
-        if symbol.kind == "primitive" and kind == CURVE and not isinstance(entry.node, ast.ParamDecl):
-            return SURFACE  # surfaces bear the names of the curves that make them
-        if isinstance(kind, Part) and (entry.guards or len(entries) > 1):
-            kinds = [k for e in entries if isinstance(k := ck.entry_type(e), Part)]
-            domain = tuple(dict.fromkeys((*(v for k in kinds for v in k.domain), None)))
-            return Part(tuple(v for v in domain if v is not None), kind.key, domain)
-        return kind
-    if symbol.kind == "primitive":
-        made = _made(symbol, word)
-        if made is not None:
-            return made
-    if symbol.kind == "template" and word in ck.interface_of(symbol):
-        role, decl = ck.interface_of(symbol)[word]
-        if not getattr(decl, "optional", False) or word in _names_in_repeats(ck.scope_of(symbol)):
-            return symbol_member(ck, role, word)
-    return box_member(word)
-
-
-def _names_in_repeats(scope: Scope) -> set[str]:
-    """Names that the repeats of a template declare: a part in a repeat binds the slot of its name."""
-    return {name for inner in _below(scope)[1:] for name in inner.table}
-
-
-def _made(symbol: Symbol, word: str) -> Type | None:
-    """What an operator supplies: a sweep has ports ``start`` and ``end``, every solid surfaces of those names."""
-    for stmt in symbol.body:
-        if isinstance(stmt, ast.SolidDecl) and word in ("start", "end", "rim"):
-            return FRAME if stmt.operator == "sweep" and word != "rim" else SURFACE
-    return None
 
 
 def index(ck: Checker, ctx: Context, expr: ast.IndexExpr) -> Type:

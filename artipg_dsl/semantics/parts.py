@@ -1,0 +1,218 @@
+"""Members of parts: what templates, primitives and roles offer to those who name an instance of them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..diagnostics.suggest import did_you_mean
+from ..source import Span
+from ..syntax import ast
+from .entries import narrowed
+from .guards import TRUE, Atom, Condition
+from .names import DIRECTIONS, FACES
+from .scope import Scope, Variant
+from .symbols import Symbol
+from .types import (
+    BOX,
+    CURVE,
+    DIRECTION,
+    EDGE,
+    FRAME,
+    LENGTH,
+    LINE,
+    PLANE,
+    POINT,
+    SIZE,
+    SURFACE,
+    UNKNOWN,
+    Element,
+    Named,
+    Part,
+    Scalar,
+    Slot,
+    Type,
+    Vec,
+)
+
+if TYPE_CHECKING:
+    from .checker import Checker, Context
+
+BOX_MEMBERS = (*FACES, "center", "size", "box")
+
+PLACES: dict[Type, dict[str, Type]] = {
+    PLANE: {**{face: EDGE for face in FACES}, "center": POINT, "origin": POINT, "out": DIRECTION, "up": DIRECTION},
+    EDGE: {**{face: POINT for face in FACES}, "center": POINT, "origin": POINT, "along": DIRECTION},
+    POINT: {axis: LENGTH for axis in DIRECTIONS},
+    FRAME: {"origin": POINT, "out": DIRECTION, "up": DIRECTION},
+    LINE: {"origin": POINT, "along": DIRECTION},
+    BOX: {**{face: PLANE for face in FACES}, "center": POINT, "size": SIZE, "box": BOX},
+}
+
+
+def place_member(obj: Named, word: str) -> Type | None:
+    return PLACES.get(obj, {}).get(word)
+
+
+def box_member(word: str) -> Type | None:
+    """Members that everything with a box has."""
+    return PLACES[BOX].get(word)
+
+
+def place_names(obj: Type) -> list[str]:
+    if isinstance(obj, Vec):
+        return list(DIRECTIONS[: obj.size])
+    if isinstance(obj, Slot):
+        return list(BOX_MEMBERS)
+    return list(PLACES.get(obj, {}))
+
+
+def listed(names: list[str]) -> str | None:
+    return "it has " + ", ".join(names) if names else None
+
+
+def below(scope: Scope) -> list[Scope]:
+    return [scope, *(deeper for inner in scope.inner.values() for deeper in below(inner))]
+
+
+def present(part: Part) -> Condition:
+    if None not in part.domain:
+        return TRUE
+    return Atom(part.key, frozenset(v for v in part.domain if v is not None), part.domain)
+
+
+def path_text(expr: ast.Expr) -> str:
+    return " ".join(expr.span.source.text[expr.span.start : expr.span.end].split())
+
+
+def part_member(ck: Checker, ctx: Context, part: Part, word: str, span: Span, path: str) -> Type:
+    """A member of a part, written ``path``: every variant that is left must have it."""
+    found: list[tuple[Variant, Type]] = []
+    lacking: list[Variant] = []
+    for variant in part.variants:
+        if variant.symbol is None:
+            return UNKNOWN
+        kind = symbol_member(ck, variant.symbol, word)
+        if kind is None:
+            lacking.append(variant)
+        else:
+            found.append((variant, kind))
+    if lacking:
+        instead = _lacking(ck, ctx, part, [v for v, _ in found], word, span, path)
+        if instead is not None or not found:
+            return instead or UNKNOWN
+    if not found:
+        return UNKNOWN
+    kinds = [kind for _, kind in found]
+    parts = [k for k in kinds if isinstance(k, Part)]
+    if len(parts) == len(kinds):
+        domain = tuple(dict.fromkeys(v for k in parts for v in k.domain))
+        whole = Part(tuple(v for v in domain if v is not None), f"{part.key}.{word}", domain, part.many)
+        there = present(whole)
+        if there != TRUE and not part.many:
+            hint = f"put this under `when {path}.{word} {{ }}`"
+            ck.demand(ctx, there, span, f"`{word}` is optional: it may not be there", hint)
+        return narrowed(ctx, whole)
+    first = kinds[0]
+    if isinstance(first, Element):
+        if not ctx.many:
+            return ck.error(
+                "many-elements", span, f"`{word}` stands for all elements of a repeat here",
+                hint=f"name one: `{word}[0]` or `{word}[last]`",
+            )  # fmt: skip
+        return Element(first.entry, f"{part.key}.{word}", many=True)
+    if len(set(kinds)) == 1:
+        return first
+    return _common(kinds, word)
+
+
+def _common(kinds: list[Type], word: str) -> Type:
+    """One type for what the variants call by the same name."""
+    if any(isinstance(k, Slot | Part | Element) for k in kinds):
+        return Slot(word)
+    if all(k in (PLANE, FRAME) for k in kinds):
+        return FRAME
+    return kinds[0] if all(isinstance(k, Scalar) for k in kinds) else UNKNOWN
+
+
+def _lacking(
+    ck: Checker, ctx: Context, part: Part, having: list[Variant], word: str, span: Span, path: str
+) -> Type | None:
+    """Some variants lack a member: fine where the statement goes with it (None, or the role's type), else an error."""
+    promised = _optional_in_role(ck, part, word)
+    if ctx.subject and ctx.lenient is not None and (having or promised is not None):
+        if having:
+            ctx.lenient.append(Atom(part.key, frozenset(having), part.domain))
+        return None if having else promised
+    if having:
+        names = " and ".join(v.name for v in having)
+        return ck.error(
+            "optional-outside-when", span, f"only {names} has `{word}`, the other alternatives have not"
+            if len(having) == 1 else f"only {names} have `{word}`, the other alternatives have not",
+            hint=f"put this under `when {path} is {having[0].name} {{ }}`",
+        )  # fmt: skip
+    if promised is not None:
+        what = " or ".join(dict.fromkeys(v.name for v in part.variants))
+        return ck.error("optional-outside-when", span, f"`{word}` is optional in the role, and {what} does not bind it")
+    offered = sorted({n for v in part.variants if v.symbol is not None for n in member_names(ck, v.symbol)})
+    what = " or ".join(dict.fromkeys(v.name for v in part.variants))
+    code, missing = ("unknown-port", f"port or part `{word}`") if ctx.ends else ("unknown-member", f"`{word}`")
+    return ck.error(
+        code, span, f"{what} has no {missing}",
+        hint=did_you_mean(word, offered) or listed([n for n in offered if n not in BOX_MEMBERS]),
+    )  # fmt: skip
+
+
+def _optional_in_role(ck: Checker, part: Part, word: str) -> Type | None:
+    """The type of what a role of the part offers as optional under this name."""
+    for variant in part.variants:
+        role, decl = ck.interface_of(variant.symbol).get(word, (None, None)) if variant.symbol else (None, None)
+        if role is not None and getattr(decl, "optional", False):
+            return symbol_member(ck, role, word)
+    return None
+
+
+def member_names(ck: Checker, symbol: Symbol) -> list[str]:
+    """What a part of this template, primitive or role offers to others."""
+    scope = ck.scope_of(symbol)
+    own = [entry.name for entry in scope.entries if not entry.private]
+    role = [] if symbol.kind == "role" else [n for n in ck.interface_of(symbol)]
+    return [*dict.fromkeys([*own, *role]), *BOX_MEMBERS]
+
+
+def symbol_member(ck: Checker, symbol: Symbol, word: str) -> Type | None:
+    """The type of a member of an instance of ``symbol``; None where it has none."""
+    entries = [e for e in ck.scope_of(symbol).table.get(word, []) if not e.private]
+    if entries:
+        entry = entries[0]
+        kind = ck.entry_type(entry)
+        if entry.kind == "surface" and word in FACES:
+            return PLANE
+        if symbol.kind == "primitive" and kind == CURVE and not isinstance(entry.node, ast.ParamDecl):
+            return SURFACE  # surfaces bear the names of the curves that make them
+        if isinstance(kind, Part) and (entry.guards or len(entries) > 1):
+            kinds = [k for e in entries if isinstance(k := ck.entry_type(e), Part)]
+            domain = tuple(dict.fromkeys((*(v for k in kinds for v in k.domain), None)))
+            return Part(tuple(v for v in domain if v is not None), kind.key, domain)
+        return kind
+    if symbol.kind == "primitive":
+        made = _made(symbol, word)
+        if made is not None:
+            return made
+    if symbol.kind == "template" and word in ck.interface_of(symbol):
+        role, decl = ck.interface_of(symbol)[word]
+        if not getattr(decl, "optional", False) or word in _names_in_repeats(ck.scope_of(symbol)):
+            return symbol_member(ck, role, word)
+    return box_member(word)
+
+
+def _names_in_repeats(scope: Scope) -> set[str]:
+    """Names that the repeats of a template declare: a part in a repeat binds the slot of its name."""
+    return {name for inner in below(scope)[1:] for name in inner.table}
+
+
+def _made(symbol: Symbol, word: str) -> Type | None:
+    """What an operator supplies: a sweep has ports ``start`` and ``end``, every solid surfaces of those names."""
+    for stmt in symbol.body:
+        if isinstance(stmt, ast.SolidDecl) and word in ("start", "end", "rim"):
+            return FRAME if stmt.operator == "sweep" and word != "rim" else SURFACE
+    return None
