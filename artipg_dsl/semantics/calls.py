@@ -65,8 +65,8 @@ def call(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
         hint = f"a part is made by `part name : {word}(...)`" if symbol is not None else None
         return ck.error("wrong-type", expr.function.span, f"`{word}` is not a function", hint=hint)
     own = [n for n in ctx.names() if n in FUNCTIONS or n in CONSTRUCTORS]
-    return ck.error(
-        "unknown-function", expr.function.span, f"there is no function `{word}`",
+    return ck.unknown(
+        ctx.module, word, "unknown-function", expr.function.span, f"there is no function `{word}`",
         hint=did_you_mean(word, [*FUNCTIONS, *CONSTRUCTORS, *own, *ctx.names()]),
     )  # fmt: skip
 

@@ -83,6 +83,10 @@ class Checker:
             self.report.error(code, span, message, hint=hint, notes=notes)
         return UNKNOWN
 
+    def unknown(self, module: ModuleScope, name: str, code: str, span: Span, message: str, hint: str | None) -> Type:
+        """Reports a name that nothing declares, unless it is missing because its import failed."""
+        return UNKNOWN if name in module.lost else self.error(code, span, message, hint=hint)
+
     @contextmanager
     def muted(self) -> Iterator[None]:
         """Looks without reporting: for what is reported when it is checked in its own place."""

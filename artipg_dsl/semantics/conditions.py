@@ -37,8 +37,9 @@ def check_is(ck: Checker, ctx: Context, expr: ast.IsExpr) -> Type:
     wanted = ctx.module.find(expr.type_name)
     if wanted is None or wanted.kind not in ("role", "template", "primitive"):
         names = [s.name for s in ctx.module.names.values() if s.kind in ("role", "template", "primitive")]
-        ck.error(
-            "unknown-template", expr.type_span, f"there is no role or template `{expr.type_name}` here",
+        ck.unknown(
+            ctx.module, expr.type_name, "unknown-template", expr.type_span,
+            f"there is no role or template `{expr.type_name}` here",
             hint=did_you_mean(expr.type_name, names),
         )  # fmt: skip
     elif isinstance(subject, Part):

@@ -241,7 +241,7 @@ def check_style(ck: Checker, ctx: Context, node: ast.StyleDecl) -> None:
 def unknown_material(ck: Checker, ctx: Context, name: str, span: Span) -> None:
     materials = [s.name for s in ctx.module.names.values() if s.kind == "material"]
     hint = did_you_mean(name, materials) or f"bring it in: `use materials {{ {name} }}`"
-    ck.error("unknown-material", span, f"there is no material `{name}` here", hint=hint)
+    ck.unknown(ctx.module, name, "unknown-material", span, f"there is no material `{name}` here", hint)
 
 
 def _role(ck: Checker, ctx: Context, name: str, span: Span | None) -> Symbol | None:
@@ -249,7 +249,8 @@ def _role(ck: Checker, ctx: Context, name: str, span: Span | None) -> Symbol | N
     assert span is not None
     if symbol is None or symbol.kind not in ("role", "template"):
         roles = [s.name for s in ctx.module.names.values() if s.kind == "role"]
-        ck.error("unknown-template", span, f"there is no role `{name}` here", hint=did_you_mean(name, roles))
+        hint = did_you_mean(name, roles)
+        ck.unknown(ctx.module, name, "unknown-template", span, f"there is no role `{name}` here", hint)
         return None
     return symbol
 
@@ -300,8 +301,8 @@ def _bad_alternative(ck: Checker, ctx: Context, alternative: ast.Alternative, sy
         return
     offered = [s.name for s in ctx.module.names.values() if s.kind in ("template", "primitive")]
     offered += [e.name for scope in ctx.scope.chain() for e in scope.entries if e.kind in ("style", "param")]
-    ck.error(
-        "unknown-template", alternative.name_span,
+    ck.unknown(
+        ctx.module, alternative.name, "unknown-template", alternative.name_span,
         f"there is no template, primitive or style `{alternative.name}` here",
         hint=did_you_mean(alternative.name, offered) or "bring it in with `use`",
     )  # fmt: skip

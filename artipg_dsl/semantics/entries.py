@@ -102,10 +102,10 @@ def of_reference(ck: Checker, ctx: Context, ref: ast.TypeRef) -> Type:
         symbol = ctx.module.find(ref.name)
         if symbol is None or symbol.kind not in ("role", "template"):
             roles = [s.name for s in ctx.module.names.values() if s.kind == "role"]
-            return ck.error(
-                "unknown-type", ref.span, f"there is no role `{ref.name}` here", hint=did_you_mean(ref.name, roles)
+            hint = did_you_mean(ref.name, roles)
+            return ck.unknown(
+                ctx.module, ref.name, "unknown-type", ref.span, f"there is no role `{ref.name}` here", hint
             )
-        return Style((Variant(ref.name, symbol), None), ref.name)
     if ref.name == "count":
         return COUNT
     if ref.name in DIMENSIONS:

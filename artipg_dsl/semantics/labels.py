@@ -96,8 +96,9 @@ def _targets(ck: Checker, ctx: Context, targets: tuple[ast.Expr, ...], rule: str
 def _label(ck: Checker, ctx: Context, stmt: ast.LabelStmt) -> None:
     words = ck.vocabularies.get(stmt.vocabulary)
     if words is None:
-        ck.error(
-            "unknown-vocabulary", stmt.label_span, f"there is no vocabulary `{stmt.vocabulary}`",
+        ck.unknown(
+            ctx.module, stmt.vocabulary, "unknown-vocabulary", stmt.label_span,
+            f"there is no vocabulary `{stmt.vocabulary}`",
             hint=did_you_mean(stmt.vocabulary, ck.vocabularies)
             or f"declare it: `vocabulary {stmt.vocabulary} {{ {stmt.label} }}`",
         )  # fmt: skip

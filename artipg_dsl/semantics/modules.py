@@ -95,6 +95,7 @@ class Workspace:
                 hint=did_you_mean(use.module, self._available(folder))
                 or f"`use` looks for {use.module}.apg beside this file, then in the library",
             )  # fmt: skip
+            scope.lost.update(use.names)
             return
         path, shown = found
         target = str(path.resolve())
@@ -103,18 +104,22 @@ class Workspace:
             keys = [k for k, _ in self._trail]
             if target in keys:
                 self._cycle(keys.index(target))
+                scope.lost.update(use.names)
                 return
             module = self.load_file(path, shown)
         finally:
             self._trail.pop()
         if module is not None:
             self._import(scope, use, module)
+        else:
+            scope.lost.update(use.names)
 
     def _import(self, scope: ModuleScope, use: ast.UseDecl, module: ModuleScope) -> None:
         offered = {s.name: s for s in module.own()}
         for name, span in zip(use.names, use.name_spans, strict=True):
             symbol = offered.get(name)
             if symbol is None:
+                scope.lost.add(name)
                 self.report.error(
                     "unknown-import", span, f"module `{use.module}` declares no `{name}`",
                     hint=did_you_mean(name, offered) or self._elsewhere(name, module, use.module),

@@ -76,7 +76,7 @@ def unknown_name(ck: Checker, ctx: Context, word: str, span: Span) -> Type:
                 of = scope.repeat.name
                 hint = f"`{word}` is declared inside the repeat `{of}`: write `{of}.{word}`"
                 break
-    return ck.error("unknown-name", span, f"there is no `{word}` here", hint=hint)
+    return ck.unknown(ctx.module, word, "unknown-name", span, f"there is no `{word}` here", hint)
 
 
 def _use(ck: Checker, ctx: Context, entries: list[Entry], span: Span) -> Type:

@@ -73,12 +73,9 @@ def _misplaced(ck: Checker, scope: Scope, stmt: ast.Stmt) -> bool:
         wrong = not isinstance(stmt, _SHAPE + _DECLARATIONS)
     else:
         wrong = isinstance(stmt, _SHAPE)
-    if isinstance(stmt, ast.ParamDecl) and stmt.keyword in ("inherit", "out") and kind != "role":
-        ck.error(
-            "misplaced-statement", stmt.span, f"`{stmt.keyword}` belongs into a role, not into a {kind}",
-            hint=f"a template binds an output of its role with `let {stmt.names[0]} = ...`"
-            if stmt.keyword == "out" else "a parameter of its own is a `param`",
-        )  # fmt: skip
+    if isinstance(stmt, ast.ParamDecl) and stmt.keyword == "inherit" and kind != "role":
+        hint = "a parameter of its own is a `param`"
+        ck.error("misplaced-statement", stmt.span, f"`inherit` belongs into a role, not into a {kind}", hint=hint)
         return True
     if wrong:
         ck.error("misplaced-statement", stmt.span, f"this cannot stand in a {kind}")
@@ -134,6 +131,9 @@ def _declaration(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
                 for entry in ctx.scope.table.get(name, ()):
                     ck.entry_type(entry)
             declarations.check_param(ck, ctx, stmt)
+            if stmt.keyword == "out" and ctx.scope.owner.kind != "role":
+                for name in stmt.names:
+                    _output(ck, ctx, stmt, name)
         case ast.CountDecl():
             declarations.check_count(ck, ctx, stmt)
         case ast.LetDecl():
@@ -144,7 +144,7 @@ def _declaration(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
                 extra = dict.fromkeys(stmt.parameters, UNKNOWN)
                 ck.infer(ctx.but(extra={**ctx.extra, **extra}), stmt.value)
             else:
-                _output(ck, ctx, stmt)
+                _output(ck, ctx, stmt, stmt.name)
         case ast.PartDecl():
             if stmt.root and ctx.scope.owner.kind != "category":
                 ck.error("misplaced-statement", stmt.name_span, "only a category has a `root` part")
@@ -155,16 +155,36 @@ def _declaration(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
             declarations.check_style(ck, ctx, stmt)
 
 
-def _output(ck: Checker, ctx: Context, stmt: ast.LetDecl) -> None:
-    """``let mouth = ...`` binds the ``out mouth : length`` of the role, which says what it is."""
+def _output(ck: Checker, ctx: Context, stmt: ast.ParamDecl | ast.LetDecl, name: str) -> None:
+    """``out mouth : length = ...`` or ``let mouth = ...`` binds an output of the role, which says what it is."""
     assert ctx.scope is not None
-    _, declared = ck.interface_of(ctx.scope.owner).get(stmt.name, (None, None))
-    if isinstance(declared, ast.ParamDecl) and declared.keyword == "out":
-        with ck.muted():
-            wanted = of_reference(ck, ctx, declared.type)
+    owner = ctx.scope.owner
+    outputs = {
+        n: d for n, (_, d) in ck.interface_of(owner).items() if isinstance(d, ast.ParamDecl) and d.keyword == "out"
+    }
+    declared = outputs.get(name)
+    if isinstance(stmt, ast.ParamDecl):
+        if declared is None:
+            ck.error(
+                "unknown-member", stmt.name_spans[0], f"the role of {owner.name} has no output `{name}`",
+                hint=did_you_mean(name, outputs) or "a value of the template's own is a `let`",
+            )  # fmt: skip
+        if stmt.default is None:
+            hint = f"write `out {name} : {stmt.type.name} = ...`"
+            ck.error("missing-value", stmt.span, f"the output `{name}` has no value", hint=hint)
+    if declared is None:
+        return
+    with ck.muted():
+        wanted = of_reference(ck, ctx, declared.type)
+    if isinstance(stmt, ast.LetDecl):
         given = ck.types.get(id(stmt.value), UNKNOWN)
         if not fits(given, wanted):
-            ck.mismatch(stmt.value, given, wanted, f"the output `{stmt.name}`")
+            ck.mismatch(stmt.value, given, wanted, f"the output `{name}`")
+    else:
+        with ck.muted():
+            own = of_reference(ck, ctx, stmt.type)
+        if not fits(own, wanted):
+            ck.error("wrong-type", stmt.type.span, f"in the role the output `{name}` is {wanted}, here it is {own}")
 
 
 def _port(ck: Checker, ctx: Context, stmt: ast.PortDecl) -> None:

@@ -42,6 +42,7 @@ class ModuleScope:
     source: Source
     tree: ast.Module
     names: dict[str, Symbol] = field(default_factory=dict)
+    lost: set[str] = field(default_factory=set)  # names whose import failed, which is reported at the `use`
 
     def find(self, name: str) -> Symbol | None:
         return self.names.get(name)

@@ -63,3 +63,8 @@ UNITS: dict[str, tuple[float, Dimension]] = {
     "N*m*s/rad": (1.0, Dimension(mass=1, length=2, time=-1, angle=-1)),
 }
 """Unit as written after a number -> (factor to SI, dimension). A blank unit is a plain number."""
+
+SI_UNITS = {
+    "length": "m", "angle": "rad", "mass": "kg", "density": "kg/m3", "time": "s", "speed": "m/s", "force": "N", "torque": "Nm",
+}  # fmt: skip
+"""Type of a parameter -> the unit its values are in inside."""

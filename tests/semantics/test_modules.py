@@ -80,3 +80,15 @@ def test_members_of_a_template_take_over_role_parameters(tmp_path):
     assert names(typed.main.find("Drawer")) == ["size", "panel", "leaf", "mouth"]  # `panel` and `mouth` are its own
     panel = next(s for s in members(typed.main.find("Drawer")) if getattr(s, "names", ()) == ("panel",))
     assert panel in typed.main.find("Drawer").body
+
+
+def test_a_failed_import_is_not_reported_again_where_its_names_are_used(tmp_path):
+    text = (
+        "apg 1\nuse handels { Handle, BarHandle }\nuse primitives { Cuboit }\nuse materials { stel }\n"
+        "category Chest {\n  root part body : Cuboit(size = [1cm, 1cm, 1cm])\n  part pull : Handle = BarHandle | none\n"
+        "  connect pull.mount to body.front\n  material stel on body\n  when pull is BarHandle { }\n}\n"
+    )
+    report, _ = check_text(tmp_path, text)
+    assert [(d.code, d.span.line) for d in report.diagnostics] == [
+        ("unknown-module", 2), ("unknown-import", 3), ("unknown-import", 4)
+    ]  # fmt: skip

@@ -166,6 +166,10 @@ def test_an_output_of_a_role_has_the_type_that_the_role_says(tmp_path):
         "role Pot { out mouth : length }\n"
         "template A : Pot { let mouth = 3cm }\ntemplate B : Pot { let mouth = 3deg }\n"
         "template C : Pot { param mouth : length in 1cm .. 2cm }\ntemplate D : Pot { let mouth = 3 }\n"
+        "template E : Pot { out mouth : length = 3cm }\ntemplate F : Pot { out mouth : angle = 3deg }\n"
+        "template G : Pot { out mouth : length }\ntemplate H : Pot { let mouth = 1cm  out deep : length = 2cm }\n"
     )
     report, _ = check_text(tmp_path, text)
-    assert [(d.code, d.span.line) for d in report.diagnostics] == [("wrong-dimension", 6), ("missing-unit", 8)]
+    assert [(d.code, d.span.line) for d in report.diagnostics] == [
+        ("wrong-dimension", 6), ("missing-unit", 8), ("wrong-type", 10), ("missing-value", 11), ("unknown-member", 12)
+    ]  # fmt: skip
