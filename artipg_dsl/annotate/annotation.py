@@ -43,7 +43,7 @@ def describe(batch: Batch) -> list[dict[str, Any]]:
                 "seed": int(batch.seed),
                 **{name: column[i] for name, column in columns.items()},
                 "drawn": {key: plain(drawn[key]) for key in sorted(drawn)},
-                "log": plain(batch.log(i)) if hasattr(batch, "log") else [],
+                "rejected": int(batch.state.attempt[i]),  # draws before this one that broke a requirement
                 "version": VERSION,
             }
         )

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..annotate.frames import euler
-from .mesh_obj import obj_bytes
+from .mesh_obj import Shape, obj_bytes
 from .robot import Collider, Robot, RobotJoint, RobotLink
 from .write import ExportError
 
@@ -23,7 +23,8 @@ def urdf_files(robot: Robot) -> dict[str, bytes]:
     """The files of a robot by path relative to its folder: ``object.urdf`` and what it refers to in ``meshes/``."""
     files: dict[str, bytes] = {}
     looks: dict[str, str] = {}
-    links = [_link(link, files, looks) for link in robot.links]
+    pieces: dict[bytes, str] = {}
+    links = [_link(link, files, looks, pieces) for link in robot.links]
     joints = [_joint(joint, robot) for joint in robot.joints]
     materials = [{"name": name, "rgba": rgba} for name, rgba in looks.items()]
     text = _template().render(name=robot.name, materials=materials, links=links, joints=joints)
@@ -50,7 +51,7 @@ def _template() -> Template:
     return environment.get_template("robot.urdf.j2")
 
 
-def _link(link: RobotLink, files: dict[str, bytes], looks: dict[str, str]) -> dict[str, Any]:
+def _link(link: RobotLink, files: dict[str, bytes], looks: dict[str, str], pieces: dict[bytes, str]) -> dict[str, Any]:
     visuals = []
     for material in dict.fromkeys(visual.look.name for visual in link.visuals):
         same = [visual for visual in link.visuals if visual.look.name == material]
@@ -72,18 +73,19 @@ def _link(link: RobotLink, files: dict[str, bytes], looks: dict[str, str]) -> di
         "mass": f"{link.mass:.9g}",
         "inertia": inertia,
         "visuals": visuals,
-        "colliders": [_collider(link, collider, files) for collider in link.colliders],
+        "colliders": [_collider(link, collider, files, pieces) for collider in link.colliders],
     }
 
 
-def _collider(link: RobotLink, collider: Collider, files: dict[str, bytes]) -> dict[str, Any]:
+def _collider(link: RobotLink, collider: Collider, files: dict[str, bytes], pieces: dict[bytes, str]) -> dict[str, Any]:
     name = f"{link.name}_{collider.name}"
     if collider.hull is None:
         assert collider.size is not None
         rpy = numbers(euler(collider.rotation))
         return {"name": name, "xyz": numbers(collider.center), "rpy": rpy, "box": numbers(collider.size)}
-    file = f"meshes/{name}.collision.obj"
-    files[file] = obj_bytes([collider.hull])
+    data = obj_bytes([Shape("piece", collider.hull.vertices, collider.hull.faces)])
+    file = pieces.setdefault(data, f"meshes/{name}.collision.obj")  # equal pieces (the keys of a pad) share a file
+    files[file] = data
     return {"name": name, "xyz": "0 0 0", "rpy": "0 0 0", "box": "", "file": file}
 
 

@@ -84,8 +84,8 @@ def lights(camera: Camera, sun_count: int = 12, sky_count: int = 32) -> Lights:
     share = 1.0 + 0.55 * (sky * unit(back * [1.0, 1.0, 0.0])).sum(axis=-1)
     power = np.concatenate(
         [
-            np.full((sun_count, 3), 0.62 / sun_count) * [1.0, 0.985, 0.95],
-            share[:, None] * np.full((sky_count, 3), 1.0 / sky_count) * [0.96, 0.985, 1.0],
+            np.full((sun_count, 3), 0.58 / sun_count) * [1.0, 0.985, 0.95],
+            share[:, None] * np.full((sky_count, 3), 0.94 / sky_count) * [0.96, 0.985, 1.0],
         ]
     )
     return Lights(np.concatenate([sun, sky]), power, np.arange(sun_count + sky_count) < sun_count)

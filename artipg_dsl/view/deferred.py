@@ -86,8 +86,8 @@ def draw(
         at = np.flatnonzero((pane.face >= 0) & (pane.distance < nearer))
         shown, alpha = light_up(engine, lights, chosen[at], surface(scene, rays, at, pane), rays, at, backdrop, extent)
         image[at] = shown * alpha[:, None] + image[at] * (1 - alpha[:, None])
-    grid = np.clip(image, 0.0, 1.0).reshape(size, SAMPLES, size, SAMPLES, 3)
-    return grid.mean(axis=(1, 3))
+    grid = image.reshape(size, SAMPLES, size, SAMPLES, 3)
+    return np.clip(grid.mean(axis=(1, 3)), 0.0, 1.0)
 
 
 def pick_lights(lights: Lights, edge: int) -> np.ndarray:

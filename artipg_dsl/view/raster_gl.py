@@ -19,6 +19,7 @@ SAMPLES = 2  # supersampling per axis
 VERTEX = """
 #version 330
 uniform mat4 view;
+invariant gl_Position;
 in vec3 position; in vec3 normal; in vec4 colour; in vec2 surface;
 out vec3 at; out vec3 n; out vec4 tint; out vec2 finish;
 void main() { at = position; n = normal; tint = colour; finish = surface; gl_Position = view * vec4(position, 1.0); }
@@ -32,7 +33,7 @@ uniform sampler2DShadow shadows;
 uniform mat4 to_light[COUNT];
 uniform vec3 direction[COUNT];
 uniform vec3 power[COUNT];
-uniform vec3 eye; uniform vec3 backdrop; uniform vec3 open_ground;
+uniform vec3 eye; uniform vec3 backdrop;
 uniform float offset; uniform float sun_count; uniform float ground; uniform float pixels;
 in vec3 at; in vec3 n; in vec4 tint; in vec2 finish;
 out vec4 result;
@@ -61,18 +62,22 @@ void main() {
     vec3 light = vec3(0.0), shine = vec3(0.0);
     float turn = 6.2832 * fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
     float gloss = finish.y, sharp = exp2(2.0 + 7.0 * gloss);
-    for (int k = 0; k < COUNT; ++k) {
+    // the four samples of a pixel share the lights out: their mean has seen every one
+    ivec2 sample_at = ivec2(gl_FragCoord.xy) % 2;
+    vec3 open = vec3(0.0);
+    for (int k = sample_at.y * 2 + sample_at.x; k < COUNT; k += 4) {
         float facing = dot(m, direction[k]);
         if (facing <= 0.0) continue;
         float visible = seen(k, p, turn + 2.4 * float(k));
-        light += visible * facing * power[k];
+        light += 4.0 * visible * facing * power[k];
+        open += 4.0 * facing * power[k];
         if (float(k) < sun_count)
-            shine += visible * power[k] * pow(max(dot(m, normalize(direction[k] + v)), 0.0), sharp);
+            shine += 4.0 * visible * power[k] * pow(max(dot(m, normalize(direction[k] + v)), 0.0), sharp);
     }
     if (ground > 0.5) {                // bare ground is the backdrop itself; shadows fade out towards the border
         vec2 border = min(gl_FragCoord.xy, vec2(pixels) - gl_FragCoord.xy) / pixels;
         float kept = smoothstep(0.0, 0.12, min(border.x, border.y));
-        result = vec4(backdrop * mix(vec3(1.0), pow(light / open_ground, vec3(0.85)), kept), 1.0);
+        result = vec4(backdrop * mix(vec3(1.0), pow(light / open, vec3(0.85)), kept), 1.0);
         return;
     }
     light += vec3(0.13) + 0.10 * backdrop * (0.5 - 0.5 * m.z);         // what comes back from the ground and around
@@ -91,6 +96,7 @@ void main() {
 SHADOW = """
 #version 330
 uniform mat4 view;
+invariant gl_Position;
 in vec3 position;
 void main() { gl_Position = view * vec4(position, 1.0); }
 """
@@ -100,7 +106,7 @@ class Renderer:
     """Draws scenes in tiles of ``size`` pixels. Raises ImportError or an error of the library where GL is missing."""
 
     name = "moderngl"
-    light_counts = (12, 28)  # sun, sky
+    light_counts = (16, 48)  # sun, sky
 
     def __init__(self, size: int, backdrop: np.ndarray):
         import moderngl
@@ -175,8 +181,7 @@ class Renderer:
         self.atlas.use(0)
         values = {
             "view": camera.matrix().T, "to_light": matrices.transpose(0, 2, 1), "direction": lights.direction,
-            "power": lights.power, "eye": camera.eye, "backdrop": self.backdrop, "open_ground": open_ground(lights),
-            "offset": np.array([extent * 0.006]), "sun_count": np.array([float(lights.sun.sum())]),
+            "power": lights.power, "eye": camera.eye, "backdrop": self.backdrop,             "offset": np.array([extent * 0.006]), "sun_count": np.array([float(lights.sun.sum())]),
             "pixels": np.array([self.size * float(SAMPLES)]),
         }  # fmt: skip
         for name, value in values.items():
@@ -188,13 +193,18 @@ class Renderer:
         context.enable_only(self.gl.DEPTH_TEST)
         layout = [(vertices, "3f 3f 4f 2f", "position", "normal", "colour", "surface")]
         opaque, clear = faces
-        self._ground(scene, floor, made)
         program["ground"].value = 0.0
         if len(opaque):
             indices = context.buffer(scene.faces[opaque].astype("u4").tobytes())
+            depth_only = context.vertex_array(self.shadow_program, [(vertices, "3f 36x", "position")], indices)
             array = context.vertex_array(program, layout, indices)
-            made += [indices, array]
+            made += [indices, depth_only, array]
+            self.shadow_program["view"].write(np.ascontiguousarray(camera.matrix().T, dtype="f4").tobytes())
+            depth_only.render()  # depth first: the costly shading then runs once per sample
+            context.depth_func = "<="
             array.render()
+        self._ground(scene, floor, made)
+        program["ground"].value = 0.0
         if len(clear):
             context.enable_only(self.gl.DEPTH_TEST | self.gl.BLEND | self.gl.CULL_FACE)
             context.blend_func = self.gl.SRC_ALPHA, self.gl.ONE_MINUS_SRC_ALPHA
@@ -208,8 +218,8 @@ class Renderer:
             self.target.depth_mask = True
         context.copy_framebuffer(self.plain, self.target)
         raw = np.frombuffer(self.plain.read(components=3, dtype="f2"), dtype=np.float16)
-        image = np.clip(raw.reshape(self.size, SAMPLES, self.size, SAMPLES, 3).astype(np.float32), 0.0, 1.0)
-        return image.mean(axis=(1, 3))[::-1]
+        image = raw.reshape(self.size, SAMPLES, self.size, SAMPLES, 3).astype(np.float32)
+        return np.clip(image.mean(axis=(1, 3))[::-1], 0.0, 1.0)
 
     def _ground(self, scene: Scene, floor: float, made: list) -> None:
         low, high = scene.vertices.min(axis=0), scene.vertices.max(axis=0)
@@ -241,8 +251,3 @@ def light_matrices(lights: Lights, low: np.ndarray, high: np.ndarray) -> np.ndar
         matrices[k, :3, 3] = -middle / half
         matrices[k, 3, 3] = 1.0
     return matrices
-
-
-def open_ground(lights: Lights) -> np.ndarray:
-    """Irradiance (3,) of flat ground under the open sky."""
-    return (np.maximum(lights.direction[:, 2:], 0.0) * lights.power).sum(axis=0)

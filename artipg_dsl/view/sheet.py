@@ -79,9 +79,8 @@ def sheet(
     image[:] = srgb(hex_colour(BACKDROP))
     for i, number in enumerate(batch.numbers.tolist()):
         state = states if states != "alternate" else ("rest", "open")[(i + i // columns * (columns % 2 == 0)) % 2]
-        both = [scene(robots, i, poses[name], colour) for name in ("rest", "open")]
-        shown = both[0] if state == "rest" else both[1]
-        camera = look_at(np.concatenate([one.vertices for one in both]), azimuth)
+        shown = scene(robots, i, poses[state], colour)
+        camera = look_at(shown.vertices, azimuth)
         floor = float(shown.vertices[:, 2].min())
         light = draw.render(shown, camera, lights(camera, *draw.light_counts), floor)
         y, x = i // columns * tile, i % columns * tile
