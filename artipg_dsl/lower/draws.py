@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from ..graph import expr as E
 from ..graph.expr import Column, Expr
 from ..graph.program import Draw
-from ..semantics.units import UNITS
+from ..semantics.units import SI_UNITS, UNITS
 from ..source import Span
 from ..syntax import ast
 from .context import Unknown, where
@@ -53,7 +53,7 @@ def make_draw(env: Env, declaration: ast.ParamDecl | ast.CountDecl, path: str, c
         raise env.context.error("empty-range", domain.span, "this range is empty: its lower end lies above its upper end")
     draw = Draw(
         column, address(env, path, declaration.was), "count" if counted else "real", low, high,
-        where=where(declaration.span), doc=declaration.doc,
+        unit="" if counted else SI_UNITS.get(declaration.type.name, ""), where=where(declaration.span), doc=declaration.doc,
     )  # fmt: skip
     if declaration.default is not None:
         draw.default = component_of(env, declaration.default, component)

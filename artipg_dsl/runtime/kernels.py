@@ -156,9 +156,15 @@ def _no_room(state: State, rows: Rows, number: int, bad: np.ndarray) -> None:
         state.missed[number] = state.missed.get(number, 0) + len(np.unique(owners))
 
 
-def _given(state: State, rows: Rows, number: int) -> np.ndarray | None:
+def _given(state: State, rows: Rows, number: int, low: np.ndarray | float, high: np.ndarray | float) -> np.ndarray | None:
+    """The value given for a draw, if any; an object that has no room for it fails (and goes on with a legal value)."""
     value = state.given.get(number)
-    return None if value is None else full(rows, value).astype(np.float64)
+    if value is None:
+        return None
+    found = full(rows, value).astype(np.float64)
+    bad = ~((found >= low - TOLERANCE) & (found <= high + TOLERANCE))
+    _no_room(state, rows, number, bad)
+    return np.where(bad, low, found)
 
 
 def draw_real(
@@ -166,7 +172,7 @@ def draw_real(
     arguments: tuple, default: np.ndarray | float | None,
 ) -> np.ndarray:  # fmt: skip
     """A value between ``low`` and ``high`` per row, distributed as asked within them."""
-    found = _given(state, rows, number)
+    found = _given(state, rows, number, low, high)
     if found is None:
         bad = low > high + TOLERANCE
         _no_room(state, rows, number, bad)
@@ -232,7 +238,7 @@ def draw_count(
     arguments: tuple, default: np.ndarray | float | None,
 ) -> np.ndarray:  # fmt: skip
     """A whole number between ``low`` and ``high`` per row."""
-    found = _given(state, rows, number)
+    found = _given(state, rows, number, np.ceil(low - TOLERANCE), np.floor(high + TOLERANCE))
     if found is None:
         first, last = np.ceil(low - TOLERANCE), np.floor(high + TOLERANCE)
         _no_room(state, rows, number, first > last)
@@ -251,9 +257,11 @@ def draw_count(
 
 def draw_choice(state: State, rows: Rows, number: int, address: str, weights: tuple) -> np.ndarray:
     """The index of one of the options, by weight."""
-    found = _given(state, rows, number)
-    if found is None:
-        table = np.stack([np.broadcast_to(np.asarray(w, dtype=np.float64), (rows.size,)) for w in weights])
+    table = np.stack([np.broadcast_to(np.asarray(w, dtype=np.float64), (rows.size,)) for w in weights])
+    found = _given(state, rows, number, 0.0, len(weights) - 1.0)
+    if found is not None:
+        _no_room(state, rows, number, table[found.astype(np.int64), np.arange(rows.size)] <= 0.0)
+    else:
         total = np.cumsum(np.maximum(table, 0.0), axis=0)
         _no_room(state, rows, number, total[-1] <= 0.0)
         if state.defaults:

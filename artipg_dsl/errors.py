@@ -1,0 +1,19 @@
+"""Errors that the user can put right, told in words: what is wrong, and what to try."""
+
+from __future__ import annotations
+
+
+class UserError(Exception):
+    """``message`` says what is wrong, ``hint`` what to try."""
+
+    def __init__(self, message: str, hint: str | None = None):
+        super().__init__(f"{message} ({hint})" if hint else message)
+        self.message, self.hint = message, hint
+
+
+class SettingError(UserError, ValueError):
+    """A parameter that was to be set cannot be, or not to this value."""
+
+
+class NoObject(UserError):
+    """The requirements of a category leave nothing of some objects."""

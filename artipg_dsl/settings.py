@@ -1,0 +1,138 @@
+"""Parameters that the user fixes: ``width=45cm``, ``handle=BarHandle``, ``pad.rows=5``, checked against their domain."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING
+
+from .diagnostics.suggest import did_you_mean
+from .errors import SettingError
+from .semantics.units import UNITS
+
+if TYPE_CHECKING:
+    from .graph.program import Draw, Program
+
+Value = float | int | str
+Settings = dict[str, Value]
+
+NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*")
+NOUNS = {"m": "a length", "rad": "an angle", "kg": "a mass", "kg/m3": "a density", "s": "a time", "m/s": "a speed"}
+EXAMPLES = {"m": "45cm", "rad": "30deg", "kg": "2kg", "kg/m3": "700kg/m3", "s": "2s", "m/s": "1m/s"}
+
+
+def split(texts: Iterable[str]) -> dict[str, str]:
+    """``["width=45cm", ...]`` as a dictionary. Raises SettingError."""
+    found: dict[str, str] = {}
+    for text in texts:
+        name, equals, value = (piece.strip() for piece in text.partition("="))
+        if not equals or not name or not value:
+            raise SettingError(f"`{text}` sets nothing", "write a name, an equals sign and a value: width=45cm")
+        if found.get(name, value) != value:
+            raise SettingError(f"`{name}` is set twice, to {found[name]} and to {value}")
+        found[name] = value
+    return found
+
+
+def resolve(program: Program, settings: Mapping[str, Value]) -> tuple[dict[int, float], Settings]:
+    """Values by the index of their draw, and the settings in SI units as a manifest keeps them. Raises SettingError.
+
+    Text carries its unit; a bare number is in metres, radians or whatever the SI unit is. A name that several
+    alternatives share is set in each of them.
+    """
+    given: dict[int, float] = {}
+    plain: Settings = {}
+    for name, value in settings.items():
+        draws = {k: d for k, d in enumerate(program.draws) if d.column.name == name}
+        if not draws:
+            raise _unknown(program, name)
+        refused: SettingError | None = None
+        for k, draw in draws.items():
+            try:
+                given[k], plain[name] = read(draw, value)
+            except SettingError as error:
+                refused = error
+        if name not in plain:
+            assert refused is not None
+            raise refused
+        for k in draws.keys() - given.keys():  # an alternative that cannot have the value: never chosen with it
+            given[k] = math.nan
+    return given, plain
+
+
+def read(draw: Draw, value: Value) -> tuple[float, Value]:
+    """The value of a draw as the runtime takes it, and as a manifest keeps it. Raises SettingError."""
+    if draw.kind == "choice":
+        return _option(draw, value)
+    number = value if isinstance(value, int | float) and not isinstance(value, bool) else _number(draw, str(value))
+    if draw.kind == "count" and number != int(number):
+        raise SettingError(f"`{draw.column.name}` is a count: {value} is not a whole number")
+    low = None if draw.low is None else draw.low.constant
+    high = None if draw.high is None else draw.high.constant
+    if (low is not None and number < low - 1e-9) or (high is not None and number > high + 1e-9):
+        raise SettingError(
+            f"`{draw.column.name}` cannot be {value}: it lies in {domain(draw)}", f"see {draw.where}" if draw.where else None
+        )
+    return float(number), int(number) if draw.kind == "count" else float(number)
+
+
+def _option(draw: Draw, value: Value) -> tuple[float, Value]:
+    name = str(value)
+    if name not in draw.options:
+        known = ", ".join(draw.options)
+        raise SettingError(
+            f"`{draw.column.name}` cannot be `{name}`: it is one of {known}", did_you_mean(name, draw.options)
+        )
+    return float(draw.options.index(name)), name
+
+
+def _number(draw: Draw, text: str) -> float:
+    name, unit = draw.column.name, draw.unit
+    match = NUMBER.fullmatch(text)
+    if match is None:
+        example = EXAMPLES.get(unit, "3" if draw.kind == "count" else "0.5")
+        raise SettingError(f"`{name}` cannot be `{text}`: a number is needed", f"for example {name}={example}")
+    number, written = float(match.group(1)), match.group(2)
+    if written not in UNITS and written:
+        raise SettingError(f"`{written}` in {name}={text} is no unit", did_you_mean(written, (u for u in UNITS if u)))
+    if not math.isfinite(number):
+        raise SettingError(f"`{name}` cannot be {text}: the number is too large")
+    wanted = UNITS[unit][1] if unit else UNITS["%"][1]
+    factor, dimension = UNITS[written] if written else (1.0, UNITS["%"][1])
+    if dimension == wanted or (number == 0 and not written):
+        return number * factor
+    noun = NOUNS.get(unit, "a number without a unit" if not unit else f"in {unit}")
+    if not written:
+        raise SettingError(f"{name}={text} has no unit: `{name}` is {noun}", f"for example {name}={EXAMPLES.get(unit, '1' + unit)}")
+    raise SettingError(f"{name}={text} has the wrong unit: `{name}` is {noun}", f"for example {name}={EXAMPLES.get(unit, '1')}")
+
+
+def _unknown(program: Program, name: str) -> SettingError:
+    names = list(dict.fromkeys(d.column.name for d in program.draws))
+    inside = [n for n in names if n.startswith(name + ".")]
+    if any(column.name == name for column in program.definitions):
+        return SettingError(
+            f"`{name}` follows from other values: it cannot be set", "set what determines it; `apgc ledger` tells what does"
+        )
+    if inside:
+        shown = ", ".join(inside[:6]) + (", ..." if len(inside) > 6 else "")
+        return SettingError(f"`{name}` is not one value", f"set one of {shown}")
+    hint = did_you_mean(name, names) or f"these can be set: {', '.join(names)}"
+    return SettingError(f"{program.name} draws no `{name}`", hint)
+
+
+def domain(draw: Draw) -> str:
+    """``40cm .. 60cm``; ends that depend on other values are left open."""
+    ends = [None if e is None else e.constant for e in (draw.low, draw.high)]
+    return " .. ".join("?" if e is None else shown(float(e), draw.unit) for e in ends)
+
+
+def shown(value: float, unit: str) -> str:
+    """A value in the unit that people use for its size."""
+    if unit == "m":
+        unit = "mm" if abs(value) < 0.01 else "cm" if abs(value) < 1 else "m"
+    elif unit == "rad":
+        unit = "deg"
+    number = value / UNITS[unit][0] if unit else value
+    return f"{number:.6g}{unit}"
