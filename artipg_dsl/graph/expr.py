@@ -254,7 +254,17 @@ def mul(a: Expr, b: Expr) -> Expr:
         return neg(b)
     if b.constant == -1.0:
         return neg(a)
+    pair = [e for e in (a, b) if e.op == "where"]
+    if pair and signed(a) and signed(b) and pair[0].args[0] is pair[-1].args[0]:
+        condition = pair[0].args[0]
+        (x, y), (v, w) = (e.args[1:] if e.op == "where" else (e, e) for e in (a, b))
+        return where(condition, mul(x, v), mul(y, w))
     return call("mul", a, b)
+
+
+def signed(a: Expr) -> bool:
+    """A constant, or one of two by a condition (the sign of a mirror's halves): products of those fold."""
+    return a.op == "const" or a.op == "where" and a.args[1].op == "const" and a.args[2].op == "const"
 
 
 def div(a: Expr, b: Expr) -> Expr:
@@ -268,6 +278,8 @@ def div(a: Expr, b: Expr) -> Expr:
 
 
 def neg(a: Expr) -> Expr:
+    if a.op == "where" and signed(a):
+        return where(a.args[0], neg(a.args[1]), neg(a.args[2]))
     return a.args[0] if a.op == "neg" else call("neg", a)
 
 

@@ -12,7 +12,7 @@ from .context import Abort, Equation, text_of
 from .env import Env
 from .evaluate import Evaluator
 from .place import mount_of, root_name
-from .values import AXES, FACES, Box, Frame, Plane, Ref, Value, Vec, squared
+from .values import AXES, FACES, Box, Frame, Plane, Ref, Value, Vec, sole_axis, squared
 
 if TYPE_CHECKING:
     from .part import Part
@@ -118,12 +118,8 @@ def on_plane(ev: Evaluator, subject: ast.Expr, node: ast.Expr, target: Value, ga
     a, b = ev.plane(own, subject.span), ev.plane(target, node.span)
     if a.axis != b.axis:
         raise ev.across(span, a, b)
-    sign = 1.0
-    if isinstance(target, Frame):
-        sign = target.out[b.axis or 0].constant or 1.0
-    ev.env.equations.append(
-        Equation(a.coordinate, E.add(b.coordinate, E.mul(gap, E.const(sign))), span, text_of(span))
-    )
+    sign = target.out[b.axis or 0] if isinstance(target, Frame) else E.ONE
+    ev.env.equations.append(Equation(a.coordinate, E.add(b.coordinate, E.mul(gap, sign)), span, text_of(span)))
 
 
 def target_box(ev: Evaluator, node: ast.Expr, span: Span) -> Box:
@@ -147,7 +143,7 @@ def at_point(ev: Evaluator, subject: ast.Expr, clause: ast.Clause, target: Value
     """``at center`` equates the two other coordinates of the centres; ``at y = ...`` one coordinate each."""
     own = ev.value(subject)
     origin = own.origin if isinstance(own, Frame) else ev.box(subject).center
-    normal = next((k for k in range(3) if isinstance(own, Frame) and own.out[k].constant in (1.0, -1.0)), None)
+    normal = sole_axis(own.out) if isinstance(own, Frame) else None
     for name, node in zip(clause.names, clause.values, strict=True):
         if name in AXES:
             k = AXES.index(name)

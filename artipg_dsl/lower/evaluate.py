@@ -30,15 +30,16 @@ from .values import (
     Value,
     Vec,
     compose,
-    extent,
     corner_of,
     edge_of,
+    extent,
     face_of,
     mapped,
     merged,
     minus,
     moved,
     place,
+    sole_axis,
     squared,
     times,
     unit,
@@ -138,7 +139,7 @@ class Evaluator:
             if value.axis is None:
                 raise self.tilted(span)
             return value
-        axis = next((k for k in range(3) if value.out[k].constant in (1.0, -1.0)), None)
+        axis = sole_axis(value.out)
         if axis is None:
             raise self.tilted(span)
         return Plane(axis, value.origin[axis], value.on)

@@ -10,7 +10,21 @@ from ..graph.program import Pose
 from ..syntax import ast
 from .env import Element, Env
 from .evaluate import Evaluator
-from .values import HERE, IDENTITY, ORIGIN, Box, Line, minus, norm, place, rotation_about, signed_axis, squared, turn, unit
+from .values import (
+    HERE,
+    IDENTITY,
+    ORIGIN,
+    Box,
+    Line,
+    minus,
+    norm,
+    place,
+    rotation_about,
+    signed_axis,
+    squared,
+    turn,
+    unit,
+)
 
 HALF = E.const(0.5)
 WATER_ROUNDS = 12
@@ -139,7 +153,7 @@ def mirrored(ev: Evaluator, statement: ast.RepeatStmt, scope: Scope) -> Pose:
     axis = signed_axis(ev.direction(found.values[0]))
     if axis is None:
         raise ev.env.context.error("bad-axis", found.span, "a mirror stands across x, y or z")
-    sign = E.sub(E.ONE, E.mul(E.const(2.0), E.rank(scope)))
+    sign = E.where(E.call("eq", E.rank(scope), E.ZERO), E.ONE, E.const(-1.0))
     if axis[0] == 1:
         return Pose(IDENTITY, ORIGIN, sign)
     # a reflection in another axis is the one in y followed by a half turn

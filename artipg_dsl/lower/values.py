@@ -93,8 +93,17 @@ def columns(a: Triple, b: Triple, c: Triple) -> Matrix:
 
 
 def rotation_about(axis: Triple, angle: Expr) -> Matrix:
-    """Rotation about a unit axis (Rodrigues' formula)."""
+    """Rotation about a unit axis (Rodrigues' formula; about x, y or z with exact zeros and ones)."""
     c, s = E.call("cos", angle), E.call("sin", angle)
+    found = signed_axis(axis)
+    if found is not None:
+        k, sign = found
+        i, j = (k + 1) % 3, (k + 2) % 3
+        rows = [list(row) for row in IDENTITY]
+        rows[i][i] = rows[j][j] = c
+        turned = E.mul(E.const(float(sign)), s)
+        rows[i][j], rows[j][i] = E.neg(turned), turned
+        return tuple(map(tuple, rows))  # type: ignore[return-value]
     k = E.sub(ONE, c)
     x, y, z = axis
 
@@ -176,6 +185,12 @@ def signed_axis(direction: Triple) -> tuple[int, int] | None:
         if direction[k].constant in (1.0, -1.0) and all(direction[j] is ZERO for j in range(3) if j != k):
             return k, int(direction[k].constant)  # type: ignore[arg-type]
     return None
+
+
+def sole_axis(direction: Triple) -> int | None:
+    """The axis of a unit direction whose other components are 0 by construction (its sign may differ from row to row)."""
+    nonzero = [k for k in range(3) if direction[k] is not ZERO]
+    return nonzero[0] if len(nonzero) == 1 else None
 
 
 # ---------------------------------------------------------------- values
@@ -337,13 +352,19 @@ def corner_of(edge: Edge, name: str) -> Vec | None:
 
 
 def squared(box: Box) -> Box:
-    """The same box written in the frame of the environment, when its pose turns it by right angles only."""
+    """The same box written in the frame of the environment, when its pose turns it by right angles only.
+
+    Where a direction may differ from row to row (the halves of a mirror), low and high follow from centre and size.
+    """
     if box.pose is HERE:
         return box
-    if any(signed_axis(tuple(row[k] for row in box.pose.rotation)) is None for k in range(3)):  # type: ignore[arg-type]
+    turned = box.pose.rotation
+    if any(sole_axis(row) is None for row in turned) or any(sole_axis(row) is None for row in transpose(turned)):
         return box
-    if box.pose.mirror.constant is None:
-        return box
+    if box.pose.mirror.constant is None or any(signed_axis(row) is None for row in turned):
+        center = place(box.pose, box.center)
+        half = tuple(E.mul(box.size[sole_axis(row)], E.const(0.5)) for row in turned)  # type: ignore[index]
+        return Box(minus(center, half), plus(center, half), HERE, box.on, box.exists)  # type: ignore[arg-type]
     ends = place(box.pose, box.low), place(box.pose, box.high)
     low, high = [], []
     for k in range(3):
@@ -454,8 +475,8 @@ def moved_plane(value: Plane, pose: Pose) -> Plane:
     if value.axis is None:
         return value
     normal = direct(pose, unit(value.axis))
-    found = signed_axis(normal)
-    if found is None:
+    axis = sole_axis(normal)
+    if axis is None:
         return replace(value, axis=None)
     point = place(pose, times(unit(value.axis), value.coordinate))
-    return replace(value, axis=found[0], coordinate=point[found[0]])
+    return replace(value, axis=axis, coordinate=point[axis])
