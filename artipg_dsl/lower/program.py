@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from ..diagnostics import Report
 from ..graph import expr as E
 from ..graph.expr import Expr, Scope
-from ..graph.program import Allowed, Label, Link, Program, Requirement
+from ..graph.program import Allowed, Link, Program, Requirement
 from ..graph.text import digest
 from ..semantics.symbols import Symbol
 from ..syntax import ast
@@ -88,10 +88,7 @@ def number_links(links: Links) -> None:
 def order_labels(context: Context) -> None:
     """Outer labels first, so that the innermost is said last; the order of the text among equals."""
     ordered = sorted(context.labels, key=lambda pair: pair[0])
-    merged: dict[tuple, Label] = {}
-    for _, label in ordered:
-        merged[len(merged), label.vocabulary, label.name] = label
-    context.program.labels = [label for label in merged.values() if label.targets]
+    context.program.labels = [replace(label, depth=depth) for depth, label in ordered if label.targets]
 
 
 def dress(context: Context) -> None:
