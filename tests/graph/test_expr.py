@@ -1,0 +1,52 @@
+"""Expressions: interning, folding, scopes."""
+
+import pytest
+
+from artipg_dsl.graph import expr as E
+from artipg_dsl.graph.expr import Column, Scope
+
+ROOT = Scope("root")
+CHILD = Scope("child", ROOT, "repeat", E.const(3))
+OTHER = Scope("other", ROOT, "repeat", E.const(2))
+A, B = E.col(Column(ROOT, "a")), E.col(Column(ROOT, "b"))
+C, D = E.col(Column(CHILD, "c")), E.col(Column(OTHER, "d"))
+
+
+def test_equal_expressions_are_one_object():
+    assert A + B is A + B
+    assert E.call("sin", A * 2) is E.call("sin", A * 2)
+
+
+@pytest.mark.parametrize(
+    "built, expected",
+    [
+        (A + 0, A), (A - 0, A), (0 + A, A), (A * 1, A), (A * 0, E.ZERO), (A - A, E.ZERO), (-(-A), A), (A + (-B), A - B),
+        (E.const(2) + E.const(3), E.const(5)), (E.both(E.TRUE, A), A), (E.either(E.TRUE, A), E.TRUE), (E.where(E.TRUE, A, B), A),
+        (E.where(E.call("lt", A, B), A, A), A), (E.negate(E.negate(A)), A), (E.call("max", E.const(1), E.const(4)), E.const(4)),
+    ],
+)  # fmt: skip
+def test_folding(built, expected):
+    assert built is expected
+
+
+def test_the_scope_of_an_operation_is_the_deepest():
+    assert (A + C).scope is CHILD
+    assert (A + B).scope is ROOT
+    assert E.reduce("sum", CHILD, C).scope is ROOT
+    assert E.element(CHILD, C, A).scope is ROOT
+
+
+def test_values_of_unrelated_tables_do_not_mix():
+    with pytest.raises(E.ScopeError):
+        _ = C + D
+
+
+def test_leaves_and_substitution():
+    value = E.call("sin", A) * B + A
+    assert {c.name for c in E.leaves(value)} == {"a", "b"}
+    assert E.substitute(value, {A: E.ZERO}) is E.ZERO
+    assert E.substitute(value, {B: E.ONE}) is E.call("sin", A) + A
+
+
+def test_division_by_zero_is_left_for_later():
+    assert E.div(E.const(1), E.const(0)).op == "div"
