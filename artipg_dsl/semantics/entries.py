@@ -106,6 +106,7 @@ def of_reference(ck: Checker, ctx: Context, ref: ast.TypeRef) -> Type:
             return ck.unknown(
                 ctx.module, ref.name, "unknown-type", ref.span, f"there is no role `{ref.name}` here", hint
             )
+        return Style((Variant(ref.name, symbol), None), ref.name)
     if ref.name == "count":
         return COUNT
     if ref.name in DIMENSIONS:

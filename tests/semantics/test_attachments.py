@@ -145,3 +145,37 @@ category Oven {{
 def test_what_a_role_offers_as_optional(tmp_path, alternatives, statements, found):
     text = OPTIONAL_SLOT.format(alternatives=alternatives, statements=statements)
     assert codes(check_text(tmp_path, HEAD + text)[0]) == found
+
+
+STYLE = """
+role Front {{ inherit size : length[3]  inherit pull : style Handle }}
+template Door : Front {{
+  part handle : pull(size = [_, 2cm, 10cm])
+  connect handle.mount to frame(at = front.center, out = x, up = z)
+  {statement}
+}}
+template Peg {{ part rod : Cuboid(size = [1cm, 1cm, 1cm]) }}
+category Chest {{
+  style grip : Handle = BarHandle weight 2 | BowHandle | none
+  style peg : Peg = Peg
+  root part body : Cuboid(size = [40cm, 60cm, 30cm])
+  part door : Front(pull = {pull}) = Door
+  connect door.back on body.front
+}}
+"""
+
+
+@pytest.mark.parametrize(
+    "pull, statement, found",
+    [
+        ("grip", "require handle.size.z <= 0.5 * size.z", []),
+        ("BarHandle", "when handle { align handle.center.z = center.z }", []),
+        ("grip", "align handle.center.z = center.z", ["optional-outside-when"]),
+        ("grip", "require handle.nose.size.z <= 1cm", ["unknown-member"]),
+        ("peg", "", ["wrong-role"]),
+        ("3cm", "", ["wrong-type"]),
+    ],
+)
+def test_styles_handed_to_templates(tmp_path, pull, statement, found):
+    text = STYLE.format(pull=pull, statement=statement)
+    assert codes(check_text(tmp_path, HEAD + text)[0]) == found
