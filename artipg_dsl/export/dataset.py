@@ -37,6 +37,8 @@ def write_dataset(
     n_points: int = 2048,
     shard: int = SHARD,
     settings: dict[str, Any] | None = None,
+    source: str = "",
+    part: tuple[int, int] = (1, 1),
     force: bool = False,
     progress: Callable[[int, int], None] | None = None,
     counts: Callable[[], dict[str, Any]] | None = None,
@@ -44,7 +46,9 @@ def write_dataset(
     """Write the objects ``numbers`` (ascending) to ``out`` and return the manifest.
 
     ``sample(numbers)`` makes the batch of some of them; it is called only for shards where something is missing.
-    ``progress(done, total)`` hears of objects as they are finished; ``counts()`` is asked once all are.
+    ``source`` names the program for whoever reads the folder. ``part`` (k, n) writes every n-th shard from the k-th on,
+    so that n runs share the work; the counts are then left out. ``progress(done, total)`` hears of objects as they are
+    finished; ``counts()`` is asked once all objects have been sampled.
     """
     out, numbers = Path(out), np.asarray(numbers, dtype=np.int64)
     make: dict[str, Any] = {
@@ -53,10 +57,12 @@ def write_dataset(
         "n_points": n_points,
         "formats": [f.name for f in formats],
     }
-    manifest = manifests.build(program, **make, shard=shard, settings=settings)
-    prepare(out, manifest, force)
-    done = 0
-    for first in range(0, len(numbers), shard):
+    make |= {"shard": shard, "settings": settings, "source": source}
+    manifest = prepare(out, manifests.build(program, **make), force)
+    sampled = done = 0
+    mine = range((part[0] - 1) * shard, len(numbers), part[1] * shard)
+    total = sum(len(numbers[first : first + shard]) for first in mine)
+    for first in mine:
         chosen = numbers[first : first + shard]
         missing = [f for f in formats if f.shard and not shard_path(out, f, first // shard).exists()]
         absent = np.array([n for n in chosen.tolist() if not object_folder(out, n).exists()], dtype=np.int64)
@@ -67,12 +73,15 @@ def write_dataset(
                 assert entry.shard is not None
                 write_bytes(shard_path(out, entry, first // shard), entry.shard(batch, n_points))
             if robots and len(absent):
-                write_objects(batch, out, robots, only=absent, progress=_offset(progress, done, len(numbers)))
+                write_objects(batch, out, robots, only=absent, progress=_offset(progress, done, total))
+            sampled += len(chosen)
         done += len(chosen)
         if progress:
-            progress(done, len(numbers))
-    if counts is not None:
-        manifest = manifests.build(program, **make, shard=shard, settings=settings, counts=counts())
+            progress(done, total)
+    if counts is not None and "counts" not in manifest and part[1] == 1:
+        if sampled < total:  # completed in several runs: what is there already is counted again, without writing it
+            _recount(sample, numbers, shard, sampled_here)
+        manifest = manifests.build(program, **make, counts=counts())
         write_bytes(out / manifests.NAME, manifests.text(manifest), force=True)
     return manifest
 

@@ -180,10 +180,16 @@ class Renderer:
         extent = float(np.abs(scene.vertices.max(axis=0) - scene.vertices.min(axis=0)).max())
         self.atlas.use(0)
         values = {
-            "view": camera.matrix().T, "to_light": matrices.transpose(0, 2, 1), "direction": lights.direction,
-            "power": lights.power, "eye": camera.eye, "backdrop": self.backdrop,             "offset": np.array([extent * 0.006]), "sun_count": np.array([float(lights.sun.sum())]),
+            "view": camera.matrix().T,
+            "to_light": matrices.transpose(0, 2, 1),
+            "direction": lights.direction,
+            "power": lights.power,
+            "eye": camera.eye,
+            "backdrop": self.backdrop,
+            "offset": np.array([extent * 0.006]),
+            "sun_count": np.array([float(lights.sun.sum())]),
             "pixels": np.array([self.size * float(SAMPLES)]),
-        }  # fmt: skip
+        }
         for name, value in values.items():
             program[name].write(np.ascontiguousarray(value, dtype="f4").tobytes())
         program["shadows"].value = 0

@@ -164,7 +164,8 @@ def test_a_grasp_frame_is_square_even_if_its_words_are_not() -> None:
 def test_the_annotation_tells_the_whole_object() -> None:
     batch = FakeBatch(2)
     second = describe(batch)[1]
-    assert second["object"] == 1 and second["category"] == "Cupboard" and second["seed"] == 7 and second["rejected"] == 1
+    assert (second["object"], second["category"]) == (1, "Cupboard")
+    assert (second["seed"], second["rejected"]) == (7, 1)
     hinge = second["joints"][0]
     assert hinge["name"] == "open" and (hinge["parent"], hinge["child"]) == ("base", "door")
     assert hinge["range"] == [0.0, 1.9] and hinge["origin"] == pytest.approx(batch._hinge()[1], abs=1e-9)

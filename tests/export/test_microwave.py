@@ -12,12 +12,18 @@ from artipg_dsl.export.robot import Robots
 from artipg_dsl.export.shards import point_arrays
 from artipg_dsl.export.urdf import urdf_files
 from artipg_dsl.runtime.batch import Batch
+from artipg_dsl.runtime.sample import Sampler
 from artipg_dsl.session import Session
 
 
 @pytest.fixture(scope="module")
-def batch() -> Batch:
-    return Session.of("Microwave").sampler.batch(np.arange(30, 40), seed=7)
+def sampler() -> Sampler:
+    return Session.of("Microwave").sampler
+
+
+@pytest.fixture(scope="module")
+def batch(sampler: Sampler) -> Batch:
+    return sampler.batch(np.arange(30, 40), seed=7)
 
 
 @pytest.fixture(scope="module")
@@ -56,8 +62,8 @@ def test_its_door_moves_through_its_range(batch: Batch, robots: Robots) -> None:
         assert data.joint("open").qpos[0] == pytest.approx(model.joint("open").range[end], abs=0.02)
 
 
-def test_an_object_is_the_same_alone(batch: Batch, robots: Robots) -> None:
-    alone = Session.of("Microwave").sampler.batch(np.array([37]), seed=7)
+def test_an_object_is_the_same_alone(sampler: Sampler, batch: Batch, robots: Robots) -> None:
+    alone = sampler.batch(np.array([37]), seed=7)
     one = Robots(alone).robot(0)
     assert urdf_files(one) == urdf_files(robots.robot(7)) and glb_bytes(one) == glb_bytes(robots.robot(7))
     assert line(describe(alone)[0]) == line(describe(batch)[7])
