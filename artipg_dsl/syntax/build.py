@@ -25,6 +25,9 @@ class Piece(NamedTuple):
     end: int
 
 
+_SIGNS = {"=": "the default", "~": "the distribution", ">": "the bound"}
+
+
 class Problem(NamedTuple):
     """Something the grammar takes and the language does not."""
 
@@ -109,8 +112,8 @@ class BuilderBase:
         for child in children:
             if isinstance(child, Piece):
                 if child.kind in found:
-                    self.problem(child, f"this declaration has `{child.kind}` twice" if child.kind.isalpha() else
-                                 "this is given twice", "keep one of them")  # fmt: skip
+                    what = _SIGNS.get(child.kind, f"`{child.kind}`")
+                    self.problem(child, f"{what} is given twice", "keep one of them")
                 found[child.kind] = child.value
         return found
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from lark import Token
@@ -35,7 +36,7 @@ class ExpressionBuilder(BuilderBase):
         return ast.HoleExpr(span=self.span(c))
 
     def group(self, c: Children) -> ast.Expr:
-        return c[1]
+        return replace(c[1], span=self.span(c))  # so that what it is part of has both parentheses
 
     def vector(self, c: Children) -> ast.Expr:
         return ast.VectorExpr(span=self.span(c), items=exprs(c))

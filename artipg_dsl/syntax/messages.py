@@ -64,6 +64,7 @@ class Found(NamedTuple):
     hint: str | None = None
     notes: Notes = ()
     fatal: bool = False  # what follows would only be consequences
+    line_alone: bool = False  # the statement before is complete
 
 
 def describe(error: UnexpectedInput, tools: Machine, source: Source, text: str) -> Found:
@@ -193,7 +194,8 @@ def _by_history(
     if token.type == "RBRACE" and accepted & TOP and "RBRACE" not in accepted:
         return found("this brace closes nothing", "remove it, or look for a `{` that is missing above")
     if last is None or last.type in ("_NL", "LBRACE", "RBRACE"):
-        return _at_beginning(token, last, accepted, tools, found, source, text)
+        beginning = _at_beginning(token, last, accepted, tools, found, source, text)
+        return beginning._replace(line_alone=True) if beginning is not None else None
     values = accepted >= VALUE
     if values and token.type in STATEMENTS | TOP and _first_on_line(token, source):
         at = last.start_pos or 0

@@ -68,7 +68,7 @@ def _parse(tools: Machine, source: Source, report: Report) -> ast.Module | None:
             found = describe(error, tools, source, text)
             report.error(found.code, found.span, found.message, hint=found.hint, notes=found.notes)
             broken = True
-            shorter = None if found.fatal else without_statement(text, found.place)
+            shorter = None if found.fatal else without_statement(text, found.place, found.line_alone)
             if shorter is None:
                 return None
             text = shorter

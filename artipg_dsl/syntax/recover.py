@@ -18,21 +18,24 @@ def quiet(text: str) -> str:
     return _QUIET.sub(lambda m: " " * len(m.group()), text)
 
 
-def without_statement(text: str, place: int) -> str | None:
+def without_statement(text: str, place: int, line_alone: bool = False) -> str | None:
     """``text`` with the statement around ``place`` blanked; None where there is nothing sensible left to parse.
 
-    A statement runs from the last line that begins like one to the next; a block that it opens goes with it.
+    A statement runs from the last line that begins like one to the next; with ``line_alone`` it is just its line.
+    A block that it opens goes with it.
     """
     plain = quiet(text)
     start = plain.rfind("\n", 0, place) + 1
     for match in _BEGINS.finditer(plain):
-        if match.start() > place:
+        if match.start() > place or line_alone:
             break
         if match.group().strip() != "}":
             start = match.start()
     line_end = plain.find("\n", place)
     following = _BEGINS.search(plain, line_end) if line_end >= 0 else None
     end = following.start() if following is not None else len(text)
+    if line_alone and line_end >= 0:
+        end = line_end
     end = _after_blocks(plain, start, end)
     if end is None or end <= place and end <= start:
         return None

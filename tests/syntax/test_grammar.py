@@ -1,0 +1,118 @@
+"""The grammar's health: strict LALR, the reserved words, units, the cache."""
+
+import os
+import pickle
+import threading
+
+import pytest
+from lark import Lark
+
+from artipg_dsl.semantics.units import UNITS
+from artipg_dsl.source import Source
+from artipg_dsl.syntax import grammar
+from artipg_dsl.syntax.grammar import Machine, grammar_path, keywords, machine, reserved_words
+from artipg_dsl.syntax.layout import CONTINUES, Layout
+from artipg_dsl.syntax.messages import OPERATORS, STATEMENTS, TOP
+from artipg_dsl.syntax.mistakes import MISTAKES, stop
+
+from .helpers import body_of, prefix, tree_of, without_spans
+
+RESERVED = """
+    apg use role template primitive category material vocabulary
+    param inherit count let part style slot port joint connect align require prefer allow repeat when
+    label grasp keypoint symmetry surface curve piece solid
+    in for is else on none and or not if
+""".split()
+"""The words that may not be names: those that begin statements, and a few within expressions and clauses."""
+
+
+def test_no_conflicts():
+    pytest.importorskip("interegular")
+    Lark(grammar_path().read_text(), **grammar.OPTIONS, strict=True, postlex=Layout())
+
+
+def test_reserved_words():
+    assert reserved_words() == frozenset(RESERVED)
+
+
+def test_every_other_word_is_a_name():
+    words = set(keywords(machine().lark).values()) - reserved_words()
+    assert {"at", "range", "box", "field", "close", "root", "weight"} <= words
+    for word in sorted(words):
+        body = body_of(f"param {word} : length", f"let a = {word} + b.{word}", f"connect {word} to f({word} = 1)")
+        assert body[0].names == (word,)
+        assert prefix(body[1].value) == f"(+ {word} b.{word})"
+
+
+def test_tokens_named_outside_the_grammar_exist():
+    known = {t.name for t in machine().lark.terminals}
+    assert CONTINUES | STATEMENTS | TOP | OPERATORS <= known
+
+
+def test_every_unit_is_one_token():
+    for unit in UNITS:
+        (let,) = body_of(f"let a = 2.5{unit}")
+        assert (let.value.value, let.value.unit) == (2.5, unit)
+
+
+def test_mistakes_stop_where_no_other_does():
+    found = {}
+    for mistake in MISTAKES:
+        for sentence in mistake.sentences:
+            where = stop(machine(), sentence)
+            assert where is not None, f"this is no mistake: {sentence}"
+            assert found.setdefault(where, mistake) is mistake, f"two messages for {sentence}"
+
+
+@pytest.fixture
+def cache_folder(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    return tmp_path / "artipg_dsl"
+
+
+def works(tools: Machine) -> bool:
+    text = "category C { part a : B when c is D | none }"
+    return without_spans(tools.run(Source("", text), text)) == without_spans(tree_of(text))
+
+
+def test_cache_is_written_and_read(cache_folder, monkeypatch):
+    assert works(Machine())
+    (file,) = cache_folder.iterdir()
+    monkeypatch.setattr(grammar, "_built", lambda *_: pytest.fail("the cache was not used"))
+    assert works(Machine())
+    assert list(cache_folder.iterdir()) == [file]
+
+
+@pytest.mark.parametrize("content", [b"", b"\x80\x05garbage", pickle.dumps({"memo": {}, "data": {}}), pickle.dumps(3)])
+def test_corrupt_cache(cache_folder, content):
+    Machine()
+    (file,) = cache_folder.iterdir()
+    file.write_bytes(content)
+    assert works(Machine())
+
+
+def test_cache_folder_is_a_file(tmp_path, monkeypatch):
+    (tmp_path / "taken").write_text("")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "taken"))
+    assert works(Machine())
+
+
+def test_failed_write_leaves_nothing(cache_folder, monkeypatch):
+    def refuse(*_):
+        raise PermissionError
+
+    monkeypatch.setattr(os, "replace", refuse)
+    assert works(Machine())
+    assert list(cache_folder.iterdir()) == []
+
+
+def test_parsing_in_threads():
+    text = "category C {\n" + "  param a : length in 1cm .. 2cm  ## doc\n" * 50 + "}\n"
+    expected = without_spans(tree_of(text))
+    found = []
+    threads = [threading.Thread(target=lambda: found.append(without_spans(tree_of(text)))) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert found == [expected] * 4
