@@ -21,12 +21,13 @@ class Abort(Exception):
 
 @dataclass(slots=True, eq=False)
 class Equation:
-    """``left = right`` in the scope of the environment that states it."""
+    """``left = right`` in the scope of the environment that states it, where ``guard`` holds."""
 
     left: Expr
     right: Expr
     span: Span
     text: str
+    guard: Expr = E.TRUE
 
 
 @dataclass(slots=True, eq=False)

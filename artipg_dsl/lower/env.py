@@ -70,7 +70,6 @@ class Env:
     names: dict[str, Value] = field(default_factory=dict)
     unknowns: list[Unknown] = field(default_factory=list)
     equations: list[Equation] = field(default_factory=list)
-    guarded: list[tuple[Expr, Scope, Equation]] = field(default_factory=list)  # equations that branches of `when` hand out
     inner: list[Env] = field(default_factory=list)
     branches: dict[Expr, Env] = field(default_factory=dict)
     statements: list[ast.Stmt] = field(default_factory=list)

@@ -125,6 +125,8 @@ class Part:
             elif len(self.instances) == 1 and self.instances[0].scope is self.env.scope:
                 box = self.instances[0].box()
                 self._box = Box(box.low, box.high, on=(self,))
+            elif not self.instances:
+                raise Abort(f"`{self.name}` could not be built")
             else:
                 boxes = [(i.scope, i.box()) for i in self.instances]
                 box = merged(self.env.scope, boxes)  # type: ignore[arg-type]

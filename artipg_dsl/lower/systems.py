@@ -1,0 +1,88 @@
+"""Matched equations to explicit values: in the order of dependence, coupled ones together."""
+
+from __future__ import annotations
+
+from ..graph import expr as E
+from ..graph.expr import Column, Expr
+from ..graph.linear import Form, Linear, isolate, solve_block, tidy
+from ..graph.matching import Matching, components
+from .context import Equation, Unknown
+from .env import Env
+
+
+def solve_system(
+    env: Env, unknowns: list[Unknown], equations: list[Equation], forms: list[Form | None], matching: Matching
+) -> dict[Column, Expr]:
+    """A value for each matched unknown (it may read others that are matched before it)."""
+    definitions = env.context.program.definitions
+    places = {u.column: k for k, u in enumerate(unknowns)}
+    matched = [u for u in range(len(unknowns)) if matching.equation_of[u] >= 0]
+    chosen = set(matched)
+    linear = Linear(lambda c: c in places, definitions)
+    reads: list[set[int]] = [set() for _ in unknowns]
+    for u in matched:
+        e = matching.equation_of[u]
+        form = forms[e]
+        names = set(form[0]) if form is not None else linear.columns(equations[e].left) | linear.columns(equations[e].right)
+        reads[u] = {places[c] for c in names if c in places and places[c] != u and places[c] in chosen}
+    values: dict[Column, Expr] = {}
+    for group in components(matched, reads):
+        columns = [unknowns[u].column for u in group]
+        rows = [forms[matching.equation_of[u]] for u in group]
+        solution = solve_block(rows, columns) if all(row is not None for row in rows) else None  # type: ignore[arg-type]
+        if solution is None:
+            sides = [equations[matching.equation_of[u]] for u in group]
+            solution = eliminate([inline(E.sub(q.left, q.right), columns, definitions) for q in sides], columns)
+        if solution is None:
+            equation = equations[matching.equation_of[group[0]]]
+            listed = ", ".join(unknowns[u].name for u in group)
+            raise env.context.error(
+                "not-solvable", equation.span, f"this cannot be solved for {listed} in closed form",
+                hint="state the equation so that the unknown stands alone, or give the value as an argument",
+                notes=tuple((equations[matching.equation_of[u]].span, "together with this") for u in group[1:]),
+            )  # fmt: skip
+        for column in columns:
+            values[column] = tidy(solution[column])
+    return values
+
+
+def inline(node: Expr, columns: list[Column], definitions: dict[Column, Expr]) -> Expr:
+    """An expression with every defined column that depends on one of ``columns`` written out."""
+    reader = Linear(lambda c: c in columns, definitions)
+    while True:
+        hidden = [
+            c for c in E.leaves(node) if c not in columns and c in definitions and reader.reads(E.col(c))
+        ]
+        if not hidden:
+            return node
+        node = E.substitute(node, {E.col(c): definitions[c] for c in hidden})
+
+
+def eliminate(differences: list[Expr], columns: list[Column]) -> dict[Column, Expr] | None:
+    """Solve ``difference = 0`` one by one: the first unknown that can stand alone is put into the others."""
+    if not differences:
+        return {}
+    for k, difference in enumerate(differences):
+        for column in columns:
+            value = alone(difference, column)
+            if value is None:
+                continue
+            mapping = {E.col(column): value}
+            rest = [E.substitute(d, mapping) for j, d in enumerate(differences) if j != k]
+            found = eliminate(rest, [c for c in columns if c is not column])
+            if found is not None:
+                return {column: E.substitute(value, {E.col(c): v for c, v in found.items()}), **found}
+    return None
+
+
+def alone(difference: Expr, column: Column) -> Expr | None:
+    """The value of a column for which a difference is 0, in closed form."""
+    linear = Linear(lambda c: c is column, {})
+    form = linear.form(difference)
+    if form is not None:
+        factor = form[0].get(column)
+        return None if factor is None else E.div(E.neg(form[1]), factor)
+    if difference.op == "sub" and linear.reads(difference.args[0]) != linear.reads(difference.args[1]):
+        left, right = difference.args
+        return isolate(left, column, right, linear) if linear.reads(left) else isolate(right, column, left, linear)
+    return isolate(difference, column, E.ZERO, linear)
