@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from ..graph import expr as E
 from ..graph.expr import Column, Expr
 from ..graph.program import Draw
-from ..semantics.units import SI_UNITS, UNITS
+from ..semantics.units import SI_UNITS
 from ..source import Span
 from ..syntax import ast
 from .context import Unknown, where
@@ -62,7 +62,7 @@ def make_draw(env: Env, declaration: ast.ParamDecl | ast.CountDecl, path: str, c
         draw.arguments = tuple(component_of(env, a.value, component) for a in declaration.distribution.arguments)
     vary = getattr(declaration, "vary", None)
     if vary is not None:
-        relative = isinstance(vary, ast.NumberExpr) and UNITS[vary.unit][1] == UNITS["%"][1] if vary.unit or True else False
+        relative = isinstance(vary, ast.NumberExpr) and vary.unit == "%"
         draw.vary = (relative, component_of(env, vary, None))
     return draw
 

@@ -230,8 +230,8 @@ class Links:
         clause = words.get("mimic")
         if clause is None:
             return None
-        multiplier = ev.scalar(clause.values[1]) if len(clause.values) > 1 else E.ONE
-        return (clause.values[0], multiplier, E.ZERO, ev.env)
+        leader, multiplier = followed(ev, clause.values[0])
+        return (leader, multiplier, E.ZERO, ev.env)
 
     def axis(self, ev: Evaluator, part: Part, statement: ast.JointDecl, kind: str) -> tuple[Triple, Triple]:
         """Origin and direction in the frame of the statement."""
@@ -302,6 +302,21 @@ def resolve_mimics(links: Links) -> None:
             links.context.error("unknown-name", node.span, "there is no such joint to follow")
             continue
         program.joints[k] = replace(joint, mimic=(leader, multiplier, offset))
+
+
+def followed(ev: Evaluator, node: ast.Expr) -> tuple[ast.Expr, Expr]:
+    """The joint and the factor of ``mimic fold``, ``mimic -fold``, ``mimic 2 * fold``, ``mimic fold / 3``."""
+    if isinstance(node, ast.UnaryExpr) and node.op in ("-", "+"):
+        leader, factor = followed(ev, node.operand)
+        return leader, E.neg(factor) if node.op == "-" else factor
+    if isinstance(node, ast.BinaryExpr) and node.op == "*":
+        constant = node.left if isinstance(node.left, ast.NumberExpr | ast.UnaryExpr) else node.right
+        leader, factor = followed(ev, node.right if constant is node.left else node.left)
+        return leader, E.mul(factor, ev.scalar(constant))
+    if isinstance(node, ast.BinaryExpr) and node.op == "/":
+        leader, factor = followed(ev, node.left)
+        return leader, E.div(factor, ev.scalar(node.right))
+    return node, E.ONE
 
 
 def leader_of(links: Links, names: dict[str, int], node: ast.Expr, env: Env) -> int | None:

@@ -195,6 +195,8 @@ def spread(unit: np.ndarray, low: np.ndarray, high: np.ndarray, distribution: st
         return np.minimum(np.maximum(np.exp(inner), low), high)
     if distribution == "values":
         return _nearest(unit, low, high, arguments)
+    if arguments:  # uniform(a, b): within the part of the domain that lies between the two
+        low, high = (np.minimum(np.maximum(end, low), high) for end in arguments)
     return np.minimum(low + unit * (high - low), high)
 
 
@@ -247,6 +249,9 @@ def draw_count(
             found = np.minimum(np.maximum(full(rows, default).astype(np.float64), first), last)
         elif distribution == "uniform":
             unit = _lot(state, rows, address)
+            if arguments:
+                first, last = (np.minimum(np.maximum(end, first), last) for end in arguments)
+                first, last = np.ceil(first - TOLERANCE), np.floor(last + TOLERANCE)
             found = np.minimum(first + np.floor(unit * (last - first + 1.0)), last)
         else:
             wide = spread(_lot(state, rows, address), first - 0.5, last + 0.5, distribution, arguments)
