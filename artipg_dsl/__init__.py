@@ -1,0 +1,30 @@
+"""Structure programs of articulated objects: a language, its compiler, and annotated objects in any number.
+
+``import artipg_dsl as apg; batch = apg.sample("Microwave", n=1000, seed=7)``
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+__version__ = "0.1.0"
+_PUBLIC = ("Object", "Samples", "categories", "load", "open_samples", "sample")
+
+if TYPE_CHECKING:
+    from .api import Object, Samples, categories, load, open_samples, sample
+
+
+def __getattr__(name: str) -> Any:
+    """The public API, loaded when it is first asked for: importing the package costs next to nothing."""
+    if name in _PUBLIC:
+        from . import api
+
+        return getattr(api, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *_PUBLIC])
+
+
+__all__ = ["Object", "Samples", "__version__", "categories", "load", "open_samples", "sample"]

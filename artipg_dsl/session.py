@@ -94,6 +94,8 @@ class Session:
     @cached_property
     def sampler(self) -> Sampler:
         """The category ready to be sampled. Raises CompileError."""
+        from .graph.text import digest
+        from .runtime.plan import PlanError
         from .runtime.sample import Sampler
 
         lowering = self.lowering
@@ -101,7 +103,14 @@ class Session:
             self.report.error("no-category", None, f"{self.path or 'the text'} declares no category: there is nothing to sample")
         if lowering is None:
             raise CompileError(self.report)
-        return Sampler(lowering.program)
+        lowering.program.hash = lowering.program.hash or digest(lowering.program)
+        try:
+            return Sampler(lowering.program)
+        except PlanError as error:
+            self.report.error(
+                "circular", None, f"values need one another in a circle: {error}", hint="let one of them follow from something else"
+            )
+            raise CompileError(self.report) from None
 
 
 def shown(path: Path) -> str:

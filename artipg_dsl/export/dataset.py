@@ -45,7 +45,8 @@ def write_dataset(
 ) -> dict[str, Any]:
     """Write the objects ``numbers`` (ascending) to ``out`` and return the manifest.
 
-    ``sample(numbers)`` makes the batch of some of them; it is called only for shards where something is missing.
+    ``sample(numbers)`` makes the batch of some of them; it is called only for shards where something is missing
+    (for all of them until a run has come to its end and its counts are known).
     ``source`` names the program for whoever reads the folder. ``part`` (k, n) writes every n-th shard from the k-th on,
     so that n runs share the work; the counts are then left out. ``progress(done, total)`` hears of objects as they are
     finished; ``counts()`` is asked once all objects have been sampled.
@@ -59,7 +60,8 @@ def write_dataset(
     }
     make |= {"shard": shard, "settings": settings, "source": source}
     manifest = prepare(out, manifests.build(program, **make), force)
-    sampled = done = 0
+    counting = counts is not None and "counts" not in manifest and part[1] == 1
+    done = 0
     mine = range((part[0] - 1) * shard, len(numbers), part[1] * shard)
     total = sum(len(numbers[first : first + shard]) for first in mine)
     for first in mine:
@@ -67,20 +69,18 @@ def write_dataset(
         missing = [f for f in formats if f.shard and not shard_path(out, f, first // shard).exists()]
         absent = np.array([n for n in chosen.tolist() if not object_folder(out, n).exists()], dtype=np.int64)
         robots = [f for f in formats if f.robot]
-        batch = sample(chosen) if missing or (robots and len(absent)) else None
+        batch = sample(chosen) if counting or missing or (robots and len(absent)) else None
         if batch is not None:
             for entry in missing:
                 assert entry.shard is not None
                 write_bytes(shard_path(out, entry, first // shard), entry.shard(batch, n_points))
             if robots and len(absent):
                 write_objects(batch, out, robots, only=absent, progress=_offset(progress, done, total))
-            sampled += len(chosen)
         done += len(chosen)
         if progress:
             progress(done, total)
-    if counts is not None and "counts" not in manifest and part[1] == 1:
-        if sampled < total:  # completed in several runs: what is there already is counted again, without writing it
-            _recount(sample, numbers, shard, sampled_here)
+    if counting:
+        assert counts is not None
         manifest = manifests.build(program, **make, counts=counts())
         write_bytes(out / manifests.NAME, manifests.text(manifest), force=True)
     return manifest
@@ -90,8 +90,11 @@ def _offset(progress: Callable[[int, int], None] | None, done: int, total: int) 
     return (lambda finished, _: progress(done + finished, total)) if progress else None
 
 
-def prepare(out: Path, manifest: dict[str, Any], force: bool) -> None:
-    """Make the folder ready: keep what belongs to the same options, refuse (or with ``force`` remove) anything else."""
+def prepare(out: Path, manifest: dict[str, Any], force: bool) -> dict[str, Any]:
+    """Make the folder ready: keep what belongs to the same options, refuse (or with ``force`` remove) anything else.
+
+    Returns the manifest that holds: the old one where its files are kept.
+    """
     old = manifests.read(out)
     if old is not None:
         changed = manifests.difference(old, manifest)
@@ -104,11 +107,12 @@ def prepare(out: Path, manifest: dict[str, Any], force: bool) -> None:
             sweep(out)
             if (out / OBJECTS).is_dir():
                 sweep(out / OBJECTS)
-            return
+            return old
         clear(out, old)
     ensure_folder(out)
     sweep(out)
     write_bytes(out / manifests.NAME, manifests.text(manifest), force=True)
+    return manifest
 
 
 def clear(out: Path, old: dict[str, Any]) -> None:

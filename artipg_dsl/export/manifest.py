@@ -79,14 +79,18 @@ def build(
     formats: Sequence[str],
     shard: int,
     settings: dict[str, Any] | None = None,
+    source: str = "",
     counts: dict[str, Any] | None = None,
 ) -> dict[str, Any]:
-    """The manifest of a data set. ``counts`` what the run has counted (repaired, rejected, ...), once it is over."""
+    """The manifest of a data set. ``source`` is the name or, as seen from the folder, the file of the program;
+    ``counts`` what the run has counted (repaired, rejected, ...), once it is over.
+    """
     size = len(numbers)
     shards = [f"{i // shard:05d}" for i in range(0, size, shard)]
     manifest: dict[str, Any] = {
         "manifest": FORMAT,
         "category": program.name,
+        "source": source or program.name,
         "about": program.doc,
         "identity": {
             "program": program.hash,

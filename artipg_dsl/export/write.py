@@ -10,15 +10,13 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
 
+from ..errors import UserError
+
 MARK = ".partial-"
 
 
-class ExportError(Exception):
-    """Something about the output that the user can put right: ``message`` says what is wrong, ``hint`` what to try."""
-
-    def __init__(self, message: str, hint: str = ""):
-        super().__init__(f"{message} ({hint})" if hint else message)
-        self.message, self.hint = message, hint
+class ExportError(UserError):
+    """Something about the output that the user can put right."""
 
 
 def explain(error: OSError, path: Path) -> ExportError:

@@ -1,0 +1,48 @@
+"""Kinds of arguments: counts, numbers of objects, parts of a run. A wrong one is argparse's to report."""
+
+from __future__ import annotations
+
+import re
+from argparse import ArgumentTypeError
+
+MOST = 100_000_000
+
+
+def positive(text: str) -> int:
+    """A whole number from 1 on."""
+    number = whole(text)
+    if not 0 < number <= MOST:
+        raise ArgumentTypeError(f"{text} is not a number from 1 to {MOST}")
+    return number
+
+
+def whole(text: str) -> int:
+    try:
+        return int(text)
+    except ValueError:
+        raise ArgumentTypeError(f"{text!r} is not a whole number") from None
+
+
+def numbers(text: str) -> list[int]:
+    """``37``, ``37,40..45``: numbers of objects, both ends of a range included, ascending."""
+    found: set[int] = set()
+    for piece in text.split(","):
+        match = re.fullmatch(r"\s*(\d+)\s*(?:\.\.\s*(\d+)\s*)?", piece)
+        if match is None:
+            raise ArgumentTypeError(f"{piece.strip()!r} is no object number: write 37 or 40..45, with commas between")
+        first = int(match.group(1))
+        last = int(match.group(2) or first)
+        if last < first:
+            raise ArgumentTypeError(f"{piece.strip()} is empty: its end lies before its start")
+        if last >= 2**63 or last - first >= MOST:
+            raise ArgumentTypeError(f"{piece.strip()} is too large")
+        found.update(range(first, last + 1))
+    return sorted(found)
+
+
+def part(text: str) -> tuple[int, int]:
+    """``2/8``: the second of eight parts."""
+    match = re.fullmatch(r"(\d+)/(\d+)", text.strip())
+    if match is None or not 1 <= int(match.group(1)) <= int(match.group(2)):
+        raise ArgumentTypeError(f"{text!r} is no part of a run: write 2/8 for the second of eight")
+    return int(match.group(1)), int(match.group(2))

@@ -1,0 +1,81 @@
+"""``apgc compile``: a program at one of the stages between its text and numbers."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable
+from dataclasses import fields
+from typing import Any
+
+from ..diagnostics import CompileError
+from ..session import Session
+from ..source import Span
+from ..syntax import ast
+from .report import findings, say
+
+
+def emit_ast(session: Session) -> str | None:
+    return None if session.tree is None else "\n".join(tree_lines(session.tree)) + "\n"
+
+
+def emit_typed(session: Session) -> str | None:
+    from ..semantics.show import show_typed
+
+    typed = session.typed
+    return None if typed is None or session.report.failed else show_typed(typed)
+
+
+def emit_graph(session: Session) -> str | None:
+    from ..graph.text import to_text
+
+    return to_text(session.sampler.program)
+
+
+def emit_plan(session: Session) -> str | None:
+    return session.sampler.plan.source
+
+
+EMITTERS: dict[str, Callable[[Session], str | None]] = {
+    "ast": emit_ast,
+    "typed": emit_typed,
+    "graph": emit_graph,
+    "plan": emit_plan,
+}
+"""A stage is an entry here and in ``main.EMITS``. Each gives the text, None where findings stand in the way."""
+
+
+def run(options: argparse.Namespace) -> int:
+    session = Session.of(options.program)
+    try:
+        text = EMITTERS[options.emit](session)
+    except CompileError:
+        text = None
+    findings(session.report.diagnostics, sys.stderr)
+    if text is None:
+        return 1
+    if options.out is None:
+        print(text, end="")
+    else:
+        from ..export.write import write_bytes
+
+        write_bytes(options.out, text.encode("utf-8"), force=True)
+        say(f"wrote {options.out}")
+    return 0
+
+
+def tree_lines(node: ast.Node, name: str = "", depth: int = 0) -> list[str]:
+    """A tree with a node per line, its plain fields beside it and its children below."""
+    plain, below = [], []
+    for field in fields(node):
+        value: Any = getattr(node, field.name)
+        items = value if isinstance(value, tuple) else (value,)
+        if any(isinstance(item, ast.Node) for item in items):
+            for item in items:
+                if isinstance(item, ast.Node):
+                    below += tree_lines(item, field.name, depth + 1)
+        elif value not in (None, (), "", False) and not any(isinstance(item, Span) for item in items):
+            plain.append(f"{field.name}={value!r}")
+    head = f"{name}: " if name else ""
+    place = f"{node.span.line}:{node.span.column}"
+    return ["  " * depth + f"{head}{type(node).__name__} {place}" + "".join(" " + p for p in plain), *below]

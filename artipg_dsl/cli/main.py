@@ -1,0 +1,126 @@
+"""``apgc``: the command line. Each command lives in a module of its own, loaded only when it is called."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import os
+import sys
+from collections.abc import Sequence
+
+from .arguments import numbers, part, positive, whole
+from .report import error, findings, say
+
+OK, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
+EMITS = {
+    "graph": "the constraint graph (default)",
+    "ast": "the syntax tree",
+    "typed": "declarations with their types",
+    "plan": "the order of evaluation",
+}
+DESCRIPTION = "Compile structure programs of articulated objects (.apg) and sample annotated objects from them."
+EPILOG = "apgc COMMAND --help tells about a command. Exit codes: 0 done, 1 errors in a program or data, 2 wrong usage."
+
+
+class Version(argparse.Action):
+    def __call__(self, parser, *_) -> None:  # type: ignore[no-untyped-def]
+        from .. import __version__
+
+        print(f"apgc {__version__}")
+        parser.exit()
+
+
+def parser() -> argparse.ArgumentParser:
+    top = argparse.ArgumentParser("apgc", description=DESCRIPTION, epilog=EPILOG, allow_abbrev=False)
+    top.add_argument("--version", action=Version, nargs=0, help="show the version and leave")
+    commands = top.add_subparsers(dest="command", metavar="COMMAND", required=True)
+
+    def command(name: str, help: str) -> argparse.ArgumentParser:
+        return commands.add_parser(name, help=help, description=help[0].upper() + help[1:] + ".", allow_abbrev=False)
+
+    check = command("check", "find the errors in programs")
+    check.add_argument("files", nargs="+", metavar="FILE", help="an .apg file, or the name of a shipped category")
+    shape = check.add_mutually_exclusive_group()
+    shape.add_argument("--json", action="store_true", help="findings as JSON")
+    shape.add_argument("--sarif", action="store_true", help="findings as SARIF, for editors and code hosts")
+
+    compile_ = command("compile", "compile a program and show it at one of its stages")
+    _program(compile_)
+    compile_.add_argument("-o", "--out", metavar="FILE", help="write to a file instead of the terminal")
+    stages = "; ".join(f"{name}: {text}" for name, text in EMITS.items())
+    compile_.add_argument("--emit", choices=list(EMITS), default="graph", help=stages)
+
+    sample = command("sample", "make annotated objects")
+    _program(sample)
+    _drawing(sample, 10)
+    sample.add_argument("-o", "--out", default="out", metavar="DIR", help="the folder for the samples (default: out)")
+    sample.add_argument("--points", type=positive, default=2048, metavar="N", help="points per object (default: 2048)")
+    sample.add_argument("--format", metavar="LIST", help="of points, annotation, urdf, glb, with commas (default: points,annotation)")
+    sample.add_argument("--stats", action="store_true", help="tell how many first attempts were valid and what failed, with its line")
+    sample.add_argument("--force", action="store_true", help="replace samples made with other options")
+    sample.add_argument("--shard", type=part, default=(1, 1), metavar="K/N", help="write only the K-th of N parts, to share the work")
+
+    render = command("render", "draw a contact sheet of samples")
+    render.add_argument("program", metavar="DIR|NAME|FILE", help="a folder of samples, a shipped category or an .apg file")
+    _drawing(render, 30)
+    render.add_argument("-o", "--out", default="sheet.png", metavar="FILE", help="the picture (default: sheet.png)")
+    render.add_argument("--colour", "--color", choices=("part", "material"), default="part", help="what colours mean (default: part)")
+    render.add_argument("--open", action="store_true", help="open all joints; otherwise those of every other object")
+    render.add_argument("--tile", type=positive, default=256, metavar="PIXELS", help="width of one object (default: 256)")
+
+    explain = command("explain", "explain an error code")
+    explain.add_argument("code", nargs="?", metavar="CODE", help="such as missing-unit; without it, all codes")
+
+    command("categories", "list the shipped categories")
+
+    ledger = command("ledger", "tell for each value of a part what determines it")
+    _program(ledger)
+    ledger.add_argument("part", nargs="?", metavar="PART", help="such as door; without it, all parts")
+    return top
+
+
+def _program(to: argparse.ArgumentParser) -> None:
+    to.add_argument("program", metavar="NAME|FILE", help="a shipped category or an .apg file")
+
+
+def _drawing(to: argparse.ArgumentParser, n: int) -> None:
+    to.add_argument("-n", "--number", type=positive, metavar="N", help=f"how many objects (default: {n})")
+    to.add_argument("--seed", type=whole, metavar="N", help="what the objects are drawn with (default: 0)")
+    to.add_argument("--only", type=numbers, metavar="NUMBERS", help="objects by number: 37 or 37,40..45")
+    to.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="fix a parameter: width=45cm, handle=BarHandle")
+    to.set_defaults(default_number=n)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command; returns the exit code."""
+    from ..errors import UserError
+
+    try:
+        options = parser().parse_args(arguments)
+    except SystemExit as stop:  # argparse has said why
+        return int(stop.code or 0)
+    try:
+        return importlib.import_module(f".{options.command}", __package__).run(options)
+    except UserError as wrong:
+        error(wrong.message, wrong.hint)
+        return FAILED
+    except KeyboardInterrupt:
+        say("\ninterrupted; nothing is left half written, and the same command completes what is missing")
+        return INTERRUPTED
+    except BrokenPipeError:  # the reader of our output has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return OK
+    except RecursionError:
+        error("the program is nested too deeply", "split it into templates")
+        return FAILED
+    except Exception as wrong:
+        from ..diagnostics import CompileError
+
+        if isinstance(wrong, CompileError):
+            findings(wrong.report.diagnostics, sys.stderr)
+            return FAILED
+        raise
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,45 @@
+"""``apgc render``: a contact sheet of a folder of samples, or of fresh objects of a category."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import UserError
+from ..job import Job, open_job, reopen
+from ..settings import split
+from .progress import Progress
+from .report import say
+from .sample import chosen
+
+
+def run(options: argparse.Namespace) -> int:
+    from ..view.sheet import write_sheet
+
+    if Path(options.out).suffix.lower() != ".png":
+        raise UserError(f"the picture is written as PNG, not to {options.out}", "choose a name that ends in .png")
+    job, numbers = wanted(options)
+    with Progress("drawing") as progress:
+        write_sheet(
+            job.batch(numbers), options.out, force=True, colour=options.colour, tile=options.tile, progress=progress,
+            states="open" if options.open else "alternate",
+        )  # fmt: skip
+    say(f"drew {len(numbers)} of {job.sampler.program.name} to {options.out}")
+    return 0
+
+
+def wanted(options: argparse.Namespace) -> tuple[Job, np.ndarray]:
+    """The job to draw from, and the numbers of the objects."""
+    if not Path(options.program).is_dir():
+        return open_job(options.program, options.seed or 0, split(options.set)), chosen(options)
+    if options.set or options.seed is not None:
+        raise UserError(f"the samples in {options.program} are made", "leave out --seed and --set, or name a category")
+    job, numbers = reopen(options.program)
+    if options.only is None:
+        return job, numbers[: options.number or options.default_number]
+    absent = np.setdiff1d(options.only, numbers)
+    if len(absent):
+        raise UserError(f"there is no object {absent[0]} in {options.program}", f"its manifest lists {len(numbers)} objects")
+    return job, np.array(options.only, dtype=np.int64)

@@ -1,0 +1,56 @@
+"""``apgc sample``: annotated objects into a folder."""
+
+from __future__ import annotations
+
+import argparse
+import time
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..settings import split
+from .progress import Progress
+from .report import say
+
+if TYPE_CHECKING:
+    from ..job import Job
+
+
+def chosen(options: argparse.Namespace) -> np.ndarray:
+    """The numbers of the objects asked for."""
+    if options.only is not None:
+        return np.array(options.only, dtype=np.int64)
+    return np.arange(options.number or options.default_number)
+
+
+def run(options: argparse.Namespace) -> int:
+    from ..export.registry import choose
+    from ..job import open_job
+
+    begun = time.monotonic()
+    formats, settings = choose(options.format), split(options.set)
+    job = open_job(options.program, options.seed or 0, settings)
+    numbers = chosen(options)
+    with Progress(job.sampler.program.name) as progress:
+        progress(0, len(numbers))
+        manifest = job.write(
+            options.out, numbers, formats, n_points=options.points, force=options.force, part=options.shard, progress=progress
+        )
+    if options.stats:
+        print(statistics(job, manifest))
+    done = "1 object" if len(numbers) == 1 else f"{len(numbers)} objects"
+    share = "" if options.shard[1] == 1 else f", part {options.shard[0]} of {options.shard[1]}"
+    say(f"{done} in {options.out}{share} ({time.monotonic() - begun:.1f} s)")
+    return 0
+
+
+def statistics(job: Job, manifest: dict[str, Any]) -> str:
+    """How well the text of the category leads to valid objects: counts, and what failed with its line."""
+    counts = manifest.get("counts") or job.counts()
+    made, valid = counts["objects"], counts["first_valid"]
+    if not made:
+        return "nothing was left to sample"
+    lines = [f"{made} objects, {100 * valid / made:.1f}% valid at first, {counts['attempts']} attempts"]
+    for reason, count in counts["failed"].items():
+        lines.append(f"{count:>8} failed  {reason}")
+    return "\n".join(lines)

@@ -1,0 +1,129 @@
+"""One run of the main job: a program, a seed, what is fixed of it; objects by number, in memory or in a folder."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .errors import NoObject, UserError
+from .runtime.sample import ATTEMPTS, Exhausted, Sampler, Statistics
+from .settings import Settings, Value, resolve
+
+if TYPE_CHECKING:
+    from .export.registry import Format
+    from .runtime.batch import Batch
+
+
+@dataclass(slots=True)
+class Job:
+    """``source`` is what the program was opened by: the name of a shipped category, or a file."""
+
+    sampler: Sampler
+    source: str
+    seed: int = 0
+    settings: Settings = field(default_factory=dict)
+    given: dict[int, float] = field(default_factory=dict)
+    statistics: Statistics = field(default_factory=Statistics)
+
+    def batch(self, numbers: Sequence[int] | np.ndarray) -> Batch:
+        """The objects of the given numbers. Raises NoObject."""
+        try:
+            return self.sampler.batch(
+                np.asarray(numbers, dtype=np.int64), self.seed, given=self.given, statistics=self.statistics
+            )
+        except Exhausted as error:
+            raise self.exhausted(error) from None
+
+    def exhausted(self, error: Exhausted) -> NoObject:
+        """What the requirements leave nothing of, and which of them are to blame."""
+        shown = ", ".join(map(str, error.numbers[:3].tolist())) + (", ..." if len(error.numbers) > 3 else "")
+        counted = "object" if len(error.numbers) == 1 else f"{len(error.numbers)} objects"
+        lines = [f"  {count:>8} times: {reason}" for reason, count in list(self.failures().items())[:3]]
+        fixed = " with what was set" if self.settings else ""
+        return NoObject(
+            f"no valid {self.sampler.program.name} in {ATTEMPTS} attempts{fixed} for {counted} {shown}; what failed most\n"
+            + "\n".join(lines),
+            "set other values" if self.settings else "widen the ranges, or state what one value leaves to the next",
+        )
+
+    def failures(self) -> dict[str, int]:
+        """In words what failed, with its place in the text, and in how many attempts; the worst first."""
+        program, found = self.sampler.program, {}
+        for k, count in self.statistics.broken.items():
+            requirement = program.requirements[k]
+            found[f"{requirement.where}: {requirement.message}"] = count
+        for k, count in self.statistics.missed.items():
+            draw = program.draws[k]
+            found[f"{draw.where}: no room is left for `{draw.column.name}`"] = count
+        return dict(sorted(found.items(), key=lambda item: (-item[1], item[0])))
+
+    def counts(self) -> dict[str, Any]:
+        """The statistics as the manifest keeps them."""
+        made = self.statistics
+        return {"objects": made.objects, "first_valid": made.first_valid, "attempts": made.attempts, "failed": self.failures()}
+
+    def write(
+        self, out: Path | str, numbers: np.ndarray, formats: Sequence[Format], *, n_points: int = 2048, force: bool = False,
+        part: tuple[int, int] = (1, 1), progress: Callable[[int, int], None] | None = None,
+    ) -> dict[str, Any]:  # fmt: skip
+        """Write objects to a folder, or the k-th of n parts of its shards; returns the manifest. Raises ExportError."""
+        from .export.dataset import write_dataset
+
+        return write_dataset(
+            self.sampler.program, self.batch, out, seed=self.seed, numbers=numbers, formats=formats, n_points=n_points,
+            settings=dict(self.settings), source=relative(self.source, out), part=part, force=force, progress=progress,
+            counts=self.counts,
+        )  # fmt: skip
+
+
+def open_job(name: str | Path, seed: int = 0, settings: Mapping[str, Value] | None = None) -> Job:
+    """The job of a category given by name or file. Raises CompileError, SettingError."""
+    from .session import Session
+
+    session = Session.of(name)
+    sampler = session.sampler
+    source = str(name) if session.path is None or is_file(name) else sampler.program.name
+    return make_job(sampler, source, seed, settings)
+
+
+def make_job(sampler: Sampler, source: str, seed: int, settings: Mapping[str, Value] | None = None) -> Job:
+    given, plain = resolve(sampler.program, settings or {})
+    return Job(sampler, source, int(seed), plain, given)
+
+
+def is_file(name: str | Path) -> bool:
+    """Whether a program was named by its file."""
+    return Path(name).suffix != "" or Path(name).exists()
+
+
+def relative(source: str, out: Path | str) -> str:
+    """A file as seen from the folder of samples, so that both can be moved together; a name stays as it is."""
+    if not is_file(source):
+        return source
+    return Path(os.path.relpath(Path(source).resolve(), Path(out).resolve())).as_posix()
+
+
+def reopen(folder: Path | str) -> tuple[Job, np.ndarray]:
+    """The job that a folder of samples was made by, and the numbers of its objects. Raises ExportError, UserError."""
+    from .export import manifest as manifests
+
+    folder = Path(folder)
+    manifest = manifests.read(folder)
+    if manifest is None:
+        raise UserError(f"{folder} holds no {manifests.NAME}", manifests.WANTED)
+    identity = manifest["identity"]
+    source = str(manifest.get("source") or manifest["category"])
+    if is_file(source) and not Path(source).exists():
+        source = str(folder / source)
+    job = open_job(source, identity["seed"], identity["settings"])
+    if job.sampler.program.hash != identity["program"]:
+        raise UserError(
+            f"the program {source} has changed since the samples in {folder} were made", "sample it again, with --force into the same folder"
+        )
+    numbers = [np.arange(first, last + 1) for first, last in identity["numbers"]]
+    return job, np.concatenate(numbers) if numbers else np.zeros(0, dtype=np.int64)
