@@ -125,12 +125,9 @@ class Renderer:
         self.atlas.repeat_x = self.atlas.repeat_y = False
         self.shadow_target = self.context.framebuffer(depth_attachment=self.atlas)
         big = (size * SAMPLES, size * SAMPLES)
-        samples = min(4, self.context.max_samples)
         self.target = self.context.framebuffer(
-            self.context.renderbuffer(big, 4, samples=samples, dtype="f2"),
-            self.context.depth_renderbuffer(big, samples=samples),
+            self.context.renderbuffer(big, 4, dtype="f2"), self.context.depth_renderbuffer(big)
         )
-        self.plain = self.context.framebuffer(self.context.renderbuffer(big, 4, dtype="f2"))
 
     def render(self, scene: Scene, camera: Camera, lights: Lights, floor: float) -> np.ndarray:
         """Linear light (size, size, 3) of a scene that stands on the plane z = ``floor``."""
@@ -222,8 +219,7 @@ class Renderer:
             self.target.depth_mask = False
             array.render()
             self.target.depth_mask = True
-        context.copy_framebuffer(self.plain, self.target)
-        raw = np.frombuffer(self.plain.read(components=3, dtype="f2"), dtype=np.float16)
+        raw = np.frombuffer(self.target.read(components=3, dtype="f2"), dtype=np.float16)
         image = raw.reshape(self.size, SAMPLES, self.size, SAMPLES, 3).astype(np.float32)
         return np.clip(image.mean(axis=(1, 3))[::-1], 0.0, 1.0)
 
