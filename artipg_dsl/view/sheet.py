@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 RENDERERS = ("moderngl", "embreex", "numpy")
 AZIMUTH = 33.0  # degrees from the front
-BACKDROP = "f1f3f5"
+BACKDROP = "eaedf1"
 
 
 def renderer(name: str, size: int) -> Any:
