@@ -23,6 +23,7 @@ from .values import (
     Box,
     Branch,
     Choice,
+    Ports,
     Ref,
     Value,
     Vec,
@@ -69,6 +70,7 @@ class Part:
     style: Style | None = None
     _pose: Pose | None = None
     _posing: bool = False
+    _unplaced: bool = False
     _box: Box | None = None
 
     @property
@@ -83,8 +85,16 @@ class Part:
 
             if self._posing:
                 raise self.context.error("circular-definition", self.span, f"the place of `{self.name}` depends on itself")
+            if self._unplaced:
+                raise Abort(f"`{self.name}` could not be placed")
             self._posing = True
-            self._pose = pose_of(self)
+            try:
+                self._pose = pose_of(self)
+            except Abort:
+                self._unplaced = True
+                raise
+            finally:
+                self._posing = False
         return self._pose
 
     @property
@@ -265,6 +275,8 @@ def part_member(part: Part, name: str, span: Span, ev: Evaluator, own: bool = Fa
     value = part.own(name, span)
     if value is None:
         return None
+    if isinstance(value, Ports):
+        value = Ports(value.name, {k: carried(v, part) for k, v in value.settled().items()})
     if not isinstance(value, Ref) and hasattr(value, "on") and not value.on:  # type: ignore[union-attr]
         from dataclasses import replace
 
@@ -301,16 +313,16 @@ def build_part(env: Env, declaration: ast.PartDecl) -> Part:
     part = Part(context, env, declaration.name, env.path + declaration.name, declaration)
     env.parts.append(part)
     context.parts.append(part)
-    alternatives = declaration.alternatives
+    alternatives, arguments = declaration.alternatives, declaration.arguments
     if declaration.role is None and len(alternatives) == 1 and isinstance(
         style := env.find(alternatives[0].name or ""), Style
     ):
+        arguments = alternatives[0].arguments
         part.style, part.role, alternatives = style, style.role, style.declaration.alternatives
     elif declaration.role is not None:
         part.role = resolve(env, declaration.role, declaration.role_span or declaration.span)
     resolve_options(part, alternatives, env if part.style is None else part.style.env)
     make_choice(part, alternatives)
-    arguments = declaration.arguments
     if part.role is None and len(part.options) == 1:
         arguments = arguments + part.options[0].source.arguments
     interface = part.role if part.role is not None else part.options[0].symbol if len(part.options) == 1 else None
@@ -373,8 +385,11 @@ def make_inputs(part: Part, interface: Symbol, arguments: tuple[ast.Argument, ..
     for argument, (_, _, name, _) in zip([a for a in arguments if a.name is None], declared, strict=False):
         given[name] = argument
     names = {name for _, _, name, _ in declared}
+    counts = {s.name for s in interface.body if isinstance(s, ast.CountDecl)}
     for name, argument in given.items():
-        if name not in names and part.role is None:
+        if name in counts:
+            part.inputs[name] = Evaluator(env).scalar(argument.value)
+        elif name not in names and part.role is None:
             raise part.context.error("unknown-argument", argument.span, f"`{interface.name}` has no parameter `{name}`")
     local = Env(env.context, interface.module, interface, env.scope, part.path + ".", names=dict())
     for symbol, declaration, name, span in declared:
@@ -423,6 +438,7 @@ def instantiate(part: Part, option: Option) -> Instance:
             own[argument.name or ""] = Evaluator(part.env).value(argument.value)
         instance.values = own
         if option.symbol.kind == "primitive":
+            complete(instance)
             instance.solid = lower_primitive(context, option.symbol)
             instance.solid.require(instance)
         else:
@@ -430,6 +446,23 @@ def instantiate(part: Part, option: Option) -> Instance:
     finally:
         context.trace.pop()
     return instance
+
+
+def complete(instance: Instance) -> None:
+    """Parameters of a primitive that one alternative among several leaves out: drawn, or their defaults."""
+    from .body import own_parameter, parameters_of
+
+    part, symbol = instance.part, instance.symbol
+    local = Env(part.context, symbol.module, symbol, instance.scope, instance.path, names=dict(instance.values))
+    for _, declaration, name, _ in parameters_of(symbol):
+        if name in instance.values:
+            continue
+        if declaration.default is None and declaration.domain is None:
+            raise part.context.error(
+                "missing-argument", part.span, f"`{symbol.name}` needs `{name}`",
+                hint=f"give it with the alternative: {symbol.name}({name} = ...)",
+            )  # fmt: skip
+        local.names[name] = instance.values[name] = own_parameter(local, declaration, name)
 
 
 def rotation_of(part: Part) -> tuple:
