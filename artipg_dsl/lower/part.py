@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from ..graph import expr as E
@@ -168,7 +168,8 @@ class Instance:
     def member(self, name: str) -> Value | None:
         """A member in the instance's own frame and table."""
         if self.solid is not None:
-            return self.solid.member(self, name)
+            found = self.solid.member(self, name)
+            return found if found is not None else self.values.get(name)
         assert self.env is not None
         if name in self.bindings:
             return self.slot(name)
@@ -277,13 +278,17 @@ def part_member(part: Part, name: str, span: Span, ev: Evaluator, own: bool = Fa
         return None
     if isinstance(value, Ports):
         value = Ports(value.name, {k: carried(v, part) for k, v in value.settled().items()})
-    if not isinstance(value, Ref) and hasattr(value, "on") and not value.on:  # type: ignore[union-attr]
-        from dataclasses import replace
-
-        value = replace(value, on=(part,))  # type: ignore[type-var]
+    value = carried(value, part)
     if own or name in part.inputs:
         return value
     return moved(value, part.pose)
+
+
+def carried(value: Value, part: Part) -> Value:
+    """A value that names no inner part lies on the part itself."""
+    if isinstance(value, Ref) or not hasattr(value, "on") or value.on:  # type: ignore[union-attr]
+        return value
+    return replace(value, on=(part,))  # type: ignore[type-var]
 
 
 def matches(part: Part, name: str, span: Span, env: Env) -> Expr:
