@@ -1,0 +1,28 @@
+"""The registry of diagnostic codes. A new code is one entry in the file of its family."""
+
+from __future__ import annotations
+
+from textwrap import fill, indent
+
+from .base import Code
+from .reading import READING
+from .resolving import RESOLVING
+from .structure import STRUCTURE
+from .values import VALUES
+
+CODES: dict[str, Code] = {code.name: code for code in (*READING, *RESOLVING, *VALUES, *STRUCTURE)}
+"""All codes by name."""
+
+
+def explain(name: str) -> str | None:
+    """The long text of a code with its example, for a terminal; None for a name that is no code."""
+    code = CODES.get(name)
+    if code is None:
+        return None
+    parts = [f"{code.name}: {code.summary}", fill(code.text, 100)]
+    if code.example:
+        parts.append("For example:\n\n" + indent(code.example.rstrip(), "    "))
+    return "\n\n".join(parts) + "\n"
+
+
+__all__ = ["CODES", "Code", "explain"]

@@ -1,0 +1,233 @@
+"""Codes of names: what is not there, what is there twice, what cannot stand here."""
+
+from .base import Code
+
+RESOLVING = (
+    Code("unknown-name", "a name is not declared here", """
+        No parameter, part, `let` or repeat of this name can be seen from here. Names of a block (`repeat`, `when`) are
+        seen within it only; from outside, what a repeat declares is reached through it: `column.cell.front`.
+        """, """
+        apg 1
+        use primitives { Cuboid }
+        category Stool {
+          param width : length in 30cm .. 50cm
+          root part seat : Cuboid(size = [widht, 30cm, 3cm])
+        }
+        """),
+    Code("unknown-member", "a value has no member of that name", """
+        What stands before the dot has no such member. A part has the faces `front back left right top bottom`, `size`,
+        `center` and `box`, and what its template or role declares: parameters, ports, slots, parts and joints.
+        """, """
+        apg 1
+        use primitives { Cuboid }
+        category Stool {
+          root part seat : Cuboid(size = [30cm, 30cm, 3cm])
+          require seat.widht >= 3cm
+        }
+        """),
+    Code("unknown-template", "there is no such template, role or primitive", """
+        A part is made of a template, primitive or style that the file declares or brings in by `use`.
+        """, """
+        apg 1
+        category Stool {
+          root part seat : Cuboid(size = [30cm, 30cm, 3cm])
+        }
+        """),
+    Code("unknown-type", "there is no such type", """
+        Types are `length angle ratio count bool area volume mass density time force torque speed`, `choice a | b`,
+        `frame line plane edge point box curve material` and `style Role`; `length[3]` is a vector.
+        """, """
+        apg 1
+        template Stool {
+          param width : lenght in 30cm .. 50cm
+        }
+        """),
+    Code("unknown-port", "a part has no port of that name", """
+        The place needs a port or slot that the part's template does not have, or an index beyond those it has.
+        Ports are declared by a role or template with `port mount : frame`.
+        """, """
+        apg 1
+        use primitives { Cuboid }
+        use handles { Handle, BarHandle }
+        category Chest {
+          root part body : Cuboid(size = [40cm, 60cm, 30cm])
+          part handle : Handle = BarHandle
+          connect handle.mont to body.front at center
+        }
+        """),
+    Code("unknown-argument", "a template has no parameter of that name", """
+        Arguments are given by the names of the template's parameters and of what its role inherits. A material takes
+        its own list of properties, `at` the coordinates `x`, `y` and `z`.
+        """, """
+        apg 1
+        use primitives { Cuboid }
+        category Stool {
+          root part seat : Cuboid(sise = [30cm, 30cm, 3cm])
+        }
+        """),
+    Code("unknown-clause", "a statement does not take this clause", """
+        Each kind of statement, and each kind of joint, takes clauses of its own: a prismatic joint moves `along` a
+        direction and takes no `about`, a continuous one has no `range`.
+        """, """
+        apg 1
+        use primitives { Cuboid }
+        template Door {
+          part frame_ : Cuboid(size = [1cm, 1cm, 1cm])
+          part leaf : Cuboid(size = [1cm, 1cm, 1cm])
+          joint spin : fixed frame_ -> leaf range 0deg .. 90deg
+        }
+        """),
+    Code("unknown-function", "there is no such function", """
+        Functions are the built-in ones (`sin`, `hypot`, `min`, `sum` ...), those of the module (`let f(x) = ...`), the
+        surfaces and curves of a primitive, and the constructors of frames, lines and boxes.
+        """, """
+        apg 1
+        let half(x) = sqroot(x)
+        """),
+    Code("unknown-joint-kind", "there is no such kind of joint", """
+        Joints are `revolute` (turns between limits), `continuous` (turns without end), `prismatic` (slides), `screw`,
+        `ball` and `fixed`.
+        """, """
+        apg 1
+        use primitives { Cuboid }
+        template Door {
+          part post : Cuboid(size = [1cm, 1cm, 1cm])
+          part leaf : Cuboid(size = [1cm, 1cm, 1cm])
+          joint open : hinge post -> leaf about leaf.left.back range 0deg .. 90deg
+        }
+        """),
+    Code("unknown-distribution", "there is no such distribution", """
+        A parameter is drawn `~ uniform()`, `~ normal(mean, deviation)`, `~ lognormal(median, deviation)` or from
+        `~ values(a, b, b)`, always within its range.
+        """, """
+        apg 1
+        template Stool {
+          param width : length in 30cm .. 50cm = 40cm ~ gauss(40cm, 3cm)
+        }
+        """),
+    Code("unknown-choice", "a choice has no such option", """
+        A choice has the options that its type lists; this is none of them.
+        """, """
+        apg 1
+        template Stool {
+          param shape : choice round | square = rond
+        }
+        """),
+    Code("unknown-vocabulary", "there is no such vocabulary", """
+        A label is written `vocabulary.word`. Vocabularies are declared in the file or come in by `use`.
+        """, """
+        apg 1
+        use primitives { Cuboid }
+        category Stool {
+          root part seat : Cuboid(size = [30cm, 30cm, 3cm])
+          label semantics.seat on seat
+        }
+        """),
+    Code("unknown-label", "a label is not in its vocabulary", """
+        The words of a vocabulary are fixed, so that their numbers are the same in every data set. New words are added
+        at the end of its declaration.
+        """, """
+        apg 1
+        use primitives { Cuboid }
+        vocabulary semantic { seat leg }
+        category Stool {
+          root part seat : Cuboid(size = [30cm, 30cm, 3cm])
+          label semantic.saet on seat
+        }
+        """),
+    Code("unknown-material", "there is no such material", """
+        Materials are declared in the file (`material oak { ... }`) or come in by `use materials { oak }`.
+        """, """
+        apg 1
+        use primitives { Cuboid }
+        category Stool {
+          root part seat : Cuboid(size = [30cm, 30cm, 3cm])
+          material oak on seat
+        }
+        """),
+    Code("duplicate-name", "a name is declared twice", """
+        Parameters, parts, ports, surfaces and slots of one template share one namespace. One name may be declared in
+        two branches that exclude each other (`when a { } else { }`).
+        """, """
+        apg 1
+        template Stool {
+          param width : length in 30cm .. 50cm
+          param width : length in 40cm .. 50cm
+        }
+        """),
+    Code("reserved-name", "a name shadows a built-in one", """
+        Types, constructors, built-in functions, the faces of a box, `size`, `center` and `box` keep their meaning
+        everywhere and cannot be declared.
+        """, """
+        apg 1
+        template Stool {
+          param front : length in 30cm .. 50cm
+        }
+        """),
+    Code("circular-definition", "something is defined by itself", """
+        The chain of definitions shown comes back to its beginning, so that none of them has a value.
+        """, """
+        apg 1
+        template Stool {
+          let a = b + 1cm
+          let b = a - 1cm
+        }
+        """),
+    Code("misplaced-statement", "a statement cannot stand here", """
+        Roles declare, templates and categories build, primitives have surfaces: each takes statements of its own.
+        """, """
+        apg 1
+        role Handle {
+          part grip : Cuboid
+        }
+        """),
+    Code("misplaced-hole", "`_` stands where nothing can be left open", """
+        `_` leaves one component of a vector argument to be determined by equations: `Cuboid(size = [_, 2cm, _])`. It
+        is no value and cannot be computed with.
+        """, """
+        apg 1
+        template Stool {
+          let corner = [_, 1cm, 2cm]
+        }
+        """),
+    Code("missing-argument", "an argument is missing", """
+        The constructor or function cannot do without the arguments named.
+        """, """
+        apg 1
+        use primitives { Cuboid }
+        template Knob {
+          part body : Cuboid(size = [1cm, 1cm, 1cm])
+          port mount : frame = frame(at = body.back.center)
+        }
+        """),
+    Code("missing-clause", "a statement lacks a clause", """
+        The statement says too little: a `connect` needs `to`, `on`, `in` or `between`; a grasp needs `at`, `approach`,
+        `close` and `opening`.
+        """, """
+        apg 1
+        use primitives { Cuboid }
+        category Stool {
+          root part seat : Cuboid(size = [30cm, 30cm, 3cm])
+          part leg : Cuboid(size = [3cm, 3cm, 40cm])
+          connect leg fit left
+        }
+        """),
+    Code("missing-value", "a declaration lacks a value", """
+        A role promises, a template gives: within a template a port is bound with `=`.
+        """, """
+        apg 1
+        use primitives { Cuboid }
+        template Knob {
+          part body : Cuboid(size = [1cm, 1cm, 1cm])
+          port mount : frame
+        }
+        """),
+    Code("wrong-arguments", "a function or clause is given the wrong arguments", """
+        The number or the names of the arguments are not those that the function takes.
+        """, """
+        apg 1
+        template Stool {
+          let a = sin(1deg, 2deg)
+        }
+        """),
+)  # fmt: skip
