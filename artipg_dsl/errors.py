@@ -11,7 +11,11 @@ class UserError(Exception):
         self.message, self.hint = message, hint
 
 
-class SettingError(UserError, ValueError):
+class UsageError(UserError, ValueError):
+    """A wrong argument."""
+
+
+class SettingError(UsageError):
     """A parameter that was to be set cannot be, or not to this value."""
 
 

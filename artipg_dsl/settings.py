@@ -111,7 +111,7 @@ def _number(draw: Draw, text: str) -> float:
 def _unknown(program: Program, name: str) -> SettingError:
     names = list(dict.fromkeys(d.column.name for d in program.draws))
     inside = [n for n in names if n.startswith(name + ".")]
-    if any(column.name == name for column in program.definitions):
+    if any(column.name == name or column.name.startswith(name + ".") for column in program.definitions) and not inside:
         return SettingError(
             f"`{name}` follows from other values: it cannot be set", "set what determines it; `apgc ledger` tells what does"
         )

@@ -93,7 +93,7 @@ def _drawing(to: argparse.ArgumentParser, n: int) -> None:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; returns the exit code."""
-    from ..errors import UserError
+    from ..errors import UsageError, UserError
 
     try:
         options = parser().parse_args(arguments)
@@ -103,7 +103,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return importlib.import_module(f".{options.command}", __package__).run(options)
     except UserError as wrong:
         error(wrong.message, wrong.hint)
-        return FAILED
+        return USAGE if isinstance(wrong, UsageError) else FAILED
     except KeyboardInterrupt:
         say("\ninterrupted; nothing is left half written, and the same command completes what is missing")
         return INTERRUPTED

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import UserError
+from ..errors import UsageError, UserError
 from ..job import Job, open_job, reopen
 from ..settings import split
 from .progress import Progress
@@ -19,7 +19,7 @@ def run(options: argparse.Namespace) -> int:
     from ..view.sheet import write_sheet
 
     if Path(options.out).suffix.lower() != ".png":
-        raise UserError(f"the picture is written as PNG, not to {options.out}", "choose a name that ends in .png")
+        raise UsageError(f"the picture is written as PNG, not to {options.out}", "choose a name that ends in .png")
     job, numbers = wanted(options)
     with Progress("drawing") as progress:
         write_sheet(
@@ -35,7 +35,7 @@ def wanted(options: argparse.Namespace) -> tuple[Job, np.ndarray]:
     if not Path(options.program).is_dir():
         return open_job(options.program, options.seed or 0, split(options.set)), chosen(options)
     if options.set or options.seed is not None:
-        raise UserError(f"the samples in {options.program} are made", "leave out --seed and --set, or name a category")
+        raise UsageError(f"the samples in {options.program} are made", "leave out --seed and --set, or name a category")
     job, numbers = reopen(options.program)
     if options.only is None:
         return job, numbers[: options.number or options.default_number]

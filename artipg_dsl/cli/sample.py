@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import argparse
 import time
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..errors import UsageError, UserError
 from ..settings import split
 from .progress import Progress
 from .report import say
@@ -23,12 +25,25 @@ def chosen(options: argparse.Namespace) -> np.ndarray:
     return np.arange(options.number or options.default_number)
 
 
+def in_the_way(folder: Path) -> None:
+    """Refuse a folder whose name, or that of one above it, is a file's: before the work, not after."""
+    for place in (folder, *folder.parents):
+        if place.exists() and not place.is_dir():
+            raise UserError(f"{place} is a file: a folder is needed there", "choose another output folder")
+
+
 def run(options: argparse.Namespace) -> int:
     from ..export.registry import choose
+    from ..export.write import ExportError
     from ..job import open_job
 
     begun = time.monotonic()
-    formats, settings = choose(options.format), split(options.set)
+    settings = split(options.set)
+    try:
+        formats = choose(options.format)
+    except ExportError as wrong:
+        raise UsageError(wrong.message, wrong.hint) from None
+    in_the_way(Path(options.out))
     job = open_job(options.program, options.seed or 0, settings)
     numbers = chosen(options)
     with Progress(job.sampler.program.name) as progress:

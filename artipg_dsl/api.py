@@ -1,0 +1,272 @@
+"""The Python interface: ``apg.sample("Microwave", n=1000, seed=7)`` gives objects as arrays, meshes and files."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cached_property
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .errors import UsageError
+from .job import Job, make_job, open_job, reopen
+from .session import Session, categories
+from .settings import Value
+
+if TYPE_CHECKING:
+    import trimesh
+
+    from .annotate.cloud import Points
+    from .annotate.grasps import GraspTable, KeypointTable
+    from .runtime.tables import JointTable, LinkTable, PartTable
+
+PICTURED = 8  # objects on the picture in a notebook
+
+
+def sample(
+    category: str | Path,
+    n: int | None = None,
+    seed: int = 0,
+    *,
+    numbers: Sequence[int] | np.ndarray | None = None,
+    set: Mapping[str, Value] | None = None,
+) -> Samples:
+    """Objects of a category, by the name of a shipped one or by file.
+
+    ``n`` objects, 0 .. n - 1 (default 1), or those of the given ``numbers``: a number stands for the same object in
+    any set of one seed. ``set`` fixes parameters: text with a unit, ``{"width": "45cm", "handle": "none"}``, or
+    numbers in metres and radians. Raises CompileError, SettingError, NoObject.
+    """
+    wanted = _numbers(n, numbers)
+    return Samples(open_job(category, seed, set), wanted)
+
+
+def load(text: str, n: int = 1, seed: int = 0, *, set: Mapping[str, Value] | None = None) -> Samples:
+    """Objects of a category whose program is at hand as text. Raises CompileError, SettingError, NoObject."""
+    sampler = Session.of_text(text).sampler
+    return Samples(make_job(sampler, sampler.program.name, seed, set), _numbers(n, None))
+
+
+def open_samples(folder: str | Path) -> Samples:
+    """The objects of a folder that ``apgc sample`` has written, made again. Raises ExportError, UserError."""
+    return Samples(*reopen(folder))
+
+
+def _numbers(n: int | None, numbers: Sequence[int] | np.ndarray | None) -> np.ndarray:
+    if numbers is not None:
+        if n is not None:
+            raise UsageError("both n and numbers are given", "n objects are the numbers 0 .. n - 1")
+        found = np.unique(np.asarray(numbers, dtype=np.int64).reshape(-1))
+        if not len(found) or found[0] < 0:
+            raise UsageError("the numbers of objects are whole and from 0 on, and there is at least one")
+        return found
+    count = 1 if n is None else int(n)
+    if count < 1:
+        raise UsageError(f"n is {n}: there must be at least one object")
+    return np.arange(count)
+
+
+class Samples:
+    """Objects of one category as columns: every table and array has their rows in the order of ``numbers``.
+
+    Frames are right-handed, x to the front, y to the left, z up; metres and radians.
+    """
+
+    def __init__(self, job: Job, numbers: np.ndarray):
+        self.job = job
+        self.batch = job.batch(numbers)
+
+    def __len__(self) -> int:
+        return len(self.batch)
+
+    def __repr__(self) -> str:
+        return f"<{self._title()}>"
+
+    def _title(self) -> str:
+        count = "1 object" if len(self) == 1 else f"{len(self)} objects"
+        return f"{self.category}: {count}, seed {self.job.seed}"
+
+    @property
+    def category(self) -> str:
+        return self.batch.program.name
+
+    @property
+    def seed(self) -> int:
+        return self.job.seed
+
+    @property
+    def numbers(self) -> np.ndarray:
+        """(B,) object numbers, ascending."""
+        return self.batch.numbers
+
+    def object(self, number: int) -> Object:
+        """The object of a number, the same whether it is among these or not."""
+        return Object(self.job, _numbers(None, [number]))
+
+    # ------------------------------------------------------------ tables
+
+    def links(self) -> LinkTable:
+        """The rigid links, all objects' in one table; ``owner`` is the index of the object."""
+        return self.batch.links()
+
+    def joints(self) -> JointTable:
+        """The joints; origin and axis in the object's frame at joint values 0."""
+        return self.batch.joints()
+
+    def parts(self) -> PartTable:
+        """The parts with their boxes and poses."""
+        return self.batch.parts()
+
+    def annotations(self) -> list[dict[str, Any]]:
+        """All that is known of each object as plain data: joints, parts, grasps, keypoints, what was drawn."""
+        from .annotate.annotation import describe
+
+        return describe(self.batch)
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """A drawn value, one per object: ``batch["width"]`` (B,) float64, nan where an object has none of the name.
+
+        Choices are names, "" where there is none. Raises KeyError, also for values that a repeat draws several of.
+        """
+        draws = [(k, d) for k, d in enumerate(self.batch.program.draws) if d.column.name == name]
+        if not draws or any(s.kind == "repeat" for _, d in draws for s in d.column.scope.ancestors()):
+            raise KeyError(f"{name}: there is no such value, or an object has several; the annotation lists all")
+        words = draws[0][1].kind == "choice"
+        found = np.full(len(self), "" if words else np.nan, dtype=object if words else np.float64)
+        for k, draw in draws:
+            drawn = self.batch.state.values[k]
+            found[self.batch.owner(draw.column.scope)] = [draw.options[int(i)] for i in drawn] if words else drawn
+        return found.astype(str) if words else found
+
+    # ------------------------------------------------------------ joint values
+
+    def rest(self) -> np.ndarray:
+        """Joint values (J,) at rest, in the order of ``joints()``."""
+        return self.batch.rest()
+
+    def opened(self) -> np.ndarray:
+        """Joint values (J,) with every limited joint four fifths of its way open."""
+        from .view.scene import opened
+
+        return opened(self.batch)
+
+    def states(self, **values: float) -> np.ndarray:
+        """Joint values (J,) at rest but for the joints named: ``batch.states(open=1.2)``, all that bear the name."""
+        joints, found = self.joints(), self.rest().copy()
+        names = [self.batch.program.joints[d].name for d in joints.definition]
+        for name, value in values.items():
+            rows = [i for i, (own, kind) in enumerate(zip(joints.name, names, strict=True)) if name in (own, kind)]
+            if not rows:
+                known = ", ".join(dict.fromkeys(names))
+                raise UsageError(f"{self.category} has no joint `{name}`", f"its joints are {known}")
+            found[rows] = value
+        return found
+
+    # ------------------------------------------------------------ geometry
+
+    def points(self, n: int = 2048, states: np.ndarray | None = None) -> Points:
+        """``n`` points per object on the visible surface with normals, labels and binding, arrays (B, n, ...).
+
+        With the joints at ``states`` (J,), at rest by default.
+        """
+        from .annotate.cloud import sample_points
+
+        return sample_points(self.batch, n, states)
+
+    def meshes(self, states: np.ndarray | None = None) -> list[trimesh.Scene]:
+        """One trimesh scene per object, a closed mesh per primitive, named after its part."""
+        from .export.scenes import scenes
+
+        return scenes(self.batch, states)
+
+    def grasps(self, values: int = 5) -> GraspTable:
+        """Grasps of all objects, each family at ``values`` places; frames at joint values 0."""
+        from .annotate.grasps import sample_grasps
+
+        return sample_grasps(self.batch, values)
+
+    def keypoints(self) -> KeypointTable:
+        """Keypoints of all objects at joint values 0."""
+        from .annotate.grasps import sample_keypoints
+
+        return sample_keypoints(self.batch)
+
+    # ------------------------------------------------------------ files
+
+    def to(self, folder: str | Path, formats: str | Iterable[str] | None = None, *, points: int = 2048, force: bool = False) -> Path:
+        """Write what ``apgc sample`` writes: shards, a folder per object where a format asks for it, the manifest."""
+        from .export.registry import choose
+
+        chosen = choose(formats if formats is None or isinstance(formats, str) else list(formats))
+        self.job.write(folder, self.numbers, chosen, n_points=points, force=force)
+        return Path(folder)
+
+    def to_urdf(self, folder: str | Path, *, force: bool = False) -> list[Path]:
+        """A robot description with its meshes per object; returns the paths of ``object.urdf``."""
+        return self._objects(folder, "urdf", force)
+
+    def to_glb(self, folder: str | Path, *, force: bool = False) -> list[Path]:
+        """A binary glTF per object; returns the paths of ``object.glb``."""
+        return self._objects(folder, "glb", force)
+
+    def _objects(self, folder: str | Path, name: str, force: bool) -> list[Path]:
+        from .export.dataset import object_folder, write_objects
+        from .export.registry import FORMATS
+
+        write_objects(self.batch, Path(folder), [FORMATS[name]], force=force)
+        return [object_folder(Path(folder), n) / f"object.{name}" for n in self.numbers.tolist()]
+
+    # ------------------------------------------------------------ pictures
+
+    def sheet(self, path: str | Path, **options: Any) -> Path:
+        """Draw all objects to a PNG; the options are those of ``view.sheet.sheet`` (colour, tile, columns, states)."""
+        from .view.sheet import write_sheet
+
+        write_sheet(self.batch, path, force=True, **options)
+        return Path(path)
+
+    @cached_property
+    def _picture(self) -> bytes:
+        from .view.png import png_bytes
+        from .view.sheet import sheet
+
+        return png_bytes(sheet(self.job.batch(self.numbers[:PICTURED]), tile=220))
+
+    def _repr_png_(self) -> bytes:
+        return self._picture
+
+    def _repr_html_(self) -> str:
+        picture = base64.b64encode(self._picture).decode("ascii")
+        more = f", the first {PICTURED} shown" if len(self) > PICTURED else ""
+        return f'<img alt="{escape(self._title())}" src="data:image/png;base64,{picture}"><p>{escape(self._title() + more)}</p>'
+
+
+class Object(Samples):
+    """One object; tables and arrays have its rows alone."""
+
+    @property
+    def number(self) -> int:
+        return int(self.numbers[0])
+
+    @cached_property
+    def annotation(self) -> dict[str, Any]:
+        """All that is known of the object as plain data."""
+        return self.annotations()[0]
+
+    @cached_property
+    def drawn(self) -> dict[str, Any]:
+        """Parameters, counts and choices; lists where a repeat draws several."""
+        return self.batch.drawn(0)
+
+    def mesh(self, states: np.ndarray | None = None) -> trimesh.Scene:
+        """The object as a trimesh scene."""
+        return self.meshes(states)[0]
+
+    def _title(self) -> str:
+        return f"{self.category} {self.number}, seed {self.job.seed}"
+
+
+__all__ = ["Object", "Samples", "categories", "load", "open_samples", "sample"]

@@ -1,0 +1,38 @@
+"""Objects as trimesh scenes, for whoever goes on in Python."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import trimesh
+
+from ..annotate.frames import rotate
+from .robot import Robots
+
+if TYPE_CHECKING:
+    from ..runtime.batch import Batch
+
+
+def scenes(batch: Batch, states: np.ndarray | None = None) -> list[trimesh.Scene]:
+    """One scene per object with the joints at ``states`` (J,), at rest by default: a closed mesh per primitive.
+
+    Metres, the object's frame; a mesh is named after its part, its metadata tells link and material.
+    """
+    robots = Robots(batch, collision=False)
+    turn, shift = batch.pose(states)
+    made = []
+    for i, number in enumerate(batch.numbers.tolist()):
+        scene = trimesh.Scene(metadata={"object": number, "category": batch.program.name})
+        first, robot = int(robots.link_start[i]), robots.robot(i)
+        for k, link in enumerate(robot.links):
+            for visual in link.visuals:
+                place = visual.shape.vertices + link.origin
+                vertices = rotate(turn[first + k], place) + shift[first + k]
+                mesh = trimesh.Trimesh(vertices, visual.shape.faces, process=False)
+                red, green, blue = visual.look.colour
+                mesh.visual.face_colors = np.round(255 * np.array([red, green, blue, visual.look.opacity])).astype(np.uint8)
+                mesh.metadata = {"link": link.name, "material": visual.look.name}
+                scene.add_geometry(mesh, node_name=visual.name, geom_name=visual.name)
+        made.append(scene)
+    return made
