@@ -112,7 +112,8 @@ def declare(env: Env, body: tuple[ast.Stmt, ...]) -> None:
     """Register every name of a body, then lower the declarations in the order of the text."""
     env.statements.extend(body)
     for statement in body:
-        register(env, statement)
+        if not (isinstance(statement, ast.CountDecl) and statement.name in env.names):  # given as an argument
+            register(env, statement)
     for statement in body:
         try:
             if isinstance(statement, ast.WhenStmt):
@@ -192,6 +193,16 @@ def register_port(env: Env, statement: ast.PortDecl) -> None:
     array = env.names.setdefault(statement.name, PortArray(statement.name, {}))
     assert isinstance(array, PortArray)
     array.pending.append((env, statement))
+    array.size = array.size or port_count(env, statement.name)
+
+
+def port_count(env: Env, name: str) -> int:
+    """How many ports ``port name[n]`` of the template or its role promises; 0 where neither says."""
+    for owner in lineage(env.symbol) if env.symbol is not None else ():
+        for statement in owner.body:
+            if isinstance(statement, ast.PortDecl) and statement.name == name and statement.value is None and statement.index:
+                return int(Evaluator(env).scalar(statement.index).constant or 0.0)
+    return 0
 
 
 def open_when(env: Env, statement: ast.WhenStmt) -> None:

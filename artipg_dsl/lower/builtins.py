@@ -17,6 +17,7 @@ from .values import (
     Frame,
     Line,
     Plane,
+    Ports,
     Ref,
     Value,
     Vec,
@@ -28,6 +29,7 @@ from .values import (
     minus,
     normalized,
     place,
+    scalars,
     squared,
     times,
     unit,
@@ -47,19 +49,23 @@ MOST_PORTS = 8  # of a port array bound in a repeat
 
 
 @dataclass(slots=True, eq=False)
-class PortArray:
-    """``port socket[2]``: values by index."""
+class PortArray(Ports):
+    """Ports of a body that are evaluated when they are first asked for."""
 
-    name: str
-    values: dict[int, Value]
     pending: list = field(default_factory=list)  # (environment, declaration) still to be evaluated
+    size: int = 0  # how many there are, where the declaration says
 
-    def settle(self) -> None:
-        """Evaluate the bindings: one per constant index, or all of a repeat by its index."""
+    def settled(self) -> dict[int, Value]:
+        """Evaluate the bindings: one per constant index, all of a repeat by its index, or all by an index of their own."""
         from .evaluate import At, Evaluator
 
         pending, self.pending = self.pending, []
         for home, declaration in pending:
+            name = declaration.index.name if isinstance(declaration.index, ast.NameExpr) else None
+            if name is not None and home.find(name) is None:
+                for k in range(self.size):
+                    self.values[k] = Evaluator(home, {name: E.const(float(k))}).value(declaration.value)
+                continue
             value = Evaluator(home).value(declaration.value)
             index = Evaluator(home).scalar(declaration.index)
             if index.constant is not None:
@@ -67,26 +73,27 @@ class PortArray:
                 continue
             element = home.element
             outer = Evaluator(home.outer)
-            for k in range(MOST_PORTS):
+            for k in range(self.size or MOST_PORTS):
                 self.values[k] = outer.fetch(At(element, E.const(float(k)), element), value)
+        return self.values
 
-    def pick(self, index: Expr, env: Env, span: Span) -> Value:
-        self.settle()
-        if index.constant is not None:
-            if int(index.constant) not in self.values:
-                raise env.context.error(
-                    "unknown-port", span, f"`{self.name}` has no index {int(index.constant)}; it has 0 .. {len(self.values) - 1}"
-                )
-            return self.values[int(index.constant)]
-        keys = sorted(self.values)
-        value = self.values[keys[-1]]
-        from .values import scalars
 
-        for key in reversed(keys[:-1]):
-            here = E.call("eq", index, E.const(float(key)))
-            others = iter(scalars(self.values[key]))
-            value = mapped(value, lambda e, here=here, others=others: E.where(here, next(others), e))
-        return value
+def pick(ports: Ports, index: Expr, env: Env, span: Span) -> Value:
+    """The port with an index, which may differ from row to row."""
+    values = ports.settled()
+    if index.constant is not None:
+        if int(index.constant) not in values:
+            raise env.context.error(
+                "unknown-port", span, f"`{ports.name}` has no index {int(index.constant)}; it has 0 .. {len(values) - 1}"
+            )
+        return values[int(index.constant)]
+    keys = sorted(values)
+    value = values[keys[-1]]
+    for key in reversed(keys[:-1]):
+        here = E.call("eq", index, E.const(float(key)))
+        others = iter(scalars(values[key]))
+        value = mapped(value, lambda e, here=here, others=others: E.where(here, next(others), e))
+    return value
 
 
 def function(ev: Evaluator, node: ast.CallExpr) -> Value:
@@ -248,4 +255,4 @@ def method(ev: Evaluator, node: ast.CallExpr) -> Value:
     raise ev.env.context.error("unknown-member", function.name_span, f"{describe(owner)} has no `{function.name}(...)`")
 
 
-__all__ = ["AXES", "Choice", "Plane", "PortArray", "Ref", "Vec", "direct", "function", "method", "named", "place"]
+__all__ = ["AXES", "Choice", "Plane", "PortArray", "Ref", "Vec", "direct", "function", "method", "named", "pick", "place"]

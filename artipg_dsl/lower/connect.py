@@ -84,6 +84,8 @@ def placing(env: Env, part: Part, subject: ast.Expr, clauses: tuple[ast.Clause, 
     if "on" in words:
         node = words["on"].values[0]
         target = ev.value(node)
+        if "sink" in words:
+            gap = E.sub(gap, ev.scalar(words["sink"].values[0]))
         on_plane(ev, subject, node, target, gap, words["on"].span)
     elif "in" in words:
         node = words["in"].values[0]
@@ -187,7 +189,7 @@ def joint(env: Env, statement: ast.JointDecl) -> None:
 
 
 def joint_placing(statement: ast.JointDecl) -> tuple[ast.Clause, ...]:
-    return tuple(c for c in statement.clauses if c.word in ("on", "in", "at", "fit", "gap"))
+    return tuple(c for c in statement.clauses if c.word in ("on", "in", "at", "fit", "gap", "sink"))
 
 
 def part_of(env: Env, node: ast.Expr) -> Part:

@@ -17,7 +17,7 @@ from ..graph.program import Pose
 from ..semantics.symbols import ModuleScope, Symbol
 from ..source import Span
 from ..syntax import ast
-from .context import Context, Equation, Unknown
+from .context import Abort, Context, Equation, Unknown
 from .values import HERE, Box, Value, inverse, moved
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ class Thunk:
     make: Callable[[], Value]
     span: Span
     running: bool = False
+    failed: bool = False
 
 
 @dataclass(slots=True, eq=False)
@@ -87,10 +88,18 @@ class Env:
         """The value of a name declared right here, lowering its declaration if that has not happened yet."""
         value = self.names.get(name)
         if isinstance(value, Thunk):
+            if value.failed:
+                raise Abort(f"`{name}` could not be lowered")
             if value.running:
                 raise self.context.error("circular-definition", value.span, f"`{name}` is defined by itself")
             value.running = True
-            made = value.make()
+            try:
+                made = value.make()
+            except Abort:
+                value.failed = True
+                raise
+            finally:
+                value.running = False
             self.names[name] = made
             return made
         return value

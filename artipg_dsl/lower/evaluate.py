@@ -26,6 +26,7 @@ from .values import (
     Frame,
     Line,
     Plane,
+    Ports,
     Ref,
     Value,
     Vec,
@@ -504,8 +505,8 @@ class Evaluator:
 
     def _IndexExpr(self, node: ast.IndexExpr) -> Value:
         value = self.value(node.obj)
-        if isinstance(value, builtins.PortArray):
-            return value.pick(self.scalar(node.index), self.env, node.span)
+        if isinstance(value, Ports):
+            return builtins.pick(value, self.scalar(node.index), self.env, node.span)
         if isinstance(value, At) and isinstance(value.inner, Element):
             inner = Evaluator(value.element.env)
             index = inner.position(value.inner, node.index)

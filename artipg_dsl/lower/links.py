@@ -16,10 +16,10 @@ from ..source import Span
 from ..syntax import ast
 from .connect import Attachment
 from .context import Abort, Context, where
-from .env import Env
+from .env import Env, exists_in
 from .evaluate import Evaluator
 from .part import Instance, Part, union_of
-from .place import root_name
+from .place import bare, root_name
 from .values import (
     HERE,
     IDENTITY,
@@ -46,7 +46,8 @@ class Links:
 
     context: Context
     worlds: dict[Env, Pose] = field(default_factory=dict)
-    own: dict[Part, int] = field(default_factory=dict)  # link of a jointed part
+    own: dict[Attachment, int] = field(default_factory=dict)  # link that a joint moves
+    owners: dict[int, Part] = field(default_factory=dict)  # whose frame such a link takes
     known: dict[Part, tuple[int, ...]] = field(default_factory=dict)
     nodes: dict[tuple[Part, str], int] = field(default_factory=dict)
     sites: dict[Part, list[int]] = field(default_factory=dict)
@@ -74,15 +75,13 @@ class Links:
 
     # ------------------------------------------------------------ links
 
-    def attachment(self, part: Part) -> Attachment | None:
-        found = part.attachment
-        if not isinstance(found, list):
-            return None
-        joints = [a for a in found if a.joint is not None]
-        return joints[0] if joints else found[0]
+    def attachments(self, part: Part) -> list[Attachment]:
+        """How a part is attached: once, or once in each branch of a ``when``; joints first."""
+        found = part.attachment if isinstance(part.attachment, list) else []
+        return sorted(found, key=lambda a: a.joint is None)
 
     def of(self, part: Part) -> tuple[int, ...]:
-        """The link that carries a part."""
+        """The link that carries a part: the first of these that has a row."""
         if part in self.known:
             return self.known[part]
         if part in self.resolving:
@@ -95,27 +94,37 @@ class Links:
         return self.known[part]
 
     def find(self, part: Part) -> tuple[int, ...]:
-        attachment = self.attachment(part)
-        owner = part.env.root.instance
-        if attachment is not None and attachment.joint is not None:
-            return (self.own_link(part),)
-        if attachment is not None and not attachment.base:
-            return self.carried(attachment.to, part.span)
-        if owner is None:
-            return (0,)
-        first = first_part(owner)
-        if attachment is None and first is not None and first is not part:
-            return self.of(first)
-        return self.of(owner.part)
+        attachments = self.attachments(part)
+        found: list[int] = []
+        for attachment in attachments:
+            if attachment.joint is not None:
+                found.append(self.own_link(part, attachment))
+            elif attachment.base:
+                found.extend(self.base(part.env))
+            else:
+                found.extend(self.carried(attachment.to, part.span))
+        if not any(a.env is part.env for a in attachments):  # none, or under some guards only
+            owner = part.env.root.instance
+            first = None if owner is None else first_part(owner)
+            found.extend(self.base(part.env) if first is None or first is part else self.of(first))
+        return tuple(dict.fromkeys(found))
 
-    def own_link(self, part: Part) -> int:
+    def base(self, env: Env) -> tuple[int, ...]:
+        """What carries a template as a whole; the object's root link in a category."""
+        owner = env.root.instance
+        return (0,) if owner is None else self.of(owner.part)
+
+    def own_link(self, part: Part, attachment: Attachment) -> int:
         """The link of a part that a joint moves (made at the first question)."""
-        if part not in self.own:
+        if attachment not in self.own:
             program = self.context.program
-            scope = self.context.guard(part.env.scope, part.exists, f"{part.path} exists")
-            self.own[part] = len(program.links)
+            scope = attachment.env.scope
+            if part.exists is not E.TRUE and not exists_in(attachment.env, part.exists):
+                scope = self.context.guard(scope, part.exists, f"{part.path} exists")
+            self.own[attachment] = len(program.links)
+            self.owners[len(program.links)] = part
             program.links.append(Link(part.path, scope, -1))
-        return self.own[part]
+        return self.own[attachment]
 
     def carried(self, parts: tuple[Part, ...], span: Span) -> tuple[int, ...]:
         """The link on which values of these parts lie; alternatives of one part give several."""
@@ -155,7 +164,6 @@ class Links:
         program = self.context.program
         pose = self.part_world(part)
         links = self.of(part)
-        attachment = self.attachment(part)
         for instance in part.instances:
             box = instance.box()
             number = len(program.parts)
@@ -172,8 +180,9 @@ class Links:
                 )
             elif instance.env is not None:
                 self.build(instance.env, number)
-        if attachment is not None and attachment.joint is not None:
-            self.build_joint(part, attachment)
+        for attachment in self.attachments(part):
+            if attachment.joint is not None:
+                self.build_joint(part, attachment)
 
     # ------------------------------------------------------------ joints
 
@@ -187,10 +196,8 @@ class Links:
             raise self.context.error(
                 "wrong-kind", statement.kind_span or statement.span, f"there is no joint kind `{kind}`", hint=f"one of {', '.join(KINDS)}"
             )
-        child = self.own_link(part)
-        owner = env.root.instance
-        base = (0,) if owner is None else self.of(owner.part)
-        parents = base if attachment.base else self.carried(attachment.to, statement.span)
+        child = self.own_link(part, attachment)
+        parents = self.base(env) if attachment.base else self.carried(attachment.to, statement.span)
         origin, axis = self.axis(ev, part, statement, kind)
         outer = self.world(env)
         words = {c.word: c for c in statement.clauses}
@@ -240,7 +247,7 @@ class Links:
         clause = words.get("about") or words.get("along")
         if clause is None:
             assert statement.parent is not None
-            value = ev.value(statement.parent) if isinstance(statement.parent, ast.MemberExpr) else None
+            value = None if bare(ev.env, statement.parent) else ev.value(statement.parent)
             if isinstance(value, Frame):
                 return value.origin, value.out
             if isinstance(value, Line):

@@ -15,7 +15,10 @@ Several curves in brackets are one chain, which must meet end to end.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
+
+import numpy as np
 
 from ..graph import expr as E
 from ..graph.expr import ONE, ZERO, Expr
@@ -24,13 +27,15 @@ from ..syntax import ast
 from .curves import TURN, spans_of
 from .env import Env
 from .evaluate import Evaluator
-from .probe import Probe
-from .profiles import Loop, Point, Side, Span, V, between, distance, extreme
+from .probe import SMALL, Probe
+from .profiles import Loop, Point, Side, Span, between, distance, equal_steps, extreme, orientation, samples
+from .strips import MOST, chord, convex, strip
 from .values import Value, signed_axis
 
 U = E.var("u")
 PX, PY, PZ = (E.var(f"p.{a}") for a in "xyz")
 FULL = (ZERO, E.const(TURN))
+ROUND = 24  # corners of a slice
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -118,7 +123,64 @@ def lathe(env: Env, solid: ast.SolidDecl) -> Made:
     wide = extreme(probe, spans, 0, 1)
     low = turned(axis, (E.neg(wide), E.neg(wide)), extreme(probe, spans, 1, -1))
     high = turned(axis, (wide, wide), extreme(probe, spans, 1, 1))
-    return Made(tuple(patches), (), inside, low, high)
+    pieces = lathe_pieces(env, probe, solid, chains, loop, axis)
+    return Made(tuple(patches), pieces, inside, low, high)
+
+
+def lathe_pieces(
+    env: Env, probe: Probe, solid: ast.SolidDecl, chains: list[list[Span]], loop: Loop, axis: int
+) -> tuple[Piece, ...]:
+    """None for a convex solid (the hull of its mesh); slices of one that is not; wedges of a hollow one."""
+    sign = orientation(probe, loop)
+    if len(chains) == 1:
+        return () if convex(probe, loop, mirrored=True) else slices(env, probe, solid, chains[0], sign, axis)
+    if len(chains[0]) != len(chains[1]):
+        raise env.context.error(
+            "broken-chain", solid.span, f"the outer chain has {len(chains[0])} curves, the inner one {len(chains[1])}",
+            hint="the chains of a hollow solid have as many curves each: the wall lies between one and its partner",
+        )  # fmt: skip
+    pieces = []
+    for number, quad in enumerate(strip(probe, *chains, sign)):
+        wide = E.maximum(quad.outer[0][0], quad.outer[1][0])
+        fit = E.call("ceil", E.mul(E.const(TURN / 2), E.call("sqrt", E.div(E.mul(E.const(2.0), wide), quad.wall))))
+        count = E.minimum(E.maximum(fit, E.const(12.0)), E.const(72.0))
+        half = E.div(E.const(TURN / 2), count)
+        bore = E.div(ONE, E.call("cos", half))
+        corners = []
+        for k in (0.0, 1.0):
+            angle = E.mul(E.mul(E.const(2.0), half), E.add(E.var("i"), E.const(k)))
+            c, s = E.call("cos", angle), E.call("sin", angle)
+            for radius, height in (*quad.outer, *((E.mul(r, bore), h) for r, h in quad.inner)):
+                corners.append(turned(axis, (E.mul(radius, c), E.mul(radius, s)), height))
+        pieces.append(Piece(f"{quad.name}_{number}", tuple(corners), count))
+    return tuple(pieces)
+
+
+def slices(env: Env, probe: Probe, solid: ast.SolidDecl, chain: list[Span], sign: Expr, axis: int) -> tuple[Piece, ...]:
+    """Frusta between equal steps of a solid profile, whose height must rise or fall all the way."""
+    pieces = []
+    way = 0.0
+    angles = [(math.cos(TURN * k / ROUND), math.sin(TURN * k / ROUND)) for k in range(ROUND)]
+    for span in chain:
+        climb = np.diff(samples(probe, span, 48)[..., 1], axis=1)
+        if np.abs(climb).max() < SMALL:
+            continue
+        rise = 1.0 if climb.sum() > 0 else -1.0
+        if (climb * rise).min() < -SMALL or way == -rise:
+            raise env.context.error(
+                "bad-curve", solid.span, f"the height turns back along `{span.name}`: this solid has no simple convex pieces",
+                hint="let the height rise all the way, or make the solid of several primitives",
+            )  # fmt: skip
+        way = rise
+        count = equal_steps(probe, span, math.radians(25.0), MOST)
+        for k in range(count):
+            ends = chord(probe, span, k / count, (k + 1) / count, sign)
+            corners = [
+                turned(axis, (E.mul(radius, E.const(c)), E.mul(radius, E.const(s))), height)
+                for radius, height in ends for c, s in angles
+            ]  # fmt: skip
+            pieces.append(Piece(f"{span.name}_{k}", tuple(corners)))
+    return tuple(pieces)
 
 
 def turned_back(axis: int) -> tuple[Expr, Expr, Expr]:
@@ -149,10 +211,6 @@ def profile_loop(probe: Probe, chains: list[list[Span]]) -> Loop:
 
 
 def check_radius(env: Env, probe: Probe, solid: ast.SolidDecl, span: Span) -> None:
-    import numpy as np
-
-    from .profiles import samples
-
     seen = samples(probe, span, 16)
     if np.isnan(seen).any():
         raise env.context.error(

@@ -67,6 +67,14 @@ def root_name(node: ast.Expr | None) -> str | None:
     return node.name if isinstance(node, ast.NameExpr) else None
 
 
+def bare(env: Env, node: ast.Expr | None) -> bool:
+    """Whether an expression is a part's name alone (or `base`), which attaches without placing."""
+    if not isinstance(node, ast.NameExpr):
+        return node is None
+    found = env.find(node.name)
+    return found is None or isinstance(found, Ref)
+
+
 def mount_of(env: Env, statement: ast.Stmt, name: str) -> Mount | None:
     """The mount that a statement states for the part ``name``, if it is one."""
     if isinstance(statement, ast.ConnectStmt) and root_name(statement.subject) == name:
@@ -81,7 +89,7 @@ def mount_of(env: Env, statement: ast.Stmt, name: str) -> Mount | None:
             return Mount(env, statement, statement.child, None, statement.clauses)
         if "to" in words and isinstance(statement.child, ast.MemberExpr):
             return Mount(env, statement, statement.child, words["to"].values[0], statement.clauses)
-        ported = isinstance(statement.child, ast.MemberExpr) and isinstance(statement.parent, ast.MemberExpr)
+        ported = isinstance(statement.child, ast.MemberExpr | ast.IndexExpr) and not bare(env, statement.parent)
         if ported and not {"in", "on"} & set(words):
             return Mount(env, statement, statement.child, statement.parent, statement.clauses)
     return None

@@ -22,8 +22,8 @@ V = E.var("v")
 TINY = E.const(1e-300)
 SLOPE = E.const(0.97)  # takes what Newton's method leaves open far from a curve out of the slope
 STEPS = 3
-BEND = np.radians(35.0)  # the most that a curve turns within a bracket
-BRACKETS = 12
+BEND = np.radians(50.0)  # the most that a curve turns within a bracket
+HALVINGS = 4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -128,8 +128,26 @@ def straight(probe: Probe, span: Span) -> bool:
     return bool((np.abs(np.nan_to_num(turning(samples(probe, span, 12)), nan=1.0)) < 1e-9).all())
 
 
-def brackets(probe: Probe, span: Span, bend: float = BEND, most: int = BRACKETS) -> int:
-    """Into how many equal steps a span is cut so that it turns by little in each."""
+def brackets(probe: Probe, span: Span) -> list[tuple[float, float]]:
+    """A span halved and halved again until it turns by little in each bracket."""
+    fine = 2**HALVINGS * 4
+    turns = np.abs(np.nan_to_num(turning(samples(probe, span, fine))))
+    turns = np.concatenate([turns, turns[:, -1:]], axis=1)
+    found: list[tuple[float, float]] = []
+
+    def halve(low: int, high: int) -> None:
+        if high - low <= 4 or turns[:, low:high].sum(axis=1).max() <= BEND:
+            found.append((low / fine, high / fine))
+        else:
+            halve(low, (low + high) // 2)
+            halve((low + high) // 2, high)
+
+    halve(0, fine)
+    return found
+
+
+def equal_steps(probe: Probe, span: Span, bend: float, most: int) -> int:
+    """Into how many equal steps a span is cut so that it turns by little in each; at most ``most``."""
     fine = 48
     turns = np.abs(np.nan_to_num(turning(samples(probe, span, fine))))
     turns = np.concatenate([turns, turns[:, -1:]], axis=1)
@@ -214,13 +232,12 @@ def reaches(
         t = clamp(t, 0.0, 1.0)
         away = minus(minus(point, a), scale(along, t))
         return [(dot(away, away), side_of(away, right_of(along, outward), t, ends, 0.0, 1.0))]
-    count = brackets(probe, span)
+    cuts = brackets(probe, span)
     curve = span.by_fraction
     speed: Point = tuple(derive(c, "v") for c in curve)  # type: ignore[assignment]
     bend: Point = tuple(derive(c, "v") for c in speed)  # type: ignore[assignment]
     found = []
-    for k in range(count):
-        low, high = k / count, (k + 1) / count
+    for k, (low, high) in enumerate(cuts):
         t: Expr = E.const((low + high) / 2)
         for _ in range(STEPS):
             t = clamp(E.add(t, step(point, curve, speed, bend, t)), low, high)
@@ -228,7 +245,7 @@ def reaches(
         here, tangent = substituted(curve, t), substituted(speed, t)
         away = minus(minus(point, here), scale(tangent, E.sub(last, t)))
         normal = right_of(tangent, outward)
-        own = (ends[0] if k == 0 else normal, ends[1] if k == count - 1 else normal)
+        own = (ends[0] if k == 0 else normal, ends[1] if k == len(cuts) - 1 else normal)
         found.append((dot(away, away), side_of(away, normal, last, own, low, high)))
     return found
 

@@ -78,7 +78,7 @@ def root_path(env: Env) -> str:
 def number_links(links: Links) -> None:
     """Give each link the node of its part, whose frame it takes."""
     program = links.context.program
-    owners = {number: part for part, number in links.own.items()}
+    owners = links.owners
     for number, link in enumerate(program.links):
         part = owners.get(number)
         node = next((n for (p, _), n in links.nodes.items() if p is part), -1) if part is not None else 0

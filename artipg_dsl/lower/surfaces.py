@@ -10,7 +10,19 @@ from ..graph.expr import Expr
 from ..graph.linear import Linear, isolate
 from ..syntax import ast
 from .builtins import named
-from .values import AXES, HERE, Frame, Value, compose, cross, frame_of, merged, moved, normalized, unit
+from .values import (
+    AXES,
+    HERE,
+    Frame,
+    Value,
+    compose,
+    cross,
+    frame_of,
+    merged,
+    moved,
+    normalized,
+    unit,
+)
 
 if TYPE_CHECKING:
     from .evaluate import Evaluator, Surface

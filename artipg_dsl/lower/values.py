@@ -303,6 +303,17 @@ class Ref:
     own: bool = False  # seen from the part's own frame, while its pose is being sought
 
 
+@dataclass(slots=True, eq=False)
+class Ports:
+    """``port socket[2]``: values by index."""
+
+    name: str
+    values: dict[int, object]
+
+    def settled(self) -> dict[int, object]:
+        return self.values
+
+
 Value = object
 
 
@@ -408,6 +419,8 @@ def mapped(value: Value, scalar: Callable[[Expr], Expr]) -> Value:
         return replace(value, low=low, high=high, pose=mapped_pose(value.pose, scalar))
     if isinstance(value, Choice):
         return replace(value, code=scalar(value.code))
+    if isinstance(value, Ports):
+        return Ports(value.name, {k: mapped(v, scalar) for k, v in value.settled().items()})
     return value
 
 
@@ -433,6 +446,10 @@ def scalars(value: Value) -> tuple[Expr, ...]:
 def merged(parent: Scope, branches: list[tuple[Scope, Value]], on: tuple[Part, ...] = ()) -> Value:
     """One value in ``parent`` out of values of exclusive child scopes (of equal kinds)."""
     first = branches[0][1]
+    if isinstance(first, Ports):
+        arrays = [(s, v.settled()) for s, v in branches if isinstance(v, Ports)]
+        keys = sorted({k for _, a in arrays for k in a})
+        return Ports(first.name, {k: merged(parent, [(s, a[k]) for s, a in arrays if k in a], on) for k in keys})
     lists = [scalars(extent(v) if isinstance(v, Box) and len(branches) > 1 else v) for _, v in branches]
     if isinstance(first, Box) and len(branches) > 1:
         first = extent(first)
@@ -465,6 +482,8 @@ def moved(value: Value, pose: Pose) -> Value:
         return moved_plane(value, pose)
     if isinstance(value, Box):
         return replace(value, pose=compose(pose, value.pose))
+    if isinstance(value, Ports):
+        return Ports(value.name, {k: moved(v, pose) for k, v in value.settled().items()})
     if isinstance(value, Ref):
         held = (Branch(b.scope, tuple((p, compose(pose, q)) for p, q in b.members)) for b in value.branches)
         return Ref(value.name, tuple(held), value.own)
