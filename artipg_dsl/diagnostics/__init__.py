@@ -1,4 +1,4 @@
-"""Diagnostics as data: what is wrong, where, what was expected, what to try. Collected in a report, never printed here."""
+"""Diagnostics as data: what is wrong, where, what was expected, what to try. Collected in a report, not printed."""
 
 from .codes import CODES, Code, explain
 from .model import CompileError, Diagnostic, Report

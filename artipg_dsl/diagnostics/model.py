@@ -41,12 +41,26 @@ class Report:
         self._found.setdefault((diagnostic.code, place, diagnostic.message), diagnostic)
 
     def error(
-        self, code: str, span: Span | None, message: str, *, hint: str | None = None, notes: Notes = (), trace: Notes = ()
+        self,
+        code: str,
+        span: Span | None,
+        message: str,
+        *,
+        hint: str | None = None,
+        notes: Notes = (),
+        trace: Notes = (),
     ) -> None:
         self.add(Diagnostic(code, message, span, "error", hint, tuple(notes), tuple(trace)))
 
     def warning(
-        self, code: str, span: Span | None, message: str, *, hint: str | None = None, notes: Notes = (), trace: Notes = ()
+        self,
+        code: str,
+        span: Span | None,
+        message: str,
+        *,
+        hint: str | None = None,
+        notes: Notes = (),
+        trace: Notes = (),
     ) -> None:
         self.add(Diagnostic(code, message, span, "warning", hint, tuple(notes), tuple(trace)))
 

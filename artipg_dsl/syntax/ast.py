@@ -140,7 +140,7 @@ class RangeExpr(Node):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TypeRef(Node):
-    """``length``, ``length[3]``, ``style Handle`` (style=True), ``choice side | bail`` (values), ``frame``, ``material`` ..."""
+    """``length``, ``length[3]``, ``style Handle`` (style=True), ``choice a | b`` (values), ``material`` ..."""
 
     name: str
     size: int | None = None
@@ -527,7 +527,7 @@ class BoxDecl(Stmt):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PieceDecl(Stmt):
-    """``piece wall (i in 0 ..< 8) = hull(a, b, ...) when guard``: convex pieces by their corners; surfaces are callable.
+    """``piece wall (i in 0 ..< 8) = hull(a, b, ...) when guard``: convex pieces by corners; surfaces are callable.
 
     ``index`` None and ``count`` None for a single piece; without any, a primitive is one hull of its mesh.
     """
@@ -542,7 +542,7 @@ class PieceDecl(Stmt):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SolidDecl(Stmt):
-    """``solid = lathe(skin, lining) about z``; ``operator`` lathe, extrude, sweep, loft; clauses about, along, up, from, to."""
+    """``solid = lathe(skin, lining) about z``; ``operator`` lathe extrude sweep loft; clauses about along up from to."""
 
     operator: str
     arguments: tuple[Argument, ...]

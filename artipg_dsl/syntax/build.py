@@ -39,13 +39,13 @@ class Problem(NamedTuple):
 def start_of(child: Any) -> int:
     if isinstance(child, ast.Node):
         return child.span.start
-    return child.start_pos if isinstance(child, Token) else child.start
+    return child.start_pos or 0 if isinstance(child, Token) else child.start
 
 
 def end_of(child: Any) -> int:
     if isinstance(child, ast.Node):
         return child.span.end
-    return child.end_pos if isinstance(child, Token) else child.end
+    return child.end_pos or 0 if isinstance(child, Token) else child.end
 
 
 def split_number(text: str) -> tuple[str, str]:

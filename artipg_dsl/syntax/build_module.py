@@ -39,9 +39,7 @@ class TreeBuilder(StatementBuilder):
         )  # fmt: skip
 
     def curve(self, c: Children) -> ast.Stmt:
-        return ast.CurveDecl(
-            **self.stmt(c), **self.named(c[1]), parameter=c[3].value, parameter_range=c[5], value=c[8]
-        )
+        return ast.CurveDecl(**self.stmt(c), **self.named(c[1]), parameter=c[3].value, parameter_range=c[5], value=c[8])
 
     def piece_of_chain(self, c: Children) -> ast.CallExpr:
         return ast.CallExpr(span=self.span(c), function=self.name(c[:1]), arguments=c[1].value)
@@ -64,11 +62,11 @@ class TreeBuilder(StatementBuilder):
         return ast.BoxDecl(**self.stmt(c), value=c[2])
 
     def hull_points(self, value: ast.Expr) -> tuple[ast.Expr, ...]:
-        hull = isinstance(value, ast.CallExpr) and isinstance(value.function, ast.NameExpr)
-        if not hull or value.function.name != "hull" or any(a.name for a in value.arguments):
-            self.problem(value, "a piece is the hull of its corners", "write `= hull(a, b, c, d)`")
-            return (value,)
-        return tuple(a.value for a in value.arguments)
+        match value:
+            case ast.CallExpr(function=ast.NameExpr(name="hull")) if not any(a.name for a in value.arguments):
+                return tuple(a.value for a in value.arguments)
+        self.problem(value, "a piece is the hull of its corners", "write `= hull(a, b, c, d)`")
+        return (value,)
 
     def piece_decl(self, c: Children) -> ast.Stmt:
         found = self.pieces(c)
@@ -94,9 +92,7 @@ class TreeBuilder(StatementBuilder):
 
     def role(self, c: Children) -> ast.Decl:
         parent, parent_span = self._role(c)
-        return ast.RoleDecl(
-            **self.stmt(c), **self.named(c[1]), parent=parent, parent_span=parent_span, body=body_of(c)
-        )
+        return ast.RoleDecl(**self.stmt(c), **self.named(c[1]), parent=parent, parent_span=parent_span, body=body_of(c))
 
     def template(self, c: Children) -> ast.Decl:
         role, role_span = self._role(c)

@@ -7,7 +7,7 @@ from typing import Any
 from lark import Token
 
 from . import ast
-from .build import Piece, body_of, exprs, split_number, tokens
+from .build import Piece, body_of, exprs, split_number, tokens, unquote
 from .build_expressions import ExpressionBuilder
 
 Children = list[Any]
@@ -30,9 +30,7 @@ class StatementBuilder(ExpressionBuilder):
         return self.piece("=", c[1], c)
 
     def distribution(self, c: Children) -> Piece:
-        found = ast.Distribution(
-            span=self.span(c), name=c[1].value, arguments=c[2].value if len(c) > 2 else ()
-        )
+        found = ast.Distribution(span=self.span(c), name=c[1].value, arguments=c[2].value if len(c) > 2 else ())
         return self.piece("~", found, c)
 
     def vary(self, c: Children) -> Piece:
@@ -175,7 +173,7 @@ class StatementBuilder(ExpressionBuilder):
         return self.piece("stable", "open" if len(c) > 1 else "rest", c)
 
     def otherwise(self, c: Children) -> Piece:
-        return self.piece("else", self.string(c[1:]).value, c)
+        return self.piece("else", unquote(c[1].value), c)
 
     def repair(self, c: Children) -> Piece:
         return self.piece("repair", c[1], c)
@@ -194,11 +192,11 @@ class StatementBuilder(ExpressionBuilder):
         return ast.ClearStmt(**self.stmt(c), subject=c[1], other=c[3], distance=c[5])
 
     def allow(self, c: Children) -> ast.Stmt:
-        reason = self.string(c[6:]).value
+        reason = unquote(c[6].value)
         return ast.AllowStmt(**self.stmt(c), kind="overlap", subject=c[2], other=c[4], reason=reason)
 
     def free(self, c: Children) -> ast.Stmt:
-        reason = self.string(c[5:]).value if len(c) > 4 else None
+        reason = unquote(c[5].value) if len(c) > 4 else None
         return ast.AllowStmt(**self.stmt(c), kind="free", subject=c[1], other=c[3], reason=reason)
 
     def limit(self, c: Children) -> ast.Stmt:

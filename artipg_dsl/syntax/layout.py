@@ -21,7 +21,7 @@ _CONTINUED = re.compile(r"(?:[ \t\f\r]*(?:#[^\n]*)?\n)*[ \t\f\r]*(?:\||\{|else(?
 
 
 class Layout:
-    """Lark's postlex stage. ``seen`` are the tokens of this parse that the parser got, ``comments`` those it did not."""
+    """Lark's postlex stage. ``seen`` are the tokens that the parser got in this parse, ``comments`` the others."""
 
     always_accept = ("_NL",)
 
@@ -61,7 +61,7 @@ class Layout:
         for token in stream:
             kind = token.type
             if kind == "_NL":
-                if depth or last in CONTINUES or _CONTINUED.match(self.text, token.end_pos):
+                if depth or last in CONTINUES or _CONTINUED.match(self.text, token.end_pos or 0):
                     continue
             elif kind in _OPENING:
                 depth += 1
@@ -70,7 +70,7 @@ class Layout:
             elif kind == "NAME" and token.value in reserved:
                 token = Token.new_borrow_pos(reserved[token.value], token.value, token)
             if kind != "_NL" and self._pending:
-                self._leading[token.start_pos] = "\n".join(_words(t) for t in self._pending)
+                self._leading[token.start_pos or 0] = "\n".join(_words(t) for t in self._pending)
                 self._pending.clear()
             last = kind
             seen.append(token)
@@ -80,9 +80,10 @@ class Layout:
         """The doc comment of what stands at ``start .. end``: before it, or behind it on its first or last line."""
         leading = self._leading.pop(start, "")
         for index, token in enumerate(self._trailing):
-            if token.start_pos < start:
+            place = token.start_pos or 0
+            if place < start:
                 continue
-            rest = self.text[end : token.start_pos] if token.start_pos >= end else self.text[start : token.start_pos]
+            rest = self.text[end:place] if place >= end else self.text[start:place]
             if "\n" not in rest:
                 del self._trailing[index]
                 text = _words(token)

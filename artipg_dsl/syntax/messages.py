@@ -17,19 +17,11 @@ from ..source import Source, Span
 from .grammar import Machine, keywords
 from .mistakes import key, table
 from .recover import opening_brace
+from .words import OPERATORS, STATEMENTS, TOP
 
 Notes = tuple[tuple[Span, str], ...]
 Maker = Callable[..., "Found"]
 
-STATEMENTS = frozenset(
-    "PARAM INHERIT OUT COUNT LET ROOT PART STYLE SLOT PORT JOINT CONNECT ALIGN REQUIRE PREFER CLEAR ALLOW FREE LIMIT CLOSE "
-    "REPEAT WHEN WHEN_BLOCK LABEL FIELD GRASP KEYPOINT SYMMETRY MATERIAL SURFACE CURVE INSIDE BOX PIECE SOLID".split()
-)
-TOP = frozenset("USE ROLE TEMPLATE PRIMITIVE CATEGORY MATERIAL VOCABULARY LET".split())
-OPERATORS = frozenset(
-    "PLUS MINUS STAR SLASH CARET EQUALS UNEQUAL LESS AT_MOST MORE AT_LEAST AND OR IS ARROW UNTIL UPTO COMMA EQUAL DOT TILDE "
-    "COLON IN ON IF".split()
-)
 VALUE = frozenset({"NUMBER", "NAME", "LPAR"})
 _BEGINS_VALUE = frozenset("NUMBER QUANTITY FRACTION NAME STRING LPAR LSQB HOLE".split())
 _ENDS_VALUE = frozenset("NUMBER QUANTITY FRACTION NAME STRING RPAR RSQB HOLE".split())
@@ -38,7 +30,8 @@ _PAIRS = {"LPAR": "(", "LSQB": "["}
 _SIGNS = {
     "LBRACE": "`{`", "RBRACE": "`}`", "LPAR": "`(`", "RPAR": "`)`", "LSQB": "`[`", "RSQB": "`]`", "COLON": "`:`",
     "COMMA": "`,`", "EQUAL": "`=`", "ARROW": "`->`", "UNTIL": "`..`", "UPTO": "`..<`", "DOT": "`.`", "BAR": "`|`",
-    "NAME": "a name", "WORD": "a word", "NUMBER": "a number", "STRING": "a text in quotes", "$END": "the end of the file",
+    "NAME": "a name", "WORD": "a word", "NUMBER": "a number", "STRING": "a text in quotes",
+    "$END": "the end of the file",
 }  # fmt: skip
 _FOREIGN = {
     "if": "a condition on statements is `when ... { ... }`", "for": "repetition is `repeat x[i] in 0 ..< n { ... }`",
@@ -49,8 +42,9 @@ _FOREIGN = {
 }  # fmt: skip
 _CHARACTERS = {
     "'": 'text stands in double quotes: `"..."`', ";": "a statement ends at the end of its line; no `;` is needed",
-    "&": "write `and`", "!": "write `not`", "`": "names stand without quotes", "\\": "a line that is open in brackets goes on by itself",
-    "\t": None, "%": "a percentage is written right behind its number: `8%`; a remainder is `mod(a, b)`",
+    "&": "write `and`", "!": "write `not`", "`": "names stand without quotes",
+    "\\": "a line that is open in brackets goes on by itself",
+    "%": "a percentage is written right behind its number: `8%`; a remainder is `mod(a, b)`",
 }  # fmt: skip
 
 
@@ -71,7 +65,7 @@ def describe(error: UnexpectedInput, tools: Machine, source: Source, text: str) 
     """What is wrong at the place where the parser stopped."""
     history = list(tools.layout.seen)
     if isinstance(error, UnexpectedCharacters):
-        return _character(error.pos_in_stream, source, text)
+        return _character(error.pos_in_stream or 0, source, text)
     assert isinstance(error, UnexpectedToken)
     token: Token = error.token
     if token.type != "$END" and history and history[-1].start_pos == token.start_pos:
@@ -121,7 +115,13 @@ def _character(at: int, source: Source, text: str) -> Found:
         word = re.compile(r"\w+").match(text, start)
         assert word is not None
         span = Span(source, start, word.end())
-        return Found("syntax", span, f"`{word.group()}` is no name", start, "names are made of the letters a to z, digits and `_`")
+        return Found(
+            "syntax",
+            span,
+            f"`{word.group()}` is no name",
+            start,
+            "names are made of the letters a to z, digits and `_`",
+        )
     return Found("syntax", span, f"`{char}` has no meaning here", at, _CHARACTERS.get(char))
 
 
@@ -159,7 +159,11 @@ def _never_closed(bracket: Token, source: Source) -> Found:
     start = bracket.start_pos or 0
     closing = {"(": ")", "[": "]"}[bracket.value]
     return Found(
-        "missing-bracket", Span(source, start, start + 1), "this bracket is never closed", start, f"add the missing `{closing}`"
+        "missing-bracket",
+        Span(source, start, start + 1),
+        "this bracket is never closed",
+        start,
+        f"add the missing `{closing}`",
     )
 
 
@@ -208,7 +212,11 @@ def _by_history(
         )
     if values and token.type == "DOT":
         return found("a number begins with a digit", "write `0.5`")
-    if values and token.type in OPERATORS | {"_NL", "RPAR", "RSQB", "BAR", "RBRACE", "LBRACE"} and last.type in OPERATORS | {"EQUAL"}:
+    if (
+        values
+        and token.type in OPERATORS | {"_NL", "RPAR", "RSQB", "BAR", "RBRACE", "LBRACE"}
+        and last.type in OPERATORS | {"EQUAL"}
+    ):
         if not (token.type == "STAR" and last.type == "STAR"):
             return found(f"a value is missing between `{last.value}` and {_quoted(token)}")
     statement = next((t for t in reversed(history) if t.type in STATEMENTS | TOP | {"WHERE", "IF"}), None)
@@ -242,12 +250,14 @@ def _at_beginning(
     if token.type in words and last is not None and last.type == "_NL":
         return found(
             f"no statement begins with `{token.value}`; the one above ended with its line",
-            f"put `{token.value} ...` on the line above: a line goes on only in brackets or after `,`, `=` or an operator",
+            f"put `{token.value} ...` above: a line goes on only in brackets or after `,`, `=` or an operator",
         )
     near = suggest(token.value, [words[b] for b in beginners if b in words])
     hint = f"did you mean `{near}`?" if near else None
     if hint is None:
-        hint = "`let name = value` names a value, `align a = b` states an equation" if not top else "see docs/language.md"
+        hint = (
+            "`let name = value` names a value, `align a = b` states an equation" if not top else "see docs/language.md"
+        )
     return found(f"no statement begins with `{token.value}`", hint)
 
 
@@ -259,7 +269,9 @@ def _misplaced(token: Token, last: Token | None, top: bool, source: Source, text
     if not top and brace is not None:
         return _brace(brace, source)
     if not top:
-        return Found("syntax", span, f"`{token.value}` cannot stand within a body", at, "it belongs to the top of the file")
+        return Found(
+            "syntax", span, f"`{token.value}` cannot stand within a body", at, "it belongs to the top of the file"
+        )
     notes: Notes = ()
     if last is not None and last.type == "RBRACE":
         end = last.end_pos or 0
@@ -282,7 +294,9 @@ def _two_values(token: Token, last: Token, history: list[Token], accepted: set[s
     if last.type == "NUMBER" and last.value[-1].isdigit() and token.value in UNITS:
         return found("a unit stands right behind its number", f"write `{last.value}{token.value}`")
     if _open_bracket(history) is not None:
-        return found(f"a comma or an operator is missing before `{token.value}`", "values in brackets are separated by commas")
+        return found(
+            f"a comma or an operator is missing before `{token.value}`", "values in brackets are separated by commas"
+        )
     words = [t for t in history if t.type in STATEMENTS or t.type in ("IN", "RANGE", "EACH", "TEST")]
     if words and words[-1].type in ("IN", "RANGE", "EACH", "TEST") and token.type in ("NUMBER", "QUANTITY", "FRACTION"):
         return found("`..` is missing between the ends of this range", "a range is written `low .. high`")
@@ -304,7 +318,9 @@ def _by_accepts(error: UnexpectedToken, history: list[Token], tools: Machine, sp
         return Found("syntax", span, message, span.start, hint)
 
     if accepted >= VALUE:
-        return found(f"a value is missing before {shown}", "for example a number with its unit, a name or a vector `[x, y, z]`")
+        return found(
+            f"a value is missing before {shown}", "for example a number with its unit, a name or a vector `[x, y, z]`"
+        )
     if accepted <= {"LBRACE"}:
         return found(f"`{{` is missing before {shown}")
     clauses = sorted(words[a] for a in accepted - STATEMENTS - TOP - OPERATORS if a in words and a not in ("AND", "OR"))

@@ -25,7 +25,9 @@ def load(path: Path, report: Report, name: str | None = None) -> Source | None:
     try:
         data = Path(path).read_bytes()
     except FileNotFoundError:
-        report.error("missing-file", None, f"there is no file {shown}", hint="check the path, or name a shipped category")
+        report.error(
+            "missing-file", None, f"there is no file {shown}", hint="check the path, or name a shipped category"
+        )
         return None
     except IsADirectoryError:
         report.error("missing-file", None, f"{shown} is a folder", hint="name an .apg file in it")

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import re
 
+from .words import STATEMENTS, TOP
+
 _QUIET = re.compile(r'"(?:[^"\\\n]|\\[^\n])*"?|#[^\n]*')
-_BEGINS = re.compile(
-    r"(?m)^[ \t]*(?:use|role|template|primitive|category|material|vocabulary|param|inherit|out|count|let|root|part|style"
-    r"|slot|port|joint|connect|align|require|prefer|clear|allow|free|limit|close|repeat|when|label|field|grasp|keypoint"
-    r"|symmetry|surface|curve|inside|box|piece|solid)(?![A-Za-z0-9_])|^[ \t]*\}"
-)
+_WORDS = "|".join(sorted(name.lower() for name in STATEMENTS | TOP))
+_BEGINS = re.compile(rf"(?m)^[ \t]*(?:{_WORDS})(?![A-Za-z0-9_])|^[ \t]*\}}")
 _TOP = re.compile(r"(?m)^(?:use|role|template|primitive|category|vocabulary)(?![A-Za-z0-9_])")
 
 
@@ -33,13 +32,11 @@ def without_statement(text: str, place: int, line_alone: bool = False) -> str | 
             start = match.start()
     line_end = plain.find("\n", place)
     following = _BEGINS.search(plain, line_end) if line_end >= 0 else None
-    end = following.start() if following is not None else len(text)
+    stop = following.start() if following is not None else len(text)
     if line_alone and line_end >= 0:
-        end = line_end
-    end = _after_blocks(plain, start, end)
-    if end is None or end <= place and end <= start:
-        return None
-    if not plain[start:end].strip():
+        stop = line_end
+    end = _after_blocks(plain, start, stop)
+    if end is None or not plain[start:end].strip():
         return None
     return text[:start] + re.sub(r"[^\n]", " ", text[start:end]) + text[end:]
 

@@ -89,7 +89,10 @@ def test_json() -> None:
 def test_sarif() -> None:
     log = json.loads(to_sarif(example().diagnostics, "1.0"))
     (run,) = log["runs"]
-    assert log["version"] == "2.1.0" and {r["id"] for r in run["tool"]["driver"]["rules"]} == {"redundant", "unknown-template"}
+    assert log["version"] == "2.1.0" and {r["id"] for r in run["tool"]["driver"]["rules"]} == {
+        "redundant",
+        "unknown-template",
+    }
     region = run["results"][1]["locations"][0]["physicalLocation"]["region"]
     assert region == {"startLine": 4, "startColumn": 12, "endLine": 4, "endColumn": 14}
 

@@ -77,7 +77,9 @@ def nodes(node: ast.Node) -> Iterator[tuple[ast.Node, ast.Node | None]]:
         yield child, holder
         for field in fields(child):
             value = getattr(child, field.name)
-            waiting += [(v, child) for v in (value if isinstance(value, tuple) else (value,)) if isinstance(v, ast.Node)]
+            waiting += [
+                (v, child) for v in (value if isinstance(value, tuple) else (value,)) if isinstance(v, ast.Node)
+            ]
 
 
 def without_spans(value: Any) -> Any:

@@ -190,8 +190,8 @@ def test_primitive():
 
 def test_top_level():
     tree = tree_of(
-        "apg 1\nuse a { B,\n  C }\nlet f(x) = x\nmaterial m { density 7kg/m3  friction 1 }\nvocabulary v { part, door\n on }\n"
-        "role R : S { }\n"
+        "apg 1\nuse a { B,\n  C }\nlet f(x) = x\nmaterial m { density 7kg/m3  friction 1 }\n"
+        "vocabulary v { part, door\n on }\nrole R : S { }\n"
     )
     assert [(u.module, u.names) for u in tree.uses] == [("a", ("B", "C"))]
     function, material, vocabulary, role = tree.declarations
