@@ -31,11 +31,33 @@ class Rows:
 
 
 @dataclass(slots=True, eq=False)
-class State:
-    """One evaluation: the objects, the attempts, what is given, and what failed.
+class Kept:
+    """Values that rows had before, by their address (ascending): a row found here keeps its value as far as it can.
 
-    ``given`` maps the index of a draw to its value (a scalar, or one per row). ``missed`` counts the objects for which
-    a draw found no room, per draw; ``broken`` those that break a requirement, per requirement.
+    ``reach`` lets a number move by so much; ``swap`` asks for another option or count. What no longer fits is moved to
+    the nearest value that does.
+    """
+
+    address: np.ndarray
+    value: np.ndarray
+    reach: np.ndarray
+    swap: np.ndarray
+
+    def find(self, rows: Rows) -> tuple[np.ndarray, np.ndarray]:
+        """Which rows are known, and where."""
+        if not len(self.address):
+            return np.zeros(rows.size, dtype=bool), np.zeros(rows.size, dtype=np.int64)
+        at = np.minimum(np.searchsorted(self.address, rows.address), len(self.address) - 1)
+        return self.address[at] == rows.address, at
+
+
+@dataclass(slots=True, eq=False)
+class State:
+    """One evaluation: the objects, the attempts, what is given or kept, and what failed.
+
+    ``given`` maps the index of a draw to its value (a scalar, or one per row), ``kept`` to the values of an object that
+    this one is made from; ``salt`` sets the random numbers of one such making apart. ``missed`` counts the objects for
+    which a draw found no room, per draw; ``broken`` those that break a requirement, per requirement.
     """
 
     seed: int
@@ -43,6 +65,8 @@ class State:
     attempt: np.ndarray
     given: dict[int, np.ndarray | float] = field(default_factory=dict)
     defaults: bool = False
+    kept: dict[int, Kept] = field(default_factory=dict)
+    salt: str = ""
     failed: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=bool))
     missed: dict[int, int] = field(default_factory=dict)
     broken: dict[int, int] = field(default_factory=dict)
@@ -146,7 +170,8 @@ def narrow(low: np.ndarray, high: np.ndarray, side: str, bound: np.ndarray | flo
 
 
 def _lot(state: State, rows: Rows, address: str) -> np.ndarray:
-    return uniform(key(state.seed, address), rows.address, 0, state.attempt[rows.owner])
+    names = (address, state.salt) if state.salt else (address,)
+    return uniform(key(state.seed, *names), rows.address, 0, state.attempt[rows.owner])
 
 
 def _no_room(state: State, rows: Rows, number: int, bad: np.ndarray) -> None:
@@ -180,9 +205,23 @@ def draw_real(
         if state.defaults and default is not None:
             found = np.minimum(np.maximum(full(rows, default).astype(np.float64), low), top)
         else:
-            found = spread(_lot(state, rows, address), low, top, distribution, arguments)
+            unit = _lot(state, rows, address)
+            found = spread(unit, low, top, distribution, arguments)
+            if number in state.kept:
+                found = _near(state.kept[number], rows, unit, low, top, found)
     state.values[number] = found
     return found
+
+
+def _near(kept: Kept, rows: Rows, unit: np.ndarray, low: np.ndarray, high: np.ndarray, fresh: np.ndarray) -> np.ndarray:
+    """Within reach of the value kept, as far as the bounds allow; the fresh value for rows that are new."""
+    known, at = kept.find(rows)
+    if not known.any():
+        return fresh
+    old = kept.value[at]
+    first = np.minimum(np.maximum(old - kept.reach[at], low), high)
+    last = np.minimum(np.maximum(old + kept.reach[at], low), high)
+    return np.where(known, np.minimum(first + unit * (last - first), last), fresh)
 
 
 def spread(unit: np.ndarray, low: np.ndarray, high: np.ndarray, distribution: str, arguments: tuple) -> np.ndarray:
@@ -256,8 +295,21 @@ def draw_count(
         else:
             wide = spread(_lot(state, rows, address), first - 0.5, last + 0.5, distribution, arguments)
             found = np.minimum(np.maximum(np.floor(wide + 0.5), first), last)
+        if number in state.kept:
+            found = _other_count(state.kept[number], rows, _lot(state, rows, address), first, last, found)
     state.values[number] = found
     return found
+
+
+def _other_count(kept: Kept, rows: Rows, unit: np.ndarray, first: np.ndarray, last: np.ndarray, fresh: np.ndarray) -> np.ndarray:
+    """The count kept, moved into the range; another one where that is asked for and there is one."""
+    known, at = kept.find(rows)
+    if not known.any():
+        return fresh
+    old = np.minimum(np.maximum(kept.value[at], first), last)
+    other = np.minimum(first + np.floor(unit * (last - first)), last)
+    other = np.where(other >= old, np.minimum(other + 1.0, last), other)
+    return np.where(known, np.where(kept.swap[at] & (last > first), other, old), fresh)
 
 
 def draw_choice(state: State, rows: Rows, number: int, address: str, weights: tuple) -> np.ndarray:
@@ -267,6 +319,8 @@ def draw_choice(state: State, rows: Rows, number: int, address: str, weights: tu
     if found is not None:
         _no_room(state, rows, number, table[found.astype(np.int64), np.arange(rows.size)] <= 0.0)
     else:
+        if number in state.kept:
+            table = _other_option(state.kept[number], rows, table)
         total = np.cumsum(np.maximum(table, 0.0), axis=0)
         _no_room(state, rows, number, total[-1] <= 0.0)
         if state.defaults:
@@ -276,6 +330,18 @@ def draw_choice(state: State, rows: Rows, number: int, address: str, weights: tu
             found = np.minimum((total <= mark).sum(axis=0), len(weights) - 1).astype(np.float64)
     state.values[number] = found
     return found
+
+
+def _other_option(kept: Kept, rows: Rows, table: np.ndarray) -> np.ndarray:
+    """Weights (options, rows) that leave only the option kept, or only others where a swap is asked for and possible."""
+    known, at = kept.find(rows)
+    if not known.any():
+        return table
+    option = np.arange(len(table))[:, None] == kept.value[at].astype(np.int64)
+    alone, others = np.where(option, table, 0.0), np.where(option, 0.0, table)
+    swap = kept.swap[at] & (others > 0.0).any(axis=0)
+    keep = ~swap & (alone > 0.0).any(axis=0)
+    return np.where(known & swap, others, np.where(known & keep, alone, table))
 
 
 def demand(state: State, rows: Rows, number: int, holds: np.ndarray | bool) -> None:
