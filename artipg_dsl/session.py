@@ -84,12 +84,19 @@ class Session:
     @cached_property
     def lowering(self) -> Lowering | None:
         """The constraint graph of the category; None after errors, and for a file without a category."""
+        from . import solids
         from .lower.program import lower_category
 
         typed = self.typed
-        if typed is None or self.report.failed or typed.category is None:
+        if typed is None or self.report.failed:
             return None
-        return lower_category(typed.category, self.report)
+        if typed.category is None:
+            solids.close(solids.own(typed.main, self.report), self.report)
+            return None
+        lowering = lower_category(typed.category, self.report)
+        if lowering is not None:
+            solids.close(lowering.context.solids, self.report)
+        return None if self.report.failed else lowering
 
     @cached_property
     def sampler(self) -> Sampler:
@@ -100,7 +107,8 @@ class Session:
 
         lowering = self.lowering
         if lowering is None and not self.report.failed:
-            self.report.error("no-category", None, f"{self.path or 'the text'} declares no category: there is nothing to sample")
+            what = self.path or "the text"
+            self.report.error("no-category", None, f"{what} declares no category: there is nothing to sample")
         if lowering is None:
             raise CompileError(self.report)
         lowering.program.hash = lowering.program.hash or digest(lowering.program)
@@ -108,8 +116,9 @@ class Session:
             return Sampler(lowering.program)
         except PlanError as error:
             self.report.error(
-                "circular", None, f"values need one another in a circle: {error}", hint="let one of them follow from something else"
-            )
+                "circular", None, f"values need one another in a circle: {error}",
+                hint="let one of them follow from something else",
+            )  # fmt: skip
             raise CompileError(self.report) from None
 
 

@@ -5,6 +5,7 @@ Everything is compared over several test values at once, so that a coincidence o
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -44,9 +45,25 @@ class Topology:
     closed: np.ndarray
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Seams:
+    """Where the edges of a variant meet: edge 4 * i + e is edge ``e`` (see ``EDGES``) of patch ``patches[i]``.
+
+    ``pairs`` (edge, edge, reversed), ``points`` (edges,) the edges that are points, ``closed`` (edges,) those that end
+    where they start; ``params`` and ``scale`` are the test values compared and the extents of their instances.
+    """
+
+    patches: tuple[int, ...]
+    pairs: tuple[tuple[int, int, bool], ...]
+    points: np.ndarray
+    closed: np.ndarray
+    params: Params
+    scale: np.ndarray
+
+
 @lru_cache(maxsize=512)
-def topology(primitive: Primitive, variant: tuple[bool, ...]) -> Topology:
-    """The topology of the variant with these patches; raises PrimitiveError where an edge meets no other."""
+def seams(primitive: Primitive, variant: tuple[bool, ...]) -> Seams:
+    """How the edges of the variant with these patches meet; raises PrimitiveError where an edge meets no other."""
     rows = variants(primitive).get(variant)
     if rows is None:
         names = [s.name for s, there in zip(surfaces(primitive), variant, strict=True) if there]
@@ -60,15 +77,23 @@ def topology(primitive: Primitive, variant: tuple[bool, ...]) -> Topology:
     count, scale = curves.shape[0], _extent(curves)
     curves = curves.reshape(count, 4 * len(patches), len(_ALONG), 3) / scale[:, None, None, None]
     points = (np.abs(curves - curves[:, :, :1]).max(axis=(0, 2, 3))) < TOLERANCE
-    pairs = _match(primitive, patches, params, curves, points)
+    pairs = tuple(_match(primitive, patches, params, curves, points))
+    closed = np.abs(curves[:, :, 0] - curves[:, :, -1]).max(axis=(0, 2)) < TOLERANCE
+    return Seams(patches, pairs, points, closed, params, scale)
+
+
+@lru_cache(maxsize=512)
+def topology(primitive: Primitive, variant: tuple[bool, ...]) -> Topology:
+    """The topology of the variant with these patches; raises PrimitiveError where an edge meets no other."""
+    found = seams(primitive, variant)
+    patches, pairs, points = found.patches, found.pairs, found.points
     classes = _classes(len(patches), pairs)
     straight, turn = np.ones(2 * len(patches), dtype=bool), np.zeros(2 * len(patches))
     for position, patch in enumerate(patches):
-        straight[2 * position : 2 * position + 2] = _straight(primitive, patch, params, scale)
+        straight[2 * position : 2 * position + 2] = _straight(primitive, patch, found.params, found.scale)
         turn[2 * position : 2 * position + 2] = turns(primitive, patch)
-    ends = np.abs(curves[:, :, 0] - curves[:, :, -1]).max(axis=(0, 2)) < TOLERANCE
     closed = np.zeros(2 * len(patches), dtype=bool)
-    for edge in np.flatnonzero(ends & ~points):
+    for edge in np.flatnonzero(found.closed & ~points):
         closed[2 * (edge // 4) + (1 if edge % 4 < 2 else 0)] = True
     total = classes.max() + 1
     class_turn, class_closed = np.zeros(total), np.zeros(total, dtype=bool)
@@ -137,7 +162,7 @@ def _where(params: Params) -> str:
     return "test value " + ", ".join(f"{n} = {float(v[0]):.4g}" for n, v in params.items() if n)
 
 
-def _classes(count: int, pairs: list[tuple[int, int, bool]]) -> np.ndarray:
+def _classes(count: int, pairs: Sequence[tuple[int, int, bool]]) -> np.ndarray:
     """(2 * count,): the class of each direction (patch, u or v); matched edges run along directions of one class."""
     parent = list(range(2 * count))
 

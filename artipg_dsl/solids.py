@@ -1,0 +1,64 @@
+"""The primitives of a compilation, examined: surfaces that do not close are findings at their declarations."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from .diagnostics import Report
+from .geometry.errors import PrimitiveError
+from .geometry.topology import orientation, seams
+from .geometry.trial import variants
+from .graph.primitive import Primitive
+from .graph.program import Program
+from .lower.context import Abort, Context
+from .lower.primitives import Lowered, lower_primitive
+from .semantics.symbols import ModuleScope, Symbol
+from .syntax import ast
+
+HINT = "edges meet where two surfaces give the same curve, from end to end; compare the ranges of u and v and the signs"
+
+
+def close(solids: Mapping[Symbol, Lowered], report: Report) -> None:
+    """Report ``leaky-primitive`` for each lowered primitive whose surfaces do not bound a solid.
+
+    Every surface, at each variant its test values show, must meet others all around and have the inside on one side.
+    """
+    for symbol, lowered in solids.items():
+        try:
+            examine(lowered.primitive)
+        except PrimitiveError as error:
+            tell(symbol, error, report)
+
+
+def examine(primitive: Primitive) -> None:
+    """Raises PrimitiveError for the first fault; what is found stays cached for meshes and points."""
+    for variant in variants(primitive):
+        seams(primitive, variant)
+    orientation(primitive)
+
+
+def tell(symbol: Symbol, error: PrimitiveError, report: Report) -> None:
+    """The finding at the declaration of the primitive, with a note at the surface at fault."""
+    name = (error.patch or "").partition("[")[0]
+    at = [s.span for s in symbol.body if isinstance(s, ast.SurfaceDecl) and s.name == name]
+    subject = f"the surface `{error.patch}` of the primitive" if error.patch else "the primitive"
+    report.error(
+        "leaky-primitive", symbol.decl.name_span, f"{subject} `{symbol.name}` is at fault: {error.message}",
+        hint=HINT if "edge" in error.message else None, notes=tuple((span, "this surface") for span in at),
+    )  # fmt: skip
+
+
+def own(module: ModuleScope, report: Report) -> dict[Symbol, Lowered]:
+    """The primitives that a module declares, lowered by themselves; those over curves take their shape from a use."""
+    context = Context(report, Program(module.name, ""))
+    found: dict[Symbol, Lowered] = {}
+    for symbol in module.own():
+        if symbol.kind != "primitive" or any(
+            isinstance(s, ast.ParamDecl) and s.type.name == "curve" for s in symbol.body
+        ):
+            continue
+        try:
+            found[symbol] = lower_primitive(context, symbol)
+        except Abort:
+            continue
+    return found

@@ -1,0 +1,83 @@
+"""The shipped primitives, lowered from their text, pass the self-test; leaks in declarations are findings in words."""
+
+import pytest
+
+from artipg_dsl.diagnostics import Report
+from artipg_dsl.geometry.selftest import check_primitive
+from artipg_dsl.resources import library_dir
+from artipg_dsl.session import Session, check_text
+from artipg_dsl.solids import own
+from artipg_dsl.source import Source
+
+
+def declared():
+    """The primitives that the modules of the library declare."""
+    found = {}
+    for path in sorted(library_dir().glob("*.apg")):
+        module, report = Session.of(path).module, Report()
+        found |= {symbol.name: lowered.primitive for symbol, lowered in own(module, report).items()}
+        assert not report.diagnostics
+    return found
+
+
+SHIPPED = declared()
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_a_shipped_primitive_agrees_with_itself(name):
+    assert check_primitive(SHIPPED[name]) == []
+
+
+def test_the_library_has_primitives():
+    assert {"Cuboid", "Cylinder", "TorusSector", "RoundedSleeve"} <= set(SHIPPED)
+
+
+PLATE = """apg 1
+primitive Plate {
+  param side : length > 0  test 1cm .. 1m
+  param rise : length > 0  test 1cm .. 1m
+  surface front  (u in 0 .. 1, v in 0 .. 1) = [side / 2, (u - 1/2) * side, (v - 1/2) * rise]
+  surface back   (u in 0 .. 1, v in 0 .. 1) = [-side / 2, (1/2 - u) * side, (v - 1/2) * rise]
+  surface left   (u in 0 .. 1, v in 0 .. 1) = [(1/2 - u) * side, side / 2, (v - 1/2) * rise]
+  surface right  (u in 0 .. 1, v in 0 .. 1) = [(u - 1/2) * side, -side / 2, (v - 1/2) * rise]
+  surface bottom (u in 0 .. 1, v in 0 .. 1) = [(u - 1/2) * side, (1/2 - v) * side, -rise / 2]
+  surface top    (u in 0 .. 1, v in 0 .. 1) = [(u - 1/2) * side, (v - 1/2) * side, rise / 2]
+  inside (p) = max(abs(p.x) - side / 2, abs(p.y) - side / 2, abs(p.z) - rise / 2)
+  box = [side, side, rise]
+}
+"""
+CATEGORY = "category Thing {\n  root part body : Plate(side = 10cm, rise = 2cm)\n}\n"
+
+
+def findings(text):
+    report = check_text(Source("plate.apg", text))
+    return list(report.diagnostics)
+
+
+def test_a_closed_primitive_has_no_findings():
+    assert findings(PLATE) == []
+    assert findings(PLATE + CATEGORY) == []
+
+
+@pytest.mark.parametrize("tail", ["", CATEGORY])
+def test_a_leak_is_told_at_the_primitive_with_surface_and_edge(tail):
+    (finding,) = findings(PLATE.replace("(v - 1/2) * side, rise / 2]", "(v - 1/2) * side * 0.9, rise / 2]") + tail)
+    assert (finding.code, finding.span.line) == ("leaky-primitive", 2)
+    assert finding.message.startswith("the surface `front` of the primitive `Plate`")
+    assert "its edge v end meets no other edge: the surface leaks there" in finding.message
+    assert "the nearest is u end of top" in finding.message
+    assert [span.line for span, _ in finding.notes] == [5] and finding.hint
+
+
+def test_an_inside_function_that_disagrees_is_told_before_anything_is_sampled():
+    session = Session.of_text(PLATE.replace("abs(p.z) - rise / 2)", "abs(p.z) - rise)") + CATEGORY, "plate.apg")
+    assert session.lowering is None
+    (finding,) = session.report.diagnostics
+    assert finding.code == "leaky-primitive" and "surface `bottom`" in finding.message
+    assert "the inside function does not agree with it: both sides are inside" in finding.message
+
+
+def test_a_missing_surface_leaks():
+    lines = [line for line in PLATE.splitlines() if not line.startswith("  surface top")]
+    (finding,) = findings("\n".join(lines) + "\n" + CATEGORY)
+    assert finding.code == "leaky-primitive" and "leaks" in finding.message
