@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from .part import Part
 
 LETTERS = ("x", "y", "z")
+SMALL = 1e-9
 
 
 def address(env: Env, path: str, was: str | None) -> str:
@@ -50,13 +51,19 @@ def make_draw(env: Env, declaration: ast.ParamDecl | ast.CountDecl, path: str, c
     assert domain is not None
     low, high = component_of(env, domain.low, component), component_of(env, domain.high, component)
     if low.constant is not None and high.constant is not None and low.constant > high.constant:
-        raise env.context.error("empty-range", domain.span, "this range is empty: its lower end lies above its upper end")
+        raise env.context.error("empty-range", domain.span, "the range is empty: its low end lies above its high end")
     draw = Draw(
         column, address(env, path, declaration.was), "count" if counted else "real", low, high,
         unit="" if counted else SI_UNITS.get(declaration.type.name, ""), where=where(declaration.span), doc=declaration.doc,
     )  # fmt: skip
     if declaration.default is not None:
         draw.default = component_of(env, declaration.default, component)
+        ends = low.constant, draw.default.constant, high.constant
+        if None not in ends and not ends[0] - SMALL <= ends[1] <= ends[2] + SMALL:  # type: ignore[operator]
+            raise env.context.error(
+                "default-outside-range", declaration.default.span, f"the default of `{path}` lies outside its range",
+                notes=((domain.span, "the range"),),
+            )  # fmt: skip
     if declaration.distribution is not None:
         draw.distribution = declaration.distribution.name
         draw.arguments = tuple(component_of(env, a.value, component) for a in declaration.distribution.arguments)

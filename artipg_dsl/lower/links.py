@@ -206,8 +206,9 @@ class Links:
             low, high = (self.limit(ev, node) for node in words["range"].values)
         elif kind in ("revolute", "prismatic", "screw"):
             raise self.context.error(
-                "wrong-arguments", statement.span, f"a {kind} joint needs `range low .. high`", hint="or make it continuous"
-            )
+                "missing-clause", statement.span, f"the {kind} joint `{statement.name}` has no range",
+                hint="add `range 0cm .. 30cm`" if kind == "prismatic" else "add `range 0deg .. 90deg`, or make it continuous",
+            )  # fmt: skip
         rest = self.rest(ev, words, low, high)
         mimic = self.mimic(ev, words)
         physics = {w: ev.scalar(words[w].values[0]) for w in ("damping", "friction", "effort", "velocity", "pitch") if w in words}

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 
 from ..graph import expr as E
 from ..graph.expr import Column, Expr, Scope
-from ..graph.linear import Form, Linear, combine, tidy
+from ..graph.linear import Form, Linear
 from ..graph.matching import Matching, match
 from .cases import TooManyCases, combinations, condition
 from .context import Abort, Equation, Unknown
@@ -22,51 +22,35 @@ from .env import Env
 from .settled import default, determined
 from .systems import solve_system
 
+DEEPEST = 64  # definitions that read one another; more only where they go in a circle, which the plan reports
 RANK = {"size": 0, "derived": 0, "position": 1, "default": 2, "param": 3}
 
 
 def settle(env: Env) -> None:
-    """Solve this environment and those inside it."""
-    promote(env)
+    """Solve this environment, its guarded branches with it, and the repeats inside."""
+    homes = branches(env, E.TRUE)
     try:
-        solve(env)
+        solve(env, homes)
     except Abort:
         pass
-    for inner in env.inner:
-        settle(inner)
+    inside = {id(home) for home, _ in homes}
+    for home, _ in homes:
+        for inner in home.inner:
+            if id(inner) not in inside:
+                settle(inner)
 
 
 # ---------------------------------------------------------------- guarded equations
 
 
-def promote(env: Env) -> None:
-    """Equations under ``when`` that name no unknown of the branch, but one of an environment around it, move there."""
-    outer = around(env)
-    for guard, branch in env.branches.items():
-        promote(branch)
-        own = {u.column for u in branch.unknowns}
-        kept: list[Equation] = []
-        for equation in branch.equations:
-            if not names_any(env, equation, own) and names_any(env, equation, outer):
-                held = lifted(equation.guard, env.scope, E.FALSE)
-                env.equations.append(replace(equation, guard=E.both(guard, held)))
-            else:
-                kept.append(equation)
-        branch.equations = kept
-
-
-def around(env: Env) -> set[Column]:
-    """The unknowns of an environment and of those whose branch it is."""
-    found = {u.column for u in env.unknowns}
-    if env.outer is not None and any(b is env for b in env.outer.branches.values()):
-        found |= around(env.outer)
+def branches(env: Env, guard: Expr) -> list[tuple[Env, Expr]]:
+    """An environment and the branches of its ``when``, theirs too, each with its guard as a condition of the first."""
+    found = [(env, guard)]
+    for condition, branch in env.branches.items():
+        held = guard if branch.scope is env.scope else E.both(guard, condition)
+        for inner, below in branches(branch, E.TRUE):
+            found.append((inner, E.both(held, lifted(below, env.scope, E.FALSE))))
     return found
-
-
-def names_any(env: Env, equation: Equation, columns: set[Column]) -> bool:
-    linear = Linear(lambda c: c in columns, env.context.program.definitions)
-    form = linear.form(E.sub(equation.left, equation.right))
-    return bool(form[0] if form is not None else linear.columns(equation.left) | linear.columns(equation.right))
 
 
 def lifted(value: Expr, to: Scope, absent: Expr = E.ZERO) -> Expr:
@@ -90,6 +74,7 @@ class Block:
     forms: list[Form | None]
     incidence: list[set[Column]]
     number: dict[Column, int]  # place of each unknown in the order of the text
+    guards: dict[Column, Expr]  # where each unknown exists
 
 
 @dataclass(slots=True, eq=False)
@@ -102,29 +87,59 @@ class Outcome:
     because: dict[Column, Equation] = field(default_factory=dict)
 
 
-def solve(env: Env) -> None:
-    for block in blocks(env):
+def solve(env: Env, homes: list[tuple[Env, Expr]]) -> None:
+    for block in blocks(env, homes):
         try:
             settle_block(block, [outcome(block, case) for case in cases(block)])
         except Abort:
             continue
-    env.context.ledger.extend((u.part, u) for u in env.unknowns)
+    for home, _ in homes:
+        env.context.ledger.extend((u.part, u) for u in home.unknowns)
 
 
-def blocks(env: Env) -> Iterator[Block]:
+def blocks(env: Env, homes: list[tuple[Env, Expr]]) -> Iterator[Block]:
     """The connected blocks in the order of their first unknown; then equations that name none."""
-    number = {u.column: k for k, u in enumerate(env.unknowns)}
+    unknowns, equations, guards = gathered(env, homes)
+    number = {u.column: k for k, u in enumerate(unknowns)}
     linear = Linear(lambda c: c in number, env.context.program.definitions)
     forms: list[Form | None] = []
     incidence: list[set[Column]] = []
-    for equation in env.equations:
+    for equation in equations:
         form = linear.form(E.sub(equation.left, equation.right))
         names = set(form[0]) if form is not None else linear.columns(equation.left) | linear.columns(equation.right)
         if form is not None:
             form = {c: lifted(v, env.scope) for c, v in form[0].items()}, lifted(form[1], env.scope)
         forms.append(form)
         incidence.append(names)
-    root = {c: c for c in number}
+    for chosen, members in connected(list(number), incidence, number):
+        yield Block(
+            env, [unknowns[u] for u in members], [equations[e] for e in chosen], [forms[e] for e in chosen],
+            [incidence[e] for e in chosen], number, guards,
+        )  # fmt: skip
+
+
+def gathered(env: Env, homes: list[tuple[Env, Expr]]) -> tuple[list[Unknown], list[Equation], dict[Column, Expr]]:
+    """Unknowns in the order of the text, equations with their guards, and where each unknown exists."""
+    guards: dict[Column, Expr] = {}
+    equations: list[Equation] = []
+    unknowns: list[Unknown] = []
+    for home, guard in homes:
+        for unknown in home.unknowns:
+            exists = E.TRUE if unknown.part is None else lifted(unknown.part.exists, env.scope, E.FALSE)
+            guards[unknown.column] = E.both(guard, exists)
+            unknowns.append(unknown)
+        for equation in home.equations:
+            held = lifted(equation.guard, env.scope, E.FALSE)
+            equations.append(replace(equation, guard=E.both(guard, held)))
+    unknowns.sort(key=lambda u: (u.span if u.part is None else u.part.span).start)
+    return unknowns, equations, guards
+
+
+def connected(
+    columns: list[Column], incidence: list[set[Column]], number: dict[Column, int]
+) -> Iterator[tuple[list[int], list[int]]]:
+    """Equations and unknowns of each connected block."""
+    root = {c: c for c in columns}
 
     def find(column: Column) -> Column:
         while root[column] is not column:
@@ -133,31 +148,28 @@ def blocks(env: Env) -> Iterator[Block]:
         return column
 
     for names in incidence:
-        first, *others = sorted(names, key=number.__getitem__) or [None]
-        for other in others:
-            a, b = sorted((find(first), find(other)), key=number.__getitem__)  # type: ignore[arg-type]
+        ordered = sorted(names, key=number.__getitem__)
+        for other in ordered[1:]:
+            a, b = sorted((find(ordered[0]), find(other)), key=number.__getitem__)
             root[b] = a
-    groups: dict[Column | None, tuple[list[Unknown], list[int]]] = {}
-    for unknown in env.unknowns:
-        groups.setdefault(find(unknown.column), ([], []))[0].append(unknown)
+    groups: dict[Column | None, tuple[list[int], list[int]]] = {}
+    for u, column in enumerate(columns):
+        groups.setdefault(find(column), ([], []))[1].append(u)
     for e, names in enumerate(incidence):
         key = find(min(names, key=number.__getitem__)) if names else None
-        groups.setdefault(key, ([], []))[1].append(e)
-    for unknowns, chosen in groups.values():
-        yield Block(
-            env, unknowns, [env.equations[e] for e in chosen], [forms[e] for e in chosen], [incidence[e] for e in chosen], number
-        )
+        groups.setdefault(key, ([], []))[0].append(e)
+    yield from groups.values()
 
 
 def cases(block: Block) -> Iterator[tuple[Expr, list[int], dict[Column, bool]]]:
-    """The cases of a block: the condition, the equations that hold, and which unknowns belong to a part that exists."""
+    """The cases of a block: the condition, the equations that hold, and which unknowns exist."""
     guards = list(dict.fromkeys(q.guard for q in block.equations if q.guard is not E.TRUE))
     if not guards:
         yield E.TRUE, list(range(len(block.equations))), {u.column: True for u in block.unknowns}
         return
-    present = list(dict.fromkeys(u.part.exists for u in block.unknowns if u.part is not None and u.part.exists is not E.TRUE))
+    present = [block.guards[u.column] for u in block.unknowns]
+    every = list(dict.fromkeys(g for g in [*guards, *present] if g is not E.TRUE))
     context = block.env.context
-    every = list(dict.fromkeys([*guards, *present]))
     try:
         found = combinations(every, context.draws)
     except TooManyCases:
@@ -169,7 +181,7 @@ def cases(block: Block) -> Iterator[tuple[Expr, list[int], dict[Column, bool]]]:
     for truth in found:
         values = dict(zip(every, truth, strict=True))
         holds = [e for e, q in enumerate(block.equations) if values.get(q.guard, True)]
-        exists = {u.column: u.part is None or values.get(u.part.exists, True) for u in block.unknowns}
+        exists = {u.column: values.get(block.guards[u.column], True) for u in block.unknowns}
         yield condition(every, truth), holds, exists
 
 
@@ -197,7 +209,7 @@ def outcome(block: Block, case: tuple[Expr, list[int], dict[Column, bool]]) -> O
         if matching.equation_of[u] >= 0:
             result.because[unknown.column] = equations[matching.equation_of[u]]
     result.values = solve_system(env, unknowns, equations, forms, matching)
-    surplus(env, unknowns, equations, forms, matching, result.values)
+    surplus(env, unknowns, equations, matching, result.values)
     return result
 
 
@@ -212,41 +224,88 @@ def ties(env: Env, unknowns: list[Unknown], equations: list[Equation], matching:
             continue
         for other in matching.exchangeable(u):
             if unknowns[other].kind == "param" and matching.equation_of[other] >= 0:
-                equation = equations[matching.equation_of[other]]
+                spans = [equations[e].span for e in path_between(matching, u, other)]
+                last = max(spans, key=lambda s: s.start)
+                argument = unknown.name.strip("`").rsplit(".", 1)[-1]
                 raise env.context.error(
-                    "tie", equation.span,
+                    "tie", last,
                     f"this could determine {unknowns[other].name} or {unknown.name}: nothing says which of them yields",
-                    hint="give one of them as an argument, or declare it `derived` in the scope of this equation",
-                    notes=((unknowns[other].span, "one of the two"), (unknown.span, "the other")),
+                    hint=f"give one of the two as an argument (`{argument} = ...`), such as a parameter of this scope; declared"
+                    " `derived` it still follows from the equations",
+                    notes=((unknowns[other].span, f"{unknowns[other].name} is drawn if it need not yield"),
+                           (unknown.span, f"so is {unknown.name}"),
+                           *((s, "together with this") for s in spans if s is not last)),
                 )  # fmt: skip
 
 
+def path_between(matching: Matching, start: int, goal: int) -> list[int]:
+    """The equations through which one unknown could take the place of another, the shortest way."""
+    before: dict[int, tuple[int, int]] = {}
+    queue = [start]
+    for at in queue:
+        for equation in matching.edges[at]:
+            other = matching.unknown_of[equation]
+            if other >= 0 and other != start and other not in before:
+                before[other] = at, equation
+                queue.append(other)
+    path = []
+    while goal != start:
+        goal, equation = before[goal]
+        path.append(equation)
+    return path
+
+
 def surplus(
-    env: Env, unknowns: list[Unknown], equations: list[Equation], forms: list[Form | None], matching: Matching,
-    values: dict[Column, Expr],
+    env: Env, unknowns: list[Unknown], equations: list[Equation], matching: Matching, values: dict[Column, Expr]
 ) -> None:  # fmt: skip
     """Equations that determine nothing: redundant (a lint), contradictory or too many (errors)."""
     definitions = {**env.context.program.definitions, **values}
-    linear = Linear(lambda c: c not in definitions, definitions)
     for e in matching.free_equations:
         equation = equations[e]
-        left, right = linear.form(equation.left), linear.form(equation.right)
-        if left is not None and right is not None:
-            coefficients, rest = combine(left, right, E.const(-1.0))
-            rest = tidy(rest)
-            if all(abs(1.0 if c.constant is None else c.constant) < 1e-12 for c in coefficients.values()) and rest.constant is not None:
-                if abs(rest.constant) < 1e-9:
-                    env.context.report.warning("redundant", equation.span, "this equation follows from the others")
-                    continue
-                raise env.context.error(
-                    "contradictory", equation.span, "this equation contradicts the others: it can never hold"
-                )
         users = [u for u in range(len(unknowns)) if e in matching.edges[u] and matching.equation_of[u] >= 0]
-        raise env.context.error(
-            "over-determined", equation.span, "this is one equation too many: what it names is determined already",
-            hint="drop one of them, or leave a size open that it may determine",
-            notes=tuple((equations[matching.equation_of[u]].span, f"determines {unknowns[u].name}") for u in users[:4]),
-        )  # fmt: skip
+        sources = {matching.equation_of[u]: f"determines {unknowns[u].name}" for u in users}
+        notes = tuple((equations[k].span, why) for k, why in list(sources.items())[:4])
+        difference = written_out(E.sub(equation.left, equation.right), definitions)
+        terms, rest = Linear(lambda c: True, {}).parts(difference)
+        cancelled = all(f.constant is not None and abs(f.constant) < 1e-12 for f in terms.values())
+        if cancelled and rest.constant is not None and abs(rest.constant) < 1e-9:
+            env.context.report.warning(
+                "redundant", equation.span, "this equation follows from the others", notes=notes,
+                hint="it can go: what is shown determines the same" if notes else "it can go",
+                trace=tuple(env.context.trace),
+            )  # fmt: skip
+            continue
+        if cancelled and rest.constant is not None:
+            length = any(unknowns[u].kind == "position" for u in users)
+            raise env.context.error(
+                "contradictory", equation.span,
+                f"this equation contradicts the others: its sides always differ by {amount(rest.constant, length)}",
+                hint="drop or correct one of them; `gap` counts outwards from the face that it follows", notes=notes,
+            )  # fmt: skip
+        named = " and ".join(unknowns[u].name for u in users[:3])
+        drawn = [d.column.name for d in env.context.draws if d.column.scope is env.scope and d.column in terms]
+        hint = "drop one of these equations, or leave a size open (`_`, or no argument) that it may determine"
+        if drawn:
+            hint = f"drop one of these equations, or let `{drawn[0]}` follow from them by declaring it `derived`"
+        said = f"{named} {'are' if len(users) > 1 else 'is'} determined already" if users else "it names nothing open"
+        message = f"this is one equation too many: {said}"
+        raise env.context.error("over-determined", equation.span, message, hint=hint, notes=notes)
+
+
+def written_out(node: Expr, definitions: dict[Column, Expr]) -> Expr:
+    """An expression with all that is determined put in."""
+    for _ in range(DEEPEST):
+        known = [c for c in E.leaves(node) if c in definitions]
+        if not known:
+            break
+        node = E.substitute(node, {E.col(c): definitions[c] for c in known})
+    return node
+
+
+def amount(difference: float | None, length: bool) -> str:
+    """A difference of two sides in words."""
+    size = abs(difference or 0.0)
+    return f"{round(size * 1000, 3):g}mm" if length else f"{size:.6g} (in metres or radians)"
 
 
 # ---------------------------------------------------------------- all cases
@@ -272,7 +331,7 @@ def settle_block(block: Block, outcomes: list[Outcome]) -> None:
             env.context.program.definitions[column] = E.ZERO
             continue
         determining = any_of(c for c, _ in solved if c not in open_cases)
-        env.context.program.definitions[column] = chosen(env, solved)
+        env.context.program.definitions[column] = chosen(column.scope, solved)
         determined(env, unknown, determining if open_cases or len(relevant) < len(outcomes) else E.TRUE)
 
 
@@ -283,11 +342,11 @@ def any_of(conditions: Iterable[Expr]) -> Expr:
     return result
 
 
-def chosen(env: Env, solved: list[tuple[Expr, Expr]]) -> Expr:
+def chosen(scope: Scope, solved: list[tuple[Expr, Expr]]) -> Expr:
     """One expression out of the values of the cases; cases with equal values are one."""
     groups: dict[Expr, Expr] = {}
     for holds, value in solved:
-        value = lifted(value, env.scope)
+        value = lifted(value, scope)
         groups[value] = E.either(groups.get(value, E.FALSE), holds)
     result: Expr | None = None
     for value, holds in reversed(groups.items()):

@@ -6,7 +6,7 @@ from ..graph import expr as E
 from ..graph.expr import Column, Expr
 from ..graph.linear import Form, Linear, isolate, solve_block, tidy
 from ..graph.matching import Matching, components
-from .context import Equation, Unknown
+from .context import Abort, Equation, Unknown
 from .env import Env
 
 
@@ -34,16 +34,23 @@ def solve_system(
             sides = [equations[matching.equation_of[u]] for u in group]
             solution = eliminate([inline(E.sub(q.left, q.right), columns, definitions) for q in sides], columns)
         if solution is None:
-            equation = equations[matching.equation_of[group[0]]]
-            listed = ", ".join(unknowns[u].name for u in group)
-            raise env.context.error(
-                "not-solvable", equation.span, f"this cannot be solved for {listed} in closed form",
-                hint="state the equation so that the unknown stands alone, or give the value as an argument",
-                notes=tuple((equations[matching.equation_of[u]].span, "together with this") for u in group[1:]),
-            )  # fmt: skip
+            raise unsolved(env, [unknowns[u] for u in group], [equations[matching.equation_of[u]] for u in group], rows)
         for column in columns:
             values[column] = tidy(solution[column])
     return values
+
+
+def unsolved(env: Env, unknowns: list[Unknown], equations: list[Equation], forms: list[Form | None]) -> Abort:
+    """Report equations that have no solution in closed form: linear ones that hang on one another alone, or others."""
+    listed = " and ".join(u.name for u in unknowns)
+    if all(form is not None for form in forms):
+        message = f"these equations place {listed} against one another only: nothing ties them to the rest"
+        hint = "let one of them follow from something that stands already, such as a face of the root"
+    else:
+        message = f"this cannot be solved for {listed} in closed form"
+        hint = "state the equation so that the unknown stands alone on one side, or give it as an argument"
+    notes = tuple((q.span, "together with this") for q in equations[1:])
+    return env.context.error("not-solvable", equations[0].span, message, hint=hint, notes=notes)
 
 
 def inline(node: Expr, columns: list[Column], definitions: dict[Column, Expr]) -> Expr:
