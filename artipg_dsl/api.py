@@ -196,7 +196,9 @@ class Samples:
 
     # ------------------------------------------------------------ files
 
-    def to(self, folder: str | Path, formats: str | Iterable[str] | None = None, *, points: int = 2048, force: bool = False) -> Path:
+    def to(
+        self, folder: str | Path, formats: str | Iterable[str] | None = None, *, points: int = 2048, force: bool = False
+    ) -> Path:
         """Write what ``apgc sample`` writes: shards, a folder per object where a format asks for it, the manifest."""
         from .export.registry import choose
 
@@ -241,7 +243,8 @@ class Samples:
     def _repr_html_(self) -> str:
         picture = base64.b64encode(self._picture).decode("ascii")
         more = f", the first {PICTURED} shown" if len(self) > PICTURED else ""
-        return f'<img alt="{escape(self._title())}" src="data:image/png;base64,{picture}"><p>{escape(self._title() + more)}</p>'
+        title = escape(self._title())
+        return f'<img alt="{title}" src="data:image/png;base64,{picture}"><p>{title}{more}</p>'
 
 
 class Object(Samples):

@@ -46,8 +46,8 @@ class Job:
         lines = [f"  {count:>8} times: {reason}" for reason, count in list(self.failures().items())[:3]]
         fixed = " with what was set" if self.settings else ""
         return NoObject(
-            f"no valid {self.sampler.program.name} in {ATTEMPTS} attempts{fixed} for {counted} {shown}; what failed most\n"
-            + "\n".join(lines),
+            f"no valid {self.sampler.program.name} in {ATTEMPTS} attempts{fixed} for {counted} {shown}; "
+            "what failed most:\n" + "\n".join(lines),
             "set other values" if self.settings else "widen the ranges, or state what one value leaves to the next",
         )
 
@@ -65,12 +65,20 @@ class Job:
     def counts(self) -> dict[str, Any]:
         """The statistics as the manifest keeps them."""
         made = self.statistics
-        return {"objects": made.objects, "first_valid": made.first_valid, "attempts": made.attempts, "failed": self.failures()}
+        found = {"objects": made.objects, "first_valid": made.first_valid, "attempts": made.attempts}
+        return found | {"failed": self.failures()}
 
     def write(
-        self, out: Path | str, numbers: np.ndarray, formats: Sequence[Format], *, n_points: int = 2048, force: bool = False,
-        part: tuple[int, int] = (1, 1), progress: Callable[[int, int], None] | None = None,
-    ) -> dict[str, Any]:  # fmt: skip
+        self,
+        out: Path | str,
+        numbers: np.ndarray,
+        formats: Sequence[Format],
+        *,
+        n_points: int = 2048,
+        force: bool = False,
+        part: tuple[int, int] = (1, 1),
+        progress: Callable[[int, int], None] | None = None,
+    ) -> dict[str, Any]:
         """Write objects to a folder, or the k-th of n parts of its shards; returns the manifest. Raises ExportError."""
         from .export.dataset import write_dataset
 
@@ -123,7 +131,8 @@ def reopen(folder: Path | str) -> tuple[Job, np.ndarray]:
     job = open_job(source, identity["seed"], identity["settings"])
     if job.sampler.program.hash != identity["program"]:
         raise UserError(
-            f"the program {source} has changed since the samples in {folder} were made", "sample it again, with --force into the same folder"
+            f"the program {source} has changed since the samples in {folder} were made",
+            "sample it again, with --force into the same folder",
         )
     numbers = [np.arange(first, last + 1) for first, last in identity["numbers"]]
     return job, np.concatenate(numbers) if numbers else np.zeros(0, dtype=np.int64)

@@ -1,4 +1,4 @@
-"""Parameters that the user fixes: ``width=45cm``, ``handle=BarHandle``, ``pad.rows=5``, checked against their domain."""
+"""Parameters that the user fixes: ``width=45cm``, ``handle=BarHandle``, ``pad.rows=5``, checked by their domain."""
 
 from __future__ import annotations
 
@@ -72,7 +72,8 @@ def read(draw: Draw, value: Value) -> tuple[float, Value]:
     high = None if draw.high is None else draw.high.constant
     if (low is not None and number < low - 1e-9) or (high is not None and number > high + 1e-9):
         raise SettingError(
-            f"`{draw.column.name}` cannot be {value}: it lies in {domain(draw)}", f"see {draw.where}" if draw.where else None
+            f"`{draw.column.name}` cannot be {value}: it lies in {domain(draw)}",
+            f"see {draw.where}" if draw.where else None,
         )
     return float(number), int(number) if draw.kind == "count" else float(number)
 
@@ -103,9 +104,10 @@ def _number(draw: Draw, text: str) -> float:
     if dimension == wanted or (number == 0 and not written):
         return number * factor
     noun = NOUNS.get(unit, "a number without a unit" if not unit else f"in {unit}")
+    example = f"for example {name}={EXAMPLES.get(unit, '1' + unit)}"
     if not written:
-        raise SettingError(f"{name}={text} has no unit: `{name}` is {noun}", f"for example {name}={EXAMPLES.get(unit, '1' + unit)}")
-    raise SettingError(f"{name}={text} has the wrong unit: `{name}` is {noun}", f"for example {name}={EXAMPLES.get(unit, '1')}")
+        raise SettingError(f"{name}={text} has no unit: `{name}` is {noun}", example)
+    raise SettingError(f"{name}={text} has the wrong unit: `{name}` is {noun}", example)
 
 
 def _unknown(program: Program, name: str) -> SettingError:
@@ -113,7 +115,8 @@ def _unknown(program: Program, name: str) -> SettingError:
     inside = [n for n in names if n.startswith(name + ".")]
     if any(column.name == name or column.name.startswith(name + ".") for column in program.definitions) and not inside:
         return SettingError(
-            f"`{name}` follows from other values: it cannot be set", "set what determines it; `apgc ledger` tells what does"
+            f"`{name}` follows from other values: it cannot be set",
+            "set what determines it; `apgc ledger` tells what does",
         )
     if inside:
         shown = ", ".join(inside[:6]) + (", ..." if len(inside) > 6 else "")

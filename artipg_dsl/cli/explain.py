@@ -16,9 +16,11 @@ def run(options: argparse.Namespace) -> int:
         for code in sorted(CODES.values(), key=lambda c: c.name):
             print(f"{code.name:<{width}}  {code.summary}")
         return 0
-    code = CODES.get(options.code)
-    if code is None:
-        raise UserError(f"there is no error code `{options.code}`", did_you_mean(options.code, CODES) or "`apgc explain` lists all")
+    if options.code not in CODES:
+        raise UserError(
+            f"there is no error code `{options.code}`", did_you_mean(options.code, CODES) or "`apgc explain` lists all"
+        )
+    code = CODES[options.code]
     print(f"{code.name}: {code.summary}")
     if code.text:
         print(f"\n{code.text.strip()}")

@@ -65,4 +65,6 @@ def _nothing(lowering: Lowering, wanted: str | None) -> UserError:
     if wanted in paths:
         return UserError(f"`{wanted}` has no unknowns: its place and size follow from the text")
     parts = ", ".join(dict.fromkeys(p.path for p in lowering.program.parts if "." not in p.path))
-    return UserError(f"{lowering.program.name} has no part `{wanted}`", did_you_mean(wanted, paths) or f"its parts are {parts}")
+    return UserError(
+        f"{lowering.program.name} has no part `{wanted}`", did_you_mean(wanted, paths) or f"its parts are {parts}"
+    )

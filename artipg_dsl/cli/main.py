@@ -55,18 +55,28 @@ def parser() -> argparse.ArgumentParser:
     _drawing(sample, 10)
     sample.add_argument("-o", "--out", default="out", metavar="DIR", help="the folder for the samples (default: out)")
     sample.add_argument("--points", type=positive, default=2048, metavar="N", help="points per object (default: 2048)")
-    sample.add_argument("--format", metavar="LIST", help="of points, annotation, urdf, glb, with commas (default: points,annotation)")
-    sample.add_argument("--stats", action="store_true", help="tell how many first attempts were valid and what failed, with its line")
+    sample.add_argument(
+        "--format", metavar="LIST", help="points, annotation, urdf, glb, with commas (default: points,annotation)"
+    )
+    sample.add_argument("--stats", action="store_true", help="tell how many first attempts were valid, and what failed")
     sample.add_argument("--force", action="store_true", help="replace samples made with other options")
-    sample.add_argument("--shard", type=part, default=(1, 1), metavar="K/N", help="write only the K-th of N parts, to share the work")
+    sample.add_argument(
+        "--shard", type=part, default=(1, 1), metavar="K/N", help="write the K-th of N parts, to share the work"
+    )
 
     render = command("render", "draw a contact sheet of samples")
-    render.add_argument("program", metavar="DIR|NAME|FILE", help="a folder of samples, a shipped category or an .apg file")
+    render.add_argument(
+        "program", metavar="DIR|NAME|FILE", help="a folder of samples, a shipped category or an .apg file"
+    )
     _drawing(render, 30)
     render.add_argument("-o", "--out", default="sheet.png", metavar="FILE", help="the picture (default: sheet.png)")
-    render.add_argument("--colour", "--color", choices=("part", "material"), default="part", help="what colours mean (default: part)")
+    render.add_argument(
+        "--colour", "--color", choices=("part", "material"), default="part", help="what colours mean (default: part)"
+    )
     render.add_argument("--open", action="store_true", help="open all joints; otherwise those of every other object")
-    render.add_argument("--tile", type=positive, default=256, metavar="PIXELS", help="width of one object (default: 256)")
+    render.add_argument(
+        "--tile", type=positive, default=256, metavar="PIXELS", help="width of one object (default: 256)"
+    )
 
     explain = command("explain", "explain an error code")
     explain.add_argument("code", nargs="?", metavar="CODE", help="such as missing-unit; without it, all codes")
@@ -87,7 +97,9 @@ def _drawing(to: argparse.ArgumentParser, n: int) -> None:
     to.add_argument("-n", "--number", type=positive, metavar="N", help=f"how many objects (default: {n})")
     to.add_argument("--seed", type=whole, metavar="N", help="what the objects are drawn with (default: 0)")
     to.add_argument("--only", type=numbers, metavar="NUMBERS", help="objects by number: 37 or 37,40..45")
-    to.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="fix a parameter: width=45cm, handle=BarHandle")
+    to.add_argument(
+        "--set", action="append", default=[], metavar="NAME=VALUE", help="fix a parameter: width=45cm, handle=BarHandle"
+    )
     to.set_defaults(default_number=n)
 
 

@@ -41,5 +41,7 @@ def wanted(options: argparse.Namespace) -> tuple[Job, np.ndarray]:
         return job, numbers[: options.number or options.default_number]
     absent = np.setdiff1d(options.only, numbers)
     if len(absent):
-        raise UserError(f"there is no object {absent[0]} in {options.program}", f"its manifest lists {len(numbers)} objects")
+        raise UserError(
+            f"there is no object {absent[0]} in {options.program}", f"its manifest lists {len(numbers)} objects"
+        )
     return job, np.array(options.only, dtype=np.int64)

@@ -49,7 +49,13 @@ def run(options: argparse.Namespace) -> int:
     with Progress(job.sampler.program.name) as progress:
         progress(0, len(numbers))
         manifest = job.write(
-            options.out, numbers, formats, n_points=options.points, force=options.force, part=options.shard, progress=progress
+            options.out,
+            numbers,
+            formats,
+            n_points=options.points,
+            force=options.force,
+            part=options.shard,
+            progress=progress,
         )
     if options.stats:
         print(statistics(job, manifest))

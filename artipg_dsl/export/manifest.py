@@ -6,12 +6,12 @@ import json
 import platform
 from collections.abc import Sequence
 from dataclasses import asdict
-from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .. import __version__
 from ..annotate.points import field_kinds
 from .shards import MEANINGS
 from .write import ExportError
@@ -54,13 +54,6 @@ def cpu_class() -> str:
     return " ".join([platform.machine(), *enabled[-1:]])
 
 
-def version() -> str:
-    try:
-        return metadata.version("artipg_dsl")
-    except metadata.PackageNotFoundError:
-        return "0"
-
-
 def spans(numbers: Sequence[int] | np.ndarray) -> list[list[int]]:
     """Object numbers as runs ``[first, last]``."""
     numbers = np.asarray(numbers, dtype=np.int64)
@@ -100,12 +93,12 @@ def build(
             "formats": list(formats),
             "shard": int(shard),
             "settings": {key: (settings or {})[key] for key in sorted(settings or {})},
-            "artipg_dsl": version(),
+            "artipg_dsl": __version__,
             "numpy": np.__version__,
         },
         "objects": size,
         "shards": shards,
-        "python": platform.python_version(),
+        "python": platform.python___version__,
         "cpu": cpu_class(),
         "frame": "right-handed, x front, y left, z up; metres, radians, kilograms; quaternions w x y z",
         "vocabularies": vocabularies(program),

@@ -31,7 +31,8 @@ def scenes(batch: Batch, states: np.ndarray | None = None) -> list[trimesh.Scene
                 vertices = rotate(turn[first + k], place) + shift[first + k]
                 mesh = trimesh.Trimesh(vertices, visual.shape.faces, process=False)
                 red, green, blue = visual.look.colour
-                mesh.visual.face_colors = np.round(255 * np.array([red, green, blue, visual.look.opacity])).astype(np.uint8)
+                colour = np.round(255 * np.array([red, green, blue, visual.look.opacity])).astype(np.uint8)
+                mesh.visual = trimesh.visual.ColorVisuals(mesh, face_colors=colour)
                 mesh.metadata = {"link": link.name, "material": visual.look.name}
                 scene.add_geometry(mesh, node_name=visual.name, geom_name=visual.name)
         made.append(scene)
