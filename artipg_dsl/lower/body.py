@@ -112,8 +112,7 @@ def declare(env: Env, body: tuple[ast.Stmt, ...]) -> None:
     """Register every name of a body, then lower the declarations in the order of the text."""
     env.statements.extend(body)
     for statement in body:
-        if not (isinstance(statement, ast.CountDecl) and statement.name in env.names):  # given as an argument
-            register(env, statement)
+        register(env, statement)
     for statement in body:
         try:
             if isinstance(statement, ast.WhenStmt):
@@ -136,11 +135,12 @@ def names_of(statement: ast.Stmt) -> Iterator[str]:
 
 
 def register(env: Env, statement: ast.Stmt) -> None:
-    """Give each declared name a thunk; statements that declare nothing are left for later."""
+    """Give each declared name a thunk, unless it has a value (an argument) or a thunk already; other statements wait."""
     from .part import build_part
 
     def thunk(name: str, span: Span, make) -> None:  # noqa: ANN001
-        env.names[name] = Thunk(make, span)
+        if name not in env.names:
+            env.names[name] = Thunk(make, span)
 
     match statement:
         case ast.ParamDecl():

@@ -16,7 +16,6 @@ Several curves in brackets are one chain, which must meet end to end.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -27,33 +26,20 @@ from ..syntax import ast
 from .curves import TURN, spans_of
 from .env import Env
 from .evaluate import Evaluator
+from .made import FULL, Made, U, clause
 from .probe import SMALL, Probe
 from .profiles import Loop, Point, Side, Span, between, distance, equal_steps, extreme, orientation, samples
 from .strips import MOST, chord, convex, strip
-from .values import Value, signed_axis
+from .sweeps import sweep
+from .values import signed_axis
 
-U = E.var("u")
 PX, PY, PZ = (E.var(f"p.{a}") for a in "xyz")
-FULL = (ZERO, E.const(TURN))
 ROUND = 24  # corners of a slice
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Made:
-    """What an operator supplies. ``requires`` are (low, high, message): low <= high must hold."""
-
-    patches: tuple[Patch, ...]
-    pieces: tuple[Piece, ...]
-    inside: Expr
-    low: Triple
-    high: Triple
-    ports: dict[str, Value] = field(default_factory=dict)
-    requires: tuple[tuple[Expr, Expr, str], ...] = ()
 
 
 def solid_of(env: Env, solid: ast.SolidDecl) -> Made:
     """The solid of ``solid = operator(curves) ...``; raises Abort after a diagnostic where it cannot be made."""
-    makers = {"lathe": lathe, "extrude": extrude}
+    makers = {"lathe": lathe, "extrude": extrude, "sweep": sweep}
     if solid.operator not in makers:
         raise env.context.error(
             "unknown-function", solid.span, f"there is no operator `{solid.operator}`",
@@ -77,10 +63,6 @@ def chains_of(env: Env, probe: Probe, solid: ast.SolidDecl) -> list[list[Span]]:
                     hint="the curves of a chain meet end to end, for every test value",
                 )  # fmt: skip
     return chains
-
-
-def clause(solid: ast.SolidDecl, word: str) -> ast.Expr | None:
-    return next((c.values[0] for c in solid.clauses if c.word == word), None)
 
 
 def axis_of(env: Env, solid: ast.SolidDecl, word: str) -> int:

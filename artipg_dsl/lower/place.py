@@ -214,7 +214,7 @@ def bridged(part: Part, mount: Mount, ev: Evaluator) -> Pose:
     outer, inner = minus(b, a), minus(line.to, line.point)
     length = norm(outer)
     reach = next((c for c in inner if c is not ZERO), ZERO) if sum(c is not ZERO for c in inner) == 1 else norm(inner)
-    part.env.equations.append(
+    mount.env.equations.append(
         Equation(reach, E.add(length, E.mul(E.const(2.0), sink)), clause.span, "the distance of the two ends")
     )
     facing = mount.clause("facing")

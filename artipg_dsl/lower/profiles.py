@@ -21,7 +21,7 @@ Point = tuple[Expr, Expr]
 V = E.var("v")
 TINY = E.const(1e-300)
 SLOPE = E.const(0.97)  # takes what Newton's method leaves open far from a curve out of the slope
-STEPS = 3
+STEPS = 4
 BEND = np.radians(50.0)  # the most that a curve turns within a bracket
 HALVINGS = 4
 

@@ -61,10 +61,10 @@ def build_repeat(env: Env, statement: ast.RepeatStmt, declare: Callable[[Env, tu
     inner_ev = Evaluator(inner)
     match statement.form:
         case "split":
+            from .body import register
             from .split import split
 
-            shares = [s for s in statement.body if isinstance(s, ast.ParamDecl)]
-            split(inner, element, statement, box, shares, declare)  # type: ignore[arg-type]
+            split(inner, element, statement, box, register)  # type: ignore[arg-type]
         case "spread" | "fill" | "pitch":
             element.box = spaced(ev, inner_ev, statement, box, count, scope)
         case "ring":

@@ -18,7 +18,7 @@ def default(env: Env, unknown: Unknown, near: list[Equation], *, fresh: bool) ->
     context = env.context
     definitions = context.program.definitions
     if unknown.kind == "position":
-        value = tidy(centred(env, unknown))
+        value = tidy(centred(unknown))
         reason = "centred"
     elif unknown.kind == "default":
         assert unknown.default is not None
@@ -50,7 +50,7 @@ def drawn(env: Env, unknown: Unknown, draw: Draw, fresh: bool) -> Expr:
     return E.col(column)
 
 
-def centred(env: Env, unknown: Unknown) -> Expr:
+def centred(unknown: Unknown) -> Expr:
     """A free position: the part's box is centred on the box of its scope."""
     from .evaluate import Evaluator
     from .part import rotation_of
@@ -58,11 +58,11 @@ def centred(env: Env, unknown: Unknown) -> Expr:
     part, axis = unknown.part, unknown.axis
     assert part is not None
     offset = turn(rotation_of(part), part.box().center)[axis]
-    at: Env | None = env
+    at: Env | None = part.env
     center: Expr = E.ZERO
     while at is not None:
         if at.element is not None and at.element.box is not None:
-            box: Box = squared(Evaluator(env).here(at.element, at.element.box))  # type: ignore[assignment]
+            box: Box = squared(Evaluator(part.env).here(at.element, at.element.box))  # type: ignore[assignment]
             center = box.center[axis]
             break
         at = at.outer
@@ -82,14 +82,14 @@ def determined(env: Env, unknown: Unknown, guard: Expr) -> None:
         for a, b, side in ((draw.low, value, "below"), (value, draw.high, "above")):
             context.program.requirements.append(
                 Requirement(
-                    env.scope, E.call("le", a, b), guard, f"{name} would lie {side} its domain", where(unknown.span), (a, b),
+                    unknown.column.scope, E.call("le", a, b), guard, f"{name} would lie {side} its domain", where(unknown.span), (a, b),
                     text=f"{name} in its domain",
                 )  # fmt: skip
             )
     elif unknown.positive or unknown.kind == "size" and unknown.part is not None and ".size." in unknown.column.name:
         context.program.requirements.append(
             Requirement(
-                env.scope, E.call("le", SMALL, value), guard, f"{name} would not be positive", where(unknown.span), (SMALL, value),
+                unknown.column.scope, E.call("le", SMALL, value), guard, f"{name} would not be positive", where(unknown.span), (SMALL, value),
                 text=f"{name} > 0",
             )  # fmt: skip
         )

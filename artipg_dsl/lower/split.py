@@ -7,7 +7,7 @@ from collections.abc import Callable
 from ..graph import expr as E
 from ..graph.expr import Expr, Scope
 from ..syntax import ast
-from .env import Element, Env, Thunk
+from .env import Element, Env
 from .evaluate import Evaluator
 from .repeat import axis_of, clause, scalar
 from .values import Box
@@ -16,18 +16,15 @@ ROUNDS = 8
 
 
 def split(
-    inner: Env, element: Element, statement: ast.RepeatStmt, box: Box, shares: list[ast.ParamDecl],
-    declare: Callable[[Env, tuple[ast.Stmt, ...]], None],
-) -> None:  # fmt: skip
-    """Set the element's box and the gap before it. The weight may name parameters that the body declares."""
-    from .body import own_parameter
-
+    inner: Env, element: Element, statement: ast.RepeatStmt, box: Box, register: Callable[[Env, ast.Stmt], None]
+) -> None:
+    """Set the element's box and the gap before it. The weight may name what the body declares."""
     outer = Evaluator(inner.outer)  # type: ignore[arg-type]
     axis, scope = axis_of(outer, statement), element.scope
     gap = scalar(outer, statement, "gap")
-    for share in shares:
-        for name, span in zip(share.names, share.name_spans, strict=True):
-            inner.names[name] = Thunk(lambda share=share, name=name: own_parameter(inner, share, name), span)
+    for declaration in statement.body:
+        if isinstance(declaration, ast.ParamDecl | ast.CountDecl | ast.LetDecl):
+            register(inner, declaration)
     weighted = clause(statement, "weight")
     weight = E.ONE if weighted is None else Evaluator(inner).scalar(weighted.values[0])
     room = E.sub(box.size[axis], E.mul(E.sub(element.count, E.ONE), gap))

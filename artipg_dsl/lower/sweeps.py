@@ -1,0 +1,253 @@
+"""``sweep(circle(r)[, circle(bore)]) along path up y``: a round bar or pipe along a path.
+
+The skin is one surface ``skin`` (and ``lining``) per piece of the path; the ends are ``start`` and ``end``, which are
+ports too: frames whose ``out`` points away from the solid. ``up`` fixes how the section is turned and must not lie
+along the path. Arcs must be wider than the section.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..graph import expr as E
+from ..graph.derive import derive
+from ..graph.expr import ONE, ZERO, Expr
+from ..graph.primitive import Patch, Piece, Triple
+from ..syntax import ast
+from .builtins import named, need
+from .curves import TURN, Curve
+from .env import Env
+from .evaluate import Evaluator
+from .made import FULL, Made, U, clause
+from .paths import Handed, Stretch, steps_of, stretches
+from .probe import Probe
+from .profiles import SLOPE, STEPS, TINY, V, clamp, summit
+from .values import Frame, cross, dot, frame_of, minus, normalized, plus, times, unit
+
+P: Triple = tuple(E.var(f"p.{a}") for a in "xyz")  # type: ignore[assignment]
+CORNERS = 12  # of a round piece
+FORMULA_STEPS = 12
+
+
+def sweep(env: Env, solid: ast.SolidDecl) -> Made:
+    """A tube along a path."""
+    node = clause(solid, "along")
+    path = env.find(node.name) if isinstance(node, ast.NameExpr) else None
+    if node is None or not isinstance(path, Curve | Handed):
+        raise env.context.error(
+            "wrong-kind", solid.span if node is None else node.span, "`sweep` needs a path: `sweep(circle(r)) along path up y`"
+        )
+    ev = Evaluator(env)
+    radii = [section_radius(ev, solid, a) for a in solid.arguments]
+    if len(radii) not in (1, 2):
+        raise env.context.error("wrong-arguments", solid.span, "`sweep` takes a section, or an outer and an inner one")
+    upwards = clause(solid, "up")
+    up = ev.direction(upwards) if upwards is not None else unit(2)
+    pieces = stretches(path.steps if isinstance(path, Handed) else steps_of(path))
+    probe = Probe(env, solid.span)
+    frames = [cross_frame(probe, piece, up) for piece in pieces]
+    if any(np.isnan(probe(*n, *b)).any() for n, b in ((f(0.0), g(0.0)) for f, g in frames)):
+        raise env.context.error(
+            "bad-curve", solid.span, "the path runs along `up`, or has no direction, at some of the test values",
+            hint="name another axis after `up`: one that the path never runs along",
+        )  # fmt: skip
+    radius, bore = radii[0], radii[1] if len(radii) == 2 else None
+    patches = [tube("skin", piece, frame, radius) for piece, frame in zip(pieces, frames, strict=True)]
+    if bore is not None:
+        patches += [tube("lining", piece, frame, bore) for piece, frame in zip(pieces, frames, strict=True)]
+    ends = ((pieces[0], frames[0], 0.0, "start"), (pieces[-1], frames[-1], 1.0, "end"))
+    for piece, frame, at, name in ends:
+        reach = E.mul(V, radius) if bore is None else E.add(bore, E.mul(V, E.sub(radius, bore)))
+        patches.append(Patch(name, ring(piece.at(at), (frame[0](at), frame[1](at)), reach), FULL, (ZERO, ONE)))
+    requires = [(radius, p.radius, "an arc of the path is narrower than the section") for p in pieces if p.center is not None]
+    if bore is not None:
+        requires.append((bore, radius, "the bore is wider than the section"))
+    ports = {
+        "start": Frame(pieces[0].at(0.0), frame_of(times(pieces[0].towards(0.0), E.const(-1.0)), up)),
+        "end": Frame(pieces[-1].at(1.0), frame_of(pieces[-1].towards(1.0), up)),
+    }
+    bounds = [tuple(reach(probe, pieces, radius, k, sign) for k in range(3)) for sign in (-1, 1)]
+    return Made(
+        tuple(patches), tube_pieces(probe, pieces, frames, radius, bore), inside(probe, pieces, radius, bore),
+        bounds[0], bounds[1], ports, tuple(requires),  # type: ignore[arg-type]
+    )  # fmt: skip
+
+
+def section_radius(ev: Evaluator, solid: ast.SolidDecl, argument: ast.Argument) -> Expr:
+    node = argument.value
+    if isinstance(node, ast.CallExpr) and isinstance(node.function, ast.NameExpr) and node.function.name == "circle":
+        return ev.scalar(need(ev, node, named(node, "radius"), "radius"))
+    raise ev.env.context.error(
+        "bad-curve", node.span, "`sweep` takes a round section: circle(radius)",
+        hint="bars of other sections are extruded: `extrude(rectangle(a, b)) along z from 0 to t`",
+    )  # fmt: skip
+
+
+def cross_frame(probe: Probe, piece: Stretch, up: Triple):  # noqa: ANN201
+    """Two functions of v: the unit vectors across the path, the second along ``up`` as nearly as possible."""
+    plain = probe.zero(E.sub(dot(up, up), ONE), *(
+        dot(up, tuple(E.substitute(c, {V: E.const(k / 4)}) for c in piece.direction)) for k in range(5)
+    ))  # fmt: skip
+    side = cross(up, piece.direction)
+    side = side if plain else normalized(side)
+    above = up if plain else cross(piece.direction, side)
+
+    def at(vector: Triple):  # noqa: ANN202
+        return lambda value: tuple(E.substitute(c, {V: E.wrap(value)}) for c in vector)
+
+    return at(side), at(above)
+
+
+def ring(center: Triple, axes: tuple[Triple, Triple], radius: Expr, angle: Expr = U) -> Triple:
+    """A place on a circle across the path."""
+    c, s = E.mul(radius, E.call("cos", angle)), E.mul(radius, E.call("sin", angle))
+    return plus(center, plus(times(axes[0], c), times(axes[1], s)))
+
+
+def tube(name: str, piece: Stretch, frame: tuple, radius: Expr) -> Patch:
+    return Patch(name, ring(piece.place, (frame[0](V), frame[1](V)), radius), FULL, (ZERO, ONE))
+
+
+# ---------------------------------------------------------------- inside
+
+
+def inside(probe: Probe, pieces: list[Stretch], radius: Expr, bore: Expr | None) -> Expr:
+    """The distance to the path less the radius, cut flat at the two ends of the path."""
+    outer: Expr | None = None
+    middle: Expr | None = None
+    for k, piece in enumerate(pieces):
+        away = path_distance(piece)
+        value = E.sub(away, radius)
+        if k == 0:
+            value = E.maximum(value, dot(minus(piece.at(0.0), P), piece.towards(0.0)))
+        if k == len(pieces) - 1:
+            value = E.maximum(value, dot(minus(P, piece.at(1.0)), piece.towards(1.0)))
+        outer = value if outer is None else E.minimum(outer, value)
+        middle = away if middle is None else E.minimum(middle, away)
+    assert outer is not None and middle is not None
+    found = outer if bore is None else E.maximum(outer, E.sub(bore, middle))
+    return E.mul(found, SLOPE) if any(p.length is ZERO for p in pieces) else found
+
+
+def length_of(vector: Triple) -> Expr:
+    return E.call("sqrt", dot(vector, vector))
+
+
+def path_distance(piece: Stretch) -> Expr:
+    """The distance of p to a piece of a path."""
+    if piece.center is not None and piece.out is not None:
+        return arc_distance(piece)
+    if piece.length is not ZERO:
+        away = minus(P, piece.at(0.0))
+        t = E.minimum(E.maximum(dot(away, piece.direction), ZERO), piece.length)
+        return length_of(minus(away, times(piece.direction, t)))
+    speed: Triple = tuple(derive(c, "v") for c in piece.place)  # type: ignore[assignment]
+    bend: Triple = tuple(derive(c, "v") for c in speed)  # type: ignore[assignment]
+    best: Expr | None = None
+    brackets = 4
+    for k in range(brackets):
+        low, high = k / brackets, (k + 1) / brackets
+        t: Expr = E.const((low + high) / 2)
+        for turn in range(STEPS + 1):
+            here, tangent, curved = (
+                tuple(E.substitute(c, {V: t}) for c in vector) for vector in (piece.place, speed, bend)
+            )
+            away = minus(P, here)  # type: ignore[arg-type]
+            square = E.maximum(dot(tangent, tangent), TINY)
+            slowed = E.add(square, E.maximum(E.neg(dot(away, curved)), ZERO))
+            moved = clamp(E.add(t, E.div(dot(away, tangent), slowed)), low, high)
+            if turn == STEPS:
+                away = minus(away, times(tangent, E.sub(moved, t)))  # type: ignore[arg-type]
+            t = moved
+        found = dot(away, away)
+        best = found if best is None else E.minimum(best, found)
+    assert best is not None
+    return E.call("sqrt", best)
+
+
+def arc_distance(piece: Stretch) -> Expr:
+    """The angle of p about the arc's axis, from its middle, is cut to the arc."""
+    assert piece.center is not None and piece.out is not None
+    along, half = piece.towards(0.0), E.mul(piece.angle, E.const(0.5))
+    c, s = E.call("cos", half), E.call("sin", half)
+    first = plus(times(piece.out, c), times(along, s))
+    second = minus(times(along, c), times(piece.out, s))
+    away = minus(P, piece.center)
+    a, b, h = dot(away, first), dot(away, second), dot(away, cross(piece.out, along))
+    turned = E.minimum(E.maximum(E.call("atan2", b, a), E.neg(half)), half)
+    x = E.sub(a, E.mul(piece.radius, E.call("cos", turned)))
+    y = E.sub(b, E.mul(piece.radius, E.call("sin", turned)))
+    return E.call("sqrt", dot((x, y, h), (x, y, h)))
+
+
+# ---------------------------------------------------------------- box and pieces
+
+
+def reach(probe: Probe, pieces: list[Stretch], radius: Expr, axis: int, sign: int) -> Expr:
+    """How far a tube reaches along an axis: a section reaches radius * sin(angle between path and axis)."""
+    factor = E.const(float(sign))
+    found: list[Expr] = []
+    for piece in pieces:
+        for value in (0.0, 1.0):
+            slope = piece.towards(value)[axis]
+            across = E.call("sqrt", E.maximum(E.sub(ONE, E.mul(slope, slope)), ZERO))
+            found.append(E.add(E.mul(factor, piece.at(value)[axis]), E.mul(radius, across)))
+        if piece.center is not None and piece.out is not None:
+            x, y = (E.mul(factor, vector[axis]) for vector in (piece.out, piece.towards(0.0)))
+            if x is ZERO and y is ZERO:
+                continue
+            top = E.call("mod", E.call("atan2", y, x), E.const(TURN))
+            height = E.add(E.mul(factor, piece.center[axis]), E.add(E.mul(piece.radius, E.call("hypot", x, y)), radius))
+            found.append(E.where(E.call("le", top, piece.angle), height, found[-1]))
+        elif piece.length is ZERO:
+            height = E.mul(factor, piece.place[axis])
+            values = probe(*(E.substitute(height, {V: E.const(k / 32)}) for k in range(33)))
+            if (values.max(axis=0) > np.maximum(values[0], values[-1]) + 1e-12).any():
+                found.append(E.add(E.substitute(height, {V: summit(height)}), radius))
+    greatest = probe.greatest(found)
+    return greatest if sign > 0 else E.neg(greatest)
+
+
+def tube_pieces(
+    probe: Probe, pieces: list[Stretch], frames: list, radius: Expr, bore: Expr | None
+) -> tuple[Piece, ...]:
+    """Hulls of the sections at the ends of each step, smaller by what the path's chord cuts; sectors of a pipe."""
+    made = []
+    for number, (piece, frame) in enumerate(zip(pieces, frames, strict=True)):
+        count = step_count(probe, piece, radius, bore)
+        for k in range(count):
+            low, high = k / count, (k + 1) / count
+            chord = times(plus(piece.at(low), piece.at(high)), E.const(0.5))
+            cut = ZERO if count == 1 and piece.center is None else length_of(minus(piece.at((low + high) / 2), chord))
+            cut = E.mul(cut, E.const(1.02 if piece.center is not None else 1.2))
+            wide = E.sub(radius, cut)
+            ends = [(piece.at(v), (frame[0](v), frame[1](v))) for v in (low, high)]
+            name = f"skin_{number}_{k}"
+            if bore is None:
+                angles = [E.const(TURN * j / CORNERS) for j in range(CORNERS)]
+                made.append(Piece(name, tuple(ring(*end, wide, a) for end in ends for a in angles)))
+                continue
+            wall = E.sub(radius, bore)
+            fit = E.call("ceil", E.mul(E.const(TURN / 2), E.call("sqrt", E.div(E.mul(E.const(2.0), radius), wall))))
+            sectors = E.minimum(E.maximum(fit, E.const(12.0)), E.const(48.0))
+            each = E.div(E.const(TURN), sectors)
+            inner = E.div(E.add(bore, cut), E.call("cos", E.mul(each, E.const(0.5))))
+            angles = [E.mul(each, E.add(E.var("i"), E.const(j))) for j in (0.0, 1.0)]
+            made.append(Piece(name, tuple(ring(*e, r, a) for e in ends for r in (wide, inner) for a in angles), sectors))
+    return tuple(made)
+
+
+def step_count(probe: Probe, piece: Stretch, radius: Expr, bore: Expr | None) -> int:
+    """Steps so short that the chord cuts at most a quarter of the wall, and no more than 30 degrees of an arc."""
+    if piece.center is None and piece.length is not ZERO:
+        return 1
+    wall = probe(E.sub(radius, bore) if bore is not None else E.mul(radius, E.const(0.5)))[0]
+    for count in range(3, 24):
+        cuts = []
+        for k in range(count):
+            ends = plus(piece.at(k / count), piece.at((k + 1) / count))
+            cuts.append(length_of(minus(piece.at((k + 0.5) / count), times(ends, E.const(0.5)))))
+        turns = probe(piece.angle)[0] / count if piece.center is not None else np.zeros(1)
+        if (probe(*cuts).max(axis=0) <= 0.25 * wall).mean() > 0.98 and turns.max() <= np.radians(31.0):
+            return count
+    return 24
