@@ -98,7 +98,7 @@ def build(
         },
         "objects": size,
         "shards": shards,
-        "python": platform.python___version__,
+        "python": platform.python_version(),
         "cpu": cpu_class(),
         "frame": "right-handed, x front, y left, z up; metres, radians, kilograms; quaternions w x y z",
         "vocabularies": vocabularies(program),
