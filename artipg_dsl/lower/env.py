@@ -91,7 +91,12 @@ class Env:
             if value.failed:
                 raise Abort(f"`{name}` could not be lowered")
             if value.running:
-                raise self.context.error("circular-definition", value.span, f"`{name}` is defined by itself")
+                running = [n for n, v in self.names.items() if isinstance(v, Thunk) and v.running and n != name]
+                via = f", by way of {' and '.join(f'`{n}`' for n in running)}" if running else ""
+                raise self.context.error(
+                    "circular-definition", value.span, f"`{name}` needs itself{via}",
+                    hint="give one of them a value of its own, or leave a size open (`_`) and state an equation with `align`",
+                )  # fmt: skip
             value.running = True
             try:
                 made = value.make()

@@ -457,8 +457,8 @@ class Evaluator:
             inner = value.env.find(name)
             return inner if inner is None else self.from_env(value.env, inner)
         raise self.env.context.error(
-            "needs-index", span, f"`{value.name}` has many elements; this names no one of them",
-            hint=f"write {value.name}[0], {value.name}[last], or sum, min, max over all of them",
+            "many-elements", span, f"`{value.name}` stands for all elements of a repeat here",
+            hint=f"name one, `{value.name}[0]` or `{value.name}[last]`, or reduce them with sum, min or max",
         )  # fmt: skip
 
     def here(self, element: Element, value: Value) -> Value:

@@ -85,7 +85,13 @@ class Links:
         if part in self.known:
             return self.known[part]
         if part in self.resolving:
-            raise self.context.error("circular-definition", part.span, f"the attachment of `{part.name}` leads back to itself")
+            found = [(p, a) for p in self.resolving for a in self.attachments(p)]
+            found.sort(key=lambda pair: pair[1].span.start)
+            raise self.context.error(
+                "circular-definition", part.span, f"what `{part.name}` is attached to is attached to `{part.name}` in turn",
+                hint="one of these has to hang on the root, or on a part that does",
+                notes=tuple((a.span, f"attaches `{p.name}`") for p, a in found[:4]),
+            )  # fmt: skip
         self.resolving.add(part)
         try:
             self.known[part] = self.find(part)
@@ -102,7 +108,7 @@ class Links:
             elif attachment.base:
                 found.extend(self.base(part.env))
             else:
-                found.extend(self.carried(attachment.to, part.span))
+                found.extend(self.carried(attachment.to, attachment.span))
         if not any(a.env is part.env for a in attachments):  # none, or under some guards only
             owner = part.env.root.instance
             first = None if owner is None else first_part(owner)
@@ -136,7 +142,8 @@ class Links:
         if len(found) > 1 and not exclusive(parts):
             raise self.context.error(
                 "two-links", span, "this lies on two links: " + " and ".join(f"`{p.name}`" for p in parts[:2]),
-                hint="name a port or a face of one of them",
+                hint="joints may move them apart: name a face or a port of one of them alone",
+                notes=tuple((p.span, f"`{p.name}`") for p in parts[:2]),
             )  # fmt: skip
         return tuple(dict.fromkeys(k for links in found for k in links))
 

@@ -84,7 +84,7 @@ class Part:
             from .place import pose_of
 
             if self._posing:
-                raise self.context.error("circular-definition", self.span, f"the place of `{self.name}` depends on itself")
+                raise circular_place(self)
             if self._unplaced:
                 raise Abort(f"`{self.name}` could not be placed")
             self._posing = True
@@ -241,6 +241,20 @@ def raised(box: Box, scope: Scope | None, to: Scope) -> Box:
             high = tuple(E.phi(scope.parent, [(scope, c)], E.neg(inf)) for c in box.high)
         box, scope = Box(low, high, on=box.on), scope.parent  # type: ignore[arg-type]
     return box
+
+
+def circular_place(part: Part) -> Abort:
+    """Report a part whose mount leads back to it, with the statements that lead there."""
+    from .place import mounts
+
+    waiting = [p for p in part.env.parts if p._posing]
+    others = [p for p in waiting if p is not part]
+    via = f", by way of {' and '.join(f'`{p.name}`' for p in others)}" if others else ""
+    notes = [(m.statement.span, f"places `{p.name}`") for p in waiting for m in mounts(part.env, p.name)]
+    return part.context.error(
+        "circular-definition", part.span, f"the place of `{part.name}` depends on itself{via}", notes=tuple(notes[:4]),
+        hint="`to` and `between` take the place from their target: let one of these parts hang on something that stands",
+    )  # fmt: skip
 
 
 def union_of(env: Env, scope: Scope) -> Box:
@@ -435,7 +449,7 @@ def instantiate(part: Part, option: Option) -> Instance:
     instance = Instance(part, option.symbol, scope, part.path + ".")
     if len(context.trace) > 40:
         raise context.error("circular-definition", part.span, f"`{option.name}` contains itself")
-    context.trace.append((part.span, f"in the part `{part.path}`, a {option.name}"))
+    context.trace.append((part.span, f"in `{part.path}` ({option.name})"))
     try:
         own = dict(part.inputs)
         arguments = option.source.arguments if part.role is not None or len(part.options) > 1 else ()
