@@ -542,7 +542,7 @@ class PieceDecl(Stmt):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SolidDecl(Stmt):
-    """``solid = lathe(skin, lining) about z``; ``operator`` lathe extrude sweep loft; clauses about along up from to."""
+    """``solid = lathe(skin, lining) about z``; ``operator`` lathe extrude sweep loft; clauses about along up ..."""
 
     operator: str
     arguments: tuple[Argument, ...]

@@ -122,7 +122,8 @@ def _character(at: int, source: Source, text: str) -> Found:
             start,
             "names are made of the letters a to z, digits and `_`",
         )
-    return Found("syntax", span, f"`{char}` has no meaning here", at, _CHARACTERS.get(char))
+    shown = f"`{char}`" if char.isprintable() else f"the character U+{ord(char):04X}"
+    return Found("syntax", span, f"{shown} has no meaning here", at, _CHARACTERS.get(char))
 
 
 def _open_bracket(history: list[Token]) -> Token | None:
@@ -210,7 +211,7 @@ def _by_history(
         return found(
             f"`{token.value}` is a word of the language and cannot be a name", "choose another name", "reserved-word"
         )
-    if values and token.type == "DOT":
+    if values and token.type == "DOT" and text[span.end : span.end + 1].isdigit():
         return found("a number begins with a digit", "write `0.5`")
     if (
         values

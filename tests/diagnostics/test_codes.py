@@ -14,9 +14,9 @@ NOT_BY_ONE_TEXT = {"missing-file", "not-utf8", "import-cycle", "no-category"}
 """Codes that need more than a text to come about."""
 
 WITHOUT_EXAMPLE = NOT_BY_ONE_TEXT | {
-    "always-true", "bad-curve", "broken-chain", "circular", "contradictory", "impossible", "leaky-primitive",
-    "needs-clearance", "needs-index", "not-solvable", "recurrence", "redundant", "tie", "too-many-cases",
-    "two-links", "unrelated-rows",
+    "always-true", "bad-curve", "broken-chain", "circular", "impossible", "leaky-primitive",
+    "needs-clearance", "needs-index", "recurrence", "too-many-cases",
+    "unrelated-rows",
 }  # fmt: skip
 """These have none so far. A new code brings an example."""
 

@@ -100,6 +100,22 @@ STRUCTURE = (
     Code("two-links", "something lies on two links at once", """
         A port, plane or edge lies on the link of the parts that its formula names. These move against each other, so
         it would lie on both.
+        """, """
+        apg 1
+        use primitives { Cuboid }
+        template Pair {
+          part one : Cuboid(size = [1cm, 1cm, 1cm])
+          part two : Cuboid(size = [1cm, 1cm, 1cm])
+          joint slide : prismatic one -> two along x range 0cm .. 1cm
+          port mid : frame = frame(at = [one.front, two.center.y, two.center.z], out = x, up = z)
+        }
+        category Chest {
+          root part body : Cuboid(size = [40cm, 60cm, 30cm])
+          part pair : Pair
+          connect pair to body
+          part knob : Cuboid(size = [1cm, 1cm, 1cm])
+          connect knob to pair.mid
+        }
         """),
     Code("under-determined", "nothing determines a value", """
         A parameter without a range has to be given by its user or follow from equations. This one is neither: give it
@@ -127,6 +143,21 @@ STRUCTURE = (
     Code("tie", "two parameters could yield and nothing says which", """
         An equation determines one of the parameters that it names, and by the order of who yields two are equal.
         Mark one as `derived`, or give one as an argument.
+        """, """
+        apg 1
+        use primitives { Cuboid }
+        template Slab {
+          param wide : length in 1cm .. 90cm
+          part plate : Cuboid(size = [10cm, wide, 1cm])
+        }
+        category Shelf {
+          root part body : Cuboid(size = [30cm, 60cm, 90cm])
+          part one : Slab
+          part two : Slab
+          connect one to body
+          connect two to body
+          align one.wide + two.wide = body.size.y
+        }
         """),
     Code("too-many-cases", "the guards of equations combine in too many ways", """
         Who determines whom is found once for every combination of guards and alternatives within a block of equations,
@@ -139,12 +170,43 @@ STRUCTURE = (
     Code("not-solvable", "equations cannot be solved in closed form", """
         The equation determines something that it holds in a way which cannot be turned round. State it the other way
         about, or name the unknown alone on one side.
+        """, """
+        apg 1
+        use primitives { Cuboid }
+        template Slab {
+          param wide : length
+          part plate : Cuboid(size = [10cm, wide, 1cm])
+        }
+        category Shelf {
+          root part body : Cuboid(size = [30cm, 60cm, 90cm])
+          part one : Slab
+          connect one to body
+          align one.wide + 10cm * sin(one.wide / 1cm * 1rad) = body.size.y
+        }
         """),
     Code("redundant", "an equation follows from others", """
         The equation holds already because of others. It does no harm and can go.
+        """, """
+        apg 1
+        use primitives { Cuboid }
+        category Chest {
+          root part body : Cuboid(size = [40cm, 60cm, 30cm])
+          part lid : Cuboid(size = [40cm, 60cm, 2cm])
+          connect lid.bottom on body.top
+          align lid.bottom = body.top
+        }
         """),
     Code("contradictory", "equations contradict one another", """
         No values satisfy all of the equations shown.
+        """, """
+        apg 1
+        use primitives { Cuboid }
+        category Chest {
+          root part body : Cuboid(size = [40cm, 60cm, 30cm])
+          part lid : Cuboid(size = [40cm, 60cm, 2cm])
+          connect lid.bottom on body.top
+          align lid.bottom = body.top + 1cm
+        }
         """),
     Code("plane-across-axes", "a plane is used across another axis", """
         A face is a plane across one axis, and an equation of planes compares coordinates along one: left with right,
