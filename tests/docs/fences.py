@@ -9,7 +9,7 @@ from pathlib import Path
 from artipg_dsl.resources import library_dir
 
 _FENCE = re.compile(r"^```apg(?P<mark>[^\n]*)\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL)
-_DECLARED = re.compile(r"^\s*(?:role|template|primitive|category|material|vocabulary)\s+(\w+)", re.MULTILINE)
+_DECLARED = re.compile(r"^\s*(?:(?:role|template|primitive|category|vocabulary)\s+(\w+)|material\s+(\w+)\s*\{)", re.MULTILINE)
 BODY = "root part body : OpenBox(size = [30cm, 50cm, 25cm], wall = 12mm)"
 
 
@@ -65,11 +65,15 @@ def fences(page: Path) -> list[Fence]:
 def imports(text: str) -> str:
     """A line of ``use`` per library module of which ``text`` uses something that it does not declare itself."""
     words = set(re.findall(r"\w+", text))
-    own = set(_DECLARED.findall(text)) | set(re.findall(r"\buse\b[^{]*\{([^}]*)\}", text))
+    own = set(declared(text))
     lines = []
     for path in sorted(library_dir().glob("*.apg")):
-        offered = _DECLARED.findall(path.read_text(encoding="utf-8"))
-        used = sorted((words - own).intersection(offered))
+        used = sorted((words - own).intersection(declared(path.read_text(encoding="utf-8"))))
         if used:
             lines.append(f"use {path.stem} {{ {', '.join(used)} }}\n")
     return "".join(lines)
+
+
+def declared(text: str) -> list[str]:
+    """The names that the top level of a file declares."""
+    return [a or b for a, b in _DECLARED.findall(text)]

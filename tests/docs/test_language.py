@@ -1,0 +1,108 @@
+"""The language reference is right: its examples compile and sample, its lists are those of the compiler."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from artipg_dsl.semantics import names, types
+from artipg_dsl.semantics.units import UNITS
+from artipg_dsl.session import Session
+from artipg_dsl.syntax.grammar import keywords, machine, reserved_words
+
+from .fences import Fence, fences
+
+PAGE = Path(__file__).parents[2] / "docs" / "language.md"
+TEXT = PAGE.read_text(encoding="utf-8")
+FENCES = fences(PAGE)
+
+
+@pytest.mark.parametrize("fence", FENCES, ids=lambda f: f"line-{f.line}")
+def test_example(fence: Fence) -> None:
+    session = Session.of_text(fence.program, "language.md")
+    typed, lowering = session.typed, session.lowering if fence.lowered else None
+    found = [(d.severity, d.code, d.message) for d in session.report.diagnostics]
+    if fence.code is not None:
+        assert [code for severity, code, _ in found if severity == "error"] == [fence.code], found
+        return
+    assert found == []
+    assert typed is not None
+    if lowering is not None:
+        batch = session.sampler.batch(np.arange(2), seed=1)
+        assert len(batch.parts().owner) >= 2
+        assert all(np.isfinite(site.translation).all() for site in batch.sites())
+
+
+def test_there_are_examples_of_everything() -> None:
+    """Every statement and every clause word of the grammar stands in an example that compiles."""
+    shown = set(re.findall(r"[a-z]+", "\n".join(f.text for f in FENCES if f.code is None)))
+    assert sorted((reserved_words() | clause_words()) - shown) == []
+
+
+def clause_words() -> set[str]:
+    return set(keywords(machine().lark).values()) - reserved_words()
+
+
+def listed(mark: str) -> str:
+    """What stands between ``<!-- mark -->`` and ``<!-- end -->``."""
+    found = re.search(rf"<!-- {mark} -->\n(.*?)<!-- end -->", TEXT, re.DOTALL)
+    assert found is not None
+    return found[1]
+
+
+def section(title: str) -> str:
+    """The text under a heading, up to the next heading."""
+    found = re.search(rf"^#+ {title}\n(.*?)(?=^#)", TEXT, re.MULTILINE | re.DOTALL)
+    assert found is not None
+    return found[1]
+
+
+def rows(text: str) -> list[list[str]]:
+    """The cells of the first table in a text, without its head."""
+    lines = [line for line in text.split("\n") if line.startswith("|")]
+    return [[c.strip() for c in re.split(r"(?<!\\)\|", line)[1:-1]] for line in lines[2:]]
+
+
+def test_words() -> None:
+    assert re.findall(r"`(\w+)`", listed("reserved words")) == sorted(reserved_words())
+    assert re.findall(r"`(\w+)`", listed("clause words")) == sorted(clause_words())
+
+
+def test_units() -> None:
+    told = {}
+    for unit, factor, dimension in rows(listed("units")):
+        value = {"pi / 180": math.pi / 180, "2 pi": 2 * math.pi}.get(factor)
+        told[unit.strip("`")] = (float(factor) if value is None else value, dimension)
+    assert told == {unit: (f, types.dimension_name(d)) for unit, (f, d) in UNITS.items()}
+
+
+def test_types() -> None:
+    words = set(re.findall(r"\w+", " ".join(row[0] for row in rows(section("Types")))))
+    assert set(names.TYPE_NAMES) <= words
+
+
+def test_functions() -> None:
+    told = set(re.findall(r"(\w+)\(", " ".join(row[0] for row in rows(section("Functions")))))
+    assert told - {"curve"} == {*names.FUNCTIONS, *names.CONSTRUCTORS}
+
+
+def test_members() -> None:
+    from artipg_dsl.semantics import parts
+
+    told = {}
+    for heads, members in rows(section("Members")):
+        for head in re.findall(r"`(\w+)`", heads):
+            told[head] = re.findall(r"`(\w+)`", members)
+    found = {str(kind.name): sorted(members) for kind, members in parts.PLACES.items()}  # type: ignore[attr-defined]
+    assert {head: sorted(told[head]) for head in found} == found
+    assert set(told["part"]) == set(parts.BOX_MEMBERS)
+
+
+def test_joint_kinds() -> None:
+    from artipg_dsl.semantics.placing import KINDS
+
+    assert re.findall(r"^\| `(\w+)` \| [^|]+ \| [^|]+ \|$", section("Kinematics"), re.MULTILINE) == list(KINDS)
