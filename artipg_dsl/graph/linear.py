@@ -12,10 +12,13 @@ Parts = tuple[dict[Column | Expr, Expr], Expr]  # the same with atoms beside the
 
 
 class Linear:
-    """Linear forms in the columns for which ``unknown`` holds, reading defined columns through ``definitions``."""
+    """Linear forms in the columns for which ``unknown`` holds, reading defined columns through ``definitions``.
 
-    def __init__(self, unknown: Callable[[Column], bool], definitions: Mapping[Column, Expr]):
-        self.unknown, self.definitions = unknown, definitions
+    What stands in the row before counts as known, unless ``through`` is set: a recurrence is not an equation in itself.
+    """
+
+    def __init__(self, unknown: Callable[[Column], bool], definitions: Mapping[Column, Expr], *, through: bool = False):
+        self.unknown, self.definitions, self.through = unknown, definitions, through
         self.memo: dict[Expr, Parts] = {}
         self.reads_memo: dict[Expr, bool] = {}
 
@@ -27,6 +30,8 @@ class Linear:
                 column: Column = node.value  # type: ignore[assignment]
                 definition = self.definitions.get(column)
                 known = self.unknown(column) or (definition is not None and self.reads(definition))
+            elif node.op == "previous" and not self.through:
+                known = False
             else:
                 known = any(self.reads(a) for a in node.args)
             self.reads_memo[node] = known

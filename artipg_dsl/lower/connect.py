@@ -37,20 +37,27 @@ def statements(env: Env) -> None:
         except Abort:
             continue
     for statement in env.statements:
+        stated = len(env.equations)
         try:
             match statement:
                 case ast.AlignStmt():
                     align(env, statement.left, statement.right, statement.span)
                 case ast.ConnectStmt():
-                    connect(env, statement)
+                    goes_with(connect(env, statement), env.equations[stated:])
                 case ast.JointDecl() if statement.kind is not None:
-                    joint(env, statement)
+                    goes_with(joint(env, statement), env.equations[stated:])
                 case _:
                     pass
         except Abort:
             continue
     for inner in env.inner:
         statements(inner)
+
+
+def goes_with(part: Part, equations: list[Equation]) -> None:
+    """A statement goes with its subject: its equations hold where the part exists."""
+    for equation in equations:
+        equation.guard = E.both(equation.guard, part.exists)
 
 
 def align(env: Env, left: ast.Expr, right: ast.Expr, span: Span) -> None:
@@ -160,7 +167,7 @@ def at_point(ev: Evaluator, subject: ast.Expr, clause: ast.Clause, target: Value
 # ---------------------------------------------------------------- attachments
 
 
-def connect(env: Env, statement: ast.ConnectStmt) -> None:
+def connect(env: Env, statement: ast.ConnectStmt) -> Part:
     part = part_of(env, statement.subject)
     words = {c.word: c for c in statement.clauses}
     ev = Evaluator(env)
@@ -175,17 +182,19 @@ def connect(env: Env, statement: ast.ConnectStmt) -> None:
         target = ev.value(words["to"].values[0])
     carried = carriers(target)
     attach(part, Attachment(env, statement.span, carried, base=not carried))
+    return part
 
 
-def joint(env: Env, statement: ast.JointDecl) -> None:
+def joint(env: Env, statement: ast.JointDecl) -> Part:
     assert statement.child is not None and statement.parent is not None
     part = part_of(env, statement.child)
     placing(env, part, statement.child, joint_placing(statement), E.const(0.0))
     if isinstance(statement.parent, ast.NameExpr) and statement.parent.name == "base" and env.find("base") is None:
         attach(part, Attachment(env, statement.span, (), True, statement))
-        return
+        return part
     carried = carriers(Evaluator(env).value(statement.parent))
     attach(part, Attachment(env, statement.span, carried, base=not carried, joint=statement))
+    return part
 
 
 def joint_placing(statement: ast.JointDecl) -> tuple[ast.Clause, ...]:

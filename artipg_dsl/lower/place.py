@@ -214,9 +214,8 @@ def bridged(part: Part, mount: Mount, ev: Evaluator) -> Pose:
     outer, inner = minus(b, a), minus(line.to, line.point)
     length = norm(outer)
     reach = next((c for c in inner if c is not ZERO), ZERO) if sum(c is not ZERO for c in inner) == 1 else norm(inner)
-    mount.env.equations.append(
-        Equation(reach, E.add(length, E.mul(E.const(2.0), sink)), clause.span, "the distance of the two ends")
-    )
+    distance = E.add(length, E.mul(E.const(2.0), sink))
+    mount.env.equations.append(Equation(reach, distance, clause.span, "the distance of the two ends", part.exists))
     facing = mount.clause("facing")
     along = normalized(outer)
     toward = ev.direction(facing.values[0]) if facing is not None else perpendicular(along)

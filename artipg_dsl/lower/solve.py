@@ -19,6 +19,7 @@ from ..graph.matching import Matching, match
 from .cases import TooManyCases, combinations, condition
 from .context import Abort, Equation, Unknown
 from .env import Env
+from .recurrent import closed
 from .settled import default, determined
 from .systems import solve_system
 
@@ -331,7 +332,7 @@ def settle_block(block: Block, outcomes: list[Outcome]) -> None:
             env.context.program.definitions[column] = E.ZERO
             continue
         determining = any_of(c for c, _ in solved if c not in open_cases)
-        env.context.program.definitions[column] = chosen(column.scope, solved)
+        env.context.program.definitions[column] = closed(env.context, column, chosen(column.scope, solved))
         determined(env, unknown, determining if open_cases or len(relevant) < len(outcomes) else E.TRUE)
 
 

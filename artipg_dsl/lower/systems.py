@@ -53,9 +53,9 @@ def unsolved(env: Env, unknowns: list[Unknown], equations: list[Equation], forms
     return env.context.error("not-solvable", equations[0].span, message, hint=hint, notes=notes)
 
 
-def inline(node: Expr, columns: list[Column], definitions: dict[Column, Expr]) -> Expr:
+def inline(node: Expr, columns: list[Column], definitions: dict[Column, Expr], *, through: bool = False) -> Expr:
     """An expression with every defined column that depends on one of ``columns`` written out."""
-    reader = Linear(lambda c: c in columns, definitions)
+    reader = Linear(lambda c: c in columns, definitions, through=through)
     while True:
         hidden = [
             c for c in E.leaves(node) if c not in columns and c in definitions and reader.reads(E.col(c))
