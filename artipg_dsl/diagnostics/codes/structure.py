@@ -134,10 +134,11 @@ STRUCTURE = (
         apg 1
         use primitives { Cuboid }
         category Chest {
+          param rise : length in 1cm .. 9cm
           root part body : Cuboid(size = [40cm, 60cm, 30cm])
           part lid : Cuboid(size = [40cm, 60cm, 2cm])
           connect lid.bottom on body.top
-          align lid.top = body.top + 3cm
+          align lid.top = body.top + rise
         }
         """),
     Code("tie", "two parameters could yield and nothing says which", """
