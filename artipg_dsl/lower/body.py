@@ -120,8 +120,8 @@ def declare(env: Env, body: tuple[ast.Stmt, ...]) -> None:
             else:
                 for name in names_of(statement):
                     env.force(name)
-        except Abort:
-            continue
+        except (Abort, ScopeError) as error:
+            env.context.failed(error, statement.span)
     bind_slots(env, body)
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..graph import expr as E
+from ..graph.expr import ScopeError
 from ..source import Span
 from ..syntax import ast
 from .context import Abort, Equation, text_of
@@ -34,8 +35,8 @@ def statements(env: Env) -> None:
     for part in env.parts:
         try:
             _ = part.pose
-        except Abort:
-            continue
+        except (Abort, ScopeError) as error:
+            env.context.failed(error, part.span)
     for statement in env.statements:
         stated = len(env.equations)
         try:
@@ -48,8 +49,8 @@ def statements(env: Env) -> None:
                     goes_with(joint(env, statement), env.equations[stated:])
                 case _:
                     pass
-        except Abort:
-            continue
+        except (Abort, ScopeError) as error:
+            env.context.failed(error, statement.span)
     for inner in env.inner:
         statements(inner)
 

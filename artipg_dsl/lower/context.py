@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ..diagnostics import Report
 from ..graph import expr as E
-from ..graph.expr import Column, Expr, Scope
+from ..graph.expr import Column, Expr, Scope, ScopeError
 from ..graph.program import Draw, Program, Where
 from ..source import Span
 
@@ -71,6 +71,20 @@ class Context:
         self.report.error(code, span, message, trace=tuple(self.trace), **more)  # type: ignore[arg-type]
         return Abort(message)
 
+    def failed(self, error: Abort | ScopeError, span: Span) -> None:
+        """Go on after a statement that could not be lowered; what is not in the report yet is put there."""
+        if isinstance(error, ScopeError):
+            self.mixed(error, span)
+
+    def mixed(self, error: ScopeError, span: Span) -> Abort:
+        """Report that values of two tables meet that have no rows in common."""
+        first, second = in_words(error.first), in_words(error.second)
+        message = f"values of {first} and of {second} meet here, and nothing says which belong together"
+        hint = "state it inside the one that holds both, or reduce one side with sum, min or max"
+        if "guard" in (error.first.kind, error.second.kind):
+            hint = "state it in each `when` or template on its own, or for what all alternatives share: ports and `size`"
+        return self.error("unrelated-rows", span, message, hint=hint)
+
     def scope(self, name: str, parent: Scope, kind: str, count: Expr) -> Scope:
         scope = Scope(name, parent, kind, count)
         self.program.scopes.append(scope)
@@ -89,6 +103,18 @@ class Context:
         column = Column(scope, name, kind)
         self.spans[column] = span
         return column
+
+
+def in_words(scope: Scope) -> str:
+    """A table as the author knows it: a repeat, an alternative, a ``when``."""
+    if scope.kind == "repeat":
+        return f"the repeat `{scope.name}`"
+    path, _, option = scope.name.partition("=")
+    if scope.kind == "guard" and option and "when " not in path:
+        return f"the alternative {option} of `{path}`"
+    if scope.kind == "guard":
+        return f"the optional part `{scope.name.removesuffix(' exists')}`" if scope.name.endswith(" exists") else "a `when`"
+    return f"`{scope.name}`"
 
 
 def where(span: Span) -> Where:

@@ -160,10 +160,7 @@ class Evaluator:
         try:
             return method(node)
         except ScopeError as error:
-            raise self.env.context.error(
-                "unrelated-rows", node.span,
-                f"this mixes values of {error.first.name} and {error.second.name}, which have no rows in common",
-            ) from None  # fmt: skip
+            raise self.env.context.mixed(error, node.span) from None
 
     def _NumberExpr(self, node: ast.NumberExpr) -> Value:
         factor = UNITS[node.unit][0] if node.unit else 1.0

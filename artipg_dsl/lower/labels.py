@@ -73,8 +73,8 @@ def statements(links: Links, env: Env) -> None:
                     symmetry(links, env, statement)
                 case _:
                     pass
-        except Abort:
-            continue
+        except (Abort, ScopeError) as error:
+            env.context.failed(error, statement.span)
 
 
 # ---------------------------------------------------------------- targets

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from ..graph import expr as E
-from ..graph.expr import Expr
+from ..graph.expr import Expr, ScopeError
 from ..graph.program import Joint, Link, Pose, Site
 from ..graph.program import Part as PartNode
 from ..source import Span
@@ -162,8 +162,8 @@ class Links:
         for part in env.parts:
             try:
                 self.build_part(part, parent)
-            except Abort:
-                continue
+            except (Abort, ScopeError) as error:
+                self.context.failed(error, part.span)
         for inner in env.inner:
             self.build(inner, parent)
 

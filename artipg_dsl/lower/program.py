@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from ..diagnostics import Report
 from ..graph import expr as E
-from ..graph.expr import Expr, Scope
+from ..graph.expr import Expr, Scope, ScopeError
 from ..graph.program import Allowed, Link, Program, Requirement
 from ..graph.text import digest
 from ..semantics.symbols import Symbol
@@ -42,14 +42,16 @@ def lower_category(category: Symbol, report: Report) -> Lowering | None:
     env = Env(context, category.module, category, root, "")
     try:
         lower_statements(env, category.body)
-    except Abort:
+    except (Abort, ScopeError) as error:
+        context.failed(error, category.decl.name_span)
         return None
     if report.failed:
         return None
     links = Links(context)
     try:
         finish(links, env)
-    except Abort:
+    except (Abort, ScopeError) as error:
+        context.failed(error, category.decl.name_span)
         return None
     return None if report.failed else Lowering(program, context, env)
 
@@ -124,8 +126,8 @@ def conditions(links: Links, env: Env) -> None:
                     pair(links, env, statement.subject, statement.other, "clear", text_of(statement.span))
                 case _:
                     pass
-        except Abort:
-            continue
+        except (Abort, ScopeError) as error:
+            context.failed(error, statement.span)
 
 
 def require(env: Env, statement: ast.RequireStmt) -> None:
