@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from ..graph import expr as E
-from ..graph.expr import Scope
+from ..graph.expr import Scope, ScopeError
 from ..semantics.symbols import Symbol, lineage
 from ..source import Span
 from ..syntax import ast

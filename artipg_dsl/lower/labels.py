@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from ..graph import expr as E
-from ..graph.expr import Expr, Scope
+from ..graph.expr import Expr, Scope, ScopeError
 from ..graph.program import Grasp, Keypoint, Label, Pose, Target
 from ..syntax import ast
 from .context import Abort, where
