@@ -107,6 +107,8 @@ class Links:
                 found.append(self.own_link(part, attachment))
             elif attachment.base:
                 found.extend(self.base(part.env))
+            elif attachment.before is not None and part in attachment.to:
+                continue  # rigid on the element before: on the link of the first
             else:
                 found.extend(self.carried(attachment.to, attachment.span))
         if not any(a.env is part.env for a in attachments):  # none, or under some guards only
@@ -222,7 +224,8 @@ class Links:
         name = part.path if statement.name in ("motion", "") else joint_name(env, statement)
         joint = Joint(
             joint_name(env, statement), name, program.links[child].scope, kind, parents, child,
-            place(outer, origin), normalized(direct(outer, axis)), low, high, rest, mimic, where=where(statement.span), **physics,
+            place(outer, origin), normalized(direct(outer, axis)), low, high, rest, mimic, where=where(statement.span),
+            before=attachment.before, **physics,
         )  # fmt: skip
         self.joints[child] = len(program.joints)
         program.joints.append(joint)

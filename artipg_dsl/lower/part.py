@@ -71,6 +71,7 @@ class Part:
     _pose: Pose | None = None
     _posing: bool = False
     _unplaced: bool = False
+    _chain: Pose | None = None
     _box: Box | None = None
 
     @property
@@ -84,18 +85,42 @@ class Part:
             from .place import pose_of
 
             if self._posing:
-                raise circular_place(self)
+                return self.chain()
             if self._unplaced:
                 raise Abort(f"`{self.name}` could not be placed")
             self._posing = True
             try:
-                self._pose = pose_of(self)
+                pose = pose_of(self)
+                self._pose = pose if self._chain is None else self.chained(pose, self._chain)
             except Abort:
                 self._unplaced = True
                 raise
             finally:
                 self._posing = False
         return self._pose
+
+    def chain(self) -> Pose:
+        """The pose while it is being sought: of the element before, in a chain through ``previous``."""
+        if self.env.scope.kind != "repeat":
+            raise circular_place(self)
+        if self._chain is None:
+            names = [f"{self.path}.at.{letter}" for letter in "xyz"]
+            columns = [self.context.column(self.env.scope, name, "real", self.span) for name in names]
+            self._chain = Pose(IDENTITY, tuple(map(E.col, columns)), E.ONE)  # type: ignore[arg-type]
+        return self._chain
+
+    def chained(self, pose: Pose, chain: Pose) -> Pose:
+        """Close the chain: each element stands on the one before, all turned alike."""
+        from .recurrent import closed
+
+        if pose.rotation != chain.rotation or pose.mirror is not E.ONE:
+            raise self.context.error(
+                "recurrence", self.span, f"each `{self.name}` is turned against the one before, which is no sum of offsets",
+                hint="place the elements straight at joint values 0 and turn them by their joints",
+            )  # fmt: skip
+        for name, value in zip(chain.translation, pose.translation, strict=True):
+            self.context.program.definitions[name.value] = closed(self.context, name.value, value)  # type: ignore[index,arg-type]
+        return chain
 
     @property
     def primitive(self) -> bool:
@@ -458,7 +483,7 @@ def instantiate(part: Part, option: Option) -> Instance:
         instance.values = own
         if option.symbol.kind == "primitive":
             complete(instance)
-            instance.solid = lower_primitive(context, option.symbol)
+            instance.solid = lower_primitive(context, option.symbol, own)
             instance.solid.require(instance)
         else:
             instance.env = lower_body(instance, option, scope, own)

@@ -132,10 +132,6 @@ class Handed:
     tests: tuple[tuple[float, float], ...]
     key: tuple
 
-    @property
-    def parameters(self) -> tuple[str, ...]:
-        return self.names
-
 
 def handed(curve: Curve, name: str) -> Handed:
     """What a use of a primitive hands in for its curve parameter ``name``."""

@@ -16,6 +16,7 @@ from .curves import Curve
 from .env import Env, Function
 from .evaluate import Evaluator, Surface
 from .operators import solid_of
+from .paths import Handed, handed
 from .values import Box, Branch, Ref, Value, Vec, mapped
 
 if TYPE_CHECKING:
@@ -37,7 +38,9 @@ class Lowered:
         found: list[Expr] = []
         for name, components in self.names:
             value = instance.values.get(name)
-            if components:
+            if isinstance(value, Curve):
+                found.extend(handed(value, name).scalars)
+            elif components:
                 found.extend(value.items)  # type: ignore[union-attr]
             else:
                 found.append(value if isinstance(value, Expr) else value.code)  # type: ignore[union-attr]
@@ -85,16 +88,28 @@ class Lowered:
             )
 
 
-def lower_primitive(context: Context, symbol: Symbol) -> Lowered:
-    key = symbol
+def lower_primitive(context: Context, symbol: Symbol, values: dict[str, Value] | None = None) -> Lowered:
+    """The formulas of a primitive, once per declaration, and per shape of the paths that uses hand in."""
+    paths: dict[str, Handed] = {}
+    for statement in symbol.body:
+        if isinstance(statement, ast.ParamDecl) and statement.type.name == "curve":
+            for name, span in zip(statement.names, statement.name_spans, strict=True):
+                curve = (values or {}).get(name)
+                if not isinstance(curve, Curve):
+                    raise context.error("wrong-kind", span, f"`{name}` of `{symbol.name}` is no path")
+                paths[name] = handed(curve, name)
+    key = (symbol, *(path.key for path in paths.values())) if paths else symbol
     found = context.solids.get(key)
     if found is None:
-        found = context.solids[key] = make(context, symbol)
-        context.program.primitives[symbol.name] = found.primitive
+        name, number = symbol.name, 2
+        while name in context.program.primitives:
+            name, number = f"{symbol.name}_{number}", number + 1
+        found = context.solids[key] = make(context, symbol, name, paths)
+        context.program.primitives[name] = found.primitive
     return found
 
 
-def make(context: Context, symbol: Symbol) -> Lowered:
+def make(context: Context, symbol: Symbol, title: str, paths: dict[str, Handed]) -> Lowered:
     from ..graph.expr import Scope
 
     root = Scope(f"primitive {symbol.name}")
@@ -106,6 +121,12 @@ def make(context: Context, symbol: Symbol) -> Lowered:
     for statement in symbol.body:
         if isinstance(statement, ast.ParamDecl):
             for name in statement.names:
+                if name in paths:
+                    env.names[name] = paths[name]
+                    names.append((name, len(paths[name].names)))
+                    parameters.extend(paths[name].names)
+                    tests.extend(paths[name].tests)
+                    continue
                 declare_parameter(env, statement, name, names, parameters, tests, conditions)
     for statement in symbol.body:
         if isinstance(statement, ast.LetDecl):
@@ -150,7 +171,11 @@ def make(context: Context, symbol: Symbol) -> Lowered:
                 pass
     if solid is not None:
         made = solid_of(env, solid)
-        patches, pieces, inside = list(made.patches), list(made.pieces), made.inside
+        patches, pieces, inside = list(made.patches), pieces or list(made.pieces), made.inside
+        for small, large, message in made.requires:
+            within = E.call("le", small, large)
+            if within is not E.TRUE:
+                conditions.append((within, (small, large), message, solid, "requirement of the operator"))
         low, high = (low, high) if low is not None else (made.low, made.high)
         ports = {**made.ports, **{s.name: Evaluator(env).value(s.value) for s in symbol.body if isinstance(s, ast.PortDecl) and s.value is not None}}  # fmt: skip
     if inside is None or low is None or high is None or not patches:
@@ -159,7 +184,7 @@ def make(context: Context, symbol: Symbol) -> Lowered:
             f"the primitive `{symbol.name}` needs surfaces, `inside (p) = ...` and `box = ...`, or a `solid`",
         )  # fmt: skip
     primitive = Primitive(
-        symbol.name, tuple(parameters), tuple(tests), tuple(patches), inside, low, high, tuple(pieces),  # type: ignore[arg-type]
+        title, tuple(parameters), tuple(tests), tuple(patches), inside, low, high, tuple(pieces),  # type: ignore[arg-type]
         tuple(c[0] for c in conditions), str(where(symbol.decl.span)), tuple(dict.fromkeys(p.name for p in patches)),
     )  # fmt: skip
     lowered = Lowered(primitive, tuple(names), ports, conditions)
@@ -177,8 +202,6 @@ def declare_parameter(
     names.append((name, size or 0))
     parameters.extend(components)
     value: Value = Vec(tuple(E.var(c) for c in components)) if size else E.var(name)
-    if statement.type.name == "curve":
-        return
     env.names[name] = value
     source = statement.test or statement.domain
     for k, component in enumerate(components):

@@ -96,7 +96,12 @@ class Probe:
 def test_ranges(env: Env) -> Iterable[tuple[str, tuple[float, float]]]:
     """The test range of each scalar parameter of the primitive, as its declaration states it."""
     for statement in env.symbol.body:  # type: ignore[union-attr]
-        if not isinstance(statement, ast.ParamDecl) or statement.type.name == "curve":
+        if not isinstance(statement, ast.ParamDecl):
+            continue
+        if statement.type.name == "curve":
+            for name in statement.names:
+                path = env.names[name]
+                yield from zip(path.names, path.tests, strict=True)  # type: ignore[attr-defined]
             continue
         source = statement.test or statement.domain
         for name in statement.names:

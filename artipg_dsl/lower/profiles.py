@@ -23,7 +23,7 @@ TINY = E.const(1e-300)
 SLOPE = E.const(0.97)  # takes what Newton's method leaves open far from a curve out of the slope
 STEPS = 4
 BEND = np.radians(50.0)  # the most that a curve turns within a bracket
-HALVINGS = 4
+FINE = 64  # steps at which a curve's turning is looked at; a power of 2
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -130,19 +130,22 @@ def straight(probe: Probe, span: Span) -> bool:
 
 def brackets(probe: Probe, span: Span) -> list[tuple[float, float]]:
     """A span halved and halved again until it turns by little in each bracket."""
-    fine = 2**HALVINGS * 4
-    turns = np.abs(np.nan_to_num(turning(samples(probe, span, fine))))
-    turns = np.concatenate([turns, turns[:, -1:]], axis=1)
+    turns = np.abs(np.nan_to_num(turning(samples(probe, span, FINE))))
+    return halved(np.concatenate([turns, turns[:, -1:]], axis=1))
+
+
+def halved(turns: np.ndarray) -> list[tuple[float, float]]:
+    """Brackets of 0 .. 1 from the angles (rows, FINE) that a curve turns through in equal steps."""
     found: list[tuple[float, float]] = []
 
     def halve(low: int, high: int) -> None:
         if high - low <= 4 or turns[:, low:high].sum(axis=1).max() <= BEND:
-            found.append((low / fine, high / fine))
+            found.append((low / FINE, high / FINE))
         else:
             halve(low, (low + high) // 2)
             halve((low + high) // 2, high)
 
-    halve(0, fine)
+    halve(0, FINE)
     return found
 
 

@@ -21,12 +21,11 @@ from .evaluate import Evaluator
 from .made import FULL, Made, U, clause
 from .paths import Handed, Stretch, steps_of, stretches
 from .probe import Probe
-from .profiles import SLOPE, STEPS, TINY, V, clamp, summit
+from .profiles import FINE, SLOPE, STEPS, TINY, V, clamp, halved, summit
 from .values import Frame, cross, dot, frame_of, minus, normalized, plus, times, unit
 
 P: Triple = tuple(E.var(f"p.{a}") for a in "xyz")  # type: ignore[assignment]
 CORNERS = 12  # of a round piece
-FORMULA_STEPS = 12
 
 
 def sweep(env: Env, solid: ast.SolidDecl) -> Made:
@@ -35,8 +34,9 @@ def sweep(env: Env, solid: ast.SolidDecl) -> Made:
     path = env.find(node.name) if isinstance(node, ast.NameExpr) else None
     if node is None or not isinstance(path, Curve | Handed):
         raise env.context.error(
-            "wrong-kind", solid.span if node is None else node.span, "`sweep` needs a path: `sweep(circle(r)) along path up y`"
-        )
+            "wrong-kind", solid.span if node is None else node.span, "`sweep` needs a path",
+            hint="sweep(circle(r)) along path up y",
+        )  # fmt: skip
     ev = Evaluator(env)
     radii = [section_radius(ev, solid, a) for a in solid.arguments]
     if len(radii) not in (1, 2):
@@ -57,9 +57,10 @@ def sweep(env: Env, solid: ast.SolidDecl) -> Made:
         patches += [tube("lining", piece, frame, bore) for piece, frame in zip(pieces, frames, strict=True)]
     ends = ((pieces[0], frames[0], 0.0, "start"), (pieces[-1], frames[-1], 1.0, "end"))
     for piece, frame, at, name in ends:
-        reach = E.mul(V, radius) if bore is None else E.add(bore, E.mul(V, E.sub(radius, bore)))
-        patches.append(Patch(name, ring(piece.at(at), (frame[0](at), frame[1](at)), reach), FULL, (ZERO, ONE)))
-    requires = [(radius, p.radius, "an arc of the path is narrower than the section") for p in pieces if p.center is not None]
+        wide = E.mul(V, radius) if bore is None else E.add(bore, E.mul(V, E.sub(radius, bore)))
+        patches.append(Patch(name, ring(piece.at(at), (frame[0](at), frame[1](at)), wide), FULL, (ZERO, ONE)))
+    narrow = "an arc of the path is narrower than the section"
+    requires = [(radius, piece.radius, narrow) for piece in pieces if piece.center is not None]
     if bore is not None:
         requires.append((bore, radius, "the bore is wider than the section"))
     ports = {
@@ -116,7 +117,7 @@ def inside(probe: Probe, pieces: list[Stretch], radius: Expr, bore: Expr | None)
     outer: Expr | None = None
     middle: Expr | None = None
     for k, piece in enumerate(pieces):
-        away = path_distance(piece)
+        away = path_distance(probe, piece)
         value = E.sub(away, radius)
         if k == 0:
             value = E.maximum(value, dot(minus(piece.at(0.0), P), piece.towards(0.0)))
@@ -133,7 +134,15 @@ def length_of(vector: Triple) -> Expr:
     return E.call("sqrt", dot(vector, vector))
 
 
-def path_distance(piece: Stretch) -> Expr:
+def path_brackets(probe: Probe, piece: Stretch) -> list[tuple[float, float]]:
+    """A formula's path cut so that it turns by little in each bracket."""
+    places = [piece.towards(k / FINE) for k in range(FINE + 1)]
+    seen = np.nan_to_num(probe(*(c for d in places for c in d)).reshape(FINE + 1, 3, -1))
+    cosine = (seen[1:] * seen[:-1]).sum(axis=1)
+    return halved(np.arccos(np.clip(cosine, -1.0, 1.0)).T)
+
+
+def path_distance(probe: Probe, piece: Stretch) -> Expr:
     """The distance of p to a piece of a path."""
     if piece.center is not None and piece.out is not None:
         return arc_distance(piece)
@@ -144,9 +153,7 @@ def path_distance(piece: Stretch) -> Expr:
     speed: Triple = tuple(derive(c, "v") for c in piece.place)  # type: ignore[assignment]
     bend: Triple = tuple(derive(c, "v") for c in speed)  # type: ignore[assignment]
     best: Expr | None = None
-    brackets = 4
-    for k in range(brackets):
-        low, high = k / brackets, (k + 1) / brackets
+    for low, high in path_brackets(probe, piece):
         t: Expr = E.const((low + high) / 2)
         for turn in range(STEPS + 1):
             here, tangent, curved = (
@@ -233,7 +240,8 @@ def tube_pieces(
             each = E.div(E.const(TURN), sectors)
             inner = E.div(E.add(bore, cut), E.call("cos", E.mul(each, E.const(0.5))))
             angles = [E.mul(each, E.add(E.var("i"), E.const(j))) for j in (0.0, 1.0)]
-            made.append(Piece(name, tuple(ring(*e, r, a) for e in ends for r in (wide, inner) for a in angles), sectors))
+            corners = tuple(ring(*end, r, a) for end in ends for r in (wide, inner) for a in angles)
+            made.append(Piece(name, corners, sectors))
     return tuple(made)
 
 
