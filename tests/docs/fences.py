@@ -9,7 +9,9 @@ from pathlib import Path
 from artipg_dsl.resources import library_dir
 
 _FENCE = re.compile(r"^```apg(?P<mark>[^\n]*)\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL)
-_DECLARED = re.compile(r"^\s*(?:(?:role|template|primitive|category|vocabulary)\s+(\w+)|material\s+(\w+)\s*\{)", re.MULTILINE)
+_DECLARED = re.compile(
+    r"^\s*(?:(?:role|template|primitive|category|vocabulary)\s+(\w+)|material\s+(\w+)\s*\{)", re.MULTILINE
+)
 BODY = "root part body : OpenBox(size = [30cm, 50cm, 25cm], wall = 12mm)"
 
 
