@@ -162,6 +162,7 @@ class Joint:
     velocity: Expr | None = None
     pitch: Expr | None = None
     where: Where | None = None
+    before: Scope | None = None  # the parent is the link in the row before of this repeat
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..graph import expr as E
+from ..graph.expr import Scope
 from ..graph.expr import ScopeError
 from ..source import Span
 from ..syntax import ast
@@ -28,6 +29,7 @@ class Attachment:
     to: tuple[Part, ...]
     base: bool
     joint: ast.JointDecl | None = None
+    before: Scope | None = None  # the repeat in whose element before ``to`` lies (``previous``)
 
 
 def statements(env: Env) -> None:
@@ -182,7 +184,9 @@ def connect(env: Env, statement: ast.ConnectStmt) -> Part:
     else:
         target = ev.value(words["to"].values[0])
     carried = carriers(target)
-    attach(part, Attachment(env, statement.span, carried, base=not carried))
+    to = words["to"] if "to" in words else words.get("on") or words.get("between")
+    before = element_before(env, to.values[0] if to is not None else None)
+    attach(part, Attachment(env, statement.span, carried, base=not carried, before=before))
     return part
 
 
@@ -194,8 +198,16 @@ def joint(env: Env, statement: ast.JointDecl) -> Part:
         attach(part, Attachment(env, statement.span, (), True, statement))
         return part
     carried = carriers(Evaluator(env).value(statement.parent))
-    attach(part, Attachment(env, statement.span, carried, base=not carried, joint=statement))
+    attach(part, Attachment(env, statement.span, carried, base=not carried, joint=statement, before=element_before(env, statement.parent)))
     return part
+
+
+def element_before(env: Env, node: ast.Expr | None) -> Scope | None:
+    """The repeat that ``previous`` at the root of a path goes through."""
+    if root_name(node) != "previous" or env.find("previous") is not None:
+        return None
+    element = Evaluator(env).nearest_element()
+    return None if element is None else element.scope
 
 
 def joint_placing(statement: ast.JointDecl) -> tuple[ast.Clause, ...]:

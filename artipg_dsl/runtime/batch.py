@@ -10,7 +10,7 @@ import numpy as np
 
 from ..geometry.sites import SiteTable
 from ..graph.expr import Expr, Scope
-from ..graph.program import Program
+from ..graph.program import Joint, Program
 from . import motion
 from .kernels import State
 from .needs import pose_cells
@@ -157,7 +157,7 @@ class Batch:
         names: list[list[str]] = []
         for number, joint in enumerate(program.joints):
             scope, size = joint.scope, self.rowmap.rows(joint.scope).size
-            columns["parent"].append(self.link_numbers(scope, joint.parent))
+            columns["parent"].append(self._parents(joint))
             columns["child"].append(self.link_numbers(scope, (joint.child,)))
             columns["origin"].append(self._vectors(joint.origin, scope))
             columns["axis"].append(self._vectors(joint.axis, scope))
@@ -184,6 +184,13 @@ class Batch:
             for name, values in columns.items()
         }  # fmt: skip
         return JointTable(made.owner, made.number, [tag(n) for n in made.sort_names(names)], made.definition, kinds, **sorted_columns)
+
+    def _parents(self, joint: Joint) -> np.ndarray:
+        """The parent link of each row of a joint: of the same row, or of the row before in a chain."""
+        if joint.before is None:
+            return self.link_numbers(joint.scope, joint.parent)
+        rows = self.rowmap.up(joint.scope, joint.before)
+        return self.link_numbers(joint.before, joint.parent)[np.maximum(rows - 1, 0)]
 
     def parts(self) -> PartTable:
         """The parts, elementary ones too."""
