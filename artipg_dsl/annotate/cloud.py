@@ -11,6 +11,7 @@ from ..geometry import points as geometry
 from ..graph import random
 from .frames import rotate
 from .points import label_points
+from .states import twist
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
@@ -22,6 +23,8 @@ class Points:
 
     ``position``, ``normal`` (B, n, 3); ``semantic``, ``instance`` (part number), ``link``, ``primitive`` (site number)
     and ``patch`` (B, n); ``u``, ``v`` (B, n) patch fractions; ``labels`` such as ``affordance.pull``, (B, n) each.
+    With K states, ``position``, ``normal`` and ``motion`` are (B, K, n, 3): the same points, moved. ``motion`` is the
+    velocity per unit (radian, metre) of the point's own joint, None unless asked for.
     """
 
     position: np.ndarray
@@ -34,11 +37,15 @@ class Points:
     u: np.ndarray
     v: np.ndarray
     labels: dict[str, np.ndarray]
+    motion: np.ndarray | None = None
 
 
-def sample_points(batch: Batch, n_points: int = 2048, states: np.ndarray | None = None) -> Points:
-    """Exactly ``n_points`` per object, uniform by area, with the joints at ``states`` (J,), at rest by default.
+def sample_points(
+    batch: Batch, n_points: int = 2048, states: np.ndarray | None = None, *, motion: bool = False
+) -> Points:
+    """Exactly ``n_points`` per object, uniform by area, joints at ``states`` (J,) or (K, J), by default at rest.
 
+    Points lie on the surface that is visible with all joints at 0, where objects are closed, and move with their links.
     The points of an object are the same in any batch. Raises PointsError for objects without visible surface.
     """
     tables = batch.sites()
@@ -51,10 +58,22 @@ def sample_points(batch: Batch, n_points: int = 2048, states: np.ndarray | None 
     at = starts[made.site] + made.row
     instance = np.concatenate([table.instance for table in tables])[at]
     link = np.concatenate([table.link for table in tables])[at]
-    turn, shift = batch.pose(states)
-    moving = np.searchsorted(batch.links().owner, np.arange(len(batch)))[:, None] + link
-    position = rotate(turn[moving], made.position) + shift[moving]
-    normal = rotate(turn[moving], made.normal)
-    return Points(
-        position, normal, labels.semantic, instance, link, made.site, made.patch, made.u, made.v, labels.fields
+    own = np.searchsorted(batch.links().owner, np.arange(len(batch)))[:, None] + link
+    several = states is not None and np.ndim(states) == 2
+    shown = [moved(batch, made, own, one, motion) for one in (np.asarray(states) if several else [states])]
+    position, normal, velocity = (
+        None if arrays[0] is None else np.stack(arrays, axis=1) if several else arrays[0]
+        for arrays in zip(*shown, strict=True)
     )
+    assert position is not None and normal is not None
+    binding = made.site, made.patch, made.u, made.v
+    return Points(position, normal, labels.semantic, instance, link, *binding, labels.fields, velocity)
+
+
+def moved(
+    batch: Batch, made: geometry.PointSet, link: np.ndarray, states: np.ndarray | None, motion: bool
+) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
+    """Position, normal and, if asked for, velocity (B, n, 3) of points on the link rows ``link`` (B, n)."""
+    turn, shift = batch.pose(states)
+    position = rotate(turn[link], made.position) + shift[link]
+    return position, rotate(turn[link], made.normal), twist(batch, states).at(link, position) if motion else None

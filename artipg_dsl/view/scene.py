@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..annotate.frames import rotate
+from ..annotate.states import opened
 from ..export.materials import linear
 from ..export.robot import Robots
-
-if TYPE_CHECKING:
-    from ..runtime.batch import Batch
 
 COLOURINGS = ("part", "material")
 # one colour per semantic class in the order of the vocabulary; the first, as a rule the body, is neutral
@@ -79,13 +76,4 @@ def scene(robots: Robots, i: int, pose: tuple[np.ndarray, np.ndarray], colouring
     return Scene(**{name: np.concatenate(arrays) for name, arrays in parts.items()})
 
 
-def opened(batch: Batch, share: float = 0.8) -> np.ndarray:
-    """Joint values (J,) with every limited joint ``share`` of the way from rest to its farther end.
-
-    What mimics another joint is put right by ``batch.pose``.
-    """
-    joints = batch.joints()
-    rest = np.where(np.isnan(joints.rest), 0.0, joints.rest)
-    low, high = (np.where(np.isnan(limit), rest, limit) for limit in (joints.low, joints.high))
-    end = np.where(high - rest >= rest - low, high, low)
-    return rest + share * (end - rest)
+__all__ = ["COLOURINGS", "Scene", "hex_colour", "opened", "palette", "scene"]

@@ -1,0 +1,166 @@
+"""Joint values to show an object in: at rest, open, drawn at random within the limits; and how points move."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..errors import UsageError
+from ..graph import random
+from ..runtime.motion import follow
+from .frames import rotate
+
+if TYPE_CHECKING:
+    from ..runtime.batch import Batch
+
+MOST = 10_000
+FORMS = "`rest`, `open`, `random:K`, or several of them with commas between"
+
+
+@dataclass(frozen=True, slots=True)
+class States:
+    """The configurations asked for, in order: ``("rest", 1)``, ``("open", 1)`` or ``("random", K)`` each."""
+
+    wanted: tuple[tuple[str, int], ...] = (("rest", 1),)
+
+    @property
+    def count(self) -> int:
+        return sum(count for _, count in self.wanted)
+
+    @property
+    def only_rest(self) -> bool:
+        """Whether nothing but the rest is asked for: arrays then have no axis of states."""
+        return self.wanted == (("rest", 1),)
+
+    def __str__(self) -> str:
+        return ",".join(f"{name}:{count}" if name == "random" else name for name, count in self.wanted)
+
+
+REST = States()
+
+
+def read_states(text: str) -> States:
+    """``rest``, ``open``, ``random:4``, or several with commas between. Raises UsageError."""
+    wanted = []
+    for piece in (p.strip() for p in text.split(",")):
+        match = re.fullmatch(r"(rest|open|random)(?::(\d{1,9}))?", piece)
+        if match is None:
+            raise UsageError(f"`{piece}` is no joint state", f"write {FORMS}")
+        name, count = match.group(1), match.group(2)
+        if name != "random" and count is not None:
+            raise UsageError(f"`{piece}`: there is only one state `{name}`", f"write {name}, or random:{count}")
+        if name == "random" and not 1 <= int(count or 0) <= MOST:
+            raise UsageError(f"`{piece}`: a number from 1 to {MOST} is needed", "for example random:4")
+        wanted.append((name, int(count or 1)))
+    return States(tuple(wanted))
+
+
+def joint_values(batch: Batch, states: States) -> np.ndarray:
+    """Joint values (K, J) of the whole batch in the states asked for; what mimics a joint follows it."""
+    joints, found, drawn = batch.joints(), [], 0
+    for name, count in states.wanted:
+        if name == "random":
+            found += [draw(batch, k) for k in range(drawn, drawn + count)]
+            drawn += count
+        else:
+            found.append(resting(batch) if name == "rest" else opened(batch))
+    return np.stack([follow(joints, values) for values in found])
+
+
+def resting(batch: Batch) -> np.ndarray:
+    """Joint values (J,) at rest, 0 where a joint states none."""
+    rest = batch.joints().rest
+    return np.where(np.isnan(rest), 0.0, rest)
+
+
+def opened(batch: Batch, share: float = 0.8) -> np.ndarray:
+    """Joint values (J,) with every limited joint ``share`` of the way from rest to its farther end.
+
+    What mimics another joint is put right by ``batch.pose``.
+    """
+    joints, rest = batch.joints(), resting(batch)
+    low, high = (np.where(np.isnan(limit), rest, limit) for limit in (joints.low, joints.high))
+    end = np.where(high - rest >= rest - low, high, low)
+    return rest + share * (end - rest)
+
+
+def draw(batch: Batch, k: int) -> np.ndarray:
+    """The ``k``-th random joint values (J,): independent and uniform within the limits, -pi .. pi where none are.
+
+    Addressed by object, path of the joint and rank of its repeats. A sliding joint without a limit rests.
+    """
+    joints, values = batch.joints(), resting(batch)
+    definition = np.asarray(joints.definition)
+    turning = np.array([kind in ("revolute", "continuous") for kind in joints.kind], dtype=bool)
+    free = np.array([kind == "continuous" for kind in joints.kind], dtype=bool)
+    low, high = (
+        np.where(free | (turning & np.isnan(limit)), end, np.where(np.isnan(limit), values, limit))
+        for limit, end in ((joints.low, -np.pi), (joints.high, np.pi))
+    )
+    instance = joints.owner * len(batch.program.joints) + definition
+    rank = np.arange(len(instance)) - np.searchsorted(instance, instance)
+    address = random.mix(np.asarray(batch.numbers).astype(np.uint64)[joints.owner], rank)
+    for number, joint in enumerate(batch.program.joints):
+        at = np.flatnonzero(definition == number)
+        if len(at):
+            share = random.uniform(random.key(batch.seed, "states", joint.path), address[at], 0, k)
+            values[at] = low[at] + share * (high[at] - low[at])
+    return values
+
+
+def state_table(batch: Batch, values: np.ndarray) -> np.ndarray:
+    """Joint values (K, J) as (B, K, most joints of an object), each in the order of its annotation, then nan."""
+    joints = batch.joints()
+    counts = np.bincount(joints.owner, minlength=len(batch))
+    table = np.full((len(batch), len(values), int(counts.max(initial=0))), np.nan)
+    number = np.asarray(joints.number)
+    table[joints.owner, :, number] = values.T
+    return table
+
+
+@dataclass(frozen=True, slots=True)
+class Twist:
+    """How points of links move per unit of the next moving joint above: ``turn x p + shift``, (L, 3), 0 at a root.
+
+    Metres per radian of a hinge, per metre of a slide; in the object's frame.
+    """
+
+    turn: np.ndarray
+    shift: np.ndarray
+
+    def at(self, link: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """Velocities (..., 3) of points (..., 3) that lie on the rows ``link`` (...)."""
+        turn = self.turn[link]
+        x, y, z = (points[..., i] for i in range(3))
+        a, b, c = (turn[..., i] for i in range(3))
+        return np.stack([b * z - c * y, c * x - a * z, a * y - b * x], axis=-1) + self.shift[link]
+
+
+def twist(batch: Batch, states: np.ndarray | None = None) -> Twist:
+    """The motion of each link by its own joint, with the joints at ``states`` (J,), at rest by default."""
+    links, joints = batch.links(), batch.joints()
+    rotation, translation = batch.pose(states)
+    start = np.searchsorted(links.owner, joints.owner)
+    parent, child = start + joints.parent, start + joints.child
+    axis = rotate(rotation[parent], joints.axis)  # the axis moves with the link that carries it
+    origin = rotate(rotation[parent], joints.origin) + translation[parent]
+    kinds = np.array(list(joints.kind), dtype=object)
+    turning = np.isin(kinds, ["revolute", "continuous", "screw"])[:, None]
+    sliding = (kinds == "prismatic")[:, None]
+    stiff = np.flatnonzero(~(turning | sliding)[:, 0])
+    made = Twist(np.zeros((len(links.owner), 3)), np.zeros((len(links.owner), 3)))
+    made.turn[child] = np.where(turning, axis, 0.0)
+    x, y, z = origin.T
+    a, b, c = axis.T
+    back = np.stack([c * y - b * z, a * z - c * x, b * x - a * y], axis=-1)  # - axis x origin
+    made.shift[child] = np.where(turning, back, np.where(sliding, axis, 0.0))
+    for _ in range(len(batch.program.joints)):  # what is fixed to a link moves as that link does
+        before = made.turn[child[stiff]], made.shift[child[stiff]]
+        made.turn[child[stiff]], made.shift[child[stiff]] = made.turn[parent[stiff]], made.shift[parent[stiff]]
+        after = made.turn[child[stiff]], made.shift[child[stiff]]
+        if all(np.array_equal(a, b) for a, b in zip(before, after, strict=True)):
+            break
+    return made
