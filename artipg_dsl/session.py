@@ -111,12 +111,19 @@ class Session:
             self.report.error("no-category", None, f"{what} declares no category: there is nothing to sample")
         if lowering is None:
             raise CompileError(self.report)
+        for span in lowering.context.clearances:
+            self.report.error(
+                "needs-clearance", span, "`clearance` needs collision checks over the range, which sampling does not make",
+                hint="give the end of the range as a formula of the sizes, such as `range 0deg .. 110deg`",
+            )  # fmt: skip
+        if self.report.failed:
+            raise CompileError(self.report)
         lowering.program.hash = lowering.program.hash or digest(lowering.program)
         try:
             return Sampler(lowering.program)
         except PlanError as error:
             self.report.error(
-                "circular", None, f"values need one another in a circle: {error}",
+                "circular-definition", None, f"values need one another in a circle: {error}",
                 hint="let one of them follow from something else",
             )  # fmt: skip
             raise CompileError(self.report) from None
