@@ -2,6 +2,7 @@
 
 import os
 import pickle
+import re
 import threading
 
 import pytest
@@ -53,6 +54,12 @@ def test_every_unit_is_one_token():
     for unit in UNITS:
         (let,) = body_of(f"let a = 2.5{unit}")
         assert (let.value.value, let.value.unit) == (2.5, unit)
+
+
+def test_every_unit_of_the_grammar_is_known():
+    (terminal,) = [t for t in machine().lark.terminals if t.name == "QUANTITY"]
+    listed = re.search(r"\(\?:(kg[^)]*)\)", terminal.pattern.value)
+    assert {unit.replace("\\", "") for unit in listed[1].split("|")} <= set(UNITS)
 
 
 def test_mistakes_stop_where_no_other_does():

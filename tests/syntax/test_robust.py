@@ -13,8 +13,43 @@ from artipg_dsl.syntax.parse import parse
 
 DESIGN = Path(__file__).parent / "design"
 PIECE = re.compile(r'"[^"\n]*"|#[^\n]*|\w+|\s+|[^\w\s]')
-NOISE = ["{", "}", "(", ")", "[", "]", '"', "=", "..", "..<", "->", "|", ",", ".", ":", "5", "5cm", "1/2turn", "part",
-         "when", "at", "else", "none", "\n", "##", "#", "%", "ö", "\x00", "\\", "_", "in", "is", "-", "?"]  # fmt: skip
+NOISE = [
+    "{",
+    "}",
+    "(",
+    ")",
+    "[",
+    "]",
+    '"',
+    "=",
+    "..",
+    "..<",
+    "->",
+    "|",
+    ",",
+    ".",
+    ":",
+    "5",
+    "5cm",
+    "1/2turn",
+    "part",
+    "when",
+    "at",
+    "else",
+    "none",
+    "\n",
+    "##",
+    "#",
+    "%",
+    "ö",
+    "\x00",
+    "\\",
+    "_",
+    "in",
+    "is",
+    "-",
+    "?",
+]
 
 
 def mutated(text: str, chance: random.Random) -> str:
@@ -55,10 +90,30 @@ def test_mutated_programs(path: Path, seed: int) -> None:
 
 @pytest.mark.parametrize(
     "text",
-    ["", " ", "\n", "#", "## only a comment", "apg", "apg 1", "{", "}", "(", '"', "category", "category C", "category C {",
-     "\x00", "let a = " + "(" * 500 + "1" + ")" * 500, "let a = " + "(" * 500, "let a = 1" + " + 1" * 2000, "}" * 50, "{" * 50,
-     "category C { " + "when a { " * 200 + "} " * 200 + "}"],
+    [
+        "",
+        " ",
+        "\n",
+        "#",
+        "## only a comment",
+        "apg",
+        "apg 1",
+        "{",
+        "}",
+        "(",
+        '"',
+        "category",
+        "category C",
+        "category C {",
+        "\x00",
+        "let a = " + "(" * 500 + "1" + ")" * 500,
+        "let a = " + "(" * 500,
+        "let a = 1" + " + 1" * 2000,
+        "}" * 50,
+        "{" * 50,
+        "category C { " + "when a { " * 200 + "} " * 200 + "}",
+    ],
     ids=lambda t: repr(t[:12]),
-)  # fmt: skip
+)
 def test_odd_texts(text: str) -> None:
     check(text)
