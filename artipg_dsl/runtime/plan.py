@@ -79,7 +79,7 @@ class _Emitter:
                 parent = self.table(scope.parent)
                 count = self.value(scope.count, scope.parent)
                 name = self.fresh(f"child_rows({parent}, {count}, guard={scope.kind == 'guard'})", "T")
-            self.lines[-1] += f"  # {scope.name}"
+            self.lines[-1] += remark(scope.name)
             self.tables[scope] = name
         return name
 
@@ -199,7 +199,7 @@ class _Emitter:
             name = self.fresh(
                 f"{function}(state, {table}, {number}, {draw.address!r}, {low}, {high}, {draw.distribution!r}, ({arguments}), {default})"
             )
-        self.lines[-1] += f"  # {draw.column.path}"
+        self.lines[-1] += remark(draw.column.path)
         self.drawn[draw.column] = name
 
     def bound(self, number: int, bound: Bound, scope: Scope, low: str, high: str) -> None:
@@ -218,6 +218,11 @@ class _Emitter:
         self.line(f"narrow({low}, {high}, {bound.side!r}, {value}, {guard})")
 
 
+def remark(text: str) -> str:
+    """A comment behind a line. On that line whatever the text holds: names may come from a file that anyone wrote."""
+    return "  # " + " ".join(text.split())
+
+
 def make_plan(program: Program, wanted: Iterable[tuple[Expr, Scope]]) -> Plan:
     """Plan the evaluation of a program with the given outputs."""
     emitter = _Emitter(program)
@@ -231,7 +236,7 @@ def make_plan(program: Program, wanted: Iterable[tuple[Expr, Scope]]) -> Plan:
             holds = call("le", requirement.slack[0], requirement.slack[1] + 1e-9)
         holds = negate(both(requirement.guard, negate(holds)))
         value = emitter.value(holds, requirement.scope)
-        emitter.line(f"demand(state, {emitter.table(requirement.scope)}, {number}, {value})  # {requirement.where}")
+        emitter.line(f"demand(state, {emitter.table(requirement.scope)}, {number}, {value})" + remark(str(requirement.where)))
     outputs: dict[tuple[Expr, Scope], int] = {}
     values: list[str] = []
     for expr, scope in wanted:
@@ -241,7 +246,7 @@ def make_plan(program: Program, wanted: Iterable[tuple[Expr, Scope]]) -> Plan:
     for scope in program.scopes:
         emitter.table(scope)
     tables = ", ".join(emitter.tables[s] for s in program.scopes)
-    lines = ["def evaluate(state):", *emitter.lines, f"    tables = [{tables}]", "    values = ["]
+    lines = ["@np.errstate(divide=\"ignore\", invalid=\"ignore\")", "def evaluate(state):", *emitter.lines, f"    tables = [{tables}]", "    values = ["]
     lines += [f"        {v}," for v in values]
     lines += ["    ]", "    return tables, values", ""]
     scopes = {s: k for k, s in enumerate(program.scopes)}
