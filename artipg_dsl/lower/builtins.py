@@ -19,6 +19,7 @@ from .values import (
     Plane,
     Ports,
     Ref,
+    Surface,
     Value,
     Vec,
     direct,
@@ -243,7 +244,7 @@ def reduction(ev: Evaluator, name: str, node: ast.Expr) -> Expr:
 
 def method(ev: Evaluator, node: ast.CallExpr) -> Value:
     """``body.wall.at(u, z = h)``: a frame on a curved surface."""
-    from .evaluate import Surface, describe
+    from .evaluate import describe
 
     function = node.function
     assert isinstance(function, ast.MemberExpr)

@@ -28,6 +28,7 @@ from .values import (
     Plane,
     Ports,
     Ref,
+    Surface,
     Value,
     Vec,
     compose,
@@ -61,15 +62,6 @@ class At:
 
     def __init__(self, element: Element, index: Expr | None, inner: Value):
         self.element, self.index, self.inner = element, index, inner
-
-
-class Surface:
-    """A surface of a primitive part, for ``.at`` and for label targets."""
-
-    __slots__ = ("ref", "name")
-
-    def __init__(self, ref: Ref, name: str):
-        self.ref, self.name = ref, name
 
 
 class Evaluator:
@@ -545,6 +537,8 @@ class Evaluator:
                 return self.labelled(found, box)
             if not results:
                 return None
+        if all(isinstance(v, Surface) for _, v in results):
+            return Surface(tuple(b if b[0] is not None else (s, *b[1:]) for s, v in results for b in v.branches))  # type: ignore[union-attr]
         if all(isinstance(v, Ref) for _, v in results):
             branches = [
                 Branch(b.scope if b.scope is not None else s, b.members) for s, v in results for b in v.branches  # type: ignore[union-attr]
@@ -584,7 +578,7 @@ class Evaluator:
 
         box = moved(part.box(), outer if own else compose(outer, part.pose))
         target = scope if scope is not None else self.env.scope
-        if part.env.scope.kind == "repeat" and part.env.scope.within(target) and part.env.scope is not target:
+        if part.env.scope.within(target) and part.env.scope is not target:
             return raised(extent(box), part.env.scope, target)  # type: ignore[arg-type]
         return box
 
@@ -631,4 +625,4 @@ def describe(value: Value) -> str:
     return next((text for kind, text in names.items() if isinstance(value, kind)), "something else")
 
 
-__all__ = ["At", "Evaluator", "Surface", "describe", "minus", "vector_plus", "times", "HALF"]
+__all__ = ["At", "Evaluator", "describe", "minus", "vector_plus", "times", "HALF"]

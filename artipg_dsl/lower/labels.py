@@ -11,7 +11,7 @@ from ..graph.program import Grasp, Keypoint, Label, Pose, Target
 from ..syntax import ast
 from .context import Abort, where
 from .env import Element, Env
-from .evaluate import Evaluator, Surface
+from .evaluate import Evaluator
 from .links import Links
 from .part import Part
 from .place import root_name
@@ -22,6 +22,7 @@ from .values import (
     Frame,
     Line,
     Ref,
+    Surface,
     Value,
     Vec,
     compose,
@@ -85,8 +86,7 @@ def aims(links: Links, env: Env, node: ast.Expr) -> list[Aim]:
     found: list[Aim] = []
     for value, home in walk(env, node):
         if isinstance(value, Surface):
-            part = value.ref.branches[0].members[0][0]
-            found.append(aim_at(links, part, part, (value.name,)))
+            found.extend(aim_at(links, part, part, (name,)) for _, part, _, name in value.branches)
         elif isinstance(value, Ref):
             for branch in value.branches:
                 found.extend(aim_at(links, p, slot_owner(p, home, env), ()) for p, _ in branch.members)
@@ -111,9 +111,12 @@ def walk(env: Env, node: ast.Expr) -> list[tuple[Value, Env]]:
     """Values of a path without an index, through every repeat it names, each in its own environment."""
     if isinstance(node, ast.NameExpr):
         value = env.find(node.name)
-        if value is None:
+        if value is not None:
+            return [(value, env)]
+        held = guarded(env, node.name)
+        if not held:
             raise env.context.error("unknown-name", node.span, f"`{node.name}` is not known here")
-        return [(value, env)]
+        return held
     if isinstance(node, ast.IndexExpr):
         return walk(env, node.obj)
     if not isinstance(node, ast.MemberExpr):
@@ -121,17 +124,22 @@ def walk(env: Env, node: ast.Expr) -> list[tuple[Value, Env]]:
     found: list[tuple[Value, Env]] = []
     for value, home in walk(env, node.obj):
         if isinstance(value, Element):
-            inner = value.env.names.get(node.name)
-            if inner is not None:
+            if node.name in value.env.names:
                 found.append((value.env.force(node.name), value.env))
             else:
-                for branch in value.env.branches.values():
-                    if node.name in branch.names:
-                        found.append((branch.force(node.name), branch))
+                found.extend(guarded(value.env, node.name))
         elif isinstance(value, Ref):
             found.extend(inner_values(value, node.name))
     if not found:
         raise env.context.error("unknown-member", node.name_span, f"nothing here has `{node.name}`")
+    return found
+
+
+def guarded(env: Env, name: str) -> list[tuple[Value, Env]]:
+    """What branches of ``when`` declare under a name; exclusive ones may all do."""
+    found: list[tuple[Value, Env]] = []
+    for branch in env.branches.values():
+        found.extend([(branch.force(name), branch)] if name in branch.names else guarded(branch, name))
     return found
 
 
@@ -152,7 +160,7 @@ def inner_values(ref: Ref, name: str) -> list[tuple[Value, Env]]:
 
 def own_member(instance: Instance, name: str) -> Value | None:
     if instance.solid is not None:
-        return Surface(Ref("", ((_branch(instance.part)),)), name) if name in instance.solid.primitive.surfaces else None
+        return Surface(((None, instance.part, HERE, name),)) if name in instance.solid.primitive.surfaces else None
     assert instance.env is not None
     if name in instance.env.names:
         return instance.env.force(name)
@@ -160,12 +168,6 @@ def own_member(instance: Instance, name: str) -> Value | None:
         if name in branch.names:
             return branch.force(name)
     return None
-
-
-def _branch(part: Part):  # noqa: ANN202
-    from .values import Branch
-
-    return Branch(None, ((part, HERE),))
 
 
 def aim_at(links: Links, part: Part, owner: Part, surfaces: tuple[str, ...]) -> Aim:

@@ -25,6 +25,7 @@ from .values import (
     Choice,
     Ports,
     Ref,
+    Surface,
     Value,
     Vec,
     along,
@@ -146,6 +147,8 @@ class Part:
             return Ref(name, tuple(branches))
         if len(found) == 1 and found[0][0] is self.env.scope:
             return found[0][1]
+        if all(isinstance(v, Surface) for _, v in found):
+            return Surface(tuple(b if b[0] is not None else (s, *b[1:]) for s, v in found for b in v.branches))  # type: ignore[union-attr]
         if any(not hasattr(v, "__dataclass_fields__") and not isinstance(v, Expr) for _, v in found):
             return found[0][1]
         return merged(self.env.scope, found)
@@ -219,13 +222,15 @@ class Instance:
 
     def slot(self, name: str) -> Value:
         """A slot as one reference to all the parts it binds (or the first surface, where it binds surfaces)."""
-        values = self.bound(name)
         members = []
-        for value, home in values:
+        for value, _ in self.bound(name):
+            if isinstance(value, Surface):
+                table, part, outer, surface = value.branches[0]
+                return Surface(((table, part, compose(frame_in(part.env, self.env), compose(part.pose, outer)), surface),))
             if not isinstance(value, Ref):
                 return value
             for branch in value.branches:
-                members.extend((part, pose_between(home, self.env, outer)) for part, outer in branch.members)
+                members.extend((part, frame_in(part.env, self.env)) for part, _ in branch.members)
         return Ref(name, (Branch(None, tuple(members)),))
 
     def box(self) -> Box:
@@ -244,14 +249,17 @@ class Instance:
         return self.env.all_parts() if self.env is not None else []
 
 
-def pose_between(home: Env, root: Env | None, outer: Pose) -> Pose:
-    """A pose of ``home``'s frame carried to that of the body's root."""
-    at: Env | None = home
-    while at is not None and at is not root:
-        if at.frame is not HERE:
-            outer = compose(at.frame, outer) if outer is not HERE else at.frame
-        at = at.outer
-    return outer
+def frame_in(env: Env, root: Env | None) -> Pose:
+    """The frame of an environment in that of a body around it, through repeats and parts."""
+    pose, at = HERE, env
+    while at is not root:
+        if at.outer is not None:
+            pose, at = compose(at.frame, pose), at.outer
+        elif at.instance is not None:
+            pose, at = compose(at.instance.part.pose, pose), at.instance.part.env
+        else:
+            break
+    return pose
 
 
 def raised(box: Box, scope: Scope | None, to: Scope) -> Box:

@@ -14,10 +14,10 @@ from ..syntax import ast
 from .context import Context, where
 from .curves import Curve
 from .env import Env, Function
-from .evaluate import Evaluator, Surface
+from .evaluate import Evaluator
 from .operators import solid_of
 from .paths import Handed, handed
-from .values import Box, Branch, Ref, Value, Vec, mapped
+from .values import Box, Surface, Value, Vec, mapped
 
 if TYPE_CHECKING:
     from .part import Instance
@@ -66,7 +66,7 @@ class Lowered:
 
             if name in FACES:
                 return None  # the face of the box is the same plane, and a frame
-            return Surface(Ref(instance.part.name, (Branch(None, ((instance.part, HERE),)),)), name)
+            return Surface(((None, instance.part, HERE, name),))
         return None
 
     def require(self, instance: Instance) -> None:

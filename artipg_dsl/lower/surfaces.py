@@ -2,63 +2,61 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ..graph import expr as E
 from ..graph.derive import derive
-from ..graph.expr import Expr
+from ..graph.expr import Expr, Scope
 from ..graph.linear import Linear, isolate
 from ..syntax import ast
 from .builtins import named
-from .values import (
-    AXES,
-    HERE,
-    Frame,
-    Value,
-    compose,
-    cross,
-    frame_of,
-    merged,
-    moved,
-    normalized,
-    unit,
-)
+from .solve import lifted
+from .values import AXES, Frame, Surface, Value, cross, frame_of, mapped, mapped_pose, moved, normalized, scalars, unit
 
 if TYPE_CHECKING:
-    from .evaluate import Evaluator, Surface
+    from .evaluate import Evaluator
 
 
 def frame_on(ev: Evaluator, surface: Surface, node: ast.CallExpr) -> Frame:
-    """The frame at (u, v) of a surface, or at u and a given coordinate: out = outward normal, up = z."""
+    """The frame at (u, v) of a surface, or at u and a given coordinate: out = outward normal, up = z.
+
+    Of several alternatives each is evaluated in the table of the statement, and the one that exists is taken.
+    """
     arguments = named(node, "u", "v")
-    part, outer = surface.ref.branches[0].members[0]
-    found: list[tuple] = []
-    for instance in part.instances:
-        if instance.solid is None:
-            continue
-        primitive = instance.solid.primitive
-        patch = next((p for p in primitive.patches if p.name == surface.name), None)
-        if patch is None:
-            continue
-        mapping = instance.solid.mapping(instance)
-        values: dict[Expr, Expr] = dict(mapping)
-        u = ev.scalar(arguments["u"])
-        if "v" in arguments:
-            v = ev.scalar(arguments["v"])
-        else:
-            v = solve_v(ev, node, arguments, patch, mapping, u)
-        values[E.var("u")], values[E.var("v")] = u, v
-        position = tuple(E.substitute(c, values) for c in patch.position)
-        du, dv = (
-            tuple(E.substitute(derive(c, name), values) for c in patch.position) for name in ("u", "v")
-        )
-        out = normalized(cross(du, dv))
-        frame = Frame(position, frame_of(out, unit(2)), (part,))  # type: ignore[arg-type]
-        found.append((instance.scope, frame))
+    scope = ev.env.scope
+    u = ev.scalar(arguments["u"])
+    found: list[tuple[Expr, Frame]] = []
+    for _, part, outer, name in surface.branches:
+        for instance in part.instances:
+            patch = None if instance.solid is None else next((p for p in instance.solid.primitive.patches if p.name == name), None)
+            if patch is None or instance.solid is None:
+                continue
+            mapping = {k: lifted(e, scope) for k, e in instance.solid.mapping(instance).items()}
+            v = ev.scalar(arguments["v"]) if "v" in arguments else solve_v(ev, node, arguments, patch, mapping, u)
+            values: dict[Expr, Expr] = {**mapping, E.var("u"): u, E.var("v"): v}
+            position = tuple(E.substitute(c, values) for c in patch.position)
+            du, dv = (tuple(E.substitute(derive(c, name), values) for c in patch.position) for name in ("u", "v"))
+            frame = Frame(position, frame_of(normalized(cross(du, dv)), unit(2)), (part,))  # type: ignore[arg-type]
+            pose = mapped_pose(outer, lambda e: lifted(e, scope))
+            found.append((held(instance.scope, scope), moved(frame, pose)))  # type: ignore[arg-type]
     if not found:
-        raise ev.env.context.error("unknown-member", node.span, f"`{part.name}` has no surface `{surface.name}`")
-    value: Value = found[0][1] if len(found) == 1 and found[0][0] is part.env.scope else merged(part.env.scope, found)
-    return moved(value, compose(outer, part.pose) if outer is not HERE else part.pose)  # type: ignore[return-value]
+        raise ev.env.context.error("unknown-member", node.span, "none of the alternatives has this surface")
+    value: Value = found[-1][1]
+    for guard, other in reversed(found[:-1]):
+        cells = iter(scalars(other))
+        value = mapped(value, lambda e, guard=guard, cells=cells: E.where(guard, next(cells), e))  # type: ignore[misc]
+    carriers = tuple(dict.fromkeys(p for _, f in found for p in f.on))
+    return moved(replace(value, on=carriers), ev.pose)  # type: ignore[type-var,return-value]
+
+
+def held(scope: Scope, to: Scope) -> Expr:
+    """Whether a row of ``to`` has one in a guarded table below its chain."""
+    result = E.TRUE
+    while not to.within(scope) and scope.kind == "guard" and scope.parent is not None and scope.count is not None:
+        result = E.both(result, lifted(scope.count, to, E.FALSE))
+        scope = scope.parent
+    return result
 
 
 def solve_v(ev: Evaluator, node: ast.CallExpr, arguments: dict, patch, mapping: dict, u: Expr) -> Expr:  # noqa: ANN001

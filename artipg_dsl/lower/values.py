@@ -303,6 +303,13 @@ class Ref:
     own: bool = False  # seen from the part's own frame, while its pose is being sought
 
 
+@dataclass(frozen=True, slots=True)
+class Surface:
+    """A surface of a primitive part, or one of each alternative: (table, part, pose of the part's frame, name)."""
+
+    branches: tuple[tuple[Scope | None, Part, Pose, str], ...]
+
+
 @dataclass(slots=True, eq=False)
 class Ports:
     """``port socket[2]``: values by index."""
@@ -484,6 +491,8 @@ def moved(value: Value, pose: Pose) -> Value:
         return replace(value, pose=compose(pose, value.pose))
     if isinstance(value, Ports):
         return Ports(value.name, {k: moved(v, pose) for k, v in value.settled().items()})
+    if isinstance(value, Surface):
+        return Surface(tuple((s, part, compose(pose, outer), name) for s, part, outer, name in value.branches))
     if isinstance(value, Ref):
         held = (Branch(b.scope, tuple((p, compose(pose, q)) for p, q in b.members)) for b in value.branches)
         return Ref(value.name, tuple(held), value.own)
