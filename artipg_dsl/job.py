@@ -11,12 +11,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .errors import NoObject, UserError
+from .graph.text import TextError, digest, from_text
 from .runtime.sample import ATTEMPTS, Exhausted, Sampler, Statistics
 from .settings import Settings, Value, resolve
 
 if TYPE_CHECKING:
     from .export.registry import Format
+    from .graph.program import Program
     from .runtime.batch import Batch
+
+COMPILED = ".apgc"
 
 
 @dataclass(slots=True)
@@ -90,7 +94,12 @@ class Job:
 
 
 def open_job(name: str | Path, seed: int = 0, settings: Mapping[str, Value] | None = None) -> Job:
-    """The job of a category given by name or file. Raises CompileError, SettingError."""
+    """The job of a category given by name or file; a compiled one (.apgc) is read without the parser.
+
+    Raises CompileError, SettingError, and UserError for a compiled program that cannot be read.
+    """
+    if Path(name).suffix == COMPILED:
+        return make_job(Sampler(read_compiled(name)), str(name), seed, settings)
     from .session import Session
 
     session = Session.of(name)
@@ -102,6 +111,21 @@ def open_job(name: str | Path, seed: int = 0, settings: Mapping[str, Value] | No
 def make_job(sampler: Sampler, source: str, seed: int, settings: Mapping[str, Value] | None = None) -> Job:
     given, plain = resolve(sampler.program, settings or {})
     return Job(sampler, source, int(seed), plain, given)
+
+
+def read_compiled(path: str | Path) -> Program:
+    """The program that ``apgc compile -o`` wrote. Raises UserError."""
+    hint = "compile it again from its .apg file"
+    try:
+        program = from_text(Path(path).read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise UserError(f"there is no file {path}", "`apgc compile NAME -o FILE.apgc` makes one") from None
+    except OSError as error:
+        raise UserError(f"{path} cannot be read: {error.strerror}") from None
+    except (TextError, UnicodeDecodeError) as error:
+        raise UserError(f"{path}: {error}", hint) from None
+    program.hash = digest(program)
+    return program
 
 
 def is_file(name: str | Path) -> bool:

@@ -5,16 +5,15 @@ from __future__ import annotations
 import argparse
 import sys
 
-from ..diagnostics import CompileError, Diagnostic
-from ..session import Session
+from ..diagnostics import CompileError, Report
+from .compile import of_text
 
 
 def run(options: argparse.Namespace) -> int:
-    found: dict[Diagnostic, None] = {}
+    report = Report()  # tells of a module once, however many of the files use it
     for name in options.files:
-        for diagnostic in examine(name):
-            found[diagnostic] = None  # a module that several files use is told of once
-    failed = any(d.severity == "error" for d in found)
+        report.extend(examine(name))
+    found = report.diagnostics
     if options.json or options.sarif:
         from .. import __version__
         from ..diagnostics.data import to_json, to_sarif
@@ -27,15 +26,15 @@ def run(options: argparse.Namespace) -> int:
         findings(found, sys.stdout)
         files = "1 file" if len(options.files) == 1 else f"{len(options.files)} files"
         say(f"{files}: {summary(found)}")
-    return 1 if failed else 0
+    return 1 if report.failed else 0
 
 
-def examine(name: str) -> tuple[Diagnostic, ...]:
+def examine(name: str) -> Report:
     """The findings in one file: those of its text, and of its category as far as it can be put in order."""
-    session = Session.of(name)
+    session = of_text(name)
     if session.lowering is not None:
         try:
             _ = session.sampler
         except CompileError:
             pass  # it has told the report
-    return session.report.diagnostics
+    return session.report

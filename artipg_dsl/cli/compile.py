@@ -1,4 +1,7 @@
-"""``apgc compile``: a program at one of the stages between its text and numbers."""
+"""``apgc compile``: a program at one of the stages between its text and numbers.
+
+The constraint graph is what an artefact (.apgc) holds: ``apgc compile NAME -o FILE.apgc``, then ``apgc sample FILE.apgc``.
+"""
 
 from __future__ import annotations
 
@@ -6,13 +9,23 @@ import argparse
 import sys
 from collections.abc import Callable
 from dataclasses import fields
+from pathlib import Path
 from typing import Any
 
 from ..diagnostics import CompileError
+from ..errors import UsageError
+from ..job import COMPILED
 from ..session import Session
 from ..source import Span
 from ..syntax import ast
 from .report import findings, say
+
+
+def of_text(name: str) -> Session:
+    """The session of a program that is still text."""
+    if Path(name).suffix == COMPILED:
+        raise UsageError(f"{name} is compiled", "give the .apg file that it was compiled from")
+    return Session.of(name)
 
 
 def emit_ast(session: Session) -> str | None:
@@ -36,17 +49,25 @@ def emit_plan(session: Session) -> str | None:
     return session.sampler.plan.source
 
 
+def emit_python(session: Session) -> str | None:
+    from .. import __version__
+    from ..runtime.module import to_module
+
+    return to_module(session.sampler.program, __version__)
+
+
 EMITTERS: dict[str, Callable[[Session], str | None]] = {
     "ast": emit_ast,
     "typed": emit_typed,
     "graph": emit_graph,
     "plan": emit_plan,
+    "python": emit_python,
 }
 """A stage is an entry here and in ``main.EMITS``. Each gives the text, None where findings stand in the way."""
 
 
 def run(options: argparse.Namespace) -> int:
-    session = Session.of(options.program)
+    session = of_text(options.program)
     try:
         text = EMITTERS[options.emit](session)
     except CompileError:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from ..diagnostics import CompileError
 from ..diagnostics.suggest import did_you_mean
 from ..errors import UserError
-from ..session import Session
+from .compile import of_text
 
 if TYPE_CHECKING:
     from ..graph.expr import Scope
@@ -20,7 +20,7 @@ WORDS = {"centred": "nothing: centred", "default": "nothing: its default", "draw
 
 
 def run(options: argparse.Namespace) -> int:
-    session = Session.of(options.program)
+    session = of_text(options.program)
     lowering = session.lowering
     if lowering is None:
         _ = session.report.failed or session.sampler  # reports that there is no category

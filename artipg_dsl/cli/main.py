@@ -13,10 +13,11 @@ from .report import error, findings, say
 
 OK, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
 EMITS = {
-    "graph": "the constraint graph (default)",
+    "graph": "the constraint graph, which `apgc sample` takes too, from an .apgc file (default)",
     "ast": "the syntax tree",
     "typed": "declarations with their types",
     "plan": "the order of evaluation",
+    "python": "a module that samples the tables with NumPy alone",
 }
 DESCRIPTION = "Compile structure programs of articulated objects (.apg) and sample annotated objects from them."
 EPILOG = "apgc COMMAND --help tells about a command. Exit codes: 0 done, 1 errors in a program or data, 2 wrong usage."

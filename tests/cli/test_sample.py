@@ -1,0 +1,224 @@
+"""apgc sample and render: folders, what is fixed, wrong input, statistics."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from artipg_dsl.cli.arguments import numbers
+
+from .helpers import CHEST, Apgc, tree
+
+SMALL = ("--points", "32")
+
+
+def annotations(folder: Path) -> list[dict]:
+    return [json.loads(line) for path in sorted(folder.glob("*.jsonl")) for line in path.read_text().splitlines()]
+
+
+def test_sample_writes_shards_and_manifest(apgc: Apgc, tmp_path: Path) -> None:
+    code, out, err = apgc("sample", CHEST, "-n", 5, "--seed", 7, "-o", tmp_path / "o", *SMALL)
+    assert (code, out) == (0, "") and "5 objects in" in err
+    assert set(tree(tmp_path / "o")) == {"manifest.json", "points-00000.npz", "annotation-00000.jsonl"}
+    manifest = json.loads((tmp_path / "o" / "manifest.json").read_text())
+    assert manifest["category"] == "Chest" and manifest["counts"]["objects"] == 5
+    assert len(manifest["identity"]["program"]) >= 16
+    assert np.load(tmp_path / "o" / "points-00000.npz")["points"].shape == (5, 32, 3)
+
+
+def test_formats_per_object(apgc: Apgc, tmp_path: Path) -> None:
+    assert apgc("sample", CHEST, "-n", 2, "--format", "urdf,glb", "-o", tmp_path / "o")[0] == 0
+    files = tree(tmp_path / "o")
+    assert {"objects/000001/object.urdf", "objects/000001/object.glb"} <= set(files)
+    assert not any(name.endswith(".npz") for name in files)
+
+
+def test_values_are_set(apgc: Apgc, tmp_path: Path) -> None:
+    fixed = [
+        "--set",
+        "width=45cm",
+        "--set",
+        "wood=pine",
+        "--set",
+        "knobs=3",
+        "--set",
+        "swing=90deg",
+        "--set",
+        "share=20%",
+    ]
+    assert apgc("sample", CHEST, "-n", 6, "-o", tmp_path / "o", *SMALL, *fixed)[0] == 0
+    for annotation in annotations(tmp_path / "o"):
+        drawn = annotation["drawn"]
+        assert (drawn["width"], drawn["wood"], drawn["knobs"], drawn["share"]) == (0.45, "pine", 3, 0.2)
+        assert drawn["swing"] == pytest.approx(np.pi / 2, abs=1e-8)
+        assert drawn["height"] <= 0.8 * 0.45 + 1e-9
+
+
+def test_only_picks_objects(apgc: Apgc, tmp_path: Path) -> None:
+    assert apgc("sample", CHEST, "--only", "37,4..6", "-o", tmp_path / "o", *SMALL)[0] == 0
+    assert [a["object"] for a in annotations(tmp_path / "o")] == [4, 5, 6, 37]
+
+
+def test_statistics_name_the_line(apgc: Apgc, tmp_path: Path) -> None:
+    program = tmp_path / "pair.apg"
+    program.write_text(
+        "apg 1\nuse primitives { Cuboid }\ncategory Pair {\n"
+        "  param a : length in 1cm .. 9cm = 2cm\n  param b : length in 1cm .. 9cm = 2cm\n"
+        '  require abs(a - b) <= 2cm else "the sides differ too much"\n'
+        "  root part body : Cuboid(size = [a, b, 4cm])\n}\n"
+    )
+    code, out, _ = apgc("sample", program, "-n", 200, "-o", tmp_path / "o", "--points", 4, "--stats")
+    assert code == 0 and "200 objects" in out
+    counts = json.loads((tmp_path / "o" / "manifest.json").read_text())["counts"]
+    if counts["first_valid"] < 200:  # the planner may have learnt to draw the second within reach of the first
+        assert f"{program}:6: the sides differ too much" in out
+
+
+def test_a_seed_gives_other_objects(apgc: Apgc, tmp_path: Path) -> None:
+    for seed in (1, 2):
+        apgc("sample", CHEST, "-n", 2, "--seed", seed, "-o", tmp_path / str(seed), *SMALL)
+    assert annotations(tmp_path / "1")[0]["drawn"] != annotations(tmp_path / "2")[0]["drawn"]
+
+
+WRONG = [
+    (["--set", "widht=45cm"], 2, "did you mean `width`?"),
+    (["--set", "width=45"], 2, "has no unit: `width` is a length"),
+    (["--set", "width=45deg"], 2, "wrong unit"),
+    (["--set", "width=45cmm"], 2, "`cmm` in width=45cmm is no unit"),
+    (["--set", "width=wide"], 2, "a number is needed"),
+    (["--set", "width=4m"], 2, "30cm .. 60cm"),
+    (["--set", "share=20cm"], 2, "a number without a unit"),
+    (["--set", "width=nan"], 2, "a number is needed"),
+    (["--set", "width=1e999m"], 2, "too large"),
+    (["--set", "wood=teak"], 2, "one of oak, pine"),
+    (["--set", "wood=pin"], 2, "did you mean `pine`?"),
+    (["--set", "knobs=2.5"], 2, "not a whole number"),
+    (["--set", "knobs=7"], 2, "1 .. 3"),
+    (["--set", "lid.at.x=3cm"], 2, "cannot be set"),
+    (["--set", "width"], 2, "sets nothing"),
+    (["--set", "width=40cm", "--set", "width=50cm"], 2, "set twice"),
+    (["--set", "width=30cm", "--set", "height=40cm"], 1, "chest.apg:"),
+    (["-n", "0"], 2, "0 is not a number from 1"),
+    (["-n", "-3"], 2, "-3"),
+    (["-n", "many"], 2, "not a whole number"),
+    (["-n", "999999999999"], 2, "999999999999"),
+    (["--points", "0"], 2, "0"),
+    (["--only", "5..3"], 2, "empty"),
+    (["--only", "x"], 2, "no object number"),
+    (["--shard", "3/2"], 2, "2/8"),
+    (["--format", "step"], 2, "the formats are points"),
+    (["--frobnicate"], 2, "--frobnicate"),
+]
+
+
+@pytest.mark.parametrize("arguments, expected, message", WRONG, ids=[" ".join(w[0]) for w in WRONG])
+def test_wrong_input(apgc: Apgc, tmp_path: Path, arguments: list[str], expected: int, message: str) -> None:
+    code, out, err = apgc("sample", CHEST, "-o", tmp_path / "o", *arguments)
+    assert (code, out) == (expected, "") and message in err
+    assert not (tmp_path / "o" / "points-00000.npz").exists()
+
+
+def test_no_valid_object_names_the_worst(apgc: Apgc, tmp_path: Path) -> None:
+    fixed = ["--set", "width=30cm", "--set", "height=40cm"]
+    code, _, err = apgc("sample", CHEST, "-n", 3, "-o", tmp_path / "o", *fixed)
+    assert code == 1 and "no valid Chest in 100 attempts with what was set" in err and "300 times" in err
+
+
+def test_unknown_category(apgc: Apgc) -> None:
+    code, _, err = apgc("sample", "Microvave")
+    assert code == 1 and "did you mean `Microwave`?" in err
+
+
+def test_a_module_is_no_category(apgc: Apgc, tmp_path: Path) -> None:
+    (tmp_path / "m.apg").write_text("apg 1\nlet size = 3cm\n")
+    code, _, err = apgc("sample", tmp_path / "m.apg", "-o", tmp_path / "o")
+    assert code == 1 and "no-category" in err
+
+
+def test_a_file_in_the_way(apgc: Apgc, tmp_path: Path) -> None:
+    (tmp_path / "o").write_text("mine")
+    for out in ("o", "o/deeper"):
+        code, _, err = apgc("sample", CHEST, "-o", tmp_path / out)
+        assert code == 1 and "is a file: a folder is needed" in err
+    assert (tmp_path / "o").read_text() == "mine"
+
+
+def test_a_folder_that_cannot_be_written(apgc: Apgc) -> None:
+    code, _, err = apgc("sample", CHEST, "-n", 1, "-o", "/proc/samples")
+    assert code == 1 and "/proc/samples" in err and "help:" in err
+
+
+def test_other_options_need_force(apgc: Apgc, tmp_path: Path) -> None:
+    arguments = ["sample", CHEST, "-n", 3, "-o", tmp_path / "o", *SMALL]
+    assert apgc(*arguments)[0] == 0
+    code, _, err = apgc(*arguments, "--seed", 5)
+    assert code == 1 and "the seed (0, now 5)" in err and "--force" in err
+    assert apgc(*arguments, "--seed", 5, "--force")[0] == 0
+    assert annotations(tmp_path / "o")[0]["seed"] == 5
+
+
+def test_numbers() -> None:
+    assert numbers("3") == [3]
+    assert numbers(" 7 , 2..4,3") == [2, 3, 4, 7]
+
+
+# ---------------------------------------------------------------- render
+
+
+def size(path: Path) -> tuple[int, int]:
+    data = path.read_bytes()
+    assert data[:8] == b"\x89PNG\r\n\x1a\n"
+    return int.from_bytes(data[16:20], "big"), int.from_bytes(data[20:24], "big")
+
+
+def test_render_draws_a_folder_again(apgc: Apgc, tmp_path: Path) -> None:
+    apgc("sample", CHEST, "-n", 4, "--seed", 3, "-o", tmp_path / "o", *SMALL, "--set", "width=40cm")
+    code, out, err = apgc("render", tmp_path / "o", "-o", tmp_path / "a.png", "--tile", 48)
+    assert (code, out) == (0, "") and "drew 4 of Chest" in err
+    assert size(tmp_path / "a.png")[0] % 48 == 0
+    same = ["render", CHEST, "--seed", 3, "--set", "width=40cm", "-n", 4, "--tile", 48]
+    assert apgc(*same, "-o", tmp_path / "b.png")[0] == 0
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+
+
+def test_render_open_and_by_material(apgc: Apgc, tmp_path: Path) -> None:
+    pictures = []
+    for more in ([], ["--open"], ["--colour", "material"]):
+        path = tmp_path / f"{len(pictures)}.png"
+        assert apgc("render", CHEST, "-n", 1, "--tile", 48, "-o", path, *more)[0] == 0
+        pictures.append(path.read_bytes())
+    assert len(set(pictures)) == 3
+
+
+def test_a_moved_folder_finds_its_program(apgc: Apgc, tmp_path: Path) -> None:
+    (tmp_path / "work").mkdir()
+    program = tmp_path / "work" / "chest.apg"
+    program.write_text(Path(CHEST).read_text())
+    apgc("sample", program, "-n", 2, "-o", tmp_path / "work" / "o", *SMALL)
+    (tmp_path / "work").rename(tmp_path / "elsewhere")
+    assert apgc("render", tmp_path / "elsewhere" / "o", "-o", tmp_path / "s.png", "--tile", 48)[0] == 0
+    assert str(tmp_path) not in (tmp_path / "elsewhere" / "o" / "manifest.json").read_text()
+
+
+def test_render_of_a_changed_program(apgc: Apgc, tmp_path: Path) -> None:
+    program = tmp_path / "chest.apg"
+    program.write_text(Path(CHEST).read_text())
+    apgc("sample", program, "-n", 2, "-o", tmp_path / "o", *SMALL)
+    program.write_text(program.read_text().replace("0.8 * width", "0.7 * width"))
+    code, _, err = apgc("render", tmp_path / "o", "-o", tmp_path / "s.png")
+    assert code == 1 and "has changed since" in err and not (tmp_path / "s.png").exists()
+
+
+def test_wrong_render(apgc: Apgc, tmp_path: Path) -> None:
+    code, _, err = apgc("render", tmp_path, "-o", tmp_path / "s.png")
+    assert code == 1 and "holds no manifest.json" in err
+    code, _, err = apgc("render", CHEST, "-o", tmp_path / "s.jpg")
+    assert code == 2 and ".png" in err
+    apgc("sample", CHEST, "-n", 2, "-o", tmp_path / "o", *SMALL)
+    code, _, err = apgc("render", tmp_path / "o", "--only", "9", "-o", tmp_path / "s.png")
+    assert code == 1 and "there is no object 9" in err
+    assert apgc("render", tmp_path / "o", "--seed", "9", "-o", tmp_path / "s.png")[0] == 2
+    assert apgc("render", CHEST, "-o", "/proc/s.png", "-n", 1, "--tile", 16)[0] == 1
