@@ -22,13 +22,17 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SolidGroup:
-    """Instances ``rows`` of one site with common ``faces`` (F, 3), outward, and vertices (k, V, 3)."""
+    """Instances ``rows`` of one site with common ``faces`` (F, 3), outward, and vertices (k, V, 3).
+
+    ``face_uv`` (F, 3, 2): fractions of the corners on the patch ``face_patch`` (F,).
+    """
 
     table: SiteTable
     rows: np.ndarray
     vertices: np.ndarray
     faces: np.ndarray
     face_patch: np.ndarray
+    face_uv: np.ndarray
 
     @cached_property
     def shading(self) -> Shading:
@@ -74,8 +78,9 @@ def build_meshes(tables: list[SiteTable], steps: int = 24) -> list[SolidGroup]:
             for sign in (1.0, -1.0):
                 chosen = np.flatnonzero(table.mirror[rows] == sign)
                 if len(chosen):
-                    faces = part.faces if sign > 0 else part.faces[:, ::-1]  # a mirror turns faces inside out
-                    groups.append(SolidGroup(table, rows[chosen], vertices[chosen], faces, part.face_patch))
+                    order = slice(None, None, int(sign))  # a mirror turns faces inside out
+                    faces, face_uv = part.faces[:, order], part.face_uv[:, order]
+                    groups.append(SolidGroup(table, rows[chosen], vertices[chosen], faces, part.face_patch, face_uv))
     return groups
 
 

@@ -20,12 +20,16 @@ _TRIANGLES = 100_000  # summed at a time, so that the terms stay in the caches
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MeshGroup:
-    """Meshes of one make: instances ``rows`` (k',), ``vertices`` (k', V, 3); ``faces`` (F, 3), ``face_patch`` (F,)."""
+    """Meshes of one make: instances ``rows`` (k',), ``vertices`` (k', V, 3); ``faces`` (F, 3), ``face_patch`` (F,).
+
+    ``face_uv`` (F, 3, 2): the fractions of the corners of each face on its patch.
+    """
 
     rows: np.ndarray
     vertices: np.ndarray
     faces: np.ndarray
     face_patch: np.ndarray
+    face_uv: np.ndarray
 
 
 def take(params: Params, rows: np.ndarray) -> Params:
@@ -50,7 +54,7 @@ def build(primitive: Primitive, params: Params, steps: int = 24) -> list[MeshGro
     for variant, rows in group_rows(primitive, params):
         welded = plan(topology(primitive, variant), steps)
         vertices = _vertices(primitive, welded, take(params, rows))
-        groups.append(MeshGroup(rows, vertices, welded.faces, welded.face_patch))
+        groups.append(MeshGroup(rows, vertices, welded.faces, welded.face_patch, welded.face_uv))
     return groups
 
 

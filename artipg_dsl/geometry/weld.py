@@ -17,7 +17,8 @@ EIGHTH = math.pi / 4
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Plan:
-    """``faces`` (F, 3) int32 wind outwards and index the vertices; ``face_patch`` (F,) int32 gives patch numbers.
+    """``faces`` (F, 3) int32 wind outwards and index the vertices; ``face_patch`` (F,) int32 gives patch numbers;
+    ``face_uv`` (F, 3, 2) the fractions of the corners on that patch.
 
     Per patch of ``patches`` the vertices that it represents: ``vertex`` (numbers), ``u``, ``v`` (fractions).
     """
@@ -25,6 +26,7 @@ class Plan:
     count: int
     faces: np.ndarray
     face_patch: np.ndarray
+    face_uv: np.ndarray
     patches: tuple[int, ...]
     vertex: tuple[np.ndarray, ...]
     u: tuple[np.ndarray, ...]
@@ -57,7 +59,7 @@ def plan(topology: Topology, steps: int) -> Plan:
         pairs.append(np.stack([line[1:], line[:-1]]))
     label = _components(int(offsets[-1]), np.concatenate(pairs, axis=1))
     representatives, number = np.unique(label, return_inverse=True)
-    vertex, us, vs, faces, owners = [], [], [], [], []
+    vertex, us, vs, faces, owners, fractions = [], [], [], [], [], []
     for n, patch in enumerate(topology.patches):
         nodes = grids[patch]
         own = representatives[(representatives >= offsets[n]) & (representatives < offsets[n + 1])]
@@ -65,13 +67,18 @@ def plan(topology: Topology, steps: int) -> Plan:
         vertex.append(number[own])
         us.append(i / counts[n, 0])
         vs.append(j / counts[n, 1])
-        triangles = _triangles(number[nodes], topology.orientation[n])
+        corners = _triangles(nodes, topology.orientation[n])
+        triangles = number[corners]
+        kept = _three_corners(triangles)
+        triangles = triangles[kept]
         faces.append(triangles)
+        i, j = np.divmod(corners[kept] - offsets[n], nodes.shape[1])
+        fractions.append(np.stack([i / counts[n, 0], j / counts[n, 1]], axis=-1))
         owners.append(np.full(len(triangles), patch))
     every, owner = np.concatenate(faces), np.concatenate(owners)
     _check_closed(topology, every, owner)
-    return Plan(len(representatives), every.astype(np.int32), owner.astype(np.int32), topology.patches,
-                tuple(vertex), tuple(us), tuple(vs))  # fmt: skip
+    return Plan(len(representatives), every.astype(np.int32), owner.astype(np.int32), np.concatenate(fractions),
+                topology.patches, tuple(vertex), tuple(us), tuple(vs))  # fmt: skip
 
 
 def _edge(nodes: np.ndarray, edge: int) -> np.ndarray:
@@ -96,10 +103,13 @@ def _triangles(nodes: np.ndarray, orientation: int) -> np.ndarray:
     a, b, c, d = (q.ravel() for q in (nodes[:-1, :-1], nodes[1:, :-1], nodes[1:, 1:], nodes[:-1, 1:]))
     if orientation < 0:
         b, d = d, b
-    # a quad with a collapsed side keeps the triangle that is left, whichever diagonal cuts it
-    triangles = np.stack([np.stack([a, b, c], axis=-1), np.stack([a, c, d], axis=-1)], axis=1).reshape(-1, 3)
+    return np.stack([np.stack([a, b, c], axis=-1), np.stack([a, c, d], axis=-1)], axis=1).reshape(-1, 3)
+
+
+def _three_corners(triangles: np.ndarray) -> np.ndarray:
+    """Which triangles are any: a quad with a collapsed side keeps the one that is left, whichever diagonal cuts it."""
     p, q, r = triangles.T
-    return triangles[(p != q) & (q != r) & (r != p)]
+    return (p != q) & (q != r) & (r != p)
 
 
 def _check_closed(topology: Topology, faces: np.ndarray, owner: np.ndarray) -> None:
