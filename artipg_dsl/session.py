@@ -109,7 +109,12 @@ class Session:
         if lowering is None and not self.report.failed:
             what = self.path or "the text"
             self.report.error("no-category", None, f"{what} declares no category: there is nothing to sample")
-        if lowering is None:
+        for span in () if lowering is None else lowering.context.clearances:
+            self.report.error(
+                "needs-clearance", span, "the clearance of this joint needs collision checking: it cannot be sampled yet",
+                hint="write the limit as a number or a formula",
+            )  # fmt: skip
+        if lowering is None or self.report.failed:
             raise CompileError(self.report)
         for span in lowering.context.clearances:
             self.report.error(

@@ -215,7 +215,10 @@ def call(op: str, *args: Expr) -> Expr:
         raise ValueError(f"{op} takes {arity} arguments")
     if all(a.op == "const" for a in args):
         try:
-            return const(function(*(a.value for a in args)))
+            value = function(*(a.value for a in args))
+            if op in ("sin", "cos") and abs(value - round(value)) < 1e-15:
+                value = float(round(value))  # quarter turns are exact
+            return const(value)
         except (ValueError, ZeroDivisionError, OverflowError):
             pass
     return _make(op, args, scope=deepest(args))

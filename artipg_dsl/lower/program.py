@@ -19,6 +19,7 @@ from .context import Abort, Context, text_of, where
 from .env import Env
 from .evaluate import Evaluator
 from .links import Links, resolve_mimics
+from .motions import motions
 from .part import Part
 from .primitives import comparison
 from .values import Ref
@@ -62,6 +63,7 @@ def finish(links: Links, env: Env) -> None:
     program.links.append(Link(root_path(env), program.scopes[0], -1))
     links.build(env, -1)
     resolve_mimics(links)
+    motions(links, env)
     number_links(links)
     program.draws = context.draws
     labels.statements(links, env)

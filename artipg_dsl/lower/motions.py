@@ -1,0 +1,76 @@
+"""``limit``: a user narrows a template's motion; ``close``: two points that stay together."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ..graph import expr as E
+from ..graph.program import Closure, Triple
+from ..source import Span
+from ..syntax import ast
+from .connect import carriers
+from .context import Abort, where
+from .env import Env
+from .evaluate import Evaluator
+from .links import Links
+from .solve import lifted
+from .values import Frame, Line, Vec, place
+
+
+def motions(links: Links, env: Env) -> None:
+    """The statements about joints of an environment and of all inside it, once every joint is made."""
+    for part in env.parts:
+        for instance in part.instances:
+            if instance.env is not None:
+                motions(links, instance.env)
+    for inner in env.inner:
+        motions(links, inner)
+    for statement in env.statements:
+        try:
+            if isinstance(statement, ast.LimitStmt):
+                limit(links, env, statement)
+            elif isinstance(statement, ast.CloseStmt):
+                close(links, env, statement)
+        except Abort:
+            continue
+
+
+def limit(links: Links, env: Env, statement: ast.LimitStmt) -> None:
+    """Narrow the range of the joint (of each alternative that brings one); its rest value moves into the range."""
+    program = links.context.program
+    path = env.path + text(statement.joint.span)
+    found = [k for k, joint in enumerate(program.joints) if joint.path == path]
+    if not found:
+        raise links.context.error("unknown-name", statement.joint.span, "there is no such joint to limit")
+    ev = Evaluator(env)
+    for number in found:
+        joint = program.joints[number]
+        if joint.low is None or joint.high is None:
+            raise links.context.error("wrong-kind", statement.joint.span, f"a {joint.kind} joint has no range to limit")
+        low, high = (lifted(links.limit(ev, node), joint.scope) for node in (statement.range.low, statement.range.high))
+        low, high = E.maximum(joint.low, low), E.minimum(joint.high, high)
+        rest = E.minimum(E.maximum(joint.rest, low), high)
+        program.joints[number] = replace(joint, low=low, high=high, rest=rest)
+
+
+def close(links: Links, env: Env, statement: ast.CloseStmt) -> None:
+    """Record a loop: the two points, in the object's frame at joint values 0, and the links they lie on."""
+    sides: list[tuple[tuple[int, ...], Triple]] = []
+    for node in (statement.subject, statement.other):
+        value = Evaluator(env).value(node)
+        if isinstance(value, Frame):
+            point = value.origin
+        elif isinstance(value, Line):
+            point = value.point
+        elif isinstance(value, Vec) and value.point:
+            point = value.items  # type: ignore[assignment]
+        else:
+            raise Evaluator(env).wrong(node.span, "a port or a point", value)
+        on = carriers(value)
+        sides.append((links.carried(on, node.span) if on else links.base(env), place(links.world(env), point)))
+    (first, a), (second, b) = sides
+    links.context.program.closures.append(Closure(env.scope, (first, second), (a, b), where(statement.span)))
+
+
+def text(span: Span) -> str:
+    return "".join(span.source.text[span.start : span.end].split())
