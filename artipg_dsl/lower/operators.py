@@ -28,7 +28,7 @@ from .env import Env
 from .evaluate import Evaluator
 from .made import FULL, Made, U, clause
 from .probe import SMALL, Probe
-from .profiles import Loop, Point, Side, Span, between, distance, equal_steps, extreme, orientation, samples
+from .profiles import Loop, Point, Side, Span, V, between, distance, equal_steps, extreme, orientation, samples
 from .strips import MOST, chord, convex, strip
 from .sweeps import sweep
 from .values import signed_axis
@@ -193,16 +193,19 @@ def profile_loop(probe: Probe, chains: list[list[Span]]) -> Loop:
 
 
 def check_radius(env: Env, probe: Probe, solid: ast.SolidDecl, span: Span) -> None:
-    seen = samples(probe, span, 16)
-    if np.isnan(seen).any():
-        raise env.context.error(
-            "bad-curve", solid.span, f"the curve `{span.name}` has no value at some of the test values",
-            hint="narrow the ranges after `test`, or add a `require`",
-        )  # fmt: skip
-    if seen[..., 0].min() < -1e-9:
+    check_values(env, probe, solid, span)
+    if samples(probe, span, 16)[..., 0].min() < -1e-9:
         raise env.context.error(
             "bad-curve", solid.span, f"the curve `{span.name}` reaches a radius below 0 at some of the test values",
             hint="profile curves of `lathe` give [radius, height] with radius >= 0",
+        )  # fmt: skip
+
+
+def check_values(env: Env, probe: Probe, solid: ast.SolidDecl, span: Span) -> None:
+    if np.isnan(samples(probe, span, 16)).any():
+        raise env.context.error(
+            "bad-curve", solid.span, f"the curve `{span.name}` has no value at some of the test values",
+            hint="narrow the ranges after `test`, or add a `require`",
         )  # fmt: skip
 
 
@@ -210,4 +213,107 @@ def check_radius(env: Env, probe: Probe, solid: ast.SolidDecl, span: Span) -> No
 
 
 def extrude(env: Env, solid: ast.SolidDecl) -> Made:
-    raise env.context.error("wrong-kind", solid.span, "not yet")
+    """A prism over a region of the plane; curves give the two coordinates across the axis, in cyclic order."""
+    probe = Probe(env, solid.span)
+    axis = axis_of(env, solid, "along")
+    ends = [clause(solid, word) for word in ("from", "to")]
+    if ends[0] is None or ends[1] is None:
+        raise env.context.error(
+            "wrong-arguments", solid.span, "`extrude` needs both its ends", hint="extrude(edge) along z from 0 to thick"
+        )
+    low, high = (Evaluator(env).scalar(node) for node in ends)
+    chains = chains_of(env, probe, solid)
+    loops, strips = outline(env, probe, solid, chains)
+    patches = []
+    for span in {id(side.span): side.span for loop, _ in loops for side in loop}.values():
+        if span.closing:
+            continue
+        place = turned(axis, span.position, E.add(low, E.mul(U, E.sub(high, low))))
+        patches.append(Patch(span.name, place, (ZERO, ONE), (span.low, span.high)))
+    rims = [side.span for loop, _ in loops for side in loop if side.span.closing]
+    for span in rims:
+        place = turned(axis, span.position, E.add(low, E.mul(U, E.sub(high, low))))
+        patches.append(Patch(span.name, place, (ZERO, ONE), (ZERO, ONE)))
+    for name, height in (("start", low), ("end", high)):
+        for one, other in strips:
+            across = tuple(E.add(b, E.mul(U, E.sub(a, b))) for a, b in zip(one.position, other.position, strict=True))
+            patches.append(Patch(name, turned(axis, across, height), (ZERO, ONE), (one.low, one.high)))  # type: ignore[arg-type]
+    point = turned_back(axis)
+    flat = distance(probe, loops, (point[0], point[1]))
+    inside = E.maximum(flat, E.sub(low, point[2]), E.sub(point[2], high))
+    spans = [side.span for loop, _ in loops for side in loop]
+    bounds = [
+        turned(axis, (extreme(probe, spans, 0, sign), extreme(probe, spans, 1, sign)), end)
+        for sign, end in ((-1, low), (1, high))
+    ]  # fmt: skip
+    pieces: tuple[Piece, ...] = ()
+    if len(loops) > 1 or not convex(probe, loops[0][0], mirrored=False):
+        pieces = prisms(probe, loops, strips, axis, (low, high))
+    return Made(tuple(patches), pieces, inside, bounds[0], bounds[1], {}, ((low, high, "the prism has no height"),))
+
+
+Strips = list[tuple[Span, Span]]
+
+
+def outline(
+    env: Env, probe: Probe, solid: ast.SolidDecl, chains: list[list[Span]]
+) -> tuple[list[tuple[Loop, bool]], Strips]:
+    """The loops of a region (with whether they are holes), and the pairs of curves between which it lies."""
+    closed = [probe.same(chain[0].start, chain[-1].end) for chain in chains]
+    for chain in chains:
+        for span in chain:
+            check_values(env, probe, solid, span)
+    outer = chains[0]
+    if len(chains) == 1:
+        sides = [Side(s) for s in outer]
+        if not closed[0]:
+            sides.append(Side(between("rim", outer[-1].end, outer[0].start)))
+        middle = mean([side.span for side in sides])
+        return [(tuple(sides), False)], [(side.span, Span("", middle, side.span.low, side.span.high)) for side in sides]
+    inner = chains[1]
+    if closed[0] != closed[1] or len(outer) != len(inner):
+        raise env.context.error(
+            "broken-chain", solid.span, "the two chains do not fit: both are closed or both open, of as many curves each"
+        )
+    strips = [(a, matched(a, b)) for a, b in zip(outer, inner, strict=True)]
+    if closed[0]:
+        return [(tuple(map(Side, outer)), False), (tuple(map(Side, inner)), True)], strips
+    sides = [Side(s) for s in outer]
+    if not probe.same(outer[-1].end, inner[-1].end):
+        sides.append(Side(between("rim", outer[-1].end, inner[-1].end)))
+    sides += [Side(s, back=True) for s in reversed(inner)]
+    if not probe.same(inner[0].start, outer[0].start):
+        sides.append(Side(between("rim", inner[0].start, outer[0].start)))
+    return [(tuple(sides), False)], strips
+
+
+def matched(a: Span, b: Span) -> Span:
+    """The curve ``b`` over the range of ``a``."""
+    if b.low is a.low and b.high is a.high:
+        return b
+    v = E.div(E.sub(V, a.low), E.sub(a.high, a.low))
+    return Span(b.name, b.fraction(v), a.low, a.high)
+
+
+def mean(spans: list[Span]) -> Point:
+    """A place in the middle: the mean of a few places of the boundary."""
+    points = [span.fraction(k / 4) for span in spans for k in range(4)]
+    share = E.const(1.0 / len(points))
+    x, y = ZERO, ZERO
+    for point in points:
+        x, y = E.add(x, E.mul(point[0], share)), E.add(y, E.mul(point[1], share))
+    return x, y
+
+
+def prisms(
+    probe: Probe, loops: list[tuple[Loop, bool]], strips: Strips, axis: int, ends: tuple[Expr, Expr]
+) -> tuple[Piece, ...]:
+    """Prisms over the steps of the strips."""
+    sign = orientation(probe, loops[0][0])
+    pieces = []
+    for number, (one, other) in enumerate(strips):
+        for k, quad in enumerate(strip(probe, [one], [other], sign)):
+            corners = [*quad.outer, *quad.inner]
+            points = tuple(turned(axis, corner, end) for end in ends for corner in corners)
+            pieces.append(Piece(f"{one.name}_{number}_{k}", points))
+    return tuple(pieces)

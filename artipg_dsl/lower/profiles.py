@@ -20,8 +20,10 @@ from .probe import Probe
 Point = tuple[Expr, Expr]
 V = E.var("v")
 TINY = E.const(1e-300)
-SLOPE = E.const(0.97)  # takes what Newton's method leaves open far from a curve out of the slope
+SLOPE = E.const(0.95)  # takes what Newton's method leaves open far from a curve out of the slope
 STEPS = 4
+SLOW = 3
+LEAST = 0.5  # of the squared speed: the least denominator of a step, near the centre of curvature
 BEND = np.radians(50.0)  # the most that a curve turns within a bracket
 FINE = 64  # steps at which a curve's turning is looked at; a power of 2
 
@@ -134,12 +136,12 @@ def brackets(probe: Probe, span: Span) -> list[tuple[float, float]]:
     return halved(np.concatenate([turns, turns[:, -1:]], axis=1))
 
 
-def halved(turns: np.ndarray) -> list[tuple[float, float]]:
+def halved(turns: np.ndarray, bend: float = BEND) -> list[tuple[float, float]]:
     """Brackets of 0 .. 1 from the angles (rows, FINE) that a curve turns through in equal steps."""
     found: list[tuple[float, float]] = []
 
     def halve(low: int, high: int) -> None:
-        if high - low <= 4 or turns[:, low:high].sum(axis=1).max() <= BEND:
+        if high - low <= 2 or turns[:, low:high].sum(axis=1).max() <= bend:
             found.append((low / FINE, high / FINE))
         else:
             halve(low, (low + high) // 2)
@@ -242,9 +244,9 @@ def reaches(
     found = []
     for k, (low, high) in enumerate(cuts):
         t: Expr = E.const((low + high) / 2)
-        for _ in range(STEPS):
-            t = clamp(E.add(t, step(point, curve, speed, bend, t)), low, high)
-        last = clamp(E.add(t, step(point, curve, speed, bend, t)), low, high)
+        for number in range(STEPS):
+            t = clamp(E.add(t, step(point, curve, speed, bend, t, number)), low, high)
+        last = clamp(E.add(t, step(point, curve, speed, bend, t, STEPS)), low, high)
         here, tangent = substituted(curve, t), substituted(speed, t)
         away = minus(minus(point, here), scale(tangent, E.sub(last, t)))
         normal = right_of(tangent, outward)
@@ -253,12 +255,17 @@ def reaches(
     return found
 
 
-def step(point: Point, curve: Point, speed: Point, bend: Point, t: Expr) -> Expr:
-    """One step towards the foot: Newton's, without its curvature term where that would make it longer."""
+def step(point: Point, curve: Point, speed: Point, bend: Point, t: Expr, number: int) -> Expr:
+    """One step towards the foot of the perpendicular on a curve."""
     away, tangent = minus(point, substituted(curve, t)), substituted(speed, t)
-    square = E.maximum(dot(tangent, tangent), TINY)
-    curvature = E.maximum(E.neg(dot(away, substituted(bend, t))), ZERO)
-    return E.div(dot(away, tangent), E.add(square, curvature))
+    return onwards(dot(away, tangent), dot(tangent, tangent), dot(away, substituted(bend, t)), number)
+
+
+def onwards(residual: Expr, square: Expr, curved: Expr, number: int) -> Expr:
+    """A step of Newton's method; the first ones go slowly where the point lies on the hollow side of the curve."""
+    square = E.maximum(square, TINY)
+    least = ONE if number < SLOW else E.const(LEAST)
+    return E.div(residual, E.maximum(E.sub(square, curved), E.mul(least, square)))
 
 
 def side_of(away: Point, normal: Point, t: Expr, ends: tuple[Point, Point], low: float, high: float) -> Expr:

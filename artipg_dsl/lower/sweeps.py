@@ -21,7 +21,7 @@ from .evaluate import Evaluator
 from .made import FULL, Made, U, clause
 from .paths import Handed, Stretch, steps_of, stretches
 from .probe import Probe
-from .profiles import FINE, SLOPE, STEPS, TINY, V, clamp, halved, summit
+from .profiles import FINE, SLOPE, STEPS, V, clamp, halved, onwards, summit
 from .values import Frame, cross, dot, frame_of, minus, normalized, plus, times, unit
 
 P: Triple = tuple(E.var(f"p.{a}") for a in "xyz")  # type: ignore[assignment]
@@ -139,7 +139,7 @@ def path_brackets(probe: Probe, piece: Stretch) -> list[tuple[float, float]]:
     places = [piece.towards(k / FINE) for k in range(FINE + 1)]
     seen = np.nan_to_num(probe(*(c for d in places for c in d)).reshape(FINE + 1, 3, -1))
     cosine = (seen[1:] * seen[:-1]).sum(axis=1)
-    return halved(np.arccos(np.clip(cosine, -1.0, 1.0)).T)
+    return halved(np.arccos(np.clip(cosine, -1.0, 1.0)).T, np.radians(25.0))
 
 
 def path_distance(probe: Probe, piece: Stretch) -> Expr:
@@ -160,9 +160,8 @@ def path_distance(probe: Probe, piece: Stretch) -> Expr:
                 tuple(E.substitute(c, {V: t}) for c in vector) for vector in (piece.place, speed, bend)
             )
             away = minus(P, here)  # type: ignore[arg-type]
-            square = E.maximum(dot(tangent, tangent), TINY)
-            slowed = E.add(square, E.maximum(E.neg(dot(away, curved)), ZERO))
-            moved = clamp(E.add(t, E.div(dot(away, tangent), slowed)), low, high)
+            move = onwards(dot(away, tangent), dot(tangent, tangent), dot(away, curved), turn)
+            moved = clamp(E.add(t, move), low, high)
             if turn == STEPS:
                 away = minus(away, times(tangent, E.sub(moved, t)))  # type: ignore[arg-type]
             t = moved
@@ -235,10 +234,11 @@ def tube_pieces(
                 made.append(Piece(name, tuple(ring(*end, wide, a) for end in ends for a in angles)))
                 continue
             wall = E.sub(radius, bore)
-            fit = E.call("ceil", E.mul(E.const(TURN / 2), E.call("sqrt", E.div(E.mul(E.const(2.0), radius), wall))))
-            sectors = E.minimum(E.maximum(fit, E.const(12.0)), E.const(48.0))
+            fit = E.call("ceil", E.mul(E.const(TURN / 2), E.call("sqrt", E.div(E.mul(E.const(4.0), radius), wall))))
+            sectors = E.minimum(E.maximum(fit, E.const(12.0)), E.const(64.0))
             each = E.div(E.const(TURN), sectors)
-            inner = E.div(E.add(bore, cut), E.call("cos", E.mul(each, E.const(0.5))))
+            tilt = length_of(times(plus(piece.towards(low), piece.towards(high)), E.const(0.5)))
+            inner = E.div(E.add(bore, cut), E.mul(tilt, E.call("cos", E.mul(each, E.const(0.5)))))
             angles = [E.mul(each, E.add(E.var("i"), E.const(j))) for j in (0.0, 1.0)]
             corners = tuple(ring(*end, r, a) for end in ends for r in (wide, inner) for a in angles)
             made.append(Piece(name, corners, sectors))
@@ -246,7 +246,7 @@ def tube_pieces(
 
 
 def step_count(probe: Probe, piece: Stretch, radius: Expr, bore: Expr | None) -> int:
-    """Steps so short that the chord cuts at most a quarter of the wall, and no more than 30 degrees of an arc."""
+    """Steps so short that the chord cuts at most an eighth of the wall, and no more than 30 degrees of an arc."""
     if piece.center is None and piece.length is not ZERO:
         return 1
     wall = probe(E.sub(radius, bore) if bore is not None else E.mul(radius, E.const(0.5)))[0]
@@ -256,6 +256,6 @@ def step_count(probe: Probe, piece: Stretch, radius: Expr, bore: Expr | None) ->
             ends = plus(piece.at(k / count), piece.at((k + 1) / count))
             cuts.append(length_of(minus(piece.at((k + 0.5) / count), times(ends, E.const(0.5)))))
         turns = probe(piece.angle)[0] / count if piece.center is not None else np.zeros(1)
-        if (probe(*cuts).max(axis=0) <= 0.25 * wall).mean() > 0.98 and turns.max() <= np.radians(31.0):
+        if (probe(*cuts).max(axis=0) <= wall / 8).mean() > 0.98 and turns.max() <= np.radians(31.0):
             return count
     return 24
