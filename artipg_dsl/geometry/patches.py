@@ -62,6 +62,7 @@ class Split:
         self._names = primitive.parameters
         hoisted: dict[Expr, Expr] = {}
         memo: dict[int, bool] = {}
+        seen: set[int] = set()
 
         def moving(node: Expr) -> bool:
             if id(node) not in memo:
@@ -69,6 +70,9 @@ class Split:
             return memo[id(node)]
 
         def collect(node: Expr) -> None:
+            if id(node) in seen:
+                return
+            seen.add(id(node))
             if moving(node):
                 for arg in node.args:
                     collect(arg)
