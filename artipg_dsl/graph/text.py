@@ -260,6 +260,7 @@ def from_text(text: str) -> P.Program:
             raise TextError(f"line {number} of the compiled program cannot be read: {error}") from error
     if not program.scopes:
         raise TextError("the compiled program is empty")
+    program.hash = digest(program)
     return program
 
 
