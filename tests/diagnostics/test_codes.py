@@ -1,46 +1,115 @@
-"""The registry: every code is explained, and its example brings it about."""
+"""The registry: every code is emitted, explained, exemplified, documented, and its example brings it about."""
 
 import ast
+import re
 from pathlib import Path
 
 import pytest
 
 import artipg_dsl
-from artipg_dsl.diagnostics import CODES, Report, explain
-from artipg_dsl.session import check_text
-from artipg_dsl.source import Source
+from artipg_dsl.cli.main import main
+from artipg_dsl.diagnostics import CODES, CompileError, Report, explain
+from artipg_dsl.diagnostics.page import COMMAND, page
+from artipg_dsl.session import Session
+from artipg_dsl.syntax.parse import load
 
-NOT_BY_ONE_TEXT = {"missing-file", "not-utf8", "import-cycle", "no-category"}
-"""Codes that need more than a text to come about."""
+ROOT = Path(__file__).parents[2]
+PAGE = ROOT / "docs" / "diagnostics.md"
 
-WITHOUT_EXAMPLE = NOT_BY_ONE_TEXT | {
-    "always-true", "bad-curve", "broken-chain", "circular", "impossible", "leaky-primitive",
-    "needs-clearance", "needs-index", "recurrence", "too-many-cases",
-    "unrelated-rows",
-}  # fmt: skip
-"""These have none so far. A new code brings an example."""
+OF_FILES = {"missing-file", "not-utf8", "import-cycle"}
+"""Codes that take files to come about; each has a test below."""
 
-
-@pytest.mark.parametrize("name", sorted(CODES))
-def test_example(name: str) -> None:
-    code = CODES[name]
-    assert code.summary and len(code.text) > 40
-    if name in WITHOUT_EXAMPLE:
-        assert not code.example, "strike it off the list"
-    else:
-        found = check_text(Source(f"{name}.apg", code.example)).diagnostics
-        assert {d.code for d in found} == {name}
+WITHOUT_EXAMPLE = OF_FILES | {"unrelated-rows"}
 
 
-def test_every_code_that_the_compiler_speaks_of_is_registered() -> None:
-    spoken = set()
-    for path in Path(artipg_dsl.__file__).parent.rglob("*.py"):
+def found_in(session: Session) -> set[str]:
+    """The codes of all findings up to what can be sampled, as ``apgc check`` shows them."""
+    try:
+        _ = session.sampler
+    except CompileError:
+        pass
+    return {d.code for d in session.report.diagnostics}
+
+
+def spoken() -> dict[str, str]:
+    """The codes that the sources name where they report something, each with a file."""
+    found = {}
+    for path in sorted(Path(artipg_dsl.__file__).parent.rglob("*.py")):
+        if path.parent.name == "codes":
+            continue
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Constant) and node.value in CODES:
+                found[node.value] = path.name
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.args:
                 first = node.args[0]
                 if node.func.attr in ("error", "warning") and isinstance(first, ast.Constant):
-                    spoken.add(first.value)
-    assert len(spoken) > 30 and spoken <= set(CODES)
+                    found[str(first.value)] = path.name
+    return found
+
+
+def test_the_codes_of_the_sources_are_those_of_the_registry() -> None:
+    emitted = spoken()
+    assert {c: f for c, f in emitted.items() if c not in CODES} == {}
+    assert set(CODES) - set(emitted) == set()
+
+
+@pytest.mark.parametrize("name", sorted(CODES))
+def test_explanation(name: str) -> None:
+    code = CODES[name]
+    assert len(code.summary) < 80 and not code.summary.endswith(".")
+    sentences = len(re.findall(r"\.(?:\s|$)", code.text))
+    assert 3 <= sentences <= 8, "what it means, why, how to mend it"
+
+
+@pytest.mark.parametrize("name", sorted(set(CODES) - WITHOUT_EXAMPLE))
+def test_example(name: str) -> None:
+    assert CODES[name].example.startswith("apg 1\n")
+    assert found_in(Session.of_text(CODES[name].example, f"{name}.apg")) == {name}
+
+
+def test_only_what_a_text_cannot_show_has_no_example() -> None:
+    assert {c.name for c in CODES.values() if not c.example} == WITHOUT_EXAMPLE
+
+
+def test_missing_file(tmp_path: Path) -> None:
+    assert found_in(Session.of(tmp_path / "gone.apg")) == {"missing-file"}
+    assert found_in(Session.of("Microwaev")) == {"missing-file"}
+    report = Report()
+    load(tmp_path, report)
+    (folder,) = report.diagnostics
+    assert folder.code == "missing-file" and folder.message.endswith("is a folder")
+
+
+def test_not_utf8(tmp_path: Path) -> None:
+    path = tmp_path / "old.apg"
+    path.write_bytes("apg 1\n# M\xf6bel\n".encode("latin-1"))
+    assert found_in(Session.of(path)) == {"not-utf8"}
+
+
+def test_import_cycle(tmp_path: Path) -> None:
+    (tmp_path / "first.apg").write_text("apg 1\nuse second { b }\nlet a(x) = b(x)\n")
+    (tmp_path / "second.apg").write_text("apg 1\nuse first { a }\nlet b(x) = 2 * x\n")
+    assert "import-cycle" in found_in(Session.of(tmp_path / "first.apg"))
+
+
+def test_the_page_is_current(update_golden: bool) -> None:
+    if update_golden:
+        PAGE.write_text(page(), encoding="utf-8")
+    assert PAGE.read_text(encoding="utf-8") == page(), f"run: {COMMAND}"
+
+
+@pytest.mark.parametrize("name", sorted(CODES))
+def test_every_code_is_documented_and_explained(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert f"\n### {name}\n" in PAGE.read_text(encoding="utf-8")
+    assert main(["explain", name]) == 0
+    said = capsys.readouterr().out
+    assert said.startswith(f"{name}: {CODES[name].summary}")
+    assert all(line in said for line in CODES[name].example.splitlines())
+
+
+def test_explain_of_no_code(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["explain", "redundent"]) != 0
+    assert "did you mean `redundant`?" in capsys.readouterr().err
 
 
 def test_unregistered_codes_fail_loudly() -> None:
@@ -53,3 +122,4 @@ def test_explain() -> None:
     assert text is not None and text.startswith("missing-brace: a brace is never closed\n\n")
     assert "    category Stool {\n" in text and max(map(len, text.splitlines())) <= 100
     assert explain("no-such-code") is None
+

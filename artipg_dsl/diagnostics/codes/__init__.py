@@ -5,12 +5,13 @@ from __future__ import annotations
 from textwrap import fill, indent
 
 from .base import Code
+from .equations import EQUATIONS
 from .reading import READING
 from .resolving import RESOLVING
 from .structure import STRUCTURE
 from .values import VALUES
 
-CODES: dict[str, Code] = {code.name: code for code in (*READING, *RESOLVING, *VALUES, *STRUCTURE)}
+CODES: dict[str, Code] = {code.name: code for code in (*READING, *RESOLVING, *VALUES, *STRUCTURE, *EQUATIONS)}
 """All codes by name."""
 
 

@@ -4,8 +4,10 @@ from .base import Code
 
 RESOLVING = (
     Code("unknown-name", "a name is not declared here", """
-        No parameter, part, `let` or repeat of this name can be seen from here. Names of a block (`repeat`, `when`) are
-        seen within it only; from outside, what a repeat declares is reached through it: `column.cell.front`.
+        No parameter, part, `let` or repeat of this name can be seen from here. Names of a block (`repeat`,
+        `when`) are seen within it only; from outside, what a repeat declares is reached through it:
+        `column.cell.front`. Names are checked before anything is drawn, so that a misspelt one cannot pass
+        unnoticed. Check the spelling, declare it, or bring it in with `use`.
         """, """
         apg 1
         use primitives { Cuboid }
@@ -15,8 +17,10 @@ RESOLVING = (
         }
         """),
     Code("unknown-member", "a value has no member of that name", """
-        What stands before the dot has no such member. A part has the faces `front back left right top bottom`, `size`,
-        `center` and `box`, and what its template or role declares: parameters, ports, slots, parts and joints.
+        What stands before the dot has no such member. A part has the faces `front back left right top bottom`,
+        `size`, `center` and `box`, and what its template or role declares: parameters, ports, slots, parts and
+        joints. Types are closed, so that a misspelt member cannot pass unnoticed. Check the spelling, or
+        declare a port, slot or `out` in the template for what others shall see.
         """, """
         apg 1
         use primitives { Cuboid }
@@ -26,7 +30,9 @@ RESOLVING = (
         }
         """),
     Code("unknown-template", "there is no such template, role or primitive", """
-        A part is made of a template, primitive or style that the file declares or brings in by `use`.
+        A part is made of a template, primitive or style that the file declares or brings in by `use`. Names of
+        roles cannot stand for a template: a role is what alternatives share. Check the spelling, or add the
+        name to a `use` line.
         """, """
         apg 1
         category Stool {
@@ -34,8 +40,9 @@ RESOLVING = (
         }
         """),
     Code("unknown-type", "there is no such type", """
-        Types are `length angle ratio count bool area volume mass density time force torque speed`, `choice a | b`,
-        `frame line plane edge point box curve material` and `style Role`; `length[3]` is a vector.
+        Types are `length angle ratio count bool area volume mass density time force torque speed`, `choice a |
+        b`, `frame line plane edge point box curve material` and `style Role`; `length[3]` is a vector. The
+        type fixes the dimension of a parameter, and so the units that it takes. Check the spelling.
         """, """
         apg 1
         template Stool {
@@ -44,7 +51,9 @@ RESOLVING = (
         """),
     Code("unknown-port", "a part has no port of that name", """
         The place needs a port or slot that the part's template does not have, or an index beyond those it has.
-        Ports are declared by a role or template with `port mount : frame`.
+        Ports are declared by a role or template with `port mount : frame`. What others connect to is named
+        once, in the role, so that every alternative has it. Check the spelling; faces such as `body.front` are
+        there without a declaration.
         """, """
         apg 1
         use primitives { Cuboid }
@@ -56,8 +65,10 @@ RESOLVING = (
         }
         """),
     Code("unknown-argument", "a template has no parameter of that name", """
-        Arguments are given by the names of the template's parameters and of what its role inherits. A material takes
-        its own list of properties, `at` the coordinates `x`, `y` and `z`.
+        Arguments are given by the names of the template's parameters and of what its role inherits. A material
+        takes its own list of properties, `at` the coordinates `x`, `y` and `z`. A misspelt argument would
+        otherwise leave the parameter to be drawn, unnoticed. Check the spelling, or declare the parameter in
+        the template.
         """, """
         apg 1
         use primitives { Cuboid }
@@ -66,8 +77,9 @@ RESOLVING = (
         }
         """),
     Code("unknown-clause", "a statement does not take this clause", """
-        Each kind of statement, and each kind of joint, takes clauses of its own: a prismatic joint moves `along` a
-        direction and takes no `about`, a continuous one has no `range`.
+        Each kind of statement, and each kind of joint, takes clauses of its own: a prismatic joint moves
+        `along` a direction and takes no `about`, a continuous one has no `range`. A clause that has no effect
+        would mislead who reads it. Remove it, or choose the kind of statement that takes it.
         """, """
         apg 1
         use primitives { Cuboid }
@@ -78,15 +90,18 @@ RESOLVING = (
         }
         """),
     Code("unknown-function", "there is no such function", """
-        Functions are the built-in ones (`sin`, `hypot`, `min`, `sum` ...), those of the module (`let f(x) = ...`), the
-        surfaces and curves of a primitive, and the constructors of frames, lines and boxes.
+        Functions are the built-in ones (`sin`, `hypot`, `min`, `sum` ...), those of the module (`let f(x) =
+        ...`), the surfaces and curves of a primitive, and the constructors of frames, lines and boxes. There
+        are no user functions in other languages: formulas have to be differentiated and run on whole tables.
+        Check the spelling, or declare the function with `let`.
         """, """
         apg 1
         let half(x) = sqroot(x)
         """),
     Code("unknown-joint-kind", "there is no such kind of joint", """
-        Joints are `revolute` (turns between limits), `continuous` (turns without end), `prismatic` (slides), `screw`,
-        `ball` and `fixed`.
+        Joints are `revolute` (turns between limits), `continuous` (turns without end), `prismatic` (slides),
+        `screw`, `ball` and `fixed`. These are the kinds that simulators know. A hinge is `revolute`, a slide
+        `prismatic`, a dial without stops `continuous`.
         """, """
         apg 1
         use primitives { Cuboid }
@@ -97,8 +112,9 @@ RESOLVING = (
         }
         """),
     Code("unknown-distribution", "there is no such distribution", """
-        A parameter is drawn `~ uniform()`, `~ normal(mean, deviation)`, `~ lognormal(median, deviation)` or from
-        `~ values(a, b, b)`, always within its range.
+        A parameter is drawn `~ uniform()`, `~ normal(mean, deviation)`, `~ lognormal(median, deviation)` or
+        from `~ values(a, b, b)`, always within its range. Values outside the range are never drawn, so no
+        distribution needs to be cut off by hand. Without `~` the draw is uniform.
         """, """
         apg 1
         template Stool {
@@ -106,7 +122,8 @@ RESOLVING = (
         }
         """),
     Code("unknown-choice", "a choice has no such option", """
-        A choice has the options that its type lists; this is none of them.
+        A choice has the options that its type lists; this is none of them. Options are compared by name, so a
+        misspelt one would never hold. Check the spelling, or add the option to the type.
         """, """
         apg 1
         template Stool {
@@ -114,7 +131,8 @@ RESOLVING = (
         }
         """),
     Code("unknown-vocabulary", "there is no such vocabulary", """
-        A label is written `vocabulary.word`. Vocabularies are declared in the file or come in by `use`.
+        A label is written `vocabulary.word`. Vocabularies are declared in the file or come in by `use`. The
+        shipped ones are in the module `vocabularies`: `use vocabularies { semantic, affordance }`.
         """, """
         apg 1
         use primitives { Cuboid }
@@ -124,8 +142,9 @@ RESOLVING = (
         }
         """),
     Code("unknown-label", "a label is not in its vocabulary", """
-        The words of a vocabulary are fixed, so that their numbers are the same in every data set. New words are added
-        at the end of its declaration.
+        The words of a vocabulary are fixed, so that their numbers are the same in every data set. New words
+        are added at the end of its declaration. Check the spelling, or take the word that is nearest in
+        meaning.
         """, """
         apg 1
         use primitives { Cuboid }
@@ -136,7 +155,8 @@ RESOLVING = (
         }
         """),
     Code("unknown-material", "there is no such material", """
-        Materials are declared in the file (`material oak { ... }`) or come in by `use materials { oak }`.
+        Materials are declared in the file (`material oak { ... }`) or come in by `use materials { oak }`. A
+        part without a material has none of its own and takes that of the part around it. Check the spelling.
         """, """
         apg 1
         use primitives { Cuboid }
@@ -146,8 +166,9 @@ RESOLVING = (
         }
         """),
     Code("duplicate-name", "a name is declared twice", """
-        Parameters, parts, ports, surfaces and slots of one template share one namespace. One name may be declared in
-        two branches that exclude each other (`when a { } else { }`).
+        Parameters, parts, ports, surfaces and slots of one template share one namespace. One name may be
+        declared in two branches that exclude each other (`when a { } else { }`). Otherwise it would depend on
+        the place which one is meant. Rename one of the two.
         """, """
         apg 1
         template Stool {
@@ -156,8 +177,10 @@ RESOLVING = (
         }
         """),
     Code("reserved-name", "a name shadows a built-in one", """
-        Types, constructors, built-in functions, the faces of a box, `size`, `center` and `box` keep their meaning
-        everywhere and cannot be declared.
+        Types, constructors, built-in functions, the faces of a box, `size`, `center` and `box` keep their
+        meaning everywhere and cannot be declared. A program would read differently in places where both could
+        be meant. Choose another name: `front_edge`, `seat_size`. After a dot and as names of arguments such
+        words are free.
         """, """
         apg 1
         template Stool {
@@ -165,7 +188,11 @@ RESOLVING = (
         }
         """),
     Code("circular-definition", "something is defined by itself", """
-        The chain of definitions shown comes back to its beginning, so that none of them has a value.
+        The chain of definitions shown comes back to its beginning, so that none of them has a value. This
+        holds for `let`, for sizes of parts, for ranges, for places given by `to`, for attachments, for roles
+        and for templates that contain each other. Equations may run in circles (`align` solves them together),
+        definitions may not. Give one of them a value of its own, or leave a size open with `_` and state an
+        equation.
         """, """
         apg 1
         template Stool {
@@ -174,7 +201,9 @@ RESOLVING = (
         }
         """),
     Code("misplaced-statement", "a statement cannot stand here", """
-        Roles declare, templates and categories build, primitives have surfaces: each takes statements of its own.
+        Roles declare, templates and categories build, primitives have surfaces: each takes statements of its
+        own. A role has no parts because its alternatives bring them; a template has no `root` because its user
+        decides what it hangs on. Move the statement to where it belongs.
         """, """
         apg 1
         role Handle {
@@ -182,8 +211,9 @@ RESOLVING = (
         }
         """),
     Code("misplaced-hole", "`_` stands where nothing can be left open", """
-        `_` leaves one component of a vector argument to be determined by equations: `Cuboid(size = [_, 2cm, _])`. It
-        is no value and cannot be computed with.
+        `_` leaves one component of a vector argument to be determined by equations: `Cuboid(size = [_, 2cm,
+        _])`. It is no value and cannot be computed with. Leave the argument out altogether to leave all of it
+        open. In formulas, name the value that is meant.
         """, """
         apg 1
         template Stool {
@@ -191,7 +221,8 @@ RESOLVING = (
         }
         """),
     Code("missing-argument", "an argument is missing", """
-        The constructor or function cannot do without the arguments named.
+        The constructor or function cannot do without the arguments named. They have no sensible default, and
+        guessing would hide a mistake. The help line gives the full form.
         """, """
         apg 1
         use primitives { Cuboid }
@@ -201,8 +232,9 @@ RESOLVING = (
         }
         """),
     Code("missing-clause", "a statement lacks a clause", """
-        The statement says too little: a `connect` needs `to`, `on`, `in` or `between`; a grasp needs `at`, `approach`,
-        `close` and `opening`.
+        The statement says too little: a `connect` needs `to`, `on`, `in` or `between`; a grasp needs `at`,
+        `approach`, `close` and `opening`. A joint that turns needs an axis, and a range unless it is
+        `continuous`. The help line names the clause.
         """, """
         apg 1
         use primitives { Cuboid }
@@ -213,7 +245,9 @@ RESOLVING = (
         }
         """),
     Code("missing-value", "a declaration lacks a value", """
-        A role promises, a template gives: within a template a port is bound with `=`.
+        A role promises, a template gives: within a template a port is bound with `=`. A parameter of a
+        category without a value needs a range to be drawn from. Write the value behind `=`, or move the
+        declaration to a role.
         """, """
         apg 1
         use primitives { Cuboid }
@@ -223,7 +257,8 @@ RESOLVING = (
         }
         """),
     Code("wrong-arguments", "a function or clause is given the wrong arguments", """
-        The number or the names of the arguments are not those that the function takes.
+        The number or the names of the arguments are not those that the function takes. Arguments are never
+        ignored or made up. The message says what is expected.
         """, """
         apg 1
         template Stool {

@@ -1,11 +1,13 @@
-"""Codes of structure: roles, attachments, equations, repeats, joints, primitives."""
+"""Codes of structure: roles, attachments, links, joints, primitives."""
 
 from .base import Code
 
 STRUCTURE = (
     Code("role-not-fulfilled", "a template does not bind what its role promises", """
-        Every template of a role binds every slot, port, joint and output that the role declares without `?`. A part
-        of a slot's name binds it by itself.
+        Every template of a role binds every slot, port, joint and output that the role declares without `?`. A
+        part of a slot's name binds it by itself. The users of a role rely on all that it promises, whichever
+        alternative is drawn. Bind it (`slot cover = plate`, `port mount = ...`), or mark it optional in the
+        role: `slot cover ?`.
         """, """
         apg 1
         use primitives { Cuboid }
@@ -13,8 +15,9 @@ STRUCTURE = (
         template FlatLid : Lid { part plate : Cuboid(size = size) }
         """),
     Code("inherited-assigned", "a template assigns a value that its role hands in", """
-        What a role inherits is given by the user of the role and kept when one template replaces another. A template
-        reads it and does not declare it again.
+        What a role inherits is given by the user of the role and kept when one template replaces another. A
+        template reads it and does not declare it again. Otherwise the two values could differ. Remove the
+        declaration and read the name.
         """, """
         apg 1
         use primitives { Cuboid }
@@ -25,7 +28,9 @@ STRUCTURE = (
         }
         """),
     Code("wrong-role", "an alternative does not play the role", """
-        Alternatives of a role are templates that declare it (`template BarHandle : Handle`).
+        Alternatives of a role are templates that declare it (`template BarHandle : Handle`). Only then do they
+        have the ports and slots that the statements around the part name. Add `: Handle` to the template and
+        bind what the role promises, or take it off the list.
         """, """
         apg 1
         use primitives { Cuboid }
@@ -37,9 +42,10 @@ STRUCTURE = (
         }
         """),
     Code("optional-outside-when", "an optional part is named where it may be absent", """
-        A part with the alternative `none`, and what only some alternatives of a part have, may be missing. A statement
-        goes with its own subject (the part left of `to`, the child of a joint, the target of a label); naming it
-        anywhere else needs `when handle { ... }` or `when handle is BarHandle { ... }` around it.
+        A part with the alternative `none`, and what only some alternatives of a part have, may be missing. A
+        statement goes with its own subject (the part left of `to`, the child of a joint, the target of a
+        label); naming it anywhere else needs `when handle { ... }` or `when handle is BarHandle { ... }`
+        around it. The language insists because every object is checked at once, also those that lack the part.
         """, """
         apg 1
         use primitives { Cuboid }
@@ -54,7 +60,8 @@ STRUCTURE = (
         """),
     Code("no-attachment", "a part hangs on nothing", """
         Equations place, they do not attach. In a category every part but the root is attached exactly once, by
-        `connect` (rigid) or `joint` (movable), whatever alternatives and guards are chosen.
+        `connect` (rigid) or `joint` (movable), whatever alternatives and guards are chosen. The attachment
+        says which link carries the part when joints move. Write `connect lid to body`, or give it a joint.
         """, """
         apg 1
         use primitives { Cuboid }
@@ -65,7 +72,9 @@ STRUCTURE = (
         }
         """),
     Code("two-attachments", "a part is attached twice", """
-        A part has one parent. Further contacts are equations (`align`); a loop of joints is closed with `close`.
+        A part has one parent. Further contacts are equations (`align`); a loop of joints is closed with
+        `close`. Parts form a tree of links, as simulators want it. Keep the attachment that carries the part
+        and turn the other one into equations.
         """, """
         apg 1
         use primitives { Cuboid }
@@ -77,7 +86,8 @@ STRUCTURE = (
         }
         """),
     Code("no-root", "a category has no root part", """
-        The part marked `root` is what all others hang on; its frame is the object's.
+        The part marked `root` is what all others hang on; its frame is the object's. All links are counted
+        from it, and a written file gives its base. Write `root` before the part that stands still.
         """, """
         apg 1
         category Chest {
@@ -85,7 +95,8 @@ STRUCTURE = (
         }
         """),
     Code("two-roots", "a category has two root parts", """
-        The part marked `root` is what all others hang on, so there is one.
+        The part marked `root` is what all others hang on, so there is one. Its link is the base of every file that is written. Take the word away from all but
+        one, and attach the others to it with `connect`.
         """, """
         apg 1
         use primitives { Cuboid }
@@ -94,12 +105,10 @@ STRUCTURE = (
           root part base : Cuboid(size = [40cm, 60cm, 3cm])
         }
         """),
-    Code("circular", "something depends on itself", """
-        The place, the attachment or the template of a part leads back to the part itself.
-        """),
     Code("two-links", "something lies on two links at once", """
-        A port, plane or edge lies on the link of the parts that its formula names. These move against each other, so
-        it would lie on both.
+        A port, plane or edge lies on the link of the parts that its formula names. These move against each
+        other, so it would lie on both. When a joint moves, what is connected there could follow only one of
+        them. Name a face or a port of one of them alone.
         """, """
         apg 1
         use primitives { Cuboid }
@@ -117,151 +126,11 @@ STRUCTURE = (
           connect knob to pair.mid
         }
         """),
-    Code("under-determined", "nothing determines a value", """
-        A parameter without a range has to be given by its user or follow from equations. This one is neither: give it
-        a range, an argument, or one equation more.
-        """, """
-        apg 1
-        use primitives { Cuboid }
-        category Chest {
-          root part body : Cuboid(size = [40cm, _, 30cm])
-        }
-        """),
-    Code("over-determined", "there is an equation too many", """
-        All that this equation names is already determined by others and by arguments, so it could only repeat or
-        contradict them.
-        """, """
-        apg 1
-        use primitives { Cuboid }
-        category Chest {
-          param rise : length in 1cm .. 9cm
-          root part body : Cuboid(size = [40cm, 60cm, 30cm])
-          part lid : Cuboid(size = [40cm, 60cm, 2cm])
-          connect lid.bottom on body.top
-          align lid.top = body.top + rise
-        }
-        """),
-    Code("tie", "two parameters could yield and nothing says which", """
-        An equation determines one of the parameters that it names, and by the order of who yields two are equal.
-        Mark one as `derived`, or give one as an argument.
-        """, """
-        apg 1
-        use primitives { Cuboid }
-        template Slab {
-          param wide : length in 1cm .. 90cm
-          part plate : Cuboid(size = [10cm, wide, 1cm])
-        }
-        category Shelf {
-          root part body : Cuboid(size = [30cm, 60cm, 90cm])
-          part one : Slab
-          part two : Slab
-          connect one to body
-          connect two to body
-          align one.wide + two.wide = body.size.y
-        }
-        """),
-    Code("too-many-cases", "the guards of equations combine in too many ways", """
-        Who determines whom is found once for every combination of guards and alternatives within a block of equations,
-        at most 64. Move part of what they place into a template or a repeat, whose inside is a block of its own.
-        """),
-    Code("recurrence", "a value that needs itself cannot be computed", """
-        Through `previous` an element's value may follow from that of the element before it, and from nothing else of
-        its own.
-        """),
-    Code("not-solvable", "equations cannot be solved in closed form", """
-        The equation determines something that it holds in a way which cannot be turned round. State it the other way
-        about, or name the unknown alone on one side.
-        """, """
-        apg 1
-        use primitives { Cuboid }
-        template Slab {
-          param wide : length
-          part plate : Cuboid(size = [10cm, wide, 1cm])
-        }
-        category Shelf {
-          root part body : Cuboid(size = [30cm, 60cm, 90cm])
-          part one : Slab
-          connect one to body
-          align one.wide + 10cm * sin(one.wide / 1cm * 1rad) = body.size.y
-        }
-        """),
-    Code("redundant", "an equation follows from others", """
-        The equation holds already because of others. It does no harm and can go.
-        """, """
-        apg 1
-        use primitives { Cuboid }
-        category Chest {
-          root part body : Cuboid(size = [40cm, 60cm, 30cm])
-          part lid : Cuboid(size = [40cm, 60cm, 2cm])
-          connect lid.bottom on body.top
-          align lid.bottom = body.top
-        }
-        """),
-    Code("contradictory", "equations contradict one another", """
-        No values satisfy all of the equations shown.
-        """, """
-        apg 1
-        use primitives { Cuboid }
-        category Chest {
-          root part body : Cuboid(size = [40cm, 60cm, 30cm])
-          part lid : Cuboid(size = [40cm, 60cm, 2cm])
-          connect lid.bottom on body.top
-          align lid.bottom = body.top + 1cm
-        }
-        """),
-    Code("plane-across-axes", "a plane is used across another axis", """
-        A face is a plane across one axis, and an equation of planes compares coordinates along one: left with right,
-        top with bottom. A turned part has no coordinate planes in its neighbours' frame; equate points, or read its
-        extent with `lowest(part, -z)`.
-        """, """
-        apg 1
-        use primitives { Cuboid }
-        category Chest {
-          root part body : Cuboid(size = [40cm, 60cm, 30cm])
-          part lid : Cuboid(size = [40cm, 60cm, 2cm])
-          connect lid to body
-          align lid.bottom = body.front
-        }
-        """),
-    Code("no-own-box", "a template names faces of a box that it derives from its parts", """
-        A template either takes `size`, then its own box and faces are given, or derives its box from its parts, then
-        the box is read from outside only. A category's box is derived.
-        """, """
-        apg 1
-        use primitives { Cuboid }
-        category Chest {
-          root part body : Cuboid(size = [40cm, 60cm, 30cm])
-          align body.left = left
-        }
-        """),
-    Code("many-elements", "a path names many elements where one is needed", """
-        From outside, the name of a repeat stands for all its elements. Take one (`row[last]`, `row[0]`), reduce them
-        (`sum(row.size.z)`, `max(...)`), or state it within the repeat.
-        """, """
-        apg 1
-        use primitives { Cuboid }
-        category Shelf {
-          root part body : Cuboid(size = [30cm, 60cm, 90cm])
-          repeat row[i] in 0 ..< 3 split body along z gap 2cm {
-            part board : Cuboid(size = [_, _, 2cm])
-            connect board in row
-          }
-          part hook : Cuboid(size = [1cm, 1cm, 1cm])
-          connect hook to body
-          align hook.top = row.board.bottom
-        }
-        """),
-    Code("needs-index", "a path names many elements where one is needed", """
-        The port has several elements, and this names none of them: write `base.tap[k]`.
-        """),
-    Code("unrelated-rows", "values of unrelated repeats or alternatives are mixed", """
-        A formula can use values of its own repeat and of those around it. Elements of two repeats side by side have
-        nothing to do with each other.
-        """),
     Code("bad-axis", "a joint or repeat has no valid axis", """
-        A joint that turns does so about an edge or a line (`about door.left.back`, `about dial.axis`); a direction
-        alone does not say where. A prismatic joint slides along a direction. A ring turns about an axis, a mirror
-        stands across x, y or z.
+        A joint that turns does so about an edge or a line (`about door.left.back`, `about dial.axis`); a
+        direction alone does not say where. A prismatic joint slides along a direction. A ring turns about an
+        axis, a mirror stands across x, y or z. The axis decides how the joint moves and which side opens, so
+        it is always stated. Two faces of a box meet in an edge: `door.left.back`.
         """, """
         apg 1
         use primitives { Cuboid }
@@ -272,10 +141,23 @@ STRUCTURE = (
         }
         """),
     Code("needs-clearance", "a limit needs collision checking", """
-        `clearance` as the end of a range is the largest value without a collision, which has no closed form here.
+        `clearance` as the end of a range asks for the largest value without a collision, which only checking
+        the whole range for collisions can give. The program is legal and can be checked, but not sampled. Give
+        the end as a formula of the sizes, or as a plain angle or length.
+        """, """
+        apg 1
+        use primitives { Cuboid }
+        category Box {
+          root part body : Cuboid(size = [30cm, 60cm, 40cm])
+          part lid : Cuboid(size = [30cm, 60cm, 2cm])
+          align lid.bottom = body.top + 1mm
+          joint open : revolute body -> lid about lid.back.bottom range 0deg .. clearance
+        }
         """),
     Code("incomplete-primitive", "a primitive lacks surfaces, inside or box", """
-        A primitive states its surfaces, an inside function and its box, or one `solid` that supplies all three.
+        A primitive states its surfaces, an inside function and its box, or one `solid` that supplies all
+        three. The mesh, the points and the colliders all come from these three, so none can be left out. Add
+        what the message names.
         """, """
         apg 1
         primitive Sheet {
@@ -285,13 +167,48 @@ STRUCTURE = (
         """),
     Code("broken-chain", "curves of a chain do not meet end to end", """
         Each curve of a chain begins where the one before it ends, for every test value of the primitive.
+        Otherwise the surface made of them would have a gap. An outer and an inner chain have equally many
+        curves. Use the same formula at both ends.
+        """, """
+        apg 1
+        primitive Bowl {
+          param radius : length > 0  test 1cm .. 2cm
+          curve foot (v in 0 .. 1) = [v * radius, 0cm]
+          curve skin (v in 0 .. 1) = [2 * radius, v * 10cm]
+          solid = lathe([foot, skin]) about z
+        }
+        category Dish { root part bowl : Bowl(radius = 1cm) }
         """),
     Code("bad-curve", "a curve cannot make this solid", """
-        The operator needs a curve with a value everywhere: for `lathe` [radius, height] with a radius of at least 0,
-        for every test value of the primitive.
+        The operator needs a curve with a value everywhere: for `lathe` [radius, height] with a radius of at
+        least 0, for every test value of the primitive. A formula that fails for some sizes would give broken
+        meshes only now and then, so it is tried beforehand. Narrow the ranges after `test`, add a `require` to
+        the primitive, or clip the formula with `max`.
+        """, """
+        apg 1
+        primitive Bowl {
+          param radius : length > 0  test 1cm .. 2cm
+          curve skin (v in 0 .. 1) = [radius - v * 3cm, v * 10cm]
+          solid = lathe(skin) about z
+        }
+        category Dish { root part bowl : Bowl(radius = 5cm) }
         """),
     Code("leaky-primitive", "the surfaces of a primitive do not close", """
-        The surfaces of a primitive meet along whole edges and enclose its inside, all normals outwards, for every one
-        of its test values. The place shown is a surface with an edge that meets no other.
+        The surfaces of a primitive meet along whole edges and enclose its inside, all normals outwards, for
+        every one of its test values. The place shown is a surface with an edge that meets no other. A mesh
+        that is welded from these formulas alone is watertight only then. Compare the formulas of the two
+        surfaces at that edge, and the signs and ranges of u and v.
+        """, """
+        apg 1
+        primitive Open {
+          param size : length[3] > 0  test [1cm, 1cm, 1cm] .. [9cm, 9cm, 9cm]
+          surface front  (u in 0 .. 1, v in 0 .. 1) = [size.x / 2, (u - 1/2) * size.y, (v - 1/2) * size.z]
+          surface back   (u in 0 .. 1, v in 0 .. 1) = [-size.x / 2, (1/2 - u) * size.y, (v - 1/2) * size.z]
+          inside (p) = max(abs(p.x) - size.x / 2, abs(p.y) - size.y / 2, abs(p.z) - size.z / 2)
+          box = [size.x, size.y, size.z]
+        }
+        category Cup {
+          root part body : Open(size = [5cm, 5cm, 5cm])
+        }
         """),
 )  # fmt: skip

@@ -4,8 +4,8 @@ from .base import Code
 
 VALUES = (
     Code("missing-unit", "a length, angle or other quantity has no unit", """
-        Lengths, angles and all other quantities carry their unit (`5cm`, `30deg`, `8N`), so that no number can be
-        misread. Only `0` may go without one.
+        Lengths, angles and all other quantities carry their unit (`5cm`, `30deg`, `8N`), so that no number can
+        be misread. Only `0` may go without one. Ratios and counts have no unit; write a percentage as `8%`.
         """, """
         apg 1
         template Stool {
@@ -13,8 +13,9 @@ VALUES = (
         }
         """),
     Code("unknown-unit", "a number carries a unit that does not exist", """
-        Units are `mm cm m km`, `deg rad turn`, `kg g`, `s ms`, `N`, quotients and products of them such as `kg/m3`,
-        `N*m`, `m/s`, and `%`. The unit stands right behind the number. There are no inches.
+        Units are `mm cm m km`, `deg rad turn`, `kg g`, `s ms`, `N`, quotients and products of them such as
+        `kg/m3`, `N*m`, `m/s`, and `%`. The unit stands right behind the number. There are no inches. The list
+        is closed, so that a misspelt unit is found here. Convert the number, for example to `cm`.
         """, """
         apg 1
         template Stool {
@@ -22,8 +23,9 @@ VALUES = (
         }
         """),
     Code("wrong-dimension", "quantities of different dimension are mixed", """
-        A length and an angle cannot be added, compared or put in one another's place. Products and quotients make new
-        dimensions: a length times a length is an area.
+        A length and an angle cannot be added, compared or put in one another's place. Products and quotients
+        make new dimensions: a length times a length is an area. The dimension of every formula is checked
+        before anything is drawn. Look for a missing factor, or for a `sin` that should take an angle.
         """, """
         apg 1
         template Stool {
@@ -32,8 +34,9 @@ VALUES = (
         }
         """),
     Code("wrong-type", "a value is of another type than needed", """
-        What stands here is of another type than the place needs: a whole part where a number belongs, a number where
-        a box belongs, and the like. A face as a number is its coordinate.
+        What stands here is of another type than the place needs: a whole part where a number belongs, a number
+        where a box belongs, and the like. A face as a number is its coordinate. Name the member that is meant,
+        such as `seat.size.z`, `seat.top` or `seat.center`.
         """, """
         apg 1
         use primitives { Cuboid }
@@ -43,7 +46,9 @@ VALUES = (
         }
         """),
     Code("wrong-kind", "something else is needed here", """
-        The thing named exists, but is no value, part or template of the kind that can stand here.
+        The thing named exists, but is no value, part or template of the kind that can stand here. A part is
+        made of a template or a primitive, a material is put on by `material`, a label by `label`. The message
+        says what is needed and what was found.
         """, """
         apg 1
         use primitives { Cuboid }
@@ -52,7 +57,8 @@ VALUES = (
         }
         """),
     Code("empty-range", "a range has no value", """
-        In a range `low .. high` the low end must not lie above the high one.
+        In a range `low .. high` the low end must not lie above the high one. The ends may be formulas; where
+        both are known beforehand they are compared before anything is drawn. Exchange the ends.
         """, """
         apg 1
         template Stool {
@@ -60,7 +66,9 @@ VALUES = (
         }
         """),
     Code("default-outside-range", "a default lies outside its domain", """
-        The default of a parameter is one of its legal values: it lies within its range.
+        The default of a parameter is one of its legal values: it lies within its range. Otherwise the object
+        with all defaults, with which the manipulation of a program begins, would be an illegal one. Move the
+        default, or widen the range.
         """, """
         apg 1
         template Stool {
@@ -68,9 +76,9 @@ VALUES = (
         }
         """),
     Code("bad-guard", "a guard is not a condition", """
-        A guard decides the structure, which is known before any measure is. So it asks `a is B`, whether an optional
-        part is there, or compares counts, ranks and choices; lengths and angles belong into `require` or into
-        `a if c else b`.
+        A guard decides the structure, which is known before any measure is. So it asks `a is B`, whether an
+        optional part is there, or compares counts, ranks and choices; lengths and angles belong into `require`
+        or into `a if c else b`. Tables are laid out by these guards before any length is drawn.
         """, """
         apg 1
         use primitives { Cuboid }
@@ -82,6 +90,7 @@ VALUES = (
         """),
     Code("unrelated-type", "a test with `is` can never hold", """
         The part can only be one of its alternatives, and none of them is or plays what stands behind `is`.
+        What stands under the test could never happen. Check the names of the alternatives, or remove the test.
         """, """
         apg 1
         use primitives { Cuboid }
@@ -93,11 +102,19 @@ VALUES = (
           when handle is BowHandle { require body.size.x >= 3cm }
         }
         """),
-    Code("always-true", "a requirement holds always", """
-        The ranges of what it names leave no way to break this requirement. It can go, or one of the ranges is
-        narrower than was meant.
-        """),
     Code("impossible", "a requirement can never hold", """
-        The ranges of what it names leave no way to keep this requirement, so nothing could ever be drawn.
+        The ranges of what it names leave no way to keep this requirement, so nothing could ever be drawn. For
+        a primitive it is the ranges after `test` that are tried. Widen a range, or correct the requirement.
+        """, """
+        apg 1
+        primitive Ring {
+          param radius : length > 0  test 1cm .. 2cm
+          param wall   : length > 0  test 3cm .. 4cm
+          require wall < radius
+          curve outer (v in 0 .. 1) = [radius, v * 10cm]
+          curve inner (v in 0 .. 1) = [radius - wall, v * 10cm]
+          solid = lathe(outer, inner) about z
+        }
+        category Pipe { root part body : Ring(radius = 5cm, wall = 1cm) }
         """),
 )  # fmt: skip

@@ -1,0 +1,56 @@
+"""The documentation page of all codes: ``python -m artipg_dsl.diagnostics.page > docs/diagnostics.md``."""
+
+from __future__ import annotations
+
+from textwrap import fill
+
+from .codes.base import Code
+from .codes.equations import EQUATIONS
+from .codes.reading import READING
+from .codes.resolving import RESOLVING
+from .codes.structure import STRUCTURE
+from .codes.values import VALUES
+
+FAMILIES = {
+    "Files, modules, syntax": READING,
+    "Names": RESOLVING,
+    "Values": VALUES,
+    "Structure": STRUCTURE,
+    "Equations and repeats": EQUATIONS,
+}
+COMMAND = "python -m artipg_dsl.diagnostics.page > docs/diagnostics.md"
+INTRODUCTION = f"""\
+# Diagnostics
+
+<!-- Made from the registry in artipg_dsl/diagnostics/codes/ by `{COMMAND}`. -->
+
+What the compiler finds in a program, by code. `apgc explain CODE` prints the same in a terminal, `apgc check FILE`
+finds them all, `apgc check --json` and `--sarif` give them to tools. Each finding names the file, line and column, shows
+the text with carets, further places that belong to it, through which parts a template was used, and what to try.
+Every example brings its code about.
+"""
+
+
+def page() -> str:
+    """The page as Markdown: a list of all codes by family, then a section for each."""
+    parts = [INTRODUCTION]
+    for family, codes in FAMILIES.items():
+        listed = "\n".join(f"- [`{c.name}`](#{c.name}): {c.summary}" for c in codes)
+        parts.append(f"**{family}**\n\n{listed}\n")
+    for family, codes in FAMILIES.items():
+        parts.append(f"## {family}\n")
+        parts.extend(section(code) for code in codes)
+    return "\n".join(parts)
+
+
+def section(code: Code) -> str:
+    """One code with its text and its example."""
+    text = f"### {code.name}\n\n{code.summary[0].upper()}{code.summary[1:]}. {code.text}".split("\n\n")
+    lines = [text[0], "", fill(text[1], 120, break_on_hyphens=False, break_long_words=False), ""]
+    if code.example:
+        lines += ["```apg fails " + code.name, code.example.rstrip("\n"), "```", ""]
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    print(page(), end="")
