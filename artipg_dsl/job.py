@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .errors import NoObject, UserError
-from .graph.text import TextError, digest, from_text
+from .graph.text import TextError, digest, from_text, to_text
 from .runtime.sample import ATTEMPTS, Exhausted, Sampler, Statistics
 from .settings import Settings, Value, resolve
 
@@ -117,7 +117,8 @@ def read_compiled(path: str | Path) -> Program:
     """The program that ``apgc compile -o`` wrote. Raises UserError."""
     hint = "compile it again from its .apg file"
     try:
-        program = from_text(Path(path).read_text(encoding="utf-8"))
+        text = Path(path).read_text(encoding="utf-8")
+        program = from_text(text)
     except FileNotFoundError:
         raise UserError(f"there is no file {path}", "`apgc compile NAME -o FILE.apgc` makes one") from None
     except OSError as error:
@@ -125,7 +126,18 @@ def read_compiled(path: str | Path) -> Program:
     except (TextError, UnicodeDecodeError) as error:
         raise UserError(f"{path}: {error}", hint) from None
     program.hash = digest(program)
+    if not text.endswith(seal(program.hash)):
+        raise UserError(f"{path} has been changed or cut short since it was compiled", hint)
     return program
+
+
+def compiled_text(program: Program) -> str:
+    """What a compiled file holds: the program, and its hash as the last line."""
+    return to_text(program) + seal(digest(program))
+
+
+def seal(found: str) -> str:
+    return f"# hash {found}\n"
 
 
 def is_file(name: str | Path) -> bool:

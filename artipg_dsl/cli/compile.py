@@ -1,6 +1,6 @@
 """``apgc compile``: a program at one of the stages between its text and numbers.
 
-The constraint graph is what an artefact (.apgc) holds: ``apgc compile NAME -o FILE.apgc``, then ``apgc sample FILE.apgc``.
+The constraint graph is what an artefact holds: ``apgc compile NAME -o FILE.apgc``, then ``apgc sample FILE.apgc``.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Any
 
 from ..diagnostics import CompileError
 from ..errors import UsageError
-from ..job import COMPILED
+from ..job import COMPILED, compiled_text
 from ..session import Session
 from ..source import Span
 from ..syntax import ast
@@ -40,9 +40,7 @@ def emit_typed(session: Session) -> str | None:
 
 
 def emit_graph(session: Session) -> str | None:
-    from ..graph.text import to_text
-
-    return to_text(session.sampler.program)
+    return compiled_text(session.sampler.program)
 
 
 def emit_plan(session: Session) -> str | None:

@@ -57,9 +57,9 @@ def test_check_as_json_and_sarif(apgc: Apgc, broken: Path) -> None:
 
 
 def test_check_tells_of_a_module_once(apgc: Apgc, tmp_path: Path) -> None:
-    (tmp_path / "piece.apg").write_text("apg 1\nlet size = 3cmm\n")
+    (tmp_path / "sizes.apg").write_text("apg 1\nlet size = 3cmm\n")
     for name in ("one", "two"):
-        (tmp_path / f"{name}.apg").write_text("apg 1\nuse piece { size }\n")
+        (tmp_path / f"{name}.apg").write_text("apg 1\nuse sizes { size }\n")
     code, out, _ = apgc("check", tmp_path / "one.apg", tmp_path / "two.apg")
     assert code == 1 and out.count("unknown-unit") == 1
 
@@ -110,7 +110,14 @@ def test_a_broken_compiled_program(apgc: Apgc, tmp_path: Path) -> None:
     path = tmp_path / "chest.apgc"
     apgc("compile", CHEST, "-o", path)
     text = path.read_text()
-    for broken in ("", "apgc 99\n", text.replace("draw", "drawn", 1), text[: len(text) // 2], "\x00\xff"):
+    for broken in (
+        "",
+        "apgc 99\n",
+        text.replace("draw", "drawn", 1),
+        text[: len(text) // 2],
+        text.replace("0.6", "0.7"),
+        "\x00\xff",
+    ):
         path.write_text(broken, encoding="latin-1")
         code, _, err = apgc("sample", path, "-o", tmp_path / "o")
         assert code == 1 and "chest.apgc" in err
