@@ -214,3 +214,9 @@ def _solve(mass: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
     """x in 0 .. 1 with start * x + (end - start) * x ** 2 / 2 = mass, without cancellation."""
     root = np.sqrt(np.maximum(start * start + 2.0 * mass * (end - start), 0.0))
     return np.clip(2.0 * mass / np.maximum(start + root, 1e-300), 0.0, 1.0)
+
+
+def solve_linear(q: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """Where the share ``q`` of the mass of a density that runs straight from ``start`` to ``end`` is reached."""
+    start, end = np.maximum(start, 0.0), np.maximum(end, 0.0)
+    return _solve(q * (start + end) / 2, start, end)

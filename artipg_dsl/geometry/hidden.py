@@ -1,7 +1,9 @@
 """Which surface points are hidden in, or pressed against, another primitive of the same object.
 
-A point is asked a small way off its surface. Boxes narrow the question first: rows against rows, then patches against
-rows, then points against rows; what is left goes through the inside functions, one call per primitive.
+A point is asked a small way off its surface. Boxes narrow the question first: rows against rows, then cells against
+rows, then the part of a flat cell, as a rectangle of fractions, that the box of the other row can reach. What is left
+goes through the inside functions, one call per primitive. Points on flat cells are asked in the frame of the row that
+may hide them, where the cell is a quad too: no point is turned from frame to frame.
 """
 
 from __future__ import annotations
@@ -12,35 +14,19 @@ from functools import lru_cache
 import numpy as np
 
 from ..graph.primitive import Primitive
-from .block import Block, Shelf, placed_bounds, to_local
+from .block import Block, to_local
 from .box import bounds
-from .patches import Params, Split, position_split, surfaces
+from .cells import Cells, Coordinates
+from .flat import BENT, PLANAR, convex
+from .patches import Params, Split, position_split
 from .topology import turns
 
 OFF = 1e-6  # how far off its surface a point is asked, relative to the largest primitive of its object
 _ABOUT = 1.5  # a coincident surface lies within this many times that distance of the point asked
+_REACH = 1.6  # boxes are wider by this many times that distance
+_LOOSE = 1e-9  # rectangles are wider by this fraction
 _MARGIN = 0.15  # a smooth quarter turn stays this close to the box of a few of its points
-_PAIRS = 2_000_000  # pairs of rows, or of a point and a row, looked at together
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Cells:
-    """Patches of rows, which points are allocated to, sorted by (object, rank of the row, patch)."""
-
-    row: np.ndarray  # (C,) row of the block
-    patch: np.ndarray  # (C,)
-    owner: np.ndarray  # (C,) object of the block
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Occluders:
-    """Rows of one shelf that may hide points of cells: those of cell c are ``rows[start[c] : start[c + 1]]``."""
-
-    shelf: Shelf
-    inside: Split
-    values: np.ndarray
-    start: np.ndarray
-    rows: np.ndarray
+_PAIRS = 1_000_000  # pairs of rows, or of a point and a row, looked at together
 
 
 @lru_cache(maxsize=512)
@@ -60,24 +46,22 @@ def _probes(primitive: Primitive, patch: int) -> tuple[np.ndarray, np.ndarray, f
     return u.ravel(), v.ravel(), 0.0 if angle < 1e-9 else _MARGIN
 
 
-def patch_bounds(
-    primitive: Primitive, params: Params, low: np.ndarray, high: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Boxes (k, patches, 3) of the patches of k instances, within their whole boxes ``low``, ``high`` (k, 3)."""
-    count = len(surfaces(primitive))
-    lows, highs = (np.repeat(side[:, None], count, axis=1) for side in (low, high))
-    for patch in range(count):
-        probes = _probes(primitive, patch)
-        if probes is None:
-            continue
-        u, v, margin = probes
-        split = position_split(primitive, patch)
-        values = split.points([r[None] for r in split.rows(params)], u[:, None], v[:, None])
-        for axis, value in enumerate(np.atleast_2d(v) for v in values):
-            least, most = np.minimum.reduce(value, axis=0), np.maximum.reduce(value, axis=0)
-            slack = margin * (most - least)
-            lows[:, patch, axis], highs[:, patch, axis] = least - slack, most + slack
-    return lows, highs
+def patch_bounds(primitive: Primitive, patch: int, params: Params) -> tuple[np.ndarray, np.ndarray] | None:
+    """Boxes (k, 3) of a patch of k instances in their own frames; None where the whole box is as good."""
+    probes = _probes(primitive, patch)
+    if probes is None:
+        return None
+    u, v, margin = probes
+    split = position_split(primitive, patch)
+    rows = split.rows(params)
+    values = split.points([r[None] for r in rows], u[:, None], v[:, None])
+    count = len(next(iter(params.values())))
+    low, high = np.empty((count, 3)), np.empty((count, 3))
+    for axis, value in enumerate(np.atleast_2d(v) for v in values):
+        least, most = np.minimum.reduce(value, axis=0), np.maximum.reduce(value, axis=0)
+        slack = margin * (most - least)
+        low[:, axis], high[:, axis] = least - slack, most + slack
+    return low, high
 
 
 def scales(rows: Block) -> np.ndarray:
@@ -87,33 +71,250 @@ def scales(rows: Block) -> np.ndarray:
     return OFF * out
 
 
-def occluders(rows: Block, cells: Cells, off: np.ndarray) -> list[Occluders]:
-    """For each primitive the rows that come near each cell."""
-    near, other = _row_pairs(rows, off)
-    ranks = rows.rank[cells.row]  # ascending
-    first = np.searchsorted(ranks, rows.rank[near])
-    counts = np.searchsorted(ranks, rows.rank[near], side="right") - first
-    pair = np.repeat(np.arange(len(near)), counts)
-    cell = first[pair] + np.arange(len(pair)) - np.repeat(np.cumsum(counts) - counts, counts)
-    other = other[pair]
-    low, high = _cell_bounds(rows, cells)
-    slack = off[cells.owner[cell]]
-    kept = np.ones(len(cell), dtype=bool)
-    for axis in range(3):
-        kept &= low[cell, axis] - slack <= rows.high[other, axis]
-        kept &= high[cell, axis] + slack >= rows.low[other, axis]
-    cell, other = cell[kept], other[kept]
-    out = []
-    for shelf in rows.shelves:
-        own = (other >= shelf.start) & (other < shelf.stop)
-        if not own.any():
-            continue
-        order = np.argsort(cell[own], kind="stable")
-        start = np.zeros(len(cells.row) + 1, dtype=np.int64)
-        np.cumsum(np.bincount(cell[own], minlength=len(cells.row)), out=start[1:])
-        split = inside_split(shelf.primitive)
-        out.append(Occluders(shelf, split, split.rows(shelf.params), start, other[own][order]))
-    return out
+def runs(start: np.ndarray, count: np.ndarray) -> np.ndarray:
+    """``start[0], start[0] + 1, ...`` (count[0] of them), then those from ``start[1]`` on, and so forth."""
+    return np.arange(int(count.sum())) + np.repeat(start - (np.cumsum(count) - count), count)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pairs:
+    """Flat cells and rows that may hide points on them, by group of objects and then by shelf of the row.
+
+    ``quad`` (4, 3, P) holds the points asked on the cell, in the row's own frame: origin, a, b, c; ``step`` (3, P) is
+    the way from them through the surface to as far behind it. ``within`` (4, P) bounds the fractions u and v that the
+    row's box can reach. ``edges[g * shelves + s]`` is where the pairs of group g with shelf s begin.
+    """
+
+    cell: np.ndarray
+    other: np.ndarray
+    quad: np.ndarray
+    step: np.ndarray
+    within: np.ndarray
+    planar: np.ndarray  # (P,) bool: c is not nought
+    lower: np.ndarray  # (P,) bool: coincident surfaces belong to the row, not to the cell
+    edges: np.ndarray
+
+
+class Occlusion:
+    """What may hide what in a block, and which flat cells are hidden altogether: ``buried`` (C,) bool."""
+
+    def __init__(self, cells: Cells, off: np.ndarray, group: np.ndarray):
+        self.cells, self.rows, self.off = cells, cells.rows, off
+        self.inside = [inside_split(s.primitive) for s in self.rows.shelves]
+        self.values = [split.rows(s.params) for split, s in zip(self.inside, self.rows.shelves, strict=True)]
+        self.low, self.high = np.empty((3, len(self.rows.owner))), np.empty((3, len(self.rows.owner)))
+        for shelf in self.rows.shelves:
+            corners = bounds(shelf.primitive, shelf.params)
+            part = slice(shelf.start, shelf.stop)
+            self.low[:, part], self.high[:, part] = corners[0].T, corners[1].T
+        cell, other = self._near()
+        bent = cells.shape[cell] == BENT
+        chosen = np.flatnonzero(bent)
+        chosen = chosen[np.argsort(cell[chosen], kind="stable")]
+        self.bent_cell, self.bent_other = cell[chosen], other[chosen]
+        flat = np.flatnonzero(~bent)
+        self.pairs = self._flat_pairs(cell[flat], other[flat], group)
+        self.buried = self._buried()
+
+    def _near(self) -> tuple[np.ndarray, np.ndarray]:
+        """Pairs of a cell and a row of the same object whose boxes meet."""
+        rows, cells = self.rows, self.cells
+        near, other = _row_pairs(rows, self.off)
+        count = np.bincount(cells.row, minlength=len(rows.owner))[near]
+        pair = np.repeat(np.arange(len(near)), count)
+        cell = runs(cells.first[near], count)
+        low, high = cells.bounds()
+        slack = _REACH * self.off
+        low -= slack[cells.owner]
+        high += slack[cells.owner]
+        row_low, row_high = np.ascontiguousarray(rows.low.T)[:, other], np.ascontiguousarray(rows.high.T)[:, other]
+        kept = cells.area[cell] > 0.0
+        for axis in range(3):
+            kept &= low[axis][cell] <= row_high[axis][pair]
+            kept &= high[axis][cell] >= row_low[axis][pair]
+        return cell[kept], other[pair[kept]]
+
+    def _flat_pairs(self, cell: np.ndarray, other: np.ndarray, group: np.ndarray) -> Pairs:
+        rows, cells = self.rows, self.cells
+        off = self.off[cells.owner[cell]]
+        poses = [[rows.rotation[3 * j + axis][other] for j in range(3)] for axis in range(3)]
+        shift = [rows.translation[axis][other] for axis in range(3)]
+        mirror = rows.mirror[other]
+        planar = cells.shape[cell] == PLANAR
+        normal = [cells.normal[axis][cell] for axis in range(3)]
+        origin = [cells.origin[axis][cell] + off * normal[axis] - shift[axis] for axis in range(3)]
+        vectors = (origin, [x[cell] for x in cells.a], [x[cell] for x in cells.b])
+        quad, step = np.zeros((4, 3, len(cell))), np.empty((3, len(cell)))
+        some = np.flatnonzero(planar)
+        bend = [x[cell[some]] for x in cells.c]
+        meets = np.ones(len(cell), dtype=bool)
+        within = np.zeros((4, len(cell)))
+        within[1] = within[3] = 1.0
+        reach = _REACH * off
+        for axis in range(3):
+            p, q, r = poses[axis]
+            for k, vector in enumerate(vectors):
+                quad[k, axis] = p * vector[0] + q * vector[1] + r * vector[2]
+            quad[3, axis, some] = p[some] * bend[0] + q[some] * bend[1] + r[some] * bend[2]
+            step[axis] = p * normal[0] + q * normal[1] + r * normal[2]
+            step[axis] *= -2.0 * off
+            if axis == 1:
+                quad[:, axis] *= mirror
+                step[axis] *= mirror
+            meets &= self._narrow(quad[:, axis], self.low[axis][other] - reach, self.high[axis][other] + reach, within)
+        meets &= (within[0] <= within[1]) & (within[2] <= within[3])
+        kept = np.flatnonzero(meets)
+        bound = np.array([s.start for s in rows.shelves[1:]], dtype=np.int64)
+        shelf = np.searchsorted(bound, other[kept], side="right")
+        place = group[cells.owner[cell[kept]]] * len(rows.shelves) + shelf
+        order = np.argsort(place.astype(np.int16 if place.max(initial=0) < 32000 else np.int64), kind="stable")
+        total = (int(group.max(initial=0)) + 1) * len(rows.shelves)
+        edges = np.searchsorted(place[order], np.arange(total + 1))
+        kept = kept[order]
+        cell, other = cell[kept], other[kept]
+        lower = rows.rank[other] < rows.rank[cells.row[cell]]
+        return Pairs(cell, other, quad[:, :, kept], step[:, kept], within[:, kept], planar[kept], lower, edges)
+
+    @staticmethod
+    def _narrow(quad: np.ndarray, low: np.ndarray, high: np.ndarray, within: np.ndarray) -> np.ndarray:
+        """Whether quads (4, P) along one axis reach ``low .. high``; narrows ``within`` to the fractions that may."""
+        origin, a, b, c = quad
+        down, up = np.minimum(c, 0.0), np.maximum(c, 0.0)
+        a_down, a_up, b_down, b_up = np.minimum(a, 0.0), np.maximum(a, 0.0), np.minimum(b, 0.0), np.maximum(b, 0.0)
+        low, high = low - origin - up, high - origin - down
+        meets = (a_up + b_up >= low) & (a_down + b_down <= high)
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            for start, along, rest_down, rest_up in ((0, a, b_down, b_up), (2, b, a_down, a_up)):
+                one, two = (low - rest_up) / along, (high - rest_down) / along
+                # fmin and fmax pass over nan: nought by nought bounds nothing
+                np.fmax(within[start], np.fmin(one, two) - _LOOSE, out=within[start])
+                np.fmin(within[start + 1], np.fmax(one, two) + _LOOSE, out=within[start + 1])
+        return meets
+
+    def _buried(self) -> np.ndarray:
+        """Flat cells with all corners within one convex row: nothing of them can be seen."""
+        pairs = self.pairs
+        shelves = self.rows.shelves
+        solid = np.zeros(len(self.rows.owner), dtype=bool)
+        for shelf in shelves:
+            solid[shelf.start : shelf.stop] = convex(shelf.primitive)
+        low, high = pairs.within[0::2].max(axis=0), pairs.within[1::2].min(axis=0)
+        chosen = np.flatnonzero((low <= 0.0) & (high >= 1.0) & solid[pairs.other])
+        for u, v in ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)):
+            at = pairs.quad[0][:, chosen] + u * pairs.quad[1][:, chosen] + v * pairs.quad[2][:, chosen]
+            at += u * v * pairs.quad[3][:, chosen]
+            inside = np.zeros(len(chosen), dtype=bool)
+            for number, shelf in enumerate(shelves):
+                mine = np.flatnonzero((pairs.other[chosen] >= shelf.start) & (pairs.other[chosen] < shelf.stop))
+                if len(mine):
+                    inside[mine] = self._depth(number, pairs.other[chosen[mine]], [x[mine] for x in at]) < 0.0
+            chosen = chosen[inside]
+        out = np.zeros(len(self.cells.row), dtype=bool)
+        out[pairs.cell[chosen]] = True
+        return out
+
+    def _depth(self, shelf: int, other: np.ndarray, local) -> np.ndarray:
+        """(m,) the inside function of rows ``other`` of one shelf at points in their own frames."""
+        row = other - self.rows.shelves[shelf].start
+        value = self.inside[shelf].points([r[row] for r in self.values[shelf]], *local)[0]
+        return np.broadcast_to(value, row.shape)
+
+    def flat_hidden(
+        self, group: int, first: int, start: np.ndarray, count: np.ndarray, u: np.ndarray, v: np.ndarray
+    ) -> np.ndarray:
+        """(m,) bool: which points on the flat cells of one group of objects are hidden.
+
+        Points are sorted by cell: cell ``first + i`` has ``count[i]`` of them from ``start[i]`` on.
+        """
+        pairs, shelves = self.pairs, len(self.rows.shelves)
+        out = np.zeros(len(u), dtype=bool)
+        begin, end = int(pairs.edges[group * shelves]), int(pairs.edges[(group + 1) * shelves])
+        at = pairs.cell[begin:end] - first
+        asked = begin + np.flatnonzero(count[at])
+        ends = np.cumsum(count[pairs.cell[asked] - first])
+        cuts = np.searchsorted(ends, np.arange(_PAIRS, int(ends[-1]) if len(ends) else 0, _PAIRS))
+        for part in np.split(asked, cuts):
+            if len(part):
+                at = pairs.cell[part] - first
+                self._ask(group, part, start[at], count[at], u, v, out)
+        return out
+
+    def _ask(self, group: int, asked: np.ndarray, start: np.ndarray, count: np.ndarray, u, v, out: np.ndarray) -> None:
+        """Enter into ``out`` the points that pairs ``asked`` (ascending) hide; each has a run of points."""
+        pairs, shelves = self.pairs, len(self.rows.shelves)
+        point = runs(start, count)
+        across, along = u[point], v[point]
+        kept = np.repeat(pairs.within[0][asked], count) <= across
+        kept &= np.repeat(pairs.within[1][asked], count) >= across
+        kept &= np.repeat(pairs.within[2][asked], count) <= along
+        kept &= np.repeat(pairs.within[3][asked], count) >= along
+        found = np.flatnonzero(kept)
+        if not len(found):
+            return
+        pair, point, across, along = np.repeat(asked, count)[found], point[found], across[found], along[found]
+        origin, a, b, c = pairs.quad
+        local = [origin[k][pair] + across * a[k][pair] + along * b[k][pair] for k in range(3)]
+        planar = np.flatnonzero(pairs.planar[pair])
+        if len(planar):
+            both, where = across[planar] * along[planar], pair[planar]
+            for k in range(3):
+                local[k][planar] += both * c[k][where]
+        other = pairs.other[pair]
+        edges = pairs.edges[group * shelves : (group + 1) * shelves + 1]
+        depth = self._by_shelf(edges, pair, other, local)
+        out[point[depth < 0.0]] = True
+        about = _ABOUT * self.off[self.rows.owner[other]]
+        close = np.flatnonzero((depth >= 0.0) & (depth <= about) & pairs.lower[pair])
+        if len(close):
+            pair, point, other = pair[close], point[close], other[close]
+            behind = [local[k][close] + pairs.step[k][pair] for k in range(3)]
+            out[point[self._by_shelf(edges, pair, other, behind) < 0.0]] = True
+
+    def _by_shelf(self, edges: np.ndarray, pair: np.ndarray, other: np.ndarray, local) -> np.ndarray:
+        """Depths of points in the rows of pairs, which are sorted by shelf."""
+        depth = np.empty(len(pair))
+        cuts = np.searchsorted(pair, edges)
+        for shelf in range(len(edges) - 1):
+            part = slice(int(cuts[shelf]), int(cuts[shelf + 1]))
+            if part.start < part.stop:
+                depth[part] = self._depth(shelf, other[part], [x[part] for x in local])
+        return depth
+
+    def bent_hidden(self, cell: np.ndarray, position: Coordinates, normal: Coordinates) -> np.ndarray:
+        """(m,) bool: which points on bent cells are hidden; positions and normals in the frames of their objects."""
+        out = np.zeros(len(cell), dtype=bool)
+        first = np.searchsorted(self.bent_cell, cell)
+        count = np.searchsorted(self.bent_cell, cell, side="right") - first
+        ends = np.cumsum(count)
+        cuts = np.searchsorted(ends, np.arange(_PAIRS, int(ends[-1]) if len(ends) else 0, _PAIRS))
+        off = self.off[self.cells.owner[cell]]
+        outer = [p + off * n for p, n in zip(position, normal, strict=True)]
+        for part in np.split(np.arange(len(cell)), cuts):
+            point = np.repeat(part, count[part])
+            other = self.bent_other[runs(first[part], count[part])]
+            depth = self._everywhere(other, [x[point] for x in outer])
+            out[point[depth < 0.0]] = True
+            lower = self.rows.rank[other] < self.rows.rank[self.cells.row[cell[point]]]
+            close = (depth >= 0.0) & (depth <= _ABOUT * off[point]) & lower
+            point, other = point[close], other[close]
+            inner = [(p - off * n)[point] for p, n in zip(position, normal, strict=True)]
+            out[point[self._everywhere(other, inner) < 0.0]] = True
+        return out
+
+    def _everywhere(self, other: np.ndarray, point) -> np.ndarray:
+        """Depths of points of objects in rows; inf where a point is out of the row's box."""
+        depth = np.full(len(other), np.inf)
+        reach = _REACH * self.off[self.rows.owner[other]]
+        local = to_local(self.cells.poses, other, point)
+        near = np.ones(len(other), dtype=bool)
+        for axis in range(3):
+            near &= local[axis] >= self.low[axis][other] - reach
+            near &= local[axis] <= self.high[axis][other] + reach
+        for shelf, made in enumerate(self.rows.shelves):
+            mine = np.flatnonzero(near & (other >= made.start) & (other < made.stop))
+            if len(mine):
+                depth[mine] = self._depth(shelf, other[mine], [x[mine] for x in local])
+        return depth
 
 
 def _row_pairs(rows: Block, off: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -138,67 +339,3 @@ def _row_pairs(rows: Block, off: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         which, one, two = np.nonzero(meet)
         found.append((member[which, one], member[which, two]))
     return np.concatenate([a for a, _ in found]), np.concatenate([b for _, b in found])
-
-
-def _cell_bounds(rows: Block, cells: Cells) -> tuple[np.ndarray, np.ndarray]:
-    """Boxes (C, 3) of cells in the frames of their objects."""
-    low, high = np.empty((len(cells.row), 3)), np.empty((len(cells.row), 3))
-    for shelf in rows.shelves:
-        at = np.flatnonzero((cells.row >= shelf.start) & (cells.row < shelf.stop))
-        whole = bounds(shelf.primitive, shelf.params)
-        lows, highs = patch_bounds(shelf.primitive, shelf.params, *whole)
-        row, patch = cells.row[at] - shelf.start, cells.patch[at]
-        poses = (rows.rotation, rows.translation, rows.mirror)
-        low[at], high[at] = placed_bounds(poses, cells.row[at], lows[row, patch], highs[row, patch])
-    return low, high
-
-
-def hidden(
-    rows: Block, near: list[Occluders], cell: np.ndarray, own: np.ndarray, position, normal, off: np.ndarray
-) -> np.ndarray:
-    """(m,) bool: which points are hidden.
-
-    ``cell`` (m,) and ``own`` (m,) give the cell and the row of each point, ``position`` and ``normal`` three arrays
-    (m,) each in the object's frame, ``off`` (m,) the distance at which to ask.
-    """
-    out = np.zeros(len(cell), dtype=bool)
-    outer = [p + off * n for p, n in zip(position, normal, strict=True)]
-    for group in near:
-        counts = group.start[cell + 1] - group.start[cell]
-        asked = np.flatnonzero(counts)
-        ends = np.cumsum(counts[asked])
-        cuts = np.searchsorted(ends, np.arange(_PAIRS, int(ends[-1]) if len(ends) else 0, _PAIRS))
-        for part in np.split(asked, cuts):
-            out[_hiding(rows, group, cell, own, part, counts[part], position, normal, outer, off)] = True
-    return out
-
-
-def _hiding(
-    rows: Block, group: Occluders, cell: np.ndarray, own: np.ndarray, asked: np.ndarray, counts: np.ndarray,
-    position, normal, outer, off: np.ndarray,
-) -> np.ndarray:  # fmt: skip
-    """Which of the points ``asked`` (indices), with ``counts`` occluders each, are hidden by one of this group."""
-    poses = (rows.rotation, rows.translation, rows.mirror)
-    point = np.repeat(asked, counts)
-    slot = np.arange(len(point)) - np.repeat(np.cumsum(counts) - counts, counts)
-    other = group.rows[group.start[cell[point]] + slot]
-    for axis in range(3):
-        value, slack = outer[axis][point], off[point]
-        kept = (value >= rows.low[other, axis] - slack) & (value <= rows.high[other, axis] + slack)
-        point, other = point[kept], other[kept]
-    if len(point) == 0:
-        return point
-    depth = _inside(group, poses, other, [c[point] for c in outer])
-    within = point[depth < 0.0]
-    close = (depth >= 0.0) & (depth <= _ABOUT * off[point]) & (rows.rank[other] < rows.rank[own[point]])
-    point, other = point[close], other[close]
-    inner = [p[point] - off[point] * n[point] for p, n in zip(position, normal, strict=True)]
-    return np.concatenate([within, point[_inside(group, poses, other, inner) < 0.0]])
-
-
-def _inside(group: Occluders, poses, other: np.ndarray, point) -> np.ndarray:
-    """(m,) the inside functions of rows ``other`` at points of their objects."""
-    row = other - group.shelf.start
-    local = to_local(poses, other, point)
-    value = group.inside.points([r[row] for r in group.values], *local)[0]
-    return np.broadcast_to(value, row.shape)

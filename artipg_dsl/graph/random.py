@@ -89,6 +89,32 @@ def pair(key: Key, address: ArrayLike, lane: ArrayLike = 0, attempt: ArrayLike =
     return _unit(words[0], words[1]), _unit(words[2], words[3])
 
 
+def coarse_pair(
+    key: Key, address: ArrayLike, lane: np.ndarray, attempt: ArrayLike = 0
+) -> tuple[np.ndarray, np.ndarray]:
+    """Two independent numbers in (0, 1) of 32 random bits each; lanes 2 j and 2 j + 1 share one function value."""
+    lane = np.asarray(lane)
+    words = _split(key, address, lane >> 1, attempt)
+    odd = (lane & 1).astype(bool)
+    return _coarse(np.where(odd, words[2], words[0])), _coarse(np.where(odd, words[3], words[1]))
+
+
+def coarse_pairs(key: Key, address: np.ndarray, count: np.ndarray, attempt: int) -> tuple[np.ndarray, np.ndarray]:
+    """``coarse_pair`` of the lanes 0 .. count[k] - 1 of each address, one address after the other; counts are even."""
+    half = count // 2
+    owner = np.repeat(np.arange(len(half)), half)
+    lane = np.arange(len(owner)) - np.repeat(np.cumsum(half) - half, half)
+    words = _split(key, np.asarray(address, dtype=np.uint64)[owner], lane, attempt)
+    u, v = np.empty(2 * len(owner)), np.empty(2 * len(owner))
+    u[0::2], v[0::2], u[1::2], v[1::2] = (_coarse(word) for word in words)
+    return u, v
+
+
+def _coarse(word: np.ndarray) -> np.ndarray:
+    """Odd multiples of 2 ** -33."""
+    return (word + 0.5) * 2.0**-32
+
+
 def _scramble(value: np.ndarray) -> np.ndarray:
     """The finaliser of splitmix64: a bijection on 64 bits."""
     value = (value ^ (value >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)

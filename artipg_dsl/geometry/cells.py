@@ -1,0 +1,151 @@
+"""Cells: the patches of all rows of a block, placed in the frames of their objects.
+
+A cell stands for one patch of one row, whether it exists or not (its area is then 0). Cells are sorted by object, rank
+of the row and patch, so that the points on them are the points of an object in order.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .block import Block, Shelf, placed_bounds, to_object
+from .density import Placement
+from .flat import BENT, PLANAR, quads, shapes
+from .patches import existing, surfaces
+from .surface import Evaluator
+from .topology import orientation
+
+Coordinates = tuple[np.ndarray, np.ndarray, np.ndarray]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Bent:
+    """The cells of one patch that is not flat: those of all rows of a shelf."""
+
+    shelf: Shelf
+    patch: int
+    cell: np.ndarray  # (k,)
+    evaluator: Evaluator
+
+
+class Cells:
+    """The cells of a block. Vectors are three arrays (C,) in the frames of the objects.
+
+    ``origin``, ``a``, ``b``, ``c`` give the quad of a flat cell; ``shape`` tells which are flat.
+    """
+
+    def __init__(self, rows: Block):
+        self.rows = rows
+        self.poses = (rows.rotation, rows.translation, rows.mirror)
+        patches = np.concatenate(
+            [np.empty(0, np.int64), *(np.full(s.stop - s.start, len(surfaces(s.primitive))) for s in rows.shelves)]
+        )
+        order = np.argsort(rows.rank)
+        counts = patches[order]
+        first = np.cumsum(counts) - counts
+        self.first = first[rows.rank]  # (R,) the first cell of each row
+        self.row = np.repeat(order, counts)
+        self.patch = np.arange(len(self.row)) - np.repeat(first, counts)
+        self.owner = rows.owner[self.row]
+        self.start = np.searchsorted(self.owner, np.arange(rows.objects + 1))  # of the cells of each object
+        size = len(self.row)
+        self.shape = np.full(size, BENT, dtype=np.int8)
+        self.origin, self.a, self.b, self.c, self.normal = (np.zeros((3, size)) for _ in range(5))
+        self.element = np.zeros((3, size))  # of a flat cell at (0, 0), and its growth along u and along v
+        self.exists = np.ones(size, dtype=bool)
+        for shelf in rows.shelves:
+            self._place_flat(shelf)
+        self._complete_flat()
+        self.bent = [b for shelf in rows.shelves for b in self._bent(shelf)]
+
+    def _place_flat(self, shelf: Shelf) -> None:
+        """Quads of one shelf, turned into the frames of the objects."""
+        numbers, own = quads(shelf.primitive, shelf.params)
+        flat = np.array(numbers, dtype=np.int64)
+        part = slice(shelf.start, shelf.stop)
+        cell = (self.first[part] + flat[:, None]).ravel()
+        self.shape[cell] = np.repeat(shapes(shelf.primitive)[flat], shelf.stop - shelf.start)
+        rotation, translation, mirror = (p[..., part] for p in self.poses)
+        y = own[:, 1] * mirror
+        for axis in range(3):
+            p, q, r = rotation[3 * axis], rotation[3 * axis + 1], rotation[3 * axis + 2]
+            placed = p * own[:, 0] + q * y + r * own[:, 2]
+            self.origin[axis, cell] = (placed[0] + translation[axis]).ravel()
+            self.a[axis, cell], self.b[axis, cell], self.c[axis, cell] = (placed[k].ravel() for k in (1, 2, 3))
+        sign = mirror * orientation(shelf.primitive)[flat][:, None]
+        self.normal[0, cell] = sign.ravel()
+        if any(s.guard is not None for s in surfaces(shelf.primitive)):
+            here = self.first[part, None] + np.arange(len(surfaces(shelf.primitive)))
+            self.exists[here] = existing(shelf.primitive, shelf.params)
+
+    def _complete_flat(self) -> None:
+        """Normals and areas of the flat cells from their quads."""
+        a, b, c, sign = self.a, self.b, self.c, self.normal[0]
+        planar = np.flatnonzero(self.shape == PLANAR)
+        cross = _cross(a, b)
+        along_u, along_v = _cross(a[:, planar], c[:, planar]), _cross(c[:, planar], b[:, planar])
+        middle = [x.copy() for x in cross]
+        for axis in range(3):
+            middle[axis][planar] += along_u[axis] / 2 + along_v[axis] / 2
+        length = np.sqrt(middle[0] * middle[0] + middle[1] * middle[1] + middle[2] * middle[2])
+        unit = 1.0 / np.where(length > 0.0, length, 1.0)
+        normal = np.stack([m * unit for m in middle])
+        self.element[0] = length
+        for k, growth in ((1, along_u), (2, along_v)):
+            self.element[k, planar] = sum(g * n for g, n in zip(growth, normal[:, planar], strict=True))
+        self.element[0, planar] -= self.element[1, planar] / 2 + self.element[2, planar] / 2
+        self.area = np.where(self.exists, length, 0.0)
+        self.normal = normal * sign
+
+    def _bent(self, shelf: Shelf) -> list[Bent]:
+        found = []
+        for patch in np.flatnonzero(shapes(shelf.primitive) == BENT).tolist():
+            cell = self.first[shelf.start : shelf.stop] + patch
+            found.append(Bent(shelf, patch, cell, Evaluator(shelf.primitive, patch, shelf.params)))
+        return found
+
+    def place_bent(self) -> list[Placement]:
+        """How points fall on the bent cells; their areas are entered."""
+        made = [Placement(bent.shelf.primitive, bent.patch, bent.shelf.params) for bent in self.bent]
+        for bent, placement in zip(self.bent, made, strict=True):
+            self.area[bent.cell] = placement.area
+        return made
+
+    def flat_position(self, cell: np.ndarray, u: np.ndarray, v: np.ndarray) -> Coordinates:
+        """Positions on flat cells at fractions; what it gives on bent ones is void."""
+        out = [self.origin[k][cell] + u * self.a[k][cell] + v * self.b[k][cell] for k in range(3)]
+        planar = np.flatnonzero(self.shape[cell] == PLANAR)
+        if len(planar):
+            both, where = u[planar] * v[planar], cell[planar]
+            for k in range(3):
+                out[k][planar] += both * self.c[k][where]
+        return out[0], out[1], out[2]
+
+    def bent_position(self, bent: Bent, cell: np.ndarray, u: np.ndarray, v: np.ndarray) -> tuple[Coordinates, Coordinates]:
+        """Positions and outward normals at fractions of cells that all belong to ``bent``."""
+        row = self.row[cell]
+        at, normal = bent.evaluator.at(row - bent.shelf.start, u, v)
+        return to_object(self.poses, row, at, True), to_object(self.poses, row, normal, False)
+
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """(3, C) boxes of the cells in the frames of their objects."""
+        from .hidden import patch_bounds
+
+        low, high = np.empty_like(self.origin), np.empty_like(self.origin)
+        for axis in range(3):
+            a, b, c = self.a[axis], self.b[axis], self.c[axis]
+            far = a + b + c
+            low[axis] = self.origin[axis] + np.minimum(np.minimum(a, b), np.minimum(far, 0.0))
+            high[axis] = self.origin[axis] + np.maximum(np.maximum(a, b), np.maximum(far, 0.0))
+        for bent in self.bent:
+            row = np.arange(bent.shelf.start, bent.shelf.stop)
+            own = patch_bounds(bent.shelf.primitive, bent.patch, bent.shelf.params)
+            placed = (self.rows.low[row], self.rows.high[row]) if own is None else placed_bounds(self.poses, row, *own)
+            low[:, bent.cell], high[:, bent.cell] = placed[0].T, placed[1].T
+        return low, high
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> list[np.ndarray]:
+    return [a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3] for k in range(3)]

@@ -1,0 +1,97 @@
+"""Which patches are flat, told when the primitive is compiled: most of what is sampled needs no formula per point.
+
+A flat patch is the quad ``origin + u a + v b + u v c`` in one plane; where ``c`` is nought it is a parallelogram.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from ..graph.derive import derive
+from ..graph.expr import ONE, ZERO, Expr, substitute
+from ..graph.primitive import Primitive
+from .patches import U, V, Params, evaluate_rows, existing, grid, position_split, rows_of, surfaces
+from .topology import shown
+from .trial import trial
+
+PARALLEL, PLANAR, BENT = 0, 1, 2  # a parallelogram, another flat quad, anything else
+_TOLERANCE = 1e-9
+_ENDS = np.array([0.0, 0.5, 1.0])
+_INNER = np.array([0.02, 0.3, 0.7, 0.98])
+_PAIRS = 512  # pairs of surface points whose middles are asked, per test value
+
+
+@lru_cache(maxsize=512)
+def shapes(primitive: Primitive) -> np.ndarray:
+    """(patches,) int8: PARALLEL, PLANAR or BENT."""
+    return np.array([_shape(primitive, patch) for patch in range(len(surfaces(primitive)))], dtype=np.int8)
+
+
+def _shape(primitive: Primitive, patch: int) -> int:
+    surface = surfaces(primitive)[patch]
+    du, dv = surface.tangents
+    if any(derive(e, "u") is not ZERO for e in du) or any(derive(e, "v") is not ZERO for e in dv):
+        return BENT
+    places = grid(position_split(primitive, patch), shown(primitive, patch), *np.meshgrid(_ENDS, _ENDS, indexing="ij"))
+    corners = [places[:, i, j] for i in (0, -1) for j in (0, -1)]  # at (0, 0), (0, 1), (1, 0), (1, 1)
+    a, b = corners[2] - corners[0], corners[1] - corners[0]
+    c = corners[3] - corners[2] - corners[1] + corners[0]
+    size = np.abs(places - places[:, :1, :1]).max(axis=(1, 2, 3))
+    # the twist of a patch that is bilinear lies in its one mixed term: no part of it may leave the plane of the rest
+    twist = (np.cross(a, b) * c).sum(axis=1)
+    at_middle = places[:, 1, 1] - (corners[0] + a / 2 + b / 2 + c / 4)
+    if (np.abs(twist) > _TOLERANCE * size**3).any() or (np.abs(at_middle).max(axis=1) > _TOLERANCE * size).any():
+        return BENT
+    return PARALLEL if all(derive(e, "v") is ZERO for e in du) else PLANAR
+
+
+@lru_cache(maxsize=512)
+def _corner_formulas(primitive: Primitive) -> tuple[tuple[int, ...], tuple[Expr, ...]]:
+    """The flat patches, and the coordinates of their corners (0, 0), (1, 0), (0, 1), (1, 1) as formulas."""
+    flat = tuple(int(p) for p in np.flatnonzero(shapes(primitive) != BENT))
+    ends = [{U: u, V: v} for v in (ZERO, ONE) for u in (ZERO, ONE)]
+    every = surfaces(primitive)
+    return flat, tuple(substitute(every[p].position[axis], end) for end in ends for axis in range(3) for p in flat)
+
+
+def quads(primitive: Primitive, params: Params) -> tuple[tuple[int, ...], np.ndarray]:
+    """The flat patches, and (4, 3, flat patches, k): origin, a, b and c in the own frames of the instances."""
+    flat, formulas = _corner_formulas(primitive)
+    if not flat:
+        return flat, np.empty((4, 3, 0, rows_of(params)))
+    values = evaluate_rows(primitive, formulas, params)
+    corner = values.reshape(4, 3, len(flat), values.shape[1])
+    out = np.empty_like(corner)
+    out[0] = corner[0]
+    out[1] = corner[1] - corner[0]
+    out[2] = corner[2] - corner[0]
+    out[3] = corner[3] - corner[2] - out[1]
+    out[3][:, shapes(primitive)[list(flat)] == PARALLEL] = 0.0
+    return flat, out
+
+
+@lru_cache(maxsize=512)
+def convex(primitive: Primitive) -> bool:
+    """Whether the solid is convex: it declares no pieces, and points between its surface points never lie outside."""
+    if primitive.pieces:
+        return False
+    from .hidden import inside_split
+
+    params = trial(primitive)
+    there = existing(primitive, params)
+    u, v = (a.ravel() for a in np.meshgrid(_INNER, _INNER, indexing="ij"))
+    every = [grid(position_split(primitive, patch), params, u, v) for patch in range(there.shape[1])]
+    split = inside_split(primitive)
+    rows = split.rows(params)
+    for row in range(len(there)):
+        points = np.concatenate([every[patch][row] for patch in np.flatnonzero(there[row])])
+        size = (points.max(axis=0) - points.min(axis=0)).max()
+        first = np.arange(_PAIRS) * 7919 % len(points)
+        second = np.arange(_PAIRS) * 104729 // 7 % len(points)
+        middle = (points[first] + points[second]) / 2
+        value = split.points([r[row] for r in rows], *middle.T)[0]
+        if (value > _TOLERANCE * size).any():
+            return False
+    return True
