@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -28,12 +29,16 @@ class Labels:
     fields: dict[str, np.ndarray]
 
 
-def label_points(reader: Reader, sites: list[SiteTable], points: PointSet) -> Labels:
+def label_points(
+    reader: Reader, sites: list[SiteTable], points: PointSet, labels: Sequence[Label] | None = None
+) -> Labels:
     """Labels of points at joint values 0, where ``points.position`` and ``normal`` are in the object's frame.
 
     ``Program.labels`` run from the outer targets to the inner ones. Within one vocabulary the deepest label that holds
     at a point wins; those of one depth unite (in ``semantic``, which has one word per point, the later wins).
+    ``labels``: those of whole vocabularies that are wanted, all by default.
     """
+    labels = reader.program.labels if labels is None else labels
     tables = {table.number: table for table in sites}
     rows, flat_site = np.asarray(points.row).ravel(), np.asarray(points.site).ravel()
     order = np.argsort(flat_site, kind="stable")
@@ -44,10 +49,10 @@ def label_points(reader: Reader, sites: list[SiteTable], points: PointSet) -> La
     for number, table in tables.items():
         semantic[chosen[number]] = table.semantic[rows[chosen[number]]]
 
-    fields = empty_fields(reader, flat_site.shape)
-    levels = {label.vocabulary: np.full(flat_site.shape, -1, dtype=np.int64) for label in reader.program.labels}
+    fields = empty_fields(labels, flat_site.shape)
+    levels = {label.vocabulary: np.full(flat_site.shape, -1, dtype=np.int64) for label in labels}
     classes = {name: i for i, name in enumerate(reader.program.vocabularies.get("semantic", ()))}
-    for label in reader.program.labels:
+    for label in labels:
         for target in label.targets:
             if target.site not in tables:
                 continue
@@ -79,7 +84,7 @@ def field_name(label: Label) -> str:
     return f"{label.vocabulary}.{label.name}"
 
 
-def field_kinds(labels: list[Label]) -> dict[str, str]:
+def field_kinds(labels: Sequence[Label]) -> dict[str, str]:
     """The kind of each label array but ``semantic``: "mask" (bool), "grade" (0 .. 1) or "field", in the order of names.
 
     A name is a mask only if all its labels are predicates.
@@ -99,11 +104,11 @@ def is_predicate(label: Label) -> bool:
     return value.op in ("lt", "le", "eq", "and", "or", "not") or isinstance(value.value, bool)
 
 
-def empty_fields(reader: Reader, shape: tuple[int, ...]) -> dict[str, np.ndarray]:
+def empty_fields(labels: Sequence[Label], shape: tuple[int, ...]) -> dict[str, np.ndarray]:
     empty = {"mask": (False, bool), "grade": (0.0, np.float64), "field": (np.nan, np.float64)}
     return {
         name: np.full(shape, empty[kind][0], dtype=empty[kind][1])
-        for name, kind in field_kinds(reader.program.labels).items()
+        for name, kind in field_kinds(labels).items()
     }
 
 

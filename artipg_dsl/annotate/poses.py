@@ -15,6 +15,7 @@ from .frames import compose, quaternion, rotate, unrotate
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
+    from ..runtime.tables import PartTable
 
 AXES = "xyz"
 
@@ -38,10 +39,17 @@ def part_poses(batch: Batch, states: np.ndarray | None = None) -> PartPoses:
     turn, shift = batch.pose(states)
     rotation = compose(turn[link], parts.rotation)
     size = parts.high - parts.low
-    middle = rotate(parts.rotation, (parts.high + parts.low) / 2) + parts.translation
-    center = rotate(turn[link], middle) + shift[link]
-    scale = np.sqrt(size[:, 0] ** 2 + size[:, 1] ** 2 + size[:, 2] ** 2)
-    return PartPoses(rotation, quaternion(rotation), center, size, scale)
+    center = rotate(turn[link], middles(parts)) + shift[link]
+    return PartPoses(rotation, quaternion(rotation), center, size, diagonal(size))
+
+
+def middles(parts: PartTable) -> np.ndarray:
+    """Centres (P, 3) of the boxes of parts at joint values 0."""
+    return rotate(parts.rotation, (parts.high + parts.low) / 2) + parts.translation
+
+
+def diagonal(size: np.ndarray) -> np.ndarray:
+    return np.sqrt(size[:, 0] ** 2 + size[:, 1] ** 2 + size[:, 2] ** 2)
 
 
 def normalised(poses: PartPoses, part: np.ndarray, points: np.ndarray) -> np.ndarray:

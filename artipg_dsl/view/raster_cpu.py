@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..geometry.rays import cover
 from .camera import Camera, Lights
 from .deferred import Hits, Rays, draw
 from .raster_gl import light_matrices
 from .scene import Scene
 
 MAP = 112  # pixels of one shadow map
-BLOCK = 1_500_000  # candidates (triangle, pixel) looked at together
 
 
 class Renderer:
@@ -104,37 +104,11 @@ def barycentric(triangle: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarra
 def rasterise(triangle: np.ndarray, nearness: np.ndarray, edge: int) -> tuple[np.ndarray, np.ndarray]:
     """Nearest triangle at each pixel of an ``edge`` x ``edge`` picture: its number (-1: none) and its nearness.
 
-    ``triangle`` (T, 3, 2) in pixels, ``nearness`` (T, 3) > 0 and linear over the picture. All pixels of all bounding
-    boxes are tried at once; the winner of a pixel is found by a maximum over keys of nearness and number.
+    ``triangle`` (T, 3, 2) in pixels, ``nearness`` (T, 3) > 0 and linear over the picture.
     """
     low = np.clip(np.ceil(triangle.min(axis=1) - 0.5), 0, edge).astype(np.int64)
     high = np.clip(np.floor(triangle.max(axis=1) - 0.5) + 1, 0, edge).astype(np.int64)
-    size = np.maximum(high - low, 0)
-    count = size[:, 0] * size[:, 1]
-    plane = planes(triangle, nearness)
-    keys = np.zeros(edge * edge, dtype=np.uint64)
-    ends = np.cumsum(count)
-    start = 0
-    while start < len(triangle):
-        before = int(ends[start] - count[start])
-        stop = max(start + 1, int(np.searchsorted(ends, before + BLOCK, side="right")))
-        number = np.repeat(np.arange(start, stop), count[start:stop])
-        within = np.arange(len(number)) - (ends - count)[number] + before
-        width = np.maximum(size[number, 0], 1)
-        x, y = low[number, 0] + within % width, low[number, 1] + within // width
-        p = plane[number]
-        keep = np.arange(len(number))
-        for side in range(3):  # each edge looks only at what the ones before have left
-            p, i, j = plane[number[keep], side], x[keep], y[keep]
-            keep = keep[p[:, 0] * i + p[:, 1] * j + p[:, 2] >= 0]
-        p, i, j, number = plane[number[keep], 3], x[keep], y[keep], number[keep]
-        near = np.maximum(p[:, 0] * i + p[:, 1] * j + p[:, 2], 1e-9).astype(np.float32).view(np.uint32)
-        key = (near.astype(np.uint64) << np.uint64(32)) | (number + 1).astype(np.uint64)
-        np.maximum.at(keys, j * edge + i, key)
-        start = stop
-    found = (keys & np.uint64(0xFFFFFFFF)).astype(np.int64) - 1
-    near = (keys >> np.uint64(32)).astype(np.uint32).view(np.float32).astype(np.float64)
-    return found.reshape(edge, edge), near.reshape(edge, edge)
+    return cover(planes(triangle, nearness), low, high, edge, edge)
 
 
 def planes(triangle: np.ndarray, nearness: np.ndarray) -> np.ndarray:
