@@ -1,0 +1,128 @@
+"""The Python interface."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import artipg_dsl as apg
+from artipg_dsl.diagnostics import CompileError
+from artipg_dsl.errors import NoObject, SettingError, UsageError, UserError
+
+CHEST = Path(__file__).parent / "cli" / "programs" / "chest.apg"
+
+
+@pytest.fixture(scope="module")
+def chests() -> apg.Samples:
+    return apg.sample(CHEST, n=12, seed=7)
+
+
+def test_values_by_name(chests: apg.Samples) -> None:
+    assert len(chests) == 12 and repr(chests) == "<Chest: 12 objects, seed 7>"
+    assert chests["width"].shape == (12,) and ((chests["width"] >= 0.3) & (chests["width"] <= 0.6)).all()
+    assert set(chests["wood"]) <= {"oak", "pine"} and set(chests["knobs"]) <= {1, 2, 3}
+    with pytest.raises(KeyError):
+        chests["wdith"]
+
+
+def test_an_object_is_one_of_the_samples(chests: apg.Samples) -> None:
+    chest = chests.object(7)
+    assert chest.number == 7 and chest.drawn["width"] == chests["width"][7]
+    assert chest.annotation == chests.annotations()[7]
+    assert chest.points(16).position.tobytes() == chests.points(16).position[7].tobytes()
+    assert chests.object(5000).drawn["width"] == apg.sample(CHEST, numbers=[5000], seed=7)["width"][0]
+
+
+def test_values_are_set_with_units_or_in_si() -> None:
+    a = apg.sample(CHEST, n=3, set={"width": "45cm", "wood": "pine", "knobs": 2})
+    b = apg.sample(CHEST, n=3, set={"width": 0.45, "wood": "pine", "knobs": "2"})
+    assert (a["width"] == 0.45).all() and (a["wood"] == "pine").all()
+    assert a.points(8).position.tobytes() == b.points(8).position.tobytes()
+
+
+@pytest.mark.parametrize(
+    "fixed", [{"width": 45}, {"width": True}, {"wood": 1}, {"knobs": 2.5}, {"width": "45"}, {"?": 1}]
+)
+def test_wrong_settings(fixed: dict) -> None:
+    with pytest.raises(SettingError):
+        apg.sample(CHEST, set=fixed)
+
+
+def test_wrong_numbers() -> None:
+    for arguments in ({"n": 0}, {"n": -1}, {"numbers": []}, {"numbers": [-1]}, {"n": 2, "numbers": [1]}):
+        with pytest.raises(UsageError):
+            apg.sample(CHEST, **arguments)
+
+
+def test_what_cannot_be_made() -> None:
+    with pytest.raises(CompileError, match="did you mean `Microwave`"):
+        apg.sample("Microvave")
+    with pytest.raises(NoObject, match="no room is left"):
+        apg.sample(CHEST, set={"width": "30cm", "height": "40cm"})
+
+
+def test_a_program_as_text() -> None:
+    text = "apg 1\nuse primitives { Cuboid }\ncategory Brick { root part body : Cuboid(size = [10cm, 20cm, 6cm]) }\n"
+    brick = apg.load(text)
+    assert brick.category == "Brick"
+    assert np.allclose(brick.meshes()[0].extents, [0.1, 0.2, 0.06])
+    with pytest.raises(CompileError, match="Cuboidd"):
+        apg.load(text.replace(": Cuboid", ": Cuboidd"))
+
+
+def test_tables_share_owners(chests: apg.Samples) -> None:
+    links, joints, parts = chests.links(), chests.joints(), chests.parts()
+    assert (np.bincount(links.owner) == 2).all() and (np.bincount(joints.owner) == 1).all()
+    assert (np.bincount(parts.owner) == 2 + chests["knobs"]).all()
+
+
+def test_points_follow_the_joints(chests: apg.Samples) -> None:
+    rest, opened = chests.points(128), chests.points(128, chests.states(open=1.0))
+    lid = rest.link == 1
+    assert lid.any() and not lid.all()
+    assert np.array_equal(rest.position[~lid], opened.position[~lid])
+    assert np.array_equal(rest.semantic, opened.semantic) and np.array_equal(rest.u, opened.u)
+    turned = np.sum(rest.normal[lid] * opened.normal[lid], axis=-1)
+    across = np.abs(rest.normal[lid][:, 1]) < 0.5
+    assert np.allclose(turned[across], np.cos(1.0)) and np.allclose(turned[~across], 1.0)
+    with pytest.raises(UserError, match="its joints are open"):
+        chests.states(shut=1.0)
+
+
+def test_meshes_are_closed_and_where_the_points_are(chests: apg.Samples) -> None:
+    states = chests.opened()
+    points = chests.points(64, states)
+    for i, scene in enumerate(chests.meshes(states)):
+        assert all(mesh.is_watertight and mesh.volume > 0 for mesh in scene.geometry.values())
+        low, high = scene.bounds
+        assert (points.position[i] >= low - 1e-9).all() and (points.position[i] <= high + 1e-9).all()
+    assert {"trunk", "lid"} <= set(scene.geometry)
+    assert scene.geometry["lid"].metadata["link"] == "lid"
+
+
+def test_files(chests: apg.Samples, tmp_path: Path) -> None:
+    few = apg.sample(CHEST, numbers=[3, 8], seed=7)
+    urdf, glb = few.to_urdf(tmp_path / "u"), few.to_glb(tmp_path / "g")
+    assert [path.parent.name for path in urdf] == ["000003", "000008"] and all(p.exists() for p in [*urdf, *glb])
+    assert few.to(tmp_path / "d", "points", points=32) == tmp_path / "d"
+    again = apg.open_samples(tmp_path / "d")
+    assert again.numbers.tolist() == [3, 8] and again["width"].tolist() == few["width"].tolist()
+    with np.load(tmp_path / "d" / "points-00000.npz") as arrays:
+        assert arrays["points"].tobytes() == chests.points(32).position[[3, 8]].astype(np.float32).tobytes()
+
+
+def test_a_notebook_shows_objects(chests: apg.Samples, tmp_path: Path) -> None:
+    png = chests._repr_png_()
+    assert png[:8] == b"\x89PNG\r\n\x1a\n" and struct.unpack(">II", png[16:24])[0] % 220 == 0
+    html = chests._repr_html_()
+    assert "data:image/png;base64," in html and "Chest: 12 objects, seed 7, the first 8 shown" in html
+    assert chests.object(2).sheet(tmp_path / "s.png", tile=48).read_bytes()[:4] == b"\x89PNG"
+
+
+def test_grasps_and_keypoints_of_the_microwave() -> None:
+    oven = apg.sample("Microwave", n=1, seed=7, set={"handle": "BarHandle"})
+    assert set(oven.grasps(3).name) == {"pull_handle"} and len(oven.grasps(3).t) == 3
+    assert "door_corner" in oven.keypoints().name

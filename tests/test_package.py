@@ -1,0 +1,80 @@
+"""The package from outside: what importing it loads, and that a built wheel works alone."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import venv
+from pathlib import Path
+
+import pytest
+
+import artipg_dsl
+
+ROOT = Path(__file__).parents[1]
+HEAVY = {"trimesh", "scipy", "lark", "jinja2", "numpy"}
+
+
+def loaded_after(code: str) -> set[str]:
+    """The top-level modules that are loaded in a fresh process after ``code``."""
+    code += "\nimport sys; print('loaded', *{name.split('.')[0] for name in sys.modules})"
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return set(done.stdout.splitlines()[-1].split()[1:])
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "import artipg_dsl; artipg_dsl.__version__; dir(artipg_dsl)",
+        "from artipg_dsl.cli.main import main; main(['--help'])",
+        "from artipg_dsl.cli.main import main; main(['sample', '--help'])",
+        "from artipg_dsl.cli.main import main; main(['--version'])",
+    ],
+)
+def test_importing_and_asking_for_help_load_nothing_heavy(code: str) -> None:
+    assert not loaded_after(code) & HEAVY
+
+
+def test_sampling_tables_loads_no_mesh_library() -> None:
+    found = loaded_after("import artipg_dsl; artipg_dsl.sample('Microwave', n=2)['width']")
+    assert "numpy" in found and not found & {"trimesh", "jinja2", "moderngl"}
+
+
+def test_the_public_names_exist() -> None:
+    assert set(artipg_dsl.__all__) <= set(dir(artipg_dsl))
+    assert all(getattr(artipg_dsl, name) is not None for name in artipg_dsl.__all__)
+    with pytest.raises(AttributeError, match="nothing"):
+        _ = artipg_dsl.nothing
+
+
+@pytest.mark.slow
+@pytest.mark.skipif("ARTIPG_TEST_WHEEL" not in os.environ, reason="fetches packages; set ARTIPG_TEST_WHEEL=1")
+def test_a_wheel_in_an_empty_environment_samples(tmp_path: Path) -> None:
+    clean = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
+
+    def run(*command: object) -> str:
+        done = subprocess.run(
+            [*map(str, command)], cwd=tmp_path, env=clean, capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    source = tmp_path / "source"
+    run("git", "clone", "-q", ROOT, source)
+    run(sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "-w", tmp_path / "wheel", source)
+    venv.create(tmp_path / "venv", with_pip=True)
+    programs = tmp_path / "venv" / ("Scripts" if os.name == "nt" else "bin")
+    run(programs / "python", "-m", "pip", "install", "-q", *(tmp_path / "wheel").glob("*.whl"))
+    assert run(programs / "apgc", "--version") == f"apgc {artipg_dsl.__version__}\n"
+    run(programs / "apgc", "sample", "Microwave", "-n", 3, "--points", 64, "--format", "points,urdf,glb", "-o", "out")
+    assert (tmp_path / "out" / "objects" / "000002" / "object.urdf").exists()
+    assert "site-packages" in run(programs / "python", "-c", "import artipg_dsl; print(artipg_dsl.__file__)")
+    run(programs / "apgc", "compile", "Microwave", "-o", "microwave.apgc")
+    run(programs / "apgc", "sample", "microwave.apgc", "-n", 1, "--points", 64, "-o", "again")
