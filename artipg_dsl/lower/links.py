@@ -224,7 +224,7 @@ class Links:
         name = part.path if statement.name in ("motion", "") else joint_name(env, statement)
         joint = Joint(
             joint_name(env, statement), name, program.links[child].scope, kind, parents, child,
-            place(outer, origin), normalized(direct(outer, axis)), low, high, rest, mimic, where=where(statement.span),
+            place(outer, origin), carried_axis(outer, axis, kind), low, high, rest, mimic, where=where(statement.span),
             before=attachment.before, **physics,
         )  # fmt: skip
         self.joints[child] = len(program.joints)
@@ -285,6 +285,12 @@ class Links:
         raise self.context.error(
             "bad-axis", clause.span, "this is no axis", hint="an edge (door.left.back), a port of kind line, line(...), or a direction"
         )
+
+
+def carried_axis(outer: Pose, axis: Triple, kind: str) -> Triple:
+    """An axis in the object's frame; an axis of rotation is a pseudo-vector, which a mirror turns round once more."""
+    carried = normalized(direct(outer, axis))
+    return tuple(E.mul(outer.mirror, c) for c in carried) if kind in MOVING_ABOUT else carried  # type: ignore[return-value]
 
 
 def joint_name(env: Env, statement: ast.JointDecl) -> str:

@@ -6,7 +6,9 @@ from collections.abc import Callable
 
 from ..graph import expr as E
 from ..graph.expr import Expr, Scope
+from ..graph.program import Requirement
 from ..syntax import ast
+from .context import where
 from .env import Element, Env
 from .evaluate import Evaluator
 from .repeat import axis_of, clause, scalar
@@ -34,6 +36,7 @@ def split(
     else:
         low, high = (outer.scalar(v) for v in limits.values)
         size = limited(scope, room, weight, element.count, low, high)
+        bound_count(inner, element, statement, room, low, high)
     if size.scope is scope:
         before = E.scan(scope, size)
     else:
@@ -46,6 +49,21 @@ def split(
     gap_low[axis], gap_high[axis] = E.sub(start, gap), start
     present = E.negate(E.call("eq", E.rank(scope), E.ZERO))
     element.gap = Box(tuple(gap_low), tuple(gap_high), on=box.on, exists=present)  # type: ignore[arg-type]
+
+
+def bound_count(inner: Env, element: Element, statement: ast.RepeatStmt, room: Expr, low: Expr, high: Expr) -> None:
+    """So many elements that each has room for its least size and all together fill the box."""
+    outer = inner.outer
+    assert outer is not None
+    for sides, message in (
+        ((E.mul(element.count, low), room), f"too many elements of `{element.name}` for the room there is"),
+        ((room, E.mul(element.count, high)), f"too few elements of `{element.name}` to fill the room there is"),
+    ):
+        holds = E.call("le", *sides)
+        if holds is not E.TRUE:
+            outer.context.program.requirements.append(
+                Requirement(outer.scope, holds, E.TRUE, message, where(statement.span), sides, text=f"each of {element.name}")
+            )
 
 
 def total(scope: Scope, value: Expr, count: Expr) -> Expr:
