@@ -13,8 +13,11 @@ from .values import Box, squared, turn
 SMALL = E.const(1e-4)  # the least size of something that equations determine, in metres
 
 
-def default(env: Env, unknown: Unknown, near: list[Equation], *, fresh: bool) -> Expr:
-    """The value where no equation determines an unknown; with ``fresh``, where only some cases do."""
+def default(env: Env, unknown: Unknown, near: list[tuple[Equation, str]], *, fresh: bool) -> Expr:
+    """The value where no equation determines an unknown; with ``fresh``, where only some cases do.
+
+    ``near`` are the equations that name it, each with what it determines instead.
+    """
     context = env.context
     definitions = context.program.definitions
     if unknown.kind == "position":
@@ -26,15 +29,40 @@ def default(env: Env, unknown: Unknown, near: list[Equation], *, fresh: bool) ->
     elif unknown.draw is not None:
         return drawn(env, unknown, unknown.draw, fresh)
     else:
-        hint = "state one more equation (align, fit), give it as an argument, or give it a domain to be drawn from"
-        notes = tuple((q.span, "this names it, but determines something else") for q in near[:3])
-        under = " where no equation under a guard does" if fresh else ""
-        context.error("under-determined", unknown.span, f"nothing determines {unknown.name}{under}", hint=hint, notes=notes)
+        notes = tuple((q.span, f"this names it, but determines {what}") for q, what in near[:3] if what)
+        if fresh:
+            notes = tuple((q.span, "determines it, but under a guard only") for q, _ in near[:3])
+        message = f"nothing determines {degree(unknown)}" + (" where these guards do not hold" if fresh else "")
+        context.error(
+            "under-determined", unknown.span, message, hint=remedy(unknown), notes=notes, trace=tuple(context.trace)
+        )
         value, reason = E.const(0.1), ""
     if not fresh:
         unknown.reason = reason
         definitions[unknown.column] = value
     return value
+
+
+def degree(unknown: Unknown) -> str:
+    """The degree of freedom in words: the size of a part along an axis, or a parameter."""
+    owner, _, axis = unknown.name.strip("`").rpartition(".size.")
+    return f"the size of `{owner}` along {axis} ({unknown.name})" if owner else unknown.name
+
+
+def remedy(unknown: Unknown) -> str:
+    """What to write so that something determines it."""
+    name = unknown.name.strip("`")
+    owner, _, axis = name.rpartition(".size.")
+    if unknown.kind == "derived":
+        return f"state an equation that it follows from (`align ... = {name}`), or drop `derived` and give it a range"
+    if owner:
+        low, high = {"x": ("back", "front"), "y": ("right", "left"), "z": ("bottom", "top")}[axis]
+        return (
+            f"say where its faces lie (`align {owner}.{high} = ...`, `align {owner}.{low} = ...`, or `fit {high}, {low}`),"
+            " or give the size as an argument"
+        )
+    parameter = name.rpartition(".")[2]
+    return f"give it as an argument (`{parameter} = ...`), state an equation that names it, or give it a range (`in a .. b`)"
 
 
 def drawn(env: Env, unknown: Unknown, draw: Draw, fresh: bool) -> Expr:

@@ -323,7 +323,10 @@ def settle_block(block: Block, outcomes: list[Outcome]) -> None:
         equations = list(dict.fromkeys(o.because[column] for o in relevant if column in o.because))
         unknown.reason = "; ".join(q.text for q in equations)
         if open_cases:
-            near = [q for q, names in zip(block.equations, block.incidence, strict=True) if column in names]
+            near = [
+                (q, determined_by(block, outcomes, q))
+                for q, names in zip(block.equations, block.incidence, strict=True) if column in names
+            ]  # fmt: skip
             value = default(env, unknown, near, fresh=bool(solved))
             if not solved:
                 continue
@@ -334,6 +337,12 @@ def settle_block(block: Block, outcomes: list[Outcome]) -> None:
         determining = any_of(c for c, _ in solved if c not in open_cases)
         env.context.program.definitions[column] = closed(env.context, column, chosen(column.scope, solved))
         determined(env, unknown, determining if open_cases or len(relevant) < len(outcomes) else E.TRUE)
+
+
+def determined_by(block: Block, outcomes: list[Outcome], equation: Equation) -> str:
+    """The unknown that an equation determines, in words; empty where it determines none."""
+    chosen = {column for o in outcomes for column, q in o.because.items() if q is equation}
+    return next((u.name for u in block.unknowns if u.column in chosen), "")
 
 
 def any_of(conditions: Iterable[Expr]) -> Expr:
