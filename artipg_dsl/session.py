@@ -116,13 +116,6 @@ class Session:
             )  # fmt: skip
         if lowering is None or self.report.failed:
             raise CompileError(self.report)
-        for span in lowering.context.clearances:
-            self.report.error(
-                "needs-clearance", span, "`clearance` needs collision checks over the range, which sampling does not make",
-                hint="give the end of the range as a formula of the sizes, such as `range 0deg .. 110deg`",
-            )  # fmt: skip
-        if self.report.failed:
-            raise CompileError(self.report)
         lowering.program.hash = lowering.program.hash or digest(lowering.program)
         try:
             return Sampler(lowering.program)

@@ -65,7 +65,7 @@ def source(exprs: Sequence[Expr], names: Sequence[str]) -> str:
 
     results = [emit(e) for e in exprs]
     header = f"def formula({', '.join(mangle(n) for n in names)}):"
-    return "\n".join([header, *lines, f"    return ({', '.join(results)},)"])
+    return "\n".join([header, *lines, f"    return ({''.join(r + ', ' for r in results)})"])
 
 
 def mangle(name: str) -> str:
