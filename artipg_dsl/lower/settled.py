@@ -33,9 +33,7 @@ def default(env: Env, unknown: Unknown, near: list[tuple[Equation, str]], *, fre
         if fresh:
             notes = tuple((q.span, "determines it, but under a guard only") for q, _ in near[:3])
         message = f"nothing determines {degree(unknown)}" + (" where these guards do not hold" if fresh else "")
-        context.error(
-            "under-determined", unknown.span, message, hint=remedy(unknown), notes=notes, trace=tuple(context.trace)
-        )
+        context.error("under-determined", unknown.span, message, hint=remedy(unknown), notes=notes)
         value, reason = E.const(0.1), ""
     if not fresh:
         unknown.reason = reason
