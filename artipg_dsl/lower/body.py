@@ -190,7 +190,7 @@ def register_port(env: Env, statement: ast.PortDecl) -> None:
     if statement.index is None:
         env.names[statement.name] = Thunk(make, statement.name_span)
         return
-    array = env.names.setdefault(statement.name, PortArray(statement.name, {}))
+    array = env.root.names.setdefault(statement.name, PortArray(statement.name, {}))
     assert isinstance(array, PortArray)
     array.pending.append((env, statement))
     array.size = array.size or port_count(env, statement.name)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -290,29 +291,30 @@ def circular_place(part: Part) -> Abort:
     )  # fmt: skip
 
 
+def boxes_in(env: Env) -> Iterator[tuple[Part, Box]]:
+    """Every part of an environment and of those inside it with its box, in the environment's frame."""
+    for part in env.parts:
+        yield part, moved(part.box(), part.pose)  # type: ignore[misc]
+    for inner in env.inner:
+        for part, box in boxes_in(inner):
+            yield part, moved(box, inner.frame)  # type: ignore[misc]
+
+
 def union_of(env: Env, scope: Scope) -> Box:
     """The axis-aligned box around all parts of an environment and of those inside it, in its frame and ``scope``."""
     lows: list[list[Expr]] = [[], [], []]
     highs: list[list[Expr]] = [[], [], []]
-
-    def note(box: Box) -> None:
-        for k in range(3):
-            lows[k].append(box.low[k])
-            highs[k].append(box.high[k])
-
-    for part in env.parts:
-        box = extent(moved(part.box(), part.pose))  # type: ignore[arg-type]
+    for part, found in boxes_in(env):
+        box = extent(found)
         if part.exists is not E.TRUE:
             box = Box(
                 tuple(E.where(part.exists, c, E.const(float("inf"))) for c in box.low),  # type: ignore[arg-type]
                 tuple(E.where(part.exists, c, E.const(float("-inf"))) for c in box.high),  # type: ignore[arg-type]
             )
-        note(box)
-    for inner in env.inner:
-        if not inner.all_parts():
-            continue
-        box = extent(moved(union_of(inner, inner.scope), inner.frame))  # type: ignore[arg-type]
-        note(raised(box, inner.scope, scope))
+        box = raised(box, part.env.scope, scope)
+        for k in range(3):
+            lows[k].append(box.low[k])
+            highs[k].append(box.high[k])
     if not lows[0]:
         return Box(ORIGIN, ORIGIN)
     return Box(tuple(E.minimum(*c) for c in lows), tuple(E.maximum(*c) for c in highs))  # type: ignore[arg-type]
