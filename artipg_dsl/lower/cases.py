@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import product
 
@@ -48,6 +49,13 @@ def trials(node: Expr, constants: Sequence[float], draws: Mapping[Column, Draw])
     if node.op == "col" and (draw := draws.get(node.value)) is not None and draw.kind == "choice":  # type: ignore[arg-type]
         return [float(k) for k in range(len(draw.options))]
     marks = sorted(set(constants))
+    draw = draws.get(node.value) if node.op == "col" else None  # type: ignore[arg-type]
+    if node.op == "rank" or draw is not None and draw.kind == "count":
+        low = 0.0 if draw is None or draw.low is None else draw.low.constant
+        high = None if draw is None or draw.high is None else draw.high.constant
+        near = {float(w) for m in marks for w in (math.floor(m) - 1, math.floor(m), math.ceil(m), math.ceil(m) + 1)}
+        possible = sorted(w for w in near if (low is None or w >= low) and (high is None or w <= high))
+        return possible or [low or 0.0]
     between = [0.5 * (a + b) for a, b in zip(marks[:-1], marks[1:], strict=True)]
     return sorted({*marks, *between, marks[0] - 1.0, marks[-1] + 1.0})
 
