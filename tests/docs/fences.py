@@ -6,7 +6,13 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
+from artipg_dsl.diagnostics import Report
 from artipg_dsl.resources import library_dir
+from artipg_dsl.semantics.modules import Workspace
+from artipg_dsl.session import Session
+from artipg_dsl.source import Source
+from artipg_dsl.syntax import ast
+from artipg_dsl.syntax.parse import parse
 
 _FENCE = re.compile(r"^```apg(?P<mark>[^\n]*)\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL)
 _DECLARED = re.compile(
@@ -79,3 +85,22 @@ def imports(text: str) -> str:
 def declared(text: str) -> list[str]:
     """The names that the top level of a file declares."""
     return [a or b for a, b in _DECLARED.findall(text)]
+
+
+_TREES: dict[str, ast.Module] = {}  # the library does not change while tests run
+
+
+def session_of(fence: Fence, name: str) -> Session:
+    """The compilation of an example; modules of the library are parsed once for all of them."""
+    session = Session.of_text(fence.program, name)
+    session.__dict__["workspace"] = Workspace(session.report, [library_dir()], loader=_parsed)
+    return session
+
+
+def _parsed(source: Source, report: Report) -> ast.Module | None:
+    if source.text not in _TREES:
+        tree = parse(source, report)
+        if tree is None:
+            return None
+        _TREES[source.text] = tree
+    return _TREES[source.text]

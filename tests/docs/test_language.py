@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import math
 import re
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from artipg_dsl.diagnostics import CompileError
 from artipg_dsl.semantics import names, types
 from artipg_dsl.semantics.units import UNITS
-from artipg_dsl.session import Session
 from artipg_dsl.syntax.grammar import keywords, machine, reserved_words
 
-from .fences import Fence, fences
+from .fences import Fence, fences, session_of
 
 PAGE = Path(__file__).parents[2] / "docs" / "language.md"
 TEXT = PAGE.read_text(encoding="utf-8")
@@ -23,7 +24,10 @@ FENCES = fences(PAGE)
 
 @pytest.mark.parametrize("fence", FENCES, ids=lambda f: f"line-{f.line}")
 def test_example(fence: Fence) -> None:
-    session = Session.of_text(fence.program, "language.md")
+    session = session_of(fence, "language.md")
+    if fence.code is not None:
+        with suppress(CompileError):
+            _ = session.sampler
     typed, lowering = session.typed, session.lowering if fence.lowered else None
     found = [(d.severity, d.code, d.message) for d in session.report.diagnostics]
     if fence.code is not None:
