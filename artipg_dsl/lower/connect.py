@@ -79,7 +79,7 @@ def equate(ev: Evaluator, a: Value, b: Value, left: Span, right: Span, span: Spa
     pa = ev.plane(a, left) if isinstance(a, Frame | Plane) else None
     pb = ev.plane(b, right) if isinstance(b, Frame | Plane) else None
     if pa is not None and pb is not None and pa.axis != pb.axis:
-        raise ev.across(span, pa, pb)
+        raise ev.across(span, pa, pb, left, right)
     x = pa.coordinate if pa is not None else ev.number(a, left)
     y = pb.coordinate if pb is not None else ev.number(b, right)
     ev.env.equations.append(Equation(x, y, span, text_of(span)))
@@ -129,7 +129,7 @@ def on_plane(ev: Evaluator, subject: ast.Expr, node: ast.Expr, target: Value, ga
         raise ev.wrong(node.span if not isinstance(target, Frame | Plane) else subject.span, "a face", target if not isinstance(target, Frame | Plane) else own)
     a, b = ev.plane(own, subject.span), ev.plane(target, node.span)
     if a.axis != b.axis:
-        raise ev.across(span, a, b)
+        raise ev.across(span, a, b, subject.span, node.span)
     sign = target.out[b.axis or 0] if isinstance(target, Frame) else E.ONE
     ev.env.equations.append(Equation(a.coordinate, E.add(b.coordinate, E.mul(gap, sign)), span, text_of(span)))
 

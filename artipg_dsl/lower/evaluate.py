@@ -172,7 +172,8 @@ class Evaluator:
                 if value.axis != k:
                     raise self.env.context.error(
                         "plane-across-axes", item.span,
-                        f"a plane across {AXES[value.axis or 0]} stands where the {AXES[k]} coordinate goes",
+                        f"`{text_of(item.span)}` is a plane across {AXES[value.axis or 0]}, but stands where the"
+                        f" {AXES[k]} coordinate goes",
                     )  # fmt: skip
                 on += value.on
                 value = value.coordinate
@@ -246,10 +247,13 @@ class Evaluator:
         plane = left if isinstance(left, Plane) else right
         return Plane(plane.axis, result, plane.on) if node.op in "+-" else result  # type: ignore[union-attr]
 
-    def across(self, span: Span, left: Plane, right: Plane) -> Exception:
+    def across(self, span: Span, left: Plane, right: Plane, *sides: Span) -> Exception:
+        """Report planes of different axes; ``sides`` are the places of the two, where the text has them."""
+        first, second = (f"`{text_of(s)}`" for s in sides) if sides else ("one", "the other")
         return self.env.context.error(
             "plane-across-axes", span,
-            f"a plane across {AXES[left.axis or 0]} and a plane across {AXES[right.axis or 0]} have no coordinate in common",
+            f"{first} is a plane across {AXES[left.axis or 0]}, {second} one across {AXES[right.axis or 0]}:"
+            " they have no coordinate in common",
             hint="front and back are planes across x, left and right across y, top and bottom across z",
         )  # fmt: skip
 
