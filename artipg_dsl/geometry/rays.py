@@ -130,17 +130,22 @@ def normals(triangles: np.ndarray) -> np.ndarray:
     return _cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
 
 
-def intersect(triangles: np.ndarray, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Where rays (n, 3) from the origin meet the planes of triangles (n, 3, 3): multiples (n,) of the directions, and
-    barycentric weights (n, 3) of the corners."""
+def intersect(triangles: np.ndarray, directions: np.ndarray) -> np.ndarray:
+    """Where rays (n, 3) from the origin meet triangles (n, 3, 3): barycentric weights (n, 3) of the corners.
+
+    A ray that passes a triangle by a rounding error meets its border.
+    """
     a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
     normal = normals(triangles)
-    distance = _dot(normal, a) / _dot(normal, directions)
+    slope, square = _dot(normal, directions), _dot(normal, normal)
+    distance = _dot(normal, a) / np.where(slope == 0.0, 1.0, slope)
     offset = directions * distance[:, None] - a
-    square = _dot(normal, normal)
-    second = _dot(_cross(offset, c - a), normal) / square
-    third = _dot(_cross(b - a, offset), normal) / square
-    return distance, np.stack([1.0 - second - third, second, third], axis=-1)
+    square = np.where(square == 0.0, 1.0, square)
+    second = np.clip(_dot(_cross(offset, c - a), normal) / square, 0.0, 1.0)
+    third = np.clip(_dot(_cross(b - a, offset), normal) / square, 0.0, 1.0)
+    over = np.maximum(second + third, 1.0)
+    second, third = second / over, third / over
+    return np.stack([1.0 - second - third, second, third], axis=-1)
 
 
 def reach(local: np.ndarray, grid: Grid) -> tuple[np.ndarray, np.ndarray]:

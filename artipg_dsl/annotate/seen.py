@@ -1,0 +1,88 @@
+"""What is known of points that rays have met: place, exact normal, classes and labels, part coordinates."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..geometry.bound import surface_at
+from .frames import rotate, unrotate
+from .points import Labels, label_points
+from .poses import diagonal, middles
+
+if TYPE_CHECKING:
+    from ..runtime.batch import Batch
+    from .soup import Soup
+
+
+@dataclass(frozen=True, slots=True)
+class Hits:
+    """n points on triangles of a soup: ``triangle`` (n,), barycentric ``weights`` (n, 3) of its corners."""
+
+    triangle: np.ndarray
+    weights: np.ndarray
+
+    def blend(self, values: np.ndarray) -> np.ndarray:
+        """(n, c) of values (T, 3, c) at the corners of all triangles."""
+        return blend(values[self.triangle], self.weights)
+
+    def take(self, at: np.ndarray) -> Hits:
+        return Hits(self.triangle[at], self.weights[at])
+
+
+def blend(corners: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """(n, c): the weighted sums of values (n, 3, c) at corners."""
+    return corners[:, 0] * weights[:, :1] + corners[:, 1] * weights[:, 1:2] + corners[:, 2] * weights[:, 2:]
+
+
+@dataclass(frozen=True, slots=True)
+class Bound:
+    """The points of hits as ``label_points`` wants them: bound to the rows of the site tables, at joint values 0."""
+
+    site: np.ndarray
+    row: np.ndarray
+    patch: np.ndarray
+    u: np.ndarray
+    v: np.ndarray
+    position: np.ndarray
+    normal: np.ndarray
+
+    def take(self, at: np.ndarray) -> Bound:
+        return Bound(*(getattr(self, name)[at] for name in self.__slots__))
+
+
+def bind(soup: Soup, hits: Hits) -> Bound:
+    """Place on the triangle, normal of the surface that it stands for."""
+    row, patch = soup.row[hits.triangle], soup.patch[hits.triangle]
+    uv = np.clip(hits.blend(soup.uv), 0.0, 1.0)
+    _, normal = surface_at(soup.rows, row, patch, uv[:, 0], uv[:, 1])
+    position = hits.blend(soup.corner)
+    return Bound(soup.rows.site[row], soup.rows.row[row], patch, uv[:, 0], uv[:, 1], position, normal)
+
+
+def part_coordinates(batch: Batch, part: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Normalised part coordinates (n, 3) of points at joint values 0, each of a row ``part`` (n,) of the batch's."""
+    parts = batch.parts()
+    scale = diagonal(parts.high - parts.low)
+    scale = np.where(scale > 0, scale, 1.0)
+    return unrotate(parts.rotation[part], points - middles(parts)[part]) / scale[part][:, None]
+
+
+def classes(batch: Batch, points: Bound) -> np.ndarray:
+    """Semantic classes (n,)."""
+    wanted = [label for label in batch.program.labels if label.vocabulary == "semantic"]
+    return label_points(batch, batch.sites(), points, wanted).semantic  # type: ignore[arg-type]
+
+
+def labels(batch: Batch, points: Bound) -> Labels:
+    """All labels (n,)."""
+    return label_points(batch, batch.sites(), points)  # type: ignore[arg-type]
+
+
+def carried(rotation: np.ndarray, translation: np.ndarray | None, link: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """Vectors (n, ..., 3) moved with the links (n,); directions without a translation."""
+    spread = link.reshape(link.shape + (1,) * (vectors.ndim - 2))
+    out = rotate(rotation[spread], vectors)
+    return out if translation is None else out + translation[spread]

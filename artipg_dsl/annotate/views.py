@@ -1,0 +1,242 @@
+"""Partial views: what cameras around the objects of a batch see, as images and as clouds of exactly k points."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..errors import UserError
+from ..geometry.rays import ENGINES, Caster, Grid, best_engine, intersect, turned
+from ..graph import random
+from .cameras import Cameras, extrinsics
+from .points import field_kinds
+from .seen import Hits, bind, blend, carried, classes, labels, part_coordinates
+from .soup import Soup, soup
+
+if TYPE_CHECKING:
+    from ..runtime.batch import Batch
+
+NONE = 0xFFFF  # a pixel that shows nothing, in images of numbers
+PIXELS = 4_000_000  # of a block of objects
+MOST_RAYS = 4_000_000  # for one cloud
+PLACE_LANES = 2
+Arrays = dict[str, np.ndarray]
+
+
+@dataclass(frozen=True, slots=True)
+class Views:
+    """What B objects (in K states) look like from V cameras each. ``...`` is B, V; with states B, K, V.
+
+    ``intrinsics`` (..., 3, 3); ``extrinsics`` (..., 4, 4) from the object's frame to the camera's (x right, y down, z
+    forward). ``images`` (..., H, W), one number or three for each pixel: ``depth`` along z in metres, 0 where nothing
+    is; ``normal`` in the object's frame and ``npcs``, the normalised coordinates of ``instance`` (as in ``poses``), 0
+    where nothing is; ``semantic``, ``instance`` (part number), ``link``, ``NONE`` where nothing is. ``cloud`` (..., k):
+    ``points`` and ``normals`` in the object's frame, ``camera`` in the camera's, ``pixel`` (row, column), ``npcs`` and
+    numbers as in the images, and the labels by name.
+    """
+
+    intrinsics: np.ndarray
+    extrinsics: np.ndarray
+    images: Arrays
+    cloud: Arrays
+
+
+def make_views(
+    batch: Batch, cameras: Cameras | None = None, states: np.ndarray | None = None, engine: str | None = None
+) -> Views:
+    """Views of every object, with joints at ``states`` (J,) or (K, J), at rest by default.
+
+    The cameras of an object are the same in any batch and in all of its states, but for their distance, which follows
+    its size. ``engine``: "embree" or "numpy", the best there is by default. Raises UserError if a camera sees nothing.
+    """
+    made = _Views(batch, cameras or Cameras(), states, engine or best_engine())
+    pixels = made.each * cameras_pixels(made.cameras)
+    step = min(max(1, PIXELS // pixels), 16)
+    for first in range(0, len(batch), step):
+        made.fill(first, min(first + step, len(batch)))
+    return made.views(np.ndim(states) == 2)
+
+
+def cameras_pixels(cameras: Cameras) -> int:
+    return cameras.count * cameras.width * cameras.height
+
+
+class _Views:
+    """Arrays that are filled object by object; a *shot* is one object in one state seen by one camera."""
+
+    def __init__(self, batch: Batch, cameras: Cameras, states: np.ndarray | None, engine: str):
+        self.batch, self.cameras, self.caster = batch, cameras, ENGINES[engine]
+        self.poses = [batch.pose(one) for one in (states if np.ndim(states) == 2 else [states])]  # type: ignore
+        self.each = len(self.poses)
+        shots, pixels, k = len(batch) * self.each * cameras.count, cameras.width * cameras.height, cameras.points
+        self.turn, self.eye = np.zeros((shots, 3, 3)), np.zeros((shots, 3))
+        self.images = self._arrays(shots * pixels, {"depth": 1, "normal": 3, "npcs": 3})
+        more = {"points": 3, "camera": 3, "normals": 3, "npcs": 3}
+        self.cloud = self._arrays(shots * k, more)
+        self.cloud["pixel"] = np.zeros((shots * k, 2), np.uint16)
+        kinds = field_kinds(batch.program.labels)
+        self.cloud |= {n: np.zeros(shots * k, bool if kind == "mask" else np.float32) for n, kind in kinds.items()}
+        self.key = random.key(batch.seed, "views")
+
+    @staticmethod
+    def _arrays(size: int, vectors: dict[str, int]) -> Arrays:
+        made = {n: np.zeros((size, width) if width > 1 else size, np.float32) for n, width in vectors.items()}
+        return made | {name: np.full(size, NONE, np.uint16) for name in ("semantic", "instance", "link")}
+
+    def views(self, several: bool) -> Views:
+        """The arrays in their final shapes."""
+        c = self.cameras
+        lead = (len(self.batch), self.each, c.count) if several else (len(self.batch), c.count)
+        images = {n: a.reshape(*lead, c.height, c.width, *a.shape[1:]) for n, a in self.images.items()}
+        cloud = {n: a.reshape(*lead, c.points, *a.shape[1:]) for n, a in self.cloud.items()}
+        inside = np.broadcast_to(c.intrinsics(), (*lead, 3, 3)).copy()
+        outside = extrinsics(self.turn, self.eye).reshape(*lead, 4, 4)
+        return Views(inside, outside, images, cloud)
+
+    def fill(self, first: int, stop: int) -> None:
+        """The objects ``first .. stop - 1``."""
+        made = soup(self.batch, first, stop)
+        shots: list[_Shot] = []
+        for i in range(first, stop):
+            span = slice(int(made.start[i - first]), int(made.start[i - first + 1]))
+            for k, (rotation, translation) in enumerate(self.poses):
+                corner = carried(rotation, translation, made.link[span], made.corner[span])
+                caster = self.caster(corner)
+                low, high = corner.min(axis=(0, 1)), corner.max(axis=(0, 1))
+                half = (high - low) / 2
+                radius = np.sqrt(half[0] * half[0] + half[1] * half[1] + half[2] * half[2])
+                address = np.asarray(self.batch.numbers[i : i + 1]).astype(np.uint64)
+                turn, eye = self.cameras.place(self.key, address, ((low + high) / 2)[None], np.array([radius]))
+                at = (i * self.each + k) * self.cameras.count
+                self.turn[at : at + self.cameras.count], self.eye[at : at + self.cameras.count] = turn[0], eye[0]
+                for v in range(self.cameras.count):
+                    shots.append(_Shot(self, at + v, i, v, corner, span.start, caster))
+        self._write(made, shots)
+
+    def _write(self, made: Soup, shots: list[_Shot]) -> None:
+        """Images and clouds of some shots, everything that does not depend on the shot for all of them at once."""
+        hits = Hits(*(np.concatenate([getattr(s.hits, name) for s in shots]) for name in ("triangle", "weights")))
+        shot = np.repeat(np.arange(len(shots)), [len(s.hits.triangle) for s in shots])
+        bound = bind(made, hits)
+        link, part = made.link[hits.triangle], made.part[hits.triangle]
+        state = np.array([s.number // self.cameras.count % self.each for s in shots])[shot]
+        turn = np.stack([rotation for rotation, _ in self.poses])
+        shift = np.stack([translation for _, translation in self.poses])
+        every = {
+            "normal": carried(turn.reshape(-1, 3, 3), None, state * turn.shape[1] + link, bound.normal),
+            "npcs": part_coordinates(self.batch, part, bound.position),
+            "semantic": classes(self.batch, bound),
+            "instance": np.asarray(self.batch.parts().number)[part],
+            "link": np.asarray(self.batch.links().number)[link],
+        }
+        depth = np.concatenate([s.depth for s in shots])
+        pixels, k = self.cameras.width * self.cameras.height, self.cameras.points
+        place = np.concatenate([s.number * pixels + s.pixel for s in shots])
+        seen = np.concatenate([np.arange(len(s.pixel)) < s.in_image for s in shots])
+        self.images["depth"][place[seen]] = depth[seen]
+        for name, values in every.items():
+            self.images[name][place[seen]] = values[seen]
+
+        begins = np.cumsum([0, *(len(s.pixel) for s in shots[:-1])])
+        chosen = np.concatenate([begin + s.chosen for begin, s in zip(begins, shots, strict=True)])
+        slot = (np.array([s.number for s in shots])[:, None] * k + np.arange(k)).ravel()
+        every["normals"] = every.pop("normal")
+        position = carried(
+            turn.reshape(-1, 3, 3), shift.reshape(-1, 3), (state * turn.shape[1] + link)[chosen], bound.position[chosen]
+        )
+        which = np.array([s.number for s in shots])[shot[chosen]]
+        camera = carried(self.turn, None, which, position - self.eye[which])
+        row, column = np.divmod(place[chosen] % pixels, self.cameras.width)
+        for name, values in every.items():
+            self.cloud[name][slot] = values[chosen]
+        self.cloud["points"][slot], self.cloud["camera"][slot] = position, camera
+        self.cloud["pixel"][slot] = np.stack([row, column], axis=-1)
+        for name, values in labels(self.batch, bound.take(chosen)).fields.items():
+            self.cloud[name][slot] = values
+
+
+class _Shot:
+    """The hits of one camera: first those of the ``in_image`` pixels, then those that a cloud needs beside them."""
+
+    def __init__(self, of: _Views, number: int, index: int, view: int, corner: np.ndarray, first: int, caster: Caster):
+        self.number, self.view, self.caster, self.corner = number, view, caster, corner
+        self.turn, self.eye, self.cameras, self.key = of.turn[number], of.eye[number], of.cameras, of.key
+        self.address = np.asarray(of.batch.numbers[index]).astype(np.uint64)
+        self.local = turned(self.turn, corner - self.eye)
+        c = self.cameras
+        low, high = self._window()
+        columns, rows = (high - low).tolist()
+        grid = self._grid(low[0] + 0.5, low[1] + 0.5, 1.0, columns, rows)
+        triangle, weights, at = self._cast(grid)
+        y, x = np.divmod(at, max(columns, 1))
+        self.pixel = (y + low[1]) * c.width + (x + low[0])
+        self.in_image = len(at)
+        if not len(at):
+            raise UserError(
+                f"view {view} of object {int(of.batch.numbers[index])} sees nothing of it",
+                "turn the camera towards the object, or bring it nearer",
+            )
+        if len(at) >= c.points:
+            self.chosen = np.sort(self._shuffled(len(at), 0)[: c.points])
+        else:
+            more = self._between(c.points - len(at), index, of)
+            triangle, weights = np.concatenate([triangle, more[0]]), np.concatenate([weights, more[1]])
+            self.pixel = np.concatenate([self.pixel, more[2]])
+            self.chosen = np.arange(c.points)
+        self.depth = blend(self.local[triangle], weights)[:, 2]
+        self.hits = Hits(triangle + first, weights)
+
+    def _window(self) -> tuple[np.ndarray, np.ndarray]:
+        """The pixels [low, high) that the object's picture lies within."""
+        size = np.array([self.cameras.width, self.cameras.height])
+        z = self.local[..., 2]
+        if z.min() <= 0:
+            return np.zeros(2, np.int64), size
+        place = self.local[..., :2] / z[..., None] * self.cameras.focal + size / 2
+        low, high = np.floor(place.min(axis=(0, 1))), np.ceil(place.max(axis=(0, 1)))
+        return np.clip(low, 0, size).astype(np.int64), np.clip(high, 0, size).astype(np.int64)
+
+    def _grid(self, left: float, top: float, step: float, columns: int, rows: int) -> Grid:
+        c = self.cameras
+        return Grid((c.focal, c.focal), (c.width / 2, c.height / 2), float(left), float(top), step, columns, rows)
+
+    def _cast(self, grid: Grid) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Triangles, barycentric weights and numbers of the rays of a grid that meet the object."""
+        found = self.caster.first(self.turn, self.eye, grid)
+        at = np.flatnonzero(found >= 0)
+        return found[at], intersect(self.local[found[at]], grid.directions()[at]), at
+
+    def _shuffled(self, count: int, lane: int) -> np.ndarray:
+        """0 .. count - 1 in random order."""
+        share = random.uniform(self.key, random.mix(self.address, self.view), np.arange(count), lane)
+        return np.argsort(share, kind="stable")
+
+    def _between(self, count: int, index: int, of: _Views) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """``count`` more hits, by rays through random places of the pixels that show the object: triangles, weights,
+        pixels."""
+        width = self.cameras.width
+        y, x = np.divmod(self.pixel, width)
+        low, high = np.array([x.min(), y.min()]), np.array([x.max() + 1, y.max() + 1])
+        visible = np.zeros(width * self.cameras.height, dtype=bool)
+        visible[self.pixel] = True
+        offset = random.pair(self.key, random.mix(self.address, self.view), PLACE_LANES, 1)
+        fine = int(np.ceil(np.sqrt(1.5 * count / len(self.pixel)))) + 1
+        while True:
+            columns, rows = ((high - low) * fine).tolist()
+            if columns * rows > MOST_RAYS:
+                number = int(of.batch.numbers[index])
+                raise UserError(
+                    f"view {self.view} of object {number} sees next to nothing of it",
+                    "bring the camera nearer, or ask for fewer points",
+                )
+            left, top = (float(low[i] + offset[i].item() / fine) for i in range(2))
+            triangle, weights, at = self._cast(self._grid(left, top, 1.0 / fine, columns, rows))
+            j, i = np.divmod(at, columns)
+            pixel = (low[1] + j // fine) * width + low[0] + i // fine
+            kept = np.flatnonzero(visible[pixel])
+            if len(kept) >= count:
+                kept = kept[np.sort(self._shuffled(len(kept), 2)[:count])]
+                return triangle[kept], weights[kept], pixel[kept]
+            fine *= 2
