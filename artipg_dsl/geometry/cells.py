@@ -10,10 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .block import Block, Shelf, placed_bounds, to_object
-from .density import Placement
+from .block import Block, Shelf, to_object
+from .density import patch_area
 from .flat import BENT, PLANAR, quads, shapes
-from .patches import existing, surfaces
+from .patches import Params, existing, surfaces
 from .surface import Evaluator
 from .topology import orientation
 
@@ -27,7 +27,6 @@ class Bent:
     shelf: Shelf
     patch: int
     cell: np.ndarray  # (k,)
-    evaluator: Evaluator
 
 
 class Cells:
@@ -100,18 +99,13 @@ class Cells:
         self.normal = normal * sign
 
     def _bent(self, shelf: Shelf) -> list[Bent]:
-        found = []
-        for patch in np.flatnonzero(shapes(shelf.primitive) == BENT).tolist():
-            cell = self.first[shelf.start : shelf.stop] + patch
-            found.append(Bent(shelf, patch, cell, Evaluator(shelf.primitive, patch, shelf.params)))
-        return found
+        chosen = np.flatnonzero(shapes(shelf.primitive) == BENT).tolist()
+        return [Bent(shelf, patch, self.first[shelf.start : shelf.stop] + patch) for patch in chosen]
 
-    def place_bent(self) -> list[Placement]:
-        """How points fall on the bent cells; their areas are entered."""
-        made = [Placement(bent.shelf.primitive, bent.patch, bent.shelf.params) for bent in self.bent]
-        for bent, placement in zip(self.bent, made, strict=True):
-            self.area[bent.cell] = placement.area
-        return made
+    def measure_bent(self) -> None:
+        """Enter the areas of the bent cells."""
+        for bent in self.bent:
+            self.area[bent.cell] = patch_area(bent.shelf.primitive, bent.patch, bent.shelf.params)
 
     def flat_position(self, cell: np.ndarray, u: np.ndarray, v: np.ndarray) -> Coordinates:
         """Positions on flat cells at fractions; what it gives on bent ones is void."""
@@ -125,25 +119,26 @@ class Cells:
 
     def bent_position(self, bent: Bent, cell: np.ndarray, u: np.ndarray, v: np.ndarray) -> tuple[Coordinates, Coordinates]:
         """Positions and outward normals at fractions of cells that all belong to ``bent``."""
-        row = self.row[cell]
-        at, normal = bent.evaluator.at(row - bent.shelf.start, u, v)
+        row, local, params = self.rows_asked(bent, cell)
+        at, normal = Evaluator(bent.shelf.primitive, bent.patch, params).at(local, u, v)
         return to_object(self.poses, row, at, True), to_object(self.poses, row, normal, False)
 
-    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        """(3, C) boxes of the cells in the frames of their objects."""
-        from .hidden import patch_bounds
+    def rows_asked(self, bent: Bent, cell: np.ndarray) -> tuple[np.ndarray, np.ndarray, Params]:
+        """Rows of cells of ``bent``; the same among the rows that are named at all, and the parameters of those."""
+        row = self.row[cell]
+        asked = np.zeros(len(bent.cell), dtype=bool)
+        asked[row - bent.shelf.start] = True
+        local = (np.cumsum(asked) - 1)[row - bent.shelf.start]
+        return row, local, {name: value[asked] for name, value in bent.shelf.params.items()}
 
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """(3, C) boxes of the flat cells in the frames of their objects."""
         low, high = np.empty_like(self.origin), np.empty_like(self.origin)
         for axis in range(3):
-            a, b, c = self.a[axis], self.b[axis], self.c[axis]
-            far = a + b + c
+            a, b = self.a[axis], self.b[axis]
+            far = a + b + self.c[axis]
             low[axis] = self.origin[axis] + np.minimum(np.minimum(a, b), np.minimum(far, 0.0))
             high[axis] = self.origin[axis] + np.maximum(np.maximum(a, b), np.maximum(far, 0.0))
-        for bent in self.bent:
-            row = np.arange(bent.shelf.start, bent.shelf.stop)
-            own = patch_bounds(bent.shelf.primitive, bent.patch, bent.shelf.params)
-            placed = (self.rows.low[row], self.rows.high[row]) if own is None else placed_bounds(self.poses, row, *own)
-            low[:, bent.cell], high[:, bent.cell] = placed[0].T, placed[1].T
         return low, high
 
 

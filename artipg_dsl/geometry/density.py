@@ -21,7 +21,8 @@ _FLAT = 1e-9  # relative deviation below which an element counts as constant or 
 _SAMPLES = np.linspace(0.0, 1.0, 9)
 _QUARTER = 16  # cells of a table per quarter turn: a linear density is then within 0.2 % of a smooth one
 _MOST_BOTH, _SHARED_BOTH, _SHARED = 32, 128, 256  # cells at most along two bent axes; of a table for all instances
-_GAUSS = np.polynomial.legendre.leggauss(8)
+_ORDER = 8  # points of quadrature per panel at most; fewer where the area is then the same but for _EXACT
+_EXACT = 1e-8
 
 
 @lru_cache(maxsize=4096)
@@ -40,7 +41,7 @@ def norm(vector: tuple[Expr, Expr, Expr]) -> Expr:
 class Kind:
     """Nodes of the density along u and v: 1 constant, 2 linear, more a table.
 
-    With ``profile`` (nodes of u, nodes of v) one table holds for all instances: their area is ``factor`` times the
+    ``order`` is the points of quadrature per panel. With ``profile`` (nodes of u, nodes of v) one table holds for all instances: their area is ``factor`` times the
     element at ``reference`` (fractions).
     """
 
@@ -48,6 +49,7 @@ class Kind:
     profile: np.ndarray | None = None
     factor: float = 1.0
     reference: tuple[float, float] = (0.5, 0.5)
+    order: int = _ORDER
 
 
 @lru_cache(maxsize=4096)
@@ -69,12 +71,12 @@ def kind(primitive: Primitive, patch: int) -> Kind:
         cells = [_SHARED, _SHARED]
     found: tuple[int, int] = tuple(c + 1 if b else n for c, b, n in zip(cells, curved, nodes, strict=True))  # type: ignore[assignment]
     if not same:
-        return Kind(found)
+        return Kind(found, order=_least_order(primitive, patch, params, found))
     one = {name: value[:1] for name, value in params.items()}
     top = np.unravel_index(int(np.argmax(element[0])), element[0].shape)
     reference = (float(_SAMPLES[top[0]]), float(_SAMPLES[top[1]]))
     scale = _at(primitive, patch, one, *reference)
-    factor = float((_integral(primitive, patch, one, found) / scale)[0])
+    factor = float((_integral(primitive, patch, one, found, _ORDER) / scale)[0])
     return Kind(found, _table(primitive, patch, one, found)[0], factor, reference)
 
 
@@ -91,21 +93,31 @@ def _at(primitive: Primitive, patch: int, params: Params, u: float, v: float) ->
     return grid(element_split(primitive, patch), params, np.array([u]), np.array([v]))[:, 0, 0]
 
 
-def _rule(nodes: int) -> tuple[np.ndarray, np.ndarray]:
+def _rule(nodes: int, order: int) -> tuple[np.ndarray, np.ndarray]:
     """Places and weights of a quadrature over 0 .. 1."""
     if nodes <= 2:
         return (np.array([0.5]), np.array([1.0])) if nodes == 1 else (np.array([0.0, 1.0]), np.array([0.5, 0.5]))
     panels = min(4, (nodes - 1) // _QUARTER)  # bends of quarter turns end where panels do
-    places = (np.arange(panels)[:, None] + (_GAUSS[0] + 1) / 2) / panels
-    return places.ravel(), np.tile(_GAUSS[1] / (2 * panels), panels)
+    at, weight = np.polynomial.legendre.leggauss(order)
+    places = (np.arange(panels)[:, None] + (at + 1) / 2) / panels
+    return places.ravel(), np.tile(weight / (2 * panels), panels)
 
 
-def _integral(primitive: Primitive, patch: int, params: Params, nodes: tuple[int, int]) -> np.ndarray:
+def _integral(primitive: Primitive, patch: int, params: Params, nodes: tuple[int, int], order: int) -> np.ndarray:
     """(k,) areas; the rows of terms are contiguous, so that the batch does not change the order of summation."""
-    (u, wu), (v, wv) = (_rule(n) for n in nodes)
+    (u, wu), (v, wv) = (_rule(n, order) for n in nodes)
     places = np.meshgrid(u, v, indexing="ij")
     element = grid(element_split(primitive, patch), params, places[0].ravel(), places[1].ravel())[..., 0]
     return np.add.reduce(np.ascontiguousarray(element * (wu[:, None] * wv).ravel()), axis=1)
+
+
+def _least_order(primitive: Primitive, patch: int, params: Params, nodes: tuple[int, int]) -> int:
+    """The fewest points of quadrature per panel that give the areas of the test values."""
+    exact = _integral(primitive, patch, params, nodes, _ORDER)
+    for order in range(2, _ORDER):
+        if (np.abs(_integral(primitive, patch, params, nodes, order) - exact) <= _EXACT * exact).all():
+            return order
+    return _ORDER
 
 
 def _table(primitive: Primitive, patch: int, params: Params, nodes: tuple[int, int]) -> np.ndarray:
@@ -114,25 +126,30 @@ def _table(primitive: Primitive, patch: int, params: Params, nodes: tuple[int, i
     return grid(element_split(primitive, patch), params, *np.meshgrid(u, v, indexing="ij"))[..., 0]
 
 
+def patch_area(primitive: Primitive, patch: int, params: Params) -> np.ndarray:
+    """(k,) areas of one patch on k instances in square metres, 0 where it does not exist."""
+    found = kind(primitive, patch)
+    if found.profile is not None:
+        area = _at(primitive, patch, params, *found.reference) * found.factor
+    else:
+        area = _integral(primitive, patch, params, found.nodes, found.order)
+    if surfaces(primitive)[patch].guard is not None:
+        area = np.where(existing(primitive, params)[:, patch], area, 0.0)
+    return area
+
+
 class Placement:
-    """Areas (k,) of one patch on k instances, and where numbers in (0, 1) fall on it."""
+    """Where numbers in (0, 1) fall on one patch of k instances."""
 
     def __init__(self, primitive: Primitive, patch: int, params: Params):
         found = kind(primitive, patch)
         self._shared = found.profile is not None
         if found.profile is not None:
             density = found.profile[None]
-            self.area = _at(primitive, patch, params, *found.reference) * found.factor
         elif found.nodes == (1, 1):
             density = None
-            self.area = _at(primitive, patch, params, 0.5, 0.5)
         else:
             density = _table(primitive, patch, params, found.nodes)
-            flat = max(found.nodes) == 2
-            self.area = _trapezoid(density) if flat else _integral(primitive, patch, params, found.nodes)
-        guard = surfaces(primitive)[patch].guard
-        if guard is not None:
-            self.area = np.where(existing(primitive, params)[:, patch], self.area, 0.0)
         self._density = density
         if density is not None:
             marginal = (
@@ -158,12 +175,6 @@ class Placement:
         flat = density.reshape(-1, nv)
         low = row * nu + cell
         return u, _Line(flat).between(low, t, second)
-
-
-def _trapezoid(density: np.ndarray) -> np.ndarray:
-    """(k,): the mean of a table with one or two nodes along each axis."""
-    first = (density[:, 0] + density[:, -1]) / 2
-    return (first[:, 0] + first[:, -1]) / 2
 
 
 class _Line:

@@ -18,14 +18,12 @@ from .block import Block, to_local
 from .box import bounds
 from .cells import Cells, Coordinates
 from .flat import BENT, PLANAR, convex
-from .patches import Params, Split, position_split
-from .topology import turns
+from .patches import Split
 
 OFF = 1e-6  # how far off its surface a point is asked, relative to the largest primitive of its object
 _ABOUT = 1.5  # a coincident surface lies within this many times that distance of the point asked
 _REACH = 1.6  # boxes are wider by this many times that distance
 _LOOSE = 1e-9  # rectangles are wider by this fraction
-_MARGIN = 0.15  # a smooth quarter turn stays this close to the box of a few of its points
 _PAIRS = 1_000_000  # pairs of rows, or of a point and a row, looked at together
 
 
@@ -33,35 +31,6 @@ _PAIRS = 1_000_000  # pairs of rows, or of a point and a row, looked at together
 def inside_split(primitive: Primitive) -> Split:
     """The inside function over p.x, p.y, p.z."""
     return Split(primitive, (primitive.inside,), ("p.x", "p.y", "p.z"))
-
-
-@lru_cache(maxsize=512)
-def _probes(primitive: Primitive, patch: int) -> tuple[np.ndarray, np.ndarray, float] | None:
-    """Fractions (u, v) of points that span a patch, and the margin around them; None: use the box of the whole."""
-    angle = max(turns(primitive, patch))
-    if angle > 6.5:
-        return None
-    along = np.linspace(0.0, 1.0, 2 if angle < 1e-9 else 3 if angle < 1.6 else 9)
-    u, v = np.meshgrid(along, along, indexing="ij")
-    return u.ravel(), v.ravel(), 0.0 if angle < 1e-9 else _MARGIN
-
-
-def patch_bounds(primitive: Primitive, patch: int, params: Params) -> tuple[np.ndarray, np.ndarray] | None:
-    """Boxes (k, 3) of a patch of k instances in their own frames; None where the whole box is as good."""
-    probes = _probes(primitive, patch)
-    if probes is None:
-        return None
-    u, v, margin = probes
-    split = position_split(primitive, patch)
-    rows = split.rows(params)
-    values = split.points([r[None] for r in rows], u[:, None], v[:, None])
-    count = len(next(iter(params.values())))
-    low, high = np.empty((count, 3)), np.empty((count, 3))
-    for axis, value in enumerate(np.atleast_2d(v) for v in values):
-        least, most = np.minimum.reduce(value, axis=0), np.maximum.reduce(value, axis=0)
-        slack = margin * (most - least)
-        low[:, axis], high[:, axis] = least - slack, most + slack
-    return low, high
 
 
 def scales(rows: Block) -> np.ndarray:
@@ -107,31 +76,25 @@ class Occlusion:
             corners = bounds(shelf.primitive, shelf.params)
             part = slice(shelf.start, shelf.stop)
             self.low[:, part], self.high[:, part] = corners[0].T, corners[1].T
-        cell, other = self._near()
-        bent = cells.shape[cell] == BENT
-        chosen = np.flatnonzero(bent)
-        chosen = chosen[np.argsort(cell[chosen], kind="stable")]
-        self.bent_cell, self.bent_other = cell[chosen], other[chosen]
-        flat = np.flatnonzero(~bent)
-        self.pairs = self._flat_pairs(cell[flat], other[flat], group)
+        near, other = _row_pairs(self.rows, self.off)
+        order = np.argsort(near, kind="stable")
+        self.row_other = other[order]  # rows whose boxes meet that of row r: from row_start[r] to row_start[r + 1]
+        self.row_start = np.concatenate([[0], np.cumsum(np.bincount(near, minlength=len(self.rows.owner)))])
+        self.pairs = self._flat_pairs(*self._near(near, other), group)
         self.buried = self._buried()
 
-    def _near(self) -> tuple[np.ndarray, np.ndarray]:
-        """Pairs of a cell and a row of the same object whose boxes meet."""
+    def _near(self, near: np.ndarray, other: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Pairs of a flat cell and a row whose boxes meet, from pairs of rows."""
         rows, cells = self.rows, self.cells
-        near, other = _row_pairs(rows, self.off)
         count = np.bincount(cells.row, minlength=len(rows.owner))[near]
         pair = np.repeat(np.arange(len(near)), count)
         cell = runs(cells.first[near], count)
         low, high = cells.bounds()
-        slack = _REACH * self.off
-        low -= slack[cells.owner]
-        high += slack[cells.owner]
-        row_low, row_high = np.ascontiguousarray(rows.low.T)[:, other], np.ascontiguousarray(rows.high.T)[:, other]
-        kept = cells.area[cell] > 0.0
+        slack = (_REACH * self.off)[cells.owner]
+        kept = ((cells.shape != BENT) & (cells.area > 0.0))[cell]
         for axis in range(3):
-            kept &= low[axis][cell] <= row_high[axis][pair]
-            kept &= high[axis][cell] >= row_low[axis][pair]
+            kept &= (low[axis] - slack)[cell] <= rows.high[:, axis][other][pair]
+            kept &= (high[axis] + slack)[cell] >= rows.low[:, axis][other][pair]
         return cell[kept], other[pair[kept]]
 
     def _flat_pairs(self, cell: np.ndarray, other: np.ndarray, group: np.ndarray) -> Pairs:
@@ -283,18 +246,18 @@ class Occlusion:
     def bent_hidden(self, cell: np.ndarray, position: Coordinates, normal: Coordinates) -> np.ndarray:
         """(m,) bool: which points on bent cells are hidden; positions and normals in the frames of their objects."""
         out = np.zeros(len(cell), dtype=bool)
-        first = np.searchsorted(self.bent_cell, cell)
-        count = np.searchsorted(self.bent_cell, cell, side="right") - first
+        row = self.cells.row[cell]
+        first, count = self.row_start[row], self.row_start[row + 1] - self.row_start[row]
         ends = np.cumsum(count)
         cuts = np.searchsorted(ends, np.arange(_PAIRS, int(ends[-1]) if len(ends) else 0, _PAIRS))
         off = self.off[self.cells.owner[cell]]
         outer = [p + off * n for p, n in zip(position, normal, strict=True)]
         for part in np.split(np.arange(len(cell)), cuts):
             point = np.repeat(part, count[part])
-            other = self.bent_other[runs(first[part], count[part])]
+            other = self.row_other[runs(first[part], count[part])]
             depth = self._everywhere(other, [x[point] for x in outer])
             out[point[depth < 0.0]] = True
-            lower = self.rows.rank[other] < self.rows.rank[self.cells.row[cell[point]]]
+            lower = self.rows.rank[other] < self.rows.rank[row[point]]
             close = (depth >= 0.0) & (depth <= _ABOUT * off[point]) & lower
             point, other = point[close], other[close]
             inner = [(p - off * n)[point] for p, n in zip(position, normal, strict=True)]

@@ -14,12 +14,12 @@ import numpy as np
 from ..graph import random
 from .block import Block, block
 from .cells import Cells, Coordinates
-from .density import solve_linear
+from .density import Placement, solve_linear
 from .flat import PLANAR
 from .hidden import Occlusion, runs, scales
 from .sites import SiteTable
 
-_ROWS, _OBJECTS = 10_000, 256  # at most in a block, about
+_ROWS, _OBJECTS = 16_000, 256  # at most in a block, about
 _CANDIDATES = 40_000  # at a time: their arrays stay in the caches
 _SPARE = 1.25  # candidates per point wanted
 _ROUNDS = 40
@@ -96,7 +96,7 @@ class _Sampler:
         self.rows, self.key, self.first, self.n = rows, key, first, n
         self.address = np.asarray(address, dtype=np.uint64)
         self.cells = cells = Cells(rows)
-        self.placements = cells.place_bent()
+        cells.measure_bent()
         together = max(1, _CANDIDATES // (n + 32))
         self.groups = [(k, min(k + together, rows.objects)) for k in range(0, rows.objects, together)]
         self.occlusion = Occlusion(cells, scales(rows), np.arange(rows.objects) // together)
@@ -226,14 +226,14 @@ class _BentPoints:
         position, normal = np.empty((3, len(cell))), np.empty((3, len(cell)))
         begin = 0
         done = np.cumsum(np.concatenate([[0], count]))
-        for bent, placement in zip(cells.bent, sampler.placements, strict=True):
+        for bent in cells.bent:
             stop = begin + len(bent.cell)
             part = slice(int(done[begin]), int(done[stop]))
             begin = stop
             if part.start == part.stop:
                 continue
-            row = cells.row[cell[part]] - bent.shelf.start
-            u[part], v[part] = placement.place(row, u[part], v[part])
+            _, local, params = cells.rows_asked(bent, cell[part])
+            u[part], v[part] = Placement(bent.shelf.primitive, bent.patch, params).place(local, u[part], v[part])
             at, outward = cells.bent_position(bent, cell[part], u[part], v[part])
             for axis in range(3):
                 position[axis, part], normal[axis, part] = at[axis], outward[axis]

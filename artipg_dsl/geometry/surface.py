@@ -8,7 +8,7 @@ import numpy as np
 
 from ..graph.expr import ZERO, const
 from ..graph.primitive import Primitive
-from .density import Placement, norm
+from .density import Placement, norm, patch_area
 from .patches import Params, Split, rows_of, surfaces
 from .topology import orientation
 
@@ -22,7 +22,7 @@ def areas(primitive: Primitive, params: Params) -> np.ndarray:
     """(k, patches) areas in square metres, 0 where a patch does not exist."""
     out = np.empty((rows_of(params), len(surfaces(primitive))))
     for patch in range(out.shape[1]):
-        out[:, patch] = Placement(primitive, patch, params).area
+        out[:, patch] = patch_area(primitive, patch, params)
     return out
 
 
