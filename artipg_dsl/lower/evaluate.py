@@ -13,6 +13,7 @@ from ..semantics.units import UNITS
 from ..source import Span
 from ..syntax import ast
 from . import builtins
+from .context import text_of
 from .env import Element, Env, Function
 from .values import (
     AXES,
@@ -240,16 +241,16 @@ class Evaluator:
         result = OPERATIONS[node.op](a, b)
         if isinstance(left, Plane) and isinstance(right, Plane):
             if left.axis != right.axis:
-                raise self.across(node.span, left, right)
+                raise self.across(node.span, left, right, node.left.span, node.right.span)
             if node.op == "-":
                 return result
             return Plane(left.axis, result, left.on + right.on)
         plane = left if isinstance(left, Plane) else right
         return Plane(plane.axis, result, plane.on) if node.op in "+-" else result  # type: ignore[union-attr]
 
-    def across(self, span: Span, left: Plane, right: Plane, *sides: Span) -> Exception:
-        """Report planes of different axes; ``sides`` are the places of the two, where the text has them."""
-        first, second = (f"`{text_of(s)}`" for s in sides) if sides else ("one", "the other")
+    def across(self, span: Span, left: Plane, right: Plane, a: Span, b: Span) -> Exception:
+        """Report planes of different axes; ``a`` and ``b`` are the places of the two."""
+        first, second = f"`{text_of(a)}`", f"`{text_of(b)}`"
         return self.env.context.error(
             "plane-across-axes", span,
             f"{first} is a plane across {AXES[left.axis or 0]}, {second} one across {AXES[right.axis or 0]}:"
