@@ -32,6 +32,7 @@ from .values import (
     Surface,
     Value,
     Vec,
+    baked,
     compose,
     corner_of,
     edge_of,
@@ -526,6 +527,7 @@ class Evaluator:
         return value
 
     def ref_member(self, ref: Ref, name: str, span: Span) -> Value | None:
+        """A member of what a reference names, of whichever alternative exists; else of its box."""
         from .part import part_member
 
         results: list[tuple[Scope | None, Value]] = []
@@ -542,15 +544,20 @@ class Evaluator:
                 return self.labelled(found, box)
             if not results:
                 return None
+        return moved(self.joined(name, results), ref.frame)
+
+    def joined(self, name: str, results: list[tuple[Scope | None, Value]]) -> Value:
+        """One value out of those of alternatives, in this environment's table."""
         if all(isinstance(v, Surface) for _, v in results):
             return Surface(tuple(b if b[0] is not None else (s, *b[1:]) for s, v in results for b in v.branches))  # type: ignore[union-attr]
-        if all(isinstance(v, Ref) for _, v in results):
-            branches = [
-                Branch(b.scope if b.scope is not None else s, b.members) for s, v in results for b in v.branches  # type: ignore[union-attr]
-            ]
-            return Ref(name, tuple(branches))
         if len(results) == 1:
-            return self.lift(results[0][1], results[0][0])
+            scope, value = results[0]
+            if not isinstance(value, Ref):
+                return self.lift(value, scope)
+            return replace(value, branches=tuple(replace(b, scope=b.scope or scope) for b in value.branches))
+        if all(isinstance(v, Ref) for _, v in results):
+            branches = [replace(b, scope=b.scope or s) for s, v in results for b in baked(v).branches]  # type: ignore[arg-type]
+            return Ref(name, tuple(branches))
         parent = results[0][0].parent  # type: ignore[union-attr]
         return self.lift(merged(parent, results), parent)  # type: ignore[arg-type]
 
@@ -558,6 +565,10 @@ class Evaluator:
         return replace(value, on=box.on) if hasattr(value, "on") else value  # type: ignore[type-var]
 
     def ref_box(self, ref: Ref, span: Span) -> Box:
+        """The box of what a reference names, in the frame of the environment that names it."""
+        return moved(self.branch_box(ref, span), ref.frame)  # type: ignore[return-value]
+
+    def branch_box(self, ref: Ref, span: Span) -> Box:
         """The box of what a reference names; for several parts, the axis-aligned box around them."""
         boxes: list[tuple[Scope | None, Box]] = []
         carriers: list = []

@@ -301,6 +301,7 @@ class Ref:
     name: str
     branches: tuple[Branch, ...]
     own: bool = False  # seen from the part's own frame, while its pose is being sought
+    frame: Pose = HERE  # carries what all branches have in common into the frame of the environment that names it
 
 
 @dataclass(frozen=True, slots=True)
@@ -494,9 +495,16 @@ def moved(value: Value, pose: Pose) -> Value:
     if isinstance(value, Surface):
         return Surface(tuple((s, part, compose(pose, outer), name) for s, part, outer, name in value.branches))
     if isinstance(value, Ref):
-        held = (Branch(b.scope, tuple((p, compose(pose, q)) for p, q in b.members)) for b in value.branches)
-        return Ref(value.name, tuple(held), value.own)
+        return replace(value, frame=compose(pose, value.frame) if value.frame is not HERE else pose)
     return value
+
+
+def baked(ref: Ref) -> Ref:
+    """A reference with its common frame carried by each member."""
+    if ref.frame is HERE:
+        return ref
+    held = (replace(b, members=tuple((p, compose(ref.frame, q)) for p, q in b.members)) for b in ref.branches)
+    return Ref(ref.name, tuple(held), ref.own)
 
 
 def moved_plane(value: Plane, pose: Pose) -> Plane:
