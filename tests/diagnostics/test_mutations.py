@@ -1,0 +1,21 @@
+"""Whatever is wrong with a program, checking it ends in findings with places, never in an exception."""
+
+import pytest
+
+from artipg_dsl.session import check_text
+from artipg_dsl.source import Source
+
+from .mutations import mutations, programs
+
+MUTATIONS = list(mutations(seed=7, number=40))
+
+
+@pytest.mark.parametrize("text", [t for _, t in MUTATIONS], ids=[name for name, _ in MUTATIONS])
+def test_no_exception(text: str) -> None:
+    for found in check_text(Source("mutated.apg", text)).diagnostics:
+        assert found.message and (found.span is None or 0 <= found.span.start <= found.span.end <= len(found.span.source.text))
+
+
+def test_all_programs_are_mutated() -> None:
+    assert len(programs()) >= 20 and len(MUTATIONS) >= len(programs())
+    assert len({text for _, text in MUTATIONS}) == len(MUTATIONS)
