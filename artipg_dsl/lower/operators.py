@@ -28,8 +28,22 @@ from .env import Env
 from .evaluate import Evaluator
 from .made import FULL, Made, U, clause
 from .probe import SMALL, Probe
-from .profiles import Loop, Point, Side, Span, V, between, distance, equal_steps, extreme, orientation, samples
-from .strips import MOST, chord, convex, strip
+from .profiles import (
+    Loop,
+    Point,
+    Side,
+    Span,
+    V,
+    between,
+    distance,
+    dot,
+    equal_steps,
+    extreme,
+    orientation,
+    right_of,
+    samples,
+)
+from .strips import MOST, Quad, chord, convex, strip
 from .sweeps import sweep
 from .values import signed_axis
 
@@ -127,15 +141,32 @@ def lathe_pieces(
         fit = E.call("ceil", E.mul(E.const(TURN / 2), E.call("sqrt", E.div(E.mul(E.const(2.0), wide), quad.wall))))
         count = E.minimum(E.maximum(fit, E.const(12.0)), E.const(72.0))
         half = E.div(E.const(TURN / 2), count)
-        bore = E.div(ONE, E.call("cos", half))
+        tangent = E.sub(E.div(ONE, E.call("cos", half)), ONE)
+        inner = bored(quad, tangent)
         corners = []
         for k in (0.0, 1.0):
             angle = E.mul(E.mul(E.const(2.0), half), E.add(E.var("i"), E.const(k)))
             c, s = E.call("cos", angle), E.call("sin", angle)
-            for radius, height in (*quad.outer, *((E.mul(r, bore), h) for r, h in quad.inner)):
+            for radius, height in (*quad.outer, *inner):
                 corners.append(turned(axis, (E.mul(radius, c), E.mul(radius, s)), height))
         pieces.append(Piece(f"{quad.name}_{number}", tuple(corners), count))
     return tuple(pieces)
+
+
+def bored(quad: Quad, tangent: Expr) -> list[Point]:
+    """The inner corners moved out so that chords around the axis are tangents of the bore (by a share of the radius).
+
+    They move along the lines that close the step, to where these meet the widened bore: so they stay on the ring that
+    closes the wall, and a flat floor stays where it is.
+    """
+    wide = [(E.mul(r, E.add(ONE, tangent)), h) for r, h in quad.inner]
+    normal = right_of((E.sub(wide[1][0], wide[0][0]), E.sub(wide[1][1], wide[0][1])), ONE)
+    found = []
+    for outer, inner in zip(quad.outer, quad.inner, strict=True):
+        across = (E.sub(outer[0], inner[0]), E.sub(outer[1], inner[1]))
+        share = E.div(E.mul(E.mul(inner[0], tangent), normal[0]), dot(across, normal))
+        found.append((E.add(inner[0], E.mul(share, across[0])), E.add(inner[1], E.mul(share, across[1]))))
+    return found
 
 
 def slices(env: Env, probe: Probe, solid: ast.SolidDecl, chain: list[Span], sign: Expr, axis: int) -> tuple[Piece, ...]:

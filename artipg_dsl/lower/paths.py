@@ -62,7 +62,7 @@ def steps_of(curve: Curve) -> tuple[Step, ...]:
         point = curve.point()
         if len(point) != 3:
             raise curve.env.context.error(
-                "bad-curve", curve.value.span, f"the curve `{curve.name}` lies in a plane, but a path in space is needed here",
+                "bad-curve", curve.value.span, f"the curve `{curve.name}` lies in a plane; a path lies in space",
                 hint="give [x, y, z], or from(point, direction) line(length) ...",
             )  # fmt: skip
         v = E.add(low, E.mul(V, E.sub(high, low)))
@@ -124,7 +124,7 @@ def arc(at: Triple, along: Triple, radius: Expr, angle: Expr, towards: Triple) -
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Handed:
-    """A path as a parameter: its steps over the variables ``names``, whose values are ``scalars``; ``key`` is its shape."""
+    """A path as a parameter: its steps over variables ``names``, whose values are ``scalars``; ``key`` is its shape."""
 
     steps: tuple[Step, ...]
     names: tuple[str, ...]

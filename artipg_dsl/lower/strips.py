@@ -32,9 +32,8 @@ class Quad:
 
 def convex(probe: Probe, loop: Loop, mirrored: bool) -> bool:
     """Whether a region is convex for every test value; ``mirrored`` adds its image beyond x = 0."""
-    points = np.concatenate(
-        [p[:, ::-1][:, :-1] if side.back else p[:, :-1] for side in loop for p in (samples(probe, side.span, 16),)], axis=1
-    )  # fmt: skip
+    sides = [samples(probe, side.span, 16)[:, :: -1 if side.back else 1] for side in loop]
+    points = np.concatenate([side[:, :-1] for side in sides], axis=1)
     last = loop[-1]
     points = np.concatenate([points, np.stack([probe(c)[0] for c in last.end], axis=-1)[:, None]], axis=1)
     if mirrored:

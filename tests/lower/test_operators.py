@@ -1,0 +1,175 @@
+"""The operators make primitives that pass the self-test, and say in words what they cannot make."""
+
+import pytest
+
+from artipg_dsl.diagnostics import Report
+from artipg_dsl.geometry.selftest import check_primitive
+from artipg_dsl.graph.expr import Scope, show, var
+from artipg_dsl.graph.program import Program
+from artipg_dsl.lower.context import Abort, Context
+from artipg_dsl.lower.curves import Curve
+from artipg_dsl.lower.env import Env
+from artipg_dsl.lower.primitives import lower_primitive
+from artipg_dsl.semantics.modules import Workspace
+from artipg_dsl.source import Source
+from artipg_dsl.syntax import ast
+
+PATHS = """
+template Paths {
+  param rise : length in 10cm .. 20cm = 15cm
+  param bend : length in 5cm .. 7cm = 6cm
+  curve neck = from([0, 0, 0], z) line(rise - bend) arc(radius = bend, angle = 180deg, towards = x) line(5cm)
+  curve other = from([0, 0, 0], z) line(rise) arc(radius = bend, angle = 180deg, towards = x) line(5cm)
+  curve bow = from([0, 0, 0], x) arc(radius = bend, angle = 40deg, towards = z)
+}
+"""
+
+
+def load(text):
+    report = Report()
+    module = Workspace(report).load_source(Source("test.apg", "apg 1\n" + text + PATHS))
+    assert module is not None, report
+    return report, module
+
+
+def lowered(text, path=None):
+    """The first primitive of a text; ``path`` names the curve of ``Paths`` that its parameter ``path`` gets."""
+    report, module = load(text)
+    context = Context(report, Program("test"))
+    primitive = next(s for s in module.own() if s.kind == "primitive")
+    return lower_primitive(context, primitive, {} if path is None else {"path": curve(context, module, path)})
+
+
+def curve(context, module, name):
+    symbol = module.find("Paths")
+    env = Env(context, module, symbol, Scope("paths"), "")
+    env.names.update(rise=var("rise"), bend=var("bend"))
+    return Curve(next(s for s in symbol.body if isinstance(s, ast.LetDecl) and s.name == name), env)
+
+
+DOME = """
+primitive Dome {
+  param radius : length > 0  test 2cm .. 8cm
+  param rise   : length > 0  test 3mm .. 4cm
+  curve dome (v in 0turn .. 0.25turn) = [radius * cos(v), rise * sin(v)]
+  solid = lathe(dome) about z
+}
+"""
+FLASK = """
+primitive Flask {
+  param radius : length > 0  test 3cm .. 5cm
+  param height : length > 0  test 15cm .. 30cm
+  param wall   : length > 0  test 1mm .. 3mm
+  curve base   (v in 0 .. 1) = [radius * v, 0mm]
+  curve side   (v in 0 .. 1) = [radius - radius / 2 * v, height * v]
+  curve floor  (v in 0 .. 1) = [(radius - wall) * v, wall]
+  curve lining (v in 0 .. 1) = [radius - radius / 2 * v - wall, wall + (height - wall) * v]
+  solid = lathe([base, side], [floor, lining]) about z
+}
+"""
+BLADE = """
+primitive Blade {
+  param long  : length > 0  test 4cm .. 15cm
+  param broad : length > 0  test 8mm .. 25mm
+  param thick : length > 0  test 1mm .. 3mm
+  curve spine (v in 0 .. 1) = [long * v, -broad / 2]
+  curve edge (v in 0 .. 1) = [long * v, broad * (1/2 - 1/2 * v * v)]
+  solid = extrude(edge, spine) along z from 0 to thick
+}
+"""
+ROD = """
+primitive Rod {
+  param radius : length > 0  test 1cm .. 2cm
+  param thick  : length > 0  test 1cm .. 2cm
+  solid = extrude(circle(radius)) along z from -thick to thick
+}
+"""
+BAR = """
+primitive Bar {
+  param a, b, c : length > 0  test 1cm .. 2cm
+  solid = extrude(rectangle(a, b)) along x from 0 to c
+}
+"""
+ARCH = """
+primitive Arch {
+  param span  : length > 0  test 8cm .. 12cm
+  param thick : length > 0  test 7mm .. 12mm
+  curve spine (t in 0turn .. 0.5turn) = [span / 3 * sin(t), 0mm, -span / 2 * cos(t)]
+  solid = sweep(circle(thick / 2)) along spine up y
+}
+"""
+TUBE = """
+primitive Tube {
+  param path   : curve
+  param radius : length > 0  test 5mm .. 2cm
+  solid = sweep(circle(radius)) along path up y
+}
+"""
+PIPE = """
+primitive Pipe {
+  param path   : curve
+  param radius : length > 0  test 1cm .. 2cm
+  param thick  : length > 0  test 2mm .. 4mm
+  solid = sweep(circle(radius), circle(radius - thick)) along path up y
+}
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "path"),
+    [(DOME, None), (FLASK, None), (BLADE, None), (ROD, None), (BAR, None), (ARCH, None), (TUBE, "neck"), (PIPE, "bow")],
+    ids=["dome", "flask", "blade", "rod", "bar", "arch", "tube", "pipe"],
+)
+def test_the_self_test_finds_nothing(text, path):
+    assert check_primitive(lowered(text, path).primitive, samples=2) == []
+
+
+def test_surfaces_bear_the_names_of_the_curves():
+    assert lowered(DOME).primitive.surfaces == ("start", "dome")
+    assert lowered(FLASK).primitive.surfaces == ("base", "side", "rim", "lining", "floor")
+    assert lowered(BLADE).primitive.surfaces == ("edge", "spine", "rim", "start", "end")
+    assert lowered(TUBE, "neck").primitive.surfaces == ("skin", "start", "end")
+
+
+def test_a_box_is_as_simple_as_it_can_be():
+    primitive = lowered(DOME).primitive
+    assert [show(c) for c in (*primitive.low, *primitive.high)] == ["-radius", "-radius", "0", "radius", "radius", "rise"]
+
+
+def test_a_path_becomes_parameters_of_the_primitive():
+    found = lowered(TUBE, "neck")
+    assert found.primitive.parameters == ("path.0", "path.1", "radius")
+    start, end = found.ports["start"], found.ports["end"]
+    assert [c.constant for c in start.out] == [0.0, 0.0, -1.0]
+    assert [round(c.constant, 9) for c in end.out] == [0.0, 0.0, -1.0]
+
+
+def test_paths_of_one_shape_share_a_primitive():
+    report, module = load(TUBE)
+    context = Context(report, Program("test"))
+    first, second, third = (
+        lower_primitive(context, module.find("Tube"), {"path": curve(context, module, n)}) for n in ("neck", "other", "bow")
+    )
+    assert first is second and third is not first
+    assert list(context.program.primitives) == ["Tube", "Tube_2"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "code", "words"),
+    [
+        ("[radius - radius / 2 * v, height * v]", "[radius, height * v + 1mm]", "broken-chain", "does not begin where `base` ends"),
+        ("[base, side], [floor, lining]", "[base, side], [lining]", "broken-chain", "2 curves, the inner one 1"),
+        ("about z", "about -z", "bad-axis", "takes x, y or z after `about`"),
+        ("[radius * v, 0mm]", "[radius * (2 * v - 1), 0mm]", "bad-curve", "a radius below 0"),
+        ("[radius * v, 0mm]", "[radius * sqrt(v - 0.5) * sqrt(2), 0mm]", "bad-curve", "no value"),
+        ("lathe([base, side], [floor, lining]) about z", "sweep(circle(wall)) along side up y", "bad-curve", "lies in a plane"),
+        ("lathe([base, side], [floor, lining]) about z", "extrude(side) along z", "wrong-arguments", "both its ends"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_made_is_said_in_words(old, new, code, words):
+    assert old in FLASK
+    report, module = load(FLASK.replace(old, new))
+    with pytest.raises(Abort):
+        lower_primitive(Context(report, Program("test")), module.find("Flask"))
+    (found,) = report.diagnostics
+    assert found.code == code and words in found.message
