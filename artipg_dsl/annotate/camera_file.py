@@ -109,7 +109,7 @@ def checked(cameras: Cameras, name: str | None = None) -> Cameras:
     whole("points", cameras.points, MOST_POINTS)
     if not 1 <= cameras.fov <= 170:
         refuse(f"`fov` is {cameras.fov:g}", "give 1 to 170 degrees, from the upper edge of the picture to the lower")
-    bounds = {"azimuth": (-360.0, 360.0), "elevation": (-90.0, 90.0), "distance": (1.0, 1000.0)}
+    bounds = {"azimuth": (-360.0, 360.0), "elevation": (-90.0, 90.0), "distance": (0.5, 1000.0)}
     for label, (low, high) in bounds.items():
         first, last = getattr(cameras, label)
         if first > last:
@@ -117,4 +117,8 @@ def checked(cameras: Cameras, name: str | None = None) -> Cameras:
         if first < low or last > high:
             more = ": 1 is where the object just fits the picture" if label == "distance" else " degrees"
             refuse(f"`{label}` is {first:g} .. {last:g}", f"it lies within {low:g} .. {high:g}{more}")
+    narrow = min(1.0, cameras.width / cameras.height)
+    nearest = float(np.sin(np.arctan(np.tan(np.radians(cameras.fov / 2)) * narrow)))
+    if not cameras.poses and cameras.distance[0] <= nearest:
+        refuse(f"`distance` {cameras.distance[0]:g} is within the object", f"here it is more than {nearest:.3g}")
     return cameras

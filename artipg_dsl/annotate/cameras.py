@@ -28,7 +28,7 @@ class Cameras:
     fov: float = 35.0
     azimuth: Span = (-60.0, 60.0)
     elevation: Span = (10.0, 60.0)
-    distance: Span = (1.0, 1.5)
+    distance: Span = (1.0, 1.3)
     points: int = 2048
     poses: tuple[tuple[tuple[float, ...], tuple[float, ...] | None, tuple[float, ...]], ...] = ()
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import UserError
-from ..geometry.rays import ENGINES, Caster, Grid, best_engine, intersect, turned
+from ..geometry.rays import ENGINES, NEAR, Caster, Grid, best_engine, intersect, turned
 from ..graph import random
 from .cameras import Cameras, extrinsics
 from .points import field_kinds
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 NONE = 0xFFFF  # a pixel that shows nothing, in images of numbers
 PIXELS = 4_000_000  # of a block of objects
 MOST_RAYS = 4_000_000  # for one cloud
-PLACE_LANES = 2
 Arrays = dict[str, np.ndarray]
 
 
@@ -103,16 +102,15 @@ class _Views:
             span = slice(int(made.start[i - first]), int(made.start[i - first + 1]))
             for k, (rotation, translation) in enumerate(self.poses):
                 corner = carried(rotation, translation, made.link[span], made.corner[span])
-                caster = self.caster(corner)
-                low, high = corner.min(axis=(0, 1)), corner.max(axis=(0, 1))
-                half = (high - low) / 2
-                radius = np.sqrt(half[0] * half[0] + half[1] * half[1] + half[2] * half[2])
-                address = np.asarray(self.batch.numbers[i : i + 1]).astype(np.uint64)
-                turn, eye = self.cameras.place(self.key, address, ((low + high) / 2)[None], np.array([radius]))
+                ends = np.array([[corner[..., axis].min(), corner[..., axis].max()] for axis in range(3)])
+                half = (ends[:, 1] - ends[:, 0]) / 2
+                radius = np.sqrt(half[:1] * half[:1] + half[1:2] * half[1:2] + half[2:] * half[2:])
+                target = _Target(int(self.batch.numbers[i]), corner, ends, span.start, self.caster(corner))
+                turn, eye = self.cameras.place(self.key, target.address[None], (ends[:, 0] + half)[None], radius)
                 at = (i * self.each + k) * self.cameras.count
                 self.turn[at : at + self.cameras.count], self.eye[at : at + self.cameras.count] = turn[0], eye[0]
                 for v in range(self.cameras.count):
-                    shots.append(_Shot(self, at + v, i, v, corner, span.start, caster))
+                    shots.append(_Shot(self, target, at + v, v))
         self._write(made, shots)
 
     def _write(self, made: Soup, shots: list[_Shot]) -> None:
@@ -157,16 +155,31 @@ class _Views:
             self.cloud[name][slot] = values
 
 
+@dataclass(frozen=True, slots=True)
+class _Target:
+    """An object in one state: its triangles ``corner`` (T, 3, 3), ``first`` the number of their first in the soup, and
+    the ``ends`` (3, 2) of its box."""
+
+    number: int
+    corner: np.ndarray
+    ends: np.ndarray
+    first: int
+    caster: Caster
+
+    @property
+    def address(self) -> np.ndarray:
+        return np.asarray(self.number, dtype=np.uint64)
+
+
 class _Shot:
     """The hits of one camera: first those of the ``in_image`` pixels, then those that a cloud needs beside them."""
 
-    def __init__(self, of: _Views, number: int, index: int, view: int, corner: np.ndarray, first: int, caster: Caster):
-        self.number, self.view, self.caster, self.corner = number, view, caster, corner
-        self.turn, self.eye, self.cameras, self.key = of.turn[number], of.eye[number], of.cameras, of.key
-        self.address = np.asarray(of.batch.numbers[index]).astype(np.uint64)
-        self.local = turned(self.turn, corner - self.eye)
+    def __init__(self, of: _Views, target: _Target, number: int, view: int):
+        self.target, self.number, self.view = target, number, view
+        self.turn, self.eye, self.cameras = of.turn[number], of.eye[number], of.cameras
+        self.draw = of.key, random.mix(target.address, view)
         c = self.cameras
-        low, high = self._window()
+        low, high = self._window(target.ends)
         columns, rows = (high - low).tolist()
         grid = self._grid(low[0] + 0.5, low[1] + 0.5, 1.0, columns, rows)
         triangle, weights, at = self._cast(grid)
@@ -175,28 +188,33 @@ class _Shot:
         self.in_image = len(at)
         if not len(at):
             raise UserError(
-                f"view {view} of object {int(of.batch.numbers[index])} sees nothing of it",
+                f"view {view} of object {target.number} sees nothing of it",
                 "turn the camera towards the object, or bring it nearer",
             )
         if len(at) >= c.points:
             self.chosen = np.sort(self._shuffled(len(at), 0)[: c.points])
         else:
-            more = self._between(c.points - len(at), index, of)
+            more = self._between(c.points - len(at))
             triangle, weights = np.concatenate([triangle, more[0]]), np.concatenate([weights, more[1]])
             self.pixel = np.concatenate([self.pixel, more[2]])
             self.chosen = np.arange(c.points)
-        self.depth = blend(self.local[triangle], weights)[:, 2]
-        self.hits = Hits(triangle + first, weights)
+        self.depth = blend(self._local(triangle), weights)[:, 2]
+        self.hits = Hits(triangle + target.first, weights)
 
-    def _window(self) -> tuple[np.ndarray, np.ndarray]:
-        """The pixels [low, high) that the object's picture lies within."""
+    def _window(self, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The pixels [low, high) that the picture of the object's box, ``ends`` (3, 2), lies within."""
         size = np.array([self.cameras.width, self.cameras.height])
-        z = self.local[..., 2]
-        if z.min() <= 0:
+        corners = np.stack(np.meshgrid(*ends, indexing="ij"), axis=-1).reshape(-1, 3)
+        local = turned(self.turn, corners - self.eye)
+        if local[:, 2].min() <= NEAR:
             return np.zeros(2, np.int64), size
-        place = self.local[..., :2] / z[..., None] * self.cameras.focal + size / 2
-        low, high = np.floor(place.min(axis=(0, 1))), np.ceil(place.max(axis=(0, 1)))
+        place = local[:, :2] / local[:, 2:] * self.cameras.focal + size / 2
+        low, high = np.floor(place.min(axis=0)), np.ceil(place.max(axis=0))
         return np.clip(low, 0, size).astype(np.int64), np.clip(high, 0, size).astype(np.int64)
+
+    def _local(self, triangle: np.ndarray) -> np.ndarray:
+        """Corners (n, 3, 3) of triangles in the camera's frame."""
+        return turned(self.turn, self.target.corner[triangle] - self.eye)
 
     def _grid(self, left: float, top: float, step: float, columns: int, rows: int) -> Grid:
         c = self.cameras
@@ -204,31 +222,29 @@ class _Shot:
 
     def _cast(self, grid: Grid) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Triangles, barycentric weights and numbers of the rays of a grid that meet the object."""
-        found = self.caster.first(self.turn, self.eye, grid)
+        found = self.target.caster.first(self.turn, self.eye, grid)
         at = np.flatnonzero(found >= 0)
-        return found[at], intersect(self.local[found[at]], grid.directions()[at]), at
+        return found[at], intersect(self._local(found[at]), grid.directions()[at]), at
 
     def _shuffled(self, count: int, lane: int) -> np.ndarray:
         """0 .. count - 1 in random order."""
-        share = random.uniform(self.key, random.mix(self.address, self.view), np.arange(count), lane)
+        share = random.uniform(*self.draw, np.arange(count), lane)
         return np.argsort(share, kind="stable")
 
-    def _between(self, count: int, index: int, of: _Views) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """``count`` more hits, by rays through random places of the pixels that show the object: triangles, weights,
-        pixels."""
+    def _between(self, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """``count`` more hits of rays through the pixels that show the object: triangles, weights, pixels."""
         width = self.cameras.width
         y, x = np.divmod(self.pixel, width)
         low, high = np.array([x.min(), y.min()]), np.array([x.max() + 1, y.max() + 1])
         visible = np.zeros(width * self.cameras.height, dtype=bool)
         visible[self.pixel] = True
-        offset = random.pair(self.key, random.mix(self.address, self.view), PLACE_LANES, 1)
+        offset = random.pair(*self.draw, 0, 1)
         fine = int(np.ceil(np.sqrt(1.5 * count / len(self.pixel)))) + 1
         while True:
             columns, rows = ((high - low) * fine).tolist()
             if columns * rows > MOST_RAYS:
-                number = int(of.batch.numbers[index])
                 raise UserError(
-                    f"view {self.view} of object {number} sees next to nothing of it",
+                    f"view {self.view} of object {self.target.number} sees next to nothing of it",
                     "bring the camera nearer, or ask for fewer points",
                 )
             left, top = (float(low[i] + offset[i].item() / fine) for i in range(2))
