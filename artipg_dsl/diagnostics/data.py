@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable
 from typing import Any
+from urllib.parse import quote
 
 from ..source import Span
 from .codes import CODES
@@ -34,19 +35,36 @@ def to_json(diagnostics: Iterable[Diagnostic]) -> str:
 
 
 def to_sarif(diagnostics: Iterable[Diagnostic], version: str) -> str:
-    """SARIF 2.1.0, which code hosts and editors read."""
+    """SARIF 2.1.0, which code hosts and editors read: with each finding its hint, further places and rule."""
     found = list(diagnostics)
-    rules = [{"id": c, "shortDescription": {"text": CODES[c].summary}} for c in sorted({d.code for d in found})]
+    rules = [
+        {
+            "id": name, "shortDescription": {"text": CODES[name].summary}, "fullDescription": {"text": CODES[name].text},
+            "help": {"text": f"apgc explain {name}"},
+        }
+        for name in sorted({d.code for d in found})
+    ]  # fmt: skip
     results = []
     for d in found:
-        result: dict[str, Any] = {"ruleId": d.code, "level": d.severity, "message": {"text": d.message}}
-        if (where := place(d.span)) is not None:
-            region = {
-                "startLine": where["line"], "startColumn": where["column"],
-                "endLine": where["end_line"], "endColumn": where["end_column"],
-            }  # fmt: skip
-            location = {"artifactLocation": {"uri": where["file"]}, "region": region}
-            result["locations"] = [{"physicalLocation": location}]
+        text = f"{d.message}. Help: {d.hint}" if d.hint else d.message
+        result: dict[str, Any] = {"ruleId": d.code, "level": d.severity, "message": {"text": text}}
+        if d.span is not None:
+            result["locations"] = [location(d.span)]
+        related = [{**location(span), "message": {"text": words}} for span, words in (*d.notes, *reversed(d.trace))]
+        if related:
+            result["relatedLocations"] = related
         results.append(result)
     driver = {"name": "apgc", "version": version, "rules": rules}
-    return json.dumps({"version": "2.1.0", "runs": [{"tool": {"driver": driver}, "results": results}]}, indent=2)
+    run = {"tool": {"driver": driver}, "columnKind": "unicodeCodePoints", "results": results}
+    return json.dumps({"version": "2.1.0", "runs": [run]}, indent=2)
+
+
+def location(span: Span) -> dict[str, Any]:
+    """A place as SARIF writes it: the file as a relative or absolute reference, the region from 1."""
+    where = place(span)
+    assert where is not None
+    region = {
+        "startLine": where["line"], "startColumn": where["column"],
+        "endLine": where["end_line"], "endColumn": where["end_column"],
+    }  # fmt: skip
+    return {"physicalLocation": {"artifactLocation": {"uri": quote(where["file"])}, "region": region}}

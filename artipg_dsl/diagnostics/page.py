@@ -25,8 +25,8 @@ INTRODUCTION = f"""\
 <!-- Made from the registry in artipg_dsl/diagnostics/codes/ by `{COMMAND}`. -->
 
 What the compiler finds in a program, by code. `apgc explain CODE` prints the same in a terminal, `apgc check FILE`
-finds them all, `apgc check --json` and `--sarif` give them to tools. Each finding names the file, line and column, shows
-the text with carets, further places that belong to it, through which parts a template was used, and what to try.
+finds them all, `apgc check --json` and `--sarif` give them to tools. Each finding names the file, line and column,
+shows the text with carets, further places that belong to it, through which parts a template was used, and what to try.
 Every example brings its code about.
 """
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from unicodedata import combining, east_asian_width
 
 from ..source import Span
 from .model import Diagnostic
 
-COLOURS = {"error": "\x1b[1;31m", "warning": "\x1b[1;33m", "note": "\x1b[1;36m"}
+COLOURS = {"error": "\x1b[1;31m", "warning": "\x1b[1;33m"}
 BOLD, RESET, BLUE = "\x1b[1m", "\x1b[0m", "\x1b[34m"
+MOST_TRACE = 4
 
 
 def render(diagnostics: Iterable[Diagnostic], *, colour: bool) -> str:
@@ -30,32 +32,43 @@ def _paint(text: str, code: str, colour: bool) -> str:
 
 
 def _one(d: Diagnostic, colour: bool) -> str:
-    head = _paint(f"{d.severity}[{d.code}]", COLOURS[d.severity], colour)
-    lines = [f"{head}: {_paint(d.message, BOLD, colour)}"]
+    paint = COLOURS[d.severity]
+    lines = [f"{_paint(f'{d.severity}[{d.code}]', paint, colour)}: {_paint(d.message, BOLD, colour)}"]
+    shown = [s for s in (d.span, *(s for s, _ in d.notes)) if s is not None]
+    gutter = max((len(str(s.line)) for s in shown), default=1)
     if d.span is not None:
-        lines += _excerpt(d.span, "", colour, first=True)
+        lines += _excerpt(d.span, "", gutter, colour, "^", paint)
     for span, text in d.notes:
-        lines += _excerpt(span, text, colour)
-    for span, text in reversed(d.trace[-4:]):
-        lines.append(f"  {_paint('=', BLUE, colour)} {text} ({span})")
+        lines += _excerpt(span, text, gutter, colour, "-", BLUE)
+    bullet = " " * gutter + " " + _paint("=", BLUE, colour)
+    lines += [f"{bullet} {text} ({span})" for span, text in reversed(d.trace[-MOST_TRACE:])]
+    if len(d.trace) > MOST_TRACE:
+        lines.append(f"{bullet} and {len(d.trace) - MOST_TRACE} more around it")
     if d.hint:
-        lines.append(f"  {_paint('=', BLUE, colour)} help: {d.hint}")
+        lines.append(f"{bullet} help: {d.hint}")
     return "\n".join(lines)
 
 
-def _excerpt(span: Span, text: str, colour: bool, *, first: bool = False) -> list[str]:
+def _excerpt(span: Span, text: str, gutter: int, colour: bool, mark: str, paint: str) -> list[str]:
+    """The first line of a span with a mark below it; of a longer one it says where it ends."""
     source = span.source
     line, column = source.position(span.start)
     end_line, end_column = source.position(max(span.start, span.end - 1))
     content = source.line(line).replace("\t", " ")
-    width = (end_column if end_line == line else len(content)) - column + 1
-    number = str(line)
-    gutter = " " * len(number)
-    mark = ("^" if first else "-") * max(1, width)
-    arrow = _paint("-->" if first else ":::", BLUE, colour)
+    before = content[: column - 1]
+    marked = content[column - 1 : end_column if end_line == line else None]
+    under = _paint(mark * max(1, _width(marked)), paint, colour)
+    if end_line > line:
+        under += f" ... to line {end_line}"
+    blank = " " * gutter
     return [
-        f"{gutter}{arrow} {source.name}:{line}:{column}",
-        f"{gutter} |",
-        f"{number} | {content}",
-        f"{gutter} | {' ' * (column - 1)}{mark}{' ' + text if text else ''}",
+        f"{blank}{_paint('-->' if mark == '^' else ':::', BLUE, colour)} {source.name}:{line}:{column}",
+        f"{blank} |",
+        f"{line:>{gutter}} | {content}",
+        f"{blank} | {' ' * _width(before)}{under}{' ' + text if text else ''}",
     ]
+
+
+def _width(text: str) -> int:
+    """The columns that a text takes in a terminal: two for wide letters, none for combining ones."""
+    return sum(0 if combining(c) else 2 if east_asian_width(c) in "WF" else 1 for c in text)

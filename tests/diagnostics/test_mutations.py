@@ -13,7 +13,8 @@ MUTATIONS = list(mutations(seed=7, number=40))
 @pytest.mark.parametrize("text", [t for _, t in MUTATIONS], ids=[name for name, _ in MUTATIONS])
 def test_no_exception(text: str) -> None:
     for found in check_text(Source("mutated.apg", text)).diagnostics:
-        assert found.message and (found.span is None or 0 <= found.span.start <= found.span.end <= len(found.span.source.text))
+        span = found.span
+        assert found.message and (span is None or 0 <= span.start <= span.end <= len(span.source.text))
 
 
 def test_all_programs_are_mutated() -> None:

@@ -95,8 +95,8 @@ STRUCTURE = (
         }
         """),
     Code("two-roots", "a category has two root parts", """
-        The part marked `root` is what all others hang on, so there is one. Its link is the base of every file that is written. Take the word away from all but
-        one, and attach the others to it with `connect`.
+        The part marked `root` is what all others hang on, so there is one. Its link is the base of every file
+        that is written. Take the word away from all but one, and attach the others to it with `connect`.
         """, """
         apg 1
         use primitives { Cuboid }
