@@ -64,16 +64,16 @@ class Cells:
         numbers, own = quads(shelf.primitive, shelf.params)
         flat = np.array(numbers, dtype=np.int64)
         part = slice(shelf.start, shelf.stop)
-        cell = (self.first[part] + flat[:, None]).ravel()
-        self.shape[cell] = np.repeat(shapes(shelf.primitive)[flat], shelf.stop - shelf.start)
-        rotation, translation, mirror = (p[..., part] for p in self.poses)
+        cell = (self.first[part, None] + flat).ravel()
+        self.shape[cell] = np.tile(shapes(shelf.primitive)[flat], shelf.stop - shelf.start)
+        rotation, translation, mirror = (p[..., part, None] for p in self.poses)
         y = own[:, 1] * mirror
         for axis in range(3):
             p, q, r = rotation[3 * axis], rotation[3 * axis + 1], rotation[3 * axis + 2]
             placed = p * own[:, 0] + q * y + r * own[:, 2]
             self.origin[axis, cell] = (placed[0] + translation[axis]).ravel()
             self.a[axis, cell], self.b[axis, cell], self.c[axis, cell] = (placed[k].ravel() for k in (1, 2, 3))
-        sign = mirror * orientation(shelf.primitive)[flat][:, None]
+        sign = mirror * orientation(shelf.primitive)[flat]
         self.normal[0, cell] = sign.ravel()
         if any(s.guard is not None for s in surfaces(shelf.primitive)):
             here = self.first[part, None] + np.arange(len(surfaces(shelf.primitive)))

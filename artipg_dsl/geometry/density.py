@@ -188,37 +188,33 @@ class _Line:
 
     def invert(self, row: np.ndarray, q: np.ndarray) -> np.ndarray:
         """Where the share ``q`` of the mass of line ``row`` is reached."""
-        n = self.cells + 1
+        if len(self.density) == 1:
+            target = q * self.running[0, -1]
+            cell = np.searchsorted(self.running[0, 1:-1], target, side="right")
+            left = cell
+        else:
+            lines = self.running[row]
+            target = q * lines[:, -1]
+            cell = _reached(lines, target)
+            left = row * (self.cells + 1) + cell
         density, running = self.density.reshape(-1), self.running.reshape(-1)
-        base = row * n
-        target = q * running[base + self.cells]
-        cell = self._search(lambda at: running[base + at], target)
-        left = base + cell
         return (cell + _solve(target - running[left], density[left], density[left + 1])) / self.cells
 
     def between(self, low: np.ndarray, t: np.ndarray, q: np.ndarray) -> np.ndarray:
         """The same on the line at ``t`` between lines ``low`` and ``low + 1``."""
-        n = self.cells + 1
-        density, running = self.density.reshape(-1), self.running.reshape(-1)
-        base, s = low * n, 1.0 - t
+        s = 1.0 - t
+        lines = s[:, None] * self.running[low] + t[:, None] * self.running[low + 1]
+        target = q * lines[:, -1]
+        cell = _reached(lines, target)
+        density, left = self.density.reshape(-1), low * (self.cells + 1) + cell
+        right = left + self.cells + 1
+        start, end = s * density[left] + t * density[right], s * density[left + 1] + t * density[right + 1]
+        return (cell + _solve(target - lines[np.arange(len(cell)), cell], start, end)) / self.cells
 
-        def blend(values: np.ndarray, at: np.ndarray | int) -> np.ndarray:
-            return s * values[base + at] + t * values[base + n + at]
 
-        target = q * blend(running, self.cells)
-        cell = self._search(lambda at: blend(running, at), target)
-        inner = _solve(target - blend(running, cell), blend(density, cell), blend(density, cell + 1))
-        return (cell + inner) / self.cells
-
-    def _search(self, running, target: np.ndarray) -> np.ndarray:
-        """The last cell whose start does not exceed the target, by bisection."""
-        cell = np.zeros(len(target), dtype=np.int64)
-        step = 1 << (self.cells.bit_length() - 1)
-        while step:
-            probe = np.minimum(cell + step, self.cells - 1)
-            cell = np.where(running(probe) <= target, probe, cell)
-            step >>= 1
-        return cell
+def _reached(lines: np.ndarray, target: np.ndarray) -> np.ndarray:
+    """(m,) the last cell of each line of running sums (m, cells + 1) whose start does not exceed the target."""
+    return np.add.reduce(lines[:, 1:-1] <= target[:, None], axis=1, dtype=np.int64)
 
 
 def _solve(mass: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:

@@ -12,7 +12,7 @@ import numpy as np
 from ..graph.derive import derive
 from ..graph.expr import ONE, ZERO, Expr, substitute
 from ..graph.primitive import Primitive
-from .patches import U, V, Params, evaluate_rows, existing, grid, position_split, rows_of, surfaces
+from .patches import U, V, Params, existing, grid, parameter_formula, position_split, rows_of, surfaces
 from .topology import shown
 from .trial import trial
 
@@ -57,19 +57,20 @@ def _corner_formulas(primitive: Primitive) -> tuple[tuple[int, ...], tuple[Expr,
 
 
 def quads(primitive: Primitive, params: Params) -> tuple[tuple[int, ...], np.ndarray]:
-    """The flat patches, and (4, 3, flat patches, k): origin, a, b and c in the own frames of the instances."""
+    """The flat patches, and (4, 3, k, flat patches): origin, a, b and c in the own frames of the instances."""
     flat, formulas = _corner_formulas(primitive)
+    corner = np.empty((4, 3, rows_of(params), len(flat)))
     if not flat:
-        return flat, np.empty((4, 3, 0, rows_of(params)))
-    values = evaluate_rows(primitive, formulas, params)
-    corner = values.reshape(4, 3, len(flat), values.shape[1])
-    out = np.empty_like(corner)
-    out[0] = corner[0]
-    out[1] = corner[1] - corner[0]
-    out[2] = corner[2] - corner[0]
-    out[3] = corner[3] - corner[2] - out[1]
-    out[3][:, shapes(primitive)[list(flat)] == PARALLEL] = 0.0
-    return flat, out
+        return flat, corner
+    values = parameter_formula(primitive, formulas)(*(params[n] for n in primitive.parameters))
+    for number, value in enumerate(values):
+        vector, patch = divmod(number, len(flat))
+        corner[vector // 3, vector % 3, :, patch] = value
+    corner[3] -= corner[2]
+    corner[1:3] -= corner[0]
+    corner[3] -= corner[1]
+    corner[3][..., shapes(primitive)[list(flat)] == PARALLEL] = 0.0
+    return flat, corner
 
 
 @lru_cache(maxsize=512)

@@ -24,6 +24,7 @@ OFF = 1e-6  # how far off its surface a point is asked, relative to the largest 
 _ABOUT = 1.5  # a coincident surface lies within this many times that distance of the point asked
 _REACH = 1.6  # boxes are wider by this many times that distance
 _LOOSE = 1e-9  # rectangles are wider by this fraction
+_CHUNK = 4096  # pairs of cells and rows at a time: their arrays stay in the cache
 _PAIRS = 1_000_000  # pairs of rows, or of a point and a row, looked at together
 
 
@@ -71,10 +72,12 @@ class Occlusion:
         self.cells, self.rows, self.off = cells, cells.rows, off
         self.inside = [inside_split(s.primitive) for s in self.rows.shelves]
         self.values = [split.rows(s.params) for split, s in zip(self.inside, self.rows.shelves, strict=True)]
+        self.shelf = np.zeros(len(self.rows.owner), dtype=np.int16)
         self.low, self.high = np.empty((3, len(self.rows.owner))), np.empty((3, len(self.rows.owner)))
-        for shelf in self.rows.shelves:
+        for number, shelf in enumerate(self.rows.shelves):
             corners = bounds(shelf.primitive, shelf.params)
             part = slice(shelf.start, shelf.stop)
+            self.shelf[part] = number
             self.low[:, part], self.high[:, part] = corners[0].T, corners[1].T
         near, other = _row_pairs(self.rows, self.off)
         order = np.argsort(near, kind="stable")
@@ -99,19 +102,35 @@ class Occlusion:
 
     def _flat_pairs(self, cell: np.ndarray, other: np.ndarray, group: np.ndarray) -> Pairs:
         rows, cells = self.rows, self.cells
+        place = group[cells.owner[cell]] * len(rows.shelves) + self.shelf[other]
+        order = np.argsort(place.astype(np.int16 if place.max(initial=0) < 32000 else np.int64), kind="stable")
+        total = (int(group.max(initial=0)) + 1) * len(rows.shelves)
+        edges = np.searchsorted(place[order], np.arange(total + 1))
+        cell, other = cell[order], other[order]
+        count = len(cell)
+        pairs = Pairs(
+            cell, other, np.empty((4, 3, count)), np.empty((3, count)), np.empty((4, count)),
+            cells.shape[cell] == PLANAR, rows.rank[other] < rows.rank[cells.row[cell]], edges,
+        )  # fmt: skip
+        for start in range(0, count, _CHUNK):
+            self._carry_over(pairs, slice(start, start + _CHUNK))
+        return pairs
+
+    def _carry_over(self, pairs: Pairs, part: slice) -> None:
+        """Some of the pairs: their quads in the frames of the rows, and what of them the boxes can reach."""
+        rows, cells = self.rows, self.cells
+        cell, other = pairs.cell[part], pairs.other[part]
         off = self.off[cells.owner[cell]]
         poses = [[rows.rotation[3 * j + axis][other] for j in range(3)] for axis in range(3)]
-        shift = [rows.translation[axis][other] for axis in range(3)]
         mirror = rows.mirror[other]
-        planar = cells.shape[cell] == PLANAR
-        normal = [cells.normal[axis][cell] for axis in range(3)]
-        origin = [cells.origin[axis][cell] + off * normal[axis] - shift[axis] for axis in range(3)]
+        normal = [x[cell] for x in cells.normal]
+        origin = [cells.origin[k][cell] + off * normal[k] - rows.translation[k][other] for k in range(3)]
         vectors = (origin, [x[cell] for x in cells.a], [x[cell] for x in cells.b])
-        quad, step = np.zeros((4, 3, len(cell))), np.empty((3, len(cell)))
-        some = np.flatnonzero(planar)
+        quad, step, within = pairs.quad[:, :, part], pairs.step[:, part], pairs.within[:, part]
+        quad[3] = 0.0
+        some = np.flatnonzero(pairs.planar[part])
         bend = [x[cell[some]] for x in cells.c]
-        meets = np.ones(len(cell), dtype=bool)
-        within = np.zeros((4, len(cell)))
+        within[0] = within[2] = 0.0
         within[1] = within[3] = 1.0
         reach = _REACH * off
         for axis in range(3):
@@ -119,61 +138,67 @@ class Occlusion:
             for k, vector in enumerate(vectors):
                 quad[k, axis] = p * vector[0] + q * vector[1] + r * vector[2]
             quad[3, axis, some] = p[some] * bend[0] + q[some] * bend[1] + r[some] * bend[2]
-            step[axis] = p * normal[0] + q * normal[1] + r * normal[2]
-            step[axis] *= -2.0 * off
+            step[axis] = (p * normal[0] + q * normal[1] + r * normal[2]) * (-2.0 * off)
             if axis == 1:
                 quad[:, axis] *= mirror
                 step[axis] *= mirror
-            meets &= self._narrow(quad[:, axis], self.low[axis][other] - reach, self.high[axis][other] + reach, within)
-        meets &= (within[0] <= within[1]) & (within[2] <= within[3])
-        kept = np.flatnonzero(meets)
-        bound = np.array([s.start for s in rows.shelves[1:]], dtype=np.int64)
-        shelf = np.searchsorted(bound, other[kept], side="right")
-        place = group[cells.owner[cell[kept]]] * len(rows.shelves) + shelf
-        order = np.argsort(place.astype(np.int16 if place.max(initial=0) < 32000 else np.int64), kind="stable")
-        total = (int(group.max(initial=0)) + 1) * len(rows.shelves)
-        edges = np.searchsorted(place[order], np.arange(total + 1))
-        kept = kept[order]
-        cell, other = cell[kept], other[kept]
-        lower = rows.rank[other] < rows.rank[cells.row[cell]]
-        return Pairs(cell, other, quad[:, :, kept], step[:, kept], within[:, kept], planar[kept], lower, edges)
+            self._narrow(quad[:, axis], self.low[axis][other] - reach, self.high[axis][other] + reach, within)
+        np.minimum(within[0::2], 2.0, out=within[0::2])
+        np.maximum(within[1::2], -1.0, out=within[1::2])
 
     @staticmethod
-    def _narrow(quad: np.ndarray, low: np.ndarray, high: np.ndarray, within: np.ndarray) -> np.ndarray:
-        """Whether quads (4, P) along one axis reach ``low .. high``; narrows ``within`` to the fractions that may."""
+    def _narrow(quad: np.ndarray, low: np.ndarray, high: np.ndarray, within: np.ndarray) -> None:
+        """Narrow ``within`` to the fractions at which quads (4, P) may lie in ``low .. high`` along one axis."""
         origin, a, b, c = quad
-        down, up = np.minimum(c, 0.0), np.maximum(c, 0.0)
-        a_down, a_up, b_down, b_up = np.minimum(a, 0.0), np.maximum(a, 0.0), np.minimum(b, 0.0), np.maximum(b, 0.0)
-        low, high = low - origin - up, high - origin - down
-        meets = (a_up + b_up >= low) & (a_down + b_down <= high)
+        low, high = low - origin - np.maximum(c, 0.0), high - origin - np.minimum(c, 0.0)
+        rest = (np.minimum(a, 0.0), np.maximum(a, 0.0)), (np.minimum(b, 0.0), np.maximum(b, 0.0))
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            for start, along, rest_down, rest_up in ((0, a, b_down, b_up), (2, b, a_down, a_up)):
-                one, two = (low - rest_up) / along, (high - rest_down) / along
+            for start, along, (down, up) in ((0, a, rest[1]), (2, b, rest[0])):
+                one, two = (low - up) / along, (high - down) / along
                 # fmin and fmax pass over nan: nought by nought bounds nothing
                 np.fmax(within[start], np.fmin(one, two) - _LOOSE, out=within[start])
                 np.fmin(within[start + 1], np.fmax(one, two) + _LOOSE, out=within[start + 1])
-        return meets
 
     def _buried(self) -> np.ndarray:
         """Flat cells with all corners within one convex row: nothing of them can be seen."""
         pairs = self.pairs
-        shelves = self.rows.shelves
         solid = np.zeros(len(self.rows.owner), dtype=bool)
-        for shelf in shelves:
+        for shelf in self.rows.shelves:
             solid[shelf.start : shelf.stop] = convex(shelf.primitive)
-        low, high = pairs.within[0::2].max(axis=0), pairs.within[1::2].min(axis=0)
+        low, high = np.maximum(pairs.within[0], pairs.within[2]), np.minimum(pairs.within[1], pairs.within[3])
         chosen = np.flatnonzero((low <= 0.0) & (high >= 1.0) & solid[pairs.other])
         for u, v in ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)):
-            at = pairs.quad[0][:, chosen] + u * pairs.quad[1][:, chosen] + v * pairs.quad[2][:, chosen]
-            at += u * v * pairs.quad[3][:, chosen]
-            inside = np.zeros(len(chosen), dtype=bool)
-            for number, shelf in enumerate(shelves):
-                mine = np.flatnonzero((pairs.other[chosen] >= shelf.start) & (pairs.other[chosen] < shelf.stop))
-                if len(mine):
-                    inside[mine] = self._depth(number, pairs.other[chosen[mine]], [x[mine] for x in at]) < 0.0
-            chosen = chosen[inside]
+            chosen = chosen[self._at(chosen, u, v) < 0.0]
         out = np.zeros(len(self.cells.row), dtype=bool)
         out[pairs.cell[chosen]] = True
+        return out
+
+    def visible(self) -> np.ndarray:
+        """(C,) about which share of each cell can be seen: judged by the middle of what each row can reach of it."""
+        within = self.pairs.within
+        u, v = (within[0] + within[1]) / 2, (within[2] + within[3]) / 2
+        share = np.maximum(within[1] - within[0], 0.0) * np.maximum(within[3] - within[2], 0.0)
+        share = np.where(self._at(slice(None), u, v) < 0.0, share, 0.0)
+        out = np.zeros(len(self.cells.row))
+        np.maximum.at(out, self.pairs.cell, share)
+        out[self.buried] = 1.0
+        return 1.0 - np.minimum(out, 1.0)
+
+    def _at(self, chosen: np.ndarray | slice, u: np.ndarray | float, v: np.ndarray | float) -> np.ndarray:
+        """(m,) depths in their rows of one place asked on the cell of each chosen pair."""
+        origin, a, b, c = (q[:, chosen] for q in self.pairs.quad)
+        return self._depths(self.pairs.other[chosen], origin + u * a + v * b + (u * v) * c)
+
+    def _depths(self, other: np.ndarray, local) -> np.ndarray:
+        """(m,) depths of points in rows of any shelves, in the frames of those rows."""
+        out = np.empty(len(other))
+        shelf = self.shelf[other]
+        order = np.argsort(shelf, kind="stable")
+        edges = np.searchsorted(shelf[order], np.arange(len(self.rows.shelves) + 1))
+        for number in range(len(self.rows.shelves)):
+            mine = order[edges[number] : edges[number + 1]]
+            if len(mine):
+                out[mine] = self._depth(number, other[mine], [x[mine] for x in local])
         return out
 
     def _depth(self, shelf: int, other: np.ndarray, local) -> np.ndarray:
@@ -255,29 +280,20 @@ class Occlusion:
         for part in np.split(np.arange(len(cell)), cuts):
             point = np.repeat(part, count[part])
             other = self.row_other[runs(first[part], count[part])]
-            depth = self._everywhere(other, [x[point] for x in outer])
+            for axis in range(3):
+                value, reach = outer[axis][point], _REACH * off[point]
+                low, high = self.rows.low[:, axis][other], self.rows.high[:, axis][other]
+                kept = (value >= low - reach) & (value <= high + reach)
+                point, other = point[kept], other[kept]
+            depth = self._depths(other, to_local(self.cells.poses, other, [x[point] for x in outer]))
             out[point[depth < 0.0]] = True
             lower = self.rows.rank[other] < self.rows.rank[row[point]]
             close = (depth >= 0.0) & (depth <= _ABOUT * off[point]) & lower
             point, other = point[close], other[close]
             inner = [(p - off * n)[point] for p, n in zip(position, normal, strict=True)]
-            out[point[self._everywhere(other, inner) < 0.0]] = True
+            depth = self._depths(other, to_local(self.cells.poses, other, inner))
+            out[point[depth < 0.0]] = True
         return out
-
-    def _everywhere(self, other: np.ndarray, point) -> np.ndarray:
-        """Depths of points of objects in rows; inf where a point is out of the row's box."""
-        depth = np.full(len(other), np.inf)
-        reach = _REACH * self.off[self.rows.owner[other]]
-        local = to_local(self.cells.poses, other, point)
-        near = np.ones(len(other), dtype=bool)
-        for axis in range(3):
-            near &= local[axis] >= self.low[axis][other] - reach
-            near &= local[axis] <= self.high[axis][other] + reach
-        for shelf, made in enumerate(self.rows.shelves):
-            mine = np.flatnonzero(near & (other >= made.start) & (other < made.stop))
-            if len(mine):
-                depth[mine] = self._depth(shelf, other[mine], [x[mine] for x in local])
-        return depth
 
 
 def _row_pairs(rows: Block, off: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

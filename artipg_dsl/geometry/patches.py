@@ -118,13 +118,14 @@ def tangent_split(primitive: Primitive, patch: int) -> Split:
 
 
 @lru_cache(maxsize=512)
-def _parameter_formula(primitive: Primitive, exprs: tuple[Expr, ...]):
+def parameter_formula(primitive: Primitive, exprs: tuple[Expr, ...]):
+    """Formulas of the parameters alone, as a function of their columns."""
     return compile_formula(exprs, primitive.parameters)
 
 
 def evaluate_rows(primitive: Primitive, exprs: Sequence[Expr], params: Params, kind: type = np.float64) -> np.ndarray:
     """(number of expressions, k): formulas of the parameters alone, per instance."""
-    values = _parameter_formula(primitive, tuple(exprs))(*(params[n] for n in primitive.parameters))
+    values = parameter_formula(primitive, tuple(exprs))(*(params[n] for n in primitive.parameters))
     out: np.ndarray = np.empty((len(exprs), rows_of(params)), dtype=kind)
     for row, value in zip(out, values, strict=True):
         row[...] = value

@@ -21,7 +21,8 @@ from .sites import SiteTable
 
 _ROWS, _OBJECTS = 16_000, 256  # at most in a block, about
 _CANDIDATES = 40_000  # at a time: their arrays stay in the caches
-_SPARE = 1.25  # candidates per point wanted
+_SPARE = 1.06  # candidates per point wanted, were all to be seen that are thought to be
+_LEAST_GUESS = 1 / 4  # share of visible candidates that the first round reckons with at least
 _ROUNDS = 40
 _LEAST = 1 / 64  # share of visible candidates that later rounds reckon with at least
 _OFFSET_LANE, _THIN_LANE = 0xFFFFFFFF, 0xFFFFFFFE
@@ -110,13 +111,15 @@ class _Sampler:
         if (total <= 0.0).any():
             raise PointsError((first + np.flatnonzero(total <= 0.0)).tolist())
         self.share = (running / total[:, None])[cells.owner, slot]
+        seen = np.bincount(cells.owner, area * self.occlusion.visible(), minlength=rows.objects)
+        self.guess = np.maximum(seen / total, _LEAST_GUESS)
         self.head = slot == 0
 
     def fill(self, out: PointSet) -> None:
         """Rounds of candidates until every object has its points."""
         n = self.n
         filled = np.zeros(self.rows.objects, dtype=np.int64)
-        wanted = np.full(self.rows.objects, _even(np.array(n + 32)))
+        wanted = _even(_SPARE * n / self.guess + 32)
         tried, seen = np.zeros_like(wanted), np.zeros_like(wanted)
         for attempt in range(_ROUNDS):
             survivors = self._round(out, filled, wanted, attempt)
