@@ -47,7 +47,7 @@ class Curve(Function):
         if isinstance(value, Vec) and len(value.items) in (2, 3):
             return value.items
         raise self.env.context.error(
-            "wrong-kind", self.value.span, f"this is {describe(value)}, but a point of the curve `{self.name}` is needed here",
+            "wrong-kind", self.value.span, f"this is {describe(value)}, not a point of the curve `{self.name}`",
             hint="a curve in a plane gives [a, b], a path in space [x, y, z]",
         )  # fmt: skip
 
@@ -63,11 +63,13 @@ def offset(ev: Evaluator, node: ast.CallExpr) -> Vec:
         curve = ev.env.find(call.name)
     if not isinstance(curve, Curve) or len(curve.parameters) != 1:
         raise ev.env.context.error(
-            "wrong-kind", call.span, "`offset` takes a curve at a value of its parameter", hint="write offset(skin(v), -2mm)"
-        )
+            "wrong-kind", call.span, "`offset` takes a curve at a value of its parameter",
+            hint="write offset(skin(v), -2mm)",
+        )  # fmt: skip
     point = curve.point()
     if len(point) != 2:
-        raise ev.env.context.error("wrong-kind", call.span, f"`offset` needs a curve in a plane; `{curve.name}` lies in space")
+        message = f"`offset` needs a curve in a plane; `{curve.name}` lies in space"
+        raise ev.env.context.error("wrong-kind", call.span, message)
     normal = right_of((derive(point[0], "v"), derive(point[1], "v")), ONE)
     moved = (E.add(p, E.mul(distance, n)) for p, n in zip(point, normal, strict=True))
     return Vec(tuple(E.substitute(c, {V: at}) for c in moved))

@@ -181,7 +181,7 @@ def slices(env: Env, probe: Probe, solid: ast.SolidDecl, chain: list[Span], sign
         rise = 1.0 if climb.sum() > 0 else -1.0
         if (climb * rise).min() < -SMALL or way == -rise:
             raise env.context.error(
-                "bad-curve", solid.span, f"the height turns back along `{span.name}`: this solid has no simple convex pieces",
+                "bad-curve", solid.span, f"the height turns back along `{span.name}`: there are no simple convex pieces",
                 hint="let the height rise all the way, or make the solid of several primitives",
             )  # fmt: skip
         way = rise
@@ -300,7 +300,8 @@ def outline(
         if not closed[0]:
             sides.append(Side(between("rim", outer[-1].end, outer[0].start)))
         middle = mean([side.span for side in sides])
-        return [(tuple(sides), False)], [(side.span, Span("", middle, side.span.low, side.span.high)) for side in sides]
+        hub = [(side.span, Span("", middle, side.span.low, side.span.high)) for side in sides]
+        return [(tuple(sides), False)], hub
     inner = chains[1]
     if closed[0] != closed[1] or len(outer) != len(inner):
         raise env.context.error(

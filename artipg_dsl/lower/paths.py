@@ -140,14 +140,21 @@ def handed(curve: Curve, name: str) -> Handed:
     tests: list[tuple[float, float]] = []
     variables: dict[Expr, Expr] = {}
 
+    still: dict[Expr, bool] = {}
+    done: dict[Expr, Expr] = {}
+
     def moving(node: Expr) -> bool:
-        return node is V or any(moving(a) for a in node.args)
+        if node not in still:
+            still[node] = node is not V and not any([moving(a) for a in node.args])
+        return not still[node]
 
     def replaced(node: Expr, kind: str) -> Expr:
         if node.op == "const" or node is V:
             return node
         if moving(node):
-            return E.rebuild(node, tuple(replaced(a, kind) for a in node.args))
+            if node not in done:
+                done[node] = E.rebuild(node, tuple(replaced(a, kind) for a in node.args))
+            return done[node]
         if node not in variables:
             variables[node] = E.var(f"{name}.{len(names)}")
             names.append(f"{name}.{len(names)}")
