@@ -185,6 +185,7 @@ def located(frame: Frame, mount: Mount, ev: Evaluator) -> Triple:
             if frame.out[axis].constant in (1.0, -1.0):
                 raise ev.env.context.error(
                     "plane-across-axes", node.span, f"the target faces along {name}; `at` moves within its plane",
+                    hint=f"give the other two coordinates here, and the distance along {name} by `gap` or `sink`",
                 )  # fmt: skip
             origin[axis] = ev.scalar(node)
         elif isinstance(node, ast.NameExpr) and node.name == "center":

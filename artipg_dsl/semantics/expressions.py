@@ -65,7 +65,7 @@ def infer(ck: Checker, ctx: Context, expr: ast.Expr) -> Type:
         case ast.HoleExpr():
             return ck.error(
                 "misplaced-hole", expr.span, "`_` may only stand for a component of a vector argument",
-                hint="as in `Cuboid(size = [_, wall, _])`: the open components are determined by equations",
+                hint="as in `Cuboid(size = [_, wall, _])`; to leave a single number to the equations, leave its argument out",
             )  # fmt: skip
         case ast.UnaryExpr(op="not", operand=operand):
             conditions.truth(ck, ctx, operand)
