@@ -37,11 +37,11 @@ def attach_bounds(program: Program) -> None:
         found = bind(program, draws, order, scope, low, high, guard, number)
         if found is None or depth >= DEPTH or made >= MOST_DERIVED:
             continue
-        draw, bound = found
+        draw, bound, stated = found
         for other in opposite(draw, bound):
             made += 1
-            lower, upper = (other, bound) if bound.side == "high" else (bound, other)
-            pending.append((draw.column.scope, lower.value, upper.value, E.both(lower.guard, upper.guard), number, depth + 1))
+            lower, upper = (other, stated) if bound.side == "high" else (stated, other)
+            pending.append((scope, lower.value, upper.value, E.both(lower.guard, upper.guard), number, depth + 1))
 
 
 def opposite(draw: Draw, bound: Bound) -> Iterator[Bound]:
@@ -59,8 +59,11 @@ def opposite(draw: Draw, bound: Bound) -> Iterator[Bound]:
 def bind(
     program: Program, draws: dict[Column, Draw], order: dict[Column, int], scope: Scope, low: Expr, high: Expr, guard: Expr,
     number: int,
-) -> tuple[Draw, Bound] | None:  # fmt: skip
-    """Turn ``low <= high`` into a bound of the variable that is drawn last, if it can be solved for it."""
+) -> tuple[Draw, Bound, Bound] | None:  # fmt: skip
+    """Turn ``low <= high`` into a bound of the variable that is drawn last, if it can be solved for it.
+
+    Returned twice: as one of the variable's table, and as stated in ``scope``.
+    """
     difference = E.sub(low, high)
     everything = Linear(lambda c: c in draws, program.definitions)
     names = sorted(everything.columns(difference), key=lambda c: -order[c])
@@ -80,12 +83,12 @@ def bind(
             return None
         value = E.div(E.neg(form[1]), factor)
         side = "high" if sign > 0 else "low"
-        lifted = lift(column.scope, value, guard, side)
+        lifted = lift(scope, column.scope, value, guard, side)
         if lifted is None:
             return None
         bound = Bound(side, lifted[0], lifted[1], number)
         draw.bounds.append(bound)
-        return draw, bound
+        return draw, bound, Bound(side, value, guard, number)
     return None
 
 
@@ -100,12 +103,11 @@ def sign_of(program: Program, factor: Expr) -> int:
     return 1 if low > 0 else -1 if high < 0 else 0
 
 
-def lift(target: Scope, value: Expr, guard: Expr, side: str) -> tuple[Expr, Expr] | None:
-    """A bound stated in a deeper table, as one of the table where the variable is drawn: the tightest of its rows."""
+def lift(scope: Scope, target: Scope, value: Expr, guard: Expr, side: str) -> tuple[Expr, Expr] | None:
+    """A bound stated in ``scope``, as one of the table where the variable is drawn: the tightest of its rows."""
     worst = E.const(float("inf") if side == "high" else float("-inf"))
     while True:
-        scope = E.deepest([value, guard])
-        if scope is None or target.within(scope):
+        if target.within(scope):
             return value, guard
         if not scope.within(target) or scope.parent is None:
             return None
@@ -113,3 +115,4 @@ def lift(target: Scope, value: Expr, guard: Expr, side: str) -> tuple[Expr, Expr
         guard = E.TRUE
         kind = "min" if side == "high" else "max"
         value = E.reduce(kind, scope, value) if scope.kind == "repeat" else E.phi(scope.parent, [(scope, value)], worst)
+        scope = scope.parent
