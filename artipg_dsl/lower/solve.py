@@ -284,7 +284,8 @@ def surplus(
                 hint="drop or correct one of them; `gap` counts outwards from the face that it follows", notes=notes,
             )  # fmt: skip
         named = " and ".join(unknowns[u].name for u in users[:3])
-        drawn = [d.column.name.removeprefix(env.path) for d in env.context.draws if d.column.scope is env.scope and d.column in terms]
+        own = (d.column for d in env.context.draws if d.column.scope is env.scope)
+        drawn = [c.name.removeprefix(env.path) for c in own if c in terms]
         hint = "drop one of these equations, or leave a size open (`_`, or no argument) that it may determine"
         if drawn:
             hint = f"drop one of these equations, or let `{drawn[0]}` follow from them by declaring it `derived`"
