@@ -49,6 +49,15 @@ class Bound:
     requirement: int  # index into Program.requirements
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Limit:
+    """A conditional limit of a choice: the option may only be taken where ``allowed`` holds."""
+
+    option: int
+    allowed: Expr
+    requirement: int  # index into Program.requirements
+
+
 @dataclass(slots=True, eq=False)
 class Draw:
     """A variable that is drawn. ``address`` names it for the random function (the path, or the old name after ``was``).
@@ -72,6 +81,7 @@ class Draw:
     unit: str = ""
     where: Where | None = None
     bounds: list[Bound] = field(default_factory=list)
+    limits: list[Limit] = field(default_factory=list)
     doc: str = ""
 
 

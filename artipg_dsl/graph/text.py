@@ -21,7 +21,7 @@ VERSION = 1
 RECORDS = {
     cls.__name__: cls
     for cls in (
-        P.Where, P.Pose, P.Bound, P.Draw, P.Requirement, P.Part, P.Site, P.Link, P.Joint, P.Target, P.Label, P.Grasp, P.Keypoint,
+        P.Where, P.Pose, P.Bound, P.Limit, P.Draw, P.Requirement, P.Part, P.Site, P.Link, P.Joint, P.Target, P.Label, P.Grasp, P.Keypoint,
         P.Material, P.Allowed, P.Closure, Primitive, Patch, Piece,
     )
 }  # fmt: skip
@@ -107,7 +107,9 @@ class _Writer:
         words = [type(value).__name__]
         for field in fields(value):
             item = getattr(value, field.name)
-            default = field.default if field.default is not MISSING else field.default_factory() if field.default_factory is not MISSING else MISSING  # fmt: skip
+            default = field.default
+            if field.default_factory is not MISSING:
+                default = field.default_factory()
             if field.name in ("doc", "where") and not self.places:
                 continue
             if default is not MISSING and type(item) is type(default) and item == default:

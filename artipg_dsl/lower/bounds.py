@@ -13,7 +13,8 @@ from ..graph import expr as E
 from ..graph.expr import Column, Expr, Scope
 from ..graph.interval import Intervals
 from ..graph.linear import Linear
-from ..graph.program import Bound, Draw, Program
+from ..graph.program import Bound, Draw, Limit, Program
+from .systems import inline
 
 MOST_DERIVED = 400
 DEPTH = 6
@@ -29,6 +30,7 @@ def attach_bounds(program: Program) -> None:
         if requirement.slack is not None:
             low, high = requirement.slack
             pending.append((requirement.scope, low, high, requirement.guard, number, 0))
+        limit_choice(program, draws, order, number)
     made = 0
     while pending:
         scope, low, high, guard, number, depth = pending.pop(0)
@@ -42,6 +44,41 @@ def attach_bounds(program: Program) -> None:
             made += 1
             lower, upper = (other, stated) if bound.side == "high" else (stated, other)
             pending.append((scope, lower.value, upper.value, E.both(lower.guard, upper.guard), number, depth + 1))
+
+
+def limit_choice(program: Program, draws: dict[Column, Draw], order: dict[Column, int], number: int) -> None:
+    """A requirement whose names are all known but a choice, which is drawn last, removes alternatives of it."""
+    requirement = program.requirements[number]
+    reader = Linear(lambda c: c in draws, program.definitions, through=True)
+    holds = E.either(E.negate(requirement.guard), requirement.condition)
+    guards = [s.count for s in requirement.scope.ancestors() if s.kind == "guard" and s.count is not None]
+    names = set().union(*(reader.columns(node) for node in [holds, *guards]))
+    if not names:
+        return
+    last = max(names, key=order.__getitem__)
+    draw = draws[last]
+    if draw.kind != "choice":
+        return
+    scope: Scope | None = requirement.scope
+    while scope is not None and not last.scope.within(scope):
+        if scope.parent is None or scope.count is None:
+            return
+        if scope.kind == "repeat":
+            holds = E.reduce("all", scope, holds)
+        elif scope.parent.within(holds.scope):
+            holds = E.either(E.negate(scope.count), holds)
+        elif last not in reader.columns(scope.count):
+            holds = E.phi(scope.parent, [(scope, holds)], E.TRUE)
+        else:
+            return
+        scope = scope.parent
+    if scope is None or not last.scope.within(holds.scope):
+        return
+    holds = inline(holds, [last], program.definitions)
+    for code in range(len(draw.options)):
+        allowed = E.substitute(holds, {E.col(last): E.const(float(code))})
+        if allowed is not E.TRUE:
+            draw.limits.append(Limit(code, allowed, number))
 
 
 def opposite(draw: Draw, bound: Bound) -> Iterator[Bound]:

@@ -185,7 +185,7 @@ class _Emitter:
         scope = draw.column.scope
         table = self.table(scope)
         if draw.kind == "choice":
-            weights = ", ".join(self.value(w, scope) for w in draw.weights)
+            weights = ", ".join(self.limited(draw, k, self.value(w, scope)) for k, w in enumerate(draw.weights))
             name = self.fresh(f"draw_choice(state, {table}, {number}, {draw.address!r}, ({weights},))")
         else:
             assert draw.low is not None and draw.high is not None
@@ -202,17 +202,33 @@ class _Emitter:
         self.lines[-1] += remark(draw.column.path)
         self.drawn[draw.column] = name
 
-    def bound(self, number: int, bound: Bound, scope: Scope, low: str, high: str) -> None:
-        """Narrow a draw; a bound that needs what is drawn later is left to the check."""
+    def limited(self, draw: Draw, option: int, weight: str) -> str:
+        """The weight of an option, 0 where a requirement excludes it."""
+        for limit in draw.limits:
+            if limit.option == option:
+                found = self.early(limit.allowed, draw.column.scope)
+                if found is not None:
+                    weight = f"np.where({found}, {weight}, 0.0)"
+        return weight
+
+    def early(self, node: Expr, scope: Scope) -> str | None:
+        """A value if it is known before what is being drawn; None (and nothing emitted) if it is not."""
         before = len(self.lines)
         kept = (
             dict(self.names), dict(self.gathered), dict(self.tables), dict(self.routes), dict(self.drawn), list(self.running)
         )
         try:
-            value, guard = self.value(bound.value, scope), self.value(bound.guard, scope)
+            return self.value(node, scope)
         except PlanError:
             del self.lines[before:]
             self.names, self.gathered, self.tables, self.routes, self.drawn, self.running = kept  # type: ignore[assignment]
+            return None
+
+    def bound(self, number: int, bound: Bound, scope: Scope, low: str, high: str) -> None:
+        """Narrow a draw; a bound that needs what is drawn later is left to the check."""
+        value = self.early(bound.value, scope)
+        guard = None if value is None else self.early(bound.guard, scope)
+        if value is None or guard is None:
             self.loose.append((number, bound))
             return
         self.line(f"narrow({low}, {high}, {bound.side!r}, {value}, {guard})")
@@ -246,7 +262,8 @@ def make_plan(program: Program, wanted: Iterable[tuple[Expr, Scope]]) -> Plan:
     for scope in program.scopes:
         emitter.table(scope)
     tables = ", ".join(emitter.tables[s] for s in program.scopes)
-    lines = ["@np.errstate(divide=\"ignore\", invalid=\"ignore\")", "def evaluate(state):", *emitter.lines, f"    tables = [{tables}]", "    values = ["]
+    head = ['@np.errstate(divide="ignore", invalid="ignore")', "def evaluate(state):"]
+    lines = [*head, *emitter.lines, f"    tables = [{tables}]", "    values = ["]
     lines += [f"        {v}," for v in values]
     lines += ["    ]", "    return tables, values", ""]
     scopes = {s: k for k, s in enumerate(program.scopes)}
