@@ -157,14 +157,18 @@ def bored(quad: Quad, tangent: Expr) -> list[Point]:
     """The inner corners moved out so that chords around the axis are tangents of the bore (by a share of the radius).
 
     They move along the lines that close the step, to where these meet the widened bore: so they stay on the ring that
-    closes the wall, and a flat floor stays where it is.
+    closes the wall, and a flat floor stays where it is. Where another curve begins, its bore must be cleared too.
     """
     wide = [(E.mul(r, E.add(ONE, tangent)), h) for r, h in quad.inner]
     normal = right_of((E.sub(wide[1][0], wide[0][0]), E.sub(wide[1][1], wide[0][1])), ONE)
     found = []
-    for outer, inner in zip(quad.outer, quad.inner, strict=True):
+    for outer, inner, end in zip(quad.outer, quad.inner, quad.ends, strict=True):
         across = (E.sub(outer[0], inner[0]), E.sub(outer[1], inner[1]))
-        share = E.div(E.mul(E.mul(inner[0], tangent), normal[0]), dot(across, normal))
+        move = E.mul(inner[0], tangent)
+        share = E.div(E.mul(move, normal[0]), dot(across, normal))
+        if end:
+            leads = E.call("lt", E.mul(E.const(0.3), quad.wall), across[0])
+            share = E.where(leads, E.maximum(share, E.div(move, across[0])), share)
         found.append((E.add(inner[0], E.mul(share, across[0])), E.add(inner[1], E.mul(share, across[1]))))
     return found
 
@@ -181,7 +185,7 @@ def slices(env: Env, probe: Probe, solid: ast.SolidDecl, chain: list[Span], sign
         rise = 1.0 if climb.sum() > 0 else -1.0
         if (climb * rise).min() < -SMALL or way == -rise:
             raise env.context.error(
-                "bad-curve", solid.span, f"the height turns back along `{span.name}`: there are no simple convex pieces",
+                "bad-curve", solid.span, f"the height turns back along `{span.name}`: it has no simple pieces",
                 hint="let the height rise all the way, or make the solid of several primitives",
             )  # fmt: skip
         way = rise
@@ -305,8 +309,9 @@ def outline(
     inner = chains[1]
     if closed[0] != closed[1] or len(outer) != len(inner):
         raise env.context.error(
-            "broken-chain", solid.span, "the two chains do not fit: both are closed or both open, of as many curves each"
-        )
+            "broken-chain", solid.span, "the two chains do not fit",
+            hint="both are closed or both are open, and they have as many curves each",
+        )  # fmt: skip
     strips = [(a, matched(a, b)) for a, b in zip(outer, inner, strict=True)]
     if closed[0]:
         return [(tuple(map(Side, outer)), False), (tuple(map(Side, inner)), True)], strips

@@ -22,12 +22,16 @@ QUARTER = 0.25  # of a wall may be cut
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Quad:
-    """A step of a strip: its outer corners, its inner ones against them, the wall's thickness in its middle."""
+    """A step of a strip: its outer corners, its inner ones against them, the wall's thickness in its middle.
+
+    ``ends`` tells where another curve of the chain begins.
+    """
 
     name: str
     outer: tuple[Point, Point]
     inner: tuple[Point, Point]
     wall: Expr
+    ends: tuple[bool, bool]
 
 
 def convex(probe: Probe, loop: Loop, mirrored: bool) -> bool:
@@ -97,6 +101,7 @@ def strip(probe: Probe, outer: list[Span], inner: list[Span], sign: Expr) -> lis
                     chord(probe, one, low, high, sign),
                     chord(probe, other, low, high, E.neg(sign)),
                     E.call("sqrt", dot(across, across)),
+                    (k == 0, k == count - 1),
                 )
             )
     return quads
