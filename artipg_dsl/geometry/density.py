@@ -41,8 +41,8 @@ def norm(vector: tuple[Expr, Expr, Expr]) -> Expr:
 class Kind:
     """Nodes of the density along u and v: 1 constant, 2 linear, more a table.
 
-    ``order`` is the points of quadrature per panel. With ``profile`` (nodes of u, nodes of v) one table holds for all instances: their area is ``factor`` times the
-    element at ``reference`` (fractions).
+    ``order`` is the points of quadrature per panel. With ``profile`` (nodes of u, nodes of v) one table holds for all
+    instances: their area is ``factor`` times the element at ``reference`` (fractions).
     """
 
     nodes: tuple[int, int]

@@ -12,7 +12,7 @@ import numpy as np
 from ..graph.derive import derive
 from ..graph.expr import ONE, ZERO, Expr, substitute
 from ..graph.primitive import Primitive
-from .patches import U, V, Params, existing, grid, parameter_formula, position_split, rows_of, surfaces
+from .patches import Params, U, V, existing, grid, parameter_formula, position_split, rows_of, surfaces
 from .topology import shown
 from .trial import trial
 

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..graph import expr as E
-from ..graph.expr import Scope
-from ..graph.expr import ScopeError
+from ..graph.expr import Scope, ScopeError
 from ..source import Span
 from ..syntax import ast
 from .context import Abort, Equation, text_of
@@ -126,7 +125,8 @@ def face_names(clause: ast.Clause) -> tuple[str, ...]:
 def on_plane(ev: Evaluator, subject: ast.Expr, node: ast.Expr, target: Value, gap: E.Expr, span: Span) -> None:
     own = ev.value(subject)
     if not isinstance(target, Frame | Plane) or not isinstance(own, Frame | Plane):
-        raise ev.wrong(node.span if not isinstance(target, Frame | Plane) else subject.span, "a face", target if not isinstance(target, Frame | Plane) else own)
+        fine = isinstance(target, Frame | Plane)
+        raise ev.wrong(subject.span if fine else node.span, "a face", own if fine else target)
     a, b = ev.plane(own, subject.span), ev.plane(target, node.span)
     if a.axis != b.axis:
         raise ev.across(span, a, b, subject.span, node.span)
@@ -161,7 +161,8 @@ def at_point(ev: Evaluator, subject: ast.Expr, clause: ast.Clause, target: Value
             k = AXES.index(name)
             ev.env.equations.append(Equation(origin[k], ev.scalar(node), node.span, f"at {name}"))
         else:
-            other = target.origin if isinstance(target, Frame) and isinstance(node, ast.NameExpr) and node.name == "center" else ev.vector(node)  # fmt: skip
+            own_center = isinstance(target, Frame) and isinstance(node, ast.NameExpr) and node.name == "center"
+            other = target.origin if own_center else ev.vector(node)
             for k in range(3):
                 if k != normal:
                     ev.env.equations.append(Equation(origin[k], other[k], node.span, f"at {AXES[k]}"))

@@ -20,7 +20,6 @@ from .values import (
     FACES,
     HERE,
     Box,
-    Branch,
     Choice,
     Edge,
     Face,

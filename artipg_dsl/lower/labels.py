@@ -122,7 +122,7 @@ def walk(env: Env, node: ast.Expr) -> list[tuple[Value, Env]]:
     if not isinstance(node, ast.MemberExpr):
         raise env.context.error("wrong-kind", node.span, "a path of names is needed here")
     found: list[tuple[Value, Env]] = []
-    for value, home in walk(env, node.obj):
+    for value, _ in walk(env, node.obj):
         if isinstance(value, Element):
             if node.name in value.env.names:
                 found.append((value.env.force(node.name), value.env))

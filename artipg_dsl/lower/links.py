@@ -254,7 +254,10 @@ class Links:
     def axis(self, ev: Evaluator, part: Part, statement: ast.JointDecl, kind: str) -> tuple[Triple, Triple]:
         """Origin and direction in the frame of the statement."""
         words = {c.word: c for c in statement.clauses}
-        center = place(part.pose, part.box().center) if part.env is ev.env else ev.box(ast.NameExpr(span=part.span, name=part.name)).center  # fmt: skip
+        if part.env is ev.env:
+            center = place(part.pose, part.box().center)
+        else:
+            center = ev.box(ast.NameExpr(span=part.span, name=part.name)).center
         clause = words.get("about") or words.get("along")
         if clause is None:
             assert statement.parent is not None

@@ -75,7 +75,7 @@ class Lowered:
 
         mapping = self.mapping(instance)
         program = instance.part.context.program
-        for condition, slack, message, statement, text in self.conditions:
+        for condition, slack, message, _, text in self.conditions:
             here = E.substitute(condition, mapping)
             if here is E.TRUE or always(here, instance.part.context.draws):
                 continue
@@ -177,7 +177,8 @@ def make(context: Context, symbol: Symbol, title: str, paths: dict[str, Handed])
             if within is not E.TRUE:
                 conditions.append((within, (small, large), message, solid, "requirement of the operator"))
         low, high = (low, high) if low is not None else (made.low, made.high)
-        ports = {**made.ports, **{s.name: Evaluator(env).value(s.value) for s in symbol.body if isinstance(s, ast.PortDecl) and s.value is not None}}  # fmt: skip
+        stated = [s for s in symbol.body if isinstance(s, ast.PortDecl) and s.value is not None]
+        ports = {**made.ports, **{s.name: Evaluator(env).value(s.value) for s in stated}}
     if inside is None or low is None or high is None or not patches:
         raise context.error(
             "incomplete-primitive", symbol.decl.name_span,
@@ -221,7 +222,8 @@ def declare_parameter(
         elif statement.domain is not None:
             low, high = (Evaluator(env).scalar(n) for n in (statement.domain.low, statement.domain.high))
             for pair in ((low, E.var(component)), (E.var(component), high)):
-                conditions.append((E.call("le", *pair), pair, f"{component} lies outside its domain", statement, f"{component} in its domain"))  # fmt: skip
+                told, text = f"{component} lies outside its domain", f"{component} in its domain"
+                conditions.append((E.call("le", *pair), pair, told, statement, text))
 
 
 def condition_of(ev: Evaluator, statement: ast.RequireStmt) -> tuple:

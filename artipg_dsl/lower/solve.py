@@ -47,8 +47,8 @@ def settle(env: Env) -> None:
 def branches(env: Env, guard: Expr) -> list[tuple[Env, Expr]]:
     """An environment and the branches of its ``when``, theirs too, each with its guard as a condition of the first."""
     found = [(env, guard)]
-    for condition, branch in env.branches.items():
-        held = guard if branch.scope is env.scope else E.both(guard, condition)
+    for held_where, branch in env.branches.items():
+        held = guard if branch.scope is env.scope else E.both(guard, held_where)
         for inner, below in branches(branch, E.TRUE):
             found.append((inner, E.both(held, lifted(below, env.scope, E.FALSE))))
     return found

@@ -180,7 +180,9 @@ class Batch:
             names.append(self.rowmap.names(scope, joint.path))
         kinds = [program.joints[d].kind for d in made.definition]
         sorted_columns = {
-            name: made.sort(values, (3,) if name in ("origin", "axis") else (), np.int64 if name in ("parent", "child", "mimic") else np.float64)
+            name: made.sort(
+                values, (3,) if name in ("origin", "axis") else (), np.int64 if name in ("parent", "child", "mimic") else np.float64
+            )
             for name, values in columns.items()
         }  # fmt: skip
         return JointTable(made.owner, made.number, [tag(n) for n in made.sort_names(names)], made.definition, kinds, **sorted_columns)

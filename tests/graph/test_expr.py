@@ -20,7 +20,8 @@ def test_equal_expressions_are_one_object():
 @pytest.mark.parametrize(
     "built, expected",
     [
-        (A + 0, A), (A - 0, A), (0 + A, A), (A * 1, A), (A * 0, E.ZERO), (A - A, E.ZERO), (-(-A), A), (A + (-B), A - B),
+        (A + 0, A), (A - 0, A), (0 + A, A), (A * 1, A), (A * 0, E.ZERO), (A - A, E.ZERO), (-(-A), A),  # noqa: B002
+        (A + (-B), A - B),
         (E.const(2) + E.const(3), E.const(5)), (E.both(E.TRUE, A), A), (E.either(E.TRUE, A), E.TRUE), (E.where(E.TRUE, A, B), A),
         (E.where(E.call("lt", A, B), A, A), A), (E.negate(E.negate(A)), A), (E.call("max", E.const(1), E.const(4)), E.const(4)),
     ],
