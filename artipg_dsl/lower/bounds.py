@@ -21,22 +21,32 @@ DEPTH = 6
 
 
 def attach_bounds(program: Program) -> None:
-    """Fill ``bounds`` of the draws from the requirements, and weights of choices from those on choices."""
+    """Fill ``bounds`` of the draws and ``limits`` of the choices from the requirements."""
     draws = {d.column: d for d in program.draws}
     order = {d.column: k for k, d in enumerate(program.draws)}
     intervals = Intervals(program.draws, program.definitions)
+    reader = Linear(lambda c: c in draws, program.definitions, through=True)
     pending: list[tuple[Scope, Expr, Expr, Expr, int, int]] = []
     for number, requirement in enumerate(program.requirements):
         if requirement.slack is not None:
             low, high = requirement.slack
             pending.append((requirement.scope, low, high, requirement.guard, number, 0))
-        limit_choice(program, draws, order, number)
+            continue
+        last = last_drawn(reader, order, requirement.scope, requirement.condition, requirement.guard)
+        if last is not None and draws[last].kind == "choice":
+            limit_choice(program, reader, draws[last], requirement.scope, requirement.condition, requirement.guard, number)
     made = 0
     while pending:
         scope, low, high, guard, number, depth = pending.pop(0)
         if intervals.of(E.call("le", low, high))[0] >= 1.0:
             continue
-        found = bind(program, draws, order, scope, low, high, guard, number)
+        last = last_drawn(reader, order, scope, E.sub(low, high), guard)
+        if last is None:
+            continue
+        if draws[last].kind == "choice":
+            limit_choice(program, reader, draws[last], scope, E.call("le", low, high), guard, number)
+            continue
+        found = bind(program, draws[last], scope, low, high, guard, number)
         if found is None or depth >= DEPTH or made >= MOST_DERIVED:
             continue
         draw, bound, stated = found
@@ -46,21 +56,20 @@ def attach_bounds(program: Program) -> None:
             pending.append((scope, lower.value, upper.value, E.both(lower.guard, upper.guard), number, depth + 1))
 
 
-def limit_choice(program: Program, draws: dict[Column, Draw], order: dict[Column, int], number: int) -> None:
-    """A requirement whose names are all known but a choice, which is drawn last, removes alternatives of it."""
-    requirement = program.requirements[number]
-    reader = Linear(lambda c: c in draws, program.definitions, through=True)
-    holds = E.either(E.negate(requirement.guard), requirement.condition)
-    guards = [s.count for s in requirement.scope.ancestors() if s.kind == "guard" and s.count is not None]
-    names = set().union(*(reader.columns(node) for node in [holds, *guards]))
-    if not names:
-        return
-    last = max(names, key=order.__getitem__)
-    draw = draws[last]
-    if draw.kind != "choice":
-        return
-    scope: Scope | None = requirement.scope
-    while scope is not None and not last.scope.within(scope):
+def last_drawn(reader: Linear, order: dict[Column, int], scope: Scope, *nodes: Expr) -> Column | None:
+    """Of all that a requirement names, the choices that its table stands under included, what is drawn last."""
+    guards = [s.count for s in scope.ancestors() if s.kind == "guard" and s.count is not None]
+    names = set().union(*(reader.columns(node) for node in [*nodes, *guards]))
+    return max(names, key=order.__getitem__, default=None)
+
+
+def limit_choice(
+    program: Program, reader: Linear, draw: Draw, scope: Scope, condition: Expr, guard: Expr, number: int
+) -> None:
+    """A requirement whose names are all known but a choice removes alternatives of it."""
+    last = draw.column
+    holds = E.either(E.negate(guard), condition)
+    while not last.scope.within(scope):
         if scope.parent is None or scope.count is None:
             return
         if scope.kind == "repeat":
@@ -72,7 +81,7 @@ def limit_choice(program: Program, draws: dict[Column, Draw], order: dict[Column
         else:
             return
         scope = scope.parent
-    if scope is None or not last.scope.within(holds.scope):
+    if not last.scope.within(holds.scope):
         return
     holds = inline(holds, [last], program.definitions)
     for code in range(len(draw.options)):
@@ -94,45 +103,31 @@ def opposite(draw: Draw, bound: Bound) -> Iterator[Bound]:
 
 
 def bind(
-    program: Program, draws: dict[Column, Draw], order: dict[Column, int], scope: Scope, low: Expr, high: Expr, guard: Expr,
-    number: int,
-) -> tuple[Draw, Bound, Bound] | None:  # fmt: skip
+    program: Program, draw: Draw, scope: Scope, low: Expr, high: Expr, guard: Expr, number: int
+) -> tuple[Draw, Bound, Bound] | None:
     """Turn ``low <= high`` into a bound of the variable that is drawn last, if it can be solved for it.
 
     Returned twice: as one of the variable's table, and as stated in ``scope``.
     """
-    difference = E.sub(low, high)
-    everything = Linear(lambda c: c in draws, program.definitions)
-    names = sorted(everything.columns(difference), key=lambda c: -order[c])
-    for column in names:
-        draw = draws[column]
-        if draw.kind == "choice":
-            return None
-        if reads_later(program, draws, order, guard, column):
-            continue
-        alone = Linear(lambda c, column=column: c is column, program.definitions)  # type: ignore[misc]
-        form = alone.form(difference)
-        if form is None or column not in form[0]:
-            return None
-        factor = form[0][column]
-        sign = sign_of(program, factor)
-        if sign == 0:
-            return None
-        value = E.div(E.neg(form[1]), factor)
-        side = "high" if sign > 0 else "low"
-        lifted = lift(scope, column.scope, value, guard, side)
-        if lifted is None:
-            return None
-        bound = Bound(side, lifted[0], lifted[1], number)
-        draw.bounds.append(bound)
-        return draw, bound, Bound(side, value, guard, number)
-    return None
-
-
-def reads_later(program: Program, draws: dict[Column, Draw], order: dict[Column, int], guard: Expr, column: Column) -> bool:
-    """Whether the guard is only known after ``column`` is drawn."""
-    reader = Linear(lambda c: c in draws, program.definitions)
-    return any(order[c] >= order[column] for c in reader.columns(guard))
+    column = draw.column
+    alone = Linear(lambda c: c is column, program.definitions, through=True)
+    form = alone.form(E.sub(low, high))
+    if form is None or column not in form[0] or alone.reads(guard):
+        return None
+    factor = form[0][column]
+    sign = sign_of(program, factor)
+    if sign == 0:
+        return None
+    value = E.div(E.neg(form[1]), factor)
+    side = "high" if sign > 0 else "low"
+    lifted = lift(scope, column.scope, value, guard, side)
+    if lifted is None:
+        return None
+    bound = Bound(side, lifted[0], lifted[1], number)
+    if any(b.side == side and b.value is bound.value and b.guard is bound.guard for b in draw.bounds):
+        return None
+    draw.bounds.append(bound)
+    return draw, bound, Bound(side, value, guard, number)
 
 
 def sign_of(program: Program, factor: Expr) -> int:
