@@ -39,11 +39,13 @@ def to_sarif(diagnostics: Iterable[Diagnostic], version: str) -> str:
     found = list(diagnostics)
     rules = [
         {
-            "id": name, "shortDescription": {"text": CODES[name].summary}, "fullDescription": {"text": CODES[name].text},
+            "id": name,
+            "shortDescription": {"text": CODES[name].summary},
+            "fullDescription": {"text": CODES[name].text},
             "help": {"text": f"apgc explain {name}"},
         }
         for name in sorted({d.code for d in found})
-    ]  # fmt: skip
+    ]
     results = []
     for d in found:
         text = f"{d.message}. Help: {d.hint}" if d.hint else d.message

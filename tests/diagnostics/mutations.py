@@ -1,4 +1,7 @@
-"""Programs with one thing wrong: a token dropped, two names exchanged, a statement dropped, another unit."""
+"""Programs with one thing wrong: something dropped or exchanged, another unit or number.
+
+Half of the kinds keep the grammar (another face, an equation less), so that they reach the later phases.
+"""
 
 from __future__ import annotations
 
@@ -13,6 +16,11 @@ DRAFTS = Path(__file__).parents[1] / "drafts"
 _TOKEN = re.compile(r'#[^\n]*|"[^"\n]*"|\d[\d.]*[A-Za-z%/0-9]*|\w+|[^\s\w]')
 _NAME = re.compile(r"[A-Za-z_]\w*$")
 _NUMBER = re.compile(r"(\d+(?:\.\d+)?)([A-Za-z%]*)$")
+KINDS = (
+    "drop a token", "exchange names", "drop a statement", "change a unit",
+    "exchange faces", "drop an equation", "change a number", "drop an argument",
+)  # fmt: skip
+FACES = ("front", "back", "left", "right", "top", "bottom", "center")
 UNITS = ("mm", "cm", "deg", "kg", "%", "", "inch")
 
 
@@ -28,7 +36,7 @@ def mutations(seed: int, number: int) -> Iterator[tuple[str, str]]:
     for k in range(number):
         path = paths[k % len(paths)]
         text = path.read_text(encoding="utf-8")
-        kind = rng.choice(("drop a token", "exchange names", "drop a statement", "change a unit"))
+        kind = rng.choice(KINDS)
         done, mutated = globals()[kind.split()[0] + "_" + kind.split()[-1]](text, rng)
         yield f"{k} {path.stem}: {done}", mutated
 
@@ -60,6 +68,36 @@ def drop_statement(text: str, rng: random.Random) -> tuple[str, str]:
     full = [k for k, line in enumerate(lines) if line.strip() and not line.strip().startswith(("#", "}"))]
     k = rng.choice(full)
     return f"without line {k + 1}, `{lines[k].strip()}`", "\n".join(lines[:k] + lines[k + 1 :])
+
+
+def drop_equation(text: str, rng: random.Random) -> tuple[str, str]:
+    """Without one line that places, or without what follows the subject."""
+    lines = text.split("\n")
+    words = ("align", "connect", "joint", "let", "require", "count", "param", "slot", "port")
+    k = rng.choice([k for k, line in enumerate(lines) if line.strip().startswith(words)] or [0])
+    return f"without line {k + 1}, `{lines[k].strip()}`", "\n".join(lines[:k] + lines[k + 1 :])
+
+
+def exchange_faces(text: str, rng: random.Random) -> tuple[str, str]:
+    faces = [m for m in tokens(text) if m.group() in FACES] or tokens(text)
+    token = rng.choice(faces)
+    other = rng.choice([f for f in FACES if f != token.group()])
+    done = f"line {line_of(text, token.start())}: `{token.group()}` as `{other}`"
+    return done, text[: token.start()] + other + text[token.end() :]
+
+
+def change_number(text: str, rng: random.Random) -> tuple[str, str]:
+    token = rng.choice([m for m in tokens(text) if _NUMBER.match(m.group())])
+    _, unit = _NUMBER.match(token.group()).groups()  # type: ignore[union-attr]
+    value = rng.choice(("0", "1", "3", "0.001", "1000", "-2"))
+    done = f"line {line_of(text, token.start())}: `{token.group()}` as `{value}{unit}`"
+    return done, text[: token.start()] + value + unit + text[token.end() :]
+
+
+def drop_argument(text: str, rng: random.Random) -> tuple[str, str]:
+    found = list(re.finditer(r", *\w+ = [^,()\[\]\n]+(?=[,)])", text)) or tokens(text)
+    cut = rng.choice(found)
+    return f"line {line_of(text, cut.start())} without `{cut.group()}`", text[: cut.start()] + text[cut.end() :]
 
 
 def change_unit(text: str, rng: random.Random) -> tuple[str, str]:
