@@ -19,8 +19,10 @@ from .settings import Value
 if TYPE_CHECKING:
     import trimesh
 
+    from .annotate.cameras import Cameras
     from .annotate.cloud import Points
     from .annotate.grasps import GraspTable, KeypointTable
+    from .annotate.views import Views
     from .runtime.tables import JointTable, LinkTable, PartTable
 
 PICTURED = 8  # objects on the picture in a notebook
@@ -53,6 +55,17 @@ def load(text: str, n: int = 1, seed: int = 0, *, set: Mapping[str, Value] | Non
 def open_samples(folder: str | Path) -> Samples:
     """The objects of a folder that ``apgc sample`` has written, made again. Raises ExportError, UserError."""
     return Samples(*reopen(folder))
+
+
+def _cameras(views: int | str | Path | Mapping[str, Any], more: Mapping[str, Any]) -> Cameras:
+    """Cameras as a number, a file or its contents tell them."""
+    from .annotate.camera_file import from_description, read_cameras
+
+    if isinstance(views, str | Path):
+        views = read_cameras(str(views)).plain()
+    described = {"views": views} if isinstance(views, int | np.integer) else dict(views)
+    described |= {k: list(v) if isinstance(v, tuple) else v for k, v in more.items()}
+    return from_description({k: int(v) if isinstance(v, np.integer) else v for k, v in described.items()})
 
 
 def _numbers(n: int | None, numbers: Sequence[int] | np.ndarray | None) -> np.ndarray:
@@ -149,7 +162,7 @@ class Samples:
 
     def opened(self) -> np.ndarray:
         """Joint values (J,) with every limited joint four fifths of its way open."""
-        from .view.scene import opened
+        from .annotate.states import opened
 
         return opened(self.batch)
 
@@ -165,16 +178,40 @@ class Samples:
             found[rows] = value
         return found
 
+    def joint_values(self, states: str = "random:4") -> np.ndarray:
+        """Joint values (K, J) in the states named: "rest", "open", "random:K" within the limits, with commas between."""
+        from .annotate.states import joint_values, read_states
+
+        return joint_values(self.batch, read_states(states))
+
     # ------------------------------------------------------------ geometry
 
-    def points(self, n: int = 2048, states: np.ndarray | None = None) -> Points:
+    def points(self, n: int = 2048, states: np.ndarray | None = None, *, motion: bool = False) -> Points:
         """``n`` points per object on the visible surface with normals, labels and binding, arrays (B, n, ...).
 
+        In several ``states`` (K, J) positions and normals are (B, K, n, 3); ``motion``: velocities by the own joint.
         With the joints at ``states`` (J,), at rest by default.
         """
         from .annotate.cloud import sample_points
 
-        return sample_points(self.batch, n, states)
+        return sample_points(self.batch, n, states, motion=motion)
+
+    def views(
+        self,
+        n: int | str | Path | Mapping[str, Any] = 8,
+        *,
+        states: np.ndarray | None = None,
+        engine: str | None = None,
+        **camera: Any,
+    ) -> Views:
+        """Images and partial clouds from ``n`` cameras around each object, arrays (B, n, ...) or (B, K, n, ...).
+
+        ``n`` may be a camera file or its contents; ``camera``: what such a file says beside ``views`` (width=640,
+        height=480, fov=35, azimuth=[-60, 60], points=2048, ...). Raises UserError, UsageError.
+        """
+        from .annotate.views import make_views
+
+        return make_views(self.batch, _cameras(n, camera), states, engine)
 
     def meshes(self, states: np.ndarray | None = None) -> list[trimesh.Scene]:
         """One trimesh scene per object, a closed mesh per primitive, named after its part."""
@@ -197,13 +234,27 @@ class Samples:
     # ------------------------------------------------------------ files
 
     def to(
-        self, folder: str | Path, formats: str | Iterable[str] | None = None, *, points: int = 2048, force: bool = False
+        self,
+        folder: str | Path,
+        formats: str | Iterable[str] | None = None,
+        *,
+        points: int = 2048,
+        states: str = "rest",
+        motion: bool = False,
+        views: int | str | Path | Mapping[str, Any] | None = None,
+        force: bool = False,
     ) -> Path:
-        """Write what ``apgc sample`` writes: shards, a folder per object where a format asks for it, the manifest."""
+        """Write what ``apgc sample`` writes: shards, a folder per object where a format asks for it, the manifest.
+
+        The options are those of the command: ``states`` such as "open,random:4", ``views`` a number or cameras.
+        """
+        from .annotate.states import read_states
+        from .export.content import Content
         from .export.registry import choose
 
-        chosen = choose(formats if formats is None or isinstance(formats, str) else list(formats))
-        self.job.write(folder, self.numbers, chosen, n_points=points, force=force)
+        names = formats if formats is None or isinstance(formats, str) else list(formats)
+        content = Content(points, read_states(states), motion, None if views is None else _cameras(views, {}))
+        self.job.write(folder, self.numbers, choose(names, views=views is not None), content=content, force=force)
         return Path(folder)
 
     def to_urdf(self, folder: str | Path, *, force: bool = False) -> list[Path]:

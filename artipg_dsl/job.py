@@ -16,6 +16,7 @@ from .runtime.sample import ATTEMPTS, Exhausted, Sampler, Statistics
 from .settings import Settings, Value, resolve
 
 if TYPE_CHECKING:
+    from .export.content import Content
     from .export.registry import Format
     from .graph.program import Program
     from .runtime.batch import Batch
@@ -78,17 +79,19 @@ class Job:
         numbers: np.ndarray,
         formats: Sequence[Format],
         *,
-        n_points: int = 2048,
+        content: Content | None = None,
         force: bool = False,
         part: tuple[int, int] = (1, 1),
         progress: Callable[[int, int], None] | None = None,
     ) -> dict[str, Any]:
         """Write objects to a folder, or the k-th of n parts of its shards; returns the manifest. Raises ExportError."""
+        from .export.content import STANDARD
         from .export.dataset import write_dataset
 
         return write_dataset(
-            self.sampler.program, self.batch, out, seed=self.seed, numbers=numbers, formats=formats, n_points=n_points,
-            settings=dict(self.settings), source=relative(self.source, out), part=part, force=force, progress=progress,
+            self.sampler.program, self.batch, out, seed=self.seed, numbers=numbers, formats=formats,
+            content=content or STANDARD, settings=dict(self.settings), source=relative(self.source, out), part=part,
+            force=force, progress=progress,
             counts=self.counts,
         )  # fmt: skip
 
@@ -162,7 +165,7 @@ def reopen(folder: Path | str) -> tuple[Job, np.ndarray]:
         raise UserError(f"{folder} holds no {manifests.NAME}", manifests.WANTED)
     identity = manifest["identity"]
     source = str(manifest.get("source") or manifest["category"])
-    if is_file(source) and not Path(source).exists():
+    if (folder / source).is_file():  # a program of the user's, found from the folder
         source = str(folder / source)
     job = open_job(source, identity["seed"], identity["settings"])
     if job.sampler.program.hash != identity["program"]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .frames import rotate
-from .grasps import sample_grasps, sample_keypoints
+from .grasps import GraspTable, KeypointTable, sample_grasps, sample_keypoints
 from .poses import part_poses, symmetry_words
 
 if TYPE_CHECKING:
@@ -20,8 +20,10 @@ if TYPE_CHECKING:
 VERSION = 1
 
 
-def describe(batch: Batch) -> list[dict[str, Any]]:
+def describe(batch: Batch, states: np.ndarray | None = None) -> list[dict[str, Any]]:
     """One annotation per object of the batch, keys in a fixed order. Everything is as at rest.
+
+    With joint values ``states`` (K, J) there is one key more, ``states``: a list with what is elsewhere in each of them.
 
     Lengths in metres, angles in radians, the object's frame (x front, y left, z up), quaternions w x y z.
     """
@@ -33,6 +35,8 @@ def describe(batch: Batch) -> list[dict[str, Any]]:
         "grasps": _grasps(batch),
         "keypoints": _keypoints(batch),
     }
+    if states is not None:
+        columns["states"] = _states(batch, states)
     made = []
     for i in range(n):
         drawn = batch.drawn(i)
@@ -108,23 +112,47 @@ def _joints(batch: Batch) -> list[list[dict[str, Any]]]:
     low, high = tidy(joints.low), tidy(joints.high)
     limits = [None if a is None or b is None else [a, b] for a, b in zip(low, high, strict=True)]
     leader = _names(joints, n, joints.owner, joints.mimic)
-    turn, shift = batch.pose()
-    holder = np.searchsorted(links.owner, joints.owner) + joints.parent  # the axis moves with the link it is fixed to
-    origin = rotate(turn[holder], joints.origin) + shift[holder]
-    axis = rotate(turn[holder], joints.axis)
     follow = zip(leader, tidy(joints.multiplier), tidy(joints.offset), strict=True)
     columns = {
         "name": list(joints.name),
         "type": list(joints.kind),
         "parent": parent,
         "child": child,
-        "origin": tidy(origin),
-        "axis": tidy(axis),
+        **_axes(batch, None),
         "range": limits,
         "rest": tidy(joints.rest),
         "mimic": [None if a is None else {"joint": a, "multiplier": m, "offset": o} for a, m, o in follow],
     }
     return grouped(joints.owner, n, columns)
+
+
+def _axes(batch: Batch, states: np.ndarray | None) -> dict[str, list[Any]]:
+    """Origins and axes of the joints: an axis moves with the link it is fixed to."""
+    joints, links = batch.joints(), batch.links()
+    turn, shift = batch.pose(states)
+    holder = np.searchsorted(links.owner, joints.owner) + joints.parent
+    origin = rotate(turn[holder], joints.origin) + shift[holder]
+    return {"origin": tidy(origin), "axis": tidy(rotate(turn[holder], joints.axis))}
+
+
+def _states(batch: Batch, states: np.ndarray) -> list[list[dict[str, Any]]]:
+    """For each object, one entry per state: rows in the order of the lists ``joints``, ``parts``, ``grasps`` and
+    ``keypoints``, with what differs from rest."""
+    n, grasps, keypoints = len(batch), sample_grasps(batch), sample_keypoints(batch)
+    made: list[list[dict[str, Any]]] = [[] for _ in range(n)]
+    for values in states:
+        poses = part_poses(batch, values)
+        rows = {
+            "joints": grouped(batch.joints().owner, n, {"value": tidy(values), **_axes(batch, values)}),
+            "parts": grouped(
+                batch.parts().owner, n, {"center": tidy(poses.center), "quaternion": tidy(poses.quaternion)}
+            ),
+            "grasps": grouped(grasps.owner, n, _grasp_frames(batch, grasps, values)),
+            "keypoints": grouped(keypoints.owner, n, _places(batch, keypoints, values)),
+        }
+        for i in range(n):
+            made[i].append({name: column[i] for name, column in rows.items()})
+    return made
 
 
 def _parts(batch: Batch) -> list[list[dict[str, Any]]]:
@@ -151,28 +179,34 @@ def _parts(batch: Batch) -> list[list[dict[str, Any]]]:
 
 def _grasps(batch: Batch) -> list[list[dict[str, Any]]]:
     grasps, links, n = sample_grasps(batch), batch.links(), len(batch)
-    starts = np.searchsorted(links.owner, np.arange(n))
-    point, _, turned = grasps.moved(starts, *batch.pose())
     columns = {
         "name": list(grasps.name),
         "link": _names(links, n, grasps.owner, grasps.link),
         "t": tidy(grasps.t),
-        "point": tidy(point),
-        "quaternion": tidy(turned),
+        **_grasp_frames(batch, grasps, None),
         "opening": tidy(grasps.opening),
         "quality": tidy(grasps.quality),
     }
     return grouped(grasps.owner, n, columns)
 
 
+def _grasp_frames(batch: Batch, grasps: GraspTable, states: np.ndarray | None) -> dict[str, list[Any]]:
+    starts = np.searchsorted(batch.links().owner, np.arange(len(batch)))
+    point, _, turned = grasps.moved(starts, *batch.pose(states))
+    return {"point": tidy(point), "quaternion": tidy(turned)}
+
+
+def _places(batch: Batch, keypoints: KeypointTable, states: np.ndarray | None) -> dict[str, list[Any]]:
+    turn, shift = batch.pose(states)
+    link = np.searchsorted(batch.links().owner, np.arange(len(batch)))[keypoints.owner] + keypoints.link
+    return {"point": tidy(rotate(turn[link], keypoints.point) + shift[link])}
+
+
 def _keypoints(batch: Batch) -> list[list[dict[str, Any]]]:
     keypoints, links, n = sample_keypoints(batch), batch.links(), len(batch)
-    turn, shift = batch.pose()
-    link = np.searchsorted(links.owner, np.arange(n))[keypoints.owner] + keypoints.link
-    point = rotate(turn[link], keypoints.point) + shift[link]
     columns = {
         "name": list(keypoints.name),
         "link": _names(links, n, keypoints.owner, keypoints.link),
-        "point": tidy(point),
+        **_places(batch, keypoints, None),
     }
     return grouped(keypoints.owner, n, columns)

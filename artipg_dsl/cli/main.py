@@ -57,8 +57,13 @@ def parser() -> argparse.ArgumentParser:
     sample.add_argument("-o", "--out", default="out", metavar="DIR", help="the folder for the samples (default: out)")
     sample.add_argument("--points", type=positive, default=2048, metavar="N", help="points per object (default: 2048)")
     sample.add_argument(
-        "--format", metavar="LIST", help="points, annotation, urdf, glb, with commas (default: points,annotation)"
+        "--format", metavar="LIST", help="points, annotation, views, urdf, glb, with commas (default: points,annotation)"
     )
+    sample.add_argument(
+        "--states", default="rest", metavar="LIST", help="joint states: rest, open, random:K, with commas (default: rest)"
+    )
+    sample.add_argument("--motion", action="store_true", help="the velocity of each point by its own joint, too")
+    sample.add_argument("--views", metavar="N|FILE", help="partial views: how many, or a file that describes the cameras")
     sample.add_argument("--stats", action="store_true", help="tell how many first attempts were valid, and what failed")
     sample.add_argument("--force", action="store_true", help="replace samples made with other options")
     sample.add_argument(

@@ -15,6 +15,7 @@ from .progress import Progress
 from .report import say
 
 if TYPE_CHECKING:
+    from ..export.content import Content
     from ..job import Job
 
 
@@ -32,6 +33,16 @@ def in_the_way(folder: Path) -> None:
             raise UserError(f"{place} is a file: a folder is needed there", "choose another output folder")
 
 
+def held(options: argparse.Namespace) -> Content:
+    """What the shards are to hold."""
+    from ..annotate.camera_file import read_cameras
+    from ..annotate.states import read_states
+    from ..export.content import Content
+
+    cameras = None if options.views is None else read_cameras(options.views)
+    return Content(options.points, read_states(options.states), options.motion, cameras)
+
+
 def run(options: argparse.Namespace) -> int:
     from ..export.registry import choose
     from ..export.write import ExportError
@@ -40,9 +51,12 @@ def run(options: argparse.Namespace) -> int:
     begun = time.monotonic()
     settings = split(options.set)
     try:
-        formats = choose(options.format)
+        formats = choose(options.format, views=options.views is not None)
     except ExportError as wrong:
         raise UsageError(wrong.message, wrong.hint) from None
+    content = held(options)
+    if options.motion and "points" not in [entry.name for entry in formats]:
+        raise UsageError("--motion is about points, which are not among the formats", "add points to --format")
     in_the_way(Path(options.out))
     job = open_job(options.program, options.seed or 0, settings)
     numbers = chosen(options)
@@ -52,7 +66,7 @@ def run(options: argparse.Namespace) -> int:
             options.out,
             numbers,
             formats,
-            n_points=options.points,
+            content=content,
             force=options.force,
             part=options.shard,
             progress=progress,

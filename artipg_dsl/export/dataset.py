@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import manifest as manifests
+from .content import STANDARD, Content
 from .registry import Format
 from .robot import Robots
 from .write import ExportError, ensure_folder, explain, replacing_folder, sweep, write_bytes
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from ..runtime.batch import Batch
 
 OBJECTS = "objects"
-SHARD = 256
 
 
 def write_dataset(
@@ -34,8 +34,8 @@ def write_dataset(
     seed: int,
     numbers: Sequence[int] | np.ndarray,
     formats: Sequence[Format],
-    n_points: int = 2048,
-    shard: int = SHARD,
+    content: Content = STANDARD,
+    shard: int | None = None,
     settings: dict[str, Any] | None = None,
     source: str = "",
     part: tuple[int, int] = (1, 1),
@@ -47,17 +47,16 @@ def write_dataset(
 
     ``sample(numbers)`` makes the batch of some of them; it is called only for shards where something is missing
     (for all of them until a run has come to its end and its counts are known).
+    ``content`` says what the shards hold; ``shard`` how many objects, by default what is handy.
     ``source`` names the program for whoever reads the folder. ``part`` (k, n) writes every n-th shard from the k-th on,
     so that n runs share the work; the counts are then left out. ``progress(done, total)`` hears of objects as they are
     finished; ``counts()`` is asked once all objects have been sampled.
     """
     out, numbers = Path(out), np.asarray(numbers, dtype=np.int64)
-    make: dict[str, Any] = {
-        "seed": seed,
-        "numbers": numbers,
-        "n_points": n_points,
-        "formats": [f.name for f in formats],
-    }
+    names = [f.name for f in formats]
+    content = content.of(names)
+    shard = shard or content.shard_size()
+    make: dict[str, Any] = {"seed": seed, "numbers": numbers, "content": content, "formats": names}
     make |= {"shard": shard, "settings": settings, "source": source}
     manifest = prepare(out, manifests.build(program, **make), force)
     counting = counts is not None and "counts" not in manifest and part[1] == 1
@@ -73,7 +72,7 @@ def write_dataset(
         if batch is not None:
             for entry in missing:
                 assert entry.shard is not None
-                write_bytes(shard_path(out, entry, first // shard), entry.shard(batch, n_points))
+                write_bytes(shard_path(out, entry, first // shard), entry.shard(batch, content))
             if robots and len(absent):
                 write_objects(batch, out, robots, only=absent, progress=_offset(progress, done, total))
         done += len(chosen)

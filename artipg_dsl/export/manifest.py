@@ -13,7 +13,8 @@ import numpy as np
 
 from .. import __version__
 from ..annotate.points import field_kinds
-from .shards import MEANINGS
+from .content import Content
+from .meanings import MOTION, MOVING, OBJECT, POINTS, STATE, VIEWS, Meaning
 from .write import ExportError
 
 if TYPE_CHECKING:
@@ -27,16 +28,15 @@ IDENTITY = {
     "seed": "the seed",
     "numbers": "the objects asked for",
     "points": "the number of points",
+    "states": "the joint states",
+    "motion": "velocities of points",
+    "views": "the cameras",
     "formats": "the formats",
     "shard": "the number of objects per shard",
     "settings": "the parameters that were set",
     "artipg_dsl": "the version of artipg_dsl",
     "numpy": "the version of NumPy",
 }
-DTYPES = {
-    "points": "float32", "normals": "float32", "u": "float32", "v": "float32", "object": "int64",
-}  # fmt: skip
-
 
 WANTED = "give the folder that samples were written to"
 KINDS = {
@@ -68,7 +68,7 @@ def build(
     *,
     seed: int,
     numbers: np.ndarray,
-    n_points: int,
+    content: Content,
     formats: Sequence[str],
     shard: int,
     settings: dict[str, Any] | None = None,
@@ -89,7 +89,7 @@ def build(
             "program": program.hash,
             "seed": int(seed),
             "numbers": spans(numbers),
-            "points": int(n_points),
+            **content.identity(),
             "formats": list(formats),
             "shard": int(shard),
             "settings": {key: (settings or {})[key] for key in sorted(settings or {})},
@@ -105,7 +105,9 @@ def build(
         "sites": [{"path": site.path, "primitive": site.primitive} for site in program.sites],
     }
     if "points" in formats:
-        manifest["arrays"] = arrays(program, n_points)
+        manifest["arrays"] = arrays(program, content)
+    if content.cameras is not None:
+        manifest["views"] = view_arrays(program, content)
     if counts is not None:
         manifest["counts"] = counts
     return manifest
@@ -124,17 +126,41 @@ def vocabularies(program: Program) -> dict[str, list[str]]:
     return words
 
 
-def arrays(program: Program, n_points: int) -> dict[str, Any]:
+def arrays(program: Program, content: Content) -> dict[str, Any]:
     """Meaning, dtype, shape, frame and unit of every array of a points shard."""
-    described: dict[str, Any] = {}
-    for name, meaning in MEANINGS.items():
-        described[name] = {"dtype": DTYPES.get(name, "uint16")} | asdict(meaning)
-    for name, kind in field_kinds(program.labels).items():
-        dtype = "bool" if kind == "mask" else "float32"
-        described[name] = {"dtype": dtype, "text": KINDS[kind], "shape": "objects, points", "frame": "", "unit": ""}
-    for entry in described.values():
-        entry["shape"] = entry["shape"].replace("points", str(n_points))
-    return described
+    meant = POINTS | {"object": OBJECT} | ({"motion": MOTION} if content.motion else {})
+    meant |= {name: label_meaning(kind, "objects, points") for name, kind in field_kinds(program.labels).items()}
+    lengths = {"points": content.points}
+    return {name: entry(m, content, lengths, name in MOVING) for name, m in with_states(meant, content).items()}
+
+
+def view_arrays(program: Program, content: Content) -> dict[str, Any]:
+    """The same of a views shard."""
+    cameras = content.cameras
+    assert cameras is not None
+    meant = {"object": OBJECT} | VIEWS
+    kinds = field_kinds(program.labels)
+    meant |= {f"cloud_{name}": label_meaning(kind, "objects, views, cloud") for name, kind in kinds.items()}
+    lengths = {"views": cameras.count, "height": cameras.height, "width": cameras.width, "cloud": cameras.points}
+    return {name: entry(m, content, lengths, name != "object") for name, m in with_states(meant, content).items()}
+
+
+def with_states(meant: dict[str, Meaning], content: Content) -> dict[str, Meaning]:
+    return meant if content.states.only_rest else meant | {"state": STATE}
+
+
+def label_meaning(kind: str, shape: str) -> Meaning:
+    return Meaning(KINDS[kind], shape, dtype="bool" if kind == "mask" else "float32")
+
+
+def entry(meaning: Meaning, content: Content, lengths: dict[str, int], moving: bool) -> dict[str, Any]:
+    """A meaning as plain data, its shape with the lengths known: one more axis where an array depends on the state."""
+    axes = meaning.shape.split(", ")
+    if moving and not content.states.only_rest and "states" not in axes:
+        axes.insert(1, "states")
+    known = lengths | {"states": content.states.count}
+    described = {"dtype": meaning.dtype} | asdict(meaning)
+    return described | {"shape": ", ".join(str(known.get(axis, axis)) for axis in axes)}
 
 
 def text(manifest: dict[str, Any]) -> bytes:

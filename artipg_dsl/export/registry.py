@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from .content import Content
 from .glb import write_glb
 from .robot import Robot
-from .shards import annotation_shard, points_shard
+from .shards import annotation_shard, points_shard, views_shard
 from .urdf import write_urdf
 from .write import ExportError
 
@@ -19,14 +20,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Format:
-    """``shard(batch, n_points)`` gives the bytes of one file for a run of objects, named ``<name>-<shard><suffix>``;
+    """``shard(batch, content)`` gives the bytes of one file for a run of objects, named ``<name>-<shard><suffix>``;
     ``robot(robot, folder)`` writes the files of one object into its folder. A format has one of the two.
     """
 
     name: str
     title: str
     suffix: str = ""
-    shard: Callable[[Batch, int], bytes] | None = None
+    shard: Callable[[Batch, Content], bytes] | None = None
     robot: Callable[[Robot, Path], None] | None = None
 
 
@@ -35,6 +36,7 @@ FORMATS: dict[str, Format] = {
     for entry in (
         Format("points", "labelled points with their analytic binding, NumPy", ".npz", shard=points_shard),
         Format("annotation", "joints, parts, grasps, parameters, one JSON line each", ".jsonl", shard=annotation_shard),
+        Format("views", "images and partial clouds from cameras around the object, NumPy", ".npz", shard=views_shard),
         Format("urdf", "robot description with OBJ meshes, for simulators", robot=write_urdf),
         Format("glb", "binary glTF with materials and an opening animation, for viewers", robot=write_glb),
     )
@@ -42,8 +44,11 @@ FORMATS: dict[str, Format] = {
 DEFAULT = ("points", "annotation")
 
 
-def choose(names: str | list[str] | tuple[str, ...] | None) -> list[Format]:
-    """Formats by name, ``"points,urdf"`` or a list; annotations go with any of them. None: the default ones."""
+def choose(names: str | list[str] | tuple[str, ...] | None, *, views: bool = False) -> list[Format]:
+    """Formats by name, ``"points,urdf"`` or a list; annotations go with any of them. None: the default ones.
+
+    ``views``: those too, whether they are named or not.
+    """
     if names is None:
         names = DEFAULT
     wanted = [name.strip() for name in (names.split(",") if isinstance(names, str) else names)]
@@ -54,4 +59,5 @@ def choose(names: str | list[str] | tuple[str, ...] | None) -> list[Format]:
             raise ExportError(f"unknown format {name!r}", f"the formats are {known}")
     if not wanted:
         raise ExportError("no format given", f"the formats are {', '.join(FORMATS)}")
-    return [entry for name, entry in FORMATS.items() if name in wanted or name == "annotation"]
+    wanted += ["annotation", *(["views"] if views else [])]
+    return [entry for name, entry in FORMATS.items() if name in wanted]

@@ -1,16 +1,19 @@
-"""Shards of points and annotations, the same bytes for the same objects."""
+"""Shards of points, views and annotations, the same bytes for the same objects."""
 
 from __future__ import annotations
 
 import io
 import zipfile
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..annotate.annotation import describe, line
+from ..annotate.cameras import Cameras
 from ..annotate.cloud import sample_points
+from ..annotate.states import REST, States, joint_values, state_table
+from ..annotate.views import make_views
+from .content import Content
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
@@ -18,33 +21,10 @@ if TYPE_CHECKING:
 STAMP = (1980, 1, 1, 0, 0, 0)  # zip has no "no date"
 
 
-@dataclass(frozen=True, slots=True)
-class Meaning:
-    """What an array of a shard holds: its shape in words, frame and unit."""
-
-    text: str
-    shape: str
-    frame: str = ""
-    unit: str = ""
-
-
-MEANINGS = {
-    "points": Meaning("points on the visible surface at rest", "objects, points, 3", "object", "m"),
-    "normals": Meaning("outward unit normals of the surface", "objects, points, 3", "object", "1"),
-    "semantic": Meaning("class of the part, an index into vocabularies.semantic", "objects, points"),
-    "instance": Meaning("part instance, its `number` in the annotation", "objects, points"),
-    "link": Meaning("link, its `number` in the annotation", "objects, points"),
-    "primitive": Meaning("index into sites; with `instance` it names one primitive", "objects, points"),
-    "patch": Meaning("surface patch of the primitive, from 0", "objects, points"),
-    "u": Meaning("first patch coordinate, a fraction 0 .. 1", "objects, points", "patch", "1"),
-    "v": Meaning("second patch coordinate, a fraction 0 .. 1", "objects, points", "patch", "1"),
-    "object": Meaning("number of the object", "objects"),
-}
-
-
-def point_arrays(batch: Batch, n_points: int) -> dict[str, np.ndarray]:
-    """The arrays of a points shard, by name: those of ``MEANINGS``, then one per label."""
-    points = sample_points(batch, n_points)
+def point_arrays(batch: Batch, n_points: int, states: States = REST, motion: bool = False) -> dict[str, np.ndarray]:
+    """The arrays of a points shard, by name: those of ``meanings``, then one per label."""
+    values = None if states.only_rest else joint_values(batch, states)
+    points = sample_points(batch, n_points, values, motion=motion)
     arrays = {
         "object": np.asarray(batch.numbers, dtype=np.int64),
         "points": points.position.astype(np.float32),
@@ -57,8 +37,23 @@ def point_arrays(batch: Batch, n_points: int) -> dict[str, np.ndarray]:
         "u": points.u.astype(np.float32),
         "v": points.v.astype(np.float32),
     }
+    if values is not None:
+        arrays["state"] = state_table(batch, values)
+    if points.motion is not None:
+        arrays["motion"] = points.motion.astype(np.float32)
     labels = {name: a if a.dtype == bool else a.astype(np.float32) for name, a in sorted(points.labels.items())}
     return arrays | labels
+
+
+def view_arrays(batch: Batch, cameras: Cameras, states: States = REST) -> dict[str, np.ndarray]:
+    """The arrays of a views shard, by name; those of clouds begin with ``cloud_``."""
+    values = None if states.only_rest else joint_values(batch, states)
+    views = make_views(batch, cameras, values)
+    arrays = {"object": np.asarray(batch.numbers, dtype=np.int64)}
+    if values is not None:
+        arrays["state"] = state_table(batch, values)
+    arrays |= {"intrinsics": views.intrinsics, "extrinsics": views.extrinsics} | views.images
+    return arrays | {f"cloud_{name}": values for name, values in views.cloud.items()}
 
 
 def narrow(values: np.ndarray, dtype: type = np.uint16) -> np.ndarray:
@@ -69,24 +64,31 @@ def narrow(values: np.ndarray, dtype: type = np.uint16) -> np.ndarray:
     return values.astype(dtype)
 
 
-def npz_bytes(arrays: dict[str, np.ndarray]) -> bytes:
-    """The arrays as an uncompressed .npz whose bytes depend on them alone (names, order and contents)."""
+def npz_bytes(arrays: dict[str, np.ndarray], *, pack: bool = False) -> bytes:
+    """The arrays as an .npz whose bytes depend on them alone (names, order and contents), packed if asked for."""
     stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w", zipfile.ZIP_STORED) as archive:
+    method, level = (zipfile.ZIP_DEFLATED, 1) if pack else (zipfile.ZIP_STORED, None)
+    with zipfile.ZipFile(stream, "w", method, compresslevel=level) as archive:
         for name, array in arrays.items():
             entry = zipfile.ZipInfo(f"{name}.npy", STAMP)
-            entry.create_system, entry.external_attr = 3, 0o644 << 16
+            entry.create_system, entry.external_attr, entry.compress_type = 3, 0o644 << 16, method
             content = io.BytesIO()
             np.lib.format.write_array(content, np.ascontiguousarray(array), version=(1, 0), allow_pickle=False)
-            archive.writestr(entry, content.getbuffer())
+            archive.writestr(entry, content.getbuffer(), compresslevel=level)
     return stream.getvalue()
 
 
-def points_shard(batch: Batch, n_points: int) -> bytes:
+def points_shard(batch: Batch, content: Content) -> bytes:
     """The bytes of ``points-<shard>.npz``."""
-    return npz_bytes(point_arrays(batch, n_points))
+    return npz_bytes(point_arrays(batch, content.points, content.states, content.motion))
 
 
-def annotation_shard(batch: Batch, n_points: int) -> bytes:
+def views_shard(batch: Batch, content: Content) -> bytes:
+    """The bytes of ``views-<shard>.npz``."""
+    return npz_bytes(view_arrays(batch, content.cameras or Cameras(), content.states), pack=True)
+
+
+def annotation_shard(batch: Batch, content: Content) -> bytes:
     """The bytes of ``annotation-<shard>.jsonl``: one object per line."""
-    return "".join(line(annotation) + "\n" for annotation in describe(batch)).encode("utf-8")
+    values = None if content.states.only_rest else joint_values(batch, content.states)
+    return "".join(line(annotation) + "\n" for annotation in describe(batch, values)).encode("utf-8")

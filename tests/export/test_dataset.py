@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from artipg_dsl.export import manifest
+from artipg_dsl.export.content import Content
 from artipg_dsl.export.dataset import write_dataset
 from artipg_dsl.export.registry import FORMATS, choose
 from artipg_dsl.export.shards import npz_bytes
@@ -35,7 +36,7 @@ def sample(numbers: np.ndarray) -> FakeBatch:
 
 
 def write(out: Path, n: int = 5, formats: str = "points,urdf,glb", **options) -> dict:  # type: ignore[no-untyped-def]
-    settings = {"seed": 7, "numbers": np.arange(n), "formats": choose(formats), "n_points": 64, "shard": 2} | options
+    settings = {"seed": 7, "numbers": np.arange(n), "formats": choose(formats), "content": Content(64), "shard": 2} | options
     make = settings.pop("sample", sample)
     return write_dataset(FakeBatch(1).program, make, out, **settings)
 
@@ -142,7 +143,7 @@ def test_other_options_are_refused_with_words_unless_forced(tmp_path: Path) -> N
         write(tmp_path / "o", 5, seed=8)
     assert "the seed (7, now 8)" in caught.value.message and "--force" in caught.value.hint
     with pytest.raises(ExportError, match="the number of points"):
-        write(tmp_path / "o", 5, n_points=32)
+        write(tmp_path / "o", 5, content=Content(32))
     write(tmp_path / "o", 2, formats="points", seed=8, force=True)
     assert set(tree(tmp_path / "o")) == {"manifest.json", "notes.txt", "points-00000.npz", "annotation-00000.jsonl"}
     assert manifest.read(tmp_path / "o")["identity"]["seed"] == 8  # type: ignore[index]
