@@ -11,6 +11,14 @@ Form = tuple[dict[Column, Expr], Expr]  # coefficient of each column, and the re
 Parts = tuple[dict[Column | Expr, Expr], Expr]  # the same with atoms beside the columns
 
 
+class Circle(Exception):
+    """Definitions that lead back to where they began; ``columns`` are those on the way."""
+
+    def __init__(self, columns: list[Column]):
+        super().__init__(" -> ".join(c.name for c in (*columns, columns[0])))
+        self.columns = columns
+
+
 class Linear:
     """Linear forms in the columns for which ``unknown`` holds, reading defined columns through ``definitions``.
 
@@ -21,15 +29,23 @@ class Linear:
         self.unknown, self.definitions, self.through = unknown, definitions, through
         self.memo: dict[Expr, Parts] = {}
         self.reads_memo: dict[Expr, bool] = {}
+        self.running: dict[Column, None] = {}  # definitions that are being followed, outermost first
 
     def reads(self, node: Expr) -> bool:
-        """Whether the expression depends on an unknown at all."""
+        """Whether the expression depends on an unknown at all. Raises Circle."""
         known = self.reads_memo.get(node)
         if known is None:
             if node.op == "col":
                 column: Column = node.value  # type: ignore[assignment]
                 definition = self.definitions.get(column)
-                known = self.unknown(column) or (definition is not None and self.reads(definition))
+                known = self.unknown(column)
+                if not known and definition is not None:
+                    if column in self.running:
+                        way = list(self.running)
+                        raise Circle(way[way.index(column) :])
+                    self.running[column] = None
+                    known = self.reads(definition)
+                    del self.running[column]
             elif node.op == "previous" and not self.through:
                 known = False
             else:

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 
 from ..graph import expr as E
 from ..graph.expr import Column, Expr, Scope
-from ..graph.linear import Form, Linear
+from ..graph.linear import Circle, Form, Linear
 from ..graph.matching import Matching, match
 from .cases import TooManyCases, combinations, condition
 from .context import Abort, Equation, Unknown
@@ -34,6 +34,8 @@ def settle(env: Env) -> None:
         solve(env, homes)
     except Abort:
         pass
+    except Circle as error:
+        circular(env, error.columns)
     inside = {id(home) for home, _ in homes}
     for home, _ in homes:
         for inner in home.inner:
@@ -60,6 +62,17 @@ def lifted(value: Expr, to: Scope, absent: Expr = E.ZERO) -> Expr:
         assert value.scope.parent is not None
         value = E.phi(value.scope.parent, [(value.scope, value)], absent)
     return value
+
+
+def circular(env: Env, columns: list[Column]) -> None:
+    """Report values that were settled one by one, each from the next (a size left open and a box made of it)."""
+    names = [f"`{c.name}`" for c in columns[:4]]
+    spans = [(env.context.spans[c], f"{n} is needed here") for c, n in zip(columns, names, strict=False) if c in env.context.spans]
+    env.context.error(
+        "circular-definition", spans[0][0] if spans else env.symbol.decl.name_span,  # type: ignore[union-attr]
+        f"{names[0]} needs itself" + (f", by way of {' and '.join(names[1:])}" if names[1:] else ""),
+        hint="give one of these as an argument, or state an equation with something that stands", notes=tuple(spans[1:]),
+    )  # fmt: skip
 
 
 # ---------------------------------------------------------------- blocks
