@@ -66,8 +66,12 @@ def lifted(value: Expr, to: Scope, absent: Expr = E.ZERO) -> Expr:
 
 def circular(env: Env, columns: list[Column]) -> None:
     """Report values that were settled one by one, each from the next (a size left open and a box made of it)."""
-    names = [f"`{c.name}`" for c in columns[:4]]
-    spans = [(env.context.spans[c], f"{n} is needed here") for c, n in zip(columns, names, strict=False) if c in env.context.spans]
+    names = []
+    for column in columns[:4]:
+        owner, _, axis = column.name.rpartition(".at.")
+        names.append(f"the position of `{owner}` along {axis}" if owner else f"`{column.name}`")
+    found = zip((env.context.spans.get(c) for c in columns), names, strict=False)
+    spans = [(span, f"for {name}") for span, name in found if span is not None]
     env.context.error(
         "circular-definition", spans[0][0] if spans else env.symbol.decl.name_span,  # type: ignore[union-attr]
         f"{names[0]} needs itself" + (f", by way of {' and '.join(names[1:])}" if names[1:] else ""),
