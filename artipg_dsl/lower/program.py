@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from ..diagnostics import Report
 from ..graph import expr as E
 from ..graph.expr import Expr, Scope, ScopeError
+from ..graph.linear import Circle
 from ..graph.program import Allowed, Link, Program, Requirement
 from ..graph.text import digest
 from ..semantics.symbols import Symbol
@@ -22,6 +23,7 @@ from .links import Links, resolve_mimics
 from .motions import motions
 from .part import Part
 from .primitives import comparison
+from .solve import circular
 from .values import Ref
 
 
@@ -46,6 +48,9 @@ def lower_category(category: Symbol, report: Report) -> Lowering | None:
     except (Abort, ScopeError) as error:
         context.failed(error, category.decl.name_span)
         return None
+    except Circle as error:
+        circular(env, error.columns)
+        return None
     if report.failed:
         return None
     links = Links(context)
@@ -53,6 +58,9 @@ def lower_category(category: Symbol, report: Report) -> Lowering | None:
         finish(links, env)
     except (Abort, ScopeError) as error:
         context.failed(error, category.decl.name_span)
+        return None
+    except Circle as error:
+        circular(env, error.columns)
         return None
     return None if report.failed else Lowering(program, context, env)
 
