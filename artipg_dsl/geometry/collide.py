@@ -1,59 +1,136 @@
-"""Do convex pieces overlap? Many pairs at once, by the Gilbert-Johnson-Keerthi iteration on their vertices.
+"""Do convex bodies overlap? Many pairs at once, by the Gilbert-Johnson-Keerthi iteration on their supports.
 
-The question is only whether a plane separates two pieces (E. Gilbert, D. Johnson, S. Keerthi, "A fast procedure for
+The question is only whether a plane separates two bodies (E. Gilbert, D. Johnson, S. Keerthi, "A fast procedure for
 computing the distance between complex objects in three-dimensional space", 1988): a pair leaves the iteration as soon
-as its search direction is a separating axis, or the simplex holds the origin of the difference body.
+as its search direction is a separating axis, or the simplex holds the origin of the difference body. A body is known
+by its support alone, so that one that is turned or swept needs no vertices of its own.
 """
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import numpy as np
 
 MOST_STEPS = 40
+DEPTH = 1e-6  # metres: what overlaps by less touches
 _PAIRS = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]
 _TRIPLES = [(0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3)]
-_BLOCK = 20_000  # pairs at a time
+
+
+class Bodies(Protocol):
+    """k convex bodies."""
+
+    def __len__(self) -> int: ...
+
+    def center(self) -> np.ndarray:
+        """(k, 3): a point of, or near, each body."""
+        ...
+
+    def support(self, rows: np.ndarray, direction: np.ndarray) -> np.ndarray:
+        """The points (m, 3) of the bodies ``rows`` (m,) that lie farthest along ``direction`` (m, 3)."""
+        ...
+
+
+class Corners:
+    """Bodies given by their corners (k, P, 3)."""
+
+    def __init__(self, vertices: np.ndarray):
+        self.vertices = vertices
+
+    def __len__(self) -> int:
+        return len(self.vertices)
+
+    def center(self) -> np.ndarray:
+        return (self.vertices.min(axis=1) + self.vertices.max(axis=1)) / 2
+
+    def support(self, rows: np.ndarray, direction: np.ndarray) -> np.ndarray:
+        points = self.vertices[rows]
+        return points[np.arange(len(rows)), np.argmax(dot(points, direction[:, None]), axis=1)]
 
 
 def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2]
 
 
-def shrunk(vertices: np.ndarray, margin: float) -> np.ndarray:
-    """Pieces (k, P, 3) drawn in towards their centres by about ``margin``: what touches no longer meets."""
-    low, high = vertices.min(axis=1), vertices.max(axis=1)
-    center = (low + high) / 2
-    half = np.maximum((high - low) / 2, 1e-12)
-    scale = np.maximum(1.0 - margin / half, 0.0)
-    return center[:, None] + (vertices - center[:, None]) * scale[:, None]
+def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    cells = [a[..., i - 2] * b[..., i - 1] - a[..., i - 1] * b[..., i - 2] for i in range(3)]
+    return np.stack(cells, axis=-1)
 
 
-def overlap(first: np.ndarray, second: np.ndarray, margin: float = 1e-6) -> np.ndarray:
-    """Whether pieces (k, P, 3) and (k, Q, 3) penetrate one another by more than about twice ``margin``; (k,) bool."""
-    found = np.zeros(len(first), dtype=bool)
-    for start in range(0, len(first), _BLOCK):
-        part = slice(start, start + _BLOCK)
-        found[part] = _overlap(shrunk(first[part], margin), shrunk(second[part], margin))
+def inset(vertices: np.ndarray, faces: np.ndarray, margin: float = DEPTH / 2) -> np.ndarray:
+    """Pieces (k, P, 3) with the planes of their faces (F, 3) moved inwards by ``margin``: what touches meets no more."""
+    corners = vertices[:, faces]
+    normal = cross(corners[:, :, 1] - corners[:, :, 0], corners[:, :, 2] - corners[:, :, 0])
+    length = np.sqrt(dot(normal, normal))
+    normal = np.where(length[..., None] > 0, normal / np.where(length > 0, length, 1.0)[..., None], 0.0)
+    middle = (vertices.min(axis=1) + vertices.max(axis=1)) / 2
+    turned = dot(normal, corners[:, :, 0] - middle[:, None]).sum(axis=1) < 0.0  # mirrored: the faces run the other way
+    normal[turned] = -normal[turned]
+    incident = _incident(faces, vertices.shape[1])
+    gram = np.zeros((6, *vertices.shape[:2]))  # N'N of the normals at each corner: xx, yy, zz, yz, zx, xy
+    push = np.zeros(vertices.shape)
+    for column in incident.T:
+        n = np.where((column >= 0)[:, None], normal[:, np.maximum(column, 0)], 0.0)
+        x, y, z = n[..., 0], n[..., 1], n[..., 2]
+        for cell, value in zip(gram, (x * x, y * y, z * z, y * z, z * x, x * y), strict=True):
+            cell += value
+        push -= n
+    ridge = 1e-6
+    a, b, c = gram[0] + ridge, gram[1] + ridge, gram[2] + ridge
+    d, e, f = gram[3], gram[4], gram[5]
+    # the symmetric system [[a, f, e], [f, b, d], [e, d, c]] m = push, by its adjugate
+    aa, bb, cc = b * c - d * d, a * c - e * e, a * b - f * f
+    dd, ee, ff = e * f - a * d, f * d - b * e, d * e - c * f
+    det = a * aa + f * ff + e * ee
+    x, y, z = push[..., 0], push[..., 1], push[..., 2]
+    move = np.stack([aa * x + ff * y + ee * z, ff * x + bb * y + dd * z, ee * x + dd * y + cc * z], axis=-1)
+    move /= np.where(det > 0, det, 1.0)[..., None]
+    reach = np.sqrt(dot(move, move))
+    move *= np.minimum(1.0, 20.0 / np.maximum(reach, 1e-300))[..., None]  # needles: not farther than makes sense
+    return vertices + margin * move
+
+
+def _incident(faces: np.ndarray, corners: int) -> np.ndarray:
+    """(P, D): the faces at each corner, filled up with -1."""
+    corner, face = faces.ravel(), np.repeat(np.arange(len(faces)), 3)
+    order = np.argsort(corner, kind="stable")
+    count = np.bincount(corner, minlength=corners)
+    rank = np.arange(len(corner)) - np.repeat(np.cumsum(count) - count, count)
+    found = np.full((corners, int(count.max(initial=0))), -1)
+    found[corner[order], rank] = face[order]
     return found
 
 
-def _overlap(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    result = np.zeros(len(first), dtype=bool)
-    active = np.arange(len(first))
-    direction = first.mean(axis=1) - second.mean(axis=1)
-    size = np.maximum(np.abs(first).max(axis=(1, 2)), np.abs(second).max(axis=(1, 2)))
-    direction[dot(direction, direction) < 1e-24] = (1.0, 0.0, 0.0)
-    start = support(first, second, direction)
+def overlap(first: Bodies, second: Bodies) -> np.ndarray:
+    """Whether the bodies penetrate one another; (k,) bool. Bodies that touch are best inset before."""
+    return examine(first, second, near=0.0)[0]
+
+
+def examine(first: Bodies, second: Bodies, near: float = 0.5) -> tuple[np.ndarray, np.ndarray]:
+    """Which pairs overlap (k,), and for the others a direction (k, 3) along which ``first`` lies beyond ``second``.
+
+    The two are apart along it by at least ``near`` times their distance. Where it cannot be told within the steps, the
+    pair counts as not overlapping and its direction separates nothing.
+    """
+    count = len(first)
+    result = np.zeros(count, dtype=bool)
+    active = np.arange(count)
+    nearest = first.center() - second.center()
+    nearest[dot(nearest, nearest) < 1e-24] = (1.0, 0.0, 0.0)
+    start = first.support(active, -nearest) - second.support(active, nearest)
+    size = np.sqrt(dot(start, start)) + np.sqrt(dot(nearest, nearest))
     simplex = np.repeat(start[:, None], 4, axis=1)
-    weight = np.zeros((len(first), 4))
+    weight = np.zeros((count, 4))
     weight[:, 0] = 1.0
     nearest = start.copy()
+    apart = np.zeros(count, dtype=bool)
     for _ in range(MOST_STEPS):
-        a, b, v = first[active], second[active], nearest[active]
-        point = support(a, b, v)
-        away = dot(v, point)
-        length = dot(v, v)
-        separated = away > 1e-12 * size[active] * np.sqrt(length)
+        v = nearest[active]
+        point = first.support(active, -v) - second.support(active, v)
+        away, length = dot(v, point), dot(v, v)
+        apart[active] |= away > 1e-12 * size[active] * np.sqrt(length)
+        separated = apart[active] & (away >= near * length)
         stuck = length - away <= 1e-10 * length  # no nearer point: the distance itself is found
         going = ~(separated | stuck)
         active, point = active[going], point[going]
@@ -69,15 +146,7 @@ def _overlap(first: np.ndarray, second: np.ndarray) -> np.ndarray:
         active = active[~inside]
         if not len(active):
             break
-    return result
-
-
-def support(first: np.ndarray, second: np.ndarray, direction: np.ndarray) -> np.ndarray:
-    """The point of the difference body first - second that lies farthest against ``direction``; (k, 3)."""
-    rows = np.arange(len(first))
-    a = first[rows, np.argmin(dot(first, direction[:, None]), axis=1)]
-    b = second[rows, np.argmax(dot(second, direction[:, None]), axis=1)]
-    return a - b
+    return result & ~apart, nearest
 
 
 def closest(simplex: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -86,7 +155,7 @@ def closest(simplex: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     weights = np.zeros((len(simplex), 4))
 
     def offer(shares: np.ndarray, valid: np.ndarray) -> None:
-        point = (shares[:, :, None] * simplex).sum(axis=1)
+        point = mixed(shares, simplex)
         square = np.where(valid, dot(point, point), np.inf)
         better = square < best * (1.0 - 1e-12)
         best[better] = square[better]
@@ -115,19 +184,25 @@ def closest(simplex: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         offer(shares, (det > 1e-14 * aa * bb) & (s > 0) & (t > 0) & (s + t < 1))
     inside, shares = _tetrahedron(simplex)
     best[inside], weights[inside] = 0.0, shares[inside]
-    return (weights[:, :, None] * simplex).sum(axis=1), weights
+    return mixed(weights, simplex), weights
 
 
 def _tetrahedron(simplex: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Which tetrahedra hold the origin, and its barycentric coordinates."""
     a, b, c = (simplex[:, k] - simplex[:, 0] for k in (1, 2, 3))
     origin = -simplex[:, 0]
-    volume = dot(a, np.cross(b, c))
+    volume = dot(a, cross(b, c))
     scale = np.sqrt(dot(a, a) * dot(b, b) * dot(c, c))
     solid = np.abs(volume) > 1e-12 * scale
     safe = np.where(solid, volume, 1.0)
-    u = dot(origin, np.cross(b, c)) / safe
-    v = dot(a, np.cross(origin, c)) / safe
-    w = dot(a, np.cross(b, origin)) / safe
+    u = dot(origin, cross(b, c)) / safe
+    v = dot(a, cross(origin, c)) / safe
+    w = dot(a, cross(b, origin)) / safe
     shares = np.stack([1.0 - u - v - w, u, v, w], axis=1)
     return solid & (shares > 0).all(axis=1), shares
+
+
+def mixed(shares: np.ndarray, simplex: np.ndarray) -> np.ndarray:
+    """The points (k, 3) of tetrahedra (k, 4, 3) with the weights (k, 4), added up corner by corner."""
+    terms = [shares[:, i, None] * simplex[:, i] for i in range(4)]
+    return terms[0] + terms[1] + terms[2] + terms[3]

@@ -1,30 +1,36 @@
 """Do the links of an object penetrate one another, at rest or while one joint runs through its range?
 
 The truth is the convex pieces, the very ones that are exported. Every pair of links counts, parents and children too.
-Each joint moves alone, all others at rest, with everything that hangs on its link. A prismatic joint is swept exactly
-(the hull of a piece at both ends); a revolute one is looked at in states that lie dense near rest and near its ends.
+Each joint moves alone, all others at rest, with everything that hangs on its link. Sliding is swept exactly (the hull
+of a piece at both ends). Turning is decided over whole intervals: bounds about the axis leave the angles at which two
+pieces can meet at all; there a plane that keeps them apart is looked for in the middle and proved for the interval, or
+the interval is halved. A joint that others follow is looked at in many states.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..geometry import pieces
-from ..geometry.collide import overlap
+from ..geometry.collide import DEPTH, dot, examine, overlap
 from .batch import Batch
-from .motion import apply, rotation_about
+from .bodies import FULL, Pieces, Placed, gather, rings, swept_extent
+from .motion import apply, link_motion, product, rotation_about
 
-MARGIN = 1e-6  # metres: what overlaps by less touches
-BLOCK = 32  # objects at a time
-SHARES = np.unique(np.concatenate([[0.002, 0.005, 0.01, 0.02, 0.035], np.linspace(0.0, 1.0, 25), [0.98, 0.995]]))
+BLOCK = 20_000  # pieces at a time
+HALVINGS = 16  # of an interval of angles; what is not decided then is nearer than a turn by 0.005 degrees
+SHARES = np.unique(np.concatenate([[0.002, 0.005, 0.01, 0.02, 0.035], np.linspace(0.0, 1.0, 41), [0.98, 0.995]]))
+TURNING = ("revolute", "continuous", "screw")
 
 
 @dataclass(frozen=True, slots=True)
 class Collisions:
-    """One row per pair of links that penetrate: object index, link numbers, and the joint (-1: at rest) and its value."""
+    """One row per pair of links that penetrate: object index, link numbers, and the joint (-1: at rest) and its value.
+
+    The value is one at which they meet, the least that was found; between the ends of a sliding joint it is its high end.
+    """
 
     owner: np.ndarray
     first: np.ndarray
@@ -40,79 +46,75 @@ class Collisions:
         return np.unique(self.owner)
 
 
-@dataclass(slots=True)
-class _Body:
-    """Pieces of some objects at rest: vertices (N, P, 3) (a short piece repeats its last corner), their boxes, owner, link."""
-
-    vertices: np.ndarray
-    low: np.ndarray
-    high: np.ndarray
-    owner: np.ndarray
-    link: np.ndarray
-
-    def part(self, rows: slice) -> _Body:
-        return _Body(self.vertices[rows], self.low[rows], self.high[rows], self.owner[rows], self.link[rows])
+def collisions(batch: Batch) -> Collisions:
+    """All penetrations of a batch, each pair of links once per joint that brings it about."""
+    tree = Tree(batch)
+    body = gather(batch, tree.first, tree.turn, tree.shift)
+    return tree.told(np.concatenate([_nothing(), *(_block(tree, part) for part in _blocks(body))]))
 
 
-@dataclass(slots=True)
-class _Motion:
-    """Pieces ``piece`` (k,) carried by joints: turned and shifted, or swept along ``sweep``; boxes that hold them."""
+@dataclass(slots=True, eq=False)
+class Hits:
+    """Pairs of links (rows of the link table) that meet, the joint (a row of the joint table, -1: rest) and its value."""
 
-    piece: np.ndarray
+    first: np.ndarray
+    second: np.ndarray
     joint: np.ndarray
     value: np.ndarray
-    low: np.ndarray
-    high: np.ndarray
-    turn: np.ndarray | None = None
-    shift: np.ndarray | None = None
-    sweep: tuple[np.ndarray, np.ndarray] | None = None
 
-    def vertices(self, still: _Body, rows: np.ndarray) -> np.ndarray:
-        points = still.vertices[self.piece[rows]]
-        if self.sweep is not None:
-            return np.concatenate([points + end[rows][:, None] for end in self.sweep], axis=1)
-        if self.turn is None or self.shift is None:
-            return points
-        return _turned(self.turn[rows], points) + self.shift[rows][:, None]
+    def rows(self) -> np.ndarray:
+        """(m, 4), each pair once per joint, at its least value."""
+        low, high = np.minimum(self.first, self.second), np.maximum(self.first, self.second)
+        table = np.stack([low, high, self.joint, self.value], axis=1).astype(np.float64)
+        table = table[np.lexsort(table.T[::-1])]
+        new = np.ones(len(table), dtype=bool)
+        new[1:] = (table[1:, :3] != table[:-1, :3]).any(axis=1)
+        return table[new]
 
 
-def collisions(batch: Batch) -> Collisions:
-    """All penetrations of a batch, each pair of links once per joint."""
-    tree = _Tree(batch)
-    body = _pieces(batch, tree)
-    found = [_block(tree, body, start, min(start + BLOCK, len(batch))) for start in range(0, len(batch), BLOCK)]
-    rows = np.concatenate(found) if found else np.zeros((0, 5))
-    rows = rows[~tree.permitted(rows[:, 1].astype(np.int64), rows[:, 2].astype(np.int64))] if len(rows) else rows
-    owner, first, second, joint = (rows[:, k].astype(np.int64) for k in range(4))
-    number = batch.links().number
-    joints = batch.joints().number
-    return Collisions(
-        owner, number[first] if len(rows) else first, number[second] if len(rows) else second,
-        np.where(joint < 0, -1, joints[np.maximum(joint, 0)]) if len(rows) and len(joints) else joint, rows[:, 4],
-    )  # fmt: skip
+def _nothing() -> np.ndarray:
+    return np.zeros((0, 4))
 
 
-class _Tree:
-    """Links above each link, and joint axes at rest."""
+class Tree:
+    """Links above each link, joint axes at rest, and which joints move others along."""
 
     def __init__(self, batch: Batch):
         self.batch, self.links, self.joints = batch, batch.links(), batch.joints()
         count = len(self.links.owner)
-        first = np.searchsorted(self.links.owner, np.arange(len(batch)))
-        self.first = first
+        self.first = np.searchsorted(self.links.owner, np.arange(len(batch)))
+        self.start = np.append(self.first, count)
         self.above = np.full(count, -1, dtype=np.int64)  # parent link of each link
         self.joint = np.full(count, -1, dtype=np.int64)
-        child = first[self.joints.owner] + self.joints.child
-        self.above[child] = first[self.joints.owner] + self.joints.parent
-        self.joint[child] = np.arange(len(child))
+        self.child = self.first[self.joints.owner] + self.joints.child
+        self.above[self.child] = self.first[self.joints.owner] + self.joints.parent
+        self.joint[self.child] = np.arange(len(self.child))
         chain = [np.arange(count)]
         while (chain[-1] >= 0).any():
             chain.append(np.where(chain[-1] >= 0, self.above[np.maximum(chain[-1], 0)], -1))
         self.chain = np.stack(chain, axis=1)  # (L, depth): the link itself, its parent, ...
         self.turn, self.shift = batch.pose()
-        holder = np.maximum(self.above[child], 0)
+        holder = np.maximum(self.above[self.child], 0)
         self.axis = apply(self.turn[holder], self.joints.axis)
         self.origin = apply(self.turn[holder], self.joints.origin) + self.shift[holder]
+        kinds = np.array(self.joints.kind, dtype=object)
+        self.turns, self.slides = np.isin(kinds, TURNING), kinds == "prismatic"
+        self.low = np.where(np.isnan(self.joints.low), -np.pi, self.joints.low)
+        self.high = np.where(np.isnan(self.joints.high), np.pi, self.joints.high)
+        base = np.searchsorted(self.joints.owner, self.joints.owner)
+        self.leader = np.where(self.joints.mimic >= 0, base + self.joints.mimic, np.arange(len(base)))
+        for _ in range(3):
+            self.leader = self.leader[self.leader]
+        self.alone = np.bincount(self.leader, minlength=len(base))[self.leader] == 1
+
+    def told(self, rows: np.ndarray) -> Collisions:
+        """Hits as tables number things, without those that the text allows."""
+        first, second, joint = (rows[:, k].astype(np.int64) for k in range(3))
+        keep = ~self.permitted(first, second)
+        first, second, joint, value = first[keep], second[keep], joint[keep], rows[keep, 3]
+        number = self.links.number
+        named = np.where(joint >= 0, np.append(self.joints.number, -1)[joint], -1)
+        return Collisions(self.links.owner[first], number[first], number[second], named, value)
 
     def permitted(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
         """Pairs that the text allows to overlap or to block one another."""
@@ -125,99 +127,204 @@ class _Tree:
                 result |= one | other
         return result
 
-
-def _pieces(batch: Batch, tree: _Tree) -> _Body:
-    parts, owners, links = [], [], []
-    for table in batch.sites():
-        if not len(table):
-            continue
-        for group in pieces.build(table.primitive, table.params):
-            rows = group.rows
-            local = group.vertices * np.stack([np.ones(len(rows)), table.mirror[rows], np.ones(len(rows))], axis=-1)[:, None]
-            placed = _turned(table.rotation[rows], local) + table.translation[rows][:, None]
-            link = tree.first[table.owner[rows]] + table.link[rows]
-            parts.append(_turned(tree.turn[link], placed) + tree.shift[link][:, None])
-            owners.append(table.owner[rows])
-            links.append(link)
-    most = max((p.shape[1] for p in parts), default=1)
-    low, high = (np.concatenate([f(p, axis=1) for p in parts]) for f in (np.min, np.max))
-    vertices = np.concatenate([np.concatenate([p, np.repeat(p[:, -1:], most - p.shape[1], axis=1)], axis=1) for p in parts])
-    owner = np.concatenate(owners)
-    order = np.argsort(owner, kind="stable")
-    return _Body(vertices[order], low[order], high[order], owner[order], np.concatenate(links)[order])
+    def carried(self, body: Pieces, chosen: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        """(pieces, joints): the pieces that each of the joints ``chosen`` (J,) bool moves, level by level of the tree."""
+        for level in range(self.chain.shape[1] - 1):
+            link = self.chain[body.link, level]
+            joint = np.where(link >= 0, self.joint[np.maximum(link, 0)], -1)
+            piece = np.flatnonzero((joint >= 0) & np.append(chosen, False)[joint])
+            if len(piece):
+                yield piece, joint[piece]
 
 
-def _turned(rotation: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Matrices (k, 3, 3) times points (k, P, 3), written out."""
-    r = rotation[:, None]
-    columns = [r[..., i, 0] * points[..., 0] + r[..., i, 1] * points[..., 1] + r[..., i, 2] * points[..., 2] for i in range(3)]
-    return np.stack(columns, axis=-1)
+def _blocks(body: Pieces) -> Iterator[Pieces]:
+    """Pieces of whole objects, some at a time."""
+    edges = np.flatnonzero(np.diff(body.owner, prepend=-1, append=-1))
+    start = 0
+    while start < len(body):
+        fits = edges[(edges > start) & (edges <= start + BLOCK)]
+        stop = int(fits[-1] if len(fits) else edges[edges > start][0])
+        yield body.part(slice(start, stop))
+        start = stop
 
 
-def _block(tree: _Tree, body: _Body, start: int, stop: int) -> np.ndarray:
-    """Rows (object, link, link, joint, value) of the objects ``start .. stop``."""
-    low, high = np.searchsorted(body.owner, [start, stop])
-    still = body.part(slice(low, high))
-    count = len(still.owner)
-    rest = _Motion(np.arange(count), np.full(count, -1), np.zeros(count), still.low, still.high)
-    return np.concatenate([_meet(tree, motion, still) for motion in (rest, *_motions(tree, still))])
+def _block(tree: Tree, body: Pieces) -> np.ndarray:
+    """Rows (link, link, joint, value) of some objects."""
+    found = [_resting(tree, body)]
+    for piece, joint in tree.carried(body, tree.slides & tree.alone):
+        found.append(_sliding(tree, body, piece, joint))
+    for piece, joint in tree.carried(body, tree.turns & tree.alone):
+        found.append(_turning(tree, body, piece, joint))
+    found.extend(_following(tree, body))
+    return np.concatenate(found)
 
 
-def _motions(tree: _Tree, still: _Body) -> Iterator[_Motion]:
-    """Pieces carried by each joint above them: prismatic ones swept, revolute ones in many states."""
-    kinds = np.array(tree.joints.kind, dtype=object)
-    center, half = (still.low + still.high) / 2, (still.high - still.low) / 2
-    for level in range(tree.chain.shape[1] - 1):
-        link = tree.chain[still.link, level]
-        piece = np.flatnonzero((link >= 0) & (tree.joint[np.maximum(link, 0)] >= 0))
-        joint = tree.joint[link[piece]]
-        low = np.nan_to_num(tree.joints.low[joint], nan=-np.pi)
-        high = np.nan_to_num(tree.joints.high[joint], nan=np.pi)
-        rest = tree.joints.rest[joint]
-        at = np.flatnonzero(kinds[joint] == "prismatic")
-        if len(at):
-            ends = tuple(tree.axis[joint[at]] * (end - rest)[at][:, None] for end in (low, high))
-            reach = [(still.low[piece[at]] + e, still.high[piece[at]] + e) for e in ends]
-            bounds = np.minimum(reach[0][0], reach[1][0]), np.maximum(reach[0][1], reach[1][1])
-            yield _Motion(piece[at], joint[at], high[at], *bounds, sweep=ends)
-        at = np.flatnonzero((kinds[joint] == "revolute") | (kinds[joint] == "continuous"))
-        for share in SHARES if len(at) else ():
-            value = (low + share * (high - low))[at]
-            axis, origin = tree.axis[joint[at]], tree.origin[joint[at]]
-            turn = rotation_about(axis, value - rest[at])
-            shift = origin - apply(turn, origin)
-            middle, reach = apply(turn, center[piece[at]]) + shift, apply(np.abs(turn), half[piece[at]])
-            yield _Motion(piece[at], joint[at], value, middle - reach, middle + reach, turn, shift)
+# ---------------------------------------------------------------- which pairs of pieces come near one another
 
 
-def _meet(tree: _Tree, motion: _Motion, still: _Body) -> np.ndarray:
-    """Penetrations between moved pieces and those that stay: boxes first, then the pieces themselves."""
-    i, j = _boxes(motion, still)
-    link = still.link[motion.piece]
-    if (motion.joint >= 0).all():  # what hangs on the joint's link moves along
-        child = tree.first[tree.joints.owner[motion.joint]] + tree.joints.child[motion.joint]
-        apart = ~(tree.chain[still.link[j]] == child[i][:, None]).any(axis=1)
-    else:
-        apart = link[i] < still.link[j]
-    i, j = i[apart], j[apart]
-    if not len(i):
-        return np.zeros((0, 5))
-    hit = overlap(motion.vertices(still, i), still.vertices[j], MARGIN)
-    i, j = i[hit], j[hit]
-    rows = np.stack([still.owner[j], link[i], still.link[j], motion.joint[i], motion.value[i]], axis=1).astype(np.float64)
-    _, keep = np.unique(rows[:, :4], axis=0, return_index=True)
-    return rows[np.sort(keep)]
+def _near(tree: Tree, body: Pieces, piece: np.ndarray, low: np.ndarray, high: np.ndarray, joint: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs (index into ``piece``, other piece) whose boxes overlap: the links' first, then the pieces' own.
+
+    With joints, the other piece stays where it is; without, its link comes later in the table.
+    """
+    first, stop = tree.start[body.owner[piece]], tree.start[body.owner[piece] + 1]
+    if joint is None:
+        first = body.link[piece] + 1
+    i, link = spread(first, stop - first)
+    lows, highs, begin, end = _link_boxes(body, len(tree.links.owner))
+    if joint is not None:  # what hangs on the joint's link moves along
+        child = tree.child[joint]
+        stays = ~(tree.chain[link] == child[i][:, None]).any(axis=1)
+        i, link = i[stays], link[stays]
+    i, link = _touching(i, link, low, high, lows, highs)
+    k, other = spread(begin[link], (end - begin)[link])
+    return _touching(i[k], other, low, high, body.low, body.high)
 
 
-def _boxes(motion: _Motion, still: _Body) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs of one object, of different links, whose boxes overlap by more than the margin."""
-    owner = still.owner[motion.piece]
-    first = np.searchsorted(still.owner, owner, side="left")
-    count = np.searchsorted(still.owner, owner, side="right") - first
-    i = np.repeat(np.arange(len(owner)), count)
-    j = np.arange(len(i)) - np.repeat(np.cumsum(count) - count, count) + np.repeat(first, count)
+def spread(first: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(index, value): the values ``first .. first + count - 1`` of each index."""
+    count = np.maximum(count, 0)
+    index = np.repeat(np.arange(len(first)), count)
+    return index, np.arange(len(index)) - np.repeat(np.cumsum(count) - count, count) + first[index]
+
+
+def _link_boxes(body: Pieces, links: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Box (L, 3) and range of pieces of every link; those without pieces here have none."""
+    begin, end = np.searchsorted(body.link, np.arange(links)), np.searchsorted(body.link, np.arange(links), side="right")
+    low, high = np.full((links, 3), np.inf), np.full((links, 3), -np.inf)
+    full = np.flatnonzero(end > begin)
+    if len(full):
+        low[full], high[full] = np.minimum.reduceat(body.low, begin[full]), np.maximum.reduceat(body.high, begin[full])
+    return low, high, begin, end
+
+
+def _touching(i: np.ndarray, j: np.ndarray, low: np.ndarray, high: np.ndarray, lows: np.ndarray, highs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     for k in range(3):
-        near = (motion.low[i, k] < still.high[j, k] - MARGIN) & (still.low[j, k] < motion.high[i, k] - MARGIN)
+        near = (low[i, k] < highs[j, k]) & (lows[j, k] < high[i, k])
         i, j = i[near], j[near]
-    apart = still.link[motion.piece[i]] != still.link[j]
-    return i[apart], j[apart]
+    return i, j
+
+
+# ---------------------------------------------------------------- at rest, sliding, turning
+
+
+def _resting(tree: Tree, body: Pieces) -> np.ndarray:
+    piece = np.arange(len(body))
+    i, j = _near(tree, body, piece, body.low, body.high, None)
+    body.ready(i, j)
+    hit = overlap(Placed(body, i), Placed(body, j))
+    i, j = i[hit], j[hit]
+    return Hits(body.link[i], body.link[j], np.full(len(i), -1), np.zeros(len(i))).rows()
+
+
+def _sliding(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> np.ndarray:
+    axis, rest = tree.axis[joint], tree.joints.rest[joint]
+    ends = tuple(axis * (end[joint] - rest)[:, None] for end in (tree.low, tree.high))
+    low = body.low[piece] + np.minimum(*ends)
+    high = body.high[piece] + np.maximum(*ends)
+    i, j = _near(tree, body, piece, low, high, joint)
+    body.ready(piece[i], j)
+    hit = overlap(Placed(body, piece[i], ends=(ends[0][i], ends[1][i])), Placed(body, j))
+    i, j = i[hit], j[hit]
+    return Hits(body.link[piece[i]], body.link[j], joint[i], tree.high[joint[i]]).rows()
+
+
+def _turning(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> np.ndarray:
+    axis, origin = tree.axis[joint], tree.origin[joint]
+    own = rings(body, piece, axis, origin)
+    middle = origin + axis * ((own.height[:, 0] + own.height[:, 1]) / 2)[:, None]
+    wide = own.reach[:, 1][:, None] * np.sqrt(np.maximum(1.0 - axis * axis, 0.0))
+    wide += np.abs(axis) * ((own.height[:, 1] - own.height[:, 0]) / 2)[:, None]
+    i, j = _near(tree, body, piece, middle - wide, middle + wide, joint)
+    # the others' bounds about the same axes, each once
+    pair, back = np.unique(joint[i] * len(body) + j, return_inverse=True)
+    other = rings(body, pair % max(len(body), 1), tree.axis[pair // max(len(body), 1)], tree.origin[pair // max(len(body), 1)])
+    meet = np.ones(len(i), dtype=bool)
+    for mine, theirs in ((own.height, other.height), (own.reach, other.reach)):
+        meet &= (mine[i, 0] < theirs[back, 1]) & (theirs[back, 0] < mine[i, 1])
+    i, j, back = i[meet], j[meet], back[meet]
+    rest = tree.joints.rest[joint[i]]
+    at, start, stop = _angles(own.angle[i], other.angle[back], tree.low[joint[i]] - rest, tree.high[joint[i]] - rest)
+    i, j = i[at], j[at]
+    body.ready(piece[i], j)
+    hit, value = _decide(body, piece[i], j, axis[i], origin[i], start, stop)
+    i, j = i[hit], j[hit]
+    return Hits(body.link[piece[i]], body.link[j], joint[i], value + tree.joints.rest[joint[i]]).rows()
+
+
+def _angles(own: np.ndarray, other: np.ndarray, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """By how much pieces with angles ``own`` (k, 2) can turn within ``low .. high`` and meet others: (index, start, stop)."""
+    whole = (own[:, 1] - own[:, 0]) + (other[:, 1] - other[:, 0]) >= FULL - 1e-9
+    index, starts, stops = [np.flatnonzero(whole)], [low[whole]], [high[whole]]
+    most = int(np.ceil(max(np.abs(low).max(initial=0.0), np.abs(high).max(initial=0.0)) / FULL)) + 2
+    for k in range(-most, most + 1):
+        start = np.maximum(other[:, 0] - own[:, 1] + FULL * k, low)
+        stop = np.minimum(other[:, 1] - own[:, 0] + FULL * k, high)
+        at = np.flatnonzero(~whole & (stop - start > 1e-7))
+        index.append(at)
+        starts.append(start[at])
+        stops.append(stop[at])
+    found = np.concatenate(index)
+    order = np.argsort(found, kind="stable")
+    return found[order], np.concatenate(starts)[order], np.concatenate(stops)[order]
+
+
+def _decide(body: Pieces, piece: np.ndarray, other: np.ndarray, axis: np.ndarray, origin: np.ndarray, start: np.ndarray, stop: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Which pieces meet others while they turn from ``start`` to ``stop``, and an angle at which they do."""
+    hits, values = [np.zeros(0, dtype=np.int64)], [np.zeros(0)]
+    row = np.arange(len(piece))
+    for _ in range(HALVINGS):
+        if not len(row):
+            break
+        middle, half = (start + stop) / 2, (stop - start) / 2
+        turn = rotation_about(axis[row], middle)
+        moved = Placed(body, piece[row], turn, origin[row] - apply(turn, origin[row]))
+        still = Placed(body, other[row])
+        hit, away = examine(moved, still)
+        hits.append(row[hit])
+        values.append(middle[hit])
+        # moved lies beyond still along ``away``: does it while it turns by half the interval either way?
+        least = -swept_extent(moved, axis[row], origin[row], np.minimum(half, np.pi), -away)
+        most = dot(still.support(np.arange(len(row)), away), away)
+        go = ~hit & ~(least >= most)
+        row, start, middle, stop = row[go], start[go], middle[go], stop[go]
+        row, start, stop = np.concatenate([row, row]), np.concatenate([start, middle]), np.concatenate([middle, stop])
+    return np.concatenate(hits), np.concatenate(values)
+
+
+# ---------------------------------------------------------------- states of several joints
+
+
+def _following(tree: Tree, body: Pieces) -> Iterator[np.ndarray]:
+    """Joints that others follow, in many states."""
+    joints = tree.joints
+    leads = ~tree.alone & (tree.leader == np.arange(len(joints.owner)))
+    base = np.searchsorted(joints.owner, joints.owner)
+    rank = np.cumsum(leads) - leads
+    rank = rank - rank[base] if len(rank) else rank
+    for number in range(int(rank[leads].max(initial=-1)) + 1):  # the first such joint of every object, the second, ...
+        chosen = np.flatnonzero(leads & (rank == number))
+        lead = np.full(len(tree.first), -1)
+        lead[joints.owner[chosen]] = chosen
+        for share in SHARES:
+            states = joints.rest.copy()
+            states[chosen] = tree.low[chosen] + share * (tree.high[chosen] - tree.low[chosen])
+            first, second = _posed(tree, body, states)
+            at = lead[tree.links.owner[first]]
+            keep = at >= 0
+            yield Hits(first[keep], second[keep], at[keep], states[at[keep]]).rows()
+
+
+def _posed(tree: Tree, body: Pieces, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of links that meet with the joints at ``states`` (J,)."""
+    turn, shift = link_motion(tree.links, tree.joints, states)
+    turn = product(turn, tree.turn.transpose(0, 2, 1))  # from rest
+    shift = shift - apply(turn, tree.shift)
+    turn, shift = turn[body.link], shift[body.link]
+    middle = apply(turn, (body.low + body.high) / 2) + shift
+    half = apply(np.abs(turn), (body.high - body.low) / 2)
+    placed = replace(body, low=middle - half, high=middle + half)
+    i, j = _near(tree, placed, np.arange(len(body)), placed.low, placed.high, None)
+    body.ready(i, j)
+    hit = overlap(Placed(body, i, turn[i], shift[i]), Placed(body, j, turn[j], shift[j]))
+    return body.link[i[hit]], body.link[j[hit]]

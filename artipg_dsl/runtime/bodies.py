@@ -1,0 +1,219 @@
+"""The convex pieces of a batch, placed at rest and sorted by link, and what joints make of them.
+
+Pieces are inset by half the depth that counts, so that what touches does not meet. They lie in arrays by their number
+of corners; a piece that moves is the piece at rest with a turn and a shift, or the hull of its two ends.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..geometry import pieces
+from ..geometry.collide import DEPTH, cross, dot, inset
+from .batch import Batch
+from .motion import apply
+
+FULL = 2 * np.pi
+
+
+@dataclass(slots=True, eq=False)
+class Pieces:
+    """N pieces sorted by link (links by object): corners by class and slot, box, object, link (a row of the link table).
+
+    ``corners`` holds (n, P, 3) per class, P a power of two; a piece with fewer corners repeats its last. ``shape`` is
+    the index of its faces in ``faces``. Only pieces that come near others are inset, in place, by ``ready``.
+    """
+
+    corners: list[np.ndarray]
+    faces: list[np.ndarray]
+    kind: np.ndarray
+    slot: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    owner: np.ndarray
+    link: np.ndarray
+    shape: np.ndarray
+    done: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.owner)
+
+    def part(self, rows: slice) -> Pieces:
+        """Some of the pieces; they share the corners."""
+        columns = (self.kind, self.slot, self.low, self.high, self.owner, self.link, self.shape, self.done)
+        return Pieces(self.corners, self.faces, *(column[rows] for column in columns))
+
+    def ready(self, *chosen: np.ndarray) -> None:
+        """Inset the pieces of some numbers (repeated ones too)."""
+        piece = np.zeros(len(self), dtype=bool)
+        for rows in chosen:
+            piece[rows] = True
+        rows = np.flatnonzero(piece & ~self.done)
+        self.done[rows] = True
+        rows = rows[np.argsort(self.shape[rows], kind="stable")]
+        for group in np.split(rows, np.flatnonzero(np.diff(self.shape[rows])) + 1) if len(rows) else ():
+            faces, corners = self.faces[self.shape[group[0]]], self.corners[self.kind[group[0]]]
+            slot = self.slot[group]
+            count = int(faces.max()) + 1
+            moved = inset(corners[slot, :count], faces)
+            corners[slot, :count] = moved
+            corners[slot, count:] = moved[:, -1:]
+
+    def classes(self, piece: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+        """(positions within ``piece``, their corners (m, P, 3)) for each class that occurs."""
+        kind = self.kind[piece]
+        found = []
+        for number, corners in enumerate(self.corners):
+            at = np.flatnonzero(kind == number)
+            if len(at):
+                found.append((at, corners[self.slot[piece[at]]]))
+        return found
+
+
+@dataclass(slots=True, eq=False)
+class Placed:
+    """Pieces ``piece`` (k,), each with a turn and a shift from rest, or swept between two shifts (``ends``)."""
+
+    pieces: Pieces
+    piece: np.ndarray
+    turn: np.ndarray | None = None
+    shift: np.ndarray | None = None
+    ends: tuple[np.ndarray, np.ndarray] | None = None
+
+    def __len__(self) -> int:
+        return len(self.piece)
+
+    def center(self) -> np.ndarray:
+        middle = (self.pieces.low[self.piece] + self.pieces.high[self.piece]) / 2
+        if self.ends is not None:
+            return middle + (self.ends[0] + self.ends[1]) / 2
+        if self.turn is None or self.shift is None:
+            return middle
+        return apply(self.turn, middle) + self.shift
+
+    def support(self, rows: np.ndarray, direction: np.ndarray) -> np.ndarray:
+        own = direction if self.turn is None else apply(self.turn[rows].transpose(0, 2, 1), direction)
+        found = np.empty((len(rows), 3))
+        for at, corners in self.pieces.classes(self.piece[rows]):
+            best = np.argmax(dot(corners, own[at, None]), axis=1)
+            found[at] = corners[np.arange(len(at)), best]
+        if self.ends is not None:
+            first, last = self.ends[0][rows], self.ends[1][rows]
+            return found + np.where((dot(first, own) >= dot(last, own))[:, None], first, last)
+        if self.turn is None or self.shift is None:
+            return found
+        return apply(self.turn[rows], found) + self.shift[rows]
+
+
+def gather(batch: Batch, first: np.ndarray, turn: np.ndarray, shift: np.ndarray) -> Pieces:
+    """All pieces of a batch; ``first`` (B,) is each object's first link, ``turn`` and ``shift`` carry links to rest."""
+    by_size: dict[int, list[np.ndarray]] = {}
+    owners, links, kinds, slots, shapes, faces = [], [], [], [], [], []
+    for table in batch.sites():
+        if not len(table):
+            continue
+        for group in pieces.build(table.primitive, table.params):
+            rows = group.rows
+            sign = np.stack([np.ones(len(rows)), table.mirror[rows], np.ones(len(rows))], axis=-1)
+            link = first[table.owner[rows]] + table.link[rows]
+            placed = turned(table.rotation[rows], group.vertices * sign[:, None])
+            placed = turned(turn[link], placed + table.translation[rows][:, None]) + shift[link][:, None]
+            size = max(8, 1 << (placed.shape[1] - 1).bit_length())
+            fill = np.repeat(placed[:, -1:], size - placed.shape[1], axis=1)
+            known = by_size.setdefault(size, [])
+            shapes.append(np.full(len(rows), len(faces)))
+            kinds.append(np.full(len(rows), size))
+            slots.append(np.arange(len(rows)) + sum(map(len, known)))
+            known.append(np.concatenate([placed, fill], axis=1))
+            owners.append(table.owner[rows])
+            links.append(link)
+            faces.append(group.faces)
+    if not owners:
+        none = np.zeros(0, dtype=np.int64)
+        return Pieces([], [], none, none, np.zeros((0, 3)), np.zeros((0, 3)), none, none, none, none.astype(bool))
+    sizes = sorted(by_size)
+    corners = [np.concatenate(by_size[size]) for size in sizes]
+    owner, link, slot = np.concatenate(owners), np.concatenate(links), np.concatenate(slots)
+    kind = np.searchsorted(sizes, np.concatenate(kinds))
+    low, high = np.empty((len(owner), 3)), np.empty((len(owner), 3))
+    for number, points in enumerate(corners):
+        at = kind == number
+        low[at], high[at] = points.min(axis=1)[slot[at]], points.max(axis=1)[slot[at]]
+    order = np.argsort(link, kind="stable")
+    done = np.zeros(len(owner), dtype=bool)
+    columns = (kind, slot, low + DEPTH / 2, high - DEPTH / 2, owner, link, np.concatenate(shapes), done)
+    return Pieces(corners, faces, *(column[order] for column in columns))
+
+
+def turned(rotation: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Matrices (k, 3, 3) times points (k, P, 3), written out."""
+    r = rotation[:, None]
+    cells = [r[..., i, 0] * points[..., 0] + r[..., i, 1] * points[..., 1] + r[..., i, 2] * points[..., 2] for i in range(3)]
+    return np.stack(cells, axis=-1)
+
+
+@dataclass(slots=True, eq=False)
+class Rings:
+    """Bounds of pieces about an axis: height along it, distance from it, and angle ``start .. stop`` around it.
+
+    A piece that holds the axis has the whole circle.
+    """
+
+    height: np.ndarray  # (k, 2)
+    reach: np.ndarray  # (k, 2)
+    angle: np.ndarray  # (k, 2)
+
+
+def rings(body: Pieces, piece: np.ndarray, axis: np.ndarray, origin: np.ndarray) -> Rings:
+    """The bounds of pieces (k,) about axes (k, 3) through origins (k, 3)."""
+    margin = DEPTH / 2  # as far as insetting moves every side
+    along, across = frame(axis)
+    height, reach, angle = (np.empty((len(piece), 2)) for _ in range(3))
+    for at, corners in body.classes(piece):
+        local = corners - origin[at, None]
+        h, x, y = (dot(local, d[at, None]) for d in (axis, along, across))
+        height[at] = np.stack([h.min(axis=1) + margin, h.max(axis=1) - margin], axis=-1)
+        r = np.sqrt(x * x + y * y)
+        cx, cy = (x.min(axis=1) + x.max(axis=1)) / 2, (y.min(axis=1) + y.max(axis=1)) / 2
+        length = np.maximum(np.sqrt(cx * cx + cy * cy), 1e-300)
+        ux, uy = (cx / length)[:, None], (cy / length)[:, None]
+        ahead, aside = x * ux + y * uy, y * ux - x * uy
+        least = ahead.min(axis=1)
+        reach[at] = np.stack([np.maximum(least, -margin) + margin, r.max(axis=1) - margin], axis=-1)
+        turn = np.where(r > 1e-7, np.arctan2(aside, ahead), 0.0)
+        middle = np.arctan2(cy, cx)
+        whole = (least < -1e-9) | (length < 1e-9)
+        start = np.where(whole, -np.pi, turn.min(axis=1))
+        stop = np.where(whole, np.pi, turn.max(axis=1))
+        angle[at] = np.stack([middle + start, middle + stop], axis=-1)
+    return Rings(height, reach, angle)
+
+
+def frame(axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Two unit vectors (k, 3) each, square to unit axes (k, 3) and to one another, right-handed."""
+    other = np.where((np.abs(axis[:, 0]) < 0.6)[:, None], (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+    along = cross(other, axis)
+    along = along / np.sqrt(dot(along, along))[:, None]
+    return along, cross(axis, along)
+
+
+def swept_extent(moved: Placed, axis: np.ndarray, origin: np.ndarray, half: np.ndarray, direction: np.ndarray) -> np.ndarray:
+    """How far (k,) placed pieces reach along ``direction`` (k, 3) while they turn by up to ``half`` (k,) either way.
+
+    Exact for the corners: each runs along an arc.
+    """
+    assert moved.turn is not None and moved.shift is not None
+    found = np.empty(len(moved))
+    along = dot(axis, direction)
+    flat = direction - axis * along[:, None]
+    side = cross(flat, axis)
+    for at, corners in moved.pieces.classes(moved.piece):
+        local = turned(moved.turn[at], corners) + (moved.shift - origin)[at, None]
+        c, s = dot(local, flat[at, None]), np.abs(dot(local, side[at, None]))
+        w = half[at, None]
+        radius = np.sqrt(c * c + s * s)
+        reach = np.where(c >= radius * np.cos(w), radius, c * np.cos(w) + s * np.sin(w))
+        found[at] = (along[at, None] * dot(local, axis[at, None]) + reach).max(axis=1)
+    return found + dot(origin, direction)
