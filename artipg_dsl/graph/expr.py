@@ -343,15 +343,32 @@ def maximum(*args: Expr) -> Expr:
 def phi(parent: Scope, branches: Iterable[tuple[Scope, Expr]], default: Expr = ZERO) -> Expr:
     """In ``parent``, the value of whichever child has a row, else ``default`` (an expression of ``parent``).
 
-    Branches are ``(child guard scope, expression in it)``, whose rows exclude one another.
+    Branches are ``(child guard scope, expression in it)``, whose rows exclude one another; a scope further below is
+    merged step by step.
     """
-    branches = tuple(branches)
+    branches = nearest(parent, tuple(branches))
     if branches and all(value is branches[0][1] for _, value in branches):
         value = branches[0][1]
         if value.scope is None or parent.within(value.scope):
             if value is default or default is ZERO:
                 return value
     return _make("phi", (*(v for _, v in branches), default), tuple(s for s, _ in branches), parent)
+
+
+def nearest(parent: Scope, branches: tuple[tuple[Scope, Expr], ...]) -> tuple[tuple[Scope, Expr], ...]:
+    """Branches of children of ``parent`` out of branches of guard scopes anywhere below it."""
+    if all(scope.parent is parent for scope, _ in branches):
+        return branches
+    groups: dict[Scope, list[tuple[Scope, Expr]]] = {}
+    for scope, value in branches:
+        child = next(s for s in scope.ancestors() if s.parent is parent)
+        groups.setdefault(child, []).append((scope, value))
+    merged = []
+    for child, held in groups.items():
+        own = next((value for scope, value in held if scope is child), ZERO)
+        below = [(scope, value) for scope, value in held if scope is not child]
+        merged.append((child, phi(child, below, own) if below else own))
+    return tuple(merged)
 
 
 def reduce(kind: str, child: Scope, value: Expr) -> Expr:
