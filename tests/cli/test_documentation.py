@@ -45,6 +45,10 @@ def test_the_page_of_the_command_line_is_complete() -> None:
     subcommands = parser()._subparsers._group_actions[0].choices  # type: ignore[union-attr]
     assert all(f"`apgc {name}" in text for name in subcommands)
     assert all(f"`--emit {name}`" in text or f"`{name}`" in text for name in EMITS)
+    for name, command in subcommands.items():
+        for action in command._actions:
+            known = [option for option in action.option_strings if re.search(rf"(?<![\w-]){option}(?![\w-])", text)]
+            assert known or not action.option_strings or action.dest == "help", f"{name} {action.option_strings}"
 
 
 def test_the_first_category_samples() -> None:
