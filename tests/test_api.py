@@ -126,3 +126,21 @@ def test_grasps_and_keypoints_of_the_microwave() -> None:
     oven = apg.sample("Microwave", n=1, seed=7, set={"handle": "BarHandle"})
     assert set(oven.grasps(3).name) == {"pull_handle"} and len(oven.grasps(3).t) == 3
     assert "door_corner" in oven.keypoints().name
+
+
+def test_points_and_views_in_several_states(chests: apg.Samples, tmp_path: Path) -> None:
+    states = chests.joint_values("rest,random:2")
+    assert states.shape == (3, len(chests.rest())) and (states[0] == chests.rest()).all()
+    points = chests.points(16, states, motion=True)
+    assert points.position.shape == points.motion.shape == (12, 3, 16, 3)
+    views = chests.views(2, width=40, height=30, points=20, states=states, azimuth=(-20, 20))
+    assert views.images["depth"].shape == (12, 3, 2, 30, 40) and views.cloud["points"].shape == (12, 3, 2, 20, 3)
+    one = chests.object(7).views({"views": 2, "width": 40, "height": 30, "points": 20, "azimuth": [-20, 20]})
+    assert one.images["depth"][0].tobytes() == views.images["depth"][7, 0].tobytes()
+    for wrong in ({"n": 0}, {"n": "none.json"}, {"n": 2, "widht": 40}, {"n": 2, "fov": 0}):
+        with pytest.raises(UserError):
+            chests.views(**wrong)
+    folder = chests.object(3).to(tmp_path / "o", "points", points=16, states="open", motion=True, views=1)
+    with np.load(folder / "points-00000.npz") as arrays:
+        assert arrays["motion"].shape == (1, 1, 16, 3)
+    assert (folder / "views-00000.npz").exists()
