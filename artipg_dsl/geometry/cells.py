@@ -117,7 +117,9 @@ class Cells:
                 out[k][planar] += both * self.c[k][where]
         return out[0], out[1], out[2]
 
-    def bent_position(self, bent: Bent, cell: np.ndarray, u: np.ndarray, v: np.ndarray) -> tuple[Coordinates, Coordinates]:
+    def bent_position(
+        self, bent: Bent, cell: np.ndarray, u: np.ndarray, v: np.ndarray
+    ) -> tuple[Coordinates, Coordinates]:
         """Positions and outward normals at fractions of cells that all belong to ``bent``."""
         row, local, params = self.rows_asked(bent, cell)
         at, normal = Evaluator(bent.shelf.primitive, bent.patch, params).at(local, u, v)

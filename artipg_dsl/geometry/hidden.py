@@ -89,16 +89,23 @@ class Occlusion:
     def _near(self, near: np.ndarray, other: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Pairs of a flat cell and a row whose boxes meet, from pairs of rows."""
         rows, cells = self.rows, self.cells
-        count = np.bincount(cells.row, minlength=len(rows.owner))[near]
-        pair = np.repeat(np.arange(len(near)), count)
-        cell = runs(cells.first[near], count)
+        patches = np.bincount(cells.row, minlength=len(rows.owner))
         low, high = cells.bounds()
         slack = (_REACH * self.off)[cells.owner]
-        kept = ((cells.shape != BENT) & (cells.area > 0.0))[cell]
-        for axis in range(3):
-            kept &= (low[axis] - slack)[cell] <= rows.high[:, axis][other][pair]
-            kept &= (high[axis] + slack)[cell] >= rows.low[:, axis][other][pair]
-        return cell[kept], other[pair[kept]]
+        low, high = low - slack, high + slack
+        row_low, row_high = np.ascontiguousarray(rows.low.T), np.ascontiguousarray(rows.high.T)
+        asked = (cells.shape != BENT) & (cells.area > 0.0)
+        found = [(np.empty(0, np.int64), np.empty(0, np.int64))]
+        for start in range(0, len(near), _CHUNK // 2):
+            part = slice(start, start + _CHUNK // 2)
+            count = patches[near[part]]
+            cell, beside = runs(cells.first[near[part]], count), np.repeat(other[part], count)
+            kept = asked[cell]
+            for axis in range(3):
+                kept &= low[axis][cell] <= row_high[axis][beside]
+                kept &= high[axis][cell] >= row_low[axis][beside]
+            found.append((cell[kept], beside[kept]))
+        return np.concatenate([c for c, _ in found]), np.concatenate([o for _, o in found])
 
     def _flat_pairs(self, cell: np.ndarray, other: np.ndarray, group: np.ndarray) -> Pairs:
         rows, cells = self.rows, self.cells
