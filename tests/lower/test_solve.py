@@ -330,9 +330,11 @@ LID = """template Lid {
 }
 """
 
+SEATED = "  part lid : Lid(size = [w, w, 1cm])\n  connect lid.seat to body.top gap 1mm\n"
+
 
 def test_limit_narrows_a_motion() -> None:
-    batch = sampled(LID + category("  part lid : Lid(size = [w, w, 1cm])\n  connect lid.seat to body.top gap 1mm\n  limit lid.motion 5deg .. 120deg"))
+    batch = sampled(LID + category(SEATED + "  limit lid.motion 5deg .. 120deg"))
     joints = batch.joints()
     np.testing.assert_allclose(joints.low, np.radians(5.0))
     np.testing.assert_allclose(joints.high, np.radians(90.0))
@@ -342,7 +344,7 @@ def test_limit_narrows_a_motion() -> None:
 def test_clearance_is_checked_but_not_sampled() -> None:
     from artipg_dsl.diagnostics import CompileError
 
-    session = compiled(LID + category("  part lid : Lid(size = [w, w, 1cm])\n  connect lid.seat to body.top gap 1mm\n  limit lid.motion 0deg .. clearance"))
+    session = compiled(LID + category(SEATED + "  limit lid.motion 0deg .. clearance"))
     with pytest.raises(CompileError):
         _ = session.sampler
     (found,) = [d for d in session.report.diagnostics if d.severity == "error"]
