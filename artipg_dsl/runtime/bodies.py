@@ -6,7 +6,7 @@ of corners; a piece that moves is the piece at rest with a turn and a shift, or 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -44,6 +44,14 @@ class Pieces:
         """Some of the pieces; they share the corners."""
         columns = (self.kind, self.slot, self.low, self.high, self.owner, self.link, self.shape, self.done)
         return Pieces(self.corners, self.faces, *(column[rows] for column in columns))
+
+    def boxes(self) -> Pieces:
+        """The boxes of the pieces at rest in place of the pieces."""
+        ends = np.stack([self.low, self.high], axis=1)  # (N, 2, 3)
+        pick = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+        corners = np.stack([ends[:, pick[:, axis], axis] for axis in range(3)], axis=-1)
+        count = np.arange(len(self))
+        return replace(self, corners=[corners], kind=np.zeros(len(self), dtype=np.int64), slot=count)
 
     def ready(self, *chosen: np.ndarray) -> None:
         """Inset the pieces of some numbers (repeated ones too)."""

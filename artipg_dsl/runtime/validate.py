@@ -21,6 +21,7 @@ from .motion import apply, link_motion, product, rotation_about
 
 BLOCK = 20_000  # pieces at a time
 HALVINGS = 16  # of an interval of angles; what is not decided then is nearer than a turn by 0.005 degrees
+COARSE = 12  # halvings for which boxes stand for the pieces
 SHARES = np.unique(np.concatenate([[0.002, 0.005, 0.01, 0.02, 0.035], np.linspace(0.0, 1.0, 41), [0.98, 0.995]]))
 TURNING = ("revolute", "continuous", "screw")
 
@@ -246,8 +247,7 @@ def _turning(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> 
     rest = tree.joints.rest[joint[i]]
     at, start, stop = _angles(own.angle[i], other.angle[back], tree.low[joint[i]] - rest, tree.high[joint[i]] - rest)
     i, j = i[at], j[at]
-    body.ready(piece[i], j)
-    hit, value = _decide(body, piece[i], j, axis[i], origin[i], start, stop)
+    hit, value = _decide(body, Turns(piece[i], j, axis[i], origin[i], start, stop, np.arange(len(i))))
     i, j = i[hit], j[hit]
     return Hits(body.link[piece[i]], body.link[j], joint[i], value + tree.joints.rest[joint[i]]).rows()
 
@@ -269,26 +269,58 @@ def _angles(own: np.ndarray, other: np.ndarray, low: np.ndarray, high: np.ndarra
     return found[order], np.concatenate(starts)[order], np.concatenate(stops)[order]
 
 
-def _decide(body: Pieces, piece: np.ndarray, other: np.ndarray, axis: np.ndarray, origin: np.ndarray, start: np.ndarray, stop: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Which pieces meet others while they turn from ``start`` to ``stop``, and an angle at which they do."""
-    hits, values = [np.zeros(0, dtype=np.int64)], [np.zeros(0)]
-    row = np.arange(len(piece))
-    for _ in range(HALVINGS):
-        if not len(row):
-            break
-        middle, half = (start + stop) / 2, (stop - start) / 2
-        turn = rotation_about(axis[row], middle)
-        moved = Placed(body, piece[row], turn, origin[row] - apply(turn, origin[row]))
-        still = Placed(body, other[row])
+@dataclass(slots=True, eq=False)
+class Turns:
+    """Pieces ``piece`` (k,) that turn about axes by ``start`` to ``stop`` beside others that stay."""
+
+    piece: np.ndarray
+    other: np.ndarray
+    axis: np.ndarray
+    origin: np.ndarray
+    start: np.ndarray
+    stop: np.ndarray
+    row: np.ndarray  # what it is a part of
+
+    def at(self, rows: np.ndarray) -> Turns:
+        return Turns(*(getattr(self, name)[rows] for name in self.__slots__))
+
+    def halved(self) -> Turns:
+        rows, count = np.tile(np.arange(len(self.row)), 2), len(self.row)
+        middle, found = (self.start + self.stop) / 2, self.at(rows)
+        found.stop[:count], found.start[count:] = middle, middle
+        return found
+
+    def examined(self, body: Pieces) -> tuple[np.ndarray, np.ndarray]:
+        """Which meet in the middle, and which are proved to stay apart."""
+        middle, half = (self.start + self.stop) / 2, (self.stop - self.start) / 2
+        turn = rotation_about(self.axis, middle)
+        moved = Placed(body, self.piece, turn, self.origin - apply(turn, self.origin))
+        still = Placed(body, self.other)
         hit, away = examine(moved, still)
-        hits.append(row[hit])
-        values.append(middle[hit])
         # moved lies beyond still along ``away``: does it while it turns by half the interval either way?
-        least = -swept_extent(moved, axis[row], origin[row], np.minimum(half, np.pi), -away)
-        most = dot(still.support(np.arange(len(row)), away), away)
-        go = ~hit & ~(least >= most)
-        row, start, middle, stop = row[go], start[go], middle[go], stop[go]
-        row, start, stop = np.concatenate([row, row]), np.concatenate([start, middle]), np.concatenate([middle, stop])
+        least = -swept_extent(moved, self.axis, self.origin, np.minimum(half, np.pi), -away)
+        most = dot(still.support(np.arange(len(self.row)), away), away)
+        return hit, ~hit & (least >= most)
+
+
+def _decide(body: Pieces, turns: Turns) -> tuple[np.ndarray, np.ndarray]:
+    """Rows that meet while they turn, and an angle at which they do."""
+    boxes, open_ones = body.boxes(), []
+    for _ in range(COARSE):  # the boxes alone tell most pairs apart
+        hit, apart = turns.examined(boxes)
+        open_ones.append(turns.at(np.flatnonzero(hit)))
+        turns = turns.at(np.flatnonzero(~hit & ~apart)).halved()
+    left = [turns, *open_ones]
+    turns = Turns(*(np.concatenate([getattr(part, name) for part in left]) for name in Turns.__slots__))
+    body.ready(turns.piece, turns.other)
+    hits, values = [np.zeros(0, dtype=np.int64)], [np.zeros(0)]
+    for _ in range(HALVINGS):
+        if not len(turns.row):
+            break
+        hit, apart = turns.examined(body)
+        hits.append(turns.row[hit])
+        values.append(((turns.start + turns.stop) / 2)[hit])
+        turns = turns.at(np.flatnonzero(~hit & ~apart)).halved()
     return np.concatenate(hits), np.concatenate(values)
 
 
