@@ -113,7 +113,7 @@ def _joints(batch: Batch) -> list[list[dict[str, Any]]]:
     limits = [None if a is None or b is None else [a, b] for a, b in zip(low, high, strict=True)]
     leader = _names(joints, n, joints.owner, joints.mimic)
     follow = zip(leader, tidy(joints.multiplier), tidy(joints.offset), strict=True)
-    columns = {
+    columns: dict[str, list[Any]] = {
         "name": list(joints.name),
         "type": list(joints.kind),
         "parent": parent,
@@ -179,7 +179,7 @@ def _parts(batch: Batch) -> list[list[dict[str, Any]]]:
 
 def _grasps(batch: Batch) -> list[list[dict[str, Any]]]:
     grasps, links, n = sample_grasps(batch), batch.links(), len(batch)
-    columns = {
+    columns: dict[str, list[Any]] = {
         "name": list(grasps.name),
         "link": _names(links, n, grasps.owner, grasps.link),
         "t": tidy(grasps.t),
@@ -204,7 +204,7 @@ def _places(batch: Batch, keypoints: KeypointTable, states: np.ndarray | None) -
 
 def _keypoints(batch: Batch) -> list[list[dict[str, Any]]]:
     keypoints, links, n = sample_keypoints(batch), batch.links(), len(batch)
-    columns = {
+    columns: dict[str, list[Any]] = {
         "name": list(keypoints.name),
         "link": _names(links, n, keypoints.owner, keypoints.link),
         **_places(batch, keypoints, None),

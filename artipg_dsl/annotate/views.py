@@ -55,7 +55,7 @@ def make_views(
     step = min(max(1, PIXELS // pixels), 16)
     for first in range(0, len(batch), step):
         made.fill(first, min(first + step, len(batch)))
-    return made.views(np.ndim(states) == 2)
+    return made.views(states is not None and np.ndim(states) == 2)
 
 
 def cameras_pixels(cameras: Cameras) -> int:
@@ -67,7 +67,8 @@ class _Views:
 
     def __init__(self, batch: Batch, cameras: Cameras, states: np.ndarray | None, engine: str):
         self.batch, self.cameras, self.caster = batch, cameras, ENGINES[engine]
-        self.poses = [batch.pose(one) for one in (states if np.ndim(states) == 2 else [states])]  # type: ignore
+        several = states is not None and np.ndim(states) == 2
+        self.poses = [batch.pose(one) for one in (np.asarray(states) if several else [states])]
         self.each = len(self.poses)
         shots, pixels, k = len(batch) * self.each * cameras.count, cameras.width * cameras.height, cameras.points
         self.turn, self.eye = np.zeros((shots, 3, 3)), np.zeros((shots, 3))
@@ -192,7 +193,7 @@ class _Shot:
                 "turn the camera towards the object, or bring it nearer",
             )
         if len(at) >= c.points:
-            self.chosen = np.sort(self._shuffled(len(at), 0)[: c.points])
+            self.chosen = self._some(c.points, len(at), 0)
         else:
             more = self._between(c.points - len(at))
             triangle, weights = np.concatenate([triangle, more[0]]), np.concatenate([weights, more[1]])
@@ -226,10 +227,10 @@ class _Shot:
         at = np.flatnonzero(found >= 0)
         return found[at], intersect(self._local(found[at]), grid.directions()[at]), at
 
-    def _shuffled(self, count: int, lane: int) -> np.ndarray:
-        """0 .. count - 1 in random order."""
-        share = random.uniform(*self.draw, np.arange(count), lane)
-        return np.argsort(share, kind="stable")
+    def _some(self, count: int, of: int, attempt: int) -> np.ndarray:
+        """``count`` of the numbers 0 .. ``of`` - 1 at random, ascending."""
+        share = random.uniform(*self.draw, np.arange(of), attempt)
+        return np.sort(np.argpartition(share, count - 1)[:count])
 
     def _between(self, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """``count`` more hits of rays through the pixels that show the object: triangles, weights, pixels."""
@@ -253,6 +254,6 @@ class _Shot:
             pixel = (low[1] + j // fine) * width + low[0] + i // fine
             kept = np.flatnonzero(visible[pixel])
             if len(kept) >= count:
-                kept = kept[np.sort(self._shuffled(len(kept), 2)[:count])]
+                kept = kept[self._some(count, len(kept), 2)]
                 return triangle[kept], weights[kept], pixel[kept]
             fine *= 2

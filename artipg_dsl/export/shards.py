@@ -25,7 +25,7 @@ def point_arrays(batch: Batch, n_points: int, states: States = REST, motion: boo
     """The arrays of a points shard, by name: those of ``meanings``, then one per label."""
     values = None if states.only_rest else joint_values(batch, states)
     points = sample_points(batch, n_points, values, motion=motion)
-    arrays = {
+    arrays: dict[str, np.ndarray] = {
         "object": np.asarray(batch.numbers, dtype=np.int64),
         "points": points.position.astype(np.float32),
         "normals": points.normal.astype(np.float32),

@@ -6,6 +6,7 @@ so that the two agree to the last digits wherever they name the same one.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Protocol
@@ -96,7 +97,7 @@ def _amid(triangles: np.ndarray, eye: np.ndarray) -> bool:
     return bool(len(corners)) and bool(((eye >= corners.min(axis=0)) & (eye <= corners.max(axis=0))).all())
 
 
-ENGINES = {"embree": Embree, "numpy": Raster}
+ENGINES: dict[str, Callable[[np.ndarray], Caster]] = {"embree": Embree, "numpy": Raster}
 
 
 @lru_cache(maxsize=1)
