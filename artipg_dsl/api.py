@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from html import escape
 from pathlib import Path
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from .annotate.cloud import Points
     from .annotate.grasps import GraspTable, KeypointTable
     from .annotate.views import Views
+    from .runtime.mutate import Change
     from .runtime.tables import JointTable, LinkTable, PartTable
 
 PICTURED = 8  # objects on the picture in a notebook
@@ -118,6 +120,41 @@ class Samples:
     def object(self, number: int) -> Object:
         """The object of a number, the same whether it is among these or not."""
         return Object(self.job, _numbers(None, [number]))
+
+    # ------------------------------------------------------------ mutation
+
+    def mutate(
+        self,
+        operations: str | Iterable[str] = "apa,dpa,cpa",
+        *,
+        variant: int = 0,
+        strength: float = 1.0,
+        share: float = 0.5,
+        only: str = "*",
+    ) -> Samples:
+        """New objects from these, one of each: templates swapped (apa), counts changed (dpa), parameters perturbed (cpa).
+
+        What is not changed on purpose keeps its value as far as it still fits. Another ``variant`` makes others;
+        ``only`` is a pattern of names (``handle*``), ``share`` how many of the eligible templates and counts change,
+        ``strength`` scales the steps of cpa. Raises NoObject, UsageError.
+        """
+        from .runtime.mutate import OPERATIONS, Mutation
+
+        wanted = [o.strip() for o in operations.split(",")] if isinstance(operations, str) else list(operations)
+        unknown = [o for o in wanted if o not in OPERATIONS]
+        if unknown:
+            raise UsageError(f"there is no operation `{unknown[0]}`", f"the operations are {', '.join(OPERATIONS)}")
+        step = Mutation(tuple(wanted), variant, strength, share, only)
+        return Samples(self.job.mutated(step), self.numbers)
+
+    def changes(self, number: int) -> list[Change]:
+        """What the object of a number differs in from the one it was made from; nothing for one that was drawn."""
+        from .runtime.mutate import changes
+
+        if not self.job.mutations:
+            return []
+        before = replace(self.job, mutations=self.job.mutations[:-1]).batch([number])
+        return changes(before, self.job.batch([number]), 0)
 
     # ------------------------------------------------------------ tables
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +12,7 @@ import numpy as np
 
 from .errors import NoObject, UserError
 from .graph.text import TextError, digest, from_text, to_text
+from .runtime.mutate import Mutation, mutate
 from .runtime.sample import ATTEMPTS, Exhausted, Sampler, Statistics
 from .settings import Settings, Value, resolve
 
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from .runtime.batch import Batch
 
 COMPILED = ".apgc"
+MUTATIONS = "mutations"  # among the settings of a manifest; no parameter is called so
 
 
 @dataclass(slots=True)
@@ -34,15 +36,28 @@ class Job:
     settings: Settings = field(default_factory=dict)
     given: dict[int, float] = field(default_factory=dict)
     statistics: Statistics = field(default_factory=Statistics)
+    mutations: tuple[Mutation, ...] = ()
 
     def batch(self, numbers: Sequence[int] | np.ndarray) -> Batch:
-        """The objects of the given numbers. Raises NoObject."""
+        """The objects of the given numbers, or what the mutations make of them. Raises NoObject."""
         try:
-            return self.sampler.batch(
+            made = self.sampler.batch(
                 np.asarray(numbers, dtype=np.int64), self.seed, given=self.given, statistics=self.statistics
             )
+            for step in self.mutations:
+                made = mutate(self.sampler, made, **step.plain(), statistics=self.statistics)
+            return made
         except Exhausted as error:
             raise self.exhausted(error) from None
+
+    def mutated(self, step: Mutation) -> Job:
+        """The job of the mutants of this one's objects."""
+        return replace(self, mutations=(*self.mutations, step), statistics=Statistics())
+
+    def recorded(self) -> dict[str, Any]:
+        """What was set and what was done to the objects, as the manifest keeps it."""
+        steps = [step.plain() for step in self.mutations]
+        return {**self.settings, **({MUTATIONS: steps} if steps else {})}
 
     def exhausted(self, error: Exhausted) -> NoObject:
         """What the requirements leave nothing of, and which of them are to blame."""
@@ -90,7 +105,7 @@ class Job:
 
         return write_dataset(
             self.sampler.program, self.batch, out, seed=self.seed, numbers=numbers, formats=formats,
-            content=content or STANDARD, settings=dict(self.settings), source=relative(self.source, out), part=part,
+            content=content or STANDARD, settings=self.recorded(), source=relative(self.source, out), part=part,
             force=force, progress=progress,
             counts=self.counts,
         )  # fmt: skip
@@ -167,7 +182,11 @@ def reopen(folder: Path | str) -> tuple[Job, np.ndarray]:
     source = str(manifest.get("source") or manifest["category"])
     if (folder / source).is_file():  # a program of the user's, found from the folder
         source = str(folder / source)
-    job = open_job(source, identity["seed"], identity["settings"])
+    settings = dict(identity["settings"])
+    steps = settings.pop(MUTATIONS, [])
+    job = open_job(source, identity["seed"], settings)
+    for step in steps:
+        job = job.mutated(Mutation(**{**step, "operations": tuple(step["operations"])}))
     if job.sampler.program.hash != identity["program"]:
         raise UserError(
             f"the program {source} has changed since the samples in {folder} were made",

@@ -64,6 +64,10 @@ def parser() -> argparse.ArgumentParser:
     )
     sample.add_argument("--motion", action="store_true", help="the velocity of each point by its own joint, too")
     sample.add_argument("--views", metavar="N|FILE", help="partial views: how many, or a file that describes the cameras")
+    sample.add_argument(
+        "--mutate", metavar="LIST", help="make mutants of the objects: apa (templates), dpa (counts), cpa (parameters)"
+    )
+    sample.add_argument("--variant", type=whole, default=0, metavar="K", help="another mutant of each (default: 0)")
     sample.add_argument("--stats", action="store_true", help="tell how many first attempts were valid, and what failed")
     sample.add_argument("--force", action="store_true", help="replace samples made with other options")
     sample.add_argument(

@@ -17,6 +17,7 @@ from .report import say
 if TYPE_CHECKING:
     from ..export.content import Content
     from ..job import Job
+    from ..runtime.mutate import Mutation
 
 
 def chosen(options: argparse.Namespace) -> np.ndarray:
@@ -43,6 +44,17 @@ def held(options: argparse.Namespace) -> Content:
     return Content(options.points, read_states(options.states), options.motion, cameras)
 
 
+def mutation(options: argparse.Namespace) -> Mutation:
+    """The mutation asked for. Raises UsageError."""
+    from ..runtime.mutate import OPERATIONS, Mutation
+
+    wanted = tuple(name.strip() for name in options.mutate.split(","))
+    unknown = [name for name in wanted if name not in OPERATIONS]
+    if unknown:
+        raise UsageError(f"there is no operation `{unknown[0]}`", f"the operations are {', '.join(OPERATIONS)}")
+    return Mutation(wanted, options.variant)
+
+
 def run(options: argparse.Namespace) -> int:
     from ..export.registry import choose
     from ..export.write import ExportError
@@ -59,6 +71,8 @@ def run(options: argparse.Namespace) -> int:
         raise UsageError("--motion is about points, which are not among the formats", "add points to --format")
     in_the_way(Path(options.out))
     job = open_job(options.program, options.seed or 0, settings)
+    if options.mutate:
+        job = job.mutated(mutation(options))
     numbers = chosen(options)
     with Progress(job.sampler.program.name) as progress:
         progress(0, len(numbers))

@@ -43,7 +43,7 @@ def to_module(program, version: str) -> str:  # noqa: ANN001 - graph.program.Pro
     environment = Environment(loader=PackageLoader("artipg_dsl.runtime"), keep_trailing_newline=True, autoescape=False)
     return environment.get_template("module.py.j2").render(
         program=program, version=version, hash=digest(program), plan=plan, scopes=plan.scopes, sites=sites, joints=joints,
-        random=body(random), kernels=body(kernels), attempts=ATTEMPTS,
+        random=body(random), kernels=body(kernels), attempts=ATTEMPTS, about=spoken(program.doc),
     )  # fmt: skip
 
 
@@ -54,6 +54,11 @@ def indices(plan: Plan, exprs, scope: Scope) -> tuple:  # noqa: ANN001 - any seq
 
 def limit(plan: Plan, expr: Expr | None, scope: Scope):  # noqa: ANN201
     return None if expr is None else indices(plan, (expr,), scope)[0]
+
+
+def spoken(text: str) -> str:
+    """A text that can stand in a docstring, whatever is in it."""
+    return text.replace("\\", "\\\\").replace('"', "'")
 
 
 def body(module: ModuleType) -> str:

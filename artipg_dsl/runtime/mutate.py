@@ -8,7 +8,7 @@ conditional range, determined parameters follow, and what no longer fits is move
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from fnmatch import fnmatch
 from typing import Any
 
@@ -24,6 +24,20 @@ from .sample import ATTEMPTS, Exhausted, Sampler, Statistics
 OPERATIONS = ("apa", "dpa", "cpa")
 PATIENCE = 6  # attempts before what is kept may give way, a little more with each further one
 SHARE = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Mutation:
+    """One step of making new objects from old ones: the arguments of ``mutate``."""
+
+    operations: tuple[str, ...] = OPERATIONS
+    variant: int = 0
+    strength: float = 1.0
+    share: float = SHARE
+    only: str = "*"
+
+    def plain(self) -> dict[str, Any]:
+        return {**asdict(self), "operations": list(self.operations)}
 
 
 @dataclass(frozen=True, slots=True)
