@@ -23,7 +23,7 @@ VERSION = 1
 def describe(batch: Batch, states: np.ndarray | None = None) -> list[dict[str, Any]]:
     """One annotation per object of the batch, keys in a fixed order. Everything is as at rest.
 
-    With joint values ``states`` (K, J) there is one key more, ``states``: a list with what is elsewhere in each of them.
+    With joint values ``states`` (K, J) there is one key more, ``states``: what is elsewhere in each of them.
 
     Lengths in metres, angles in radians, the object's frame (x front, y left, z up), quaternions w x y z.
     """

@@ -60,7 +60,7 @@ def back_projected(views: Views, i: int, v: int) -> tuple[np.ndarray, np.ndarray
 
 
 def depth_within(batch: Batch, i: int, points: np.ndarray) -> np.ndarray:
-    """The smallest inside function of the primitives of object ``i`` at points (n, 3): 0 on the surface of the union."""
+    """The smallest inside function of the primitives of object ``i`` at points (n, 3): 0 on the union's surface."""
     least = np.full(len(points), np.inf)
     for table in batch.sites():
         for row in np.flatnonzero(table.owner == i):
@@ -140,7 +140,8 @@ def test_part_coordinates_lead_back_to_the_points(batch: Batch) -> None:
 
 def test_clouds_lie_at_their_pixels_in_both_frames(views: Views) -> None:
     count, height, width = CAMERAS.count, CAMERAS.height, CAMERAS.width
-    assert views.cloud["points"].shape == (5, count, 1500, 3) and views.images["depth"].shape == (5, count, height, width)
+    assert views.cloud["points"].shape == (5, count, 1500, 3)
+    assert views.images["depth"].shape == (5, count, height, width)
     for i in range(5):
         for v in range(count):
             cloud = {name: values[i, v] for name, values in views.cloud.items()}
@@ -227,7 +228,8 @@ def test_casters_name_the_same_triangles_from_any_place() -> None:
         local = rays.turned(turn, corner[a[hit]] - eye)
         weights = rays.intersect(local, grid.directions()[hit])
         place = (weights[..., None] * local).sum(axis=1)
-        assert (weights >= 0).all() and place[:, :2] / place[:, 2:] == pytest.approx(grid.directions()[hit, :2], abs=1e-5)
+        assert (weights >= 0).all()
+        assert place[:, :2] / place[:, 2:] == pytest.approx(grid.directions()[hit, :2], abs=1e-5)
 
 
 def test_bands_of_a_picture_do_not_show(monkeypatch: pytest.MonkeyPatch, batch: Batch) -> None:
@@ -265,8 +267,7 @@ def test_default_cameras_stand_in_front_and_see_all(batch: Batch) -> None:
     assert (eye[..., 0] > 0).all() and (eye[..., 2] > 0).all()
     there = seen(views)
     assert there.any(axis=(2, 3)).all()
-    border = np.concatenate([there[..., 0, :], there[..., -1, :]], -1), np.concatenate([there[..., 0], there[..., -1]], -1)
-    assert not border[0].any() and not border[1].any()
+    assert not there[..., [0, -1], :].any() and not there[..., [0, -1]].any()
 
 
 def test_a_camera_that_sees_nothing_is_an_error_in_words(batch: Batch) -> None:
@@ -316,7 +317,8 @@ def test_a_number_of_views_or_a_file(tmp_path: Path) -> None:
     path.write_text(json.dumps({"views": 2, "azimuth": 30, "distance": [1, 2]}))
     cameras = read_cameras(str(path))
     assert (cameras.count, cameras.azimuth, cameras.distance) == (2, (30.0, 30.0), (1.0, 2.0))
-    for text, message in (("0", "`views` is 0"), ("-2", "`views` is -2"), ("99999", "99999"), ("no.json", "no camera file")):
+    wrong = {"0": "`views` is 0", "-2": "`views` is -2", "99999": "99999", "no.json": "no camera file"}
+    for text, message in wrong.items():
         with pytest.raises(UsageError, match=message):
             read_cameras(text)
     (tmp_path / "b.json").write_bytes(b"\xff\xfe\x00")
