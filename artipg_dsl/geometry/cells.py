@@ -17,6 +17,7 @@ from .patches import Params, existing, surfaces
 from .surface import Evaluator
 from .topology import orientation
 
+_CHUNK = 8192  # cells at a time: their arrays stay in the cache
 Coordinates = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
@@ -53,10 +54,12 @@ class Cells:
         self.shape = np.full(size, BENT, dtype=np.int8)
         self.origin, self.a, self.b, self.c, self.normal = (np.zeros((3, size)) for _ in range(5))
         self.element = np.zeros((3, size))  # of a flat cell at (0, 0), and its growth along u and along v
+        self.area = np.empty(size)
         self.exists = np.ones(size, dtype=bool)
         for shelf in rows.shelves:
             self._place_flat(shelf)
-        self._complete_flat()
+        for start in range(0, size, _CHUNK):
+            self._complete_flat(slice(start, start + _CHUNK))
         self.bent = [b for shelf in rows.shelves for b in self._bent(shelf)]
 
     def _place_flat(self, shelf: Shelf) -> None:
@@ -79,24 +82,26 @@ class Cells:
             here = self.first[part, None] + np.arange(len(surfaces(shelf.primitive)))
             self.exists[here] = existing(shelf.primitive, shelf.params)
 
-    def _complete_flat(self) -> None:
-        """Normals and areas of the flat cells from their quads."""
-        a, b, c, sign = self.a, self.b, self.c, self.normal[0]
-        planar = np.flatnonzero(self.shape == PLANAR)
-        cross = _cross(a, b)
-        along_u, along_v = _cross(a[:, planar], c[:, planar]), _cross(c[:, planar], b[:, planar])
-        middle = [x.copy() for x in cross]
+    def _complete_flat(self, part: slice) -> None:
+        """Normals and areas of some cells, as far as they are flat, from their quads."""
+        a, b, sign = self.a[:, part], self.b[:, part], self.normal[0, part].copy()
+        element = self.element[:, part]
+        planar = np.flatnonzero(self.shape[part] == PLANAR)
+        middle = _cross(a, b)
+        bend = self.c[:, part][:, planar]
+        along_u, along_v = _cross(a[:, planar], bend), _cross(bend, b[:, planar])
         for axis in range(3):
             middle[axis][planar] += along_u[axis] / 2 + along_v[axis] / 2
         length = np.sqrt(middle[0] * middle[0] + middle[1] * middle[1] + middle[2] * middle[2])
         unit = 1.0 / np.where(length > 0.0, length, 1.0)
-        normal = np.stack([m * unit for m in middle])
-        self.element[0] = length
+        normal = [m * unit for m in middle]
+        element[0] = length
         for k, growth in ((1, along_u), (2, along_v)):
-            self.element[k, planar] = sum(g * n for g, n in zip(growth, normal[:, planar], strict=True))
-        self.element[0, planar] -= self.element[1, planar] / 2 + self.element[2, planar] / 2
-        self.area = np.where(self.exists, length, 0.0)
-        self.normal = normal * sign
+            element[k, planar] = sum(g * n[planar] for g, n in zip(growth, normal, strict=True))
+        element[0, planar] -= element[1, planar] / 2 + element[2, planar] / 2
+        self.area[part] = np.where(self.exists[part], length, 0.0)
+        for axis in range(3):
+            self.normal[axis, part] = normal[axis] * sign
 
     def _bent(self, shelf: Shelf) -> list[Bent]:
         chosen = np.flatnonzero(shapes(shelf.primitive) == BENT).tolist()

@@ -24,6 +24,7 @@ OFF = 1e-6  # how far off its surface a point is asked, relative to the largest 
 _ABOUT = 1.5  # a coincident surface lies within this many times that distance of the point asked
 _REACH = 1.6  # boxes are wider by this many times that distance
 _LOOSE = 1e-9  # rectangles are wider by this fraction
+_SIGNS = np.uint32(0x80008000)
 _CHUNK = 4096  # pairs of cells and rows at a time: their arrays stay in the cache
 _PAIRS = 1_000_000  # pairs of rows, or of a point and a row, looked at together
 
@@ -39,6 +40,14 @@ def scales(rows: Block) -> np.ndarray:
     out = np.zeros(rows.objects)
     np.maximum.at(out, rows.owner, rows.diagonal)
     return OFF * out
+
+
+def packed(u: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """(m,) uint32: two fractions rounded down to 15 bits each, a nought above either.
+
+    With ``x - low`` and ``high - x`` of packed numbers a bit of ``_SIGNS`` tells that one of the two is out of bounds.
+    """
+    return ((u * 32767.0).astype(np.uint32) << np.uint32(16)) | (v * 32767.0).astype(np.uint32)
 
 
 def runs(start: np.ndarray, count: np.ndarray) -> np.ndarray:
@@ -60,6 +69,8 @@ class Pairs:
     quad: np.ndarray
     step: np.ndarray
     within: np.ndarray
+    least: np.ndarray  # (P,) uint32: the low ends of ``within``, packed
+    most: np.ndarray  # (P,) the high ends
     planar: np.ndarray  # (P,) bool: c is not nought
     lower: np.ndarray  # (P,) bool: coincident surfaces belong to the row, not to the cell
     edges: np.ndarray
@@ -117,7 +128,8 @@ class Occlusion:
         count = len(cell)
         pairs = Pairs(
             cell, other, np.empty((4, 3, count)), np.empty((3, count)), np.empty((4, count)),
-            cells.shape[cell] == PLANAR, rows.rank[other] < rows.rank[cells.row[cell]], edges,
+            np.empty(count, np.uint32), np.empty(count, np.uint32), cells.shape[cell] == PLANAR,
+            rows.rank[other] < rows.rank[cells.row[cell]], edges,
         )  # fmt: skip
         for start in range(0, count, _CHUNK):
             self._carry_over(pairs, slice(start, start + _CHUNK))
@@ -152,6 +164,8 @@ class Occlusion:
             self._narrow(quad[:, axis], self.low[axis][other] - reach, self.high[axis][other] + reach, within)
         np.minimum(within[0::2], 2.0, out=within[0::2])
         np.maximum(within[1::2], -1.0, out=within[1::2])
+        low, high = np.clip(within[0::2], 0.0, 1.0), np.clip(within[1::2], 0.0, 1.0)
+        pairs.least[part], pairs.most[part] = packed(low[0], low[1]), packed(high[0], high[1])
 
     @staticmethod
     def _narrow(quad: np.ndarray, low: np.ndarray, high: np.ndarray, within: np.ndarray) -> None:
@@ -222,7 +236,7 @@ class Occlusion:
         Points are sorted by cell: cell ``first + i`` has ``count[i]`` of them from ``start[i]`` on.
         """
         pairs, shelves = self.pairs, len(self.rows.shelves)
-        out = np.zeros(len(u), dtype=bool)
+        out, spots = np.zeros(len(u), dtype=bool), packed(u, v)
         begin, end = int(pairs.edges[group * shelves]), int(pairs.edges[(group + 1) * shelves])
         at = pairs.cell[begin:end] - first
         asked = begin + np.flatnonzero(count[at])
@@ -231,22 +245,22 @@ class Occlusion:
         for part in np.split(asked, cuts):
             if len(part):
                 at = pairs.cell[part] - first
-                self._ask(group, part, start[at], count[at], u, v, out)
+                self._ask(group, part, start[at], count[at], u, v, spots, out)
         return out
 
-    def _ask(self, group: int, asked: np.ndarray, start: np.ndarray, count: np.ndarray, u, v, out: np.ndarray) -> None:
+    def _ask(
+        self, group: int, asked: np.ndarray, start: np.ndarray, count: np.ndarray, u, v, spots: np.ndarray, out: np.ndarray
+    ) -> None:
         """Enter into ``out`` the points that pairs ``asked`` (ascending) hide; each has a run of points."""
         pairs, shelves = self.pairs, len(self.rows.shelves)
         point = runs(start, count)
-        across, along = u[point], v[point]
-        kept = np.repeat(pairs.within[0][asked], count) <= across
-        kept &= np.repeat(pairs.within[1][asked], count) >= across
-        kept &= np.repeat(pairs.within[2][asked], count) <= along
-        kept &= np.repeat(pairs.within[3][asked], count) >= along
+        spot = spots[point]
+        beyond = (spot - np.repeat(pairs.least[asked], count)) | (np.repeat(pairs.most[asked], count) - spot)
+        kept = (beyond & _SIGNS) == 0
         found = np.flatnonzero(kept)
         if not len(found):
             return
-        pair, point, across, along = np.repeat(asked, count)[found], point[found], across[found], along[found]
+        pair, point, across, along = np.repeat(asked, count)[found], point[found], u[point[found]], v[point[found]]
         origin, a, b, c = pairs.quad
         local = [origin[k][pair] + across * a[k][pair] + along * b[k][pair] for k in range(3)]
         planar = np.flatnonzero(pairs.planar[pair])
