@@ -66,18 +66,23 @@ class Cells:
         """Quads of one shelf, turned into the frames of the objects."""
         numbers, own = quads(shelf.primitive, shelf.params)
         flat = np.array(numbers, dtype=np.int64)
+        kinds, sign = shapes(shelf.primitive)[flat], orientation(shelf.primitive)[flat]
+        step = max(1, _CHUNK // (4 * max(1, len(flat))))
+        for start in range(shelf.start, shelf.stop, step):
+            part = slice(start, min(start + step, shelf.stop))
+            mine = own[:, :, start - shelf.start : part.stop - shelf.start]
+            cell = (self.first[part, None] + flat).ravel()
+            self.shape[cell] = np.tile(kinds, part.stop - start)
+            rotation, translation, mirror = (p[..., part, None] for p in self.poses)
+            y = mine[:, 1] * mirror
+            for axis in range(3):
+                p, q, r = rotation[3 * axis], rotation[3 * axis + 1], rotation[3 * axis + 2]
+                placed = p * mine[:, 0] + q * y + r * mine[:, 2]
+                self.origin[axis, cell] = (placed[0] + translation[axis]).ravel()
+                for k, into in ((1, self.a), (2, self.b), (3, self.c)):
+                    into[axis, cell] = placed[k].ravel()
+            self.normal[0, cell] = (mirror * sign).ravel()
         part = slice(shelf.start, shelf.stop)
-        cell = (self.first[part, None] + flat).ravel()
-        self.shape[cell] = np.tile(shapes(shelf.primitive)[flat], shelf.stop - shelf.start)
-        rotation, translation, mirror = (p[..., part, None] for p in self.poses)
-        y = own[:, 1] * mirror
-        for axis in range(3):
-            p, q, r = rotation[3 * axis], rotation[3 * axis + 1], rotation[3 * axis + 2]
-            placed = p * own[:, 0] + q * y + r * own[:, 2]
-            self.origin[axis, cell] = (placed[0] + translation[axis]).ravel()
-            self.a[axis, cell], self.b[axis, cell], self.c[axis, cell] = (placed[k].ravel() for k in (1, 2, 3))
-        sign = mirror * orientation(shelf.primitive)[flat]
-        self.normal[0, cell] = sign.ravel()
         if any(s.guard is not None for s in surfaces(shelf.primitive)):
             here = self.first[part, None] + np.arange(len(surfaces(shelf.primitive)))
             self.exists[here] = existing(shelf.primitive, shelf.params)

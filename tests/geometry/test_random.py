@@ -53,3 +53,12 @@ def test_child_addresses_do_not_meet():
     every = np.concatenate([parents.ravel(), children.ravel(), grand.ravel()])
     assert len(np.unique(every)) == len(every)
     assert random.mix(np.uint64(5), 3) == children[5, 3]
+
+
+def test_coarse_pairs_are_the_coarse_pair_of_each_lane():
+    key, address, count = random.key(3, "coarse"), np.array([5, 2**40, 9], dtype=np.uint64), np.array([6, 0, 10])
+    u, v = random.coarse_pairs(key, address, count, 2)
+    lane = np.concatenate([np.arange(6), np.arange(10)])
+    one = random.coarse_pair(key, np.repeat(address, count), lane, 2)
+    assert np.array_equal(u, one[0]) and np.array_equal(v, one[1])
+    assert len(np.unique(np.concatenate([u, v]))) == 32 and 0 < min(u.min(), v.min()) and max(u.max(), v.max()) < 1
