@@ -37,21 +37,25 @@ def sample(
     *,
     numbers: Sequence[int] | np.ndarray | None = None,
     set: Mapping[str, Value] | None = None,
+    checked: bool = True,
 ) -> Samples:
     """Objects of a category, by the name of a shipped one or by file.
 
     ``n`` objects, 0 .. n - 1 (default 1), or those of the given ``numbers``: a number stands for the same object in
     any set of one seed. ``set`` fixes parameters: text with a unit, ``{"width": "45cm", "handle": "none"}``, or
-    numbers in metres and radians. Raises CompileError, SettingError, NoObject.
+    numbers in metres and radians. Objects whose links collide, at rest or while a joint moves, are drawn again unless
+    ``checked`` is false. Raises CompileError, SettingError, NoObject.
     """
     wanted = _numbers(n, numbers)
-    return Samples(open_job(category, seed, set), wanted)
+    return Samples(open_job(category, seed, set, checked=checked), wanted)
 
 
-def load(text: str, n: int = 1, seed: int = 0, *, set: Mapping[str, Value] | None = None) -> Samples:
+def load(
+    text: str, n: int = 1, seed: int = 0, *, set: Mapping[str, Value] | None = None, checked: bool = True
+) -> Samples:
     """Objects of a category whose program is at hand as text. Raises CompileError, SettingError, NoObject."""
     sampler = Session.of_text(text).sampler
-    return Samples(make_job(sampler, sampler.program.name, seed, set), _numbers(n, None))
+    return Samples(make_job(sampler, sampler.program.name, seed, set, checked=checked), _numbers(n, None))
 
 
 def open_samples(folder: str | Path) -> Samples:

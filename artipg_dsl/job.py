@@ -13,7 +13,7 @@ import numpy as np
 from .errors import NoObject, UserError
 from .graph.text import TextError, digest, from_text, to_text
 from .runtime.mutate import Mutation, mutate
-from .runtime.sample import ATTEMPTS, Exhausted, Sampler, Statistics
+from .runtime.sample import Exhausted, Sampler, Statistics
 from .settings import Settings, Value, resolve
 
 if TYPE_CHECKING:
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 COMPILED = ".apgc"
 MUTATIONS = "mutations"  # among the settings of a manifest; no parameter is called so
+UNCHECKED = "unchecked"  # likewise
 
 
 @dataclass(slots=True)
@@ -37,15 +38,17 @@ class Job:
     given: dict[int, float] = field(default_factory=dict)
     statistics: Statistics = field(default_factory=Statistics)
     mutations: tuple[Mutation, ...] = ()
+    checked: bool = True  # only objects without collisions
 
     def batch(self, numbers: Sequence[int] | np.ndarray) -> Batch:
         """The objects of the given numbers, or what the mutations make of them. Raises NoObject."""
         try:
             made = self.sampler.batch(
-                np.asarray(numbers, dtype=np.int64), self.seed, given=self.given, statistics=self.statistics
-            )
+                np.asarray(numbers, dtype=np.int64), self.seed, given=self.given, statistics=self.statistics,
+                checked=self.checked,
+            )  # fmt: skip
             for step in self.mutations:
-                made = mutate(self.sampler, made, **step.plain(), statistics=self.statistics)
+                made = mutate(self.sampler, made, **step.plain(), statistics=self.statistics, checked=self.checked)
             return made
         except Exhausted as error:
             raise self.exhausted(error) from None
@@ -57,7 +60,8 @@ class Job:
     def recorded(self) -> dict[str, Any]:
         """What was set and what was done to the objects, as the manifest keeps it."""
         steps = [step.plain() for step in self.mutations]
-        return {**self.settings, **({MUTATIONS: steps} if steps else {})}
+        marks = ({MUTATIONS: steps} if steps else {}) | ({} if self.checked else {UNCHECKED: True})
+        return {**self.settings, **marks}
 
     def exhausted(self, error: Exhausted) -> NoObject:
         """What the requirements leave nothing of, and which of them are to blame."""
@@ -66,7 +70,7 @@ class Job:
         lines = [f"  {count:>8} times: {reason}" for reason, count in list(self.failures().items())[:3]]
         fixed = " with what was set" if self.settings else ""
         return NoObject(
-            f"no valid {self.sampler.program.name} in {ATTEMPTS} attempts{fixed} for {counted} {shown}; "
+            f"no valid {self.sampler.program.name} in {error.attempts} attempts{fixed} for {counted} {shown}; "
             "what failed most:\n" + "\n".join(lines),
             "set other values" if self.settings else "widen the ranges, or state what one value leaves to the next",
         )
@@ -80,12 +84,15 @@ class Job:
         for k, count in self.statistics.missed.items():
             draw = program.draws[k]
             found[f"{draw.where}: no room is left for `{draw.column.name}`"] = count
+        for (first, second, joint), count in self.statistics.collided.items():
+            when = f"while {joint} moves" if joint else "at rest"
+            found[f"{first} and {second} collide {when}"] = count
         return dict(sorted(found.items(), key=lambda item: (-item[1], item[0])))
 
     def counts(self) -> dict[str, Any]:
         """The statistics as the manifest keeps them."""
         made = self.statistics
-        found = {"objects": made.objects, "first_valid": made.first_valid, "attempts": made.attempts}
+        found: dict[str, Any] = {"checked": self.checked, "objects": made.objects, "first_valid": made.first_valid, "attempts": made.attempts}
         return found | {"failed": self.failures()}
 
     def write(
@@ -111,24 +118,29 @@ class Job:
         )  # fmt: skip
 
 
-def open_job(name: str | Path, seed: int = 0, settings: Mapping[str, Value] | None = None) -> Job:
+def open_job(
+    name: str | Path, seed: int = 0, settings: Mapping[str, Value] | None = None, *, checked: bool = True
+) -> Job:
     """The job of a category given by name or file; a compiled one (.apgc) is read without the parser.
 
+    ``checked``: only objects whose links do not penetrate one another, at rest and while each joint moves.
     Raises CompileError, SettingError, and UserError for a compiled program that cannot be read.
     """
     if Path(name).suffix == COMPILED:
-        return make_job(Sampler(read_compiled(name)), str(name), seed, settings)
+        return make_job(Sampler(read_compiled(name)), str(name), seed, settings, checked=checked)
     from .session import Session
 
     session = Session.of(name)
     sampler = session.sampler
     source = str(name) if session.path is None or is_file(name) else sampler.program.name
-    return make_job(sampler, source, seed, settings)
+    return make_job(sampler, source, seed, settings, checked=checked)
 
 
-def make_job(sampler: Sampler, source: str, seed: int, settings: Mapping[str, Value] | None = None) -> Job:
+def make_job(
+    sampler: Sampler, source: str, seed: int, settings: Mapping[str, Value] | None = None, *, checked: bool = True
+) -> Job:
     given, plain = resolve(sampler.program, settings or {})
-    return Job(sampler, source, int(seed), plain, given)
+    return Job(sampler, source, int(seed), plain, given, checked=checked)
 
 
 def read_compiled(path: str | Path) -> Program:
@@ -184,7 +196,8 @@ def reopen(folder: Path | str) -> tuple[Job, np.ndarray]:
         source = str(folder / source)
     settings = dict(identity["settings"])
     steps = settings.pop(MUTATIONS, [])
-    job = open_job(source, identity["seed"], settings)
+    unchecked = bool(settings.pop(UNCHECKED, False))
+    job = open_job(source, identity["seed"], settings, checked=not unchecked)
     for step in steps:
         job = job.mutated(Mutation(**{**step, "operations": tuple(step["operations"])}))
     if job.sampler.program.hash != identity["program"]:

@@ -68,6 +68,7 @@ def parser() -> argparse.ArgumentParser:
         "--mutate", metavar="LIST", help="make mutants of the objects: apa (templates), dpa (counts), cpa (parameters)"
     )
     sample.add_argument("--variant", type=whole, default=0, metavar="K", help="another mutant of each (default: 0)")
+    sample.add_argument("--unchecked", action="store_true", help="take objects whose links collide, too")
     sample.add_argument("--stats", action="store_true", help="tell how many first attempts were valid, and what failed")
     sample.add_argument("--force", action="store_true", help="replace samples made with other options")
     sample.add_argument(

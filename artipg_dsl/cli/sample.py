@@ -70,7 +70,7 @@ def run(options: argparse.Namespace) -> int:
     if options.motion and "points" not in [entry.name for entry in formats]:
         raise UsageError("--motion is about points, which are not among the formats", "add points to --format")
     in_the_way(Path(options.out))
-    job = open_job(options.program, options.seed or 0, settings)
+    job = open_job(options.program, options.seed or 0, settings, checked=not options.unchecked)
     if options.mutate:
         job = job.mutated(mutation(options))
     numbers = chosen(options)
@@ -100,6 +100,8 @@ def statistics(job: Job, manifest: dict[str, Any]) -> str:
     if not made:
         return "nothing was left to sample"
     lines = [f"{made} objects, {100 * valid / made:.1f}% valid at first, {counts['attempts']} attempts"]
+    if not counts.get("checked", False):
+        lines.append("collisions were not checked")
     for reason, count in counts["failed"].items():
         lines.append(f"{count:>8} failed  {reason}")
     return "\n".join(lines)

@@ -19,7 +19,7 @@ from ..graph.program import Draw, Program
 from ..graph.random import key, uniform
 from .batch import Batch
 from .kernels import Kept, State, full
-from .sample import ATTEMPTS, Exhausted, Sampler, Statistics
+from .sample import ATTEMPTS, Exhausted, Sampler, Statistics, colliding
 
 OPERATIONS = ("apa", "dpa", "cpa")
 PATIENCE = 6  # attempts before what is kept may give way, a little more with each further one
@@ -58,13 +58,13 @@ def structural(program: Program) -> set[int]:
 
 def mutate(
     sampler: Sampler, batch: Batch, *, operations: Sequence[str] = OPERATIONS, variant: int = 0, strength: float = 1.0,
-    share: float = SHARE, only: str = "*", statistics: Statistics | None = None,
+    share: float = SHARE, only: str = "*", statistics: Statistics | None = None, checked: bool = False,
 ) -> Batch:  # fmt: skip
     """Mutants of all objects of a batch, one each; another ``variant`` gives another one.
 
     ``only`` is a pattern of draw names (``handle*``) outside of which nothing is changed on purpose; ``share`` of the
-    eligible templates and counts are changed, at least one; ``strength`` scales the declared steps of CPA. Raises
-    ValueError for an unknown operation, Exhausted when no attempt is valid.
+    eligible templates and counts are changed, at least one; ``strength`` scales the declared steps of CPA. ``checked``:
+    only mutants without collisions. Raises ValueError for an unknown operation, Exhausted when no attempt is valid.
     """
     unknown = [o for o in operations if o not in OPERATIONS]
     if unknown:
@@ -79,11 +79,17 @@ def mutate(
     while len(left):
         trial = plan.state(left, attempt[left])
         sampler.plan.function(trial)
-        statistics.add(trial, first)
-        left, first = left[trial.failed], False
+        bad = trial.failed.copy()
+        sound = np.flatnonzero(~bad)
+        if checked and len(sound):
+            state = plan.state(left[sound], attempt[left[sound]])
+            tables, values = sampler.plan.function(state)
+            bad[sound[colliding(Batch(sampler.program, sampler.plan, state, tables, values), statistics)]] = True
+        statistics.add(trial, first, bad)
+        left, first = left[bad], False
         attempt[left] += 1
         if len(left) and attempt.max() >= ATTEMPTS:
-            raise Exhausted(batch.numbers[left], statistics)
+            raise Exhausted(batch.numbers[left], statistics, ATTEMPTS)
     state = plan.state(everything, attempt)
     tables, values = sampler.plan.function(state)
     return Batch(sampler.program, sampler.plan, state, tables, values)

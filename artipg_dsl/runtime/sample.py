@@ -13,34 +13,41 @@ from .needs import wanted
 from .plan import Plan, make_plan
 
 ATTEMPTS = 100
+COLLIDING = 25  # attempts that end in a collision, until it is the program's fault
+GROUP = 32  # objects that try again together
 
 
 @dataclass(slots=True)
 class Statistics:
-    """How often what failed: ``missed`` draws without room and ``broken`` requirements, in objects, over all attempts."""
+    """How often what failed: ``missed`` draws without room and ``broken`` requirements, in objects, over all attempts.
+
+    ``collided`` counts objects per pair of links, by path, and the joint that makes them meet ("" at rest).
+    """
 
     objects: int = 0
     first_valid: int = 0
     attempts: int = 0
     missed: dict[int, int] = field(default_factory=dict)
     broken: dict[int, int] = field(default_factory=dict)
+    collided: dict[tuple[str, str, str], int] = field(default_factory=dict)
 
-    def add(self, state: State, first: bool) -> None:
+    def add(self, state: State, first: bool, bad: np.ndarray | None = None) -> None:
+        """Count one attempt of some objects; ``bad`` says which of them failed, where that is more than the state knows."""
         self.attempts += len(state.objects)
         if first:
             self.objects += len(state.objects)
-            self.first_valid += int((~state.failed).sum())
+            self.first_valid += int((~(state.failed if bad is None else bad)).sum())
         for total, new in ((self.missed, state.missed), (self.broken, state.broken)):
             for key, value in new.items():
                 total[key] = total.get(key, 0) + value
 
 
 class Exhausted(Exception):
-    """Objects for which no attempt was valid; ``statistics`` says which requirements failed how often."""
+    """Objects for which none of ``attempts`` was valid; ``statistics`` says what failed how often."""
 
-    def __init__(self, numbers: np.ndarray, statistics: Statistics):
-        super().__init__(f"no valid object after {ATTEMPTS} attempts for {len(numbers)} objects")
-        self.numbers, self.statistics = numbers, statistics
+    def __init__(self, numbers: np.ndarray, statistics: Statistics, attempts: int):
+        super().__init__(f"no valid object after {attempts} attempts for {len(numbers)} objects")
+        self.numbers, self.statistics, self.attempts = numbers, statistics, attempts
 
 
 class Sampler:
@@ -52,26 +59,69 @@ class Sampler:
 
     def batch(
         self, numbers: np.ndarray, seed: int, *, given: dict[int, float] | None = None, defaults: bool = False,
-        statistics: Statistics | None = None,
+        statistics: Statistics | None = None, checked: bool = False,
     ) -> Batch:  # fmt: skip
-        """The objects of the given numbers; each is the same whatever else is in the batch. Raises Exhausted."""
+        """The objects of the given numbers; each is the same whatever else is in the batch. Raises Exhausted.
+
+        ``checked``: only objects whose links do not penetrate one another, at rest and while each joint moves.
+        """
         numbers = np.asarray(numbers, dtype=np.int64)
-        statistics = statistics if statistics is not None else Statistics()
+        trials = _Trials(self, seed, dict(given or {}), defaults, checked, statistics if statistics is not None else Statistics())
         attempt = np.zeros(len(numbers), dtype=np.int64)
-        state = State(seed, numbers, attempt, dict(given or {}), defaults)
-        tables, values = self.plan.function(state)
-        statistics.add(state, True)
-        failed = np.flatnonzero(state.failed)
-        if not len(failed):
-            return Batch(self.program, self.plan, state, tables, values)
-        while len(failed):
-            attempt[failed] += 1
-            if attempt.max() >= ATTEMPTS or defaults:
-                raise Exhausted(numbers[failed], statistics)
-            trial = State(seed, numbers[failed], attempt[failed], dict(given or {}), defaults)
-            self.plan.function(trial)
-            statistics.add(trial, False)
-            failed = failed[trial.failed]
-        state = State(seed, numbers, attempt, dict(given or {}), defaults)
-        tables, values = self.plan.function(state)
-        return Batch(self.program, self.plan, state, tables, values)
+        bad, batch = trials.run(numbers, attempt, True)
+        if not bad.any():
+            return batch
+        failed = np.flatnonzero(bad)
+        for start in range(0, len(failed), GROUP):  # the first ones tell soon whether it is any use
+            group = failed[start : start + GROUP]
+            while len(group):
+                attempt[group] += 1
+                lost = (attempt[group] >= ATTEMPTS) | (trials.colliding(numbers[group]) >= COLLIDING)
+                if lost.any() or defaults:
+                    without = group[lost] if lost.any() else group
+                    raise Exhausted(numbers[without], trials.statistics, int(attempt[without].max()))
+                group = group[trials.run(numbers[group], attempt[group], False)[0]]
+        return trials.made(numbers, attempt)[1]
+
+
+class _Trials:
+    """Attempts at objects, and how many of each one's ended in a collision."""
+
+    def __init__(
+        self, sampler: Sampler, seed: int, given: dict[int, float], defaults: bool, checked: bool, statistics: Statistics
+    ):
+        self.sampler, self.seed, self.given, self.defaults = sampler, seed, given, defaults
+        self.checked, self.statistics = checked, statistics
+        self.hits: dict[int, int] = {}
+
+    def colliding(self, numbers: np.ndarray) -> np.ndarray:
+        return np.array([self.hits.get(n, 0) for n in numbers.tolist()], dtype=np.int64)
+
+    def made(self, numbers: np.ndarray, attempt: np.ndarray) -> tuple[State, Batch]:
+        state = State(self.seed, numbers, attempt.copy(), dict(self.given), self.defaults)
+        tables, values = self.sampler.plan.function(state)
+        return state, Batch(self.sampler.program, self.sampler.plan, state, tables, values)
+
+    def run(self, numbers: np.ndarray, attempt: np.ndarray, first: bool) -> tuple[np.ndarray, Batch]:
+        """One attempt each: which objects it fails, and the batch it makes."""
+        state, batch = self.made(numbers, attempt)
+        bad = state.failed.copy()
+        sound = np.flatnonzero(~bad)
+        if self.checked and len(sound):
+            within = batch if len(sound) == len(numbers) else self.made(numbers[sound], attempt[sound])[1]
+            struck = colliding(within, self.statistics)
+            bad[sound[struck]] = True
+            for number in within.numbers[struck].tolist():
+                self.hits[number] = self.hits.get(number, 0) + 1
+        self.statistics.add(state, first, bad)
+        return bad, batch
+
+
+def colliding(batch: Batch, statistics: Statistics) -> np.ndarray:
+    """Indices of the objects of a batch that collide, counted."""
+    from .validate import Tree, collisions  # late: only who asks for it pays for it
+
+    found = collisions(batch)
+    for key, rows in Tree(batch).named(found).items() if len(found) else ():
+        statistics.collided[key] = statistics.collided.get(key, 0) + len(np.unique(found.owner[rows]))
+    return found.objects()

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..geometry.collide import DEPTH, dot, examine, overlap
+from ..geometry.collide import dot, examine, overlap
 from .batch import Batch
 from .bodies import FULL, Pieces, Placed, gather, rings, swept_extent
 from .motion import apply, link_motion, product, rotation_about
@@ -23,6 +23,7 @@ BLOCK = 20_000  # pieces at a time
 HALVINGS = 16  # of an interval of angles; what is not decided then is nearer than a turn by 0.005 degrees
 COARSE = 12  # halvings for which boxes stand for the pieces
 SHARES = np.unique(np.concatenate([[0.002, 0.005, 0.01, 0.02, 0.035], np.linspace(0.0, 1.0, 41), [0.98, 0.995]]))
+Pairs = tuple[np.ndarray, np.ndarray]
 TURNING = ("revolute", "continuous", "screw")
 
 
@@ -108,6 +109,18 @@ class Tree:
             self.leader = self.leader[self.leader]
         self.alone = np.bincount(self.leader, minlength=len(base))[self.leader] == 1
 
+    def named(self, found: Collisions) -> dict[tuple[str, str, str], np.ndarray]:
+        """Per pair of paths of links and path of the joint ("" at rest): the rows of ``found``."""
+        program, start = self.batch.program, np.searchsorted(self.joints.owner, found.owner)
+        first, second = (self.links.definition[self.first[found.owner] + link] for link in (found.first, found.second))
+        kinds = np.append(self.joints.definition, -1)
+        joint = np.where(found.joint >= 0, kinds[np.minimum(start + found.joint, len(kinds) - 1)], -1)
+        groups: dict[tuple[str, str, str], list[int]] = {}
+        for row, (a, b, j) in enumerate(zip(first.tolist(), second.tolist(), joint.tolist(), strict=True)):
+            pair = sorted((program.links[a].path, program.links[b].path))
+            groups.setdefault((pair[0], pair[1], program.joints[j].path if j >= 0 else ""), []).append(row)
+        return {key: np.array(rows) for key, rows in groups.items()}
+
     def told(self, rows: np.ndarray) -> Collisions:
         """Hits as tables number things, without those that the text allows."""
         first, second, joint = (rows[:, k].astype(np.int64) for k in range(3))
@@ -163,7 +176,9 @@ def _block(tree: Tree, body: Pieces) -> np.ndarray:
 # ---------------------------------------------------------------- which pairs of pieces come near one another
 
 
-def _near(tree: Tree, body: Pieces, piece: np.ndarray, low: np.ndarray, high: np.ndarray, joint: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
+def _near(
+    tree: Tree, body: Pieces, piece: np.ndarray, low: np.ndarray, high: np.ndarray, joint: np.ndarray | None
+) -> Pairs:
     """Pairs (index into ``piece``, other piece) whose boxes overlap: the links' first, then the pieces' own.
 
     With joints, the other piece stays where it is; without, its link comes later in the table.
@@ -199,7 +214,10 @@ def _link_boxes(body: Pieces, links: int) -> tuple[np.ndarray, np.ndarray, np.nd
     return low, high, begin, end
 
 
-def _touching(i: np.ndarray, j: np.ndarray, low: np.ndarray, high: np.ndarray, lows: np.ndarray, highs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _touching(
+    i: np.ndarray, j: np.ndarray, low: np.ndarray, high: np.ndarray, lows: np.ndarray, highs: np.ndarray
+) -> Pairs:
+    """The pairs (i, j) whose boxes overlap."""
     for k in range(3):
         near = (low[i, k] < highs[j, k]) & (lows[j, k] < high[i, k])
         i, j = i[near], j[near]
