@@ -94,6 +94,16 @@ def parser() -> argparse.ArgumentParser:
 
     command("categories", "list the shipped categories")
 
+    validate = command("validate", "tell which links of objects collide or block one another")
+    validate.add_argument(
+        "program", metavar="DIR|NAME|FILE", help="a folder of samples, a shipped category or an .apg file"
+    )
+    _drawing(validate, 200)
+    validate.add_argument(
+        "--states", type=positive, default=64, metavar="N", help="random configurations per object (default: 64)"
+    )
+    validate.add_argument("--json", action="store_true", help="the evidence as JSON")
+
     ledger = command("ledger", "tell for each value of a part what determines it")
     _program(ledger)
     ledger.add_argument("part", nargs="?", metavar="PART", help="such as door; without it, all parts")

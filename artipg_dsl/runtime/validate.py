@@ -52,7 +52,7 @@ def collisions(batch: Batch) -> Collisions:
     """All penetrations of a batch, each pair of links once per joint that brings it about."""
     tree = Tree(batch)
     body = gather(batch, tree.first, tree.turn, tree.shift)
-    return tree.told(np.concatenate([_nothing(), *(_block(tree, part) for part in _blocks(body))]))
+    return tree.told(np.concatenate([_nothing(), *(_block(tree, part) for part in blocks(body))]))
 
 
 @dataclass(slots=True, eq=False)
@@ -151,7 +151,7 @@ class Tree:
                 yield piece, joint[piece]
 
 
-def _blocks(body: Pieces) -> Iterator[Pieces]:
+def blocks(body: Pieces) -> Iterator[Pieces]:
     """Pieces of whole objects, some at a time."""
     edges = np.flatnonzero(np.diff(body.owner, prepend=-1, append=-1))
     start = 0
@@ -359,13 +359,13 @@ def _following(tree: Tree, body: Pieces) -> Iterator[np.ndarray]:
         for share in SHARES:
             states = joints.rest.copy()
             states[chosen] = tree.low[chosen] + share * (tree.high[chosen] - tree.low[chosen])
-            first, second = _posed(tree, body, states)
+            first, second = posed(tree, body, states)
             at = lead[tree.links.owner[first]]
             keep = at >= 0
             yield Hits(first[keep], second[keep], at[keep], states[at[keep]]).rows()
 
 
-def _posed(tree: Tree, body: Pieces, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def posed(tree: Tree, body: Pieces, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Pairs of links that meet with the joints at ``states`` (J,)."""
     turn, shift = link_motion(tree.links, tree.joints, states)
     turn = product(turn, tree.turn.transpose(0, 2, 1))  # from rest

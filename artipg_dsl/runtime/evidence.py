@@ -1,0 +1,90 @@
+"""What is known of the validity of some objects: which links collide, and which block one another.
+
+Two links block one another when they meet only while joints of several chains are moved at once: two doors on one
+divider. That is no failure; it is found in random configurations of all joints together, and counted.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..graph.random import key, mix, uniform
+from .batch import Batch
+from .bodies import gather
+from .validate import Tree, blocks, collisions, posed
+
+STATES = 64  # random configurations per object
+
+
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """Two links, by path, of ``objects`` objects; ``joint`` makes them meet ("" at rest), at the least at ``value``."""
+
+    first: str
+    second: str
+    joint: str
+    objects: int
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """Pairs that collide and pairs that block one another, the most frequent first; ``colliding`` objects; joints seen."""
+
+    objects: int
+    colliding: int
+    pairs: tuple[Pair, ...]
+    blocking: tuple[Pair, ...]
+    joints: int
+    states: int
+
+
+def evidence(batch: Batch, states: int = STATES) -> Evidence:
+    """Collisions of a batch at rest and joint by joint, and in ``states`` random configurations of all joints."""
+    found, tree = collisions(batch), Tree(batch)
+    pairs = []
+    for (first, second, joint), rows in tree.named(found).items():
+        value = float(found.value[rows].min())
+        pairs.append(Pair(first, second, joint, len(np.unique(found.owner[rows])), value))
+    known = _codes(tree, found.owner, found.first, found.second)
+    blocking = _blocking(tree, states, known) if states else []
+    count = len(tree.joints.owner)
+    return Evidence(len(batch), len(found.objects()), _sorted(pairs), _sorted(blocking), count, states)
+
+
+def _sorted(pairs: list[Pair]) -> tuple[Pair, ...]:
+    return tuple(sorted(pairs, key=lambda p: (-p.objects, p.first, p.second, p.joint)))
+
+
+def _codes(tree: Tree, owner: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """One number per pair of links of an object."""
+    one, two = tree.first[owner] + first, tree.first[owner] + second
+    return np.minimum(one, two) * len(tree.links.owner) + np.maximum(one, two)
+
+
+def random_states(batch: Batch, number: int) -> np.ndarray:
+    """Joint values (J,), uniform within the range of each; the same for an object whatever else is in the batch."""
+    tree = Tree(batch)
+    address = mix(batch.numbers[tree.joints.owner].astype(np.uint64), tree.joints.number)
+    lot = uniform(key(batch.seed, "configuration"), address, number, np.zeros(len(address), dtype=np.int64))
+    return tree.low + lot * (tree.high - tree.low)
+
+
+def _blocking(tree: Tree, states: int, known: np.ndarray) -> list[Pair]:
+    batch, count = tree.batch, len(tree.links.owner)
+    body = gather(batch, tree.first, tree.turn, tree.shift)
+    met: list[np.ndarray] = [np.zeros(0, dtype=np.int64)]
+    for part in blocks(body):
+        for number in range(states if len(tree.joints.owner) else 0):
+            first, second = posed(tree, part, random_states(batch, number))
+            keep = ~tree.permitted(first, second)
+            met.append(np.unique(np.minimum(first, second)[keep] * count + np.maximum(first, second)[keep]))
+    pair = np.setdiff1d(np.concatenate(met), known)
+    paths = [link.path for link in batch.program.links]
+    found: dict[tuple[str, str], set[int]] = {}
+    for low, high in zip((pair // count).tolist(), (pair % count).tolist(), strict=True):
+        names = sorted(paths[tree.links.definition[link]] for link in (low, high))
+        found.setdefault((names[0], names[1]), set()).add(int(tree.links.owner[low]))
+    return [Pair(first, second, "", len(owners), 0.0) for (first, second), owners in found.items()]
