@@ -101,8 +101,8 @@ class Rowmap:
         index = self.up(scope, common)
         for step in reversed(path):
             rows = self.rows(step)
-            has = (index >= 0) & (rows.count[np.maximum(index, 0)] > 0)
-            index = np.where(has, rows.start[np.maximum(index, 0)], -1)
+            at = np.where(index >= 0, index, len(rows.count))  # what is not there has no rows either
+            index = np.where(np.append(rows.count, 0)[at] > 0, np.append(rows.start, 0)[at], -1)
         return index
 
     def ranks(self, scope: Scope) -> list[tuple[str, np.ndarray]]:
