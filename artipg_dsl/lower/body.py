@@ -19,7 +19,8 @@ from .evaluate import Evaluator
 from .repeat import build_repeat
 from .solve import settle
 from .style import Style, build_style
-from .values import HERE, Branch, Ref, Value, Vec, times
+from .values import Branch, Ref, Value, Vec
+from .vectors import HERE, times
 
 if TYPE_CHECKING:
     from .part import Instance, Option
@@ -136,7 +137,7 @@ def names_of(statement: ast.Stmt) -> Iterator[str]:
 
 def register(env: Env, statement: ast.Stmt) -> None:
     """Give each declared name a thunk, unless it has a value (an argument) or a thunk already; other statements wait."""
-    from .part import build_part
+    from .build import build_part
 
     def thunk(name: str, span: Span, make) -> None:  # noqa: ANN001
         if name not in env.names:
@@ -228,5 +229,3 @@ def bind_slots(env: Env, body: tuple[ast.Stmt, ...]) -> None:
         if isinstance(statement, ast.SlotDecl) and statement.targets:
             instance.bindings[statement.name] = (env, statement)
 
-
-__all__ = ["declare", "lower_body", "lower_statements", "parameters_of"]

@@ -9,32 +9,10 @@ from ..graph import expr as E
 from ..graph.expr import Expr
 from ..source import Span
 from ..syntax import ast
-from .values import (
-    AXES,
-    FACES,
-    Box,
-    Choice,
-    Frame,
-    Line,
-    Plane,
-    Ports,
-    Ref,
-    Surface,
-    Value,
-    Vec,
-    direct,
-    dot,
-    extent,
-    frame_of,
-    mapped,
-    minus,
-    normalized,
-    place,
-    scalars,
-    squared,
-    times,
-    unit,
-)
+from .carry import mapped, scalars
+from .faces import FACES, extent, frame_of, squared
+from .values import Box, Frame, Line, Ports, Surface, Value
+from .vectors import dot, minus, normalized, times, unit
 
 if TYPE_CHECKING:
     from .env import Env
@@ -58,7 +36,8 @@ class PortArray(Ports):
 
     def settled(self) -> dict[int, Value]:
         """Evaluate the bindings: one per constant index, all of a repeat by its index, or all by an index of their own."""
-        from .evaluate import At, Evaluator
+        from .evaluate import Evaluator
+        from .members import At, fetch
 
         pending, self.pending = self.pending, []
         for home, declaration in pending:
@@ -75,7 +54,7 @@ class PortArray(Ports):
             element = home.element
             outer = Evaluator(home.outer)
             for k in range(self.size or MOST_PORTS):
-                self.values[k] = outer.fetch(At(element, E.const(float(k)), element), value)
+                self.values[k] = fetch(outer, At(element, E.const(float(k)), element), value)
         return self.values
 
 
@@ -244,7 +223,7 @@ def reduction(ev: Evaluator, name: str, node: ast.Expr) -> Expr:
 
 def method(ev: Evaluator, node: ast.CallExpr) -> Value:
     """``body.wall.at(u, z = h)``: a frame on a curved surface."""
-    from .evaluate import describe
+    from .members import describe
 
     function = node.function
     assert isinstance(function, ast.MemberExpr)
@@ -255,5 +234,3 @@ def method(ev: Evaluator, node: ast.CallExpr) -> Value:
         return frame_on(ev, owner, node)
     raise ev.env.context.error("unknown-member", function.name_span, f"{describe(owner)} has no `{function.name}(...)`")
 
-
-__all__ = ["AXES", "Choice", "Plane", "PortArray", "Ref", "Vec", "direct", "function", "method", "named", "pick", "place"]

@@ -12,8 +12,10 @@ from ..syntax import ast
 from .context import Abort, Equation, text_of
 from .env import Env
 from .evaluate import Evaluator
+from .faces import FACES, squared
 from .place import mount_of, root_name
-from .values import AXES, FACES, Box, Frame, Plane, Ref, Value, Vec, sole_axis, squared
+from .values import Box, Frame, Plane, Ref, Value, Vec
+from .vectors import AXES, sole_axis
 
 if TYPE_CHECKING:
     from .part import Part

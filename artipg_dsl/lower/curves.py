@@ -14,7 +14,8 @@ from ..graph.expr import ONE, ZERO, Expr
 from ..syntax import ast
 from .builtins import named, need
 from .env import Env, Function
-from .evaluate import Evaluator, describe
+from .evaluate import Evaluator
+from .members import describe
 from .profiles import Point, Span, V, between, right_of
 from .values import Vec
 

@@ -17,8 +17,10 @@ from ..graph.program import Pose
 from ..semantics.symbols import ModuleScope, Symbol
 from ..source import Span
 from ..syntax import ast
+from .carry import moved
 from .context import Abort, Context, Equation, Unknown
-from .values import HERE, Box, Value, inverse, moved
+from .values import Box, Value
+from .vectors import HERE, inverse
 
 if TYPE_CHECKING:
     from .part import Instance, Part
@@ -137,7 +139,7 @@ class Env:
 
     def to_root(self) -> Pose:
         """This frame in the body's own."""
-        from .values import compose
+        from .vectors import compose
 
         pose, env = HERE, self
         while env.outer is not None:

@@ -6,32 +6,19 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from ..graph import expr as E
-from ..graph.expr import Expr, Scope, ScopeError
+from ..graph.expr import ONE, Expr, Scope, ScopeError
 from ..graph.program import Grasp, Keypoint, Label, Pose, Target
 from ..syntax import ast
+from .carry import moved
 from .context import Abort, where
 from .env import Element, Env
 from .evaluate import Evaluator
+from .faces import extent
 from .links import Links
 from .part import Part
 from .place import root_name
-from .values import (
-    HERE,
-    ONE,
-    Box,
-    Frame,
-    Line,
-    Ref,
-    Surface,
-    Value,
-    Vec,
-    compose,
-    direct,
-    extent,
-    inverse,
-    moved,
-    place,
-)
+from .values import Box, Frame, Line, Ref, Surface, Value, Vec
+from .vectors import HERE, compose, inverse, place
 
 if TYPE_CHECKING:
     from .part import Instance
@@ -294,7 +281,7 @@ def grasp(links: Links, env: Env, statement: ast.GraspStmt) -> None:
 
 def axes() -> dict[str, Value]:
     """In a grasp, axis words are the target's own axes."""
-    from .values import unit
+    from .vectors import unit
 
     return {letter: Vec(unit(k)) for k, letter in enumerate("xyz")}
 
@@ -341,5 +328,3 @@ def symmetry(links: Links, env: Env, statement: ast.SymmetryStmt) -> None:
                 if number is not None:
                     program.parts[number] = replace(program.parts[number], symmetry=(statement.turn or 0, axis))
 
-
-__all__ = ["Aim", "direct", "statements"]

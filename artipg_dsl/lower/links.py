@@ -18,23 +18,11 @@ from .connect import Attachment
 from .context import Abort, Context, where
 from .env import Env, exists_in
 from .evaluate import Evaluator
-from .part import Instance, Part, union_of
+from .extents import union_of
+from .part import Instance, Part
 from .place import bare, root_name
-from .values import (
-    HERE,
-    IDENTITY,
-    Box,
-    Edge,
-    Frame,
-    Line,
-    Triple,
-    Vec,
-    compose,
-    direct,
-    normalized,
-    place,
-    signed_axis,
-)
+from .values import Edge, Frame, Line, Vec
+from .vectors import HERE, IDENTITY, Triple, compose, direct, normalized, place
 
 KINDS = ("revolute", "prismatic", "continuous", "screw", "ball", "fixed")
 MOVING_ABOUT = ("revolute", "continuous", "screw")
@@ -355,5 +343,3 @@ def leader_of(links: Links, names: dict[str, int], node: ast.Expr, env: Env) -> 
         at = at.outer
     return next((k for path, k in names.items() if path.endswith("." + text)), None)
 
-
-__all__ = ["Box", "Links", "first_part", "resolve_mimics", "signed_axis"]

@@ -14,7 +14,8 @@ from .env import Env
 from .evaluate import Evaluator
 from .links import Links
 from .solve import lifted
-from .values import Frame, Line, Vec, place
+from .values import Frame, Line, Vec
+from .vectors import place
 
 
 def motions(links: Links, env: Env) -> None:

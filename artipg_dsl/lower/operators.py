@@ -45,7 +45,7 @@ from .profiles import (
 )
 from .strips import MOST, Quad, chord, convex, strip
 from .sweeps import sweep
-from .values import signed_axis
+from .vectors import signed_axis
 
 PX, PY, PZ = (E.var(f"p.{a}") for a in "xyz")
 ROUND = 24  # corners of a slice

@@ -20,7 +20,7 @@ from .builtins import named, need
 from .curves import Curve
 from .evaluate import Evaluator
 from .profiles import V
-from .values import Triple, dot, minus, normalized, plus, times
+from .vectors import Triple, dot, minus, normalized, plus, times
 
 # how the numbers of a path are tested where they are parameters: metres and radians
 TESTS = {"at": (-0.1, 0.1), "along": (0.4, 1.0), "length": (0.03, 0.2), "radius": (0.05, 0.12), "angle": (0.3, 2.6)}

@@ -6,29 +6,22 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..graph import expr as E
+from ..graph.expr import ONE, ZERO
 from ..graph.program import Pose
 from ..syntax import ast
+from .carry import mapped_pose
 from .context import Equation
 from .env import Env
 from .evaluate import Evaluator
-from .values import (
+from .values import Branch, Frame, Line, Ref, Value
+from .vectors import (
     AXES,
     HERE,
-    ONE,
-    ZERO,
-    Branch,
-    Frame,
-    Line,
     Matrix,
-    Plane,
-    Ref,
     Triple,
-    Value,
-    Vec,
     columns,
     cross,
     dot,
-    mapped_pose,
     minus,
     norm,
     normalized,
@@ -104,7 +97,7 @@ def mounts(env: Env, name: str) -> list[Mount]:
 
 def pose_of(part: Part) -> Pose:
     """The pose of a part in its environment; registers unknown coordinates where equations shall find them."""
-    from .part import position_columns, rotation_of
+    from .build import position_columns, rotation_of
 
     if part.declaration.root:
         return Pose(rotation_of(part), (ZERO, ZERO, ZERO), ONE)
@@ -163,7 +156,7 @@ def mounted(part: Part, mount: Mount) -> Pose:
 
 def axes_from(direction: Triple) -> Matrix:
     """Axes for a line used as a frame: out along it, up z (x for a vertical one)."""
-    from .values import frame_of
+    from .faces import frame_of
 
     return frame_of(direction, unit(0 if abs(direction[2].constant or 0.0) == 1.0 else 2))
 
@@ -242,5 +235,3 @@ def basis(along: Triple, toward: Triple) -> Matrix:
     square = normalized(square)
     return columns(along, square, cross(along, square))
 
-
-__all__ = ["Mount", "Plane", "Vec", "mount_of", "pose_of", "root_name"]

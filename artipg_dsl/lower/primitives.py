@@ -11,13 +11,14 @@ from ..graph.primitive import Patch, Piece, Primitive
 from ..graph.program import Requirement
 from ..semantics.symbols import Symbol
 from ..syntax import ast
+from .carry import mapped
 from .context import Context, where
 from .curves import Curve
 from .env import Env, Function
 from .evaluate import Evaluator
 from .operators import solid_of
 from .paths import Handed, handed
-from .values import Box, Surface, Value, Vec, mapped
+from .values import Box, Surface, Value, Vec
 
 if TYPE_CHECKING:
     from .part import Instance
@@ -62,7 +63,8 @@ class Lowered:
             mapping = self.mapping(instance)
             return mapped(self.ports[name], lambda e: E.substitute(e, mapping))
         if name in self.primitive.surfaces:
-            from .values import FACES, HERE
+            from .faces import FACES
+            from .vectors import HERE
 
             if name in FACES:
                 return None  # the face of the box is the same plane, and a frame

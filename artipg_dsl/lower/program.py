@@ -209,5 +209,3 @@ def vocabularies(env: Env) -> None:
 
     visit(env.module)
 
-
-__all__ = ["Lowering", "lower_category"]

@@ -10,21 +10,9 @@ from ..graph.program import Pose
 from ..syntax import ast
 from .env import Element, Env
 from .evaluate import Evaluator
-from .values import (
-    HERE,
-    IDENTITY,
-    ORIGIN,
-    Box,
-    Line,
-    minus,
-    norm,
-    place,
-    rotation_about,
-    signed_axis,
-    squared,
-    turn,
-    unit,
-)
+from .faces import squared
+from .values import Box, Line
+from .vectors import HERE, IDENTITY, ORIGIN, norm, rotation_about, signed_axis
 
 HALF = E.const(0.5)
 WATER_ROUNDS = 12
@@ -163,5 +151,3 @@ def mirrored(ev: Evaluator, statement: ast.RepeatStmt, scope: Scope) -> Pose:
     rows = tuple(tuple(diagonal[i] if i == j else E.ZERO for j in range(3)) for i in range(3))
     return Pose(rows, ORIGIN, sign)  # type: ignore[arg-type]
 
-
-__all__ = ["build_repeat", "clause", "minus", "place", "turn", "unit"]

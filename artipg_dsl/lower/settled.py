@@ -8,7 +8,9 @@ from ..graph.linear import tidy
 from ..graph.program import Draw, Requirement
 from .context import Equation, Unknown, where
 from .env import Env
-from .values import Box, squared, turn
+from .faces import squared
+from .values import Box
+from .vectors import turn
 
 SMALL = E.const(1e-4)  # the least size of something that equations determine, in metres
 
@@ -78,8 +80,8 @@ def drawn(env: Env, unknown: Unknown, draw: Draw, fresh: bool) -> Expr:
 
 def centred(unknown: Unknown) -> Expr:
     """A free position: the part's box is centred on the box of its scope."""
+    from .build import rotation_of
     from .evaluate import Evaluator
-    from .part import rotation_of
 
     part, axis = unknown.part, unknown.axis
     assert part is not None

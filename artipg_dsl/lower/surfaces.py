@@ -11,8 +11,11 @@ from ..graph.expr import Expr, Scope
 from ..graph.linear import Linear, isolate
 from ..syntax import ast
 from .builtins import named
+from .carry import mapped, mapped_pose, moved, scalars
+from .faces import frame_of
 from .solve import lifted
-from .values import AXES, Frame, Surface, Value, cross, frame_of, mapped, mapped_pose, moved, normalized, scalars, unit
+from .values import Frame, Surface, Value
+from .vectors import AXES, cross, normalized, unit
 
 if TYPE_CHECKING:
     from .evaluate import Evaluator

@@ -18,11 +18,13 @@ from .builtins import named, need
 from .curves import TURN, Curve
 from .env import Env
 from .evaluate import Evaluator
+from .faces import frame_of
 from .made import FULL, Made, U, clause
 from .paths import Handed, Stretch, steps_of, stretches
 from .probe import Probe
 from .profiles import FINE, SLOPE, STEPS, V, clamp, halved, onwards, summit
-from .values import Frame, cross, dot, frame_of, minus, normalized, plus, times, unit
+from .values import Frame
+from .vectors import cross, dot, minus, normalized, plus, times, unit
 
 P: Triple = tuple(E.var(f"p.{a}") for a in "xyz")  # type: ignore[assignment]
 CORNERS = 12  # of a round piece

@@ -11,7 +11,7 @@ from artipg_dsl.geometry import points
 from artipg_dsl.graph import expr as E
 from artipg_dsl.graph import random
 from artipg_dsl.graph.program import Pose, Program
-from artipg_dsl.lower.values import compose, direct, place, product, rotation_about
+from artipg_dsl.lower.vectors import compose, direct, place, product, rotation_about
 from artipg_dsl.runtime.sample import Sampler
 from artipg_dsl.session import Session
 

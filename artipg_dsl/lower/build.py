@@ -1,0 +1,216 @@
+"""Parts built from their declarations: the choice, the inputs, one instance for each alternative."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..graph import expr as E
+from ..graph.expr import Expr
+from ..semantics.symbols import Symbol
+from ..source import Span
+from ..syntax import ast
+from .context import Unknown
+from .draws import draw_choice, open_parameter
+from .env import Env
+from .evaluate import Evaluator
+from .style import Style
+from .values import Choice
+from .vectors import IDENTITY, along, product, rotation_about
+
+if TYPE_CHECKING:
+    pass
+from .part import Instance, Option, Part
+
+
+def build_part(env: Env, declaration: ast.PartDecl) -> Part:
+    """Lower the declaration of a part: its choice, its inputs, its instances; registers its unknowns."""
+    context = env.context
+    part = Part(context, env, declaration.name, env.path + declaration.name, declaration)
+    env.parts.append(part)
+    context.parts.append(part)
+    alternatives, arguments = declaration.alternatives, declaration.arguments
+    if (
+        declaration.role is None
+        and len(alternatives) == 1
+        and isinstance(style := env.find(alternatives[0].name or ""), Style)
+    ):
+        arguments = alternatives[0].arguments
+        part.style, part.role, alternatives = style, style.role, style.declaration.alternatives
+    elif declaration.role is not None:
+        part.role = resolve(env, declaration.role, declaration.role_span or declaration.span)
+    resolve_options(part, alternatives, env if part.style is None else part.style.env)
+    make_choice(part, alternatives)
+    if part.role is None and len(part.options) == 1:
+        arguments = arguments + part.options[0].source.arguments
+    interface = part.role if part.role is not None else part.options[0].symbol if len(part.options) == 1 else None
+    if interface is not None:
+        make_inputs(part, interface, arguments)
+    for option in part.options:
+        part.instances.append(instantiate(part, option))
+    return part
+
+
+def resolve(env: Env, name: str, span: Span) -> Symbol:
+    symbol = env.module.find(name)
+    if symbol is None:
+        raise env.context.error("unknown-name", span, f"there is no template, role or primitive `{name}`")
+    return symbol
+
+
+def resolve_options(part: Part, alternatives: tuple[ast.Alternative, ...], env: Env) -> None:
+    for code, alternative in enumerate(alternatives):
+        if alternative.name is None:
+            continue
+        symbol = resolve(env, alternative.name, alternative.name_span)
+        if symbol.kind not in ("template", "primitive"):
+            raise part.context.error(
+                "wrong-kind", alternative.name_span, f"`{alternative.name}` is a {symbol.kind}; a part is made of a template or a primitive"
+            )  # fmt: skip
+        part.options.append(Option(alternative.name, symbol, alternative, code))
+    if not part.options:
+        raise part.context.error("wrong-kind", part.span, f"`{part.name}` has no alternative but none")
+
+
+def make_choice(part: Part, alternatives: tuple[ast.Alternative, ...]) -> None:
+    if len(alternatives) == 1:
+        return
+    names = tuple(a.name or "none" for a in alternatives)
+    if part.style is not None:
+        part.choice = part.style.choice
+    else:
+        part.choice = draw_choice(part.env, part.path, names, alternatives, part.span, part.declaration)
+    absent = [k for k, a in enumerate(alternatives) if a.name is None]
+    for code in absent:
+        part.exists = E.both(part.exists, E.negate(E.call("eq", part.choice.code, E.const(float(code)))))
+
+
+def option_guard(part: Part, option: Option) -> Expr:
+    if part.choice is None:
+        return E.TRUE
+    if len(part.options) == 1:
+        return part.exists
+    return E.call("eq", part.choice.code, E.const(float(option.code)))
+
+
+def make_inputs(part: Part, interface: Symbol, arguments: tuple[ast.Argument, ...]) -> None:
+    """Values of the interface's parameters: the arguments, and open columns for what is not given."""
+    from .body import parameters_of
+
+    env = part.env
+    given = {a.name: a for a in arguments if a.name is not None}
+    declared = parameters_of(interface)
+    for argument, (_, _, name, _) in zip([a for a in arguments if a.name is None], declared, strict=False):
+        given[name] = argument
+    names = {name for _, _, name, _ in declared}
+    counts = {s.name for s in interface.body if isinstance(s, ast.CountDecl)}
+    for name, argument in given.items():
+        if name in counts:
+            part.inputs[name] = Evaluator(env).scalar(argument.value)
+        elif name not in names and part.role is None:
+            raise part.context.error("unknown-argument", argument.span, f"`{interface.name}` has no parameter `{name}`")
+    local = Env(env.context, interface.module, interface, env.scope, part.path + ".", names=dict())
+    for symbol, declaration, name, span in declared:
+        if declaration.keyword == "out":
+            continue
+        local.module = symbol.module
+        argument = given.get(name)
+        if argument is not None and not has_hole(argument.value):
+            value = (
+                Evaluator(env).value(argument.value)
+                if not is_option(declaration, argument)
+                else option_value(declaration, argument)
+            )
+        else:
+            value = open_parameter(part, local, declaration, name, span, argument)
+        part.inputs[name] = value
+        local.names[name] = value
+
+
+def has_hole(node: ast.Expr) -> bool:
+    return isinstance(node, ast.VectorExpr) and any(isinstance(i, ast.HoleExpr) for i in node.items)
+
+
+def is_option(declaration: ast.ParamDecl, argument: ast.Argument) -> bool:
+    """``open = front`` for a ``choice`` parameter."""
+    return isinstance(argument.value, ast.NameExpr) and argument.value.name in declaration.type.values
+
+
+def option_value(declaration: ast.ParamDecl, argument: ast.Argument) -> Choice:
+    options = declaration.type.values
+    return Choice(E.const(float(options.index(argument.value.name))), options)  # type: ignore[attr-defined]
+
+
+def instantiate(part: Part, option: Option) -> Instance:
+    """The alternative in its own table (that of the environment when there is nothing to choose)."""
+    from .body import lower_body
+    from .primitives import lower_primitive
+
+    context = part.context
+    guard = option_guard(part, option)
+    scope = context.guard(part.env.scope, guard, f"{part.path}={option.name}")
+    instance = Instance(part, option.symbol, scope, part.path + ".")
+    if len(context.trace) > 40:
+        raise context.error("circular-definition", part.span, f"`{option.name}` contains itself")
+    context.trace.append((part.span, f"in `{part.path}` ({option.name})"))
+    try:
+        own = dict(part.inputs)
+        arguments = option.source.arguments if part.role is not None or len(part.options) > 1 else ()
+        for argument in arguments:
+            own[argument.name or ""] = Evaluator(part.env).value(argument.value)
+        instance.values = own
+        if option.symbol.kind == "primitive":
+            complete(instance)
+            instance.solid = lower_primitive(context, option.symbol, own)
+            instance.solid.require(instance)
+        else:
+            instance.env = lower_body(instance, option, scope, own)
+    finally:
+        context.trace.pop()
+    return instance
+
+
+def complete(instance: Instance) -> None:
+    """Parameters of a primitive that one alternative among several leaves out: drawn, or their defaults."""
+    from .body import own_parameter, parameters_of
+
+    part, symbol = instance.part, instance.symbol
+    local = Env(part.context, symbol.module, symbol, instance.scope, instance.path, names=dict(instance.values))
+    for _, declaration, name, _ in parameters_of(symbol):
+        if name in instance.values:
+            continue
+        if declaration.default is None and declaration.domain is None:
+            raise part.context.error(
+                "missing-argument", part.span, f"`{symbol.name}` needs `{name}`",
+                hint=f"give it with the alternative: {symbol.name}({name} = ...)",
+            )  # fmt: skip
+        local.names[name] = instance.values[name] = own_parameter(local, declaration, name)
+
+
+def rotation_of(part: Part) -> tuple:
+    """``along`` and ``turned`` of the part and of a sole alternative; the identity without any."""
+    ev = Evaluator(part.env)
+    rotation = IDENTITY
+    placements = part.declaration.placements
+    if len(part.options) == 1:
+        placements = placements + part.options[0].source.placements
+    for placement in placements:
+        direction = ev.direction(placement.direction)
+        if placement.kind == "along":
+            step = along(direction)
+        else:
+            assert placement.angle is not None
+            step = rotation_about(direction, ev.scalar(placement.angle))
+        rotation = product(step, rotation)
+    return rotation
+
+
+def position_columns(part: Part) -> tuple:
+    """Three unknown coordinates of the part's origin, registered with its environment."""
+    context, columns = part.context, []
+    for axis, letter in enumerate("xyz"):
+        column = context.column(part.env.scope, f"{part.path}.at.{letter}", "real", part.span)
+        part.env.unknowns.append(
+            Unknown(column, "position", part.span, f"the position of `{part.name}` along {letter}", part, axis)
+        )
+        columns.append(E.col(column))
+    return tuple(columns)
