@@ -148,9 +148,9 @@ def number(ev: Evaluator, value: Value, span: Span) -> Expr:
 def equal(ev: Evaluator, node: ast.BinaryExpr) -> Expr:
     for choice_node, option in ((node.left, node.right), (node.right, node.left)):
         if isinstance(option, ast.NameExpr) and not isinstance(choice_node, ast.NumberExpr):
-            value = ev.value(choice_node)
-            if isinstance(value, Choice) and option.name in value.options:
-                return E.call("eq", value.code, E.const(float(value.options.index(option.name))))
+            chosen = getattr(ev.value(choice_node), "chosen", None)  # of a choice or a style
+            if chosen is not None and (found := chosen(option.name)) is not None:
+                return found
     return E.call("eq", ev.scalar(node.left), ev.scalar(node.right))
 
 

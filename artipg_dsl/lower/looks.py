@@ -13,7 +13,7 @@ from .context import Context
 from .draws import draw_choice
 from .env import Env
 from .evaluate import Evaluator
-from .values import Vec
+from .values import Choice, Vec
 
 RANGES = {
     "density": "density", "friction_static": "friction_static", "static_friction": "friction_static",
@@ -27,6 +27,10 @@ class Look:
     """``style look : material = oak | white``: each material with the predicate under which it is the one."""
 
     options: tuple[tuple[str, Expr], ...]
+    choice: Choice
+
+    def chosen(self, name: str) -> Expr | None:
+        return self.choice.chosen(name)
 
 
 def build_look(env: Env, statement: ast.StyleDecl) -> Look:
@@ -39,7 +43,7 @@ def build_look(env: Env, statement: ast.StyleDecl) -> Look:
             raise env.context.error("unknown-material", alternative.name_span, f"there is no material `{alternative.name}`")
         lower_material(env.context, symbol)
         options.append((symbol.name, E.call("eq", choice.code, E.const(float(code)))))
-    return Look(tuple(options))
+    return Look(tuple(options), choice)
 
 
 def lower_material(context: Context, symbol: Symbol) -> Material:

@@ -23,6 +23,9 @@ class Style:
     choice: Choice
     drawn: dict[tuple[str, str], Expr] = field(default_factory=dict)
 
+    def chosen(self, name: str) -> Expr | None:
+        return self.choice.chosen(name)
+
     def guard(self, option: str) -> Expr:
         options = self.choice.options
         return E.TRUE if len(options) == 1 else E.call("eq", self.choice.code, E.const(float(options.index(option))))

@@ -6,6 +6,7 @@ links a value lies on (see ``links``).
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -114,6 +115,11 @@ class Choice:
 
     code: Expr
     options: tuple[str, ...]
+
+    def chosen(self, name: str) -> Expr | None:
+        """The predicate that the option ``name`` is the one (an option may stand there twice); None without such an option."""
+        codes = [E.call("eq", self.code, E.const(float(k))) for k, option in enumerate(self.options) if option == name]
+        return functools.reduce(E.either, codes) if codes else None
 
 
 @dataclass(frozen=True, slots=True)
