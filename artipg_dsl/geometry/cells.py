@@ -1,7 +1,7 @@
 """Cells: the patches of all rows of a block, placed in the frames of their objects.
 
-A cell stands for one patch of one row, whether it exists or not (its area is then 0). Cells are sorted by object, rank
-of the row and patch, so that the points on them are the points of an object in order.
+A cell stands for one patch of one row, whether it exists or not (its area is then 0). Cells are sorted by object, pool,
+rank of the row and patch, so that the points on them are the points of a pool in order.
 """
 
 from __future__ import annotations
@@ -33,23 +33,27 @@ class Bent:
 class Cells:
     """The cells of a block. Vectors are three arrays (C,) in the frames of the objects.
 
-    ``origin``, ``a``, ``b``, ``c`` give the quad of a flat cell; ``shape`` tells which are flat.
+    ``origin``, ``a``, ``b``, ``c`` give the quad of a flat cell; ``shape`` tells which are flat. ``pool`` (R,) of the
+    ``pools`` that the rows belong to, ascending with their objects; without it each object is one.
     """
 
-    def __init__(self, rows: Block):
+    def __init__(self, rows: Block, pool: np.ndarray | None = None, pools: int = 0):
         self.rows = rows
         self.poses = (rows.rotation, rows.translation, rows.mirror)
         patches = np.concatenate(
             [np.empty(0, np.int64), *(np.full(s.stop - s.start, len(surfaces(s.primitive))) for s in rows.shelves)]
         )
-        order = np.argsort(rows.rank)
+        pool, pools = (rows.owner, rows.objects) if pool is None else (pool, pools)
+        order = np.lexsort((rows.rank, pool))
         counts = patches[order]
         first = np.cumsum(counts) - counts
-        self.first = first[rows.rank]  # (R,) the first cell of each row
+        self.first = np.empty_like(first)  # (R,) the first cell of each row
+        self.first[order] = first
         self.row = np.repeat(order, counts)
         self.patch = np.arange(len(self.row)) - np.repeat(first, counts)
         self.owner = rows.owner[self.row]
-        self.start = np.searchsorted(self.owner, np.arange(rows.objects + 1))  # of the cells of each object
+        self.pool = pool[self.row]
+        self.start = np.searchsorted(self.pool, np.arange(pools + 1))  # of the cells of each pool
         size = len(self.row)
         self.shape = np.full(size, BENT, dtype=np.int8)
         self.origin, self.a, self.b, self.c, self.normal = (np.zeros((3, size)) for _ in range(5))

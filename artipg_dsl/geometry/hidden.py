@@ -57,7 +57,7 @@ def runs(start: np.ndarray, count: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pairs:
-    """Flat cells and rows that may hide points on them, by group of objects and then by shelf of the row.
+    """Flat cells and rows that may hide points on them, by group of pools and then by shelf of the row.
 
     ``quad`` (4, 3, P) holds the points asked on the cell, in the row's own frame: origin, a, b, c; ``step`` (3, P) is
     the way from them through the surface to as far behind it. ``within`` (4, P) bounds the fractions u and v that the
@@ -120,7 +120,7 @@ class Occlusion:
 
     def _flat_pairs(self, cell: np.ndarray, other: np.ndarray, group: np.ndarray) -> Pairs:
         rows, cells = self.rows, self.cells
-        place = group[cells.owner[cell]] * len(rows.shelves) + self.shelf[other]
+        place = group[cells.pool[cell]] * len(rows.shelves) + self.shelf[other]
         order = np.argsort(place.astype(np.int16 if place.max(initial=0) < 32000 else np.int64), kind="stable")
         total = (int(group.max(initial=0)) + 1) * len(rows.shelves)
         edges = np.searchsorted(place[order], np.arange(total + 1))
@@ -231,7 +231,7 @@ class Occlusion:
     def flat_hidden(
         self, group: int, first: int, start: np.ndarray, count: np.ndarray, u: np.ndarray, v: np.ndarray
     ) -> np.ndarray:
-        """(m,) bool: which points on the flat cells of one group of objects are hidden.
+        """(m,) bool: which points on the flat cells of one group of pools are hidden.
 
         Points are sorted by cell: cell ``first + i`` has ``count[i]`` of them from ``start[i]`` on.
         """

@@ -3,6 +3,9 @@
 Candidates are allocated to the patches of an object by one random offset and fall on them by addressed random
 numbers; the hidden ones are dropped and the rest thinned evenly. Nothing that is drawn for an object depends on the
 others in the batch. Candidates stand in the order of the cells: what is kept of them is in order too.
+
+What gets n points is called a *pool*: the rows of an object, or those of one of its links, parts or primitives.
+Whatever the pools, points are hidden by all rows of their object.
 """
 
 from __future__ import annotations
@@ -17,14 +20,18 @@ from .cells import Cells, Coordinates
 from .density import Placement, solve_linear
 from .flat import PLANAR
 from .hidden import Occlusion, runs, scales
+from .outside import Outlook
 from .sites import SiteTable
 
 _ROWS, _OBJECTS = 16_000, 256  # at most in a block, about
+_LOOKED_AT = 32  # objects in a block whose triangles are needed
+_POINTS = 2_000_000  # in a block, about
 _CANDIDATES = 40_000  # at a time: their arrays stay in the caches
 _SPARE = 1.06  # candidates per point wanted, were all to be seen that are thought to be
 _LEAST_GUESS = 1 / 4  # share of visible candidates that the first round reckons with at least
 _ROUNDS = 40
 _LEAST = 1 / 64  # share of visible candidates that later rounds reckon with at least
+_HOPELESS = 50_000  # candidates none of which is seen: nothing is
 _OFFSET_LANE, _THIN_LANE = 0xFFFFFFFF, 0xFFFFFFFE
 
 
@@ -52,25 +59,101 @@ class PointSet:
     normal: np.ndarray  # (B, n, 3)
 
 
-def sample(sites: list[SiteTable], n_objects: int, n_points: int, key: random.Key, address: np.ndarray) -> PointSet:
+def sample(
+    sites: list[SiteTable], n_objects: int, n_points: int, key: random.Key, address: np.ndarray, *, outside: bool = False
+) -> PointSet:
     """Points of ``n_objects`` objects whose rows ``sites`` hold; ``address`` (n_objects,) uint64 names each to ``key``.
 
-    Raises PointsError for objects without visible surface.
+    The surface is the boundary of the union of the primitives; with ``outside`` what of it can be seen from without
+    (see ``outside.Outlook``). Raises PointsError for objects without such surface.
     """
-    shape = (n_objects, n_points)
+    labels = [np.zeros(len(site), dtype=np.int64) for site in sites]
+    address = np.asarray(address, dtype=np.uint64)
+    found = _sample(sites, Pools.of(sites, labels, n_objects), n_points, key, address, outside)
+    if not found.full.all():
+        raise PointsError(np.flatnonzero(~found.full).tolist())
+    return found.points
+
+
+def sample_pools(
+    sites: list[SiteTable], labels: list[np.ndarray], n_objects: int, n_points: int, key: random.Key,
+    address: np.ndarray, *, outside: bool = False,
+) -> tuple[PointSet, Pools, np.ndarray]:  # fmt: skip
+    """The same for the pools that ``labels`` tell: one array (k,) of whole numbers from 0 on per site table.
+
+    The points (P, n) and the pools that have them, and about how much surface each shows (P,), in square metres. Pools
+    without surface are left out: those of which less than one candidate in 2,500 or so can be seen.
+    """
+    pools = Pools.of(sites, labels, n_objects)
+    named = random.mix(np.asarray(address, dtype=np.uint64)[pools.owner], pools.label)
+    found = _sample(sites, pools, n_points, key, named, outside)
+    if found.full.all():
+        return found.points, pools, found.area
+    kept = np.flatnonzero(found.full)
+    points = PointSet(*(getattr(found.points, name)[kept] for name in PointSet.__slots__))
+    return points, Pools(pools.owner[kept], pools.label[kept], []), found.area[kept]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pools:
+    """P pools, sorted: of objects ``owner`` (P,), with ``label`` (P,). ``rows``: for each site table, of which pool
+    its rows are (k,)."""
+
+    owner: np.ndarray
+    label: np.ndarray
+    rows: list[np.ndarray]
+
+    @staticmethod
+    def of(sites: list[SiteTable], labels: list[np.ndarray], n_objects: int) -> Pools:
+        """Of the rows that bear the same label in one object. Without labels but 0, each object is one, rows or no."""
+        if not any(label.any() for label in labels):
+            every = np.arange(n_objects)
+            return Pools(every, np.zeros_like(every), [site.owner for site in sites])
+        pairs = np.concatenate([np.stack([s.owner, label]) for s, label in zip(sites, labels, strict=True)], axis=1)
+        found, which = np.unique(pairs, axis=1, return_inverse=True)
+        ends = np.cumsum([len(site) for site in sites])[:-1]
+        return Pools(found[0], found[1], np.split(which.reshape(-1), ends))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Found:
+    """Points (P, n), which pools are ``full``, and about how much visible surface they have."""
+
+    points: PointSet
+    full: np.ndarray
+    area: np.ndarray
+
+
+def _sample(
+    sites: list[SiteTable], pools: Pools, n_points: int, key: random.Key, address: np.ndarray, outside: bool
+) -> _Found:
+    count = len(pools.owner)
+    shape = (count, n_points)
     out = PointSet(
         np.zeros(shape, np.int32), np.zeros(shape, np.int32), np.zeros(shape, np.int16), np.zeros(shape),
         np.zeros(shape), np.zeros((*shape, 3)), np.zeros((*shape, 3)),
     )  # fmt: skip
-    if n_points:
-        for first, stop in _blocks(sites, n_objects):
-            _Sampler(block(sites, first, stop), key, address[first:stop], first, n_points).fill(out)
-    return out
+    found = _Found(out, np.ones(count, dtype=bool), np.zeros(count))
+    if not count or not n_points:
+        return found
+    offsets = np.cumsum([0, *(len(site) for site in sites)])
+    pool_of = np.concatenate([np.empty(0, np.int64), *pools.rows])
+    place = {site.number: int(offset) for site, offset in zip(sites, offsets[:-1], strict=True)}
+    starts = np.zeros(max(place, default=0) + 1, dtype=np.int64)
+    starts[list(place)] = list(place.values())
+    objects = int(pools.owner[-1]) + 1
+    most = min(_LOOKED_AT if outside else _OBJECTS, max(1, _POINTS * objects // (count * n_points)))
+    for first, stop in _blocks(sites, objects, most):
+        rows = block(sites, first, stop)
+        low, high = np.searchsorted(pools.owner, (first, stop)).tolist()
+        pool = pool_of[starts[rows.site] + rows.row] - low
+        _Sampler(rows, pool, key, address[low:high], low, n_points, outside).fill(found)
+    return found
 
 
-def _blocks(sites: list[SiteTable], n_objects: int) -> list[tuple[int, int]]:
+def _blocks(sites: list[SiteTable], n_objects: int, most: int = _OBJECTS) -> list[tuple[int, int]]:
     """Ranges of objects that are set up together."""
-    step = max(1, min(_OBJECTS, _ROWS * n_objects // max(1, sum(len(s) for s in sites))))
+    step = max(1, min(most, _ROWS * n_objects // max(1, sum(len(s) for s in sites))))
     return [(first, min(first + step, n_objects)) for first in range(0, n_objects, step)]
 
 
@@ -82,7 +165,7 @@ def _even(number: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Drawn:
-    """One round: ``wanted`` (objects,) candidates, ``count`` (C,) of them on each cell, ``before`` (C,) lanes first."""
+    """One round: ``wanted`` (pools,) candidates, ``count`` (C,) of them on each cell, ``before`` (C,) lanes first."""
 
     attempt: int
     wanted: np.ndarray
@@ -90,55 +173,71 @@ class _Drawn:
     before: np.ndarray
 
 
-class _Sampler:
-    """The candidates of one block of objects."""
+@dataclass(frozen=True, slots=True, eq=False)
+class _Candidates:
+    """Candidates of a group in the order of their cells: ``bent`` are those on bent cells, which are ``mine`` among
+    the ``_BentPoints``."""
 
-    def __init__(self, rows: Block, key: random.Key, address: np.ndarray, first: int, n: int):
+    cell: np.ndarray
+    u: np.ndarray
+    v: np.ndarray
+    bent: np.ndarray
+    mine: slice
+
+
+class _Sampler:
+    """The candidates of one block of objects: of the pools from ``first`` on, ``address`` (pools,) each."""
+
+    def __init__(
+        self, rows: Block, pool: np.ndarray, key: random.Key, address: np.ndarray, first: int, n: int, outside: bool
+    ):
         self.rows, self.key, self.first, self.n = rows, key, first, n
-        self.address = np.asarray(address, dtype=np.uint64)
-        self.cells = cells = Cells(rows)
+        self.address = address
+        self.cells = cells = Cells(rows, pool, len(address))
         cells.measure_bent()
         together = max(1, _CANDIDATES // (n + 32))
-        self.groups = [(k, min(k + together, rows.objects)) for k in range(0, rows.objects, together)]
-        self.occlusion = Occlusion(cells, scales(rows), np.arange(rows.objects) // together)
+        self.groups = [(k, min(k + together, len(address))) for k in range(0, len(address), together)]
+        self.occlusion = Occlusion(cells, scales(rows), np.arange(len(address)) // together)
+        self.outlook = Outlook(cells, self.occlusion.off, self.occlusion.buried) if outside else None
         area = np.where(self.occlusion.buried, 0.0, cells.area)
         counts = np.diff(cells.start)
-        slot = np.arange(len(area)) - cells.start[cells.owner]
-        padded = np.zeros((rows.objects, max(1, int(counts.max(initial=1)))))
-        padded[cells.owner, slot] = area
+        slot = np.arange(len(area)) - cells.start[cells.pool]
+        padded = np.zeros((len(address), max(1, int(counts.max(initial=1)))))
+        padded[cells.pool, slot] = area
         running = np.cumsum(padded, axis=1)
-        total = running[:, -1]
-        if (total <= 0.0).any():
-            raise PointsError((first + np.flatnonzero(total <= 0.0)).tolist())
-        self.share = (running / total[:, None])[cells.owner, slot]
-        seen = np.bincount(cells.owner, area * self.occlusion.visible(), minlength=rows.objects)
+        self.total = running[:, -1]
+        total = np.where(self.total > 0.0, self.total, 1.0)
+        self.share = (running / total[:, None])[cells.pool, slot]
+        seen = np.bincount(cells.pool, area * self.occlusion.visible(), minlength=len(address))
         self.guess = np.maximum(seen / total, _LEAST_GUESS)
         self.head = slot == 0
 
-    def fill(self, out: PointSet) -> None:
-        """Rounds of candidates until every object has its points."""
+    def fill(self, found: _Found) -> None:
+        """Rounds of candidates until every pool has its points, or is found to have no surface for them."""
         n = self.n
-        filled = np.zeros(self.rows.objects, dtype=np.int64)
-        wanted = _even(_SPARE * n / self.guess + 32)
+        filled = np.zeros(len(self.address), dtype=np.int64)
+        wanted = np.where(self.total > 0.0, _even(_SPARE * n / self.guess + 32), 0)
         tried, seen = np.zeros_like(wanted), np.zeros_like(wanted)
         for attempt in range(_ROUNDS):
-            survivors = self._round(out, filled, wanted, attempt)
+            survivors = self._round(found.points, filled, wanted, attempt)
             tried += wanted
             seen += survivors
             filled = np.minimum(filled + survivors, n)
-            missing = n - filled
+            missing = np.where((self.total > 0.0) & ((seen > 0) | (tried < _HOPELESS)), n - filled, 0)
             if not missing.any():
-                return
-            share = np.maximum(seen / tried, _LEAST)
+                break
+            share = np.maximum(seen / np.maximum(tried, 1), _LEAST)
             wanted = np.where(missing > 0, _even(_SPARE * missing / share + 32), 0)
-        raise PointsError((self.first + np.flatnonzero(filled < n)).tolist())
+        mine = slice(self.first, self.first + len(filled))
+        found.full[mine] = filled == n
+        found.area[mine] = self.total * seen / np.maximum(tried, 1)
 
     def _round(self, out: PointSet, filled: np.ndarray, wanted: np.ndarray, attempt: int) -> np.ndarray:
-        """One round of ``wanted`` (objects,) candidates; the survivors counted, and written as far as there is room."""
+        """One round of ``wanted`` (pools,) candidates; the survivors counted, and written as far as there is room."""
         cells = self.cells
         offset, thin = (random.uniform(self.key, self.address, lane, attempt) for lane in (_OFFSET_LANE, _THIN_LANE))
-        most = wanted[cells.owner]
-        upto = np.clip(np.ceil(most * self.share - offset[cells.owner]), 0, most).astype(np.int64)
+        most = wanted[cells.pool]
+        upto = np.clip(np.ceil(most * self.share - offset[cells.pool]), 0, most).astype(np.int64)
         before = np.concatenate([[0], upto[:-1]])
         before[self.head] = 0
         drawn = _Drawn(attempt, wanted, upto - before, before)
@@ -153,53 +252,60 @@ class _Sampler:
         self, out: PointSet, number: int, low: int, high: int, filled: np.ndarray, thin: np.ndarray, drawn: _Drawn,
         bent: _BentPoints,
     ) -> np.ndarray:  # fmt: skip
-        """The candidates of the objects ``low .. high - 1``; how many of each can be seen."""
-        cells, n, objects = self.cells, self.n, slice(low, high)
+        """The candidates of the pools ``low .. high - 1``; how many of each can be seen."""
+        cells, n, pools = self.cells, self.n, slice(low, high)
         begin, end = int(cells.start[low]), int(cells.start[high])
         count = drawn.count[begin:end]
         start = np.cumsum(count) - count
-        wanted = drawn.wanted[objects]
-        u, v = random.coarse_pairs(self.key, self.address[objects], wanted, drawn.attempt)
+        wanted = drawn.wanted[pools]
+        u, v = random.coarse_pairs(self.key, self.address[pools], wanted, drawn.attempt)
         self._slant(begin, start, count, u, v)
         mine = slice(*np.searchsorted(bent.cell, (begin, end)).tolist())
         at = start[bent.cell[mine] - begin] + bent.nth[mine]
         hidden = self.occlusion.flat_hidden(number, begin, start, count, u, v)
         u[at], v[at], hidden[at] = bent.u[mine], bent.v[mine], bent.hidden[mine]
-
-        running = np.concatenate([[0], np.cumsum(~hidden)])
-        upto = np.cumsum(wanted)
-        survivors = running[upto] - running[upto - wanted]
-        room = np.minimum(n - filled[objects], survivors)
+        every = _Candidates(np.repeat(np.arange(begin, end), count), u, v, at, mine)
         kept = np.flatnonzero(~hidden)
+        if self.outlook is not None:
+            kept = kept[self.outlook.sees(every.cell[kept], *self._places(every, kept, bent))]
+        borders = np.searchsorted(kept, np.concatenate([[0], np.cumsum(wanted)]))
+        survivors = np.diff(borders)
+        room = np.minimum(n - filled[pools], survivors)
         if (room < survivors).any():  # thin evenly
-            rank = np.arange(len(kept)) - np.repeat(np.cumsum(survivors) - survivors, survivors)
+            rank = np.arange(len(kept)) - np.repeat(borders[:-1], survivors)
             total, take = np.repeat(survivors, survivors), np.repeat(room, survivors)
-            shift = np.minimum((thin[objects] * survivors).astype(np.int64), np.maximum(survivors - 1, 0))
+            shift = np.minimum((thin[pools] * survivors).astype(np.int64), np.maximum(survivors - 1, 0))
             place = rank * take + np.repeat(shift, survivors)
             kept = kept[place % total + take >= total]
-        cell = np.repeat(np.arange(begin, end), count)[kept]
-        u, v = u[kept], v[kept]
-        position, normal = cells.flat_position(cell, u, v), [x[cell] for x in cells.normal]
-        if len(at):
-            among = np.searchsorted(kept, at)
-            there = np.flatnonzero(np.append(kept, -1)[among] == at)
-            for axis in range(3):
-                position[axis][among[there]] = bent.position[axis][mine][there]
-                normal[axis][among[there]] = bent.normal[axis][mine][there]
+        cell = every.cell[kept]
+        position, normal = self._places(every, kept, bent)
         row = cells.row[cell]
         target: slice | np.ndarray
         if (room == n).all():
             target = slice((self.first + low) * n, (self.first + high) * n)
         else:
-            target = runs((self.first + np.arange(low, high)) * n + filled[objects], room)
+            target = runs((self.first + np.arange(low, high)) * n + filled[pools], room)
         out.site.reshape(-1)[target] = self.rows.site[row]
         out.row.reshape(-1)[target] = self.rows.row[row]
         out.patch.reshape(-1)[target] = cells.patch[cell]
-        out.u.reshape(-1)[target], out.v.reshape(-1)[target] = u, v
+        out.u.reshape(-1)[target], out.v.reshape(-1)[target] = u[kept], v[kept]
         for axis in range(3):
             out.position.reshape(-1, 3)[target, axis] = position[axis]
             out.normal.reshape(-1, 3)[target, axis] = normal[axis]
         return survivors
+
+    def _places(self, every: _Candidates, kept: np.ndarray, bent: _BentPoints) -> tuple[list, list]:
+        """Positions and normals of the candidates ``kept`` (ascending), three arrays each."""
+        cell = every.cell[kept]
+        position = list(self.cells.flat_position(cell, every.u[kept], every.v[kept]))
+        normal = [x[cell] for x in self.cells.normal]
+        if len(every.bent):
+            among = np.searchsorted(kept, every.bent)
+            there = np.flatnonzero(np.append(kept, -1)[among] == every.bent)
+            for axis in range(3):
+                position[axis][among[there]] = bent.position[axis][every.mine][there]
+                normal[axis][among[there]] = bent.normal[axis][every.mine][there]
+        return position, normal
 
     def _slant(self, begin: int, start: np.ndarray, count: np.ndarray, u: np.ndarray, v: np.ndarray) -> None:
         """Fractions, uniform by area, on the cells from ``begin`` on whose element grows along u or v."""
@@ -224,8 +330,8 @@ class _BentPoints:
         count = drawn.count[every]
         cell = np.repeat(every, count)
         nth = runs(np.zeros_like(count), count)
-        owner = cells.owner[cell]
-        u, v = random.coarse_pair(sampler.key, sampler.address[owner], drawn.before[cell] + nth, drawn.attempt)
+        pool = cells.pool[cell]
+        u, v = random.coarse_pair(sampler.key, sampler.address[pool], drawn.before[cell] + nth, drawn.attempt)
         position, normal = np.empty((3, len(cell))), np.empty((3, len(cell)))
         begin = 0
         done = np.cumsum(np.concatenate([[0], count]))
@@ -250,27 +356,48 @@ class _BentPoints:
 def evaluate(sites: list[SiteTable], binding: PointSet) -> tuple[np.ndarray, np.ndarray]:
     """Positions and normals (B, n, 3) of bound points on the present rows of ``sites``.
 
-    On the rows they were sampled from, the very bits of the sampled positions and normals.
+    On the rows they were sampled from, the very bits of the sampled positions and normals. Raises ValueError for points
+    that are bound to rows which their objects do not have.
     """
-    position, normal = np.empty(binding.position.shape), np.empty(binding.normal.shape)
-    count = binding.u.shape[1]
-    for first, stop in _blocks(sites, len(binding.u)):
-        part = slice(first, stop)
+    shape = binding.u.shape
+    owner = np.repeat(np.arange(shape[0]), shape[1])
+    names = ("site", "row", "patch", "u", "v")
+    position, normal, _ = evaluate_flat(sites, owner, *(getattr(binding, name).ravel() for name in names))
+    return position.reshape(*shape, 3), normal.reshape(*shape, 3)
+
+
+def evaluate_flat(
+    sites: list[SiteTable], owner: np.ndarray, site: np.ndarray, row: np.ndarray, patch: np.ndarray, u: np.ndarray,
+    v: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:  # fmt: skip
+    """The same for m points of objects ``owner`` (m,), ascending: positions and normals (m, 3), and whether the patch
+    exists (m,)."""
+    position, normal = np.empty((len(owner), 3)), np.empty((len(owner), 3))
+    exists = np.empty(len(owner), dtype=bool)
+    for first, stop in _blocks(sites, int(owner[-1]) + 1 if len(owner) else 0):
+        part = slice(*np.searchsorted(owner, (first, stop)).tolist())
+        if part.start == part.stop:
+            continue
         rows = block(sites, first, stop)
         cells = Cells(rows)
-        cell = cells.first[_rows(sites, rows, binding.site[part].ravel(), binding.row[part].ravel())]
-        cell = cell + binding.patch[part].ravel()
-        u, v = binding.u[part].ravel(), binding.v[part].ravel()
-        place, direction = cells.flat_position(cell, u, v), [x[cell] for x in cells.normal]
+        own = _rows(sites, rows, site[part], row[part])
+        if (rows.owner[own] != owner[part] - first).any():
+            raise ValueError(_NOT_THEIRS)
+        cell = cells.first[own] + patch[part]
+        at_u, at_v = u[part], v[part]
+        place, direction = cells.flat_position(cell, at_u, at_v), [x[cell] for x in cells.normal]
         for bent in cells.bent:
             at = np.flatnonzero(np.isin(cell, bent.cell))
             if len(at):
-                made = cells.bent_position(bent, cell[at], u[at], v[at])
+                made = cells.bent_position(bent, cell[at], at_u[at], at_v[at])
                 for axis in range(3):
                     place[axis][at], direction[axis][at] = made[0][axis], made[1][axis]
-        position[part] = np.stack(place, axis=-1).reshape(-1, count, 3)
-        normal[part] = np.stack(direction, axis=-1).reshape(-1, count, 3)
-    return position, normal
+        position[part], normal[part] = np.stack(place, axis=-1), np.stack(direction, axis=-1)
+        exists[part] = cells.exists[cell]
+    return position, normal, exists
+
+
+_NOT_THEIRS = "points are bound to rows that their objects do not have"
 
 
 def _rows(sites: list[SiteTable], rows: Block, number: np.ndarray, row: np.ndarray) -> np.ndarray:
@@ -280,5 +407,5 @@ def _rows(sites: list[SiteTable], rows: Block, number: np.ndarray, row: np.ndarr
     order = np.argsort(have)
     found = order[np.minimum(np.searchsorted(have[order], asked), len(order) - 1)]
     if (have[found] != asked).any():
-        raise ValueError("points are bound to rows that their objects do not have")
+        raise ValueError(_NOT_THEIRS)
     return found

@@ -1,0 +1,160 @@
+"""What of the boundary of an object can be seen from without, as against the walls of a cavity behind a closed door.
+
+A point counts as seen when one of ``DIRECTIONS`` rays from it, the same evenly spread ones for all points and objects,
+leaves the object without entering a solid: a camera far away in that direction sees it. So what shows itself only
+through a slit or hole narrower than the spacing of the rays, about 13 degrees, counts as not seen. Solids are
+represented by their meshes. The rays of one direction are parallel: which triangles they may enter is looked up on a
+grid in the plane across, for all objects at once.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from . import mesh
+from .cells import Cells
+from .hidden import runs
+
+DIRECTIONS = 240
+STEPS = 24  # of the meshes, per full turn
+_GRAZING = 0.02  # sine of the angle to the surface below which a ray is not asked
+_BINS = 24  # of the grid, along either axis
+_EDGE = 1e-9  # a ray this far beyond an edge, relative to the picture, still meets the triangle
+_STRIDE = 89  # through the directions, so that the first of them are spread evenly too
+_PAIRS = 500_000  # of a ray and a triangle at a time
+
+
+def directions(count: int = DIRECTIONS) -> np.ndarray:
+    """(count, 3) unit vectors spread evenly: a Fibonacci lattice on the sphere, in an order whose beginnings are even too."""
+    number = np.arange(count) * _STRIDE % count
+    z = 1.0 - (2.0 * number + 1.0) / count
+    around = number * (np.pi * (3.0 - np.sqrt(5.0)))
+    level = np.sqrt(1.0 - z * z)
+    return np.stack([level * np.cos(around), level * np.sin(around), z], axis=-1)
+
+
+class Outlook:
+    """The solids of a block as triangles, ``corner`` (3 corners, 3 axes, T), sorted by object."""
+
+    def __init__(self, cells: Cells, off: np.ndarray, buried: np.ndarray):
+        self.cells, self.off = cells, off
+        rows = cells.rows
+        corners, owners = [np.empty((3, 3, 0))], [np.empty(0, np.int64)]
+        for shelf in rows.shelves:
+            for made in mesh.build(shelf.primitive, shelf.params, STEPS):
+                own = shelf.start + made.rows
+                rotation, translation, mirror = (p[..., own, None] for p in cells.poses)
+                x, y, z = (made.vertices[..., axis] for axis in range(3))
+                y = y * mirror
+                placed = np.stack(
+                    [
+                        rotation[3 * k] * x + rotation[3 * k + 1] * y + rotation[3 * k + 2] * z + translation[k]
+                        for k in range(3)
+                    ]
+                )  # (3, rows, vertices)
+                corner = np.stack([placed[:, :, made.faces[:, c]] for c in range(3)])  # (corner, axis, row, face)
+                inside_out = np.flatnonzero(rows.mirror[own] < 0)
+                corner[:, :, inside_out] = corner[::-1, :, inside_out]
+                shown = ~buried[cells.first[own, None] + made.face_patch]
+                corners.append(corner[:, :, shown])
+                owners.append(np.broadcast_to(rows.owner[own, None], shown.shape)[shown])
+        owner = np.concatenate(owners)
+        order = np.argsort(owner, kind="stable")
+        self.owner, self.corner = owner[order], np.concatenate(corners, axis=2)[:, :, order]
+        a, b, c = self.corner
+        e, f = b - a, c - a
+        self.normal = np.stack([e[(k + 1) % 3] * f[(k + 2) % 3] - e[(k + 2) % 3] * f[(k + 1) % 3] for k in range(3)])
+        ends = np.searchsorted(self.owner, np.arange(rows.objects + 1))
+        filled = np.flatnonzero(np.diff(ends))
+        self.low, self.high = np.zeros((3, rows.objects)), np.ones((3, rows.objects))
+        if len(filled):
+            self.low[:, filled] = np.minimum.reduceat(self.corner.min(axis=0), ends[filled], axis=1)
+            self.high[:, filled] = np.maximum.reduceat(self.corner.max(axis=0), ends[filled], axis=1)
+
+    def sees(self, cell: np.ndarray, position, normal) -> np.ndarray:
+        """(m,) bool: which of the points on cells ``cell`` can be seen from without."""
+        owner = self.cells.owner[cell]
+        start = [p + self.off[owner] * n for p, n in zip(position, normal, strict=True)]
+        seen = np.zeros(len(cell), dtype=bool)
+        left = np.arange(len(cell))
+        for way in directions():
+            slope = way[0] * normal[0][left] + way[1] * normal[1][left] + way[2] * normal[2][left]
+            asked = left[slope > _GRAZING]
+            if len(asked):
+                free = self._leaves(way, owner[asked], [s[asked] for s in start])
+                seen[asked[free]] = True
+                left = left[~seen[left]]
+        return seen
+
+    def _leaves(self, way: np.ndarray, owner: np.ndarray, start: list[np.ndarray]) -> np.ndarray:
+        """(m,) bool: whether rays along ``way`` from points of objects ``owner`` enter no solid."""
+        frame = _frame(way)
+        slope = way[0] * self.normal[0] + way[1] * self.normal[1] + way[2] * self.normal[2]
+        objects = np.zeros(self.low.shape[1], dtype=bool)
+        objects[owner] = True
+        facing = np.flatnonzero((slope < 0.0) & objects[self.owner])
+        whose = self.owner[facing]
+        corner = [[f[0] * c[0] + f[1] * c[1] + f[2] * c[2] for f in frame] for c in self.corner[:, :, facing]]
+        point = [f[0] * start[0] + f[1] * start[1] + f[2] * start[2] for f in frame]
+        # the grid: each object's picture has its own, _BINS by _BINS
+        middle, reach = (self.low + self.high) / 2, (self.high - self.low) / 2
+        scale, origin = [], []
+        for f in frame[:2]:
+            half = np.abs(f[0]) * reach[0] + np.abs(f[1]) * reach[1] + np.abs(f[2]) * reach[2]
+            half = np.maximum(half * 1.001, 1e-12)
+            origin.append(f[0] * middle[0] + f[1] * middle[1] + f[2] * middle[2] - half)
+            scale.append(_BINS / (2.0 * half))
+        across, up = (np.clip((point[k] - origin[k][owner]) * scale[k][owner], 0, _BINS - 1).astype(np.int64) for k in (0, 1))
+        place = (owner * _BINS + up) * _BINS + across
+        order = np.argsort(place, kind="stable")
+        count = np.bincount(place, minlength=self.low.shape[1] * _BINS * _BINS)
+        begin = np.cumsum(count) - count
+        ends = []
+        for k in (0, 1):
+            low = np.minimum(np.minimum(corner[0][k], corner[1][k]), corner[2][k])
+            high = np.maximum(np.maximum(corner[0][k], corner[1][k]), corner[2][k])
+            for value in (low, high):
+                ends.append(np.clip((value - origin[k][whose]) * scale[k][whose], 0, _BINS - 1).astype(np.int64))
+        left, right, bottom, top = ends
+        wide = right - left + 1
+        lines = runs(bottom, top - bottom + 1)  # one for each triangle and row of bins that it touches
+        of = np.repeat(np.arange(len(facing)), top - bottom + 1)
+        head = (whose[of] * _BINS + lines) * _BINS + left[of]
+        # the points of neighbouring bins of a row stand together
+        first = begin[head]
+        many = begin[head + wide[of] - 1] + count[head + wide[of] - 1] - first
+        some = np.flatnonzero(many)
+        of, first, many = of[some], first[some], many[some]
+        edge = [_edges(corner, k) for k in range(3)]
+        normal = self.normal[:, facing]
+        turned = [f[0] * normal[0] + f[1] * normal[1] + f[2] * normal[2] for f in frame]
+        size = _EDGE / (scale[0] * scale[1])[whose]
+        out = np.ones(len(owner), dtype=bool)
+        total = np.cumsum(many)
+        cuts = np.searchsorted(total, np.arange(_PAIRS, int(total[-1]) if len(total) else 0, _PAIRS))
+        for part in np.split(np.arange(len(of)), cuts):
+            if not len(part):
+                continue
+            ray = order[runs(first[part], many[part])]
+            with_ = np.repeat(of[part], many[part])
+            for a, b, c in edge:
+                kept = a[with_] * point[0][ray] + b[with_] * point[1][ray] + c[with_] <= size[with_]
+                ray, with_ = ray[kept], with_[kept]
+            # what faces the ray lies before it where the start is on the outer side of its plane
+            gap = sum(turned[k][with_] * (corner[0][k][with_] - point[k][ray]) for k in range(3))
+            out[ray[gap < 0.0]] = False
+        return out
+
+
+def _edges(corner: list[list[np.ndarray]], k: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Coefficients of x, y, 1 that are not above 0 within edge k of triangles that face the rays."""
+    (x, y, _), (p, q, _) = corner[k], corner[(k + 1) % 3]
+    return y - q, p - x, x * q - p * y
+
+
+def _frame(way: np.ndarray) -> list[np.ndarray]:
+    """Two axes across a direction, and the direction."""
+    other = np.eye(3)[int(np.argmin(np.abs(way)))]
+    first = np.cross(way, other)
+    first = first / np.sqrt((first * first).sum())
+    return [first, np.cross(way, first), way]
