@@ -227,15 +227,40 @@ class Samples:
 
     # ------------------------------------------------------------ geometry
 
-    def points(self, n: int = 2048, states: np.ndarray | None = None, *, motion: bool = False) -> Points:
+    def points(
+        self,
+        n: int = 2048,
+        states: np.ndarray | None = None,
+        *,
+        motion: bool = False,
+        surface: str = "boundary",
+        spread: str = "random",
+        per: str = "object",
+    ) -> Points:
         """``n`` points per object on the visible surface with normals, labels and binding, arrays (B, n, ...).
 
-        In several ``states`` (K, J) positions and normals are (B, K, n, 3); ``motion``: velocities by the own joint.
-        With the joints at ``states`` (J,), at rest by default.
+        With the joints at ``states`` (J,), at rest by default. In several ``states`` (K, J) positions and normals are
+        (B, K, n, 3); ``motion``: velocities by the own joint. ``surface``: "boundary" of the union of all primitives,
+        or what of it can be seen from "outside". ``spread``: "random", or "blue" to keep points apart. ``per``: n for
+        each "object", "semantic" class, part "instance", "link" or "primitive" that shows itself; arrays then have a
+        row for each of these, and ``object`` tells whose it is. Raises UsageError, UserError.
         """
         from .annotate.cloud import sample_points
+        from .annotate.sampling import Sampling
 
-        return sample_points(self.batch, n, states, motion=motion)
+        return sample_points(self.batch, Sampling(n, surface, spread, per), states, motion=motion)
+
+    def rebind(
+        self, points: Points | Mapping[str, np.ndarray], states: np.ndarray | None = None, *, motion: bool = False
+    ) -> Points:
+        """Points of other objects of the program at the same places on these: ``mutant.rebind(batch.points())``.
+
+        ``points`` may be the arrays of a points shard, too. Labels are those of the new places; ``bound`` tells where
+        primitive and patch still exist. Raises UsageError.
+        """
+        from .annotate.rebind import rebind
+
+        return rebind(self.batch, points, states, motion=motion)
 
     def views(
         self,
@@ -283,18 +308,25 @@ class Samples:
         states: str = "rest",
         motion: bool = False,
         views: int | str | Path | Mapping[str, Any] | None = None,
+        surface: str = "boundary",
+        spread: str = "random",
+        per: str = "object",
         force: bool = False,
     ) -> Path:
         """Write what ``apgc sample`` writes: shards, a folder per object where a format asks for it, the manifest.
 
-        The options are those of the command: ``states`` such as "open,random:4", ``views`` a number or cameras.
+        The options are those of the command and of ``points``: ``states`` such as "open,random:4", ``views`` a number
+        or cameras.
         """
+        from .annotate.sampling import Sampling
         from .annotate.states import read_states
         from .export.content import Content
         from .export.registry import choose
 
         names = formats if formats is None or isinstance(formats, str) else list(formats)
-        content = Content(points, read_states(states), motion, None if views is None else _cameras(views, {}))
+        how = Sampling(points, surface, spread, per)
+        cameras = None if views is None else _cameras(views, {})
+        content = Content(int(how.count), read_states(states), motion, cameras, surface, spread, per)
         self.job.write(folder, self.numbers, choose(names, views=views is not None), content=content, force=force)
         return Path(folder)
 

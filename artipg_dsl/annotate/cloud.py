@@ -1,4 +1,4 @@
-"""Labelled point clouds: points on the visible surface of every object of a batch, with all that is known of them."""
+"""Labelled point clouds: points on the surface of every object of a batch, with all that is known of them."""
 
 from __future__ import annotations
 
@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..errors import UsageError, UserError
 from ..geometry import points as geometry
 from ..graph import random
 from .frames import rotate
 from .points import label_points
+from .sampling import Sampling, draw
 from .states import twist
 
 if TYPE_CHECKING:
@@ -19,55 +21,88 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Points:
-    """n points for each of B objects, in the object's frame, metres.
+    """n points for each of B objects, in the object's frame, metres; or for each of P links, parts, ... of them.
 
-    ``position``, ``normal`` (B, n, 3); ``semantic``, ``instance`` (part number), ``link``, ``primitive`` (site number)
-    and ``patch`` (B, n); ``u``, ``v`` (B, n) patch fractions; ``labels`` such as ``affordance.pull``, (B, n) each.
+    ``object`` (B,): the index in the batch. ``position``, ``normal`` (B, n, 3); ``semantic``, ``instance`` (part
+    number), ``link`` (B, n). The binding: ``primitive`` (site number), ``element`` (which of the object's primitives of
+    that site), ``patch``, ``u``, ``v`` (B, n) patch fractions. ``labels`` such as ``affordance.pull``, (B, n) each.
     With K states, ``position``, ``normal`` and ``motion`` are (B, K, n, 3): the same points, moved. ``motion`` is the
-    velocity per unit (radian, metre) of the point's own joint, None unless asked for.
+    velocity per unit (radian, metre) of the point's own joint, None unless asked for. ``bound`` (B, n) tells of points
+    that were bound again which of them still have their primitive and patch; what is not has nan for its place, no
+    label and -1 for semantic, instance and link. It is None for points that were drawn.
     """
 
+    object: np.ndarray
     position: np.ndarray
     normal: np.ndarray
     semantic: np.ndarray
     instance: np.ndarray
     link: np.ndarray
     primitive: np.ndarray
+    element: np.ndarray
     patch: np.ndarray
     u: np.ndarray
     v: np.ndarray
     labels: dict[str, np.ndarray]
     motion: np.ndarray | None = None
+    bound: np.ndarray | None = None
 
 
 def sample_points(
-    batch: Batch, n_points: int = 2048, states: np.ndarray | None = None, *, motion: bool = False
+    batch: Batch, how: Sampling | int = 2048, states: np.ndarray | None = None, *, motion: bool = False
 ) -> Points:
-    """Exactly ``n_points`` per object, uniform by area, joints at ``states`` (J,) or (K, J), by default at rest.
+    """Points uniform by area, exactly as many as asked for, with joints at ``states`` (J,) or (K, J), rest by default.
 
-    Points lie on the surface that is visible with all joints at 0, where objects are closed, and move with their links.
-    The points of an object are the same in any batch. Raises PointsError for objects without visible surface.
+    Points lie on the surface that is there with all joints at 0, where objects are closed, and move with their links.
+    The points of an object are the same in any batch. Raises UserError for objects without visible surface,
+    UsageError.
     """
+    how = how if isinstance(how, Sampling) else Sampling(how)
     tables = batch.sites()
     address = np.asarray(batch.numbers).astype(np.uint64)
-    made = geometry.sample(tables, len(batch), n_points, random.key(batch.seed, "points"), address)
+    try:
+        made, owner = draw(tables, len(batch), how, random.key(batch.seed, "points"), address)
+    except geometry.PointsError as wrong:
+        numbers = ", ".join(str(batch.numbers[k]) for k in wrong.objects[:5])
+        what = "that can be seen from outside" if how.surface == "outside" else "to put points on"
+        raise UserError(f"{batch.program.name} {numbers} has no surface {what}", "give it a part with a solid") from None
+    return complete(batch, made, owner, states, motion)
+
+
+def complete(
+    batch: Batch, made: geometry.PointSet, owner: np.ndarray, states: np.ndarray | None, motion: bool
+) -> Points:
+    """All that is known of points (P, n) on objects ``owner`` (P,)."""
+    tables = batch.sites()
     labels = label_points(batch, tables, made)
-    starts = np.zeros(len(batch.program.sites), dtype=np.int64)
-    sizes = [len(table.owner) for table in tables]
-    starts[[table.number for table in tables]] = np.cumsum([0, *sizes[:-1]])
-    at = starts[made.site] + made.row
-    instance = np.concatenate([table.instance for table in tables])[at]
-    link = np.concatenate([table.link for table in tables])[at]
-    own = np.searchsorted(batch.links().owner, np.arange(len(batch)))[:, None] + link
+    at = _starts(batch)[made.site] + made.row
+    instance, link, rank = (
+        np.concatenate([np.empty(0, np.int64), *(getattr(table, name) for table in tables)])[at]
+        for name in ("instance", "link", "rank")
+    )
+    own = np.searchsorted(batch.links().owner, owner)[:, None] + link
     several = states is not None and np.ndim(states) == 2
+    if states is not None and np.shape(states)[-1:] != (len(batch.joints().owner),):
+        raise UsageError(
+            f"states are of shape {np.shape(states)}: one value for each of {len(batch.joints().owner)} joints is needed",
+            "`rest`, `opened`, `states` and `joint_values` of the same objects give such values",
+        )
     shown = [moved(batch, made, own, one, motion) for one in (np.asarray(states) if several else [states])]
     position, normal, velocity = (
         None if arrays[0] is None else np.stack(arrays, axis=1) if several else arrays[0]
         for arrays in zip(*shown, strict=True)
     )
     assert position is not None and normal is not None
-    binding = made.site, made.patch, made.u, made.v
-    return Points(position, normal, labels.semantic, instance, link, *binding, labels.fields, velocity)
+    binding = made.site, rank, made.patch, made.u, made.v
+    return Points(owner, position, normal, labels.semantic, instance, link, *binding, labels.fields, velocity)
+
+
+def _starts(batch: Batch) -> np.ndarray:
+    """Where the rows of each site begin in the site tables put together."""
+    tables = batch.sites()
+    starts = np.zeros(len(batch.program.sites), dtype=np.int64)
+    starts[[table.number for table in tables]] = np.cumsum([0, *(len(table) for table in tables[:-1])])
+    return starts
 
 
 def moved(

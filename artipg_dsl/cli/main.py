@@ -57,6 +57,17 @@ def parser() -> argparse.ArgumentParser:
     sample.add_argument("-o", "--out", default="out", metavar="DIR", help="the folder for the samples (default: out)")
     sample.add_argument("--points", type=positive, default=2048, metavar="N", help="points per object (default: 2048)")
     sample.add_argument(
+        "--surface", choices=("boundary", "outside"), default="boundary",
+        help="boundary: of the union of all primitives (default); outside: what of it can be seen with all joints at 0",
+    )  # fmt: skip
+    sample.add_argument(
+        "--spread", choices=("random", "blue"), default="random", help="blue: points keep apart (default: random)"
+    )
+    sample.add_argument(
+        "--per", choices=("object", "semantic", "instance", "link", "primitive"), default="object",
+        help="what has N points: each object (default), class of parts, part instance, link or primitive",
+    )  # fmt: skip
+    sample.add_argument(
         "--format", metavar="LIST", help="points, annotation, views, urdf, glb, with commas (default: points,annotation)"
     )
     sample.add_argument(

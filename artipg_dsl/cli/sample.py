@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from ..runtime.mutate import Mutation
 
 
+PLAIN = {"motion": False, "surface": "boundary", "spread": "random", "per": "object"}
+
+
 def chosen(options: argparse.Namespace) -> np.ndarray:
     """The numbers of the objects asked for."""
     if options.only is not None:
@@ -37,11 +40,14 @@ def in_the_way(folder: Path) -> None:
 def held(options: argparse.Namespace) -> Content:
     """What the shards are to hold."""
     from ..annotate.camera_file import read_cameras
+    from ..annotate.sampling import Sampling
     from ..annotate.states import read_states
     from ..export.content import Content
 
     cameras = None if options.views is None else read_cameras(options.views)
-    return Content(options.points, read_states(options.states), options.motion, cameras)
+    how = Sampling(options.points, options.surface, options.spread, options.per)
+    kind = how.surface, how.spread, how.per
+    return Content(how.count, read_states(options.states), options.motion, cameras, *kind)
 
 
 def mutation(options: argparse.Namespace) -> Mutation:
@@ -67,8 +73,10 @@ def run(options: argparse.Namespace) -> int:
     except ExportError as wrong:
         raise UsageError(wrong.message, wrong.hint) from None
     content = held(options)
-    if options.motion and "points" not in [entry.name for entry in formats]:
-        raise UsageError("--motion is about points, which are not among the formats", "add points to --format")
+    asked = {"motion": options.motion, "surface": options.surface, "spread": options.spread, "per": options.per}
+    for name, value in asked.items():
+        if value != PLAIN[name] and "points" not in [entry.name for entry in formats]:
+            raise UsageError(f"--{name} is about points, which are not among the formats", "add points to --format")
     in_the_way(Path(options.out))
     job = open_job(options.program, options.seed or 0, settings, checked=not options.unchecked)
     if options.mutate:

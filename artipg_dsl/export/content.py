@@ -6,23 +6,33 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ..annotate.cameras import Cameras
+from ..annotate.sampling import Sampling
 from ..annotate.states import REST, States
 from ..geometry.rays import best_engine
 
 SHARD = 256  # objects in one
 LARGEST = 512_000_000  # bytes of images in one
-PIXEL_BYTES = 34
+PIXEL_BYTES, POINT_BYTES = 34, 80  # about
+_PER = {"object": 1, "link": 4, "semantic": 8, "instance": 16, "primitive": 64}  # of these in an object, about
 
 
 @dataclass(frozen=True, slots=True)
 class Content:
-    """``points`` per object; ``states`` of the joints; ``motion``: velocities of points; ``cameras`` for views, None:
-    the default ones if views are wanted at all."""
+    """``points`` for each ``per``, from which ``surface``, how ``spread`` (see ``Sampling``); ``states`` of the joints;
+    ``motion``: velocities of points; ``cameras`` for views, None: the default ones if views are wanted at all."""
 
     points: int = 2048
     states: States = REST
     motion: bool = False
     cameras: Cameras | None = None
+    surface: str = "boundary"
+    spread: str = "random"
+    per: str = "object"
+
+    @property
+    def sampling(self) -> Sampling:
+        """How points are taken. Raises UsageError."""
+        return Sampling(self.points, self.surface, self.spread, self.per)
 
     def of(self, formats: list[str]) -> Content:
         """The same without what none of the formats holds."""
@@ -31,15 +41,15 @@ class Content:
     def identity(self) -> dict[str, Any]:
         """What two runs must have in common for their shards to belong together, as plain data."""
         views = None if self.cameras is None else self.cameras.plain() | {"engine": best_engine()}
-        return {"points": self.points, "states": str(self.states), "motion": self.motion, "views": views}
+        return {**self.sampling.plain(), "states": str(self.states), "motion": self.motion, "views": views}
 
     def shard_size(self) -> int:
-        """How many objects go into one shard: less than usual where images would make it unwieldy."""
-        if self.cameras is None:
-            return SHARD
-        pixels = self.cameras.count * self.cameras.width * self.cameras.height * self.states.count
-        size = SHARD
-        while size > 1 and size * pixels * PIXEL_BYTES > LARGEST:
+        """How many objects go into one shard: less than usual where points or images would make it unwieldy."""
+        size, pixels = SHARD, 0
+        points = self.points * self.states.count * _PER[self.per]
+        if self.cameras is not None:
+            pixels = self.cameras.count * self.cameras.width * self.cameras.height * self.states.count
+        while size > 1 and size * max(pixels * PIXEL_BYTES, points * POINT_BYTES) > LARGEST:
             size //= 2
         return size
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import platform
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -28,6 +28,9 @@ IDENTITY = {
     "seed": "the seed",
     "numbers": "the objects asked for",
     "points": "the number of points",
+    "surface": "the surface that points lie on",
+    "spread": "how points are spread",
+    "per": "what the number of points is of",
     "states": "the joint states",
     "motion": "velocities of points",
     "views": "the cameras",
@@ -130,7 +133,9 @@ def arrays(program: Program, content: Content) -> dict[str, Any]:
     """Meaning, dtype, shape, frame and unit of every array of a points shard."""
     meant = POINTS | {"object": OBJECT} | ({"motion": MOTION} if content.motion else {})
     meant |= {name: label_meaning(kind, "objects, points") for name, kind in field_kinds(program.labels).items()}
-    lengths = {"points": content.points}
+    lengths: dict[str, int | str] = {"points": content.points}
+    if content.per != "object":  # a row for each of them, whose object `object` tells
+        lengths["objects"] = "classes" if content.per == "semantic" else f"{content.per}s"
     return {name: entry(m, content, lengths, name in MOVING) for name, m in with_states(meant, content).items()}
 
 
@@ -153,12 +158,12 @@ def label_meaning(kind: str, shape: str) -> Meaning:
     return Meaning(KINDS[kind], shape, dtype="bool" if kind == "mask" else "float32")
 
 
-def entry(meaning: Meaning, content: Content, lengths: dict[str, int], moving: bool) -> dict[str, Any]:
+def entry(meaning: Meaning, content: Content, lengths: Mapping[str, int | str], moving: bool) -> dict[str, Any]:
     """A meaning as plain data, its shape with the lengths known: one more axis where an array depends on the state."""
     axes = meaning.shape.split(", ")
     if moving and not content.states.only_rest and "states" not in axes:
         axes.insert(1, "states")
-    known = lengths | {"states": content.states.count}
+    known = {**lengths, "states": content.states.count}
     described = {"dtype": meaning.dtype} | asdict(meaning)
     return described | {"shape": ", ".join(str(known.get(axis, axis)) for axis in axes)}
 

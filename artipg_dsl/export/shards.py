@@ -11,6 +11,7 @@ import numpy as np
 from ..annotate.annotation import describe, line
 from ..annotate.cameras import Cameras
 from ..annotate.cloud import sample_points
+from ..annotate.sampling import Sampling
 from ..annotate.states import REST, States, joint_values, state_table
 from ..annotate.views import make_views
 from .content import Content
@@ -21,24 +22,27 @@ if TYPE_CHECKING:
 STAMP = (1980, 1, 1, 0, 0, 0)  # zip has no "no date"
 
 
-def point_arrays(batch: Batch, n_points: int, states: States = REST, motion: bool = False) -> dict[str, np.ndarray]:
+def point_arrays(
+    batch: Batch, how: Sampling | int, states: States = REST, motion: bool = False
+) -> dict[str, np.ndarray]:
     """The arrays of a points shard, by name: those of ``meanings``, then one per label."""
     values = None if states.only_rest else joint_values(batch, states)
-    points = sample_points(batch, n_points, values, motion=motion)
+    points = sample_points(batch, how, values, motion=motion)
     arrays: dict[str, np.ndarray] = {
-        "object": np.asarray(batch.numbers, dtype=np.int64),
+        "object": np.asarray(batch.numbers, dtype=np.int64)[points.object],
         "points": points.position.astype(np.float32),
         "normals": points.normal.astype(np.float32),
         "semantic": narrow(points.semantic),
         "instance": narrow(points.instance),
         "link": narrow(points.link),
         "primitive": narrow(points.primitive, np.uint16),
+        "element": narrow(points.element),
         "patch": narrow(points.patch, np.uint16),
         "u": points.u.astype(np.float32),
         "v": points.v.astype(np.float32),
     }
     if values is not None:
-        arrays["state"] = state_table(batch, values)
+        arrays["state"] = state_table(batch, values)[points.object]
     if points.motion is not None:
         arrays["motion"] = points.motion.astype(np.float32)
     labels = {name: a if a.dtype == bool else a.astype(np.float32) for name, a in sorted(points.labels.items())}
@@ -80,7 +84,7 @@ def npz_bytes(arrays: dict[str, np.ndarray], *, pack: bool = False) -> bytes:
 
 def points_shard(batch: Batch, content: Content) -> bytes:
     """The bytes of ``points-<shard>.npz``."""
-    return npz_bytes(point_arrays(batch, content.points, content.states, content.motion))
+    return npz_bytes(point_arrays(batch, content.sampling, content.states, content.motion))
 
 
 def views_shard(batch: Batch, content: Content) -> bytes:

@@ -31,7 +31,7 @@ _SPARE = 1.06  # candidates per point wanted, were all to be seen that are thoug
 _LEAST_GUESS = 1 / 4  # share of visible candidates that the first round reckons with at least
 _ROUNDS = 40
 _LEAST = 1 / 64  # share of visible candidates that later rounds reckon with at least
-_HOPELESS = 50_000  # candidates none of which is seen: nothing is
+_HOPELESS, _HOPELESS_OUTSIDE = 50_000, 5_000  # candidates none of which is seen: nothing is
 _OFFSET_LANE, _THIN_LANE = 0xFFFFFFFF, 0xFFFFFFFE
 
 
@@ -82,7 +82,8 @@ def sample_pools(
     """The same for the pools that ``labels`` tell: one array (k,) of whole numbers from 0 on per site table.
 
     The points (P, n) and the pools that have them, and about how much surface each shows (P,), in square metres. Pools
-    without surface are left out: those of which less than one candidate in 2,500 or so can be seen.
+    without surface are left out: those of which none of the first 50,000 candidates can be seen (``outside``: 5,000),
+    or less than one in 2,500 of more.
     """
     pools = Pools.of(sites, labels, n_objects)
     named = random.mix(np.asarray(address, dtype=np.uint64)[pools.owner], pools.label)
@@ -218,16 +219,18 @@ class _Sampler:
         filled = np.zeros(len(self.address), dtype=np.int64)
         wanted = np.where(self.total > 0.0, _even(_SPARE * n / self.guess + 32), 0)
         tried, seen = np.zeros_like(wanted), np.zeros_like(wanted)
+        hopeless = _HOPELESS if self.outlook is None else _HOPELESS_OUTSIDE
         for attempt in range(_ROUNDS):
             survivors = self._round(found.points, filled, wanted, attempt)
             tried += wanted
             seen += survivors
             filled = np.minimum(filled + survivors, n)
-            missing = np.where((self.total > 0.0) & ((seen > 0) | (tried < _HOPELESS)), n - filled, 0)
+            missing = np.where((self.total > 0.0) & ((seen > 0) | (tried < hopeless)), n - filled, 0)
             if not missing.any():
                 break
             share = np.maximum(seen / np.maximum(tried, 1), _LEAST)
             wanted = np.where(missing > 0, _even(_SPARE * missing / share + 32), 0)
+            wanted = np.where(seen > 0, wanted, np.minimum(wanted, hopeless))
         mine = slice(self.first, self.first + len(filled))
         found.full[mine] = filled == n
         found.area[mine] = self.total * seen / np.maximum(tried, 1)

@@ -1,0 +1,94 @@
+"""Points bound to a program, placed again: on the same objects after their parameters have changed, or from a file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..errors import UsageError
+from ..geometry import points as geometry
+from ..geometry.patches import surfaces
+from .cloud import Points, complete
+
+if TYPE_CHECKING:
+    from ..runtime.batch import Batch
+
+BINDING = ("primitive", "element", "patch", "u", "v")
+HINT = "bind points of the same program, as `points` gives them or a points shard holds them"
+
+
+def rebind(
+    batch: Batch, points: Points | Mapping[str, np.ndarray], states: np.ndarray | None = None, *, motion: bool = False
+) -> Points:
+    """The same places on the objects of a batch: the formulas of their patches at (u, v), and all labels anew.
+
+    ``points``: of another batch of the program with as many objects, such as the one that this was mutated from, or
+    the arrays of a points shard, whose ``object`` names the objects. What has lost its primitive (another template, a
+    lower count) or its patch is not ``bound``. Places are where the formulas say, whether they can still be seen or
+    not. Raises UsageError.
+    """
+    owner, (site, element, patch, u, v) = _binding(batch, points)
+    tables = batch.sites()
+    patches = np.array([len(surfaces(table.primitive)) for table in tables], dtype=np.int64)
+    if site.size and (min(x.min() for x in (site, element, patch)) < 0 or site.max() >= len(tables)):
+        raise UsageError(f"{batch.program.name} has no primitive {site.max()}", HINT)
+    if (patch >= patches[site]).any():
+        raise UsageError("points are bound to patches that their primitives do not have", HINT)
+    if not ((u >= 0) & (u <= 1) & (v >= 0) & (v <= 1)).all():
+        raise UsageError("points are bound to places beyond 0 .. 1 on their patches", HINT)
+    every = np.arange(len(batch))
+    first = np.array([np.searchsorted(table.owner, every) for table in tables])
+    count = np.array([np.searchsorted(table.owner, every, side="right") for table in tables]) - first
+    row = first[site, owner[:, None]] + element
+    flat = np.flatnonzero(element < count[site, owner[:, None]])
+    whose = np.repeat(owner, site.shape[1])[flat]
+    order = np.argsort(whose, kind="stable")
+    flat, whose = flat[order], whose[order]
+    columns = [x.ravel()[flat] for x in (site, row, patch, u, v)]
+    position, normal, exists = geometry.evaluate_flat(tables, whose, *columns)
+    kept = np.flatnonzero(exists)
+    flat, made = flat[kept], geometry.PointSet(*(x[kept, None] for x in (*columns, position, normal)))
+    known = complete(batch, made, whose[kept], states, motion)
+
+    def spread(values: np.ndarray, missing: float) -> np.ndarray:
+        """Values (k, [states,] 1, ...) of the points that are bound, in their places among all (P, [states,] n, ...)."""
+        values = np.squeeze(values, axis=values.ndim - 2 if values.ndim > 2 else 1)
+        out = np.full((site.size, *values.shape[1:]), missing, dtype=values.dtype)
+        out[flat] = values
+        out = out.reshape(*site.shape, *values.shape[1:])
+        return np.moveaxis(out, 2, 1) if values.ndim == 3 else out
+
+    bound = np.zeros(site.size, dtype=bool)
+    bound[flat] = True
+    numbers = {name: spread(getattr(known, name), -1) for name in ("semantic", "instance", "link")}
+    labels = {name: spread(a, np.nan if name.startswith("field.") else 0) for name, a in known.labels.items()}
+    return replace(
+        known, object=owner, position=spread(known.position, np.nan), normal=spread(known.normal, np.nan), **numbers,
+        primitive=site.astype(np.int32), element=element, patch=patch.astype(np.int16), u=u, v=v, labels=labels,
+        motion=None if known.motion is None else spread(known.motion, np.nan), bound=bound.reshape(site.shape),
+    )  # fmt: skip
+
+
+def _binding(batch: Batch, points: Points | Mapping[str, np.ndarray]) -> tuple[np.ndarray, list[np.ndarray]]:
+    """The objects (P,) as indices in the batch, and the arrays (P, n) of ``BINDING``."""
+    if isinstance(points, Points):
+        owner, found = points.object, [getattr(points, name) for name in BINDING]
+        if len(owner) and owner.max() >= len(batch):
+            raise UsageError(f"points of {owner.max() + 1} objects on a batch of {len(batch)}", HINT)
+    else:
+        missing = [name for name in ("object", *BINDING) if name not in points]
+        if missing:
+            raise UsageError(f"the points have no array `{missing[0]}`", HINT)
+        numbers, found = np.asarray(points["object"]), [np.asarray(points[name]) for name in BINDING]
+        owner = np.minimum(np.searchsorted(batch.numbers, numbers), max(len(batch) - 1, 0))
+        unknown = np.flatnonzero(batch.numbers[owner] != numbers)
+        if len(unknown):
+            raise UsageError(f"object {numbers[unknown[0]]} is not in the batch", "make a batch of the points' objects")
+    shapes = {array.shape for array in found}
+    if len(shapes) != 1 or len(shape := next(iter(shapes))) != 2 or shape[0] != len(owner):
+        raise UsageError("the arrays of the points are not of one shape, (objects, points)", HINT)
+    kinds = (np.int64, np.int64, np.int64, np.float64, np.float64)
+    return owner, [array.astype(kind) for array, kind in zip(found, kinds, strict=True)]
