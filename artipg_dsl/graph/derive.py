@@ -44,8 +44,8 @@ def derive(root: Expr, by: Expr | str) -> Expr:
             inner = [ZERO if node.op in PREDICATES else visit(a) for a in node.args]
             if all(d is ZERO for d in inner):
                 done = ZERO
-            elif node.op in CROSSING:
-                raise ValueError(f"{show(node)} reads {show(target)} through another table")
+            elif node.op in CROSSING or node.op in ("solve", "root"):
+                raise ValueError(f"{show(node)} reads {show(target)} through another table, or equations solved together")
             else:
                 done = RULES[node.op](*node.args, *inner)
             memo[id(node)] = done

@@ -8,7 +8,7 @@ way only through ``phi`` (one row or none per parent row), ``reduce`` and ``elem
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from weakref import WeakValueDictionary
 
@@ -394,6 +394,20 @@ def scan(scope: Scope, value: Expr) -> Expr:
     return _make("scan", (value,), scope, scope)
 
 
+def solve(residuals: Sequence[Expr], slopes: Sequence[Expr], knowns: Sequence[Expr], starts: Sequence[Expr]) -> Expr:
+    """n equations solved together by Newton's method, of which ``root`` takes the unknowns.
+
+    ``residuals`` (n) and ``slopes`` (n * n, their derivatives) are formulas over ``solve.x0`` ..., the unknowns, which
+    begin at ``starts``, and ``solve.p0`` ..., the values ``knowns``.
+    """
+    return _make("solve", (*residuals, *slopes, *knowns, *starts), (len(starts), len(knowns)), deepest((*knowns, *starts)))
+
+
+def root(bundle: Expr, index: int) -> Expr:
+    """One unknown of equations solved together."""
+    return _make("root", (bundle,), (index,), bundle.scope)
+
+
 # ---------------------------------------------------------------- walking
 
 
@@ -446,6 +460,8 @@ def rebuild(node: Expr, args: tuple[Expr, ...]) -> Expr:
         return phi(node.scope, zip(scopes, args[:-1], strict=True), args[-1])  # type: ignore[arg-type]
     if node.op in CROSSING:
         return _make(node.op, args, node.value, node.scope)
+    if node.op in ("solve", "root"):
+        return _make(node.op, args, node.value, deepest(args))
     return _BUILDERS[node.op](*args) if node.op in _BUILDERS else call(node.op, *args)
 
 
@@ -466,10 +482,14 @@ def show(node: Expr) -> str:
         return f"({show(node.args[0])} {_INFIX[node.op]} {show(node.args[1])})"
     if node.op == "neg":
         return f"-{show(node.args[0])}"
+    if node.op == "solve":
+        return f"newton({', '.join(show(a) + ' = 0' for a in node.args[: node.value[0]])})"  # type: ignore[index]
     inner = ", ".join(show(a) for a in node.args)
     if node.op == "phi":
         return f"phi({inner})"
     if node.op == "reduce":
         kind, child = node.value  # type: ignore[misc]
         return f"{kind}[{child.name}]({inner})"
+    if node.op == "root":
+        return f"{inner}[{node.value[0]}]"  # type: ignore[index]
     return f"{node.op}({inner})"

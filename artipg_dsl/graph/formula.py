@@ -35,8 +35,8 @@ def literal(value: object) -> str:
     return repr(number) if number >= 0 else f"({number!r})"
 
 
-def source(exprs: Sequence[Expr], names: Sequence[str]) -> str:
-    """Python source of ``def formula(<names>)`` that returns a tuple with one value per expression.
+def source(exprs: Sequence[Expr], names: Sequence[str], name: str = "formula") -> str:
+    """Python source of ``def formula(<names>)``, or of another name, that returns a tuple with one value per expression.
 
     ``names`` are the free variables in the order of the parameters; ``p.x`` is written ``p_x``.
     """
@@ -55,16 +55,15 @@ def source(exprs: Sequence[Expr], names: Sequence[str]) -> str:
             text = mangle(str(node.value))
         elif node.op in NUMPY:
             text = NUMPY[node.op].format(*(emit(a) for a in node.args))
-            name = f"t{len(lines)}"
-            lines.append(f"    {name} = {text}")
-            text = name
+            lines.append(f"    t{len(lines)} = {text}")
+            text = f"t{len(lines) - 1}"
         else:
             raise ValueError(f"{show(node)} is not a formula over variables")
         done[id(node)] = text
         return text
 
     results = [emit(e) for e in exprs]
-    header = f"def formula({', '.join(mangle(n) for n in names)}):"
+    header = f"def {name}({', '.join(mangle(n) for n in names)}):"
     return "\n".join([header, *lines, f"    return ({''.join(r + ', ' for r in results)})"])
 
 

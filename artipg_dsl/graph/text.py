@@ -84,6 +84,8 @@ class _Writer:
             return [value[0], f"@{self.scopes[value[1]]}"]  # type: ignore[index]
         if isinstance(value, Scope):
             return [f"@{self.scopes[value]}"]
+        if node.op in ("solve", "root"):
+            return list(map(str, value))  # type: ignore[call-overload]
         return []
 
     def encode(self, value: Any) -> str:
@@ -240,6 +242,8 @@ class _Reader:
         elif op in CROSSING:
             value = self.value()
             scope = value.parent if op == "element" else value
+        elif op in ("solve", "root"):
+            value = tuple(self.value() for _ in range(2 if op == "solve" else 1))
         args = []
         while self.at < len(self.words):
             args.append(self.value())

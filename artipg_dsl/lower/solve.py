@@ -226,7 +226,7 @@ def outcome(block: Block, case: tuple[Expr, list[int], dict[Column, bool]]) -> O
     for u, unknown in enumerate(unknowns):
         if matching.equation_of[u] >= 0:
             result.because[unknown.column] = equations[matching.equation_of[u]]
-    result.values = solve_system(env, unknowns, equations, forms, matching)
+    result.values = solve_system(env, unknowns, equations, forms, matching, holds)
     surplus(env, unknowns, equations, matching, result.values)
     return result
 

@@ -1,4 +1,4 @@
-"""Matched equations to explicit values: in the order of dependence, coupled ones together."""
+"""Matched equations to explicit values: in the order of dependence, coupled ones together, by search where nothing else does."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ from ..graph.linear import Form, Linear, isolate, solve_block, tidy
 from ..graph.matching import Matching, components
 from .context import Abort, Equation, Unknown
 from .env import Env
+from .roots import numeric
 
 
 def solve_system(
-    env: Env, unknowns: list[Unknown], equations: list[Equation], forms: list[Form | None], matching: Matching
+    env: Env, unknowns: list[Unknown], equations: list[Equation], forms: list[Form | None], matching: Matching, guard: Expr
 ) -> dict[Column, Expr]:
-    """A value for each matched unknown (it may read others that are matched before it)."""
+    """A value for each matched unknown (it may read others that are matched before it), where ``guard`` holds."""
     definitions = env.context.program.definitions
     places = {u.column: k for k, u in enumerate(unknowns)}
     matched = [u for u in range(len(unknowns)) if matching.equation_of[u] >= 0]
@@ -32,7 +33,10 @@ def solve_system(
         solution = solve_block(rows, columns) if all(row is not None for row in rows) else None  # type: ignore[arg-type]
         if solution is None:
             sides = [equations[matching.equation_of[u]] for u in group]
-            solution = eliminate([inline(E.sub(q.left, q.right), columns, definitions) for q in sides], columns)
+            differences = [inline(E.sub(q.left, q.right), columns, definitions) for q in sides]
+            solution = eliminate(differences, columns)
+            if solution is None and any(row is None for row in rows):
+                solution = numeric(env, [unknowns[u] for u in group], sides, differences, guard)
         if solution is None:
             raise unsolved(env, [unknowns[u] for u in group], [equations[matching.equation_of[u]] for u in group], rows)
         for column in columns:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
 from ..graph.expr import Column, Expr, Scope, both, call, negate, show
-from ..graph.formula import NUMPY, literal
+from ..graph.formula import NUMPY, literal, source
 from ..graph.program import Bound, Draw, Program
 
 
@@ -32,9 +32,9 @@ class Plan:
     @property
     def function(self) -> Callable:
         if self._function is None:
-            from . import kernels
+            from . import kernels, newton
 
-            namespace: dict[str, object] = {**vars(kernels)}
+            namespace: dict[str, object] = {**vars(kernels), "newton": newton.newton}
             exec(compile(self.source, f"<plan of {self.program.name}>", "exec"), namespace)  # noqa: S102 - generated here
             self._function = namespace["evaluate"]  # type: ignore[assignment]
         return self._function  # type: ignore[return-value]
@@ -126,6 +126,13 @@ class _Emitter:
             return self.phi(node)
         if node.op in ("reduce", "element", "previous", "scan"):
             return self.crossing(node)
+        if node.op == "solve":
+            return self.solve(node)
+        if node.op == "root":
+            name = self.fresh(f"{self.node(node.args[0])}[{node.value[0]}]")  # type: ignore[index]
+            if self.scalar(self.node(node.args[0])):
+                self.scalars.add(name)
+            return name
         if node.op == "var":
             raise PlanError(f"the variable {node.value} stands outside a formula")
         arguments = [self.value(a, node.scope) for a in node.args]
@@ -145,6 +152,21 @@ class _Emitter:
         for scope, value in zip(scopes, node.args[:-1], strict=True):
             branches.append(f"({self.table(scope)}, {self.value(value, scope)})")
         return self.fresh(f"merge({parent}, {default}, [{', '.join(branches)}])")
+
+    def solve(self, node: Expr) -> str:
+        """Equations solved together: a function of the block, and the call that searches from its starts."""
+        size, known = node.value  # type: ignore[misc]
+        formulas, values = node.args[: size + size * size], node.args[size + size * size :]
+        arguments = [self.value(a, node.scope) for a in values]
+        names = [f"solve.x{k}" for k in range(size)] + [f"solve.p{k}" for k in range(known)]
+        function = f"f{self.counter}"
+        for line in source(formulas, names, function).split("\n"):
+            self.line(line)
+        call = f"newton({function}, ({', '.join(arguments[known:])},), ({''.join(a + ', ' for a in arguments[:known])}))"
+        name = self.fresh(call)
+        if all(map(self.scalar, arguments)):
+            self.scalars.add(name)
+        return name
 
     def crossing(self, node: Expr) -> str:
         if node.op == "reduce":
