@@ -16,6 +16,7 @@ ARRIVED = 1e-15  # of 1 + the value: steps this small change nothing that matter
 SHORTEST = 2.0**-12  # of a full step
 
 
+@np.errstate(divide="ignore", invalid="ignore", over="ignore")
 def newton(system: Callable[..., tuple], starts: Sequence[np.ndarray | float], knowns: Sequence[np.ndarray | float]) -> np.ndarray:
     """The unknowns (n, rows) or, all being scalars, (n,) where ``system`` is 0, looked for from ``starts``.
 
