@@ -11,7 +11,7 @@ import numpy as np
 from ..geometry.patches import surfaces
 from ..graph.program import Label, Target
 from .fields import Field, Reader, read_pose, read_triples
-from .frames import reflect, unrotate
+from .frames import reflect, rotate, unrotate
 
 if TYPE_CHECKING:
     from ..geometry.points import PointSet
@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 class Labels:
     """``semantic`` (B, n) ids into the vocabulary; ``fields`` such as ``affordance.pull``, (B, n) bool or float32.
 
-    A point outside all targets is False, 0 (graded) or nan (a field).
+    A field of vectors is (B, n, 3), in the object's frame. A point outside all targets is False, 0 (graded) or nan
+    (a field).
     """
 
     semantic: np.ndarray
@@ -35,7 +36,8 @@ def label_points(
     """Labels of points at joint values 0, where ``points.position`` and ``normal`` are in the object's frame.
 
     ``Program.labels`` run from the outer targets to the inner ones. Within one vocabulary the deepest label that holds
-    at a point wins; those of one depth unite (in ``semantic``, which has one word per point, the later wins).
+    at a point wins; those of one depth unite (in ``semantic``, which has one word per point, the later wins). Of one
+    field the innermost counts.
     ``labels``: those of whole vocabularies that are wanted, all by default.
     """
     labels = reader.program.labels if labels is None else labels
@@ -59,16 +61,19 @@ def label_points(
             at = on_surfaces(chosen[target.site], tables[target.site], target, points)
             if not len(at):
                 continue
-            value = evaluate(reader, label, target, at, points)
+            at, value = evaluate(reader, label, target, at, points)
             if label.vocabulary == "semantic":
-                semantic[at] = np.where(value.astype(bool), classes[label.name], semantic[at])
+                semantic[at[value > 0]] = classes[label.name]
                 continue
-            if label.vocabulary != "field":
-                outdo(label, at[value > 0], levels[label.vocabulary], fields)
             into = fields[field_name(label)]
+            if label.vocabulary == "field":  # the innermost one says what it is
+                into[at] = value
+                continue
+            outdo(label, at[value > 0], levels[label.vocabulary], fields)
             into[at] = merge(into[at], value)
     shape = np.asarray(points.site).shape
-    return Labels(semantic.reshape(shape), {name: finish(field).reshape(shape) for name, field in fields.items()})
+    made = {name: finish(field).reshape(shape + field.shape[1:]) for name, field in fields.items()}
+    return Labels(semantic.reshape(shape), made)
 
 
 def outdo(label: Label, at: np.ndarray, level: np.ndarray, fields: dict[str, np.ndarray]) -> None:
@@ -85,17 +90,17 @@ def field_name(label: Label) -> str:
 
 
 def field_kinds(labels: Sequence[Label]) -> dict[str, str]:
-    """The kind of each label array but ``semantic``: "mask" (bool), "grade" (0 .. 1) or "field", in the order of names.
+    """The kind of each label array but ``semantic``, in the order of names.
 
-    A name is a mask only if all its labels are predicates.
+    "mask" (bool), "grade" (0 .. 1), "field" or "vectors". A name is a mask only if all its labels are predicates.
     """
     kinds: dict[str, str] = {}
     for label in labels:
         if label.vocabulary == "semantic":
             continue
-        kind = "mask" if is_predicate(label) else ("field" if label.vocabulary == "field" else "grade")
-        name = field_name(label)
-        kinds[name] = kind if kinds.get(name, kind) == kind else "grade"
+        name, other = field_name(label), "field" if label.vocabulary == "field" else "grade"
+        kind = "vectors" if label.vector else "mask" if is_predicate(label) else other
+        kinds[name] = kind if kinds.get(name, kind) == kind else other
     return dict(sorted(kinds.items()))
 
 
@@ -105,11 +110,9 @@ def is_predicate(label: Label) -> bool:
 
 
 def empty_fields(labels: Sequence[Label], shape: tuple[int, ...]) -> dict[str, np.ndarray]:
-    empty = {"mask": (False, bool), "grade": (0.0, np.float64), "field": (np.nan, np.float64)}
-    return {
-        name: np.full(shape, empty[kind][0], dtype=empty[kind][1])
-        for name, kind in field_kinds(labels).items()
-    }
+    empty = {"mask": False, "grade": 0.0, "field": np.nan, "vectors": np.nan}
+    kinds = field_kinds(labels).items()
+    return {name: np.full((*shape, 3) if kind == "vectors" else shape, empty[kind]) for name, kind in kinds}
 
 
 def merge(old: np.ndarray, new: np.ndarray) -> np.ndarray:
@@ -129,15 +132,20 @@ def on_surfaces(at: np.ndarray, table: SiteTable, target: Target, points: PointS
     return at[np.isin(np.asarray(points.patch).ravel()[at], meant)]
 
 
-def evaluate(reader: Reader, label: Label, target: Target, at: np.ndarray, points: PointSet) -> np.ndarray:
-    """Values (len(at),) of a label at points of one site, in the frame of its target."""
+def evaluate(
+    reader: Reader, label: Label, target: Target, at: np.ndarray, points: PointSet
+) -> tuple[np.ndarray, np.ndarray]:
+    """Those of the flat point numbers ``at``, all of one site, at which a label says something, and what: (k,) or (k, 3).
+
+    Formulas are evaluated in the frame of the target; vectors are returned in the object's.
+    """
     scope = reader.program.sites[target.site].scope
-    field = Field([label.value])
+    field = Field(label.formulas)
     row = np.asarray(points.row).ravel()[at]
     inputs = [np.asarray(v)[row] for v in reader.read(field.inputs, scope)] if field.inputs else []
     variables: dict[str, np.ndarray] = {"u": points.u.ravel()[at], "v": points.v.ravel()[at]}
     needed = {name.split(".")[0] for name in field.names}
-    if needed & {"p", "n", "size"}:
+    if label.vector or needed & {"p", "n", "size"}:
         rotation, translation, mirror = (a[row] for a in read_pose(reader, target.frame, scope))
         size, center = (a[row] for a in read_triples(reader, [target.size, target.center], scope))
         position = points.position.reshape(-1, 3)[at]
@@ -145,4 +153,9 @@ def evaluate(reader: Reader, label: Label, target: Target, at: np.ndarray, point
         normal = reflect(unrotate(rotation, points.normal.reshape(-1, 3)[at]), mirror)
         for name, vectors in (("p", local), ("n", normal), ("size", size)):
             variables |= {f"{name}.{axis}": vectors[:, i] for i, axis in enumerate("xyz")}
-    return field(inputs, variables)[0]
+    guard, *values = field(inputs, variables)
+    told = np.stack(values, axis=-1) if label.vector else values[0]
+    if label.vector:
+        told = rotate(rotation, reflect(told, mirror))
+    said = np.flatnonzero(guard)
+    return at[said], told[said]

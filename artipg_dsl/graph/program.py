@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from .expr import Column, Expr, Scope
+from .expr import TRUE, Column, Expr, Scope
 from .primitive import Primitive
 
 Triple = tuple[Expr, Expr, Expr]
@@ -196,7 +196,8 @@ class Label:
 
     ``value`` is a formula over p.x p.y p.z n.x n.y n.z u v size.x size.y size.z and columns of ``scope``'s chain:
     a predicate (True everywhere where a label has no ``where``) or a number in 0 .. 1 (a graded label) or any (a field).
-    ``depth`` of the target in the part tree: within one vocabulary the deepest label that holds at a point wins.
+    Nothing is said where ``guard``, a predicate over the same, does not hold. A field of vectors has three formulas in
+    ``vector``, components in the frame of the target; its ``value`` says nothing. ``depth`` of the target in the part tree: within one vocabulary the deepest label that holds at a point wins.
     """
 
     vocabulary: str
@@ -205,6 +206,13 @@ class Label:
     value: Expr
     where: Where | None = None
     depth: int = 0
+    guard: Expr = TRUE
+    vector: tuple[Expr, ...] = ()
+
+    @property
+    def formulas(self) -> tuple[Expr, ...]:
+        """What is evaluated at points: the guard, then the value or the components."""
+        return (self.guard, *(self.vector or (self.value,)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -210,14 +210,16 @@ def label(links: Links, env: Env, statement: ast.LabelStmt) -> None:
     for node in statement.targets:
         for aim in aims(links, env, node):
             ev = formula(links, env, aim)
-            value: Expr = E.TRUE
-            if statement.where is not None:
-                value = ev.truth(ev.value(statement.where), statement.where.span)
-            elif statement.value is not None:
-                value = ev.scalar(statement.value)
-            made = Label(statement.vocabulary, statement.label, targets(links, aim), value, where(statement.span))
+            guard = condition(ev, statement.where)
+            if statement.value is None:  # what holds or does not is its condition
+                made = Label(statement.vocabulary, statement.label, targets(links, aim), guard, where(statement.span))
+            else:
+                degree = ev.scalar(statement.value)
+                made = Label(
+                    statement.vocabulary, statement.label, targets(links, aim), degree, where(statement.span), guard=guard
+                )
             links.context.labels.append((aim.depth, made))
-            if statement.vocabulary == "semantic" and statement.where is None and not aim.surfaces:
+            if statement.vocabulary == "semantic" and guard is E.TRUE and statement.value is None and not aim.surfaces:
                 for part in aim.parts:
                     for instance in part.instances:
                         number = links.nodes.get((part, instance.symbol.name))
@@ -229,9 +231,23 @@ def label(links: Links, env: Env, statement: ast.LabelStmt) -> None:
 def field_label(links: Links, env: Env, statement: ast.FieldStmt) -> None:
     for node in statement.targets:
         for aim in aims(links, env, node):
-            value = formula(links, env, aim).scalar(statement.value)
-            made = Label("field", statement.name, targets(links, aim), value, where(statement.span))
+            ev = formula(links, env, aim)
+            guard, value = condition(ev, statement.where), ev.value(statement.value)
+            vector: tuple[Expr, ...] = ()
+            if statement.type.name == "bool":
+                number = ev.truth(value, statement.value.span)
+            elif isinstance(value, Vec):
+                number, vector = E.ZERO, value.items
+            else:
+                number = ev.scalar(statement.value)
+            made = Label(
+                "field", statement.name, targets(links, aim), number, where(statement.span), guard=guard, vector=vector
+            )
             links.context.labels.append((aim.depth, made))
+
+
+def condition(ev: Evaluator, node: ast.Expr | None) -> Expr:
+    return E.TRUE if node is None else ev.truth(ev.value(node), node.span)
 
 
 def material(links: Links, env: Env, statement: ast.MaterialStmt) -> None:

@@ -28,7 +28,7 @@ def wanted(program: Program) -> Iterator[Wanted]:
         if joint.mimic is not None:
             yield from each(joint.scope, joint.mimic[1:])
     for label in program.labels:
-        inputs = row_values([label.value])
+        inputs = row_values(label.formulas)
         for target in label.targets:
             scope = program.sites[target.site].scope
             yield from each(scope, pose_cells(target.frame), target.size, target.center, inputs)

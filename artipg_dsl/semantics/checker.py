@@ -83,6 +83,11 @@ class Checker:
             self.report.error(code, span, message, hint=hint, notes=notes)
         return UNKNOWN
 
+    def warning(self, code: str, span: Span, message: str, hint: str | None = None) -> None:
+        """Reports what is allowed and hardly meant."""
+        if not self._muted:
+            self.report.warning(code, span, message, hint=hint)
+
     def unknown(self, module: ModuleScope, name: str, code: str, span: Span, message: str, hint: str | None) -> Type:
         """Reports a name that nothing declares, unless it is missing because its import failed."""
         return UNKNOWN if name in module.lost else self.error(code, span, message, hint=hint)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from dataclasses import fields
 from typing import TYPE_CHECKING
 
 from ..diagnostics.suggest import did_you_mean
@@ -16,6 +17,7 @@ from .types import (
     EDGE,
     FRAME,
     LENGTH,
+    LENGTH_DIM,
     LINE,
     MATERIAL,
     NONE,
@@ -27,10 +29,12 @@ from .types import (
     UNKNOWN,
     Element,
     Part,
+    Scalar,
     Slot,
     Type,
     Vec,
 )
+from .units import UNITS
 
 if TYPE_CHECKING:
     from .checker import Checker, Context
@@ -39,15 +43,16 @@ if TYPE_CHECKING:
 FORMULA: Mapping[str, Type] = {"p": SIZE, "n": Vec(3, NONE), "u": UNKNOWN, "v": UNKNOWN, "size": SIZE}
 
 
+COMPARED = ("<", "<=", ">", ">=", "==", "!=")
+
+
 def check(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
     """One statement that says something about parts rather than making them."""
     match stmt:
         case ast.LabelStmt():
             _label(ck, ctx, stmt)
-        case ast.FieldStmt(targets=targets, type=reference, value=value):
-            kind = of_reference(ck, ctx, reference)
-            ctx = _targets(ck, ctx, targets, "a field lies on")
-            ck.expect(formula(ctx), value, kind, "the field")
+        case ast.FieldStmt():
+            _field(ck, ctx, stmt)
         case ast.GraspStmt():
             _grasp(ck, ctx, stmt)
         case ast.KeypointStmt(target=at, at=place):
@@ -108,12 +113,62 @@ def _label(ck: Checker, ctx: Context, stmt: ast.LabelStmt) -> None:
             hint=did_you_mean(stmt.label, words) or f"add it: `vocabulary {stmt.vocabulary} {{ {stmt.label} }}`",
         )  # fmt: skip
     place = formula(_targets(ck, ctx, stmt.targets, "a label lies on"))
-    if stmt.where is not None:
-        kind = ck.infer(place, stmt.where)
-        if kind not in (BOOL, UNKNOWN):
-            ck.error("wrong-type", stmt.where.span, f"`where` needs a condition, but this is {kind}")
+    _condition(ck, place, stmt.where)
     if stmt.value is not None:
         ck.expect(place, stmt.value, RATIO, "the degree of a label")
+        _relative(ck, stmt.value)
+
+
+def _field(ck: Checker, ctx: Context, stmt: ast.FieldStmt) -> None:
+    kind = of_reference(ck, ctx, stmt.type)
+    if not isinstance(kind, Scalar) and kind not in (BOOL, UNKNOWN) and not (isinstance(kind, Vec) and kind.size == 3):
+        ck.error(
+            "wrong-type", stmt.type.span, f"a field holds a number, a vector of three or true and false, but this is {kind}",
+            hint="write for example `ratio`, `length`, `vec`, `length[3]` or `bool`",
+        )  # fmt: skip
+        kind = UNKNOWN
+    place = formula(_targets(ck, ctx, stmt.targets, "a field lies on"))
+    _condition(ck, place, stmt.where)
+    ck.expect(place, stmt.value, kind, "the field")
+    _relative(ck, stmt.value)
+
+
+def _condition(ck: Checker, place: Context, where: ast.Expr | None) -> None:
+    if where is None:
+        return
+    kind = ck.infer(place, where)
+    if kind not in (BOOL, UNKNOWN):
+        ck.error("wrong-type", where.span, f"`where` needs a condition, but this is {kind}")
+    _relative(ck, where)
+
+
+def _relative(ck: Checker, expr: ast.Expr) -> None:
+    """Warns of lengths written into the comparisons of a formula: what holds for one size is wrong for another."""
+    for compared in _inside(expr):
+        if not isinstance(compared, ast.BinaryExpr) or compared.op not in COMPARED:
+            continue
+        for number in _inside(compared):
+            if isinstance(number, ast.NumberExpr) and number.value and _is_length(number.unit):
+                ck.warning(
+                    "absolute-tolerance", number.span, "a fixed length in a label does not follow the size of the part",
+                    hint="write a share of `size` (`p.z > 0.45 * size.z`), or name a parameter of the part",
+                )  # fmt: skip
+
+
+def _is_length(unit: str) -> bool:
+    return unit in UNITS and UNITS[unit][1] == LENGTH_DIM
+
+
+def _inside(node: object) -> Iterator[ast.Node]:
+    """A node and all nodes in it."""
+    if isinstance(node, ast.Node):
+        yield node
+        for field in fields(node):
+            if field.name != "span":
+                yield from _inside(getattr(node, field.name))
+    elif isinstance(node, tuple):
+        for item in node:
+            yield from _inside(item)
 
 
 _GRASP: dict[str, Type] = {"at": POINT, "approach": DIRECTION, "close": DIRECTION, "opening": LENGTH, "quality": RATIO}

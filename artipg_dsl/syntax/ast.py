@@ -426,12 +426,13 @@ class LabelStmt(Stmt):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FieldStmt(Stmt):
-    """``field heat : ratio on body = formula``."""
+    """``field heat : ratio on body where p.z > 0 = formula``."""
 
     name: str
     name_span: Span
     type: TypeRef
     targets: tuple[Expr, ...]
+    where: Expr | None = None
     value: Expr
 
 

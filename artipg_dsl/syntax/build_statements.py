@@ -251,17 +251,25 @@ class StatementBuilder(ExpressionBuilder):
     # ---------------------------------------------------------------- labels, looks
 
     def label(self, c: Children) -> ast.Stmt:
-        tail = c[-2].type if isinstance(c[-2], Token) else ""
-        value = c[-1] if tail == "EQUAL" else None
-        where = c[-1] if tail == "WHERE" else None
-        targets = exprs(c)[:-1] if tail in ("EQUAL", "WHERE") else exprs(c)
+        targets, where, value = self.formula(c)
         return ast.LabelStmt(
             **self.stmt(c), vocabulary=c[1].value, label=c[3].value, label_span=self.at(c[3]), targets=targets,
             where=where, value=value,
         )  # fmt: skip
 
     def field(self, c: Children) -> ast.Stmt:
-        return ast.FieldStmt(**self.stmt(c), **self.named(c[1]), type=c[3], targets=exprs(c)[:-1], value=c[-1])
+        targets, where, value = self.formula(c)
+        assert value is not None
+        return ast.FieldStmt(
+            **self.stmt(c), **self.named(c[1]), type=c[3], targets=targets, where=where, value=value
+        )
+
+    def formula(self, c: Children) -> tuple[tuple[ast.Expr, ...], ast.Expr | None, ast.Expr | None]:
+        """What stands behind ``on``: the targets, the condition and the value."""
+        at = {token.type: k for k, token in enumerate(c) if isinstance(token, Token)}
+        where = c[at["WHERE"] + 1] if "WHERE" in at else None
+        value = c[at["EQUAL"] + 1] if "EQUAL" in at else None
+        return exprs(c)[: len(exprs(c)) - (where is not None) - (value is not None)], where, value
 
     def grasp_family(self, c: Children) -> Piece:
         return self.piece("for", (c[1].value, c[3]), c)

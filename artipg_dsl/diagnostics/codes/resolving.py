@@ -154,6 +154,19 @@ RESOLVING = (
           label semantic.saet on seat
         }
         """),
+    Code("absolute-tolerance", "a label compares with a fixed length", """
+        A label is a formula that has to hold for every size a part may have. A band of 5 mm is half of a small
+        knob and nothing of a large one, so that the same word means two things. Write a share of `size`, or
+        name a parameter of the part, which changes with it. It is a warning: the program works.
+        """, """
+        apg 1
+        use primitives { Cuboid }
+        vocabulary affordance { support }
+        category Stool {
+          root part seat : Cuboid(size = [30cm, 30cm, 3cm])
+          label affordance.support on seat where p.z > size.z / 2 - 1mm
+        }
+        """),
     Code("unknown-material", "there is no such material", """
         Materials are declared in the file (`material oak { ... }`) or come in by `use materials { oak }`. A
         part without a material has none of its own and takes that of the part around it. Check the spelling.
