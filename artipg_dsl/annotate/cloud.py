@@ -11,8 +11,10 @@ from ..errors import UsageError, UserError
 from ..geometry import points as geometry
 from ..graph import random
 from .frames import rotate
-from .points import label_points
+from .materials import material_rows
+from .points import field_kinds, label_points
 from .sampling import Sampling, draw
+from .seen import part_coordinates
 from .states import twist
 
 if TYPE_CHECKING:
@@ -24,12 +26,14 @@ class Points:
     """n points for each of B objects, in the object's frame, metres; or for each of P links, parts, ... of them.
 
     ``object`` (B,): the index in the batch. ``position``, ``normal`` (B, n, 3); ``semantic``, ``instance`` (part
-    number), ``link`` (B, n). The binding: ``primitive`` (site number), ``element`` (which of the object's primitives of
-    that site), ``patch``, ``u``, ``v`` (B, n) patch fractions. ``labels`` such as ``affordance.pull``, (B, n) each.
-    With K states, ``position``, ``normal`` and ``motion`` are (B, K, n, 3): the same points, moved. ``motion`` is the
-    velocity per unit (radian, metre) of the point's own joint, None unless asked for. ``bound`` (B, n) tells of points
-    that were bound again which of them still have their primitive and patch; what is not has nan for its place, no
-    label and -1 for semantic, instance and link. It is None for points that were drawn.
+    number), ``link``, ``material`` (index in the program, -1: none) (B, n). ``npcs`` (B, n, 3): the place in the box of
+    the instance, its centre 0 and its diagonal 1. The binding: ``primitive`` (site number), ``element`` (which of the
+    object's primitives of that site), ``patch``, ``u``, ``v`` (B, n) patch fractions. ``labels`` such as
+    ``affordance.pull``, (B, n) each, fields of vectors (B, n, 3). With K states, ``position``, ``normal``, ``motion`` and
+    fields of vectors are (B, K, n, 3): the same points, moved. ``motion`` is the velocity per unit (radian, metre) of
+    the point's own joint, None unless asked for. ``bound`` (B, n) tells of points that were bound again which of them
+    still have their primitive and patch; what is not has nan for its place, no label and -1 for semantic, instance,
+    link and material. It is None for points that were drawn.
     """
 
     object: np.ndarray
@@ -38,6 +42,8 @@ class Points:
     semantic: np.ndarray
     instance: np.ndarray
     link: np.ndarray
+    material: np.ndarray
+    npcs: np.ndarray
     primitive: np.ndarray
     element: np.ndarray
     patch: np.ndarray
@@ -80,21 +86,30 @@ def complete(
         np.concatenate([np.empty(0, np.int64), *(getattr(table, name) for table in tables)])[at]
         for name in ("instance", "link", "rank")
     )
+    made_of = np.concatenate([np.empty(0, np.int64), *(material_rows(batch, table) for table in tables)])[at] - 1
     own = np.searchsorted(batch.links().owner, owner)[:, None] + link
+    part = np.searchsorted(batch.parts().owner, owner)[:, None] + instance
+    npcs = part_coordinates(batch, part.ravel(), made.position.reshape(-1, 3)).reshape(*link.shape, 3)
     several = states is not None and np.ndim(states) == 2
     if states is not None and np.shape(states)[-1:] != (len(batch.joints().owner),):
         raise UsageError(
             f"states are of shape {np.shape(states)}: one value for each of {len(batch.joints().owner)} joints is needed",
             "`rest`, `opened`, `states` and `joint_values` of the same objects give such values",
         )
-    shown = [moved(batch, made, own, one, motion) for one in (np.asarray(states) if several else [states])]
+    every = np.asarray(states) if several else [states]
+    shown = [moved(batch, made, own, one, motion) for one in every]
     position, normal, velocity = (
         None if arrays[0] is None else np.stack(arrays, axis=1) if several else arrays[0]
         for arrays in zip(*shown, strict=True)
     )
     assert position is not None and normal is not None
     binding = made.site, rank, made.patch, made.u, made.v
-    return Points(owner, position, normal, labels.semantic, instance, link, *binding, labels.fields, velocity)
+    fields = dict(labels.fields)
+    for name in [name for name, kind in field_kinds(batch.program.labels).items() if kind == "vectors"]:
+        carried = [rotate(batch.pose(one)[0][own], fields[name]).astype(np.float32) for one in every]
+        fields[name] = np.stack(carried, axis=1) if several else carried[0]
+    classes = labels.semantic, instance, link, made_of
+    return Points(owner, position, normal, *classes, npcs, *binding, fields, velocity)
 
 
 def _starts(batch: Batch) -> np.ndarray:

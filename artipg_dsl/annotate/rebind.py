@@ -63,10 +63,12 @@ def rebind(
 
     bound = np.zeros(site.size, dtype=bool)
     bound[flat] = True
-    numbers = {name: spread(getattr(known, name), -1) for name in ("semantic", "instance", "link")}
-    labels = {name: spread(a, np.nan if name.startswith("field.") else 0) for name, a in known.labels.items()}
+    numbers = {name: spread(getattr(known, name), -1) for name in ("semantic", "instance", "link", "material")}
+    unsaid = {name: np.nan if name.startswith("field.") and a.dtype != bool else 0 for name, a in known.labels.items()}
+    labels = {name: spread(a, unsaid[name]) for name, a in known.labels.items()}
     return replace(
-        known, object=owner, position=spread(known.position, np.nan), normal=spread(known.normal, np.nan), **numbers,
+        known, object=owner, position=spread(known.position, np.nan), normal=spread(known.normal, np.nan), npcs=spread(known.npcs, np.nan),
+        **numbers,
         primitive=site.astype(np.int32), element=element, patch=patch.astype(np.int16), u=u, v=v, labels=labels,
         motion=None if known.motion is None else spread(known.motion, np.nan), bound=bound.reshape(site.shape),
     )  # fmt: skip

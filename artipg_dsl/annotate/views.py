@@ -77,7 +77,10 @@ class _Views:
         self.cloud = self._arrays(shots * k, more)
         self.cloud["pixel"] = np.zeros((shots * k, 2), np.uint16)
         kinds = field_kinds(batch.program.labels)
-        self.cloud |= {n: np.zeros(shots * k, bool if kind == "mask" else np.float32) for n, kind in kinds.items()}
+        self.cloud |= {
+            n: np.zeros((shots * k, 3) if kind == "vectors" else shots * k, bool if kind == "mask" else np.float32)
+            for n, kind in kinds.items()
+        }
         self.key = random.key(batch.seed, "views")
 
     @staticmethod
@@ -153,6 +156,8 @@ class _Views:
         self.cloud["points"][slot], self.cloud["camera"][slot] = position, camera
         self.cloud["pixel"][slot] = np.stack([row, column], axis=-1)
         for name, values in labels(self.batch, bound.take(chosen)).fields.items():
+            if values.ndim == 2:
+                values = carried(turn.reshape(-1, 3, 3), None, (state * turn.shape[1] + link)[chosen], values)
             self.cloud[name][slot] = values
 
 

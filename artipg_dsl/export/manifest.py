@@ -46,6 +46,7 @@ KINDS = {
     "mask": "the label holds",
     "grade": "how far the label holds, 0 .. 1",
     "field": "value, nan where undefined",
+    "vectors": "vector, nan where undefined",
 }
 
 
@@ -136,7 +137,8 @@ def arrays(program: Program, content: Content) -> dict[str, Any]:
     lengths: dict[str, int | str] = {"points": content.points}
     if content.per != "object":  # a row for each of them, whose object `object` tells
         lengths["objects"] = "classes" if content.per == "semantic" else f"{content.per}s"
-    return {name: entry(m, content, lengths, name in MOVING) for name, m in with_states(meant, content).items()}
+    moving = {*MOVING, *(name for name, kind in field_kinds(program.labels).items() if kind == "vectors")}
+    return {name: entry(m, content, lengths, name in moving) for name, m in with_states(meant, content).items()}
 
 
 def view_arrays(program: Program, content: Content) -> dict[str, Any]:
@@ -155,6 +157,8 @@ def with_states(meant: dict[str, Meaning], content: Content) -> dict[str, Meanin
 
 
 def label_meaning(kind: str, shape: str) -> Meaning:
+    if kind == "vectors":
+        return Meaning(KINDS[kind], f"{shape}, 3", "object", dtype="float32")
     return Meaning(KINDS[kind], shape, dtype="bool" if kind == "mask" else "float32")
 
 

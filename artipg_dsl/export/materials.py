@@ -10,28 +10,9 @@ import numpy as np
 from ..graph.program import Material
 
 if TYPE_CHECKING:
-    from ..geometry.sites import SiteTable
     from ..runtime.batch import Batch
 
 PLAIN = Material("plain")
-
-
-def material_rows(batch: Batch, table: SiteTable) -> np.ndarray:
-    """(k,) for each instance of a site, the index of its material in ``catalogue``: the last whose predicate holds."""
-    names = list(batch.program.materials)
-    site = batch.program.sites[table.number]
-    chosen = np.zeros(len(table.owner), dtype=np.int64)
-    for (name, _), holds in zip(site.materials, read_all(batch, table), strict=True):
-        chosen = np.where(holds, 1 + names.index(name), chosen)
-    return chosen
-
-
-def read_all(batch: Batch, table: SiteTable) -> list[np.ndarray]:
-    """Whether each of a site's materials applies, (k,) bool each."""
-    site = batch.program.sites[table.number]
-    if all(predicate.op == "const" for _, predicate in site.materials):
-        return [np.full(len(table.owner), bool(predicate.value)) for _, predicate in site.materials]
-    return [np.asarray(v, dtype=bool) for v in batch.read([p for _, p in site.materials], site.scope)]
 
 
 def catalogue(batch: Batch) -> list[Material]:

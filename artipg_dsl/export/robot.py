@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..annotate.materials import material_rows
 from ..graph.program import Material
 from . import materials, solids
 from .mesh_obj import Shape
@@ -118,7 +119,7 @@ class Robots:
         self.meshes = solids.build_meshes(self.tables, steps)
         self.pieces = solids.build_pieces(self.tables) if collision else []
         self.catalogue = materials.catalogue(batch)
-        self.material_rows = {t.number: materials.material_rows(batch, t) for t in self.tables}
+        self.material_rows = {t.number: material_rows(batch, t) for t in self.tables}
         self.visuals = solids.by_object(self.meshes, len(batch))
         self.colliders = solids.by_object(self.pieces, len(batch))
         objects = np.arange(len(batch) + 1)

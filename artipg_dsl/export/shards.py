@@ -13,7 +13,7 @@ from ..annotate.cameras import Cameras
 from ..annotate.cloud import sample_points
 from ..annotate.sampling import Sampling
 from ..annotate.states import REST, States, joint_values, state_table
-from ..annotate.views import make_views
+from ..annotate.views import NONE, make_views
 from .content import Content
 
 if TYPE_CHECKING:
@@ -35,6 +35,8 @@ def point_arrays(
         "semantic": narrow(points.semantic),
         "instance": narrow(points.instance),
         "link": narrow(points.link),
+        "material": np.where(points.material < 0, NONE, narrow(np.maximum(points.material, 0))).astype(np.uint16),
+        "npcs": points.npcs.astype(np.float32),
         "primitive": narrow(points.primitive, np.uint16),
         "element": narrow(points.element),
         "patch": narrow(points.patch, np.uint16),

@@ -197,7 +197,8 @@ class Label:
     ``value`` is a formula over p.x p.y p.z n.x n.y n.z u v size.x size.y size.z and columns of ``scope``'s chain:
     a predicate (True everywhere where a label has no ``where``) or a number in 0 .. 1 (a graded label) or any (a field).
     Nothing is said where ``guard``, a predicate over the same, does not hold. A field of vectors has three formulas in
-    ``vector``, components in the frame of the target; its ``value`` says nothing. ``depth`` of the target in the part tree: within one vocabulary the deepest label that holds at a point wins.
+    ``vector``, components in the frame of the target; its ``value`` says nothing.
+    ``depth`` of the target in the part tree: within one vocabulary the deepest label that holds at a point wins.
     """
 
     vocabulary: str

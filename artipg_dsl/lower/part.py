@@ -203,17 +203,19 @@ class Instance:
         return [found for node in statement.targets for found in walk(env, node)]
 
     def slot(self, name: str) -> Value:
-        """A slot as one reference to all the parts it binds (or the first surface, where it binds surfaces)."""
-        members = []
+        """A slot as one reference to all the parts, or all the surfaces, it binds."""
+        members, surfaces = [], []
         for value, _ in self.bound(name):
             if isinstance(value, Surface):
-                table, part, outer, surface = value.branches[0]
-                return Surface(((table, part, compose(frame_in(part.env, self.env), compose(part.pose, outer)), surface),))
+                for table, part, outer, surface in value.branches:
+                    pose = compose(frame_in(part.env, self.env), compose(part.pose, outer))
+                    surfaces.append((table, part, pose, surface))
+                continue
             if not isinstance(value, Ref):
                 return value
             for branch in value.branches:
                 members.extend((part, frame_in(part.env, self.env)) for part, _ in branch.members)
-        return Ref(name, (Branch(None, tuple(members)),))
+        return Surface(tuple(surfaces)) if surfaces else Ref(name, (Branch(None, tuple(members)),))
 
     def box(self) -> Box:
         if self._box is None:

@@ -129,7 +129,8 @@ def _field(ck: Checker, ctx: Context, stmt: ast.FieldStmt) -> None:
         kind = UNKNOWN
     place = formula(_targets(ck, ctx, stmt.targets, "a field lies on"))
     _condition(ck, place, stmt.where)
-    ck.expect(place, stmt.value, kind, "the field")
+    if not (kind == Vec(3, NONE) and ck.infer(place, stmt.value) == DIRECTION):  # a direction is a unit vector
+        ck.expect(place, stmt.value, kind, "the field")
     _relative(ck, stmt.value)
 
 
