@@ -6,6 +6,7 @@ alternatives of a part may bring links of their own.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from ..graph import expr as E
@@ -135,7 +136,12 @@ class Links:
                 hint="joints may move them apart: name a face or a port of one of them alone",
                 notes=tuple((p.span, f"`{p.name}`") for p in parts[:2]),
             )  # fmt: skip
-        return tuple(dict.fromkeys(k for links in found for k in links))
+        return self.ordered(k for links in found for k in links)
+
+    def ordered(self, links: Iterable[int]) -> tuple[int, ...]:
+        """Links of several alternatives, those that exist seldom first: what carries one of them otherwise comes after all."""
+        scopes = {k: self.context.program.links[k].scope for k in links}
+        return tuple(sorted(scopes, key=lambda k: -sum(1 for _ in scopes[k].ancestors())))
 
     def carrier(self, part: Part) -> tuple[int, ...]:
         """The link of a part's box and of ports that name no inner part: its first link."""
@@ -143,7 +149,7 @@ class Links:
         for instance in part.instances:
             first = first_part(instance)
             found.extend(self.of(part) if first is None else self.of(first))
-        return tuple(dict.fromkeys(found)) or self.of(part)
+        return self.ordered(found) or self.of(part)
 
     # ------------------------------------------------------------ the tree
 
