@@ -24,7 +24,7 @@ template Tilting : Sash {
 }
 template Grip {
   part knob : Cuboid(size = [3cm, 3cm, 3cm])
-  port mount = frame(at = back.center, out = -x, up = z)
+  port mount = frame(at = knob.back.center, out = -x, up = z)
 }
 category Window {
   root part body : Cuboid(size = [5cm, 1m, 1m])
