@@ -111,9 +111,17 @@ def own_scalar(env: Env, declaration: ast.ParamDecl, name: str, component: int |
 
 def declare(env: Env, body: tuple[ast.Stmt, ...]) -> None:
     """Register every name of a body, then lower the declarations in the order of the text."""
+    announce(env, body)
+    lower(env, body)
+
+
+def announce(env: Env, body: tuple[ast.Stmt, ...]) -> None:
     env.statements.extend(body)
     for statement in body:
         register(env, statement)
+
+
+def lower(env: Env, body: tuple[ast.Stmt, ...]) -> None:
     for statement in body:
         try:
             if isinstance(statement, ast.WhenStmt):
@@ -207,17 +215,27 @@ def port_count(env: Env, name: str) -> int:
 
 
 def open_when(env: Env, statement: ast.WhenStmt) -> None:
-    """The branches of a ``when``: tables of the rows for which the guard holds, one per guard."""
-    ev = Evaluator(env)
-    condition = ev.truth(ev.value(statement.guard), statement.guard.span)
-    for guard, body in ((condition, statement.body), (E.negate(condition), statement.otherwise)):
-        if not body or guard is E.FALSE:
-            continue
-        branch = env.branches.get(guard)
-        if branch is None:
-            scope = env.context.guard(env.scope, guard, f"{env.path}when {E.show(guard)}")
-            branch = env.branches[guard] = env.nested(scope, env.path)
-        declare(branch, body)
+    """Lower the declarations in the branches of a ``when``."""
+    for branch, body in enter_when(env, statement):
+        lower(branch, body)
+
+
+def enter_when(env: Env, statement: ast.WhenStmt) -> list[tuple[Env, tuple[ast.Stmt, ...]]]:
+    """The branches of a ``when``, tables of the rows for which the guard holds, one per guard: names and statements are known."""
+    if statement not in env.entered:
+        ev = Evaluator(env)
+        condition = ev.truth(ev.value(statement.guard), statement.guard.span)
+        found = env.entered[statement] = []
+        for guard, body in ((condition, statement.body), (E.negate(condition), statement.otherwise)):
+            if not body or guard is E.FALSE:
+                continue
+            branch = env.branches.get(guard)
+            if branch is None:
+                scope = env.context.guard(env.scope, guard, f"{env.path}when {E.show(guard)}")
+                branch = env.branches[guard] = env.nested(scope, env.path)
+            announce(branch, body)
+            found.append((branch, body))
+    return env.entered[statement]
 
 
 def bind_slots(env: Env, body: tuple[ast.Stmt, ...]) -> None:

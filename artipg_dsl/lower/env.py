@@ -75,6 +75,7 @@ class Env:
     equations: list[Equation] = field(default_factory=list)
     inner: list[Env] = field(default_factory=list)
     branches: dict[Expr, Env] = field(default_factory=dict)
+    entered: dict[ast.WhenStmt, list[tuple[Env, tuple[ast.Stmt, ...]]]] = field(default_factory=dict)
     statements: list[ast.Stmt] = field(default_factory=list)
     parts: list[Part] = field(default_factory=list)
     element: Element | None = None

@@ -144,8 +144,11 @@ class Evaluator:
 
     def _IsExpr(self, node: ast.IsExpr) -> Value:
         from .part import matches
+        from .style import Style
 
         subject = self.value(node.subject)
+        if isinstance(subject, Style):
+            return subject.matches(node.type_name)
         if not isinstance(subject, Ref) or len(subject.branches) != 1:
             raise self.wrong(node.subject.span, "a part", subject)
         part = subject.branches[0].members[0][0]

@@ -255,7 +255,7 @@ def part_member(part: Part, name: str, span: Span, ev: Evaluator, own: bool = Fa
     if isinstance(value, Ports):
         value = Ports(value.name, {k: carried(v, part) for k, v in value.settled().items()})
     value = carried(value, part)
-    if own or name in part.inputs:
+    if own or name in part.inputs or isinstance(value, Expr | Choice):
         return value
     return moved(value, part.pose)
 

@@ -89,10 +89,29 @@ def mount_of(env: Env, statement: ast.Stmt, name: str) -> Mount | None:
 
 
 def mounts(env: Env, name: str) -> list[Mount]:
+    """The mounts of a part in its environment, and under every ``when`` there, be it further down in the text."""
+    from .body import enter_when
+
+    for statement in env.statements:
+        if isinstance(statement, ast.WhenStmt) and mounting(statement, name):
+            enter_when(env, statement)
     found = [m for s in env.statements if (m := mount_of(env, s, name)) is not None]
     for branch in env.branches.values():
         found.extend(mounts(branch, name))
     return found
+
+
+def mounting(statement: ast.WhenStmt, name: str) -> bool:
+    """Whether a ``when`` may hold a mount of the part ``name``."""
+    for inner in (*statement.body, *statement.otherwise):
+        if isinstance(inner, ast.WhenStmt):
+            if mounting(inner, name):
+                return True
+        elif isinstance(inner, ast.ConnectStmt | ast.JointDecl):
+            subject = inner.subject if isinstance(inner, ast.ConnectStmt) else inner.child
+            if root_name(subject) == name:
+                return True
+    return False
 
 
 def pose_of(part: Part) -> Pose:

@@ -144,8 +144,11 @@ def require(env: Env, statement: ast.RequireStmt) -> None:
     assert statement.condition is not None
     ev = Evaluator(env)
     for node in conjuncts(statement.condition):
-        condition, slack = comparison(ev, node)
+        others, bounding = disjuncts(node)
+        condition, slack = comparison(ev, bounding)
         guard = presence(env, node)
+        for other in others:
+            guard = E.both(guard, E.negate(ev.truth(ev.value(other), other.span)))
         message = statement.message or text_of(statement.span)
         repair = None if statement.repair is None else text_of(statement.repair.span)
         env.context.program.requirements.append(
@@ -160,12 +163,31 @@ def conjuncts(node: ast.Expr) -> list[ast.Expr]:
     return [node]
 
 
+def disjuncts(node: ast.Expr) -> tuple[list[ast.Expr], ast.Expr]:
+    """``a or b``: where ``a`` does not hold, ``b`` is required; ``b`` is the last inequality, which can narrow a draw."""
+    found: list[ast.Expr] = []
+
+    def flatten(e: ast.Expr) -> None:
+        if isinstance(e, ast.BinaryExpr) and e.op == "or":
+            flatten(e.left)
+            flatten(e.right)
+        else:
+            found.append(e)
+
+    flatten(node)
+    ordered = [e for e in found if isinstance(e, ast.BinaryExpr) and e.op in ("<", "<=", ">", ">=")]
+    if len(found) == 1 or not ordered:
+        return [], node
+    return [e for e in found if e is not ordered[-1]], ordered[-1]
+
+
 def presence(env: Env, node: ast.Node) -> Expr:
-    """A requirement that names an optional part holds trivially without it."""
+    """A requirement on a member of an optional part holds trivially without it (the part's name alone asks for it)."""
     guard = E.TRUE
     for child in walk(node):
-        if isinstance(child, ast.NameExpr):
-            value = env.names.get(child.name) if child.name in env.names else env.find(child.name)
+        if isinstance(child, ast.MemberExpr) and isinstance(child.obj, ast.NameExpr):
+            name = child.obj.name
+            value = env.names.get(name) if name in env.names else env.find(name)
             if isinstance(value, Ref) and len(value.branches) == 1:
                 part: Part = value.branches[0].members[0][0]
                 guard = E.both(guard, part.exists)

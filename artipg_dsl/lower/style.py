@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from ..graph import expr as E
 from ..graph.expr import Expr, Scope
-from ..semantics.symbols import Symbol
+from ..semantics.symbols import Symbol, is_a
 from ..syntax import ast
 from .draws import draw_choice, draw_scalar
 from .env import Env
@@ -25,6 +25,15 @@ class Style:
 
     def chosen(self, name: str) -> Expr | None:
         return self.choice.chosen(name)
+
+    def matches(self, name: str) -> Expr:
+        """The predicate of ``style is Name``."""
+        wanted, found = self.env.module.find(name), E.FALSE
+        for option in dict.fromkeys(self.choice.options):
+            symbol = self.env.module.find(option)
+            if wanted is not None and symbol is not None and is_a(symbol, wanted):
+                found = E.either(found, self.choice.chosen(option) or E.FALSE)
+        return found
 
     def guard(self, option: str) -> Expr:
         options = self.choice.options

@@ -11,7 +11,7 @@ from .fold import constant
 from .guards import OPERATORS, TRUE, Atom, Compare, Condition, Not, Or, conjunction
 from .scope import Guard
 from .symbols import is_a
-from .types import BOOL, BOX, UNKNOWN, Choice, Part, Scalar, Type
+from .types import BOOL, BOX, UNKNOWN, Choice, Part, Scalar, Style, Type
 
 if TYPE_CHECKING:
     from .checker import Checker, Context
@@ -32,7 +32,7 @@ def _asks_presence(expr: ast.Expr) -> bool:
 
 
 def check_is(ck: Checker, ctx: Context, expr: ast.IsExpr) -> Type:
-    """``part is Template``: the subject is a part (absence is just false), the name something it can be."""
+    """``part is Template``: the subject is a part or a style (absence is just false), the name something it can be."""
     subject = ck.infer(ctx.but(lenient=[]), expr.subject)
     wanted = ctx.module.find(expr.type_name)
     if wanted is None or wanted.kind not in ("role", "template", "primitive"):
@@ -42,17 +42,17 @@ def check_is(ck: Checker, ctx: Context, expr: ast.IsExpr) -> Type:
             f"there is no role or template `{expr.type_name}` here",
             hint=did_you_mean(expr.type_name, names),
         )  # fmt: skip
-    elif isinstance(subject, Part):
+    elif isinstance(subject, Part | Style):
         known = [v for v in subject.domain if v is not None]
         if all(v.symbol is not None for v in known):
             if not any(v.symbol and (is_a(v.symbol, wanted) or is_a(wanted, v.symbol)) for v in known):
                 names = sorted({v.name for v in known})
                 ck.error(
-                    "unrelated-type", expr.type_span, f"this part can never be {expr.type_name}",
+                    "unrelated-type", expr.type_span, f"this {'part' if isinstance(subject, Part) else 'style'} can never be {expr.type_name}",
                     hint=did_you_mean(expr.type_name, names) or f"it is {' or '.join(names)}",
                 )  # fmt: skip
     elif subject != UNKNOWN:
-        ck.error("wrong-type", expr.subject.span, f"`is` asks what a part is, but this is {subject}")
+        ck.error("wrong-type", expr.subject.span, f"`is` asks what a part or a style is, but this is {subject}")
     return BOOL
 
 
