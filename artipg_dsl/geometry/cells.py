@@ -147,14 +147,14 @@ class Cells:
         local = (np.cumsum(asked) - 1)[row - bent.shelf.start]
         return row, local, {name: value[asked] for name, value in bent.shelf.params.items()}
 
-    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        """(3, C) boxes of the flat cells in the frames of their objects."""
-        low, high = np.empty_like(self.origin), np.empty_like(self.origin)
+    def bounds(self, cell: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(3, m) boxes of flat cells in the frames of their objects."""
+        low, high = np.empty((3, len(cell))), np.empty((3, len(cell)))
         for axis in range(3):
-            a, b = self.a[axis], self.b[axis]
-            far = a + b + self.c[axis]
-            low[axis] = self.origin[axis] + np.minimum(np.minimum(a, b), np.minimum(far, 0.0))
-            high[axis] = self.origin[axis] + np.maximum(np.maximum(a, b), np.maximum(far, 0.0))
+            origin, a, b = self.origin[axis][cell], self.a[axis][cell], self.b[axis][cell]
+            far = a + b + self.c[axis][cell]
+            low[axis] = origin + np.minimum(np.minimum(a, b), np.minimum(far, 0.0))
+            high[axis] = origin + np.maximum(np.maximum(a, b), np.maximum(far, 0.0))
         return low, high
 
 

@@ -3,7 +3,8 @@
 A point is asked a small way off its surface. Boxes narrow the question first: rows against rows, then cells against
 rows, then the part of a flat cell, as a rectangle of fractions, that the box of the other row can reach. What is left
 goes through the inside functions, one call per primitive. Points on flat cells are asked in the frame of the row that
-may hide them, where the cell is a quad too: no point is turned from frame to frame.
+may hide them, where the cell is a quad too: no point is turned from frame to frame. Flat cells so small that hardly a
+point falls on them are not prepared for that: their points are asked as those on bent cells are.
 """
 
 from __future__ import annotations
@@ -77,9 +78,13 @@ class Pairs:
 
 
 class Occlusion:
-    """What may hide what in a block, and which flat cells are hidden altogether: ``buried`` (C,) bool."""
+    """What may hide what in a block, and which flat cells are hidden altogether: ``buried`` (C,) bool.
 
-    def __init__(self, cells: Cells, off: np.ndarray, group: np.ndarray):
+    ``prepared`` (C,) bool: the flat cells for which ``flat_hidden`` may be asked, those of at least a share of
+    ``least`` of the surface of their pool; for others ``loose_hidden`` has to be.
+    """
+
+    def __init__(self, cells: Cells, off: np.ndarray, group: np.ndarray, least: float = 0.0):
         self.cells, self.rows, self.off = cells, cells.rows, off
         self.inside = [inside_split(s.primitive) for s in self.rows.shelves]
         self.values = [split.rows(s.params) for split, s in zip(self.inside, self.rows.shelves, strict=True)]
@@ -90,6 +95,11 @@ class Occlusion:
             part = slice(shelf.start, shelf.stop)
             self.shelf[part] = number
             self.low[:, part], self.high[:, part] = corners[0].T, corners[1].T
+        total = np.bincount(cells.pool, cells.area, minlength=len(cells.start) - 1)
+        self.prepared = (cells.shape != BENT) & (cells.area > least * total[cells.pool])
+        reach = (_REACH * self.off)[self.rows.owner]
+        low, high = (np.ascontiguousarray(x.T) for x in (self.rows.low, self.rows.high))
+        self.ends = low - reach, high + reach  # (3, R) boxes, somewhat wider
         near, other = _row_pairs(self.rows, self.off)
         order = np.argsort(near, kind="stable")
         self.row_other = other[order]  # rows whose boxes meet that of row r: from row_start[r] to row_start[r + 1]
@@ -100,22 +110,21 @@ class Occlusion:
     def _near(self, near: np.ndarray, other: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Pairs of a flat cell and a row whose boxes meet, from pairs of rows."""
         rows, cells = self.rows, self.cells
-        patches = np.bincount(cells.row, minlength=len(rows.owner))
-        low, high = cells.bounds()
-        slack = (_REACH * self.off)[cells.owner]
-        low, high = low - slack, high + slack
-        row_low, row_high = np.ascontiguousarray(rows.low.T), np.ascontiguousarray(rows.high.T)
-        asked = (cells.shape != BENT) & (cells.area > 0.0)
+        chosen = np.flatnonzero(self.prepared)
+        patches = np.bincount(cells.row[chosen], minlength=len(rows.owner))
+        first = np.searchsorted(chosen, cells.first)  # of the chosen ones of each row, which stand together
+        low, high = cells.bounds(chosen)
+        row_low, row_high = self.ends
         found = [(np.empty(0, np.int64), np.empty(0, np.int64))]
         for start in range(0, len(near), _CHUNK // 2):
             part = slice(start, start + _CHUNK // 2)
             count = patches[near[part]]
-            cell, beside = runs(cells.first[near[part]], count), np.repeat(other[part], count)
-            kept = asked[cell]
+            cell, beside = runs(first[near[part]], count), np.repeat(other[part], count)
+            kept = np.ones(len(cell), dtype=bool)
             for axis in range(3):
                 kept &= low[axis][cell] <= row_high[axis][beside]
                 kept &= high[axis][cell] >= row_low[axis][beside]
-            found.append((cell[kept], beside[kept]))
+            found.append((chosen[cell[kept]], beside[kept]))
         return np.concatenate([c for c, _ in found]), np.concatenate([o for _, o in found])
 
     def _flat_pairs(self, cell: np.ndarray, other: np.ndarray, group: np.ndarray) -> Pairs:
@@ -289,8 +298,8 @@ class Occlusion:
                 depth[part] = self._depth(shelf, other[part], [x[part] for x in local])
         return depth
 
-    def bent_hidden(self, cell: np.ndarray, position: Coordinates, normal: Coordinates) -> np.ndarray:
-        """(m,) bool: which points on bent cells are hidden; positions and normals in the frames of their objects."""
+    def loose_hidden(self, cell: np.ndarray, position: Coordinates, normal: Coordinates) -> np.ndarray:
+        """(m,) bool: which points on any cells are hidden; positions and normals in the frames of their objects."""
         out = np.zeros(len(cell), dtype=bool)
         row = self.cells.row[cell]
         first, count = self.row_start[row], self.row_start[row + 1] - self.row_start[row]
@@ -302,9 +311,8 @@ class Occlusion:
             point = np.repeat(part, count[part])
             other = self.row_other[runs(first[part], count[part])]
             for axis in range(3):
-                value, reach = outer[axis][point], _REACH * off[point]
-                low, high = self.rows.low[:, axis][other], self.rows.high[:, axis][other]
-                kept = (value >= low - reach) & (value <= high + reach)
+                value = outer[axis][point]
+                kept = np.flatnonzero((value >= self.ends[0][axis][other]) & (value <= self.ends[1][axis][other]))
                 point, other = point[kept], other[kept]
             depth = self._depths(other, to_local(self.cells.poses, other, [x[point] for x in outer]))
             out[point[depth < 0.0]] = True

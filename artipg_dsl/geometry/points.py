@@ -18,13 +18,14 @@ from ..graph import random
 from .block import Block, block
 from .cells import Cells, Coordinates
 from .density import Placement, solve_linear
-from .flat import PLANAR
+from .flat import BENT, PLANAR
 from .hidden import Occlusion, runs, scales
 from .outside import Outlook
 from .sites import SiteTable
 
 _ROWS, _OBJECTS = 16_000, 256  # at most in a block, about
 _LOOKED_AT = 32  # objects in a block whose triangles are needed
+_RARELY = 0.5  # points that flat cells have at least, about, if they are prepared for being asked quickly
 _POINTS = 2_000_000  # in a block, about
 _CANDIDATES = 40_000  # at a time: their arrays stay in the caches
 _SPARE = 1.06  # candidates per point wanted, were all to be seen that are thought to be
@@ -176,13 +177,13 @@ class _Drawn:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Candidates:
-    """Candidates of a group in the order of their cells: ``bent`` are those on bent cells, which are ``mine`` among
-    the ``_BentPoints``."""
+    """Candidates of a group in the order of their cells: ``loose`` are those which are ``mine`` among the
+    ``_LoosePoints``."""
 
     cell: np.ndarray
     u: np.ndarray
     v: np.ndarray
-    bent: np.ndarray
+    loose: np.ndarray
     mine: slice
 
 
@@ -198,7 +199,7 @@ class _Sampler:
         cells.measure_bent()
         together = max(1, _CANDIDATES // (n + 32))
         self.groups = [(k, min(k + together, len(address))) for k in range(0, len(address), together)]
-        self.occlusion = Occlusion(cells, scales(rows), np.arange(len(address)) // together)
+        self.occlusion = Occlusion(cells, scales(rows), np.arange(len(address)) // together, _RARELY / n)
         self.outlook = Outlook(cells, self.occlusion.off, self.occlusion.buried) if outside else None
         area = np.where(self.occlusion.buried, 0.0, cells.area)
         counts = np.diff(cells.start)
@@ -244,16 +245,16 @@ class _Sampler:
         before = np.concatenate([[0], upto[:-1]])
         before[self.head] = 0
         drawn = _Drawn(attempt, wanted, upto - before, before)
-        bent = _BentPoints(self, drawn)
+        loose = _LoosePoints(self, drawn)
         survivors = np.zeros_like(wanted)
         for number, (low, high) in enumerate(self.groups):
             if wanted[low:high].any():
-                survivors[low:high] = self._group(out, number, low, high, filled, thin, drawn, bent)
+                survivors[low:high] = self._group(out, number, low, high, filled, thin, drawn, loose)
         return survivors
 
     def _group(
         self, out: PointSet, number: int, low: int, high: int, filled: np.ndarray, thin: np.ndarray, drawn: _Drawn,
-        bent: _BentPoints,
+        loose: _LoosePoints,
     ) -> np.ndarray:  # fmt: skip
         """The candidates of the pools ``low .. high - 1``; how many of each can be seen."""
         cells, n, pools = self.cells, self.n, slice(low, high)
@@ -262,15 +263,17 @@ class _Sampler:
         start = np.cumsum(count) - count
         wanted = drawn.wanted[pools]
         u, v = random.coarse_pairs(self.key, self.address[pools], wanted, drawn.attempt)
-        self._slant(begin, start, count, u, v)
-        mine = slice(*np.searchsorted(bent.cell, (begin, end)).tolist())
-        at = start[bent.cell[mine] - begin] + bent.nth[mine]
+        slanting = np.flatnonzero((cells.shape[begin:end] == PLANAR) & (count > 0))
+        cell = np.repeat(begin + slanting, count[slanting])
+        _slant(cells, cell, runs(start[slanting], count[slanting]), u, v)
+        mine = slice(*np.searchsorted(loose.cell, (begin, end)).tolist())
+        at = start[loose.cell[mine] - begin] + loose.nth[mine]
         hidden = self.occlusion.flat_hidden(number, begin, start, count, u, v)
-        u[at], v[at], hidden[at] = bent.u[mine], bent.v[mine], bent.hidden[mine]
+        u[at], v[at], hidden[at] = loose.u[mine], loose.v[mine], loose.hidden[mine]
         every = _Candidates(np.repeat(np.arange(begin, end), count), u, v, at, mine)
         kept = np.flatnonzero(~hidden)
         if self.outlook is not None:
-            kept = kept[self.outlook.sees(every.cell[kept], *self._places(every, kept, bent))]
+            kept = kept[self.outlook.sees(every.cell[kept], *self._places(every, kept, loose))]
         borders = np.searchsorted(kept, np.concatenate([[0], np.cumsum(wanted)]))
         survivors = np.diff(borders)
         room = np.minimum(n - filled[pools], survivors)
@@ -281,7 +284,7 @@ class _Sampler:
             place = rank * take + np.repeat(shift, survivors)
             kept = kept[place % total + take >= total]
         cell = every.cell[kept]
-        position, normal = self._places(every, kept, bent)
+        position, normal = self._places(every, kept, loose)
         row = cells.row[cell]
         target: slice | np.ndarray
         if (room == n).all():
@@ -297,39 +300,40 @@ class _Sampler:
             out.normal.reshape(-1, 3)[target, axis] = normal[axis]
         return survivors
 
-    def _places(self, every: _Candidates, kept: np.ndarray, bent: _BentPoints) -> tuple[list, list]:
+    def _places(self, every: _Candidates, kept: np.ndarray, loose: _LoosePoints) -> tuple[list, list]:
         """Positions and normals of the candidates ``kept`` (ascending), three arrays each."""
         cell = every.cell[kept]
         position = list(self.cells.flat_position(cell, every.u[kept], every.v[kept]))
         normal = [x[cell] for x in self.cells.normal]
-        if len(every.bent):
-            among = np.searchsorted(kept, every.bent)
-            there = np.flatnonzero(np.append(kept, -1)[among] == every.bent)
+        if len(every.loose):
+            among = np.searchsorted(kept, every.loose)
+            there = np.flatnonzero(np.append(kept, -1)[among] == every.loose)
             for axis in range(3):
-                position[axis][among[there]] = bent.position[axis][every.mine][there]
-                normal[axis][among[there]] = bent.normal[axis][every.mine][there]
+                position[axis][among[there]] = loose.position[axis][every.mine][there]
+                normal[axis][among[there]] = loose.normal[axis][every.mine][there]
         return position, normal
 
-    def _slant(self, begin: int, start: np.ndarray, count: np.ndarray, u: np.ndarray, v: np.ndarray) -> None:
-        """Fractions, uniform by area, on the cells from ``begin`` on whose element grows along u or v."""
-        chosen = np.flatnonzero((self.cells.shape[begin : begin + len(count)] == PLANAR) & (count > 0))
-        cell, at = np.repeat(begin + chosen, count[chosen]), runs(start[chosen], count[chosen])
-        base, along_u, along_v = (e[cell] for e in self.cells.element)
-        middle = base + along_v / 2
-        u[at] = solve_linear(u[at], middle, middle + along_u)
-        left = base + along_u * u[at]
-        v[at] = solve_linear(v[at], left, left + along_v)
+
+def _slant(cells: Cells, cell: np.ndarray, at: np.ndarray, u: np.ndarray, v: np.ndarray) -> None:
+    """Make the fractions ``u[at]``, ``v[at]`` uniform by area on flat cells whose element grows along u or v."""
+    base, along_u, along_v = (e[cell] for e in cells.element)
+    middle = base + along_v / 2
+    u[at] = solve_linear(u[at], middle, middle + along_u)
+    left = base + along_u * u[at]
+    v[at] = solve_linear(v[at], left, left + along_v)
 
 
-class _BentPoints:
-    """The candidates of one round on the cells that are not flat, of all objects of a block, sorted by cell and lane.
+class _LoosePoints:
+    """The candidates of one round, of all pools of a block, on the cells that are not prepared: the bent ones, and flat
+    ones so small that hardly a point falls on them. Sorted by cell and lane.
 
     ``nth`` counts them within their cell; ``u``, ``v``, ``hidden`` (m,), ``position`` and ``normal`` three (m,) each.
     """
 
     def __init__(self, sampler: _Sampler, drawn: _Drawn):
         cells = sampler.cells
-        every = np.concatenate([np.empty(0, np.int64), *(bent.cell for bent in cells.bent)])
+        small = np.flatnonzero((cells.shape != BENT) & ~sampler.occlusion.prepared & (drawn.count > 0))
+        every = np.concatenate([*(bent.cell for bent in cells.bent), small])
         count = drawn.count[every]
         cell = np.repeat(every, count)
         nth = runs(np.zeros_like(count), count)
@@ -349,11 +353,17 @@ class _BentPoints:
             at, outward = cells.bent_position(bent, cell[part], u[part], v[part])
             for axis in range(3):
                 position[axis, part], normal[axis, part] = at[axis], outward[axis]
-        order = np.lexsort((nth, cell))
+        part = slice(int(done[begin]), len(cell))
+        slanting = np.flatnonzero(cells.shape[cell[part]] == PLANAR)
+        _slant(cells, cell[part][slanting], slanting, u[part], v[part])
+        at = cells.flat_position(cell[part], u[part], v[part])
+        for axis in range(3):
+            position[axis, part], normal[axis, part] = at[axis], cells.normal[axis][cell[part]]
+        order = np.argsort(cell, kind="stable")
         self.cell, self.nth, self.u, self.v = cell[order], nth[order], u[order], v[order]
         self.position: Coordinates = (position[0, order], position[1, order], position[2, order])
         self.normal: Coordinates = (normal[0, order], normal[1, order], normal[2, order])
-        self.hidden = sampler.occlusion.bent_hidden(self.cell, self.position, self.normal)
+        self.hidden = sampler.occlusion.loose_hidden(self.cell, self.position, self.normal)
 
 
 def evaluate(sites: list[SiteTable], binding: PointSet) -> tuple[np.ndarray, np.ndarray]:
