@@ -6,8 +6,8 @@ edges, and a kettle of turned and swept surfaces (`lathe_kettle.apg`). Per stage
 
 * columns: a batch. `resolve` gives the tables; `mesh` closed meshes of 24 steps per turn, placed; `points` candidates,
   placed and thinned; `hidden` what of them is hidden; `labels` classes and every label of the program; `collision`
-  convex pieces and all penetrations of links, at rest and over the whole range of every joint; `views` one picture of
-  160 x 120 with depth, normals, classes, part coordinates and a cloud of 1,024 points.
+  convex pieces and all penetrations of links, at rest and over the whole range of every joint; `views` four pictures of
+  320 x 240 with depth, normals, classes, part coordinates and a cloud of 2,048 points each.
 * loop: one object after the other, as in `main_job.py`. It does less in places: one affordance in `labels`; at rest and
   in eight states per joint in `collision` (FCL on the convex hulls of parts); depth, normals and classes in `views`
   (embree).
@@ -53,8 +53,8 @@ PROGRAMS = {
 }
 STAGES = ("resolve", "mesh", "points", "hidden", "labels", "collision", "views")
 MAIN = ("resolve", "mesh", "points", "hidden", "labels")
-VIEW = Cameras(count=1, width=160, height=120, points=1024)
-SEEN = 32  # objects of which views are made, of a batch
+VIEW = Cameras(count=4)
+SEEN = 8  # objects of which views are made, of a batch
 ARRAYS = (np.int32, np.int32, np.int16, np.float64, np.float64)
 
 
@@ -123,7 +123,7 @@ def columns(sampler, numbers: np.ndarray, n_points: int) -> tuple[dict[str, floa
     views = make_views(few, VIEW)
     spent["views"] = (time.process_time() - begun) * len(numbers) / len(few)
     arrays = (*views.images.values(), *views.cloud.values())
-    out["views"] = [((len(numbers), *a.shape[1:]), a.dtype) for a in arrays]
+    out["views"] = [(a.shape, a.dtype) for a in arrays]
     return {stage: seconds / len(numbers) for stage, seconds in spent.items()}, out
 
 
@@ -133,7 +133,7 @@ def fill(shapes: dict[str, list], count: int) -> dict[str, float]:
     for stage, arrays in shapes.items():
         begun = time.process_time()
         kept = [np.full(shape, 1, kind) for shape, kind in arrays]
-        spent[stage] = (time.process_time() - begun) / count
+        spent[stage] = (time.process_time() - begun) / (SEEN if stage == "views" else count)
         del kept
     return spent
 
@@ -195,21 +195,23 @@ class PlainLoop(Loop):
             met |= bool(manager.in_collision_internal())
         return met
 
-    def look(self, batch, whole, owner, placed) -> tuple[np.ndarray, ...]:
-        """Depth, normals and classes of one picture."""
+    def look(self, batch, whole, owner, placed) -> list[tuple[np.ndarray, ...]]:
+        """Depth, normals and classes of the pictures."""
         low, high = whole.bounds
         centre, radius = (low + high) / 2, float(np.linalg.norm(high - low)) / 2
-        turn, eye = VIEW.place(random.key(7, "views"), np.array([0], np.uint64), centre[None], np.array([radius]))
+        turns, eyes = VIEW.place(random.key(7, "views"), np.array([0], np.uint64), centre[None], np.array([radius]))
         y, x = np.mgrid[: VIEW.height, : VIEW.width] + 0.5
         local = np.stack([(x - VIEW.width / 2) / VIEW.focal, (y - VIEW.height / 2) / VIEW.focal, np.ones_like(x)], axis=-1)
-        ways = local.reshape(-1, 3) @ turn[0, 0]
-        place, ray, face = whole.ray.intersects_location(np.repeat(eye[0], len(ways), axis=0), ways, multiple_hits=False)
-        depth, normal = np.zeros(len(ways)), np.zeros((len(ways), 3))
-        semantic = np.full(len(ways), 0xFFFF)
-        depth[ray] = (place - eye[0, 0]) @ turn[0, 0, 2]
-        normal[ray] = whole.face_normals[face]
-        semantic[ray] = np.array([t.semantic[r] for _, t, r, _ in placed])[owner[face]]
-        return depth, normal, semantic
+        classes, made = np.array([t.semantic[r] for _, t, r, _ in placed])[owner], []
+        for turn, eye in zip(turns[0], eyes[0], strict=True):
+            ways = local.reshape(-1, 3) @ turn
+            starts = np.repeat(eye[None], len(ways), axis=0)
+            place, ray, face = whole.ray.intersects_location(starts, ways, multiple_hits=False)
+            depth, normal = np.zeros(len(ways)), np.zeros((len(ways), 3))
+            semantic = np.full(len(ways), 0xFFFF)
+            depth[ray], normal[ray], semantic[ray] = (place - eye) @ turn[2], whole.face_normals[face], classes[face]
+            made.append((depth, normal, semantic))
+        return made
 
 
 def table(name: str, options: argparse.Namespace) -> None:

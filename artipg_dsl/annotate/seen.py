@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..geometry.block import to_local
 from ..geometry.bound import surface_at
+from ..geometry.hidden import inside_split
 from .frames import rotate, unrotate
 from .points import Labels, label_points
 from .poses import diagonal, middles
@@ -79,6 +81,26 @@ def classes(batch: Batch, points: Bound) -> np.ndarray:
 def labels(batch: Batch, points: Bound) -> Labels:
     """All labels (n,)."""
     return label_points(batch, batch.sites(), points)  # type: ignore[arg-type]
+
+
+def amid_solids(
+    made: Soup, index: int, rotation: np.ndarray, translation: np.ndarray, places: np.ndarray
+) -> np.ndarray:
+    """(V,) bool: which ``places`` (V, 3) lie within a solid of the object ``index`` of a soup, its links carried by
+    ``rotation`` and ``translation``."""
+    rows = made.rows
+    link = np.zeros(len(rows.owner), dtype=np.int64)
+    link[made.row] = made.link
+    out = np.zeros(len(places), dtype=bool)
+    for shelf in rows.shelves:
+        row = np.repeat(shelf.start + np.flatnonzero(rows.owner[shelf.start : shelf.stop] == index), len(places))
+        which = np.tile(np.arange(len(places)), len(row) // max(len(places), 1))
+        back = unrotate(rotation[link[row]], places[which] - translation[link[row]])
+        local = to_local((rows.rotation, rows.translation, rows.mirror), row, back.T)
+        split = inside_split(shelf.primitive)
+        depth = split.points([r[row - shelf.start] for r in split.rows(shelf.params)], *local)[0]
+        out[which[np.broadcast_to(depth, row.shape) < 0.0]] = True
+    return out
 
 
 def carried(rotation: np.ndarray, translation: np.ndarray | None, link: np.ndarray, vectors: np.ndarray) -> np.ndarray:

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..errors import UserError
+from ..errors import UsageError, UserError
 from ..geometry.rays import ENGINES, NEAR, Caster, Grid, best_engine, intersect, turned
 from ..graph import random
 from .cameras import Cameras, extrinsics
 from .points import field_kinds
-from .seen import Hits, bind, blend, carried, classes, labels, part_coordinates
+from .seen import Hits, amid_solids, bind, blend, carried, classes, labels, part_coordinates
 from .soup import Soup, soup
 
 if TYPE_CHECKING:
@@ -48,9 +48,17 @@ def make_views(
     """Views of every object, with joints at ``states`` (J,) or (K, J), at rest by default.
 
     The cameras of an object are the same in any batch and in all of its states, but for their distance, which follows
-    its size. ``engine``: "embree" or "numpy", the best there is by default. Raises UserError if a camera sees nothing.
+    its size. ``engine``: "embree" or "numpy", the best there is by default. Raises UserError if a camera sees nothing,
+    or stands within a solid.
     """
-    made = _Views(batch, cameras or Cameras(), states, engine or best_engine())
+    engine = engine or best_engine()
+    if engine not in ENGINES:
+        raise UsageError(f"there is no engine `{engine}` to cast rays with", f"there are {', '.join(ENGINES)}")
+    if engine == "embree" and best_engine() != "embree":
+        raise UsageError("embree is not installed", "pip install 'artipg_dsl[rays]', or leave `engine` out")
+    if states is not None and np.shape(states)[-1:] != batch.rest().shape:
+        raise UsageError(f"states are of shape {np.shape(states)}: {len(batch.rest())} joint values are needed")
+    made = _Views(batch, cameras or Cameras(), states, engine)
     pixels = made.each * cameras_pixels(made.cameras)
     step = min(max(1, PIXELS // pixels), 16)
     for first in range(0, len(batch), step):
@@ -113,6 +121,13 @@ class _Views:
                 turn, eye = self.cameras.place(self.key, target.address[None], (ends[:, 0] + half)[None], radius)
                 at = (i * self.each + k) * self.cameras.count
                 self.turn[at : at + self.cameras.count], self.eye[at : at + self.cameras.count] = turn[0], eye[0]
+                if self.cameras.poses:  # others stand outside the sphere around the object
+                    amid = np.flatnonzero(amid_solids(made, i - first, rotation, translation, eye[0]))
+                    if len(amid):
+                        raise UserError(
+                            f"view {amid[0]} of object {target.number} is taken from within one of its solids",
+                            "move the camera's `eye` out of it",
+                        )
                 for v in range(self.cameras.count):
                     shots.append(_Shot(self, target, at + v, v))
         self._write(made, shots)

@@ -280,6 +280,30 @@ def test_a_camera_that_sees_nothing_is_an_error_in_words(batch: Batch) -> None:
     assert "fewer points" in caught.value.hint
 
 
+def test_a_camera_within_a_solid_is_refused_but_not_one_in_the_cavity(batch: Batch) -> None:
+    parts = batch.parts()
+    rear = next(i for i, path in enumerate(parts.path) if path == "body.rear" and parts.owner[i] == 0)
+    middle = parts.translation[rear] + (parts.low[rear] + parts.high[rear]) / 2
+    small = {"width": 16, "height": 12, "points": 50}
+    solid = [{"eye": [3, 0, 0.2]}, {"eye": middle.tolist(), "target": [1, 0, 0.2]}]
+    with pytest.raises(UserError, match="view 1 of object 0 is taken from within one of its solids"):
+        make_views(batch, from_description(small | {"poses": solid}))
+    cavity = (middle + [0.06, 0.0, 0.06]).tolist()
+    views = make_views(batch, from_description(small | {"poses": [{"eye": cavity, "target": [3, 0.0, cavity[2]]}]}))
+    assert seen(views).all() and (views.images["depth"] < 0.6).all()
+
+
+def test_wrong_engines_and_states_are_told_in_words(batch: Batch, monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(UsageError, match="there is no engine `optix`"):
+        make_views(batch, SMALL, engine="optix")
+    with pytest.raises(UsageError, match="joint values are needed"):
+        make_views(batch, SMALL, np.zeros(1))
+    monkeypatch.setattr("artipg_dsl.annotate.views.best_engine", lambda: "numpy")
+    with pytest.raises(UsageError, match="embree is not installed") as caught:
+        make_views(batch, SMALL, engine="embree")
+    assert "artipg_dsl[rays]" in str(caught.value.hint)
+
+
 WRONG = [
     ("[]", "an object is needed"),
     ('{"view": 3}', "`view` is not known"),

@@ -1,0 +1,63 @@
+"""apgc sample with points of another surface, spread or density: what is written, and wrong wishes in words."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from .helpers import CHEST, ROOT, Apgc, spawn, tree
+
+WISHES = ("--points", 300, "--per", "link", "--spread", "blue", "--surface", "outside", "--states", "rest,open", "--motion")
+
+
+def test_points_per_link_are_written_with_their_meaning(apgc: Apgc, tmp_path: Path) -> None:
+    code, _, err = apgc("sample", CHEST, "-n", 3, "-o", tmp_path / "o", *WISHES)
+    assert code == 0, err
+    manifest = json.loads((tmp_path / "o" / "manifest.json").read_text())
+    with np.load(tmp_path / "o" / "points-00000.npz") as arrays:
+        rows = len(arrays["object"])
+        assert rows > 3 and sorted(set(arrays["object"].tolist())) == [0, 1, 2]
+        assert all(len(array) == rows for array in arrays.values())
+        assert arrays["points"].shape == arrays["motion"].shape == (rows, 2, 300, 3)
+        assert (arrays["link"] == arrays["link"][:, :1]).all()
+        assert set(arrays.files) == set(manifest["arrays"])
+    assert manifest["arrays"]["points"]["shape"] == "links, 2, 300, 3"
+    kept = {name: manifest["identity"][name] for name in ("points", "surface", "spread", "per")}
+    assert kept == {"points": 300, "surface": "outside", "spread": "blue", "per": "link"}
+    code, _, err = apgc("sample", CHEST, "-n", 3, "-o", tmp_path / "o", "--points", 300)
+    assert code == 1 and "the surface that points lie on (outside, now boundary)" in err
+
+
+def test_bytes_do_not_depend_on_the_process(tmp_path: Path) -> None:
+    for name, seed in (("a", "1"), ("b", "2")):
+        made = spawn("sample", CHEST, "-n", 2, "-o", tmp_path / name, *WISHES, hash_seed=seed)
+        assert made.returncode == 0, made.stderr
+    assert tree(tmp_path / "a") == tree(tmp_path / "b")
+
+
+@pytest.mark.parametrize(
+    "wishes, message",
+    [
+        (("--points", "0"), "not a number from 1"),
+        (("--points", "many"), "not a whole number"),
+        (("--points", "2000000"), "give a number from 1 to 1000000"),
+        (("--per", "part"), "invalid choice: 'part'"),
+        (("--spread", "pink"), "invalid choice: 'pink'"),
+        (("--surface", "outside", "--format", "urdf"), "--surface is about points"),
+        (("--per", "link", "--format", "annotation"), "--per is about points"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
+)
+def test_wrong_wishes_are_told_in_words(apgc: Apgc, tmp_path: Path, wishes: tuple[str, ...], message: str) -> None:
+    code, _, err = apgc("sample", CHEST, "-n", 1, "-o", tmp_path / "o", *wishes)
+    assert code == 2 and message in err
+    assert not (tmp_path / "o").exists()
+
+
+def test_the_programs_of_the_benchmarks_are_sound(apgc: Apgc) -> None:
+    files = sorted((ROOT / "benchmarks").glob("*.apg"))
+    code, _, err = apgc("check", *files)
+    assert code == 0 and files, err
