@@ -330,6 +330,21 @@ class Samples:
         self.job.write(folder, self.numbers, choose(names, views=views is not None), content=content, force=force)
         return Path(folder)
 
+    def export(self, folder: str | Path, formats: str | Iterable[str], *, force: bool = False) -> list[Path]:
+        """Files per object, ``batch.export("robots", "urdf,glb")``; returns the folders ``objects/<number>``.
+
+        Formats are those of ``apgc export``. What is there is refused unless ``force``. Raises ExportError.
+        """
+        from .export.dataset import object_folder, write_objects
+        from .export.registry import named, per_object
+
+        chosen = named(formats if isinstance(formats, str) else list(formats))
+        for entry in chosen:
+            if not entry.per_object:
+                raise UsageError(f"{entry.name} is written by `to`", f"export writes {', '.join(per_object())}")
+        write_objects(self.batch, Path(folder), chosen, force=force)
+        return [object_folder(Path(folder), n) for n in self.numbers.tolist()]
+
     def to_urdf(self, folder: str | Path, *, force: bool = False) -> list[Path]:
         """A robot description with its meshes per object; returns the paths of ``object.urdf``."""
         return self._objects(folder, "urdf", force)
@@ -338,12 +353,14 @@ class Samples:
         """A binary glTF per object; returns the paths of ``object.glb``."""
         return self._objects(folder, "glb", force)
 
+    def to_obj(self, folder: str | Path, *, force: bool = False) -> list[Path]:
+        """A Wavefront OBJ per link with the object's materials; returns the paths of ``obj/object.mtl``."""
+        return self._objects(folder, "obj", force)
+
     def _objects(self, folder: str | Path, name: str, force: bool) -> list[Path]:
-        from .export.dataset import object_folder, write_objects
         from .export.registry import FORMATS
 
-        write_objects(self.batch, Path(folder), [FORMATS[name]], force=force)
-        return [object_folder(Path(folder), n) / f"object.{name}" for n in self.numbers.tolist()]
+        return [made / FORMATS[name].file for made in self.export(folder, name, force=force)]
 
     # ------------------------------------------------------------ pictures
 

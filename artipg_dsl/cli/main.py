@@ -8,6 +8,7 @@ import os
 import sys
 from collections.abc import Sequence
 
+from ..export.registry import FORMATS, per_object
 from .arguments import numbers, part, positive, whole
 from .report import error, findings, say
 
@@ -68,7 +69,7 @@ def parser() -> argparse.ArgumentParser:
         help="what has N points: each object (default), class of parts, part instance, link or primitive",
     )  # fmt: skip
     sample.add_argument(
-        "--format", metavar="LIST", help="points, annotation, views, urdf, glb, with commas (default: points,annotation)"
+        "--format", metavar="LIST", help=f"{', '.join(FORMATS)}; with commas (default: points,annotation)"
     )
     sample.add_argument(
         "--states", default="rest", metavar="LIST", help="joint states: rest, open, random:K, with commas (default: rest)"
@@ -85,6 +86,17 @@ def parser() -> argparse.ArgumentParser:
     sample.add_argument(
         "--shard", type=part, default=(1, 1), metavar="K/N", help="write the K-th of N parts, to share the work"
     )
+
+    export = command("export", "write objects in other formats, or those of a folder of samples again")
+    export.add_argument(
+        "program", metavar="DIR|NAME|FILE", help="a folder of samples, a shipped category or an .apg file"
+    )
+    _drawing(export, 10)
+    export.add_argument(
+        "-o", "--out", metavar="DIR", help="the folder to write to (default: the folder of samples, or out)"
+    )
+    export.add_argument("--format", metavar="LIST", required=True, help=f"{', '.join(per_object())}; with commas")
+    export.add_argument("--force", action="store_true", help="replace what is there")
 
     render = command("render", "draw a contact sheet of samples")
     render.add_argument(

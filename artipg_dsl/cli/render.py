@@ -30,15 +30,15 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def wanted(options: argparse.Namespace) -> tuple[Job, np.ndarray]:
-    """The job to draw from, and the numbers of the objects."""
+def wanted(options: argparse.Namespace, *, every: bool = False) -> tuple[Job, np.ndarray]:
+    """The job to take objects from, and their numbers; of a folder the first ones, or ``every`` one."""
     if not Path(options.program).is_dir():
         return open_job(options.program, options.seed or 0, split(options.set)), chosen(options)
     if options.set or options.seed is not None:
         raise UsageError(f"the samples in {options.program} are made", "leave out --seed and --set, or name a category")
     job, numbers = reopen(options.program)
     if options.only is None:
-        return job, numbers[: options.number or options.default_number]
+        return job, numbers[: options.number or (len(numbers) if every else options.default_number)]
     absent = np.setdiff1d(options.only, numbers)
     if len(absent):
         raise UserError(

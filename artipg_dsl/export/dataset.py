@@ -6,6 +6,7 @@ missing and touches nothing else; with other options it refuses, or starts anew 
 
 from __future__ import annotations
 
+import os
 import shutil
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -14,10 +15,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import manifest as manifests
-from .content import STANDARD, Content
-from .registry import Format
+from .content import SHARD, STANDARD, Content
+from .registry import FORMATS, Format
 from .robot import Robots
-from .write import ExportError, ensure_folder, explain, replacing_folder, sweep, write_bytes
+from .write import ExportError, ensure_folder, explain, refuse_existing, replacing_folder, sweep, write_bytes
 
 if TYPE_CHECKING:
     from ..graph.program import Program
@@ -66,15 +67,14 @@ def write_dataset(
     for first in mine:
         chosen = numbers[first : first + shard]
         missing = [f for f in formats if f.shard and not shard_path(out, f, first // shard).exists()]
-        absent = np.array([n for n in chosen.tolist() if not object_folder(out, n).exists()], dtype=np.int64)
-        robots = [f for f in formats if f.robot]
-        batch = sample(chosen) if counting or missing or (robots and len(absent)) else None
+        each = [f for f in formats if f.per_object]
+        absent = np.array([n for n in chosen.tolist() if lacking(object_folder(out, n), each)], dtype=np.int64)
+        batch = sample(chosen) if counting or missing or len(absent) else None
         if batch is not None:
             for entry in missing:
-                assert entry.shard is not None
-                write_bytes(shard_path(out, entry, first // shard), entry.shard(batch, content))
-            if robots and len(absent):
-                write_objects(batch, out, robots, only=absent, progress=_offset(progress, done, total))
+                write_bytes(shard_path(out, entry, first // shard), entry.shard_bytes(batch, content))
+            if len(absent):
+                write_objects(batch, out, each, only=absent, add=True, progress=_offset(progress, done, total))
         done += len(chosen)
         if progress:
             progress(done, total)
@@ -108,6 +108,11 @@ def prepare(out: Path, manifest: dict[str, Any], force: bool) -> dict[str, Any]:
                 sweep(out / OBJECTS)
             return old
         clear(out, old)
+    elif not force and (out / OBJECTS).exists() and any((out / OBJECTS).iterdir()):
+        raise ExportError(
+            f"{out / OBJECTS} holds objects, and no {manifests.NAME} beside it says which",
+            "choose another folder, or use --force to write among them",
+        )
     ensure_folder(out)
     sweep(out)
     write_bytes(out / manifests.NAME, manifests.text(manifest), force=True)
@@ -135,6 +140,51 @@ def object_folder(out: Path, number: int) -> Path:
     return out / OBJECTS / f"{number:06d}"
 
 
+def add_formats(
+    sample: Callable[[np.ndarray], Batch],
+    out: Path,
+    numbers: np.ndarray,
+    formats: Sequence[Format],
+    *,
+    force: bool = False,
+    progress: Callable[[int, int], None] | None = None,
+) -> None:
+    """Further files for objects of a folder of samples; formats that it has are refused, or written again by ``force``.
+
+    The manifest names the new formats once all objects have them; until then the same call completes what is missing.
+    """
+    manifest = manifests.read(out)
+    assert manifest is not None
+    listed = manifest["identity"]["formats"]
+    doubled = [entry.name for entry in formats if entry.name in listed]
+    there = {n for n in numbers.tolist() if not lacking(object_folder(out, n), formats)}
+    if doubled and len(there) == len(numbers) and not force:
+        raise ExportError(f"{out} has its objects as {', '.join(doubled)}", "use --force to write them again")
+    sweep(out)
+    if (out / OBJECTS).is_dir():
+        sweep(out / OBJECTS)
+    done = 0
+    for first in range(0, len(numbers), SHARD):
+        chosen = numbers[first : first + SHARD]
+        absent = chosen if force else np.array([n for n in chosen.tolist() if n not in there], dtype=np.int64)
+        if len(absent):
+            inner = _offset(progress, done, len(numbers))
+            write_objects(sample(absent), out, formats, force=force, add=not force, progress=inner)
+        done += len(chosen)
+        if progress:
+            progress(done, len(numbers))
+    every = [n for first, last in manifest["identity"]["numbers"] for n in range(first, last + 1)]
+    new = [entry.name for entry in formats if entry.name not in listed]
+    if new and not any(lacking(object_folder(out, n), formats) for n in every):
+        manifest["identity"]["formats"] = [name for name in FORMATS if name in {*listed, *new}]
+        write_bytes(out / manifests.NAME, manifests.text(manifest), force=True)
+
+
+def lacking(folder: Path, formats: Sequence[Format]) -> list[Format]:
+    """Those of the formats whose files an object's folder does not hold. Folders appear whole, so one file tells."""
+    return [entry for entry in formats if not (folder / entry.file).exists()]
+
+
 def write_objects(
     batch: Batch,
     out: Path,
@@ -142,22 +192,41 @@ def write_objects(
     *,
     only: np.ndarray | None = None,
     force: bool = False,
+    add: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> None:
-    """A folder ``objects/<number>`` with the files of all formats for every object of the batch (or of ``only``)."""
+    """A folder ``objects/<number>`` with the files of all formats for every object of the batch (or of ``only``).
+
+    ``force``: write what is there again. ``add``: write what is missing and leave the rest alone.
+    """
     robots = Robots(batch)
     wanted = set(batch.numbers.tolist() if only is None else only.tolist())
     for i, number in enumerate(batch.numbers.tolist()):
         if number in wanted:
-            write_object(robots, i, object_folder(out, number), formats, force=force)
+            folder = object_folder(out, number)
+            write_object(robots, i, folder, lacking(folder, formats) if add else formats, force=force)
         if progress:
             progress(i + 1, len(batch))
 
 
 def write_object(robots: Robots, i: int, folder: Path, formats: Sequence[Format], *, force: bool = False) -> None:
-    """The folder of object ``i`` with the files of all formats, whole or not at all."""
-    robot = robots.robot(i)
-    with replacing_folder(folder, force=force) as partial:
-        for entry in formats:
-            if entry.robot:
-                entry.robot(robot, partial)
+    """The files of all formats into the folder of object ``i``, all at once or not at all. Its other files stay."""
+    for entry in formats:
+        refuse_existing(folder / entry.file, force)
+    files = {name: data for entry in formats for name, data in entry.files(robots, i).items()}
+    with replacing_folder(folder, force=True) as partial:
+        if folder.is_dir():
+            shutil.copytree(folder, partial, copy_function=link_or_copy, dirs_exist_ok=True)
+        for parent in dict.fromkeys(Path(name).parent for name in files):
+            (partial / parent).mkdir(parents=True, exist_ok=True)
+        for name, data in files.items():
+            (partial / name).unlink(missing_ok=True)  # never write into a file that the old folder shares
+            (partial / name).write_bytes(data)
+
+
+def link_or_copy(old: str, new: str) -> None:
+    """The same file under another name; a copy on file systems without links."""
+    try:
+        os.link(old, new)
+    except OSError:
+        shutil.copy2(old, new)

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import json
 import struct
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from .materials import linear
+from .pose import open_values, rest_values
 from .robot import Look, Robot, RobotJoint
 
 FLOAT, UNSIGNED_SHORT, UNSIGNED_INT = 5126, 5123, 5125
@@ -92,9 +92,9 @@ def glb_bytes(robot: Robot) -> bytes:
     return pack(document, b"".join(buffer.chunks))
 
 
-def write_glb(robot: Robot, folder: Path) -> None:
-    """Write ``object.glb`` into ``folder``, which the caller makes appear as a whole."""
-    (folder / "object.glb").write_bytes(glb_bytes(robot))
+def glb_files(robot: Robot) -> dict[str, bytes]:
+    """The file of one object, by its path in the object's folder."""
+    return {"object.glb": glb_bytes(robot)}
 
 
 def pack(document: dict[str, Any], binary: bytes) -> bytes:
@@ -105,36 +105,6 @@ def pack(document: dict[str, Any], binary: bytes) -> bytes:
     if binary:
         chunks += struct.pack("<II", len(binary), 0x004E4942) + binary
     return struct.pack("<III", 0x46546C67, 2, 12 + len(chunks)) + chunks
-
-
-def rest_values(robot: Robot) -> dict[str, float]:
-    """The value of every joint at rest; a follower's comes from its leader."""
-    return follow(robot, {joint.name: joint.rest for joint in robot.joints})
-
-
-def open_values(robot: Robot) -> dict[str, float]:
-    """The value of every joint at the end of its range that is farther from rest (without limits: a full turn on)."""
-    return follow(robot, {joint.name: other_end(joint) for joint in robot.joints})
-
-
-def follow(robot: Robot, values: dict[str, float]) -> dict[str, float]:
-    """``values`` with those of mimicking joints set from their leaders' (chains of followers are followed)."""
-    by_name = {joint.name: joint for joint in robot.joints}
-
-    def value(name: str, depth: int = 0) -> float:
-        mimic = by_name[name].mimic
-        if mimic is None or depth > len(by_name):
-            return values[name]
-        leader, multiplier, offset = mimic
-        return multiplier * value(leader, depth + 1) + offset
-
-    return {name: value(name) for name in values}
-
-
-def other_end(joint: RobotJoint) -> float:
-    if joint.low is None or joint.high is None:
-        return joint.rest + 2 * np.pi
-    return joint.high if joint.high - joint.rest >= joint.rest - joint.low else joint.low
 
 
 def _mesh(visual: Any, origin: np.ndarray, buffer: Buffer, looks: dict[Look, int]) -> dict[str, Any]:

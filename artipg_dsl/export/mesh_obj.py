@@ -1,11 +1,17 @@
-"""Wavefront OBJ text: one object per primitive, 9 significant digits, metres, z up."""
+"""Wavefront OBJ text, 9 significant digits, metres: meshes for robot formats, and a file per link to be seen."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from .robot import Look, Robot
+
+LIBRARY = "object.mtl"
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,15 +23,20 @@ class Shape:
     faces: np.ndarray
 
 
-def obj_text(shapes: Sequence[Shape]) -> str:
-    """The shapes one after the other, each as an ``o`` of its own (each closed by itself, none shares a vertex)."""
+def obj_text(shapes: Sequence[Shape], looks: Sequence[str] = ()) -> str:
+    """The shapes one after the other, each as an ``o`` of its own (each closed by itself, none shares a vertex).
+
+    ``looks``: the material of each, by its name in the library of materials.
+    """
     parts: list[str] = []
     first = 1  # OBJ counts vertices of the whole file from 1
-    for shape in shapes:
+    for k, shape in enumerate(shapes):
         vertices = np.asarray(shape.vertices, dtype=np.float64) + 0.0  # + 0.0: no "-0"
         indices = np.asarray(shape.faces, dtype=np.int64) + first
         parts.append(f"o {shape.name}\n")
         parts.append("v %.9g %.9g %.9g\n" * len(vertices) % tuple(vertices.ravel().tolist()))
+        if looks:
+            parts.append(f"usemtl {looks[k]}\n")
         parts.append("f %d %d %d\n" * len(indices) % tuple(indices.ravel().tolist()))
         first += len(vertices)
     return "".join(parts)
@@ -33,3 +44,50 @@ def obj_text(shapes: Sequence[Shape]) -> str:
 
 def obj_bytes(shapes: Sequence[Shape]) -> bytes:
     return obj_text(shapes).encode("utf-8")
+
+
+def obj_files(robot: Robot) -> dict[str, bytes]:
+    """``obj/<link>.obj`` for every link with something to see, in the object's frame at rest, and their materials.
+
+    z up, x front, metres: the files of an object loaded together show it as it stands.
+    """
+    from .pose import rest_poses
+
+    poses = rest_poses(robot)
+    files: dict[str, bytes] = {}
+    for link, (turn, shift) in zip(robot.links, poses, strict=True):
+        if link.visuals:
+            shapes = [Shape(v.name, moved(v.shape.vertices, turn, shift), v.shape.faces) for v in link.visuals]
+            text = f"mtllib {LIBRARY}\n" + obj_text(shapes, [v.look.name for v in link.visuals])
+            files[f"obj/{link.name}.obj"] = text.encode("utf-8")
+    looks = dict.fromkeys(visual.look for link in robot.links for visual in link.visuals)
+    files[f"obj/{LIBRARY}"] = mtl_text(looks).encode("utf-8")
+    return files
+
+
+def moved(points: np.ndarray, turn: np.ndarray, shift: np.ndarray) -> np.ndarray:
+    """Points (n, 3) turned by (3, 3) and shifted by (3,), without BLAS: the same bits everywhere."""
+    return points[:, :1] * turn[:, 0] + points[:, 1:2] * turn[:, 1] + points[:, 2:] * turn[:, 2] + shift
+
+
+def mtl_text(looks: Iterable[Look]) -> str:
+    """Materials: sRGB colour and opacity as every reader takes them, and Pr, Pm (roughness, metalness) for newer ones.
+
+    The shininess of older readers is the Phong exponent that spreads light like the roughness r: 2 / r^4 - 2
+    (B. Walter and others, Microfacet models for refraction, 2007, with the width of the lobe r^2), at most 1000.
+    """
+    blocks = []
+    for look in looks:
+        shine = min(2.0 / max(look.roughness, 0.1) ** 4 - 2.0, 1000.0)
+        mirror = [look.metalness * c + (1.0 - look.metalness) * 0.04 for c in look.colour]  # 4 % of plain dielectrics
+
+        lines = [
+            f"newmtl {look.name}", f"Kd {_numbers(look.colour)}", f"Ks {_numbers(mirror)}", f"Ns {shine:.6g}",
+            f"d {look.opacity:.6g}", f"Pr {look.roughness:.6g}", f"Pm {look.metalness:.6g}", "illum 2",
+        ]  # fmt: skip
+        blocks.append("\n".join(lines) + "\n")
+    return "\n".join(blocks)
+
+
+def _numbers(values: Iterable[float]) -> str:
+    return " ".join(f"{value:.6g}" for value in values)

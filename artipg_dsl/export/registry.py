@@ -1,63 +1,116 @@
-"""The formats that objects can be written in. A new one is one entry here and one file beside it."""
+"""The formats that objects can be written in. A new one is one entry here and one file beside it.
+
+The entries name what writes them as ``module:function``, so that a list of formats costs no import.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING
+from difflib import get_close_matches
+from importlib import import_module
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Any
 
-from .content import Content
-from .glb import write_glb
-from .robot import Robot
-from .shards import annotation_shard, points_shard, views_shard
-from .urdf import write_urdf
 from .write import ExportError
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
+    from .content import Content
+    from .robot import Robots
 
 
 @dataclass(frozen=True, slots=True)
 class Format:
-    """``shard(batch, content)`` gives the bytes of one file for a run of objects, named ``<name>-<shard><suffix>``;
-    ``robot(robot, folder)`` writes the files of one object into its folder. A format has one of the two.
+    """What is written and by whom. A format has one of ``shard``, ``robot`` and ``member``.
+
+    ``shard(batch, content)``: the bytes of one file for a run of objects, named ``<name>-<shard><suffix>``.
+    ``robot(robot)``: the files of one object, bytes by path relative to its folder. ``member(robots, i)``: the same
+    where more than the model of links and joints is needed. ``file`` is one of these files that is always there.
+    ``needs``: (module, package, extra) that the writer imports beyond what is always installed.
     """
 
     name: str
     title: str
     suffix: str = ""
-    shard: Callable[[Batch, Content], bytes] | None = None
-    robot: Callable[[Robot, Path], None] | None = None
+    shard: str = ""
+    robot: str = ""
+    member: str = ""
+    file: str = ""
+    needs: tuple[str, str, str] | None = None
+
+    @property
+    def per_object(self) -> bool:
+        """Whether each object gets files of its own."""
+        return not self.shard
+
+    def shard_bytes(self, batch: Batch, content: Content) -> bytes:
+        """One file for all objects of a batch."""
+        return _writer(self.shard)(batch, content)
+
+    def files(self, robots: Robots, i: int) -> dict[str, bytes]:
+        """The files of object ``i``. Raises ExportError where the format cannot state what the object does."""
+        return _writer(self.member)(robots, i) if self.member else _writer(self.robot)(robots.robot(i))
+
+
+def _writer(place: str) -> Any:
+    module, function = place.split(":")
+    return getattr(import_module(f".{module}", __package__), function)
 
 
 FORMATS: dict[str, Format] = {
     entry.name: entry
     for entry in (
-        Format("points", "labelled points with their analytic binding, NumPy", ".npz", shard=points_shard),
-        Format("annotation", "joints, parts, grasps, parameters, one JSON line each", ".jsonl", shard=annotation_shard),
-        Format("views", "images and partial clouds from cameras around the object, NumPy", ".npz", shard=views_shard),
-        Format("urdf", "robot description with OBJ meshes, for simulators", robot=write_urdf),
-        Format("glb", "binary glTF with materials and an opening animation, for viewers", robot=write_glb),
+        Format("points", "labelled points with their binding, NumPy", ".npz", shard="shards:points_shard"),
+        Format("annotation", "joints, parts, grasps, parameters as JSON lines", ".jsonl", shard="shards:annotation_shard"),
+        Format("views", "images and partial clouds from cameras, NumPy", ".npz", shard="shards:views_shard"),
+        Format("urdf", "robot description with OBJ meshes", robot="urdf:urdf_files", file="object.urdf"),
+        Format("glb", "binary glTF with an opening animation", robot="glb:glb_files", file="object.glb"),
+        Format("obj", "Wavefront OBJ per link with materials", robot="mesh_obj:obj_files", file="obj/object.mtl"),
     )
 }
 DEFAULT = ("points", "annotation")
 
 
-def choose(names: str | list[str] | tuple[str, ...] | None, *, views: bool = False) -> list[Format]:
-    """Formats by name, ``"points,urdf"`` or a list; annotations go with any of them. None: the default ones.
+def per_object() -> list[str]:
+    """Names of the formats that write files for each object."""
+    return [name for name, entry in FORMATS.items() if entry.per_object]
+
+
+def named(names: str | Sequence[str]) -> list[Format]:
+    """Formats by name, ``"urdf,glb"`` or a list, in the order of the registry. Raises ExportError.
+
+    A name that is not known, or whose package is not installed, is told before any work is done.
+    """
+    wanted = [name.strip() for name in (names.split(",") if isinstance(names, str) else names)]
+    wanted = [name for name in wanted if name]
+    if not wanted:
+        raise ExportError("no format given", f"the formats are {', '.join(FORMATS)}")
+    for name in wanted:
+        if name not in FORMATS:
+            close = get_close_matches(name.lower(), FORMATS, n=1)
+            meant = f"did you mean {close[0]}? " if close else ""
+            raise ExportError(f"unknown format {name!r}", f"{meant}the formats are {', '.join(FORMATS)}")
+        require(FORMATS[name])
+    return [entry for name, entry in FORMATS.items() if name in wanted]
+
+
+def require(entry: Format) -> None:
+    """Raise ExportError where a format's package is not installed."""
+    if entry.needs is None:
+        return
+    module, package, extra = entry.needs
+    if find_spec(module) is None:
+        raise ExportError(
+            f"{entry.name} needs {package}, which is not installed", f"pip install 'artipg_dsl[{extra}]' brings it"
+        )
+
+
+def choose(names: str | Sequence[str] | None, *, views: bool = False) -> list[Format]:
+    """What ``apgc sample`` writes: the formats named (None: the default ones), and annotations with any of them.
 
     ``views``: those too, whether they are named or not.
     """
-    if names is None:
-        names = DEFAULT
-    wanted = [name.strip() for name in (names.split(",") if isinstance(names, str) else names)]
-    wanted = [name for name in wanted if name]
-    for name in wanted:
-        if name not in FORMATS:
-            known = ", ".join(FORMATS)
-            raise ExportError(f"unknown format {name!r}", f"the formats are {known}")
-    if not wanted:
-        raise ExportError("no format given", f"the formats are {', '.join(FORMATS)}")
-    wanted += ["annotation", *(["views"] if views else [])]
-    return [entry for name, entry in FORMATS.items() if name in wanted]
+    chosen = named(DEFAULT if names is None else names)
+    more = {"annotation", *(["views"] if views else [])}
+    return [entry for entry in FORMATS.values() if entry in chosen or entry.name in more]

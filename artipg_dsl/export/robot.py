@@ -126,6 +126,7 @@ class Robots:
         self.link_start = np.searchsorted(self.links.owner, objects)
         self.joint_start = np.searchsorted(self.joints.owner, objects)
         self.part_start = np.searchsorted(self.parts.owner, objects)
+        self._latest: tuple[int, Robot] | None = None
 
     @cached_property
     def origins(self) -> np.ndarray:
@@ -172,7 +173,12 @@ class Robots:
         return [re.sub(r"[^\w.-]", "_", re.sub(r"\[(\d+)\]", r"_\1", name)) for name in self.parts.name]
 
     def robot(self, i: int) -> Robot:
-        """Object ``i`` of the batch."""
+        """Object ``i`` of the batch; asked for again for the next format, it is the same one."""
+        if self._latest is None or self._latest[0] != i:
+            self._latest = (i, self._robot(i))
+        return self._latest[1]
+
+    def _robot(self, i: int) -> Robot:
         names = self.links.name[self.link_start[i] : self.link_start[i + 1]]
         visuals: list[list[Visual]] = [[] for _ in names]
         colliders: list[list[Collider]] = [[] for _ in names]

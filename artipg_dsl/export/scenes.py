@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,7 +18,8 @@ if TYPE_CHECKING:
 def scenes(batch: Batch, states: np.ndarray | None = None) -> list[trimesh.Scene]:
     """One scene per object with the joints at ``states`` (J,), at rest by default: a closed mesh per primitive.
 
-    Metres, the object's frame; a mesh is named after its part, its metadata tells link and material.
+    Metres, the object's frame; a mesh is named after its part (``feet``, ``feet.2``, ... where that has several
+    primitives), its metadata tells link and material.
     """
     robots = Robots(batch, collision=False)
     turn, shift = batch.pose(states)
@@ -25,6 +27,7 @@ def scenes(batch: Batch, states: np.ndarray | None = None) -> list[trimesh.Scene
     for i, number in enumerate(batch.numbers.tolist()):
         scene = trimesh.Scene(metadata={"object": number, "category": batch.program.name})
         first, robot = int(robots.link_start[i]), robots.robot(i)
+        taken: Counter[str] = Counter()
         for k, link in enumerate(robot.links):
             for visual in link.visuals:
                 place = visual.shape.vertices + link.origin
@@ -34,6 +37,9 @@ def scenes(batch: Batch, states: np.ndarray | None = None) -> list[trimesh.Scene
                 colour = np.round(255 * np.array([red, green, blue, visual.look.opacity])).astype(np.uint8)
                 mesh.visual = trimesh.visual.ColorVisuals(mesh, face_colors=colour)
                 mesh.metadata = {"link": link.name, "material": visual.look.name}
-                scene.add_geometry(mesh, node_name=visual.name, geom_name=visual.name)
+                taken[visual.name] += 1
+                count = taken[visual.name]
+                name = visual.name if count == 1 else f"{visual.name}.{count}"  # a scene has one node of a name
+                scene.add_geometry(mesh, node_name=name, geom_name=name)
         made.append(scene)
     return made

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,15 +29,6 @@ def urdf_files(robot: Robot) -> dict[str, bytes]:
     text = _template().render(name=robot.name, materials=materials, links=links, joints=joints)
     files["object.urdf"] = (text + "\n").encode("utf-8")
     return files
-
-
-def write_urdf(robot: Robot, folder: Path) -> None:
-    """Write ``object.urdf`` and ``meshes/`` into ``folder``, which the caller makes appear as a whole."""
-    files = urdf_files(robot)
-    if len(files) > 1:
-        (folder / "meshes").mkdir(exist_ok=True)
-    for name, data in files.items():
-        (folder / name).write_bytes(data)
 
 
 @lru_cache(maxsize=1)

@@ -1,0 +1,42 @@
+"""``apgc export``: files per object, of a folder of samples or of fresh objects of a category."""
+
+from __future__ import annotations
+
+import argparse
+import time
+from pathlib import Path
+
+from ..errors import UsageError
+from .progress import Progress
+from .render import wanted
+from .report import say
+from .sample import in_the_way
+
+
+def run(options: argparse.Namespace) -> int:
+    from ..export.dataset import add_formats
+    from ..export.registry import named, per_object
+    from ..export.write import ExportError
+
+    begun = time.monotonic()
+    try:
+        formats = named(options.format)
+    except ExportError as wrong:
+        raise UsageError(wrong.message, wrong.hint) from None
+    for entry in formats:
+        if not entry.per_object:
+            known = ", ".join(per_object())
+            raise UsageError(f"{entry.name} is written by `apgc sample`", f"export writes {known}")
+    folder = Path(options.program)
+    out = Path(options.out or (folder if folder.is_dir() else "out"))
+    in_the_way(out)
+    job, numbers = wanted(options, every=True)
+    with Progress(job.sampler.program.name) as progress:
+        if folder.is_dir() and out.resolve() == folder.resolve():
+            add_formats(job.batch, out, numbers, formats, force=options.force, progress=progress)
+        else:
+            job.write(out, numbers, formats, force=options.force, progress=progress)
+    done = "1 object" if len(numbers) == 1 else f"{len(numbers)} objects"
+    names = ", ".join(entry.name for entry in formats)
+    say(f"{done} as {names} in {out} ({time.monotonic() - begun:.1f} s)")
+    return 0

@@ -1,0 +1,82 @@
+"""Joint values of one robot, and where its links are at them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..annotate.frames import axis_angle
+
+if TYPE_CHECKING:
+    from .robot import Robot, RobotJoint
+
+Pose = tuple[np.ndarray, np.ndarray]
+
+
+def rest_values(robot: Robot) -> dict[str, float]:
+    """The value of every joint at rest; a follower's comes from its leader."""
+    return follow(robot, {joint.name: joint.rest for joint in robot.joints})
+
+
+def open_values(robot: Robot) -> dict[str, float]:
+    """The value of every joint at the end of its range that is farther from rest (without limits: a full turn on)."""
+    return follow(robot, {joint.name: other_end(joint) for joint in robot.joints})
+
+
+def follow(robot: Robot, values: dict[str, float]) -> dict[str, float]:
+    """``values`` with those of mimicking joints set from their leaders' (chains of followers are followed)."""
+    by_name = {joint.name: joint for joint in robot.joints}
+
+    def value(name: str, depth: int = 0) -> float:
+        mimic = by_name[name].mimic
+        if mimic is None or depth > len(by_name):
+            return values[name]
+        leader, multiplier, offset = mimic
+        return multiplier * value(leader, depth + 1) + offset
+
+    return {name: value(name) for name in values}
+
+
+def other_end(joint: RobotJoint) -> float:
+    if joint.low is None or joint.high is None:
+        return joint.rest + 2 * np.pi
+    return joint.high if joint.high - joint.rest >= joint.rest - joint.low else joint.low
+
+
+def link_poses(robot: Robot, values: dict[str, float]) -> list[Pose]:
+    """Rotation (3, 3) and origin (3,) of every link's frame in the object's, at the values of all joints."""
+    poses: list[Pose | None] = [None] * len(robot.links)
+    above = {joint.child: joint for joint in robot.joints}
+
+    def pose(link: int) -> Pose:
+        found = poses[link]
+        if found is None:
+            joint = above.get(link)
+            if joint is None:
+                found = np.eye(3), robot.links[link].origin
+            else:
+                found = _beyond(pose(joint.parent), joint, values[joint.name])
+            poses[link] = found
+        return found
+
+    return [pose(link) for link in range(len(robot.links))]
+
+
+def _beyond(parent: Pose, joint: RobotJoint, value: float) -> Pose:
+    """The pose of a joint's child link. No BLAS: the same bits everywhere."""
+    turn, shift = parent
+    origin = joint.origin + value * joint.axis if joint.kind == "prismatic" else joint.origin
+    own = axis_angle(joint.axis, np.float64(value)) if joint.kind in ("revolute", "continuous") else np.eye(3)
+    return product(turn, own), product(turn, origin) + shift
+
+
+def product(turn: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """A matrix (3, 3) times a matrix or vector, summed in a fixed order."""
+    terms = turn.T.reshape(3, 3, *[1] * (other.ndim - 1)) * other[:, None]
+    return terms[0] + terms[1] + terms[2]
+
+
+def rest_poses(robot: Robot) -> list[Pose]:
+    """The poses of all links with the joints at rest."""
+    return link_poses(robot, rest_values(robot))

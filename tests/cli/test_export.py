@@ -1,0 +1,186 @@
+"""apgc export: a folder of samples in further formats, and whatever may go wrong with the place they are written to."""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from artipg_dsl import sample
+from artipg_dsl.errors import UserError
+from artipg_dsl.export import registry
+
+from .helpers import CHEST, Apgc, command, environment, tree
+
+LIMITED = """
+import resource, runpy, sys
+resource.setrlimit(resource.RLIMIT_FSIZE, (700, 700))
+sys.argv = sys.argv[1:]
+runpy.run_module("artipg_dsl", run_name="__main__")
+"""
+
+
+@pytest.fixture
+def made(apgc: Apgc, tmp_path: Path) -> Path:
+    """Three chests with points and annotations."""
+    assert apgc("sample", CHEST, "-n", 3, "--seed", 7, "--points", 16, "-o", tmp_path / "made")[0] == 0
+    return tmp_path / "made"
+
+
+def test_a_folder_of_samples_gets_further_formats(apgc: Apgc, made: Path, tmp_path: Path) -> None:
+    before = tree(made)
+    code, out, err = apgc("export", made, "--format", "urdf")
+    assert (code, out) == (0, "") and "3 objects as urdf" in err
+    assert apgc("export", made, "--format", "glb,obj")[0] == 0
+    after = tree(made)
+    assert all(after[name] == data for name, data in before.items() if name != "manifest.json")
+    assert json.loads(after["manifest.json"])["identity"]["formats"] == ["points", "annotation", "urdf", "glb", "obj"]
+    at_once = ("sample", CHEST, "-n", 3, "--seed", 7, "--points", 16, "--format", "points,urdf,glb,obj")
+    assert apgc(*at_once, "-o", tmp_path / "b")[0] == 0
+    whole = tree(tmp_path / "b")
+    assert set(whole) == set(after)
+    assert all(after[name] == data for name, data in whole.items() if name.startswith("objects/"))
+
+
+def test_another_folder_holds_the_same_objects(apgc: Apgc, made: Path, tmp_path: Path) -> None:
+    before = tree(made)
+    assert apgc("export", made, "--format", "urdf", "--only", "2", "-o", tmp_path / "robots")[0] == 0
+    assert tree(made) == before
+    files = tree(tmp_path / "robots")
+    assert {name.split("/")[1] for name in files if name.startswith("objects/")} == {"000002"}
+    assert apgc("export", made, "--format", "urdf")[0] == 0
+    assert tree(made)["objects/000002/object.urdf"] == files["objects/000002/object.urdf"]
+    assert apgc("export", tmp_path / "robots", "--format", "glb")[0] == 0  # and it is a folder of samples itself
+
+
+def test_fresh_objects_of_a_category(apgc: Apgc, made: Path, tmp_path: Path) -> None:
+    assert apgc("export", CHEST, "-n", 2, "--seed", 7, "--format", "urdf", "-o", tmp_path / "o")[0] == 0
+    assert apgc("export", made, "--format", "urdf")[0] == 0
+    fresh = tree(tmp_path / "o")
+    assert fresh["objects/000001/object.urdf"] == tree(made)["objects/000001/object.urdf"]
+
+
+def test_what_is_there_is_kept_unless_forced(apgc: Apgc, made: Path) -> None:
+    assert apgc("export", made, "--format", "urdf")[0] == 0
+    marked = made / "objects" / "000001" / "object.urdf"
+    marked.write_text("mine")
+    code, _, err = apgc("export", made, "--format", "urdf")
+    assert code == 1 and "urdf" in err and "--force" in err and marked.read_text() == "mine"
+    assert apgc("export", made, "--format", "urdf", "--force")[0] == 0
+    assert marked.read_text().startswith("<?xml")
+    batch = sample(CHEST, 2, seed=7)
+    with pytest.raises(UserError, match="exists"):
+        batch.to_urdf(made)
+    assert batch.to_glb(made)[1].read_bytes()[:4] == b"glTF" and marked.exists()
+    assert [p.name for p in batch.export(made, "urdf,obj", force=True)] == ["000000", "000001"]
+
+
+def test_objects_that_nobody_vouches_for_are_left_alone(apgc: Apgc, tmp_path: Path) -> None:
+    (tmp_path / "o" / "objects" / "000000").mkdir(parents=True)
+    (tmp_path / "o" / "objects" / "000000" / "object.urdf").write_text("mine")
+    code, _, err = apgc("export", CHEST, "-n", 1, "--format", "urdf", "-o", tmp_path / "o")
+    assert code == 1 and "holds objects" in err and "--force" in err
+    assert (tmp_path / "o" / "objects" / "000000" / "object.urdf").read_text() == "mine"
+
+
+def test_an_unknown_format_lists_the_known_ones(apgc: Apgc, made: Path) -> None:
+    code, _, err = apgc("export", made, "--format", "urfd")
+    assert code == 2 and "'urfd'" in err and "did you mean urdf?" in err
+    assert all(name in err for name in registry.FORMATS)
+    assert "no format" in apgc("export", made, "--format", " , ")[2]
+    code, _, err = apgc("export", made, "--format", "points")
+    assert code == 2 and "apgc sample" in err
+
+
+def test_a_missing_package_is_named_with_its_extra(apgc: Apgc, made: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    entry = registry.Format("ply", "a test", robot="urdf:urdf_files", file="x", needs=("no_such_module", "ply-io", "ply"))
+    monkeypatch.setitem(registry.FORMATS, "ply", entry)
+    before = tree(made)
+    for arguments in (("export", made), ("sample", CHEST, "-n", 1, "-o", made.parent / "p")):
+        code, _, err = apgc(*arguments, "--format", "ply")
+        assert code == 2 and "ply-io" in err and "pip install 'artipg_dsl[ply]'" in err
+    assert tree(made) == before and not (made.parent / "p").exists()
+
+
+@pytest.mark.parametrize("place", ["file", "file/below"])
+def test_a_file_in_the_way(apgc: Apgc, made: Path, tmp_path: Path, place: str) -> None:
+    (tmp_path / "file").write_text("x")
+    code, _, err = apgc("export", made, "--format", "urdf", "-o", tmp_path / place)
+    assert code == 1 and "is a file" in err and "choose another" in err
+
+
+def test_a_target_that_cannot_be_written(apgc: Apgc, made: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(self: Path, *_: object, **__: object) -> None:
+        raise PermissionError(errno.EACCES, "Permission denied", str(self))
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "mkdir", refuse)
+        code, _, err = apgc("export", made, "--format", "urdf", "-o", made.parent / "locked" / "o")
+    assert code == 1 and "no permission to write" in err and "locked" in err
+
+
+def fail_after(patch: pytest.MonkeyPatch, count: int, error: BaseException) -> None:
+    """The next ``count`` files are written, then ``error`` strikes in the middle of one."""
+    write = Path.write_bytes
+    left = [count]
+
+    def limited(self: Path, data: bytes) -> int:
+        if self.suffix != ".json":
+            left[0] -= 1
+            if left[0] < 0:
+                write(self, data[: len(data) // 2])
+                raise error
+        return write(self, data)
+
+    patch.setattr(Path, "write_bytes", limited)
+
+
+@pytest.mark.parametrize("error", [OSError(errno.ENOSPC, "No space left on device"), KeyboardInterrupt()])
+@pytest.mark.parametrize("out", [None, "other"])
+def test_a_full_disk_or_an_interruption_leaves_whole_objects_and_can_be_resumed(
+    apgc: Apgc, made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: BaseException, out: str | None
+) -> None:
+    assert apgc("export", made, "--format", "urdf,glb", "-o", tmp_path / "whole")[0] == 0
+    whole = {name: data for name, data in tree(tmp_path / "whole").items() if name.startswith("objects/")}
+    each = len([name for name in whole if name.startswith("objects/000000/")])
+    place = ("-o", tmp_path / out) if out else ()
+    target = tmp_path / out if out else made
+    with monkeypatch.context() as patch:
+        fail_after(patch, each + each // 2, error)
+        code, _, err = apgc("export", made, "--format", "urdf,glb", *place)
+    if isinstance(error, OSError):
+        assert code == 1 and "no space left" in err and "run the same command again" in err
+    else:
+        assert code == 130 and "interrupted" in err
+    found = {name: data for name, data in tree(target).items() if name.startswith("objects/")}
+    assert found == {name: data for name, data in whole.items() if name.startswith("objects/000000/")}
+    assert apgc("export", made, "--format", "urdf,glb", *place)[0] == 0
+    found = {name: data for name, data in tree(target).items() if name.startswith("objects/")}
+    assert found == whole and not [path for path in target.rglob("*") if "partial" in path.name]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="limits of file sizes are a POSIX thing")
+def test_a_limit_on_file_sizes_is_told_in_words(made: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", LIMITED, *command("export", made, "--format", "glb")[2:]],
+        env=environment(), capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 1 and "larger than" in done.stderr and "Traceback" not in done.stderr
+    assert not (made / "objects").exists() or not list((made / "objects").iterdir())
+
+
+def test_a_program_that_has_changed_is_not_passed_off_for_the_old_one(apgc: Apgc, tmp_path: Path) -> None:
+    program = tmp_path / "box.apg"
+    text = "apg 1\nuse primitives { Cuboid }\ncategory Box {\n  root part body : Cuboid(size = [4cm, 5cm, 6cm])\n}\n"
+    program.write_text(text)
+    assert apgc("sample", program, "-n", 1, "--points", 4, "-o", tmp_path / "o")[0] == 0
+    program.write_text(text.replace("4cm", "7cm"))
+    code, _, err = apgc("export", tmp_path / "o", "--format", "urdf")
+    assert code == 1 and "has changed" in err
+    code, _, err = apgc("export", tmp_path, "--format", "urdf")
+    assert code == 1 and "manifest.json" in err
