@@ -210,16 +210,19 @@ def label(links: Links, env: Env, statement: ast.LabelStmt) -> None:
     for node in statement.targets:
         for aim in aims(links, env, node):
             ev = formula(links, env, aim)
-            guard = condition(ev, statement.where)
+            guard, there = condition(ev, statement.where), standing(env, aim)
             if statement.value is None:  # what holds or does not is its condition
-                made = Label(statement.vocabulary, statement.label, targets(links, aim), guard, where(statement.span))
+                made = Label(
+                    statement.vocabulary, statement.label, targets(links, aim), guard, where(statement.span), guard=there
+                )
             else:
                 degree = ev.scalar(statement.value)
                 made = Label(
-                    statement.vocabulary, statement.label, targets(links, aim), degree, where(statement.span), guard=guard
-                )
+                    statement.vocabulary, statement.label, targets(links, aim), degree, where(statement.span),
+                    guard=E.both(there, guard),
+                )  # fmt: skip
             links.context.labels.append((aim.depth, made))
-            if statement.vocabulary == "semantic" and guard is E.TRUE and statement.value is None and not aim.surfaces:
+            if statement.vocabulary == "semantic" and guard is E.TRUE and there is E.TRUE and statement.value is None and not aim.surfaces:
                 for part in aim.parts:
                     for instance in part.instances:
                         number = links.nodes.get((part, instance.symbol.name))
@@ -241,9 +244,19 @@ def field_label(links: Links, env: Env, statement: ast.FieldStmt) -> None:
             else:
                 number = ev.scalar(statement.value)
             made = Label(
-                "field", statement.name, targets(links, aim), number, where(statement.span), guard=guard, vector=vector
-            )
+                "field", statement.name, targets(links, aim), number, where(statement.span),
+                guard=E.both(standing(env, aim), guard), vector=vector,
+            )  # fmt: skip
             links.context.labels.append((aim.depth, made))
+
+
+def standing(env: Env, aim: Aim) -> Expr:
+    """What the ``when`` around a statement says, as far as the target may be there without it."""
+    found = E.TRUE
+    for scope in env.scope.ancestors():
+        if scope.kind == "guard" and not aim.scope.within(scope):
+            found = E.both(found, scope.count)
+    return found
 
 
 def condition(ev: Evaluator, node: ast.Expr | None) -> Expr:
@@ -265,9 +278,11 @@ def material(links: Links, env: Env, statement: ast.MaterialStmt) -> None:
         pairs = ((symbol.name, E.TRUE),)
     for node in statement.targets:
         for aim in aims(links, env, node):
+            there = standing(env, aim)
+            held = tuple((name, E.both(there, predicate)) for name, predicate in pairs)
             for part in aim.parts:
                 for site in sites_of(links, part):
-                    links.context.materials.setdefault(site, []).append((aim.depth, pairs))
+                    links.context.materials.setdefault(site, []).append((aim.depth, held))
 
 
 def grasp(links: Links, env: Env, statement: ast.GraspStmt) -> None:
@@ -286,9 +301,10 @@ def grasp(links: Links, env: Env, statement: ast.GraspStmt) -> None:
         plain = Evaluator(env, own, ev.pose)
         directions = [Evaluator(env, {**own, **axes()}).direction(words[w].values[0]) for w in ("approach", "close")]
         quality = plain.scalar(words["quality"].values[0]) if "quality" in words else ONE
+        scope = env.context.guard(aim.scope, standing(env, aim), f"{env.path}{statement.name}")
         links.context.program.grasps.append(
             Grasp(
-                statement.name, aim.scope, links.of(aim.parts[0]), aim.frame, aim.box.size, aim.box.center, low, high,
+                statement.name, scope, links.of(aim.parts[0]), aim.frame, aim.box.size, aim.box.center, low, high,
                 plain.vector(words["at"].values[0]), directions[0], directions[1],
                 plain.scalar(words["opening"].values[0]), quality, where(statement.span),
             )  # fmt: skip
@@ -313,7 +329,8 @@ def keypoint(links: Links, env: Env, statement: ast.KeypointStmt) -> None:
                 own.local.update({"size": Vec(aim.box.size)})
                 origin = Pose(aim.frame.rotation, point, aim.frame.mirror)
                 point = place(origin, Evaluator(env, own.local).vector(statement.at))
-            program.keypoints.append(Keypoint(statement.name, aim.scope, links.of(aim.parts[0]), point))
+            scope = env.context.guard(aim.scope, standing(env, aim), f"{env.path}{statement.name}")
+            program.keypoints.append(Keypoint(statement.name, scope, links.of(aim.parts[0]), point))
         return
     value = Evaluator(env).value(statement.target)
     point = value.origin if isinstance(value, Frame) else value.point if isinstance(value, Line) else Evaluator(env).vector(statement.target)
