@@ -74,6 +74,13 @@ def _cameras(views: int | str | Path | Mapping[str, Any], more: Mapping[str, Any
     return from_description({k: int(v) if isinstance(v, np.integer) else v for k, v in described.items()})
 
 
+def _gripper(gripper: Gripper | str) -> Gripper | None:
+    """A gripper as it is, or as text tells it."""
+    from .annotate.gripper import read_gripper
+
+    return read_gripper(gripper) if isinstance(gripper, str) else gripper
+
+
 def _numbers(n: int | None, numbers: Sequence[int] | np.ndarray | None) -> np.ndarray:
     if numbers is not None:
         if n is not None:
@@ -174,11 +181,17 @@ class Samples:
         """The parts with their boxes and poses."""
         return self.batch.parts()
 
-    def annotations(self) -> list[dict[str, Any]]:
-        """All that is known of each object as plain data: joints, parts, grasps, keypoints, what was drawn."""
+    def annotations(
+        self, states: np.ndarray | None = None, *, gripper: Gripper | str = "standard"
+    ) -> list[dict[str, Any]]:
+        """All that is known of each object as plain data: joints, parts, grasps, keypoints, what was drawn.
+
+        ``states`` (K, J) adds what is elsewhere in each of them. Grasps are those that the ``gripper`` can make: measures
+        such as "stroke=8cm,width=2cm", or "any". Raises UsageError.
+        """
         from .annotate.annotation import describe
 
-        return describe(self.batch)
+        return describe(self.batch, states, _gripper(gripper))
 
     def __getitem__(self, name: str) -> np.ndarray:
         """A drawn value, one per object: ``batch["width"]`` (B,) float64, nan where an object has none of the name.
@@ -285,11 +298,18 @@ class Samples:
 
         return scenes(self.batch, states)
 
-    def grasps(self, values: int = 5) -> GraspTable:
-        """Grasps of all objects, each family at ``values`` places; frames at joint values 0."""
-        from .annotate.grasps import sample_grasps
+    def grasps(
+        self, values: int = 5, *, gripper: Gripper | str = "standard", states: np.ndarray | None = None
+    ) -> GraspTable:
+        """Grasps of all objects, each family at ``values`` places; frames at joint values 0.
 
-        return sample_grasps(self.batch, values)
+        Only those that the ``gripper`` can make with the joints at ``states`` (J,), by default at rest; "any": all.
+        """
+        from .annotate.grasps import sample_grasps
+        from .annotate.gripper import judge
+
+        found, hand = sample_grasps(self.batch, values), _gripper(gripper)
+        return found if hand is None else found.take(np.flatnonzero(judge(self.batch, found, hand, states) == 0))
 
     def keypoints(self) -> KeypointTable:
         """Keypoints of all objects at joint values 0."""

@@ -12,6 +12,7 @@ import numpy as np
 
 from .frames import rotate
 from .grasps import GraspTable, KeypointTable, sample_grasps, sample_keypoints
+from .gripper import REASONS, STANDARD, Gripper, judge
 from .poses import part_poses, symmetry_words
 
 if TYPE_CHECKING:
@@ -20,23 +21,28 @@ if TYPE_CHECKING:
 VERSION = 1
 
 
-def describe(batch: Batch, states: np.ndarray | None = None) -> list[dict[str, Any]]:
+def describe(
+    batch: Batch, states: np.ndarray | None = None, gripper: Gripper | None = STANDARD
+) -> list[dict[str, Any]]:
     """One annotation per object of the batch, keys in a fixed order. Everything is as at rest.
 
-    With joint values ``states`` (K, J) there is one key more, ``states``: what is elsewhere in each of them.
+    With joint values ``states`` (K, J) there is one key more, ``states``: what is elsewhere in each of them. Grasps that
+    the gripper can make neither at rest nor in one of these are counted under ``dropped``; all are there without one.
 
     Lengths in metres, angles in radians, the object's frame (x front, y left, z up), quaternions w x y z.
     """
     n = len(batch)
+    grasps, reached, dropped = _reachable(batch, states, gripper)
     columns = {
         "links": _links(batch),
         "joints": _joints(batch),
         "parts": _parts(batch),
-        "grasps": _grasps(batch),
+        "grasps": _grasps(batch, grasps, reached),
+        "dropped": dropped,
         "keypoints": _keypoints(batch),
     }
     if states is not None:
-        columns["states"] = _states(batch, states)
+        columns["states"] = _states(batch, states, grasps, reached)
     made = []
     for i in range(n):
         drawn = batch.drawn(i)
@@ -135,19 +141,48 @@ def _axes(batch: Batch, states: np.ndarray | None) -> dict[str, list[Any]]:
     return {"origin": tidy(origin), "axis": tidy(rotate(turn[holder], joints.axis))}
 
 
-def _states(batch: Batch, states: np.ndarray) -> list[list[dict[str, Any]]]:
+def _reachable(
+    batch: Batch, states: np.ndarray | None, gripper: Gripper | None
+) -> tuple[GraspTable, np.ndarray, list[list[dict[str, Any]]]]:
+    """The grasps that a gripper can make, whether at rest and in each state (1 + K, G), and how many cannot be made.
+
+    A grasp is dropped for what hinders it at rest.
+    """
+    grasps, n = sample_grasps(batch), len(batch)
+    shown = [None] if states is None else [None, *states]
+    if gripper is None:
+        return grasps, np.full((len(shown), len(grasps.owner)), None), [[] for _ in range(n)]
+    verdicts = np.stack([judge(batch, grasps, gripper, values) for values in shown])
+    made = verdicts == 0
+    kept = made.any(axis=0)
+    dropped: list[list[dict[str, Any]]] = [[] for _ in range(n)]
+    lost = np.flatnonzero(~kept)
+    rows = np.stack([grasps.owner[lost], grasps.family[lost]], axis=1)
+    families, which = np.unique(rows, axis=0, return_inverse=True)
+    counts = np.zeros((len(families), len(REASONS)), dtype=np.int64)
+    np.add.at(counts, (which.ravel(), verdicts[0, lost]), 1)
+    for (owner, family), count in zip(families.tolist(), counts.tolist(), strict=True):
+        told = dict(zip(REASONS[1:], count[1:], strict=True))
+        dropped[owner].append({"name": batch.program.grasps[family].name} | told)
+    at = np.flatnonzero(kept)
+    return grasps.take(at), made[:, at], dropped
+
+
+def _states(batch: Batch, states: np.ndarray, grasps: GraspTable, reached: np.ndarray) -> list[list[dict[str, Any]]]:
     """For each object, one entry per state: rows in the order of the lists ``joints``, ``parts``, ``grasps`` and
     ``keypoints``, with what differs from rest."""
-    n, grasps, keypoints = len(batch), sample_grasps(batch), sample_keypoints(batch)
+    n, keypoints = len(batch), sample_keypoints(batch)
     made: list[list[dict[str, Any]]] = [[] for _ in range(n)]
-    for values in states:
+    for values, reachable in zip(states, reached[1:], strict=True):
         poses = part_poses(batch, values)
         rows = {
             "joints": grouped(batch.joints().owner, n, {"value": tidy(values), **_axes(batch, values)}),
             "parts": grouped(
                 batch.parts().owner, n, {"center": tidy(poses.center), "quaternion": tidy(poses.quaternion)}
             ),
-            "grasps": grouped(grasps.owner, n, _grasp_frames(batch, grasps, values)),
+            "grasps": grouped(
+                grasps.owner, n, _grasp_frames(batch, grasps, values) | {"reachable": reachable.tolist()}
+            ),
             "keypoints": grouped(keypoints.owner, n, _places(batch, keypoints, values)),
         }
         for i in range(n):
@@ -177,8 +212,8 @@ def _parts(batch: Batch) -> list[list[dict[str, Any]]]:
     return grouped(parts.owner, n, columns)
 
 
-def _grasps(batch: Batch) -> list[list[dict[str, Any]]]:
-    grasps, links, n = sample_grasps(batch), batch.links(), len(batch)
+def _grasps(batch: Batch, grasps: GraspTable, reached: np.ndarray) -> list[list[dict[str, Any]]]:
+    links, n = batch.links(), len(batch)
     columns: dict[str, list[Any]] = {
         "name": list(grasps.name),
         "link": _names(links, n, grasps.owner, grasps.link),
@@ -186,6 +221,7 @@ def _grasps(batch: Batch) -> list[list[dict[str, Any]]]:
         **_grasp_frames(batch, grasps, None),
         "opening": tidy(grasps.opening),
         "quality": tidy(grasps.quality),
+        "reachable": reached[0].tolist(),
     }
     return grouped(grasps.owner, n, columns)
 

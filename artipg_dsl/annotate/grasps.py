@@ -28,6 +28,11 @@ class GraspTable:
     opening: np.ndarray
     quality: np.ndarray
 
+    def take(self, at: np.ndarray) -> GraspTable:
+        """The rows ``at``, ascending."""
+        columns = (getattr(self, name) for name in self.__slots__)
+        return GraspTable(*([c[k] for k in at] if isinstance(c, list) else c[at] for c in columns))
+
     def moved(
         self, link_start: np.ndarray, turn: np.ndarray, shift: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -75,6 +75,10 @@ def parser() -> argparse.ArgumentParser:
         "--states", default="rest", metavar="LIST", help="joint states: rest, open, random:K, with commas (default: rest)"
     )
     sample.add_argument("--motion", action="store_true", help="the velocity of each point by its own joint, too")
+    sample.add_argument(
+        "--gripper", default="standard", metavar="LIST",
+        help="the hand that grasps are made with: any, or measures such as stroke=8cm,width=2cm (default: standard)",
+    )  # fmt: skip
     sample.add_argument("--views", metavar="N|FILE", help="partial views: how many, or a file that describes the cameras")
     sample.add_argument(
         "--mutate", metavar="LIST", help="make mutants of the objects: apa (templates), dpa (counts), cpa (parameters)"

@@ -40,6 +40,7 @@ def in_the_way(folder: Path) -> None:
 def held(options: argparse.Namespace) -> Content:
     """What the shards are to hold."""
     from ..annotate.camera_file import read_cameras
+    from ..annotate.gripper import read_gripper
     from ..annotate.sampling import Sampling
     from ..annotate.states import read_states
     from ..export.content import Content
@@ -47,7 +48,7 @@ def held(options: argparse.Namespace) -> Content:
     cameras = None if options.views is None else read_cameras(options.views)
     how = Sampling(options.points, options.surface, options.spread, options.per)
     kind = how.surface, how.spread, how.per
-    return Content(how.count, read_states(options.states), options.motion, cameras, *kind)
+    return Content(how.count, read_states(options.states), options.motion, cameras, *kind, read_gripper(options.gripper))
 
 
 def mutation(options: argparse.Namespace) -> Mutation:

@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ..annotate.cameras import Cameras
+from ..annotate.gripper import STANDARD as STANDARD_GRIPPER
+from ..annotate.gripper import Gripper
 from ..annotate.sampling import Sampling
 from ..annotate.states import REST, States
 from ..geometry.rays import best_engine
@@ -19,6 +21,7 @@ _PER = {"object": 1, "link": 4, "semantic": 8, "instance": 16, "primitive": 64} 
 @dataclass(frozen=True, slots=True)
 class Content:
     """``points`` for each ``per``, from which ``surface``, how ``spread`` (see ``Sampling``); ``states`` of the joints;
+    ``gripper`` that grasps are made with, None: all of them;
     ``motion``: velocities of points; ``cameras`` for views, None: the default ones if views are wanted at all."""
 
     points: int = 2048
@@ -28,6 +31,7 @@ class Content:
     surface: str = "boundary"
     spread: str = "random"
     per: str = "object"
+    gripper: Gripper | None = STANDARD_GRIPPER
 
     @property
     def sampling(self) -> Sampling:
@@ -41,7 +45,9 @@ class Content:
     def identity(self) -> dict[str, Any]:
         """What two runs must have in common for their shards to belong together, as plain data."""
         views = None if self.cameras is None else self.cameras.plain() | {"engine": best_engine()}
-        return {**self.sampling.plain(), "states": str(self.states), "motion": self.motion, "views": views}
+        gripper = None if self.gripper is None else self.gripper.plain()
+        held = {"states": str(self.states), "motion": self.motion, "views": views, "gripper": gripper}
+        return self.sampling.plain() | held
 
     def shard_size(self) -> int:
         """How many objects go into one shard: less than usual where points or images would make it unwieldy."""

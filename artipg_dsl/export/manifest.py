@@ -34,6 +34,7 @@ IDENTITY = {
     "states": "the joint states",
     "motion": "velocities of points",
     "views": "the cameras",
+    "gripper": "the gripper",
     "formats": "the formats",
     "shard": "the number of objects per shard",
     "settings": "the parameters that were set",

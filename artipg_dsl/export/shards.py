@@ -97,4 +97,4 @@ def views_shard(batch: Batch, content: Content) -> bytes:
 def annotation_shard(batch: Batch, content: Content) -> bytes:
     """The bytes of ``annotation-<shard>.jsonl``: one object per line."""
     values = None if content.states.only_rest else joint_values(batch, content.states)
-    return "".join(line(annotation) + "\n" for annotation in describe(batch, values)).encode("utf-8")
+    return "".join(line(annotation) + "\n" for annotation in describe(batch, values, content.gripper)).encode("utf-8")

@@ -1,0 +1,134 @@
+"""A parallel gripper, and which grasps it can make: the fingers open far enough, hit nothing, and have something between.
+
+The hand is five boxes in the frame of a grasp (z approach, y closing): two fingers, the palm behind them, and the space
+between the pads, which has to hold a piece of what is grasped. What they are tested against are the convex pieces of
+the whole object, those that collisions are tested with.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import asdict, dataclass, fields
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..errors import UsageError
+from ..geometry.collide import DEPTH, Corners, overlap
+from ..runtime.bodies import Pieces, Placed, gather
+from .frames import rotate
+
+if TYPE_CHECKING:
+    from ..runtime.batch import Batch
+    from .grasps import GraspTable
+
+REASONS = ("reachable", "wide", "blocked", "empty")
+"""What can become of a grasp, by number: made; opened wider than the stroke; fingers or palm hit something; nothing held."""
+UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
+PAIRS = 2_000_000  # of a hand and a piece, at a time
+CORNERS = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+
+
+@dataclass(frozen=True, slots=True)
+class Gripper:
+    """Sizes in metres, of the order of common two-finger hands. Raises UsageError for one that is not above 0.
+
+    ``stroke``: the widest opening; ``length``, ``width``, ``thickness`` of a finger along z, x and y; ``pad``: how far
+    fingertips reach beyond the point of a grasp; ``palm``, ``palm_width``, ``palm_depth``: the hand along y, x and z.
+    """
+
+    stroke: float = 0.08
+    length: float = 0.045
+    width: float = 0.02
+    thickness: float = 0.01
+    pad: float = 0.008
+    palm: float = 0.14
+    palm_width: float = 0.06
+    palm_depth: float = 0.07
+
+    def __post_init__(self) -> None:
+        for name, value in asdict(self).items():
+            if isinstance(value, bool) or not isinstance(value, int | float) or not 0 < value < 10:
+                raise UsageError(f"the gripper's {name} is {value!r}", "give a length in metres, above 0 and below 10")
+
+    def boxes(self, opening: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Low and high corners (G, 4, 3) of left and right finger, palm, and the space between the pads."""
+        half, wide = opening / 2, np.full_like(opening, self.width / 2)
+        back, tip = np.full_like(opening, self.pad - self.length), np.full_like(opening, self.pad)
+        palm, flat = np.full_like(opening, self.palm / 2), np.full_like(opening, self.palm_width / 2)
+        low = [
+            [-wide, half, back],
+            [-wide, -half - self.thickness, back],
+            [-flat, -palm, back - self.palm_depth],
+            [-wide, -half, -tip],
+        ]
+        high = [[wide, half + self.thickness, tip], [wide, -half, tip], [flat, palm, back], [wide, half, tip]]
+        made = (np.stack([np.stack(row, axis=-1) for row in rows], axis=1) for rows in (low, high))
+        least, most = made
+        return least + DEPTH / 2, most - DEPTH / 2  # what touches does not hit
+
+    def plain(self) -> dict[str, float]:
+        return asdict(self)
+
+
+STANDARD = Gripper()
+
+
+def read_gripper(text: str) -> Gripper | None:
+    """``stroke=10cm,width=15mm``: the standard gripper but for these; ``standard``; ``any`` is None: no hand is minded.
+
+    Raises UsageError.
+    """
+    if text.strip() in ("any", "standard"):
+        return STANDARD if text.strip() == "standard" else None
+    names, found = [f.name for f in fields(Gripper)], {}
+    for piece in (p.strip() for p in text.split(",")):
+        match = re.fullmatch(r"(\w+)\s*=\s*(\d+\.?\d*|\.\d+)(m|cm|mm)", piece)
+        if match is None or match[1] not in names:
+            hint = f"write `standard`, `any`, or lengths such as stroke=8cm,width=2cm; there are {', '.join(names)}"
+            raise UsageError(f"`{piece}` is no measure of a gripper", hint)
+        found[match[1]] = float(match[2]) * UNITS[match[3]]
+    return Gripper(**found)
+
+
+def judge(batch: Batch, grasps: GraspTable, gripper: Gripper, states: np.ndarray | None = None) -> np.ndarray:
+    """What becomes of each grasp with the joints at ``states`` (J,), rest by default: (G,) numbers of ``REASONS``."""
+    verdict = np.zeros(len(grasps.owner), dtype=np.int64)
+    if not len(verdict):
+        return verdict
+    first = np.searchsorted(batch.links().owner, np.arange(len(batch)))
+    turn, shift = batch.pose(states)
+    body = gather(batch, first, turn, shift)
+    point, rotation, _ = grasps.moved(first, turn, shift)
+    hit = _meets(body, grasps.owner, point, rotation, *gripper.boxes(grasps.opening))
+    verdict[~hit[:, 3]] = REASONS.index("empty")
+    verdict[hit[:, :3].any(axis=1)] = REASONS.index("blocked")
+    verdict[grasps.opening > gripper.stroke * (1 + 1e-9)] = REASONS.index("wide")
+    return verdict
+
+
+def _meets(
+    body: Pieces, owner: np.ndarray, point: np.ndarray, rotation: np.ndarray, low: np.ndarray, high: np.ndarray
+) -> np.ndarray:
+    """Which boxes (G, S) in the frames of grasps overlap a piece of their object."""
+    ends = np.stack([low, high], axis=2)  # (G, S, 2, 3)
+    local = np.stack([ends[:, :, CORNERS[:, axis], axis] for axis in range(3)], axis=-1)
+    corners = rotate(rotation[:, None, None], local) + point[:, None, None]  # (G, S, 8, 3)
+    shapes = corners.shape[1]
+    corners = corners.reshape(-1, 8, 3)
+    least, most = corners.min(axis=1), corners.max(axis=1)
+    start = np.searchsorted(body.owner, owner)
+    count = np.searchsorted(body.owner, owner, side="right") - start
+    start, count = np.repeat(start, shapes), np.repeat(count, shapes)
+    found = np.zeros(len(corners), dtype=bool)
+    block = np.cumsum(count) // PAIRS
+    for number in range(int(block[-1]) + 1):
+        rows = np.flatnonzero(block == number)
+        box = np.repeat(rows, count[rows])
+        step = np.arange(len(box)) - np.repeat(np.cumsum(count[rows]) - count[rows], count[rows])
+        piece = start[box] + step
+        near = ((least[box] <= body.high[piece]) & (most[box] >= body.low[piece])).all(axis=1)
+        box, piece = box[near], piece[near]
+        body.ready(piece)
+        found[box[overlap(Corners(corners[box]), Placed(body, piece))]] = True
+    return found.reshape(-1, shapes)
