@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from .annotate.cameras import Cameras
     from .annotate.cloud import Points
     from .annotate.grasps import GraspTable, KeypointTable
+    from .annotate.gripper import Gripper
     from .annotate.views import Views
     from .runtime.mutate import Change
     from .runtime.tables import JointTable, LinkTable, PartTable

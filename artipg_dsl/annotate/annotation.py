@@ -13,7 +13,10 @@ import numpy as np
 from .frames import rotate
 from .grasps import GraspTable, KeypointTable, sample_grasps, sample_keypoints
 from .gripper import REASONS, STANDARD, Gripper, judge
+from .hierarchy import lineages, semantic_parents
+from .interactions import Interactions, directions, interactions
 from .poses import part_poses, symmetry_words
+from .states import follow, resting, twist
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
@@ -40,6 +43,7 @@ def describe(
         "grasps": _grasps(batch, grasps, reached),
         "dropped": dropped,
         "keypoints": _keypoints(batch),
+        "interactions": _interactions(batch, interactions(batch), None),
     }
     if states is not None:
         columns["states"] = _states(batch, states, grasps, reached)
@@ -169,9 +173,9 @@ def _reachable(
 
 
 def _states(batch: Batch, states: np.ndarray, grasps: GraspTable, reached: np.ndarray) -> list[list[dict[str, Any]]]:
-    """For each object, one entry per state: rows in the order of the lists ``joints``, ``parts``, ``grasps`` and
-    ``keypoints``, with what differs from rest."""
-    n, keypoints = len(batch), sample_keypoints(batch)
+    """For each object, one entry per state: rows in the order of the lists ``joints``, ``parts``, ``grasps``,
+    ``keypoints`` and ``interactions``, with what differs from rest."""
+    n, keypoints, acting = len(batch), sample_keypoints(batch), interactions(batch)
     made: list[list[dict[str, Any]]] = [[] for _ in range(n)]
     for values, reachable in zip(states, reached[1:], strict=True):
         poses = part_poses(batch, values)
@@ -184,6 +188,7 @@ def _states(batch: Batch, states: np.ndarray, grasps: GraspTable, reached: np.nd
                 grasps.owner, n, _grasp_frames(batch, grasps, values) | {"reachable": reachable.tolist()}
             ),
             "keypoints": grouped(keypoints.owner, n, _places(batch, keypoints, values)),
+            "interactions": grouped(acting.owner, n, _acts(batch, acting, values)),
         }
         for i in range(n):
             made[i].append({name: column[i] for name, column in rows.items()})
@@ -194,6 +199,7 @@ def _parts(batch: Batch) -> list[list[dict[str, Any]]]:
     parts, n = batch.parts(), len(batch)
     poses = part_poses(batch)
     words = batch.program.vocabularies.get("semantic", ())
+    of = semantic_parents(parts)
     semantic = [words[i] if 0 <= i < len(words) else None for i in np.asarray(parts.semantic).tolist()]
     columns: dict[str, list[Any]] = {
         "number": np.asarray(parts.number).tolist(),
@@ -202,6 +208,8 @@ def _parts(batch: Batch) -> list[list[dict[str, Any]]]:
         "template": list(parts.template),
         "parent": [None if p < 0 else p for p in np.asarray(parts.parent).tolist()],
         "semantic": semantic,
+        "of": [None if p < 0 else p for p in of.tolist()],
+        "lineage": lineages(parts, of, words, batch.program.name),
         "link": _names(batch.links(), n, parts.owner, parts.link),
         "center": tidy(poses.center),
         "quaternion": tidy(poses.quaternion),
@@ -246,3 +254,30 @@ def _keypoints(batch: Batch) -> list[list[dict[str, Any]]]:
         **_places(batch, keypoints, None),
     }
     return grouped(keypoints.owner, n, columns)
+
+
+def _interactions(batch: Batch, acting: Interactions, states: np.ndarray | None) -> list[list[dict[str, Any]]]:
+    links, joints = batch.links(), batch.joints()
+    columns: dict[str, list[Any]] = {
+        "affordance": list(acting.name),
+        "link": [links.name[k] for k in acting.link],
+        "joint": [joints.name[k] for k in acting.joint],
+        **_acts(batch, acting, states),
+    }
+    return grouped(acting.owner, len(batch), columns)
+
+
+def _acts(batch: Batch, acting: Interactions, states: np.ndarray | None) -> dict[str, list[Any]]:
+    """Where interactions act, which way and how fast their links move, and how far the joint can go each way."""
+    turn, shift = batch.pose(states)
+    joints = batch.joints()
+    values = follow(joints, resting(batch) if states is None else states)
+    point = rotate(turn[acting.link], acting.point) + shift[acting.link]
+    direction, speed = directions(twist(batch, states), acting.link, point)
+    left = np.stack([joints.low - values, joints.high - values], axis=-1)[acting.joint]
+    return {
+        "point": tidy(point),
+        "direction": [None if row[0] != row[0] else row for row in tidy(direction)],
+        "speed": tidy(speed),
+        "travel": [None if low != low or high != high else [low, high] for low, high in tidy(left)],
+    }

@@ -17,12 +17,15 @@ if TYPE_CHECKING:
     from ..runtime.batch import Batch
 
 MOST = 10_000
-FORMS = "`rest`, `open`, `random:K`, or several of them with commas between"
+FORMS = "`rest`, `open`, `random:K`, `joint=45deg`, or several of them with commas between"
+CHOSEN = re.compile(r"([A-Za-z_][\w.]*)\s*=\s*([-+]?(?:\d+\.?\d*|\.\d+))\s*(deg|rad|turn|mm|cm|m|%)")
+ANGLES = {"deg": np.pi / 180, "rad": 1.0, "turn": 2 * np.pi}
+LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 
 
 @dataclass(frozen=True, slots=True)
 class States:
-    """The configurations asked for, in order: ``("rest", 1)``, ``("open", 1)`` or ``("random", K)`` each."""
+    """The configurations asked for, in order: ``("rest", 1)``, ``("open", 1)``, ``("random", K)`` or ``("a=1rad", 1)``."""
 
     wanted: tuple[tuple[str, int], ...] = (("rest", 1),)
 
@@ -43,9 +46,12 @@ REST = States()
 
 
 def read_states(text: str) -> States:
-    """``rest``, ``open``, ``random:4``, or several with commas between. Raises UsageError."""
+    """``rest``, ``open``, ``random:4``, ``door=45deg+lid=20%``, or several with commas between. Raises UsageError."""
     wanted = []
     for piece in (p.strip() for p in text.split(",")):
+        if all(CHOSEN.fullmatch(one.strip()) for one in piece.split("+")):
+            wanted.append((piece, 1))
+            continue
         match = re.fullmatch(r"(rest|open|random)(?::(\d{1,9}))?", piece)
         if match is None:
             raise UsageError(f"`{piece}` is no joint state", f"write {FORMS}")
@@ -66,7 +72,7 @@ def joint_values(batch: Batch, states: States) -> np.ndarray:
             found += [draw(batch, k) for k in range(drawn, drawn + count)]
             drawn += count
         else:
-            found.append(resting(batch) if name == "rest" else opened(batch))
+            found.append(resting(batch) if name == "rest" else opened(batch) if name == "open" else chosen(batch, name))
     return np.stack([follow(joints, values) for values in found])
 
 
@@ -85,6 +91,31 @@ def opened(batch: Batch, share: float = 0.8) -> np.ndarray:
     low, high = (np.where(np.isnan(limit), rest, limit) for limit in (joints.low, joints.high))
     end = np.where(high - rest >= rest - low, high, low)
     return rest + share * (end - rest)
+
+
+def chosen(batch: Batch, text: str) -> np.ndarray:
+    """Joint values (J,) such as ``door=45deg+drawer=5cm``: of all joints of the names, the others at rest.
+
+    A share (``lid=20%``) is of the way from rest to the farther end. Values stay within the limits. Raises UsageError.
+    """
+    joints, values = batch.joints(), resting(batch)
+    own = [batch.program.joints[k].name for k in joints.definition]
+    every = list(dict.fromkeys(joint.name for joint in batch.program.joints))
+    defined = {name for joint in batch.program.joints for name in (joint.name, joint.path)} | set(joints.name)
+    for piece in text.split("+"):
+        name, number, unit = CHOSEN.fullmatch(piece.strip()).groups()  # type: ignore[union-attr]
+        if name not in defined:
+            raise UsageError(f"{batch.program.name} has no joint `{name}`", f"its joints are {', '.join(every)}")
+        for row in [k for k, names in enumerate(zip(joints.name, own, strict=True)) if name in names]:
+            units = {"prismatic": LENGTHS}.get(joints.kind[row], ANGLES)
+            if unit == "%":
+                values[row] = opened(batch, float(number) / 100)[row]
+            elif unit in units:
+                values[row] = float(number) * units[unit]
+            else:
+                raise UsageError(f"`{piece.strip()}`: the joint is {joints.kind[row]}", f"write {name}=20% or a unit of {', '.join(units)}")
+    low, high = (np.where(np.isnan(end), values, end) for end in (joints.low, joints.high))
+    return np.clip(values, low, high)
 
 
 def draw(batch: Batch, k: int) -> np.ndarray:
@@ -119,6 +150,22 @@ def state_table(batch: Batch, values: np.ndarray) -> np.ndarray:
     number = np.asarray(joints.number)
     table[joints.owner, :, number] = values.T
     return table
+
+
+def own_joints(batch: Batch) -> np.ndarray:
+    """The joint (a row of the table) that moves each link, (L,): the next one above it that is not fixed; -1 for none."""
+    links, joints = batch.links(), batch.joints()
+    start = np.searchsorted(links.owner, joints.owner)
+    parent, child = start + joints.parent, start + joints.child
+    found = np.full(len(links.owner), -1, dtype=np.int64)
+    stiff = np.array([kind == "fixed" for kind in joints.kind], dtype=bool)
+    found[child[~stiff]] = np.flatnonzero(~stiff)
+    for _ in range(len(batch.program.joints)):  # what is fixed to a link moves as that link does
+        before = found[child[stiff]]
+        found[child[stiff]] = found[parent[stiff]]
+        if np.array_equal(before, found[child[stiff]]):
+            break
+    return found
 
 
 @dataclass(frozen=True, slots=True)

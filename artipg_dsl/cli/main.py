@@ -72,7 +72,7 @@ def parser() -> argparse.ArgumentParser:
         "--format", metavar="LIST", help=f"{', '.join(FORMATS)}; with commas (default: points,annotation)"
     )
     sample.add_argument(
-        "--states", default="rest", metavar="LIST", help="joint states: rest, open, random:K, with commas (default: rest)"
+        "--states", default="rest", metavar="LIST", help="joint states: rest, open, random:K, joint=45deg, with commas (default: rest)"
     )
     sample.add_argument("--motion", action="store_true", help="the velocity of each point by its own joint, too")
     sample.add_argument(

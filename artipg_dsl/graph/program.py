@@ -121,6 +121,7 @@ class Part:
     link: tuple[int, ...]
     semantic: str = ""  # innermost semantic label of the whole part, "" where none
     symmetry: tuple[int, int] = (1, 2)  # (turns, axis 0..2); turns 0: any angle
+    holder: tuple[int, ...] = ()  # parts that it is rigidly connected to, of which one at most has a row there
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,7 +7,7 @@ alternatives of a part may bring links of their own.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from ..graph import expr as E
 from ..graph.expr import Expr, ScopeError
@@ -187,6 +187,18 @@ class Links:
             if attachment.joint is not None:
                 self.build_joint(part, attachment)
 
+    def hold(self) -> None:
+        """Note for every part which parts carry it rigidly."""
+        program = self.context.program
+        numbers: dict[Part, list[int]] = {}
+        for (part, _), number in self.nodes.items():
+            numbers.setdefault(part, []).append(number)
+        for part, nodes in numbers.items():
+            rigid = [a for a in self.attachments(part) if a.joint is None and not a.base and a.before is None]
+            holders = dict.fromkeys(n for a in rigid for p in a.to if p is not part for n in numbers.get(p, ()))
+            for number in nodes if holders else ():
+                program.parts[number] = replace(program.parts[number], holder=tuple(holders))
+
     # ------------------------------------------------------------ joints
 
     def build_joint(self, part: Part, attachment: Attachment) -> None:
@@ -310,8 +322,6 @@ def exclusive(parts: tuple[Part, ...]) -> bool:
 
 def resolve_mimics(links: Links) -> None:
     """Fill in which joint each ``mimic`` follows."""
-    from dataclasses import replace
-
     program = links.context.program
     names = {j.path: k for k, j in enumerate(program.joints)}
     for k, joint in enumerate(program.joints):

@@ -73,6 +73,7 @@ def finish(links: Links, env: Env) -> None:
     resolve_mimics(links)
     motions(links, env)
     number_links(links)
+    links.hold()
     program.draws = context.draws
     labels.statements(links, env)
     order_labels(context)

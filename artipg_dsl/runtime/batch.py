@@ -201,7 +201,7 @@ class Batch:
     @cached_property
     def _parts(self) -> PartTable:
         made, program = self._part_instances, self.program
-        rotations, translations, lows, highs, parents, links, semantics, symmetries = ([] for _ in range(8))
+        rotations, translations, lows, highs, parents, links, semantics, symmetries, holders = ([] for _ in range(9))
         names = []
         for part in program.parts:
             size = self.rowmap.rows(part.scope).size
@@ -218,6 +218,11 @@ class Batch:
             links.append(self.link_numbers(part.scope, part.link))
             known = part.semantic in program.vocabularies.get("semantic", ())
             semantics.append(np.full(size, self.semantic_id(part.semantic) if known else -1))
+            holder = np.full(size, -1)
+            for other in part.holder:
+                number = made.numbers(other, self.rowmap.across(part.scope, program.parts[other].scope))
+                holder = np.where(holder < 0, number, holder)
+            holders.append(holder)
             symmetries.append(np.broadcast_to(np.array(part.symmetry), (size, 2)))
             names.append(self.rowmap.names(part.scope, part.path))
         return PartTable(
@@ -225,6 +230,7 @@ class Batch:
             [program.parts[d].template for d in made.definition], made.definition, made.sort(parents, dtype=np.int64),
             made.sort(semantics, dtype=np.int64), made.sort(links, dtype=np.int64), made.sort(rotations, (3, 3)),
             made.sort(translations, (3,)), made.sort(lows, (3,)), made.sort(highs, (3,)), made.sort(symmetries, (2,), np.int64),
+            made.sort(holders, dtype=np.int64),
         )  # fmt: skip
 
     # ------------------------------------------------------------ motion

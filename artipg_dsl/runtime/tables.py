@@ -53,7 +53,10 @@ class JointTable:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PartTable:
-    """P parts sorted by owner, then number; ``low``, ``high`` (P, 3) is the box in the part's own frame."""
+    """P parts sorted by owner, then number; ``low``, ``high`` (P, 3) is the box in the part's own frame.
+
+    ``parent`` is the number of the part around it, ``holder`` of the part that it is rigidly connected to, -1 for none.
+    """
 
     owner: np.ndarray
     number: np.ndarray
@@ -69,6 +72,7 @@ class PartTable:
     low: np.ndarray
     high: np.ndarray
     symmetry: np.ndarray
+    holder: np.ndarray
 
 
 class Rowmap:

@@ -163,7 +163,7 @@ def test_a_grasp_frame_is_square_even_if_its_words_are_not() -> None:
 
 def test_the_annotation_tells_the_whole_object() -> None:
     batch = FakeBatch(2)
-    second = describe(batch)[1]
+    second = describe(batch, gripper=None)[1]
     assert (second["object"], second["category"]) == (1, "Cupboard")
     assert (second["seed"], second["rejected"]) == (7, 1)
     hinge = second["joints"][0]

@@ -225,6 +225,7 @@ class FakeBatch:
             link=np.tile([p.link[0] for p in program.parts], n), rotation=rotation,
             translation=centers.transpose(1, 0, 2).reshape(-1, 3), low=-half.transpose(1, 0, 2).reshape(-1, 3),
             high=half.transpose(1, 0, 2).reshape(-1, 3), symmetry=np.tile([[1, 2]] * 6 + [[0, 2]] * 2, (n, 1)),
+            holder=np.full(8 * n, -1),
         )  # fmt: skip
 
     def pose(self, states: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:

@@ -1,0 +1,55 @@
+"""Which semantic part belongs to which: the handle of the door of the microwave."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from ..runtime.tables import PartTable
+
+
+def semantic_parents(parts: PartTable) -> np.ndarray:
+    """For each part (P,) the number of the semantic part that it belongs to, -1: the object itself.
+
+    That is the innermost one around it; for a part in none, that of the part it is rigidly connected to, or of what
+    carries the part around it. What a joint holds belongs to no other for that.
+    """
+    count = len(parts.owner)
+    first = np.searchsorted(parts.owner, parts.owner)
+    around = np.append(np.where(parts.parent >= 0, first + parts.parent, count), count)
+    carrier = np.append(np.where(parts.holder >= 0, first + parts.holder, around[:count]), count)
+    own = np.append(np.where(parts.semantic >= 0, np.arange(count), -1), count)
+    inside = climb(around, own)  # the innermost at or around each part, `count` where there is none
+    within = inside[around[:count]]
+    settled = np.where(inside < count, inside, -1)
+    settled[count] = count
+    carried = climb(carrier, settled)[carrier[:count]]
+    found = np.where(within < count, within, carried)
+    return np.where(found < count, np.append(parts.number, -1)[found], -1)
+
+
+def climb(up: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """The first known value on the way up from each row; -1 is unknown, the last row is the top and known."""
+    at = np.arange(len(up))
+    for _ in range(len(up)):
+        going = known[at] < 0
+        if not going.any():
+            break
+        at = np.where(going, up[at], at)
+    return known[at]
+
+
+def lineages(parts: PartTable, of: np.ndarray, words: tuple[str, ...], category: str) -> list[str | None]:
+    """``Microwave/door/handle`` for each part that has a semantic word of its own, None for the others."""
+    first = np.searchsorted(parts.owner, parts.owner).tolist()
+    semantic, known = np.asarray(parts.semantic).tolist(), {}
+
+    def name(row: int) -> str:
+        if row not in known:
+            around = category if of[row] < 0 else name(first[row] + int(of[row]))
+            known[row] = f"{around}/{words[semantic[row]]}"
+        return known[row]
+
+    return [name(row) if 0 <= word < len(words) else None for row, word in enumerate(semantic)]

@@ -1,0 +1,108 @@
+"""Which grasps a hand can make: a post whose surroundings are known."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from artipg_dsl.annotate.annotation import describe
+from artipg_dsl.annotate.gripper import REASONS, STANDARD, Gripper, judge, read_gripper
+from artipg_dsl.annotate.grasps import sample_grasps
+from artipg_dsl.annotate.states import joint_values, read_states
+from artipg_dsl.errors import UsageError
+from artipg_dsl.session import Session
+
+POST = """
+apg 1
+use primitives {{ Cuboid, Cylinder }}
+category Post {{
+  param near : length in {near}mm .. {near}mm
+  root part floor : Cuboid(size = [60cm, 60cm, 2cm])
+  part post : Cylinder(radius = 15mm, height = 30cm)
+  part wall : Cuboid(size = [60cm, 2cm, 30cm])
+  connect post.bottom on floor.top
+  align post.center.x = floor.center.x
+  align post.center.y = floor.center.y
+  joint slide : prismatic floor -> wall along y range 0cm .. 20cm
+  align wall.bottom = floor.top + 1mm
+  align wall.right = post.left + near
+  align wall.center.x = floor.center.x
+  grasp side on post for t in -0.45 .. 0.45 {{ at [0, 0, t * size.z]  approach -x  close y  opening {opening} }}
+}}
+"""
+
+
+def batch(near: float = 80.0, opening: str = "3cm", turn: str = ""):
+    return Session.of_text(POST.format(near=near, opening=opening)).sampler.batch(np.arange(2), 1)
+
+
+def verdicts(of, gripper: Gripper = STANDARD, states: np.ndarray | None = None) -> list[str]:
+    found = sample_grasps(of)
+    return [REASONS[k] for k in judge(of, found, gripper, states)[: len(found.t) // 2]]
+
+
+def test_a_free_post_is_grasped_but_for_its_foot() -> None:
+    # 13.5 cm below the middle, 1.5 cm above the floor: the palm, 6 cm across, would lie in it
+    assert verdicts(batch()) == ["blocked"] + ["reachable"] * 4
+    assert verdicts(batch(), Gripper(palm_width=0.02)) == ["reachable"] * 5
+
+
+def test_an_opening_has_to_fit() -> None:
+    assert verdicts(batch(opening="9cm")) == ["wide"] * 5
+    assert verdicts(batch(opening="2.8cm")) == ["blocked"] * 5  # the post is 3 cm
+    assert verdicts(batch(opening="9cm"), Gripper(stroke=0.1, palm_width=0.02)) == ["reachable"] * 5
+
+
+@pytest.mark.parametrize("near, found", [(9.0, "blocked"), (11.0, "reachable")])
+def test_a_finger_is_as_thick_as_it_is(near: float, found: str) -> None:
+    assert verdicts(batch(near=near), Gripper(palm=0.04, palm_width=0.02)) == [found] * 5
+
+
+def test_a_wall_that_has_moved_away_no_longer_hinders() -> None:
+    tight = batch(near=5.0)
+    assert verdicts(tight) == ["blocked"] * 5
+    apart = joint_values(tight, read_states("slide=15cm"))[0]
+    assert verdicts(tight, states=apart)[1:] == ["reachable"] * 4
+
+
+def test_something_has_to_be_held() -> None:
+    text = POST.format(near=80, opening="3cm").replace("at [0, 0, t * size.z]", "at [9cm, 0, t * size.z]")
+    assert verdicts(Session.of_text(text).sampler.batch(np.arange(2), 1))[1:] == ["empty"] * 4
+
+
+def test_the_annotation_counts_what_was_dropped() -> None:
+    plain = describe(batch())[1]
+    assert [g["reachable"] for g in plain["grasps"]] == [True] * 4
+    assert plain["dropped"] == [{"name": "side", "wide": 0, "blocked": 1, "empty": 0}]
+    every = describe(batch(), gripper=None)[1]
+    assert len(every["grasps"]) == 5 and every["dropped"] == [] and every["grasps"][0]["reachable"] is None
+    tight = batch(near=5.0)
+    told = describe(tight, joint_values(tight, read_states("rest,slide=15cm")))[1]
+    assert [g["reachable"] for g in told["grasps"]] == [False] * 4
+    assert [[g["reachable"] for g in s["grasps"]] for s in told["states"]] == [[False] * 4, [True] * 4]
+    assert told["dropped"][0]["blocked"] == 1
+
+
+def test_an_object_is_judged_the_same_in_any_batch() -> None:
+    sampler = Session.of("Chair").sampler
+    several, alone = sampler.batch(np.arange(6), 3), sampler.batch(np.array([4]), 3)
+    found = sample_grasps(several)
+    assert judge(several, found, STANDARD)[found.owner == 4].tolist() == judge(alone, sample_grasps(alone), STANDARD).tolist()
+
+
+def test_measures_are_read_from_text() -> None:
+    assert read_gripper("standard") == STANDARD and read_gripper("any") is None
+    assert read_gripper("stroke=10cm, width = 15mm") == Gripper(stroke=0.1, width=0.015)
+    for text in ("", "stroke=10", "grip=1cm", "stroke=0mm", "stroke=10cm;width=1cm"):
+        with pytest.raises(UsageError):
+            read_gripper(text)
+
+
+def test_the_page_lists_the_measures() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "labels.md").read_text(encoding="utf-8")
+    rows = [r.split("|")[1:3] for r in page.split("<!-- gripper -->")[1].split("<!-- end -->")[0].splitlines() if r.startswith("| `")]
+    listed = {name.strip(" `"): float(default.replace("mm", "")) / 1000 for name, default in rows}
+    assert listed == asdict(STANDARD)
