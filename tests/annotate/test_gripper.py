@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from artipg_dsl.annotate.annotation import describe
-from artipg_dsl.annotate.gripper import REASONS, STANDARD, Gripper, judge, read_gripper
 from artipg_dsl.annotate.grasps import sample_grasps
+from artipg_dsl.annotate.gripper import REASONS, STANDARD, Gripper, judge, read_gripper
 from artipg_dsl.annotate.states import joint_values, read_states
 from artipg_dsl.errors import UsageError
 from artipg_dsl.session import Session
