@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -20,11 +21,16 @@ if TYPE_CHECKING:
     from .runtime.sample import Sampler
 
 
+_DECLARED = re.compile(r"^category\s+(\w+)", re.MULTILINE)
+
+
 def categories() -> dict[str, Path]:
     """The shipped categories: name (``Microwave``) to file."""
     found = {}
     for path in sorted(categories_dir().glob("*.apg")):
-        found["".join(word.capitalize() for word in path.stem.split("_"))] = path
+        declared = _DECLARED.search(path.read_text(encoding="utf-8"))
+        if declared is not None:
+            found[declared[1]] = path
     return found
 
 
