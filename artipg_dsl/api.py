@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
 from functools import cached_property
 from html import escape
 from pathlib import Path
@@ -25,8 +24,9 @@ if TYPE_CHECKING:
     from .annotate.grasps import GraspTable, KeypointTable
     from .annotate.gripper import Gripper
     from .annotate.views import Views
-    from .runtime.mutate import Change
+    from .runtime.correspondence import Correspondence
     from .runtime.tables import JointTable, LinkTable, PartTable
+    from .runtime.trace import Step
 
 PICTURED = 8  # objects on the picture in a notebook
 
@@ -143,12 +143,14 @@ class Samples:
         strength: float = 1.0,
         share: float = 0.5,
         only: str = "*",
+        one: str | None = None,
     ) -> Samples:
         """New objects from these, one of each: templates swapped (apa), counts changed (dpa), parameters perturbed (cpa).
 
         What is not changed on purpose keeps its value as far as it still fits. Another ``variant`` makes others;
-        ``only`` is a pattern of names (``handle*``), ``share`` how many of the eligible templates and counts change,
-        ``strength`` scales the steps of cpa. Raises NoObject, UsageError.
+        ``only`` names parts and values (``"door,handle*"``), ``share`` how many of the eligible templates and counts
+        change, ``strength`` scales the steps of cpa. ``one`` names a value: that one changes and no other draw (where
+        that cannot be, the object stays as it is). Raises NoObject, UsageError.
         """
         from .runtime.mutate import OPERATIONS, Mutation
 
@@ -156,17 +158,27 @@ class Samples:
         unknown = [o for o in wanted if o not in OPERATIONS]
         if unknown:
             raise UsageError(f"there is no operation `{unknown[0]}`", f"the operations are {', '.join(OPERATIONS)}")
-        step = Mutation(tuple(wanted), variant, strength, share, only)
+        step = Mutation(tuple(wanted), variant, strength, share, one or only, one is not None)
         return Samples(self.job.mutated(step), self.numbers)
 
-    def changes(self, number: int) -> list[Change]:
-        """What the object of a number differs in from the one it was made from; nothing for one that was drawn."""
-        from .runtime.mutate import changes
+    def changes(self, number: int) -> list[Step]:
+        """What made the object of a number from the one before, step by step; nothing for one that was drawn."""
+        from .runtime.trace import traces
 
-        if not self.job.mutations:
-            return []
-        before = replace(self.job, mutations=self.job.mutations[:-1]).batch([number])
-        return changes(before, self.job.batch([number]), 0)
+        return traces(self.object(number).batch)[0]
+
+    def replay(self, records: Iterable[Mapping[str, Any]]) -> Samples:
+        """Objects made from these as the records of traces say (lines of ``trace-*.jsonl``). Raises NoObject, UserError."""
+        from .runtime.trace import Replay
+
+        made = {int(record["object"]): record for record in records}
+        return Samples(self.job.mutated(Replay(made)), np.array(sorted(made), dtype=np.int64))
+
+    def correspondence(self) -> Correspondence:
+        """Which elementary primitive of the objects before became which of these, a row for each of these."""
+        from .runtime.correspondence import correspondence
+
+        return correspondence(self.batch.history[0].before if self.batch.history else self.batch, self.batch)
 
     # ------------------------------------------------------------ tables
 

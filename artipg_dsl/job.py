@@ -12,8 +12,11 @@ import numpy as np
 
 from .errors import NoObject, UserError
 from .graph.text import TextError, digest, from_text, to_text
-from .runtime.mutate import Mutation, mutate
+from .runtime.mutate import Mutation
 from .runtime.sample import Exhausted, Sampler, Statistics
+from .runtime.settled import again
+from .runtime.trace import Replay, read_traces
+from .runtime.values import Values
 from .settings import Settings, Value, resolve
 
 if TYPE_CHECKING:
@@ -25,6 +28,7 @@ if TYPE_CHECKING:
 COMPILED = ".apgc"
 MUTATIONS = "mutations"  # among the settings of a manifest; no parameter is called so
 UNCHECKED = "unchecked"  # likewise
+VALUES = "values"  # likewise
 
 
 @dataclass(slots=True)
@@ -37,23 +41,33 @@ class Job:
     settings: Settings = field(default_factory=dict)
     given: dict[int, float] = field(default_factory=dict)
     statistics: Statistics = field(default_factory=Statistics)
-    mutations: tuple[Mutation, ...] = ()
+    mutations: tuple[Mutation | Replay, ...] = ()
     checked: bool = True  # only objects without collisions
+    values: Values | None = None  # objects given by their values, numbered from 0, instead of drawn ones
 
     def batch(self, numbers: Sequence[int] | np.ndarray) -> Batch:
         """The objects of the given numbers, or what the mutations make of them. Raises NoObject."""
         try:
-            made = self.sampler.batch(
-                np.asarray(numbers, dtype=np.int64), self.seed, given=self.given, statistics=self.statistics,
-                checked=self.checked,
-            )  # fmt: skip
-            for step in self.mutations:
-                made = mutate(self.sampler, made, **step.plain(), statistics=self.statistics, checked=self.checked)
-            return made
+            return self._made(np.asarray(numbers, dtype=np.int64), self.mutations)
         except Exhausted as error:
             raise self.exhausted(error) from None
 
-    def mutated(self, step: Mutation) -> Job:
+    def _made(self, numbers: np.ndarray, mutations: tuple[Mutation | Replay, ...]) -> Batch:
+        if not mutations and self.values is not None:
+            return self.values.batch(self.sampler, numbers, self.seed, self.statistics, self.checked)
+        if not mutations:
+            return self.sampler.batch(
+                numbers, self.seed, given=self.given, statistics=self.statistics, checked=self.checked
+            )  # fmt: skip
+        *before, step = mutations
+        sources, variants = step.origins(numbers)
+        stock, place = np.unique(sources, return_inverse=True)
+        made = self._made(stock, tuple(before))
+        if len(stock) != len(numbers) or (np.diff(place) != 1).any():
+            made = again(made, place)
+        return step.apply(self.sampler, made, numbers, variants, self.statistics, self.checked)
+
+    def mutated(self, step: Mutation | Replay) -> Job:
         """The job of the mutants of this one's objects."""
         return replace(self, mutations=(*self.mutations, step), statistics=Statistics())
 
@@ -61,6 +75,8 @@ class Job:
         """What was set and what was done to the objects, as the manifest keeps it."""
         steps = [step.plain() for step in self.mutations]
         marks = ({MUTATIONS: steps} if steps else {}) | ({} if self.checked else {UNCHECKED: True})
+        if self.values is not None:
+            marks[VALUES] = [dict(entry) for entry in self.values.plain]
         return {**self.settings, **marks}
 
     def exhausted(self, error: Exhausted) -> NoObject:
@@ -182,6 +198,21 @@ def relative(source: str, out: Path | str) -> str:
     return Path(os.path.relpath(Path(source).resolve(), Path(out).resolve())).as_posix()
 
 
+def traces_of(place: Path | str) -> dict[int, dict[str, Any]]:
+    """The traces in a folder that ``apgc mutate`` wrote, or in one of its files, by number of the object. Raises UserError."""
+    place = Path(place)
+    files = sorted(place.glob("trace-*.jsonl")) if place.is_dir() else [place]
+    found: dict[int, dict[str, Any]] = {}
+    for file in files:
+        try:
+            found |= read_traces(file.read_text(encoding="utf-8"), str(file))
+        except (OSError, UnicodeDecodeError) as error:
+            raise UserError(f"{file} cannot be read: {getattr(error, 'strerror', None) or error}") from None
+    if not found:
+        raise UserError(f"{place} holds no traces", "give a folder that `apgc mutate` has written, or a trace-*.jsonl of it")
+    return found
+
+
 def reopen(folder: Path | str) -> tuple[Job, np.ndarray]:
     """The job that a folder of samples was made by, and the numbers of its objects. Raises ExportError, UserError."""
     from .export import manifest as manifests
@@ -197,9 +228,14 @@ def reopen(folder: Path | str) -> tuple[Job, np.ndarray]:
     settings = dict(identity["settings"])
     steps = settings.pop(MUTATIONS, [])
     unchecked = bool(settings.pop(UNCHECKED, False))
+    given = settings.pop(VALUES, None)
     job = open_job(source, identity["seed"], settings, checked=not unchecked)
+    if given is not None:
+        from .params import values_of
+
+        job = replace(job, values=values_of(given, job.sampler.program, str(folder)))
     for step in steps:
-        job = job.mutated(Mutation(**{**step, "operations": tuple(step["operations"])}))
+        job = job.mutated(Replay(traces_of(folder)) if "replay" in step else Mutation.of(step))
     if job.sampler.program.hash != identity["program"]:
         raise UserError(
             f"the program {source} has changed since the samples in {folder} were made",

@@ -61,8 +61,11 @@ def resolve(program: Program, settings: Mapping[str, Value]) -> tuple[dict[int, 
     return given, plain
 
 
-def read(draw: Draw, value: Value) -> tuple[float, Value]:
-    """The value of a draw as the runtime takes it, and as a manifest keeps it. Raises SettingError."""
+def read(draw: Draw, value: Value, *, anywhere: bool = False) -> tuple[float, Value]:
+    """The value of a draw as the runtime takes it, and as a manifest keeps it. Raises SettingError.
+
+    ``anywhere``: outside its domain, too.
+    """
     if draw.kind == "choice":
         return _option(draw, value)
     number = value if isinstance(value, int | float) and not isinstance(value, bool) else _number(draw, str(value))
@@ -70,7 +73,8 @@ def read(draw: Draw, value: Value) -> tuple[float, Value]:
         raise SettingError(f"`{draw.column.name}` is a count: {value} is not a whole number")
     low = None if draw.low is None else draw.low.constant
     high = None if draw.high is None else draw.high.constant
-    if (low is not None and number < low - 1e-9) or (high is not None and number > high + 1e-9):
+    outside = (low is not None and number < low - 1e-9) or (high is not None and number > high + 1e-9)
+    if outside and not anywhere:
         raise SettingError(
             f"`{draw.column.name}` cannot be {value}: it lies in {domain(draw)}",
             f"see {draw.where}" if draw.where else None,

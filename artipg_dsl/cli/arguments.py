@@ -23,6 +23,25 @@ def whole(text: str) -> int:
         raise ArgumentTypeError(f"{text!r} is not a whole number") from None
 
 
+def amount(text: str) -> float:
+    """A number above 0."""
+    try:
+        number = float(text)
+    except ValueError:
+        raise ArgumentTypeError(f"{text!r} is not a number") from None
+    if not 0 < number < float("inf"):
+        raise ArgumentTypeError(f"{text} is not a number above 0")
+    return number
+
+
+def fraction(text: str) -> float:
+    """A number from 0 to 1."""
+    number = 0.0 if text.strip() in ("0", "0.0") else amount(text)
+    if number > 1:
+        raise ArgumentTypeError(f"{text} does not lie between 0 and 1")
+    return number
+
+
 def numbers(text: str) -> list[int]:
     """``37``, ``37,40..45``: numbers of objects, both ends of a range included, ascending."""
     found: set[int] = set()

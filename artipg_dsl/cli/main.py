@@ -9,7 +9,7 @@ import sys
 from collections.abc import Sequence
 
 from ..export.registry import FORMATS, per_object
-from .arguments import numbers, part, positive, whole
+from .arguments import amount, fraction, numbers, part, positive, whole
 from .report import error, findings, say
 
 OK, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
@@ -101,6 +101,41 @@ def parser() -> argparse.ArgumentParser:
     )
     export.add_argument("--format", metavar="LIST", required=True, help=f"{', '.join(per_object())}; with commas")
     export.add_argument("--force", action="store_true", help="replace what is there")
+
+    mutate = command("mutate", "make new objects from those of a folder")
+    mutate.add_argument(
+        "folder", nargs="?", metavar="DIR", help="a folder of samples; with --params a shipped category or an .apg file"
+    )
+    mutate.add_argument(
+        "--ops", default="apa,dpa,cpa", metavar="LIST",
+        help="apa (templates), dpa (counts), cpa (parameters), in this order (default: apa,dpa,cpa)",
+    )  # fmt: skip
+    mutate.add_argument("-n", "--number", type=positive, metavar="N", help="mutants of each object (default: 1)")
+    mutate.add_argument("-o", "--out", default="mutants", metavar="DIR", help="the folder for them (default: mutants)")
+    mutate.add_argument(
+        "--parts", default="*", metavar="LIST", help="what may be changed: parts, values, patterns: door,handle*"
+    )
+    mutate.add_argument("--strength", type=amount, default=1.0, metavar="X", help="scales the steps of cpa (default: 1)")
+    mutate.add_argument(
+        "--share", type=fraction, default=0.5, metavar="X", help="how many of the templates and counts change (default: 0.5)"
+    )
+    mutate.add_argument(
+        "--one", metavar="NAME", help="pairs that differ in this value alone: each object, then its mutants"
+    )
+    mutate.add_argument("--variant", type=whole, default=0, metavar="K", help="other mutants (default: 0)")
+    mutate.add_argument("--only", type=numbers, metavar="NUMBERS", help="originals by number: 37 or 37,40..45")
+    mutate.add_argument("--params", metavar="FILE", help="originals given by their values (JSON)")
+    mutate.add_argument("--replay", metavar="FILE", help="do again what a trace-*.jsonl, or a folder of them, says")
+    mutate.add_argument("--diff", nargs=2, metavar=("A", "B"), help="tell what sets two folders or two traces apart")
+    mutate.add_argument("--all", action="store_true", help="with --diff: every difference of an object")
+    mutate.add_argument("--points", type=positive, metavar="N", help="points per object (default: as the originals)")
+    mutate.add_argument("--format", metavar="LIST", help="the formats (default: those of the originals)")
+    mutate.add_argument("--unchecked", action="store_true", help="take objects whose links collide, too")
+    mutate.add_argument("--stats", action="store_true", help="tell how many first attempts were valid, and what failed")
+    mutate.add_argument("--force", action="store_true", help="replace what was made with other options")
+    mutate.add_argument(
+        "--shard", type=part, default=(1, 1), metavar="K/N", help="write the K-th of N parts, to share the work"
+    )
 
     render = command("render", "draw a contact sheet of samples")
     render.add_argument(

@@ -15,6 +15,7 @@ from .. import __version__
 from ..annotate.points import field_kinds
 from .content import Content
 from .meanings import MOTION, MOVING, OBJECT, POINTS, STATE, VIEWS, Meaning
+from .mutants import MEANINGS
 from .write import ExportError
 
 if TYPE_CHECKING:
@@ -113,6 +114,8 @@ def build(
         manifest["arrays"] = arrays(program, content)
     if content.cameras is not None:
         manifest["views"] = view_arrays(program, content)
+    if "correspondence" in formats:
+        manifest["correspondence"] = dict(MEANINGS)
     if counts is not None:
         manifest["counts"] = counts
     return manifest

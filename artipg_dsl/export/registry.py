@@ -64,6 +64,8 @@ FORMATS: dict[str, Format] = {
         Format("points", "labelled points with their binding, NumPy", ".npz", shard="shards:points_shard"),
         Format("annotation", "joints, parts, grasps, parameters as JSON lines", ".jsonl", shard="shards:annotation_shard"),
         Format("views", "images and partial clouds from cameras, NumPy", ".npz", shard="shards:views_shard"),
+        Format("trace", "how each object was made from another, JSON lines", ".jsonl", shard="mutants:trace_shard"),
+        Format("correspondence", "which primitive became which, NumPy", ".npz", shard="mutants:correspondence_shard"),
         Format("urdf", "robot description with OBJ meshes", robot="urdf:urdf_files", file="object.urdf"),
         Format("glb", "binary glTF with an opening animation", robot="glb:glb_files", file="object.glb"),
         Format("obj", "Wavefront OBJ per link with materials", robot="mesh_obj:obj_files", file="obj/object.mtl"),

@@ -283,6 +283,19 @@ class Closure:
     where: Where | None = None
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Slot:
+    """What one alternative of the part ``path`` binds to a slot of its role: nodes of the part tree.
+
+    ``scope`` is the table in which the part is declared, which all its alternatives share.
+    """
+
+    path: str
+    name: str
+    scope: Scope
+    parts: tuple[int, ...]
+
+
 @dataclass(slots=True, eq=False)
 class Program:
     """A compiled category."""
@@ -305,5 +318,6 @@ class Program:
     vocabularies: dict[str, tuple[str, ...]] = field(default_factory=dict)
     allowed: list[Allowed] = field(default_factory=list)
     closures: list[Closure] = field(default_factory=list)
+    slots: list[Slot] = field(default_factory=list)
     stable: str | None = None
     hash: str = ""

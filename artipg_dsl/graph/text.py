@@ -22,10 +22,10 @@ RECORDS = {
     cls.__name__: cls
     for cls in (
         P.Where, P.Pose, P.Bound, P.Limit, P.Draw, P.Requirement, P.Part, P.Site, P.Link, P.Joint, P.Target, P.Label, P.Grasp, P.Keypoint,
-        P.Material, P.Allowed, P.Closure, Primitive, Patch, Piece,
+        P.Material, P.Allowed, P.Closure, P.Slot, Primitive, Patch, Piece,
     )
 }  # fmt: skip
-LISTS = ("requirements", "parts", "links", "joints", "sites", "labels", "grasps", "keypoints", "allowed", "closures")
+LISTS = ("requirements", "parts", "links", "joints", "sites", "labels", "grasps", "keypoints", "allowed", "closures", "slots")
 
 
 class TextError(Exception):

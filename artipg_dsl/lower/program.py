@@ -23,6 +23,7 @@ from .links import Links, resolve_mimics
 from .motions import motions
 from .part import Part
 from .primitives import comparison
+from .slots import slots
 from .solve import circular
 from .values import Ref
 
@@ -79,6 +80,7 @@ def finish(links: Links, env: Env) -> None:
     order_labels(context)
     dress(context)
     conditions(links, env)
+    slots(links, env)
     vocabularies(env)
     attach_bounds(program)
     program.hash = digest(program)

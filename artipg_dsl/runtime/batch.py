@@ -19,11 +19,18 @@ from .tables import Instances, JointTable, LinkTable, PartTable, Rowmap, whichev
 
 
 class Batch:
-    """Objects of one program as columns. ``numbers`` (B,) are the object numbers, ``seed`` what they were drawn with."""
+    """Objects of one program as columns. ``numbers`` (B,) are the object numbers, ``seed`` what they were drawn with.
 
-    def __init__(self, program: Program, plan: Plan, state: State, tables: list, values: list):
+    ``history``: the operations that made them from others (``runtime.mutate.Stage``), the first first.
+    """
+
+    def __init__(
+        self, program: Program, plan: Plan, state: State, tables: list, values: list, numbers: np.ndarray | None = None
+    ):
         self.program, self.plan, self.state = program, plan, state
-        self.seed, self.numbers = state.seed, state.objects.astype(np.int64)
+        self.seed = state.seed
+        self.numbers = (state.objects if numbers is None else np.asarray(numbers)).astype(np.int64)
+        self.history: tuple[Any, ...] = ()
         self._tables, self._values = tables, values
         self.rowmap = Rowmap(plan.scopes, tables)
 
@@ -43,7 +50,10 @@ class Batch:
         extra: dict[Expr, Any] = {}
         if missing:
             plan = make_plan(self.program, [(e, scope) for e in missing])
-            _, values = plan.function(State(self.seed, self.state.objects, self.state.attempt, self.state.given, self.state.defaults))
+            old = self.state
+            _, values = plan.function(
+                State(self.seed, old.objects, old.attempt, old.given, old.defaults, old.kept, old.salt, old.lane)
+            )
             extra = {e: values[plan.outputs[e, scope]] for e in missing}
         found = []
         for expr in exprs:

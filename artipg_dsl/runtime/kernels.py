@@ -32,7 +32,8 @@ class Rows:
 
 @dataclass(slots=True, eq=False)
 class Kept:
-    """Values that rows had before, by their address (ascending): a row found here keeps its value as far as it can.
+    """Values that rows had before, by their address mixed with their owner (ascending): a row found here keeps its value
+    as far as it can.
 
     ``reach`` lets a number move by so much; ``swap`` asks for another option or count. What no longer fits is moved to
     the nearest value that does.
@@ -47,8 +48,9 @@ class Kept:
         """Which rows are known, and where."""
         if not len(self.address):
             return np.zeros(rows.size, dtype=bool), np.zeros(rows.size, dtype=np.int64)
-        at = np.minimum(np.searchsorted(self.address, rows.address), len(self.address) - 1)
-        return self.address[at] == rows.address, at
+        wanted = mix(rows.address, rows.owner)
+        at = np.minimum(np.searchsorted(self.address, wanted), len(self.address) - 1)
+        return self.address[at] == wanted, at
 
 
 @dataclass(slots=True, eq=False)
@@ -56,7 +58,7 @@ class State:
     """One evaluation: the objects, the attempts, what is given or kept, and what failed.
 
     ``given`` maps the index of a draw to its value (a scalar, or one per row), ``kept`` to the values of an object that
-    this one is made from; ``salt`` sets the random numbers of one such making apart. ``missed`` counts the objects for
+    this one is made from; ``salt``, and ``lane`` per object, set the random numbers of one such making apart. ``missed`` counts the objects for
     which a draw found no room, per draw; ``broken`` those that break a requirement, per requirement.
     """
 
@@ -67,10 +69,14 @@ class State:
     defaults: bool = False
     kept: dict[int, Kept] = field(default_factory=dict)
     salt: str = ""
+    lane: np.ndarray | None = None
     failed: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=bool))
     missed: dict[int, int] = field(default_factory=dict)
     broken: dict[int, int] = field(default_factory=dict)
     values: dict[int, np.ndarray] = field(default_factory=dict)
+
+    def lanes(self) -> np.ndarray:
+        return np.zeros(len(self.objects), dtype=np.int64) if self.lane is None else self.lane
 
 
 def root_rows(state: State) -> Rows:
@@ -171,7 +177,8 @@ def narrow(low: np.ndarray, high: np.ndarray, side: str, bound: np.ndarray | flo
 
 def _lot(state: State, rows: Rows, address: str) -> np.ndarray:
     names = (address, state.salt) if state.salt else (address,)
-    return uniform(key(state.seed, *names), rows.address, 0, state.attempt[rows.owner])
+    lane = 0 if state.lane is None else state.lane[rows.owner]
+    return uniform(key(state.seed, *names), rows.address, lane, state.attempt[rows.owner])
 
 
 def _no_room(state: State, rows: Rows, number: int, bad: np.ndarray) -> None:

@@ -1,53 +1,105 @@
 """New objects from old ones: APA swaps templates, DPA changes counts, CPA perturbs parameters (Arti-PG, section 3).
 
-It is the sampler's own evaluation with most draws kept: a row keeps its value by its random address, so elements of a
-repeat keep theirs by rank, the inputs of a role outlive a swap, new rows and new templates are drawn in their
-conditional range, determined parameters follow, and what no longer fits is moved as little as possible.
+Each operation is the sampler's own evaluation with most draws kept, and takes the object that the one before has made:
+the inputs of a role outlive a swap, elements of a repeat keep their values by rank, new rows and new templates are drawn
+in their conditional range, determined parameters follow, and what no longer fits is moved as little as possible. An
+object that fails a requirement or collides is tried again; after several attempts what is kept may give way, too.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
-from fnmatch import fnmatch
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
 
+from ..errors import UserError
 from ..graph.expr import leaves
 from ..graph.program import Draw, Program
 from ..graph.random import key, uniform
 from .batch import Batch
 from .kernels import Kept, State, full
 from .sample import ATTEMPTS, Exhausted, Sampler, Statistics, colliding
+from .settled import again, chosen, differing, kept, made
 
 OPERATIONS = ("apa", "dpa", "cpa")
 PATIENCE = 6  # attempts before what is kept may give way, a little more with each further one
+TRIALS = 40  # attempts to change one value alone, each but the first few with a shorter step
 SHARE = 0.5
+KIND = {"apa": "choice", "dpa": "count", "cpa": "real"}
 
 
 @dataclass(frozen=True, slots=True)
 class Mutation:
-    """One step of making new objects from old ones: the arguments of ``mutate``."""
+    """One step of making new objects from old ones, as ``mutate`` takes it.
+
+    ``only`` lists names of parts and values that may be changed, with commas between: ``door`` (all of it), ``handle*``,
+    ``cell[1].share``; ``share`` of the eligible templates and counts are changed, at least one; ``strength`` scales the
+    steps of CPA. With ``one`` a single value of the names is changed and all other draws stay what they were.
+    ``variant`` gives others; ``each`` so many of every object. ``sources`` are the numbers, as runs, of the objects that
+    are changed if the new ones are numbered anew: the variants of the first, of the second, ...; with ``one`` each
+    group begins with the object itself.
+    """
 
     operations: tuple[str, ...] = OPERATIONS
     variant: int = 0
     strength: float = 1.0
     share: float = SHARE
     only: str = "*"
+    one: bool = False
+    each: int = 1
+    sources: tuple[tuple[int, int], ...] | None = None
 
     def plain(self) -> dict[str, Any]:
-        return {**asdict(self), "operations": list(self.operations)}
+        sources = None if self.sources is None else [list(run) for run in self.sources]
+        return {**asdict(self), "operations": list(self.operations), "sources": sources}
+
+    @staticmethod
+    def of(plain: Mapping[str, Any]) -> Mutation:
+        """The step that ``plain`` has written."""
+        sources = plain.get("sources")
+        runs = None if sources is None else tuple((int(first), int(last)) for first, last in sources)
+        return Mutation(**{**plain, "operations": tuple(plain["operations"]), "sources": runs})
+
+    @property
+    def group(self) -> int:
+        """How many new objects there are of each old one."""
+        return self.each + self.one
+
+    def origins(self, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The number of the object that each new one is made from, and its variant (-1: that object itself)."""
+        if self.sources is None:
+            return numbers, np.full(len(numbers), self.variant)
+        stock = np.concatenate([np.arange(first, last + 1) for first, last in self.sources])
+        beyond = numbers[numbers >= len(stock) * self.group]
+        if len(beyond):
+            raise UserError(f"there is no object {beyond[0]}: these are {len(stock) * self.group}, numbered from 0")
+        return stock[numbers // self.group], numbers % self.group - self.one + np.where(
+            numbers % self.group < self.one, 0, self.variant
+        )
+
+    def apply(
+        self, sampler: Sampler, batch: Batch, numbers: np.ndarray, variants: np.ndarray, statistics: Statistics, checked: bool
+    ) -> Batch:  # fmt: skip
+        """The mutants ``numbers`` of the objects of a batch, one of each, in its order."""
+        found = mutate(
+            sampler, batch, operations=self.operations, variant=variants, strength=self.strength, share=self.share,
+            only=self.only, one=self.one, statistics=statistics, checked=checked,
+        )  # fmt: skip
+        found.numbers = numbers
+        return found
 
 
-@dataclass(frozen=True, slots=True)
-class Change:
-    """One draw of one object before and after. ``kind``: swapped, recounted, varied, adapted, new or gone."""
+@dataclass(frozen=True, slots=True, eq=False)
+class Stage:
+    """One operation on a batch: what it was, what it became, and which rows of each draw were to change."""
 
-    path: str
-    kind: str
-    before: Any
-    after: Any
+    operation: str
+    before: Batch
+    after: Batch
+    wanted: list[np.ndarray] = field(repr=False)
 
 
 def structural(program: Program) -> set[int]:
@@ -57,164 +109,233 @@ def structural(program: Program) -> set[int]:
 
 
 def mutate(
-    sampler: Sampler, batch: Batch, *, operations: Sequence[str] = OPERATIONS, variant: int = 0, strength: float = 1.0,
-    share: float = SHARE, only: str = "*", statistics: Statistics | None = None, checked: bool = False,
+    sampler: Sampler, batch: Batch, *, operations: Sequence[str] = OPERATIONS, variant: int | np.ndarray = 0,
+    strength: float = 1.0, share: float = SHARE, only: str = "*", one: bool = False,
+    statistics: Statistics | None = None, checked: bool = False,
 ) -> Batch:  # fmt: skip
-    """Mutants of all objects of a batch, one each; another ``variant`` gives another one.
+    """Mutants of all objects of a batch, one each; the arguments are those of ``Mutation``.
 
-    ``only`` is a pattern of draw names (``handle*``) outside of which nothing is changed on purpose; ``share`` of the
-    eligible templates and counts are changed, at least one; ``strength`` scales the declared steps of CPA. ``checked``:
-    only mutants without collisions. Raises ValueError for an unknown operation, Exhausted when no attempt is valid.
+    ``variant`` may differ from object to object; an object of variant -1 stays what it is. ``checked``: only mutants
+    without collisions. The batch remembers in ``history`` what each operation did. Raises ValueError for an unknown
+    operation, Exhausted when no attempt is valid.
     """
     unknown = [o for o in operations if o not in OPERATIONS]
     if unknown:
         raise ValueError(f"unknown operation {unknown[0]!r}; there are {', '.join(OPERATIONS)}")
-    salt = f"mutant {variant} of {batch.state.salt or 'the original'}"
-    plan = _Plan(sampler, batch, frozenset(operations), salt, strength, share, only)
+    variants = np.broadcast_to(np.asarray(variant, dtype=np.int64), (len(batch),))
+    salt = f"mutant of {batch.state.salt or 'the original'}"
+    lane = (batch.state.lanes() * 1_000_003 + variants + 1) % (1 << 32)
     statistics = statistics if statistics is not None else Statistics()
-    attempt = np.zeros(len(batch), dtype=np.int64)
-    everything = np.arange(len(batch))
-    left = everything
-    first = True
-    while len(left):
-        trial = plan.state(left, attempt[left])
-        sampler.plan.function(trial)
-        bad = trial.failed.copy()
-        sound = np.flatnonzero(~bad)
-        if checked and len(sound):
-            state = plan.state(left[sound], attempt[left[sound]])
-            tables, values = sampler.plan.function(state)
-            bad[sound[colliding(Batch(sampler.program, sampler.plan, state, tables, values), statistics)]] = True
-        statistics.add(trial, first, bad)
-        left, first = left[bad], False
-        attempt[left] += 1
-        if len(left) and attempt.max() >= ATTEMPTS:
-            raise Exhausted(batch.numbers[left], statistics, ATTEMPTS)
-    state = plan.state(everything, attempt)
-    tables, values = sampler.plan.function(state)
-    return Batch(sampler.program, sampler.plan, state, tables, values)
+    history: list[Stage] = []
+    rejected = np.zeros(len(batch), dtype=np.int64)
+    now = batch
+    for operation in [o for o in OPERATIONS if o in operations]:
+        step = _Step(sampler, now, operation, f"{salt} by {operation}", lane, variants >= 0, strength, share, Names(only))
+        after, tries = step.one(statistics, checked) if one else step.run(statistics, checked)
+        rejected += tries
+        history.append(Stage(operation, now, after, step.purpose()))
+        now = after
+        if one and any(w.any() for w in step.swaps):
+            break
+    found = again(now, np.arange(len(batch)), attempt=rejected, lane=lane, salt=salt)
+    found.history = tuple(history)
+    return found
 
 
-@dataclass(slots=True)
-class _Plan:
-    """What is kept, moved and swapped of a batch."""
+class Names:
+    """Which values a list of names means: their own, of parts above them, or patterns; ranks may be left out."""
 
-    sampler: Sampler
-    batch: Batch
-    operations: frozenset[str]
-    salt: str
-    strength: float
-    share: float
-    only: str
+    def __init__(self, only: str):
+        pieces = [p.strip() for p in only.split(",") if p.strip()]
+        parts = ["".join(".*" if c == "*" else "." if c == "?" else re.escape(c) for c in p) for p in pieces]
+        self.ranked = any("[" in p for p in pieces)
+        self.everything = "*" in pieces
+        self.pattern = re.compile(f"(?:{'|'.join(parts) or '(?!)'})(?:[.\\[].*)?")
 
-    def state(self, objects: np.ndarray, attempt: np.ndarray) -> State:
-        """The evaluation of some objects of the batch, each with its attempt."""
-        old = self.batch.state
-        tries = np.zeros(len(self.batch), dtype=np.int64)
-        tries[objects] = attempt
-        made = State(old.seed, old.objects[objects], attempt, dict(old.given), salt=self.salt)
-        swaps = self.swaps()
-        for number, draw in enumerate(self.sampler.program.draws):
-            rows = self.batch.rowmap.rows(draw.column.scope)
-            order = np.argsort(rows.address, kind="stable")
-            reach = self.reach(number, draw) + self.give(draw, rows.owner, tries)
-            kept = Kept(rows.address[order], old.values[number][order], reach[order], swaps[number][order])
-            made.kept[number] = kept
-        return made
+    def of(self, batch: Batch, draw: Draw) -> np.ndarray:
+        """The rows of a draw that are meant, as a mask."""
+        size = batch.rowmap.rows(draw.column.scope).size
+        if self.everything or self.pattern.fullmatch(draw.column.name):
+            return np.ones(size, dtype=bool)
+        if not self.ranked:
+            return np.zeros(size, dtype=bool)
+        names = batch.rowmap.names(draw.column.scope, draw.column.name)
+        return np.array([self.pattern.fullmatch(n) is not None for n in names], dtype=bool)
 
-    def eligible(self, draw: Draw) -> bool:
-        return fnmatch(draw.column.name, self.only)
 
-    def swaps(self) -> list[np.ndarray]:
-        """Which rows of each choice and count are to change: a share of the eligible, at least one per object and kind."""
-        batch, program = self.batch, self.sampler.program
-        parts = structural(program)
-        wanted: list[np.ndarray] = [np.zeros(batch.rowmap.rows(d.column.scope).size, dtype=bool) for d in program.draws]
-        for operation, numbers in (
-            ("apa", [k for k in sorted(parts)]), ("dpa", [k for k, d in enumerate(program.draws) if d.kind == "count"])
-        ):  # fmt: skip
-            if operation not in self.operations:
-                continue
-            lots = []
-            for number in numbers:
-                draw = program.draws[number]
-                rows = batch.rowmap.rows(draw.column.scope)
-                lot = uniform(key(batch.seed, draw.address, self.salt, operation), rows.address)
-                lots.append(lot if self.eligible(draw) and self.can_change(draw) else np.full(rows.size, 2.0))
-            lowest = np.full(len(batch), np.inf)
-            for number, lot in zip(numbers, lots, strict=True):
-                np.minimum.at(lowest, batch.rowmap.rows(program.draws[number].column.scope).owner, lot)
-            for number, lot in zip(numbers, lots, strict=True):
-                owner = batch.rowmap.rows(program.draws[number].column.scope).owner
-                wanted[number] = (lot < 1.0) & ((lot < self.share) | (lot == lowest[owner]))
-        return wanted
+class _Step:
+    """One operation on a batch: which rows it is about, and the attempts at it."""
 
-    def can_change(self, draw: Draw) -> bool:
+    def __init__(
+        self, sampler: Sampler, batch: Batch, operation: str, salt: str, lane: np.ndarray, able: np.ndarray,
+        strength: float, share: float, names: Names,
+    ):  # fmt: skip
+        self.sampler, self.batch, self.operation = sampler, batch, operation
+        self.salt, self.lane, self.able, self.strength, self.share = salt, lane, able, strength, share
+        draws = batch.program.draws
+        parts = structural(batch.program)
+        self.meant = [np.zeros(batch.rowmap.rows(d.column.scope).size, dtype=bool) for d in draws]
+        self.swaps = [np.zeros_like(m) for m in self.meant]
+        for number, draw in enumerate(draws):
+            if draw.kind == KIND[operation] and (draw.kind != "choice" or number in parts or not names.everything):
+                self.meant[number] = names.of(batch, draw) & self.can_change(draw) & able[self.owner(draw)]
+        self.reaches = [self.reach(number) for number in range(len(draws))]
+
+    def owner(self, draw: Draw) -> np.ndarray:
+        return self.batch.rowmap.rows(draw.column.scope).owner
+
+    def can_change(self, draw: Draw) -> np.ndarray | bool:
         """A count of one possible value cannot."""
-        if draw.kind != "count":
-            return True
-        low, high = draw.low.constant, draw.high.constant  # type: ignore[union-attr]
-        return low is None or high is None or high > low
+        if draw.kind == "choice":
+            return len(draw.options) > 1
+        low, high = self.batch.read([draw.low, draw.high], draw.column.scope)  # type: ignore[list-item]
+        return np.asarray(high) > np.asarray(low)
 
-    def reach(self, number: int, draw: Draw) -> np.ndarray:
+    def lots(self) -> list[np.ndarray]:
+        """A number in 0 .. 1 for each row that may change, 2 for the others."""
+        found = []
+        for draw, meant in zip(self.batch.program.draws, self.meant, strict=True):
+            rows = self.batch.rowmap.rows(draw.column.scope)
+            lot = uniform(key(self.batch.seed, draw.address, self.salt, "which"), rows.address, self.lane[rows.owner])
+            found.append(np.where(meant, lot, 2.0))
+        return found
+
+    def lowest(self, lots: list[np.ndarray]) -> np.ndarray:
+        found = np.full(len(self.batch), np.inf)
+        for draw, lot in zip(self.batch.program.draws, lots, strict=True):
+            np.minimum.at(found, self.owner(draw), lot)
+        return found
+
+    def purpose(self) -> list[np.ndarray]:
+        """The rows that were to change."""
+        return [s | (r > 0) for s, r in zip(self.swaps, self.reaches, strict=True)]
+
+    def reach(self, number: int) -> np.ndarray:
         """How far CPA may move each row of a draw: the declared step, or a tenth of the domain."""
+        draw, meant = self.batch.program.draws[number], self.meant[number]
+        if draw.kind != "real" or not meant.any():
+            return np.zeros(len(meant))
+        if draw.vary is None:
+            return np.where(meant, 0.1 * self.strength * self.width(draw), 0.0)
+        relative, amount = draw.vary
         rows = self.batch.rowmap.rows(draw.column.scope)
-        if draw.kind != "real" or "cpa" not in self.operations or not self.eligible(draw):
-            return np.zeros(rows.size)
-        if draw.vary is not None:
-            relative, amount = draw.vary
-            step = full(rows, self.batch.read([amount], draw.column.scope)[0])
-            if relative:
-                step = step * np.abs(self.batch.state.values[number])
-            return self.strength * step
-        return 0.1 * self.strength * self.width(draw)
+        step = full(rows, self.batch.read([amount], draw.column.scope)[0])
+        if relative:
+            step = step * np.abs(self.batch.state.values[number])
+        return np.where(meant, self.strength * step, 0.0)
 
     def width(self, draw: Draw) -> np.ndarray:
         low, high = self.batch.read([draw.low, draw.high], draw.column.scope)  # type: ignore[list-item]
         return np.asarray(high, dtype=np.float64) - np.asarray(low, dtype=np.float64)
 
-    def give(self, draw: Draw, owner: np.ndarray, tries: np.ndarray) -> np.ndarray:
-        """How far what is kept may move after many attempts that failed."""
-        late = np.maximum(tries[owner] - PATIENCE, 0)
+    # ------------------------------------------------------------ attempts
+
+    def run(self, statistics: Statistics, checked: bool) -> tuple[Batch, np.ndarray]:
+        """The operation on every object, and how many attempts of each failed. Raises Exhausted."""
+        lots = self.lots()
+        if self.operation != "cpa":
+            lowest = self.lowest(lots)
+            for number, (draw, lot) in enumerate(zip(self.batch.program.draws, lots, strict=True)):
+                self.swaps[number] = (lot < 1.0) & ((lot < self.share) | (lot == lowest[self.owner(draw)]))
+        attempt = np.zeros(len(self.batch), dtype=np.int64)
+        left, first = self.concerned(), True
+        touched = left
+        while len(left):
+            trial = self.trial(left, attempt, self.giving)
+            bad = self.failing(trial, left, statistics, checked, first)
+            left, first = left[bad], False
+            attempt[left] += 1
+            if len(left) and attempt.max() >= ATTEMPTS:
+                raise Exhausted(self.batch.numbers[left], statistics, ATTEMPTS)
+        if not len(touched):
+            return self.batch, attempt
+        return self.trial(np.arange(len(self.batch)), attempt, self.giving), attempt
+
+    def one(self, statistics: Statistics, checked: bool) -> tuple[Batch, np.ndarray]:
+        """One value of each object changed and no other that both have; unchanged where that cannot be."""
+        lots = self.lots()
+        lowest = self.lowest(lots)
+        single = [(lot < 1.0) & (lot == lowest[self.owner(d)]) for d, lot in zip(self.batch.program.draws, lots, strict=True)]
+        if self.operation == "cpa":
+            self.reaches = [np.where(s, r, 0.0) for s, r in zip(single, self.reaches, strict=True)]
+        else:
+            self.swaps = single
+        attempt = np.zeros(len(self.batch), dtype=np.int64)
+        left, first = self.concerned(), True
+        lost = np.zeros(len(self.batch), dtype=bool)
+        while len(left):
+            trial = self.trial(left, attempt, self.shortening)
+            bad = self.failing(trial, left, statistics, checked, first, alone=True)
+            left, first = left[bad], False
+            attempt[left] += 1
+            lost[left[attempt[left] >= TRIALS]] = True
+            left = left[attempt[left] < TRIALS]
+        for number, draw in enumerate(self.batch.program.draws):  # those stay as they are
+            stays = lost[self.owner(draw)]
+            self.reaches[number] = np.where(stays, 0.0, self.reaches[number])
+            self.swaps[number] = self.swaps[number] & ~stays
+        return self.trial(np.arange(len(self.batch)), attempt, self.shortening), attempt
+
+    def concerned(self) -> np.ndarray:
+        """The objects in which something is to change."""
+        found = np.zeros(len(self.batch), dtype=bool)
+        for draw, wanted in zip(self.batch.program.draws, self.purpose(), strict=True):
+            found[self.owner(draw)[wanted]] = True
+        return np.flatnonzero(found)
+
+    def trial(
+        self, objects: np.ndarray, attempt: np.ndarray, how: Callable[[int, np.ndarray], np.ndarray]
+    ) -> Batch:
+        """An attempt at the objects at some places of the batch, what is kept reaching as far as ``how`` says."""
+        old = self.batch.state
+        state = State(old.seed, old.objects[objects], attempt[objects], dict(old.given), salt=self.salt, lane=self.lane[objects])
+        for number in range(len(self.batch.program.draws)):
+            state.kept[number] = self.held(number, objects, how(number, attempt))
+        return made(self.batch.program, self.batch.plan, state, self.batch.numbers[objects])
+
+    def held(self, number: int, objects: np.ndarray, reach: np.ndarray) -> Kept:
+        return kept(self.batch, number, objects, reach, self.swaps[number])
+
+    def giving(self, number: int, attempt: np.ndarray) -> np.ndarray:
+        """The reach of each row, and after many attempts that failed, a little for all that is kept."""
+        draw = self.batch.program.draws[number]
+        late = np.maximum(attempt[self.owner(draw)] - PATIENCE, 0)
         if draw.kind != "real" or not late.any():
-            return np.zeros(len(owner))
-        return 0.05 * late * self.width(draw)
+            return self.reaches[number]
+        return self.reaches[number] + 0.05 * late * self.width(draw)
+
+    def shortening(self, number: int, attempt: np.ndarray) -> np.ndarray:
+        """The reach of each row, halved with every other attempt that failed."""
+        late = attempt[self.owner(self.batch.program.draws[number])] // 2
+        return self.reaches[number] * 0.5 ** np.minimum(late, 16)
+
+    def failing(
+        self, trial: Batch, objects: np.ndarray, statistics: Statistics, checked: bool, first: bool, alone: bool = False
+    ) -> np.ndarray:
+        """Which objects of an attempt are not valid, or with ``alone`` differ in more than they should."""
+        bad = trial.state.failed.copy()
+        if alone:
+            bad |= self.spoiled(trial, objects)
+        sound = np.flatnonzero(~bad)
+        if checked and len(sound):
+            part = trial if len(sound) == len(trial) else again(trial, sound)
+            bad[sound[colliding(part, statistics)]] = True
+        statistics.add(trial.state, first, bad)
+        return bad
+
+    def spoiled(self, trial: Batch, objects: np.ndarray) -> np.ndarray:
+        """Objects of which a value that was to stay has moved, or the one that was to change has not."""
+        bad = np.zeros(len(trial), dtype=bool)
+        moved = np.zeros(len(trial), dtype=bool)
+        everything = np.arange(len(trial))
+        for number, wanted in enumerate(self.purpose()):
+            old, new = chosen(self.batch, number, objects), chosen(trial, number, everything)
+            _, here, there = np.intersect1d(old.key, new.key, assume_unique=True, return_indices=True)
+            apart = self.batch.state.values[number][old.row[here]] != trial.state.values[number][new.row[there]]
+            meant = wanted[old.row[here]]
+            bad[new.owner[there[apart & ~meant]]] = True
+            moved[new.owner[there[apart & meant]]] = True
+        return bad | ~moved
 
 
-def changes(before: Batch, after: Batch, index: int) -> list[Change]:
-    """What a mutant differs in from what it was made from, in the order of the declarations."""
-    found: list[Change] = []
-    for number, draw in enumerate(after.program.draws):
-        old, new = (_by_address(b, number, index) for b in (before, after))
-        for address in dict.fromkeys([*old, *new]):
-            path, a = old.get(address, (None, None))
-            again, b = new.get(address, (None, None))
-            if a == b:
-                continue
-            kind = "new" if path is None else "gone" if again is None else _kind(draw, number, after, address)
-            found.append(Change(path or again or draw.column.name, kind, _plain(draw, a), _plain(draw, b)))
-    return found
-
-
-def _by_address(batch: Batch, number: int, index: int) -> dict[int, tuple[str, float]]:
-    draw = batch.program.draws[number]
-    rows = batch.rowmap.rows(draw.column.scope)
-    names = batch.rowmap.names(draw.column.scope, draw.column.name)
-    here = np.flatnonzero(rows.owner == index)
-    return {int(rows.address[r]): (names[r], float(batch.state.values[number][r])) for r in here}
-
-
-def _kind(draw: Draw, number: int, after: Batch, address: int) -> str:
-    if draw.kind == "choice":
-        return "swapped"
-    if draw.kind == "count":
-        return "recounted"
-    kept = after.state.kept.get(number)
-    at = None if kept is None else int(np.searchsorted(kept.address, np.uint64(address)))
-    return "varied" if kept is not None and at is not None and kept.reach[at] > 0 else "adapted"
-
-
-def _plain(draw: Draw, value: float | None) -> Any:
-    if value is None:
-        return None
-    return draw.options[int(value)] if draw.kind == "choice" else int(value) if draw.kind == "count" else value
+__all__ = ["OPERATIONS", "Mutation", "Names", "Stage", "differing", "mutate", "structural"]

@@ -2,9 +2,11 @@
 
 import json
 
+import numpy as np
 import pytest
 
 import artipg_dsl as apg
+from artipg_dsl.cli.main import main
 from artipg_dsl.errors import UsageError
 
 from .helpers import CHEST, tree
@@ -30,7 +32,7 @@ def test_mutants_in_python():
     assert (mutants["width"] != batch["width"]).all()
     assert (mutants["wall"] == batch["wall"]).all()
     found = mutants.changes(7)
-    assert [c.path for c in found if c.kind == "varied"] == ["width"]
+    assert [s.path for s in found if s.how == "changed"] == ["width"]
     assert batch.changes(7) == []
     assert mutants.object(7).drawn == mutants.batch.drawn(7)
     assert mutants.mutate("apa").job.mutations[1].operations == ("apa",)
@@ -43,3 +45,109 @@ def test_unknown_operations(apgc, tmp_path, wrong):
         assert code == 2 and "apa, dpa, cpa" in err
     with pytest.raises(UsageError):
         apg.sample("Microwave", n=1).mutate(wrong)
+
+
+@pytest.fixture(scope="module")
+def chest(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("chest") / "out"
+    assert main(["sample", CHEST, "-n", "5", "--seed", "3", "-o", str(folder), "--points", "32"]) == 0
+    return folder
+
+
+def test_a_folder_of_mutants(apgc, chest, tmp_path):
+    out = tmp_path / "mutants"
+    code, _, err = apgc("mutate", chest, "--ops", "apa,dpa,cpa", "-n", 3, "-o", out)
+    assert code == 0 and "15 objects" in err
+    files = tree(out)
+    assert set(files) == {
+        "manifest.json", "annotation-00000.jsonl", "points-00000.npz", "trace-00000.jsonl", "correspondence-00000.npz"
+    }  # fmt: skip
+    lines = [json.loads(line) for line in files["trace-00000.jsonl"].decode().splitlines()]
+    assert [(line["object"], line["source"]) for line in lines] == [(k, k // 3) for k in range(15)]
+    assert len({json.dumps(line["steps"]) for line in lines}) == 15
+    table = np.load(out / "correspondence-00000.npz")
+    assert set(np.unique(table["source"])) == set(range(5)) and set(json.loads(files["manifest.json"])["correspondence"]) == set(table.files)
+    code, _, err = apgc("mutate", chest, "--ops", "apa,dpa,cpa", "-n", 3, "-o", out)  # nothing is missing
+    assert code == 0 and tree(out) == files
+    (out / "trace-00000.jsonl").unlink()
+    assert apgc("mutate", chest, "--ops", "apa,dpa,cpa", "-n", 3, "-o", out)[0] == 0 and tree(out) == files
+    code, _, err = apgc("mutate", chest, "--ops", "cpa", "-n", 3, "-o", out)
+    assert code == 1 and "other options" in err
+    again = apg.open_samples(out)
+    assert again.changes(4) and len(again) == 15
+
+
+def test_a_trace_is_done_again_to_the_same_bytes(apgc, chest, tmp_path):
+    first, second = tmp_path / "first", tmp_path / "second"
+    assert apgc("mutate", chest, "-n", 2, "-o", first)[0] == 0
+    assert apgc("mutate", chest, "--replay", first, "-o", second)[0] == 0
+    a, b = tree(first), tree(second)
+    assert a.keys() == b.keys() and all(a[name] == b[name] for name in a if name != "manifest.json")
+    code, out, _ = apgc("mutate", "--diff", first, second)
+    assert code == 0 and out == "no difference\n"
+    assert len(apg.open_samples(second)) == 10
+    code, out, _ = apgc("mutate", "--diff", first / "trace-00000.jsonl", second / "trace-00000.jsonl")
+    assert code == 0 and out == "no difference\n"
+
+
+def test_pairs_that_differ_in_one_value(apgc, chest, tmp_path):
+    out = tmp_path / "pairs"
+    assert apgc("mutate", chest, "--one", "width", "-o", out)[0] == 0
+    drawn = [json.loads(line)["drawn"] for line in (out / "annotation-00000.jsonl").read_text().splitlines()]
+    originals = [json.loads(line)["drawn"] for line in (chest / "annotation-00000.jsonl").read_text().splitlines()]
+    assert drawn[0::2] == originals
+    for one, other in zip(drawn[0::2], drawn[1::2], strict=True):
+        assert {k for k in one if one[k] != other[k]} == {"width"} and one.keys() == other.keys()
+    code, out_text, _ = apgc("mutate", "--diff", chest, out)
+    assert code == 0 and "object 1 of 0" in out_text and "width:" in out_text and "cm ->" in out_text
+
+
+def test_objects_given_by_their_values(apgc, chest, tmp_path):
+    file, out = tmp_path / "values.json", tmp_path / "out"
+    file.write_text(json.dumps([{"width": "70cm", "height": 0.5}, {"width": 0.58}]), encoding="utf-8")
+    assert apgc("mutate", CHEST, "--params", file, "--one", "width", "-o", out, "--points", 16)[0] == 0
+    drawn = [json.loads(line)["drawn"] for line in (out / "annotation-00000.jsonl").read_text().splitlines()]
+    assert [d["width"] for d in drawn[0::2]] == [0.6, 0.58] and drawn[0]["height"] == drawn[1]["height"] == 0.4
+    assert len(apg.open_samples(out)) == 4
+    same = tmp_path / "same"
+    from_annotation = ("--params", chest / "annotation-00000.jsonl", "--ops", "cpa", "--points", 16)
+    code, _, err = apgc("mutate", CHEST, *from_annotation, "-o", same)
+    assert code == 0, err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("--ops", "xpa"), "there is no operation `xpa`"),
+        (("--strength", "-1"), "not a number above 0"),
+        (("--share", "2"), "between 0 and 1"),
+        (("--only", "99"), "holds no object 99"),
+        (("--one", "width", "--parts", "lid"), "--parts has no meaning"),
+        (("--replay", "nothing.jsonl"), "cannot be read"),
+    ],
+)
+def test_wrong_use_is_told(apgc, chest, tmp_path, arguments, said):
+    code, _, err = apgc("mutate", chest, "-o", tmp_path / "x", *arguments)
+    assert code in (1, 2) and said in err and not (tmp_path / "x").exists()
+
+
+def test_values_that_do_not_fit_are_told(apgc, tmp_path):
+    file = tmp_path / "values.json"
+    for text, said in (
+        ('{"widht": 1}', "draws no `widht`"), ("[]", "holds no objects"), ("{", "is no JSON"), ('{"width": "70"}', "has no unit"),
+    ):  # fmt: skip
+        file.write_text(text, encoding="utf-8")
+        code, _, err = apgc("mutate", CHEST, "--params", file, "-o", tmp_path / "x")
+        assert code in (1, 2) and said in err
+    assert apgc("mutate", "-o", tmp_path / "x")[0] == 2
+    assert apgc("mutate", tmp_path, "-o", tmp_path / "x")[0] == 1
+
+
+def test_replay_in_python():
+    batch = apg.sample("Microwave", n=3, seed=5)
+    mutants = batch.mutate("cpa", one="width")
+    record = {"object": 1, "source": 1, "steps": [s.plain() for s in mutants.changes(1)]}
+    again = batch.replay([record])
+    assert again["width"] == mutants["width"][1] and again.numbers.tolist() == [1]
+    table = mutants.correspondence()
+    assert (table.how == 0).all() and len(table.site) == sum(len(s.owner) for s in mutants.batch.sites())

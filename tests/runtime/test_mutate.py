@@ -1,10 +1,17 @@
 """Mutation: what is kept, what changes, and that mutants are as valid as samples."""
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pytest
 
-from artipg_dsl.runtime.mutate import changes, mutate, structural
+from artipg_dsl.runtime.correspondence import NONE, REPLICA, SAME, SLOT, correspondence
+from artipg_dsl.runtime.mutate import Names, mutate, structural
 from artipg_dsl.runtime.sample import Statistics
+from artipg_dsl.runtime.settled import again
+from artipg_dsl.runtime.trace import difference, replay, trace_lines, traces
+from artipg_dsl.session import Session
 
 
 @pytest.fixture(scope="module")
@@ -12,13 +19,13 @@ def batch(microwave):
     return microwave.batch(np.arange(120), seed=2)
 
 
-def kinds(before, after, index):
-    return {c.kind for c in changes(before, after, index)}
+def kinds(made):
+    return {(s.op, s.how) for s in made}
 
 
 def test_without_operations_nothing_changes(microwave, batch):
     same = mutate(microwave, batch, operations=())
-    assert all(not changes(batch, same, i) for i in range(len(batch)))
+    assert not any(traces(same)) and not any(difference(batch, same))
     for a, b in zip(batch.sites(), same.sites(), strict=True):
         assert np.array_equal(a.translation, b.translation)
 
@@ -39,9 +46,11 @@ def test_apa_swaps_templates_and_keeps_what_the_role_inherits(microwave, batch):
 
 def test_dpa_changes_counts_and_kept_ranks_keep_their_draws(microwave, batch):
     mutant = mutate(microwave, batch, operations=("dpa",))
-    changed = [i for i in range(len(batch)) if "recounted" in kinds(batch, mutant, i)]
+    made = traces(mutant)
+    changed = [i for i in range(len(batch)) if ("dpa", "changed") in kinds(made[i])]
     assert len(changed) > 0.75 * sum(any(c == "count" for c in _count_rows(batch, i)) for i in range(len(batch)))
-    assert all(not kinds(batch, mutant, i) & {"swapped", "varied"} for i in range(len(batch)))
+    counts = {d.address for d in microwave.program.draws if d.kind == "count"}
+    assert all(s.draw in counts for steps in made for s in steps if s.how == "changed")
 
 
 def _count_rows(batch, index):
@@ -85,10 +94,136 @@ def test_a_mutant_is_the_same_alone_and_in_a_batch_and_variants_differ(microwave
 
 def test_unrelated_draws_are_left_alone(microwave, batch):
     mutant = mutate(microwave, batch, operations=("cpa",), only="border")
-    for i in range(20):
-        assert {c.path for c in changes(batch, mutant, i) if c.kind == "varied"} == {"border"}
+    for made in traces(mutant):
+        assert {s.path for s in made if s.how == "changed"} == {"border"}
 
 
 def test_unknown_operations_are_refused(microwave, batch):
     with pytest.raises(ValueError, match="apa, dpa, cpa"):
         mutate(microwave, batch, operations=("xpa",))
+
+
+# ---------------------------------------------------------------- traces
+
+
+def test_traces_say_what_was_done_and_do_it_again(microwave, batch):
+    mutant = mutate(microwave, batch)
+    records = [json.loads(line) for line in trace_lines(mutant).decode().splitlines()]
+    again_made = replay(batch, records)
+    for number in range(len(microwave.program.draws)):
+        assert again_made.state.values[number].tobytes() == mutant.state.values[number].tobytes()
+    assert trace_lines(again_made) == trace_lines(mutant)
+    for a, b in zip(mutant.sites(), again_made.sites(), strict=True):
+        assert a.translation.tobytes() == b.translation.tobytes()
+    order = [[("apa", "dpa", "cpa").index(s.op) for s in made] for made in traces(mutant)]
+    assert all(o == sorted(o) for o in order)
+    found = {how for made in traces(mutant) for _, how in kinds(made)}
+    assert found >= {"changed", "new", "gone", "determined"}
+
+
+def test_a_trace_ends_where_the_mutant_stands(microwave, batch):
+    mutant = mutate(microwave, batch, variant=5)
+    for index, made in enumerate(traces(mutant)[:20]):
+        last = {s.path: s.after for s in made if s.draw and "[" not in s.path}
+        drawn = mutant.drawn(index)
+        assert all(drawn.get(path) == value for path, value in last.items() if value is not None or path not in drawn)
+
+
+def test_an_edited_trace_is_made_as_far_as_it_fits(microwave, batch):
+    one = again(batch, np.array([4]))
+    step = {"op": "cpa", "how": "changed", "path": "width", "from": 0, "to": 9.0, "draw": "width", "at": []}
+    made = replay(one, [{"steps": [step]}])
+    number = next(k for k, d in enumerate(microwave.program.draws) if d.address == "width")
+    assert made.state.values[number] == microwave.program.draws[number].high.constant
+
+
+# ---------------------------------------------------------------- one value
+
+
+@pytest.mark.parametrize("name", ["width", "handle", "handle.size.z", "pad.rows"])
+def test_pairs_differ_in_one_value(microwave, batch, name):
+    pair = mutate(microwave, batch, only=name, one=True)
+    changed = 0
+    for index, made in enumerate(traces(pair)):
+        purpose = [s for s in made if s.how == "changed"]
+        assert not [s for s in made if s.how == "clipped"]
+        assert len(purpose) <= 1 and all(s.path == name for s in purpose)
+        before, after = batch.drawn(index), pair.drawn(index)
+        shared = (before.keys() & after.keys()) - {name}
+        for key in shared:  # what only one of two templates has bears the same name now and then
+            if not any(s.path.split("[")[0] == key for s in made if s.how in ("new", "gone")):
+                assert isinstance(before[key], list) or before[key] == after[key], key
+        changed += bool(purpose)
+    there = sum(name in batch.drawn(index) for index in range(len(batch)))
+    assert changed > 0.9 * there
+
+
+def test_a_pair_is_the_same_alone_and_in_a_batch(microwave, batch):
+    pair = mutate(microwave, batch, only="depth", one=True)
+    alone = mutate(microwave, microwave.batch(np.array([37]), seed=2), only="depth", one=True)
+    assert alone.drawn(0) == pair.drawn(37)
+
+
+def test_names_mean_parts_values_and_rows(microwave, batch):
+    draws = {d.column.name: d for d in microwave.program.draws}
+    assert Names("handle").of(batch, draws["handle.size.z"]).all()
+    assert not Names("hand").of(batch, draws["handle.size.z"]).any()
+    assert Names("h*e, tray").of(batch, draws["handle.size.z"]).all()
+    assert not Names("").of(batch, draws["width"]).any()
+
+
+# ---------------------------------------------------------------- variants of one object side by side
+
+
+def test_variants_side_by_side_are_those_made_alone(microwave, batch):
+    together = again(batch, np.array([7, 7, 8, 7]))
+    many = mutate(microwave, together, variant=np.array([0, 1, 0, -1]))
+    for place, variant in ((0, 0), (1, 1)):
+        assert many.drawn(place) == mutate(microwave, again(batch, np.array([7])), variant=variant).drawn(0)
+    assert many.drawn(3) == batch.drawn(7)
+
+
+# ---------------------------------------------------------------- correspondence
+
+
+def test_every_primitive_is_its_own_match(batch):
+    table = correspondence(batch, batch)
+    assert (table.how == SAME).all() and (table.site == table.before_site).all() and (table.rank == table.before_rank).all()
+    np.testing.assert_array_equal(table.position, table.before_position)
+
+
+def test_new_rows_take_the_nearest_that_was_there(microwave, batch):
+    mutant = mutate(microwave, batch, operations=("dpa",))
+    table = correspondence(batch, mutant)
+    replicas = table.how == REPLICA
+    assert replicas.any() and (table.site == table.before_site)[replicas].all()
+    counts = {}
+    for site in batch.sites():
+        for owner, rank in zip(site.owner.tolist(), site.rank.tolist(), strict=True):
+            counts[owner, site.number] = rank + 1
+    for k in np.flatnonzero(replicas).tolist():
+        assert table.before_rank[k] < counts[int(table.source[k]), int(table.before_site[k])]
+
+
+def test_the_nearest_of_a_single_row_of_knobs_is_the_last():
+    sampler = Session.of(Path(__file__).parents[1] / "cli" / "programs" / "chest.apg").sampler
+    batch = sampler.batch(np.arange(30), seed=1)
+    mutant = mutate(sampler, batch, operations=("dpa",))
+    knobs = [b.values()["knobs"] for b in (batch, mutant)]
+    assert (knobs[0] != knobs[1]).all()
+    table = correspondence(batch, mutant)
+    site = next(k for k, s in enumerate(sampler.program.sites) if s.path == "knob.cap")
+    mine = table.site == site
+    np.testing.assert_array_equal(table.before_rank[mine], np.minimum(table.rank[mine], knobs[0][table.source[mine]] - 1))
+    assert set(table.how[mine].tolist()) == {SAME, REPLICA}
+
+
+def test_slots_carry_over_to_another_template(microwave, batch):
+    mutant = mutate(microwave, batch, operations=("apa",), only="handle")
+    table = correspondence(batch, mutant)
+    paths = np.array([s.path for s in microwave.program.sites])
+    grips = (table.how == SLOT) & (paths[table.site] == "handle.grip")
+    assert grips.any() and (paths[table.before_site[grips]] == "handle.grip").all()
+    assert (table.site != table.before_site)[grips].all()
+    loose = table.how == NONE
+    assert loose.any() and (table.before_site[loose] == -1).all() and np.isnan(table.before_position[loose]).all()

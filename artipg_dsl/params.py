@@ -1,0 +1,68 @@
+"""Objects given as values in a file: JSON objects of names and values, one a line or in a list."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .diagnostics.suggest import did_you_mean
+from .errors import UserError
+from .runtime.values import Values
+from .settings import read
+
+if TYPE_CHECKING:
+    from .graph.program import Program
+
+FORM = 'write {"width": 0.5, "handle": "BarHandle"}, one object a line; annotations of samples do, too'
+
+
+def read_params(path: str | Path, program: Program) -> Values:
+    """The values in a file, checked by the domains of the program. Raises UserError, SettingError."""
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise UserError(f"{path} cannot be read: {getattr(error, 'strerror', None) or 'it is no text'}") from None
+    return values_of(entries(text, str(path)), program, str(path))
+
+
+def entries(text: str, name: str) -> list[Mapping[str, Any]]:
+    """The objects that a text holds as plain data: a list, one object, or one a line."""
+    try:
+        try:
+            whole = json.loads(text)
+            found = whole if isinstance(whole, list) else [whole]
+        except json.JSONDecodeError:
+            found = [json.loads(line) for line in text.splitlines() if line.strip()]
+    except json.JSONDecodeError as error:
+        raise UserError(f"{name}:{error.lineno} is no JSON: {error.msg}", FORM) from None
+    if not found or not all(isinstance(entry, dict) for entry in found):
+        raise UserError(f"{name} holds no objects", FORM)
+    return [entry["drawn"] if isinstance(entry.get("drawn"), dict) else entry for entry in found]
+
+
+def values_of(found: Sequence[Mapping[str, Any]], program: Program, name: str) -> Values:
+    """The values by draw, as the runtime takes them; text carries its unit, bare numbers are in SI units.
+
+    Numbers may lie outside their domain: the runtime moves them to where they fit. Raises UserError, SettingError.
+    """
+    names = list(dict.fromkeys(d.column.name for d in program.draws))
+    records: list[dict[int, tuple[float, ...]]] = []
+    for entry in found:
+        record: dict[int, tuple[float, ...]] = {}
+        for key, value in entry.items():
+            draws = [(k, d) for k, d in enumerate(program.draws) if d.column.name == key]
+            if not draws:
+                raise UserError(f"{name}: {program.name} draws no `{key}`", did_you_mean(key, names))
+            items = value if isinstance(value, list) else [value]
+            refused = None
+            for k, draw in draws:
+                try:
+                    record[k] = tuple(read(draw, item, anywhere=True)[0] for item in items)
+                except UserError as error:  # alternatives that share the name may differ in their domains
+                    refused = error
+            if refused is not None and not any(k in record for k, _ in draws):
+                raise refused
+        records.append(record)
+    return Values(tuple(records), tuple(dict(entry) for entry in found))
