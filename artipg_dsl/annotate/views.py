@@ -151,10 +151,13 @@ class _Views:
         depth = np.concatenate([s.depth for s in shots])
         pixels, k = self.cameras.width * self.cameras.height, self.cameras.points
         place = np.concatenate([s.number * pixels + s.pixel for s in shots])
-        seen = np.concatenate([np.arange(len(s.pixel)) < s.in_image for s in shots])
-        self.images["depth"][place[seen]] = depth[seen]
+        seen: np.ndarray | slice = np.concatenate([np.arange(len(s.pixel)) < s.in_image for s in shots])
+        if np.all(seen):
+            seen = slice(None)
+        shown = place[seen]
+        self.images["depth"][shown] = depth[seen]
         for name, values in every.items():
-            self.images[name][place[seen]] = values[seen]
+            self.images[name][shown] = values[seen]
 
         begins = np.cumsum([0, *(len(s.pixel) for s in shots[:-1])])
         chosen = np.concatenate([begin + s.chosen for begin, s in zip(begins, shots, strict=True)])
@@ -203,7 +206,8 @@ class _Shot:
         low, high = self._window(target.ends)
         columns, rows = (high - low).tolist()
         grid = self._grid(low[0] + 0.5, low[1] + 0.5, 1.0, columns, rows)
-        triangle, weights, at = self._cast(grid)
+        self.local = turned(self.turn, target.corner - self.eye)  # (T, 3, 3) in the camera's frame
+        triangle, weights, depth, at = self._cast(grid)
         y, x = np.divmod(at, max(columns, 1))
         self.pixel = (y + low[1]) * c.width + (x + low[0])
         self.in_image = len(at)
@@ -217,9 +221,9 @@ class _Shot:
         else:
             more = self._between(c.points - len(at))
             triangle, weights = np.concatenate([triangle, more[0]]), np.concatenate([weights, more[1]])
-            self.pixel = np.concatenate([self.pixel, more[2]])
+            depth, self.pixel = np.concatenate([depth, more[2]]), np.concatenate([self.pixel, more[3]])
             self.chosen = np.arange(c.points)
-        self.depth = blend(self._local(triangle), weights)[:, 2]
+        self.depth = depth
         self.hits = Hits(triangle + target.first, weights)
 
     def _window(self, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -233,27 +237,25 @@ class _Shot:
         low, high = np.floor(place.min(axis=0)), np.ceil(place.max(axis=0))
         return np.clip(low, 0, size).astype(np.int64), np.clip(high, 0, size).astype(np.int64)
 
-    def _local(self, triangle: np.ndarray) -> np.ndarray:
-        """Corners (n, 3, 3) of triangles in the camera's frame."""
-        return turned(self.turn, self.target.corner[triangle] - self.eye)
-
     def _grid(self, left: float, top: float, step: float, columns: int, rows: int) -> Grid:
         c = self.cameras
         return Grid((c.focal, c.focal), (c.width / 2, c.height / 2), float(left), float(top), step, columns, rows)
 
-    def _cast(self, grid: Grid) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Triangles, barycentric weights and numbers of the rays of a grid that meet the object."""
+    def _cast(self, grid: Grid) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Triangles, barycentric weights, depths along z and numbers of the rays of a grid that meet the object."""
         found = self.target.caster.first(self.turn, self.eye, grid)
         at = np.flatnonzero(found >= 0)
-        return found[at], intersect(self._local(found[at]), grid.directions()[at]), at
+        corner = self.local[found[at]]
+        weights = intersect(corner, grid.directions()[at])
+        return found[at], weights, blend(corner[..., 2:], weights)[:, 0], at
 
     def _some(self, count: int, of: int, attempt: int) -> np.ndarray:
         """``count`` of the numbers 0 .. ``of`` - 1 at random, ascending."""
         share = random.uniform(*self.draw, np.arange(of), attempt)
         return np.sort(np.argpartition(share, count - 1)[:count])
 
-    def _between(self, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """``count`` more hits of rays through the pixels that show the object: triangles, weights, pixels."""
+    def _between(self, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """``count`` more hits of rays through the pixels that show the object: triangles, weights, depths, pixels."""
         width = self.cameras.width
         y, x = np.divmod(self.pixel, width)
         low, high = np.array([x.min(), y.min()]), np.array([x.max() + 1, y.max() + 1])
@@ -269,11 +271,11 @@ class _Shot:
                     "bring the camera nearer, or ask for fewer points",
                 )
             left, top = (float(low[i] + offset[i].item() / fine) for i in range(2))
-            triangle, weights, at = self._cast(self._grid(left, top, 1.0 / fine, columns, rows))
+            triangle, weights, depth, at = self._cast(self._grid(left, top, 1.0 / fine, columns, rows))
             j, i = np.divmod(at, columns)
             pixel = (low[1] + j // fine) * width + low[0] + i // fine
             kept = np.flatnonzero(visible[pixel])
             if len(kept) >= count:
                 kept = kept[self._some(count, len(kept), 2)]
-                return triangle[kept], weights[kept], pixel[kept]
+                return triangle[kept], weights[kept], depth[kept], pixel[kept]
             fine *= 2
