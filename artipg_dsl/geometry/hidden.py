@@ -27,7 +27,7 @@ _REACH = 1.6  # boxes are wider by this many times that distance
 _LOOSE = 1e-9  # rectangles are wider by this fraction
 _SIGNS = np.uint32(0x80008000)
 _CHUNK = 4096  # pairs of cells and rows at a time: their arrays stay in the cache
-_PAIRS = 1_000_000  # pairs of rows, or of a point and a row, looked at together
+_PAIRS = 100_000  # pairs of rows, or of a point and a row, looked at together
 
 
 @lru_cache(maxsize=512)
@@ -319,7 +319,7 @@ class Occlusion:
             lower = self.rows.rank[other] < self.rows.rank[row[point]]
             close = (depth >= 0.0) & (depth <= _ABOUT * off[point]) & lower
             point, other = point[close], other[close]
-            inner = [(p - off * n)[point] for p, n in zip(position, normal, strict=True)]
+            inner = [p[point] - off[point] * n[point] for p, n in zip(position, normal, strict=True)]
             depth = self._depths(other, to_local(self.cells.poses, other, inner))
             out[point[depth < 0.0]] = True
         return out

@@ -15,19 +15,21 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..graph import random
-from .block import Block, block
+from .block import Block, block, to_object
 from .cells import Cells, Coordinates
 from .density import Placement, solve_linear
 from .flat import BENT, PLANAR
 from .hidden import Occlusion, runs, scales
 from .outside import Outlook
 from .sites import SiteTable
+from .surface import Evaluator
 
 _ROWS, _OBJECTS = 16_000, 256  # at most in a block, about
 _LOOKED_AT = 32  # objects in a block whose triangles are needed
 _RARELY = 0.5  # points that flat cells have at least, about, if they are prepared for being asked quickly
 _POINTS = 2_000_000  # in a block, about
 _CANDIDATES = 40_000  # at a time: their arrays stay in the caches
+_CHUNK = 16_000  # points on one bent patch at a time, likewise
 _SPARE = 1.06  # candidates per point wanted, were all to be seen that are thought to be
 _LEAST_GUESS = 1 / 4  # share of visible candidates that the first round reckons with at least
 _ROUNDS = 40
@@ -348,11 +350,16 @@ class _LoosePoints:
             begin = stop
             if part.start == part.stop:
                 continue
-            _, local, params = cells.rows_asked(bent, cell[part])
-            u[part], v[part] = Placement(bent.shelf.primitive, bent.patch, params).place(local, u[part], v[part])
-            at, outward = cells.bent_position(bent, cell[part], u[part], v[part])
-            for axis in range(3):
-                position[axis, part], normal[axis, part] = at[axis], outward[axis]
+            row, local, params = cells.rows_asked(bent, cell[part])
+            placement = Placement(bent.shelf.primitive, bent.patch, params)
+            surface = Evaluator(bent.shelf.primitive, bent.patch, params)
+            for low in range(0, part.stop - part.start, _CHUNK):
+                some, mine = slice(part.start + low, min(part.start + low + _CHUNK, part.stop)), slice(low, low + _CHUNK)
+                u[some], v[some] = placement.place(local[mine], u[some], v[some])
+                at, outward = surface.at(local[mine], u[some], v[some])
+                at, outward = to_object(cells.poses, row[mine], at, True), to_object(cells.poses, row[mine], outward, False)
+                for axis in range(3):
+                    position[axis, some], normal[axis, some] = at[axis], outward[axis]
         part = slice(int(done[begin]), len(cell))
         slanting = np.flatnonzero(cells.shape[cell[part]] == PLANAR)
         _slant(cells, cell[part][slanting], slanting, u[part], v[part])
