@@ -390,6 +390,10 @@ class Samples:
         """A Wavefront OBJ per link with the object's materials; returns the paths of ``obj/object.mtl``."""
         return self._objects(folder, "obj", force)
 
+    def to_partnet_mobility(self, folder: str | Path, *, force: bool = False) -> list[Path]:
+        """The folder of PartNet-Mobility per object; returns the paths of ``mobility.urdf``."""
+        return self._objects(folder, "partnet-mobility", force)
+
     def _objects(self, folder: str | Path, name: str, force: bool) -> list[Path]:
         from .export.registry import FORMATS
 

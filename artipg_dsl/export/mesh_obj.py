@@ -9,18 +9,22 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from .robot import Look, Robot
+    from .robot import Look, Robot, Visual
 
 LIBRARY = "object.mtl"
 
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """A closed triangle mesh: ``vertices`` (V, 3) metres, ``faces`` (F, 3) turning outwards."""
+    """A closed triangle mesh: ``vertices`` (V, 3) metres, ``faces`` (F, 3) turning outwards.
+
+    ``normals``: unit normals (W, 3), and which of them each corner of each face has (F, 3).
+    """
 
     name: str
     vertices: np.ndarray
     faces: np.ndarray
+    normals: tuple[np.ndarray, np.ndarray] | None = None
 
 
 def obj_text(shapes: Sequence[Shape], looks: Sequence[str] = ()) -> str:
@@ -29,15 +33,23 @@ def obj_text(shapes: Sequence[Shape], looks: Sequence[str] = ()) -> str:
     ``looks``: the material of each, by its name in the library of materials.
     """
     parts: list[str] = []
-    first = 1  # OBJ counts vertices of the whole file from 1
+    first = first_normal = 1  # OBJ counts vertices of the whole file from 1
     for k, shape in enumerate(shapes):
         vertices = np.asarray(shape.vertices, dtype=np.float64) + 0.0  # + 0.0: no "-0"
         indices = np.asarray(shape.faces, dtype=np.int64) + first
         parts.append(f"o {shape.name}\n")
         parts.append("v %.9g %.9g %.9g\n" * len(vertices) % tuple(vertices.ravel().tolist()))
+        if shape.normals is not None:
+            normals, corners = shape.normals
+            parts.append("vn %.6g %.6g %.6g\n" * len(normals) % tuple((np.round(normals, 6) + 0.0).ravel().tolist()))
         if looks:
             parts.append(f"usemtl {looks[k]}\n")
-        parts.append("f %d %d %d\n" * len(indices) % tuple(indices.ravel().tolist()))
+        if shape.normals is None:
+            parts.append("f %d %d %d\n" * len(indices) % tuple(indices.ravel().tolist()))
+        else:
+            both = np.stack([indices, corners.astype(np.int64) + first_normal], axis=-1)
+            parts.append("f %d//%d %d//%d %d//%d\n" * len(indices) % tuple(both.ravel().tolist()))
+            first_normal += len(normals)
         first += len(vertices)
     return "".join(parts)
 
@@ -57,12 +69,19 @@ def obj_files(robot: Robot) -> dict[str, bytes]:
     files: dict[str, bytes] = {}
     for link, (turn, shift) in zip(robot.links, poses, strict=True):
         if link.visuals:
-            shapes = [Shape(v.name, moved(v.shape.vertices, turn, shift), v.shape.faces) for v in link.visuals]
+            shapes = [_placed(visual, turn, shift) for visual in link.visuals]
             text = f"mtllib {LIBRARY}\n" + obj_text(shapes, [v.look.name for v in link.visuals])
             files[f"obj/{link.name}.obj"] = text.encode("utf-8")
     looks = dict.fromkeys(visual.look for link in robot.links for visual in link.visuals)
     files[f"obj/{LIBRARY}"] = mtl_text(looks).encode("utf-8")
     return files
+
+
+def _placed(visual: Visual, turn: np.ndarray, shift: np.ndarray) -> Shape:
+    """A visual with the pose of its link."""
+    shading, still = visual.item.group.shading, np.zeros(3)
+    normals = moved(shading.normals[visual.item.k], turn, still), shading.faces
+    return Shape(visual.name, moved(visual.shape.vertices, turn, shift), visual.shape.faces, normals)
 
 
 def moved(points: np.ndarray, turn: np.ndarray, shift: np.ndarray) -> np.ndarray:

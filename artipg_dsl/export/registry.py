@@ -69,8 +69,12 @@ FORMATS: dict[str, Format] = {
         Format("urdf", "robot description with OBJ meshes", robot="urdf:urdf_files", file="object.urdf"),
         Format("glb", "binary glTF with an opening animation", robot="glb:glb_files", file="object.glb"),
         Format("obj", "Wavefront OBJ per link with materials", robot="mesh_obj:obj_files", file="obj/object.mtl"),
+        Format(
+            "partnet-mobility", "the folder of PartNet-Mobility", member="partnet_mobility:partnet_files",
+            file="mobility.urdf",
+        ),
     )
-}
+}  # fmt: skip
 DEFAULT = ("points", "annotation")
 
 

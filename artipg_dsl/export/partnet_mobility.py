@@ -1,0 +1,319 @@
+"""The folder of an object as PartNet-Mobility has it, file for file.
+
+Frames: the data set's own is right-handed with x to the left of the object, y up, z to the front; the rest box is
+centred and its half diagonal is 1. Every mesh, axis and point is in that frame, with the joints at 0; ``meta.json``
+tells how many metres its unit is. The root part has the last id and is fixed to ``base``, z up and front to -x.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from ..annotate.cloud import Points, sample_points
+from ..annotate.sampling import Sampling
+from .mesh_obj import Shape, moved, mtl_text, obj_text
+from .partnet_words import JOINTS, LIFTED, category, link_label, root_label, snake
+from .urdf import numbers
+from .write import ExportError
+
+if TYPE_CHECKING:
+    from jinja2 import Template
+
+    from .robot import Collider, Look, Robot, RobotJoint, Robots
+
+POINTS = 10000
+URDFS = ("mobility.urdf", "mobility_vhacd.urdf", "mobility_cvx.urdf")  # one text under the names that readers ask for
+CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
+BOX_FACES = np.array(
+    [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4],
+     [1, 5, 7], [1, 7, 3]]
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """From the object's frame (metres, x front, y left, z up) to the data set's."""
+
+    center: np.ndarray
+    unit: float  # metres
+
+    @staticmethod
+    def around(low: np.ndarray, high: np.ndarray) -> Frame:
+        """The frame of an object with a box of these corners: centred, its half diagonal 1."""
+        half = (high - low) / 2
+        return Frame((low + high) / 2, float(np.sqrt(half[0] * half[0] + half[1] * half[1] + half[2] * half[2])))
+
+    def points(self, points: np.ndarray) -> np.ndarray:
+        return turned((points - self.center) / self.unit)
+
+
+def turned(vectors: np.ndarray) -> np.ndarray:
+    """Directions (..., 3) in the data set's axes: left, up, front."""
+    return vectors[..., [1, 2, 0]]
+
+
+@dataclass(slots=True)
+class Leaf:
+    """What of one part belongs to one link: the finest piece that the data set names."""
+
+    id: int
+    name: str
+    text: str
+    stems: list[str]
+
+
+@dataclass(slots=True)
+class Member:
+    """A link on its way into the folder. ``number`` is ours; ``joint`` is None for the root.
+
+    ``limit`` is in radians or the data set's unit, None for joints without.
+    """
+
+    id: int
+    number: int
+    word: str
+    type: str
+    label: str
+    node: int
+    pivot: np.ndarray
+    joint: RobotJoint | None
+    limit: tuple[float, float] | None
+    parent: int | None
+    leaves: dict[int, Leaf]
+
+
+def partnet_files(robots: Robots, i: int) -> dict[str, bytes]:
+    """The files of object ``i`` by path relative to its folder. Raises ExportError for joints without a word."""
+    robot = robots.robot(i)
+    points = [visual.shape.vertices + link.origin for link in robot.links for visual in link.visuals]
+    if not points:
+        raise ExportError(f"{robot.name} has nothing to see", "leave partnet-mobility out of --format")
+    everything = np.concatenate(points)
+    frame = Frame.around(everything.min(axis=0), everything.max(axis=0))
+    members = _members(robots, i, robot, frame)
+    files: dict[str, bytes] = {}
+    drawn = _meshes(robots, i, robot, members, frame, files)
+    model = f"{robots.batch.program.name}-{robots.batch.seed}-{robot.number}"
+    urdf = (_template().render(model=model, links=[_urdf_link(m, members, drawn) for m in members]) + "\n").encode()
+    files |= dict.fromkeys(URDFS, urdf)
+    files["mobility_v2.json"] = _json([_mobility(member) for member in members])
+    files["semantics.txt"] = "".join(f"link_{m.id} {m.word} {m.label}\n" for m in members).encode()
+    files["result.json"] = _json([_tree(robots.batch.program.name, members)])
+    raw = frame.points(everything)
+    files["bounding_box.json"] = _json({"min": short(raw.min(axis=0)), "max": short(raw.max(axis=0))})
+    files["meta.json"] = _json(
+        {
+            "model_id": model, "anno_id": f"{robot.number:06d}", "user_id": "artipg_dsl", "time_in_sec": "0",
+            "version": "1", "model_cat": category(robots.batch.program.name), "metres_per_unit": repr(frame.unit),
+        }
+    )  # fmt: skip
+    return files | _samples(robots, i, members, frame)
+
+
+def _members(robots: Robots, i: int, robot: Robot, frame: Frame) -> list[Member]:
+    """The links by id: those that move in our order, then the root."""
+    above = {joint.child: joint for joint in robot.joints}
+    order = [k for k in range(len(robot.links)) if k in above] + [k for k in range(len(robot.links)) if k not in above]
+    ids = {k: n for n, k in enumerate(order)}
+    program, first = robots.batch.program, int(robots.link_start[i])
+    heavy = sum(link.mass for link in robot.links) > LIFTED
+    members = []
+    node = 1  # 0 is the object's own
+    for k in order:
+        joint, link = above.get(k), program.links[int(robots.links.definition[first + k])]
+        if joint is None:
+            word, kind, label = ("heavy" if heavy else "free"), "fixed", root_label(program.name)
+        else:
+            word, kind = _words(robot, joint)
+            meant = program.parts[link.part].semantic if link.part >= 0 else ""
+            label = link_label(program.name, meant or link.path.split(".")[-1], joint.kind)
+        pivot = np.zeros(3) if joint is None else frame.points(robot.links[k].origin)
+        parent = None if joint is None else ids[joint.parent]
+        limit = None if joint is None else _limit(joint, frame)
+        member = Member(ids[k], k, word, kind, label, node, pivot, joint, limit, parent, {})
+        node += 1
+        instances = dict.fromkeys(int(v.item.group.table.instance[v.item.row]) for v in robot.links[k].visuals)
+        for instance in instances:
+            name, text = _leaf_name(robots, i, instance)
+            member.leaves[instance] = Leaf(node, name, text, [])
+            node += 1
+        members.append(member)
+    return members
+
+
+def _words(robot: Robot, joint: RobotJoint) -> tuple[str, str]:
+    """The word and the URDF type of a joint."""
+    limited = joint.low is not None and joint.high is not None
+    if joint.kind not in JOINTS or (joint.kind == "prismatic" and not limited):
+        what = f"a {joint.kind} joint" if joint.kind not in JOINTS else "a prismatic joint without limits"
+        raise ExportError(
+            f"{robot.name}: joint {joint.name} is {what}, which PartNet-Mobility cannot state",
+            "it has hinges and sliders; leave partnet-mobility out of --format",
+        )
+    return JOINTS["continuous" if joint.kind == "revolute" and not limited else joint.kind]
+
+
+def _limit(joint: RobotJoint, frame: Frame) -> tuple[float, float] | None:
+    if joint.low is None or joint.high is None:
+        return None
+    unit = frame.unit if joint.kind == "prismatic" else 1.0
+    return joint.low / unit, joint.high / unit
+
+
+def _leaf_name(robots: Robots, i: int, instance: int) -> tuple[str, str]:
+    """The name of a leaf (its class, else its own name) and its name in our tables."""
+    row = int(robots.part_start[i]) + instance
+    semantic, text = int(robots.parts.semantic[row]), robots.parts.name[row]
+    words = robots.batch.program.vocabularies.get("semantic", ())
+    return snake(words[semantic] if 0 <= semantic < len(words) else text.split(".")[-1]), text
+
+
+def _meshes(
+    robots: Robots, i: int, robot: Robot, members: list[Member], frame: Frame, files: dict[str, bytes]
+) -> dict[int, tuple[list[dict[str, str]], list[str]]]:
+    """Write the meshes; for each member's id, its visuals (name and file) and the files of its colliders.
+
+    One OBJ for each material of a leaf; what collides are the convex pieces, equal ones in one file.
+    """
+    drawn: dict[int, tuple[list[dict[str, str]], list[str]]] = {}
+    pieces: dict[bytes, str] = {}
+    count = 0
+    for member in members:
+        link, visuals = robot.links[member.number], []
+        for instance, leaf in member.leaves.items():
+            own = [v for v in link.visuals if int(v.item.group.table.instance[v.item.row]) == instance]
+            for look in dict.fromkeys(v.look for v in own):
+                count += 1
+                stem = f"original-{count}"
+                shapes = [
+                    Shape(v.name, frame.points(v.shape.vertices + link.origin), v.shape.faces, _normals(v))
+                    for v in own
+                    if v.look == look
+                ]
+                files |= _textured(stem, shapes, look)
+                leaf.stems.append(stem)
+                visuals.append({"name": f"{leaf.name}-{leaf.id}", "file": f"textured_objs/{stem}.obj"})
+        colliders = []
+        for collider in link.colliders:
+            shape = _hull(collider)
+            shape = Shape("piece", frame.points(shape.vertices + link.origin), shape.faces)
+            data = obj_text([shape]).encode()
+            file = pieces.setdefault(data, f"convex_objs/piece-{len(pieces) + 1}.obj")
+            files[file] = data
+            colliders.append(file)
+        drawn[member.id] = (visuals, colliders)
+    return drawn
+
+
+def _normals(visual: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Normals in the data set's axes, and which each corner of each face has."""
+    shading = visual.item.group.shading
+    return turned(shading.normals[visual.item.k]), shading.faces
+
+
+def _textured(stem: str, shapes: list[Shape], look: Look) -> dict[str, bytes]:
+    text = f"mtllib {stem}.mtl\n" + obj_text(shapes, [look.name] * len(shapes))
+    return {f"textured_objs/{stem}.obj": text.encode(), f"textured_objs/{stem}.mtl": mtl_text([look]).encode()}
+
+
+def _hull(collider: Collider) -> Shape:
+    """A collider as a mesh in its link's frame."""
+    if collider.hull is not None:
+        return collider.hull
+    return Shape("box", moved(CORNERS * np.array(collider.size), collider.rotation, collider.center), BOX_FACES)
+
+
+def _urdf_link(member: Member, members: list[Member], drawn: dict[int, Any]) -> dict[str, Any]:
+    joint, visuals = member.joint, drawn[member.id]
+    found: dict[str, Any] = {"id": member.id, "parent": member.parent, "type": member.type, "axis": "", "limit": None}
+    found |= {"visuals": visuals[0], "colliders": visuals[1], "back": numbers(-member.pivot)}
+    if joint is not None:
+        found["origin"] = numbers(member.pivot - members[member.parent or 0].pivot)
+    if joint is not None and joint.kind != "fixed":
+        found["axis"] = numbers(turned(joint.axis))
+        if member.type != "continuous" and member.limit is not None:
+            found["limit"] = [numbers([value]) for value in member.limit]
+    return found
+
+
+def _mobility(member: Member) -> dict[str, Any]:
+    """An entry of ``mobility_v2.json``: hinges in degrees, the rest in the data set's frame."""
+    joint, data = member.joint, {}
+    if joint is not None and joint.kind != "fixed":
+        free = member.type == "continuous" or member.limit is None
+        ends = np.array((-np.pi, np.pi) if free else member.limit)
+        ends = np.degrees(ends) if member.word == "hinge" else ends
+        data = {
+            "axis": {"origin": short(member.pivot), "direction": short(turned(joint.axis))},
+            "limit": {"a": short(ends)[0], "b": short(ends)[1], "noLimit": free},
+        }
+    parts = [{"id": leaf.id, "name": leaf.name, "children": []} for leaf in member.leaves.values()]
+    parent = -1 if member.parent is None else member.parent
+    return {"id": member.id, "parent": parent, "joint": member.word, "name": member.label, "parts": parts, "jointData": data}
+
+
+def _tree(name: str, members: list[Member]) -> dict[str, Any]:
+    """The part tree: the object, its links, their leaves with their meshes."""
+    links = []
+    for member in members:
+        leaves = [{"id": leaf.id, "name": leaf.name, "text": leaf.text, "objs": leaf.stems} for leaf in member.leaves.values()]
+        links.append({"id": member.node, "name": member.label, "text": member.label, "children": leaves})
+    return {"id": 0, "name": snake(name), "text": name, "children": links}
+
+
+def _samples(robots: Robots, i: int, members: list[Member], frame: Frame) -> dict[str, bytes]:
+    """``point_sample/``: points of the visible surface with normal, colour and leaf."""
+    points = _points(robots)
+    ids = {(m.number, instance): leaf.id for m in members for instance, leaf in m.leaves.items()}
+    pairs, where = np.unique(np.stack([points.link[i], points.instance[i]]), axis=1, return_inverse=True)
+    labels = np.array([ids[pair] for pair in zip(*pairs.tolist(), strict=True)])[where.ravel()]
+    colours = np.array([look[i].colour for look in robots.looks])[points.material[i] + 1]
+    place = "%.6f %.6f %.6f\n" * POINTS
+    position = frame.points(points.position[i])
+    columns = [position, turned(points.normal[i]), np.round(255 * colours), np.ones((POINTS, 1))]
+    rows = "%.6f %.6f %.6f %.6f %.6f %.6f %d %d %d %d\n" * POINTS
+    label = ("%d\n" * POINTS % tuple(labels.tolist())).encode()
+    return {
+        "point_sample/pts-10000.txt": (place % tuple((position + 0.0).ravel().tolist())).encode(),
+        "point_sample/label-10000.txt": label,
+        "point_sample/sample-points-all-pts-nor-rgba-10000.txt": (
+            rows % tuple((np.concatenate(columns, axis=1) + 0.0).ravel().tolist())
+        ).encode(),
+        "point_sample/sample-points-all-label-10000.txt": label,
+    }
+
+
+_drawn: WeakKeyDictionary[Robots, Points] = WeakKeyDictionary()
+
+
+def _points(robots: Robots) -> Points:
+    """The points of all objects of a batch, drawn together, with the joints at 0."""
+    found = _drawn.get(robots)
+    if found is None:
+        still = np.zeros(len(robots.joints.owner))
+        found = _drawn[robots] = sample_points(robots.batch, Sampling(POINTS), still)
+    return found
+
+
+def short(values: np.ndarray) -> list[float]:
+    return (np.round(values, 9) + 0.0).tolist()
+
+
+def _json(data: Any) -> bytes:
+    return (json.dumps(data, separators=(", ", ": ")) + "\n").encode()
+
+
+@lru_cache(maxsize=1)
+def _template() -> Template:
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    environment = Environment(
+        loader=PackageLoader("artipg_dsl.export"), undefined=StrictUndefined, autoescape=True, auto_reload=False
+    )
+    return environment.get_template("mobility.urdf.j2")

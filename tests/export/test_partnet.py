@@ -1,0 +1,263 @@
+"""The folder of PartNet-Mobility, read as its readers do: by URDF, by mobility_v2.json, by semantics.txt, by points."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import replace
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+import trimesh
+
+from artipg_dsl import Samples, sample
+from artipg_dsl.export.partnet_mobility import partnet_files
+from artipg_dsl.export.partnet_words import CATEGORIES, category, link_label, snake
+from artipg_dsl.export.registry import FORMATS
+from artipg_dsl.export.robot import Robots
+from artipg_dsl.export.write import ExportError
+
+WORDS = {"hinge", "slider", "slider+", "free", "heavy", "static"}
+OURS = ["Microwave", "StorageFurniture", "Chair"]
+
+
+class Folder:
+    """An object's folder with our own tables of the same object."""
+
+    def __init__(self, batch: Samples, root: Path):
+        self.path = batch.export(root, "partnet-mobility")[0]
+        self.batch = batch
+        self.mobility = json.loads((self.path / "mobility_v2.json").read_text())
+        self.unit = float(json.loads((self.path / "meta.json").read_text())["metres_per_unit"])
+        bounds = batch.meshes(np.zeros(len(batch.joints().owner)))[0].bounds
+        self.center = bounds.mean(axis=0)
+        self.joints, self.links = batch.joints(), batch.links()
+        children = self.joints.child.tolist()
+        self.order = [k for k in range(len(self.links.owner)) if k in children] + [0]  # ours by the folder's id
+
+    def raw(self, points: np.ndarray) -> np.ndarray:
+        """Ours (x front, y left, z up) as x right for who faces the object, y up, z front."""
+        points = (points - self.center) / self.unit
+        return np.stack([points[..., 1], points[..., 2], points[..., 0]], axis=-1)
+
+    def world(self, points: np.ndarray) -> np.ndarray:
+        x, y, z = np.moveaxis(self.raw(points), -1, 0)
+        return np.stack([-z, -x, y], axis=-1)
+
+    def joint_of(self, id: int) -> int:
+        return self.joints.child.tolist().index(self.order[id])
+
+    def random_state(self) -> tuple[np.ndarray, dict[str, float]]:
+        """Values of our joints, and the same under the folder's names and in its unit."""
+        values = self.batch.joint_values("random:1")[0]
+        theirs = {}
+        for entry in self.mobility:
+            if entry["parent"] >= 0 and entry["joint"] != "static":
+                value = values[self.joint_of(entry["id"])]
+                theirs[f"joint_{entry['id']}"] = float(value / self.unit if entry["joint"] == "slider" else value)
+        return values, theirs
+
+    def check_poses(self, values: np.ndarray, transforms: dict[str, np.ndarray], tolerance: float) -> None:
+        """Points of every link where our own tables have them; ``transforms`` from link frames to the world."""
+        turn, shift = self.batch.batch.pose(values)
+        still = np.random.default_rng(0).uniform(-0.3, 0.3, (5, 3))
+        origins = {e["id"]: e["jointData"]["axis"]["origin"] for e in self.mobility if e["jointData"]}
+        for id, ours in enumerate(self.order):
+            local = self.raw(still) - np.array(origins.get(id, (0, 0, 0)))
+            found = local @ transforms[f"link_{id}"][:3, :3].T + transforms[f"link_{id}"][:3, 3]
+            assert found == pytest.approx(self.world(still @ turn[ours].T + shift[ours]), abs=tolerance)
+
+
+@pytest.fixture(scope="module", params=OURS)
+def folder(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Folder:
+    return Folder(sample(request.param, numbers=[2], seed=7), tmp_path_factory.mktemp("partnet"))
+
+
+def test_every_file_is_there(folder: Folder) -> None:
+    names = {p.name for p in folder.path.iterdir()}
+    assert names == {
+        "mobility.urdf", "mobility_vhacd.urdf", "mobility_cvx.urdf", "mobility_v2.json", "semantics.txt", "result.json",
+        "bounding_box.json", "meta.json", "textured_objs", "convex_objs", "point_sample",
+    }  # fmt: skip
+    meta = json.loads((folder.path / "meta.json").read_text())
+    assert all(isinstance(value, str) for value in meta.values())
+    assert {"model_id", "anno_id", "user_id", "time_in_sec", "version", "model_cat"} <= set(meta)
+    assert meta["model_cat"] in CATEGORIES and "_" not in meta["model_id"]
+
+
+def test_frame_and_size(folder: Folder) -> None:
+    box = json.loads((folder.path / "bounding_box.json").read_text())
+    low, high = np.array(box["min"]), np.array(box["max"])
+    assert low + high == pytest.approx(0, abs=1e-8) and np.linalg.norm(high) == pytest.approx(1, abs=1e-8)
+    loaded = [trimesh.load(p, force="mesh", process=False) for p in (folder.path / "textured_objs").glob("*.obj")]
+    points = np.concatenate([mesh.vertices for mesh in loaded])
+    assert points.min(axis=0) == pytest.approx(low, abs=1e-7) and points.max(axis=0) == pytest.approx(high, abs=1e-7)
+
+
+def test_semantics_are_three_tokens_for_every_link(folder: Folder) -> None:
+    text = (folder.path / "semantics.txt").read_text()
+    rows = [line.split(" ") for line in text.splitlines()]
+    assert text.endswith("\n") and "\n\n" not in text and all(len(row) == 3 for row in rows)
+    assert [row[0] for row in rows] == [f"link_{k}" for k in range(len(folder.order))]
+    assert {row[1] for row in rows} <= WORDS and rows[-1][1] in ("heavy", "free")
+    for entry, (_, word, label) in zip(folder.mobility, rows, strict=True):
+        assert (entry["joint"], entry["name"]) == (word, label)
+
+
+def test_mobility_tells_the_joints_of_our_annotation(folder: Folder) -> None:
+    annotated = folder.batch.annotations()[0]
+    assert [entry["id"] for entry in folder.mobility] == list(range(len(folder.order)))
+    assert folder.mobility[-1]["parent"] == -1 and folder.mobility[-1]["jointData"] == {}
+    assert len(annotated["joints"]) == len(folder.mobility) - 1
+    for entry in folder.mobility[:-1]:
+        joint = annotated["joints"][folder.joint_of(entry["id"])]
+        row = folder.joint_of(entry["id"])
+        parent = folder.order[entry["parent"]]
+        assert annotated["links"][parent]["name"] == joint["parent"]
+        axis, limit = entry["jointData"]["axis"], entry["jointData"]["limit"]
+        assert axis["direction"] == pytest.approx(np.roll(folder.joints.axis[row], -1), abs=1e-8)
+        assert axis["origin"] == pytest.approx(folder.raw(folder.joints.origin[row]), abs=1e-8)
+        if joint["type"] == "prismatic":
+            assert entry["joint"] == "slider"
+            assert [limit["a"] * folder.unit, limit["b"] * folder.unit] == pytest.approx(joint["range"], abs=1e-8)
+        else:
+            assert entry["joint"] == "hinge" and limit["noLimit"] == (joint["type"] == "continuous")
+            if not limit["noLimit"]:
+                assert np.radians([limit["a"], limit["b"]]) == pytest.approx(joint["range"], abs=1e-8)
+
+
+def test_leaves_agree_between_tree_mobility_urdf_and_points(folder: Folder) -> None:
+    (tree,) = json.loads((folder.path / "result.json").read_text())
+    leaves: dict[int, dict] = {}
+
+    def walk(node: dict) -> None:
+        assert set(node) == {"id", "name", "text", "objs"} if "objs" in node else {"id", "name", "text", "children"}
+        leaves.update({node["id"]: node} if "objs" in node else {})
+        for child in node.get("children", []):
+            walk(child)
+
+    walk(tree)
+    assert tree["id"] == 0
+    assert {part["id"] for entry in folder.mobility for part in entry["parts"]} == set(leaves)
+    stems = [stem for leaf in leaves.values() for stem in leaf["objs"]]
+    assert sorted(stems) == sorted(p.stem for p in (folder.path / "textured_objs").glob("*.obj"))
+    assert len(set(stems)) == len(stems) and all(re.fullmatch(r"original-\d+", stem) for stem in stems)
+    urdf = ElementTree.parse(folder.path / "mobility.urdf").getroot()
+    for visual in urdf.iter("visual"):
+        name, _, id = visual.attrib["name"].rpartition("-")
+        stem = Path(visual.find("geometry/mesh").attrib["filename"]).stem  # type: ignore[union-attr]
+        assert leaves[int(id)]["name"] == name and stem in leaves[int(id)]["objs"]
+    sampled = np.loadtxt(folder.path / "point_sample" / "sample-points-all-pts-nor-rgba-10000.txt")
+    points = np.loadtxt(folder.path / "point_sample" / "pts-10000.txt")
+    labels = np.loadtxt(folder.path / "point_sample" / "label-10000.txt", dtype=int)
+    assert sampled.shape == (10000, 10) and (sampled[:, :3] == points).all()
+    assert (labels == np.loadtxt(folder.path / "point_sample" / "sample-points-all-label-10000.txt", dtype=int)).all()
+    assert np.linalg.norm(sampled[:, 3:6], axis=1) == pytest.approx(1, abs=1e-5)
+    assert sampled[:, 6:9].min() >= 0 and sampled[:, 6:9].max() <= 255 and len(set(labels)) > len(leaves) / 4
+    for label in set(labels.tolist()):
+        meshes = [trimesh.load(folder.path / "textured_objs" / f"{s}.obj", force="mesh") for s in leaves[label]["objs"]]
+        corners = np.concatenate([mesh.bounds for mesh in meshes])
+        own = points[labels == label]  # a mesh of a round thing lies a little inside of it
+        assert (own >= corners.min(axis=0) - 0.01).all() and (own <= corners.max(axis=0) + 0.01).all()
+
+
+def test_the_urdf_is_as_the_data_set_writes_it(folder: Folder) -> None:
+    urdf = ElementTree.parse(folder.path / "mobility.urdf").getroot()
+    assert urdf.attrib["name"].startswith("partnet_") and [link.attrib["name"] for link in urdf.findall("link")] == [
+        "base", *(f"link_{k}" for k in range(len(folder.order)))
+    ]  # fmt: skip
+    roots = [joint for joint in urdf.findall("joint") if joint.find("parent").attrib["link"] == "base"]  # type: ignore[union-attr]
+    assert len(roots) == 1 and roots[0].attrib["type"] == "fixed" and roots[0].find("axis") is None
+    assert roots[0].find("origin").attrib["rpy"] == "1.570796326794897 0 -1.570796326794897"  # type: ignore[union-attr]
+    for joint in urdf.findall("joint"):
+        assert joint.find("child").attrib["link"] == joint.attrib["name"].replace("joint", "link")  # type: ignore[union-attr]
+        assert joint.find("origin") is not None
+        if joint.attrib["type"] in ("revolute", "prismatic"):
+            assert set(joint.find("limit").attrib) == {"lower", "upper"}  # type: ignore[union-attr]
+    assert not list(urdf.iter("inertial"))
+    for link in urdf.findall("link")[1:]:
+        assert link.findall("visual") and link.findall("collision")
+        origins = {e.attrib["xyz"] for e in link.iter("origin")}
+        assert len(origins) == 1
+    for name in ("mobility_vhacd.urdf", "mobility_cvx.urdf"):
+        assert (folder.path / name).read_bytes() == (folder.path / "mobility.urdf").read_bytes()
+
+
+def test_handles_are_found_by_name(tmp_path: Path) -> None:
+    made = Folder(sample("StorageFurniture", numbers=[0], seed=7), tmp_path)
+    urdf = ElementTree.parse(made.path / "mobility.urdf").getroot()
+    held = [link.attrib["name"] for link in urdf.findall("link") if any("handle" in v.attrib["name"] for v in link.iter("visual"))]
+    moving = [f"link_{e['id']}" for e in made.mobility if e["name"] in ("drawer", "rotation_door")]
+    assert moving and set(moving) & set(held)
+
+
+def test_yourdfpy_moves_it_as_we_do(folder: Folder) -> None:
+    yourdfpy = pytest.importorskip("yourdfpy", reason="yourdfpy is not installed")
+    robot = yourdfpy.URDF.load(str(folder.path / "mobility.urdf"), load_meshes=True, build_scene_graph=True)
+    values, theirs = folder.random_state()
+    assert set(robot.actuated_joint_names) == set(theirs)
+    robot.update_cfg(theirs)
+    names = [f"link_{k}" for k in range(len(folder.order))]
+    folder.check_poses(values, {name: robot.get_transform(name, "base") for name in names}, 1e-6)
+
+
+@pytest.mark.filterwarnings("ignore:Failed to find system libvulkan")
+def test_sapien_loads_and_moves_it(folder: Folder, tmp_path: Path) -> None:
+    sapien = pytest.importorskip("sapien", reason="sapien is not installed")
+    from sapien import physx
+
+    # without a graphics card sapien loads no visuals: a copy beside the original goes without
+    tree = ElementTree.parse(folder.path / "mobility.urdf")
+    for link in tree.getroot().findall("link"):
+        for visual in link.findall("visual"):
+            link.remove(visual)
+    bare = folder.path / "bare.urdf"
+    tree.write(bare)
+    try:
+        loader = sapien.Scene([physx.PhysxCpuSystem()]).create_urdf_loader()
+        loader.fix_root_link = True
+        robot = loader.load(str(bare))
+    finally:
+        bare.unlink()
+    values, theirs = folder.random_state()
+    active = [joint.name for joint in robot.get_active_joints()]
+    assert set(active) == set(theirs)
+    for joint in robot.get_active_joints():
+        data = folder.mobility[int(joint.name.split("_")[1])]
+        limit = data["jointData"]["limit"]
+        ends = np.array([limit["a"], limit["b"]])
+        expected = np.array([-np.inf, np.inf]) if limit["noLimit"] else np.radians(ends) if data["joint"] == "hinge" else ends
+        assert joint.get_limits()[0] == pytest.approx(expected, abs=1e-5)
+    robot.set_qpos(np.array([theirs[name] for name in active]))
+    poses = {link.name: link.get_entity_pose().to_transformation_matrix() for link in robot.get_links()}
+    folder.check_poses(values, poses, 1e-5)  # sapien computes in single precision
+    collisions = len(list(tree.getroot().iter("collision")))
+    shapes = sum(len(link.get_collision_shapes()) for link in robot.get_links())
+    assert shapes == collisions
+
+
+def test_bytes_do_not_depend_on_the_batch() -> None:
+    one = partnet_files(Robots(sample("Microwave", numbers=[3], seed=7).batch), 0)
+    assert one == partnet_files(Robots(sample("Microwave", 5, seed=7).batch), 3)
+
+
+def test_what_it_cannot_state_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    batch = sample("Microwave", 1, seed=7)
+    robots = Robots(batch.batch)
+    robot = robots.robot(0)
+    for changed in ({"kind": "ball"}, {"kind": "prismatic", "low": None}):
+        joints = (replace(robot.joints[0], **changed), *robot.joints[1:])
+        monkeypatch.setattr(robots, "robot", lambda _, joints=joints: replace(robot, joints=joints))
+        with pytest.raises(ExportError, match="cannot state"):
+            partnet_files(robots, 0)
+
+
+def test_words() -> None:
+    assert category("Trashcan") == "TrashCan" and category("washing_machine") == "WashingMachine"
+    assert category("Foldingrack") == "Foldingrack" and len(CATEGORIES) == 46
+    assert snake("pad.row[1].key") == "pad_row_1_key" and snake("StorageFurniture") == "storage_furniture"
+    assert link_label("StorageFurniture", "door", "revolute") == "rotation_door"
+    assert link_label("Microwave", "door", "revolute") == "door"
+    assert FORMATS["partnet-mobility"].file == "mobility.urdf"
