@@ -177,9 +177,10 @@ def read_compiled(path: str | Path) -> Program:
     return program
 
 
-def compiled_text(program: Program) -> str:
-    """What a compiled file holds: the program, and its hash as the last line."""
-    return to_text(program) + seal(digest(program))
+def compiled_text(program: Program, remarks: Sequence[str] = ()) -> str:
+    """What a compiled file holds: the program, remarks as comments, and its hash as the last line."""
+    told = "".join(f"# {' '.join(line.split())}".rstrip() + "\n" for line in remarks)
+    return to_text(program) + told + seal(digest(program))
 
 
 def seal(found: str) -> str:

@@ -40,7 +40,13 @@ def emit_typed(session: Session) -> str | None:
 
 
 def emit_graph(session: Session) -> str | None:
-    return compiled_text(session.sampler.program)
+    """The artefact, and before its hash, as comments, the blocks of equations that were solved."""
+    from ..lower.ledger import blocks
+
+    program, lowering = session.sampler.program, session.lowering
+    assert lowering is not None
+    lines = blocks((unknown for _, unknown in lowering.context.ledger), lowering.context.draws)
+    return compiled_text(program, ["", "blocks of equations", *lines])
 
 
 def emit_plan(session: Session) -> str | None:

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from ..lower.context import Unknown
     from ..lower.program import Lowering
 
-WORDS = {"centred": "nothing: centred", "default": "nothing: its default", "drawn": "drawn from its domain"}
-
 
 def run(options: argparse.Namespace) -> int:
     session = of_text(options.program)
@@ -33,7 +31,9 @@ def run(options: argparse.Namespace) -> int:
 
 
 def entries(lowering: Lowering, wanted: str | None) -> Iterator[str]:
-    """A line per part and, indented, one per unknown: its name, what determines it, where the part is declared."""
+    """A line per part and, indented, one per unknown and case: its name, what determines it, where the text says so."""
+    from ..lower.ledger import lines as ledger_lines
+
     shown = None
     for part, unknown in lowering.context.ledger:
         path = part.path if part is not None else ""
@@ -43,7 +43,11 @@ def entries(lowering: Lowering, wanted: str | None) -> Iterator[str]:
         if (path, guards) != shown:
             shown = (path, guards)
             yield (path or lowering.program.name) + (f"   with {guards}" if guards else "")
-        yield f"    {quantity(unknown):<14} {WORDS.get(unknown.reason, unknown.reason):<44} {unknown.span}"
+        name = quantity(unknown)
+        for line in ledger_lines(unknown, lowering.context.draws):
+            told = line.how if not line.when else f"where {line.when}: {line.how}"
+            yield f"    {name:<14} {told:<44} {line.place}"
+            name = ""
 
 
 def conditions(scope: Scope) -> str:

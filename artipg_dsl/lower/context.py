@@ -30,6 +30,20 @@ class Equation:
     guard: Expr = E.TRUE
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Settled:
+    """How an unknown is settled where ``when`` holds: by an equation, solved together with ``others`` (by name) of the
+    same block (known by its first column), searched from ``start`` (in words) where there is no closed form; or, without one, for a ``reason``.
+    """
+
+    when: Expr
+    equation: Equation | None = None
+    others: tuple[str, ...] = ()
+    block: Column | None = None
+    start: str = ""
+    reason: str = ""
+
+
 @dataclass(slots=True, eq=False)
 class Unknown:
     """A scalar that equations may determine.
@@ -47,7 +61,8 @@ class Unknown:
     draw: Draw | None = None
     default: Expr | None = None
     positive: bool = False
-    reason: str = ""  # how it was settled, for the ledger
+    reason: str = ""  # how it was settled, in short
+    settled: list[Settled] = field(default_factory=list)  # the same for the ledger, case by case
 
 
 @dataclass(slots=True, eq=False)

@@ -15,8 +15,8 @@ from .vectors import turn
 SMALL = E.const(1e-4)  # the least size of something that equations determine, in metres
 
 
-def default(env: Env, unknown: Unknown, near: list[tuple[Equation, str]], *, fresh: bool) -> Expr:
-    """The value where no equation determines an unknown; with ``fresh``, where only some cases do.
+def default(env: Env, unknown: Unknown, near: list[tuple[Equation, str]], *, fresh: bool) -> tuple[Expr, str]:
+    """The value where no equation determines an unknown, and why; with ``fresh``, where only some cases do.
 
     ``near`` are the equations that name it, each with what it determines instead.
     """
@@ -29,7 +29,7 @@ def default(env: Env, unknown: Unknown, near: list[tuple[Equation, str]], *, fre
         assert unknown.default is not None
         value, reason = unknown.default, "default"
     elif unknown.draw is not None:
-        return drawn(env, unknown, unknown.draw, fresh)
+        return drawn(env, unknown, unknown.draw, fresh), "drawn"
     else:
         notes = tuple((q.span, f"this names it, but determines {what}") for q, what in near[:3] if what)
         if fresh:
@@ -38,9 +38,8 @@ def default(env: Env, unknown: Unknown, near: list[tuple[Equation, str]], *, fre
         context.error("under-determined", unknown.span, message, hint=remedy(unknown), notes=notes)
         value, reason = E.const(0.1), ""
     if not fresh:
-        unknown.reason = reason
         definitions[unknown.column] = value
-    return value
+    return value, reason
 
 
 def degree(unknown: Unknown) -> str:
@@ -71,7 +70,6 @@ def drawn(env: Env, unknown: Unknown, draw: Draw, fresh: bool) -> Expr:
     if draw not in context.draws:
         context.draws.append(draw)
     if not fresh:
-        unknown.reason = "drawn"
         return E.col(draw.column)
     column = context.column(draw.column.scope, f"{draw.column.name} (drawn)", draw.column.kind, unknown.span)
     draw.column = column

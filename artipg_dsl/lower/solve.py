@@ -17,7 +17,7 @@ from ..graph.expr import Column, Expr, Scope
 from ..graph.linear import Circle, Form, Linear
 from ..graph.matching import Matching, match
 from .cases import TooManyCases, combinations, condition
-from .context import Abort, Equation, Unknown
+from .context import Abort, Equation, Settled, Unknown
 from .env import Env
 from .recurrent import closed
 from .settled import default, determined
@@ -103,6 +103,7 @@ class Outcome:
     exists: dict[Column, bool]
     values: dict[Column, Expr] = field(default_factory=dict)
     because: dict[Column, Equation] = field(default_factory=dict)
+    told: dict[Column, Settled] = field(default_factory=dict)
 
 
 def solve(env: Env, homes: list[tuple[Env, Expr]]) -> None:
@@ -226,7 +227,7 @@ def outcome(block: Block, case: tuple[Expr, list[int], dict[Column, bool]]) -> O
     for u, unknown in enumerate(unknowns):
         if matching.equation_of[u] >= 0:
             result.because[unknown.column] = equations[matching.equation_of[u]]
-    result.values = solve_system(env, unknowns, equations, forms, matching, holds)
+    result.values, result.told = solve_system(env, unknowns, equations, forms, matching, holds)
     surplus(env, unknowns, equations, matching, result.values)
     return result
 
@@ -340,13 +341,16 @@ def settle_block(block: Block, outcomes: list[Outcome]) -> None:
         open_cases = [o.condition for o in relevant if column not in o.values]
         equations = list(dict.fromkeys(o.because[column] for o in relevant if column in o.because))
         unknown.reason = "; ".join(q.text for q in equations)
+        unknown.settled = [o.told[column] for o in relevant if column in o.told]
         if open_cases:
             near = [
                 (q, determined_by(block, outcomes, q))
                 for q, names in zip(block.equations, block.incidence, strict=True) if column in names
             ]  # fmt: skip
-            value = default(env, unknown, near, fresh=bool(solved))
+            value, reason = default(env, unknown, near, fresh=bool(solved))
+            unknown.settled.append(Settled(any_of(open_cases), reason=reason))
             if not solved:
+                unknown.reason = reason
                 continue
             solved += [(c, value) for c in open_cases]
         if not solved:  # the part exists in no case

@@ -6,15 +6,15 @@ from ..graph import expr as E
 from ..graph.expr import Column, Expr
 from ..graph.linear import Form, Linear, isolate, solve_block, tidy
 from ..graph.matching import Matching, components
-from .context import Abort, Equation, Unknown
+from .context import Abort, Equation, Settled, Unknown
 from .env import Env
-from .roots import numeric
+from .roots import numeric, start
 
 
 def solve_system(
     env: Env, unknowns: list[Unknown], equations: list[Equation], forms: list[Form | None], matching: Matching, guard: Expr
-) -> dict[Column, Expr]:
-    """A value for each matched unknown (it may read others that are matched before it), where ``guard`` holds."""
+) -> tuple[dict[Column, Expr], dict[Column, Settled]]:
+    """A value for each matched unknown (it may read others that are matched before it) where ``guard`` holds, and how."""
     definitions = env.context.program.definitions
     places = {u.column: k for k, u in enumerate(unknowns)}
     matched = [u for u in range(len(unknowns)) if matching.equation_of[u] >= 0]
@@ -27,7 +27,9 @@ def solve_system(
         names = set(form[0]) if form is not None else linear.columns(equations[e].left) | linear.columns(equations[e].right)
         reads[u] = {places[c] for c in names if c in places and places[c] != u and places[c] in chosen}
     values: dict[Column, Expr] = {}
+    told: dict[Column, Settled] = {}
     for group in components(matched, reads):
+        searched = False
         columns = [unknowns[u].column for u in group]
         rows = [forms[matching.equation_of[u]] for u in group]
         solution = solve_block(rows, columns) if all(row is not None for row in rows) else None  # type: ignore[arg-type]
@@ -37,11 +39,15 @@ def solve_system(
             solution = eliminate(differences, columns)
             if solution is None and any(row is None for row in rows):
                 solution = numeric(env, [unknowns[u] for u in group], sides, differences, guard)
+                searched = solution is not None
         if solution is None:
             raise unsolved(env, [unknowns[u] for u in group], [equations[matching.equation_of[u]] for u in group], rows)
-        for column in columns:
-            values[column] = tidy(solution[column])
-    return values
+        for u, column in zip(group, columns, strict=True):
+            values[column] = solution[column] if searched else tidy(solution[column])
+            others = tuple(unknowns[v].name for v in group if v != u)
+            begun = E.show(start(unknowns[u], columns)) if searched else ""
+            told[column] = Settled(guard, equations[matching.equation_of[u]], others, columns[0], begun)
+    return values, told
 
 
 def unsolved(env: Env, unknowns: list[Unknown], equations: list[Equation], forms: list[Form | None]) -> Abort:

@@ -133,7 +133,7 @@ def test_compile_reports_errors_and_writes_nothing(apgc: Apgc, broken: Path, tmp
 
 def test_ledger_tells_what_determines_a_part(apgc: Apgc) -> None:
     code, out, _ = apgc("ledger", CHEST, "lid")
-    assert code == 0 and "align lid.bottom = trunk.top + 1mm" in out and "chest.apg:18" in out
+    assert code == 0 and "align lid.bottom = trunk.top + 1mm" in out and "chest.apg:23" in out
     assert "knob.cap" not in out and "knob.cap" in apgc("ledger", CHEST)[1]
 
 

@@ -1,0 +1,89 @@
+"""The ledger: what determines each unknown, case by case, and the blocks that the graph shows."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+
+from artipg_dsl.cli.compile import emit_graph
+from artipg_dsl.cli.ledger import entries
+from artipg_dsl.graph.text import from_text, to_text
+
+from .test_solve import category, compiled
+
+TEXT = category("""
+  param k : choice one | two | three = one
+  param a : length in 1cm .. 80cm derived
+  param b : length in 1cm .. 80cm derived
+  align a + b = w
+  align a - b = w / 5
+  part p : Cuboid(size = [1cm, _, _])
+  connect p.back on body.front
+  align p.right = body.right
+  align p.size.z * p.size.z + p.size.z * sqrt(p.size.z * 1m) = 0.2 * w * 1m
+  when k == one { align p.left = body.left } else { align p.size.y = w / 3 }
+""")
+
+
+def ledger(text: str, part: str | None = None) -> list[str]:
+    return [" ".join(line.split()) for line in entries(compiled(text).lowering, part)]  # type: ignore[arg-type]
+
+
+def test_each_case_of_a_guard_has_its_line() -> None:
+    found = ledger(TEXT, "p")
+    assert "size.y where k = one: align p.left = body.left, together with the position of `p` along y <text>:16:19" in found
+    assert "where k is not one: align p.size.y = w / 3 <text>:16:53" in found
+    assert "along z nothing: centred <text>:12:8" in found
+
+
+def test_coupled_unknowns_name_one_another_and_searched_ones_their_start() -> None:
+    found = ledger(TEXT)
+    assert any(line.startswith("a align a - b = w / 5, together with `b`") for line in found)
+    assert any("size.z align" in line and "(searched from 0.1)" in line for line in found)
+
+
+def test_the_graph_shows_the_blocks_and_reads_back() -> None:
+    text = emit_graph(compiled(TEXT))
+    assert text is not None
+    remarks = [line for line in text.splitlines() if line.startswith("# ")]
+    assert any(r.startswith("# a, b by elimination: align") for r in remarks)
+    assert any(r.startswith("# p.size.z by search: align") for r in remarks)
+    assert any("by elimination where k = one" in r for r in remarks)
+    assert to_text(from_text(text)) in text
+
+
+# ---------------------------------------------------------------- who yields is nobody else's business
+
+PARTS = (
+    "  part {n} : Cuboid(size = [1cm, _, 2cm])\n  connect {n}.back on body.front\n"
+    "  align {n}.left = body.left - 1cm\n  align {n}.right = body.right",
+    "  part {n} : Cuboid(size = [1cm, 2cm, _])\n  connect {n} to body\n  align {n}.top = body.top\n  align {n}.size.z = w / 2",
+    "  param {n} : length in 1cm .. 90cm derived\n  align {n} * {n} + {n} * sqrt({n} * 1m) = 0.3 * w * 1m",
+    "  param {n} : length in 1cm .. 90cm\n  part {n}x : Cuboid(size = [{n}, 1cm, 1cm])\n  connect {n}x to body\n"
+    "  align {n}x.center.z = body.top + {n}",
+    "  part {n}a : Cuboid(size = [1cm, 1cm, 1cm])\n  part {n}b : Cuboid(size = [1cm, 1cm, 1cm])\n  connect {n}a to body\n"
+    "  connect {n}b to body\n  align {n}a.center.x = {n}b.center.x + 1cm",
+    "  part {n} : Cuboid(size = [1cm, 1cm, _]) | none\n  connect {n}.back on body.front fit top, bottom",
+)
+
+
+def reasons(text: str) -> dict[str, list[str]]:
+    lowering = compiled(text).lowering
+    assert lowering is not None
+    found = {}
+    for _, unknown in lowering.context.ledger:
+        found[unknown.column.name] = [one.reason if one.equation is None else one.equation.text for one in unknown.settled]
+    return found
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_an_unrelated_equation_never_changes_who_yields_elsewhere(seed: int) -> None:
+    chance = random.Random(seed)
+    pieces = [chance.choice(PARTS).format(n=f"p{k}") for k in range(4)]
+    extra = chance.choice(PARTS).format(n="extra")
+    plain = reasons(category("\n".join(pieces)))
+    at = chance.randrange(len(pieces) + 1)
+    wider = reasons(category("\n".join([*pieces[:at], extra, *pieces[at:]])))
+    assert plain and {name: wider[name] for name in plain} == plain
+    assert len(wider) > len(plain)
