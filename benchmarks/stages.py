@@ -36,6 +36,7 @@ import trimesh
 from main_job import STEPS, Loop
 
 from artipg_dsl.annotate.cameras import Cameras
+from artipg_dsl.annotate.cloud import sample_points
 from artipg_dsl.annotate.points import label_points
 from artipg_dsl.annotate.views import make_views
 from artipg_dsl.export import solids
@@ -54,7 +55,7 @@ PROGRAMS = {
 STAGES = ("resolve", "mesh", "points", "hidden", "labels", "collision", "views")
 MAIN = ("resolve", "mesh", "points", "hidden", "labels")
 VIEW = Cameras(count=4)
-SEEN = 8  # objects of which views are made, of a batch
+SEEN = 16  # objects of which views are made, of a batch
 ARRAYS = (np.int32, np.int32, np.int16, np.float64, np.float64)
 
 
@@ -118,7 +119,7 @@ def columns(sampler, numbers: np.ndarray, n_points: int) -> tuple[dict[str, floa
     out["collision"] = [((len(batch), len(found.joint) // len(batch) + 1), np.float64)]
 
     few = sampler.batch(numbers[:SEEN], seed=7)
-    few.sites()
+    sample_points(few, 16)  # tables and the formulas of labels are at hand then
     begun = time.process_time()
     views = make_views(few, VIEW)
     spent["views"] = (time.process_time() - begun) * len(numbers) / len(few)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ..runtime.batch import Batch
 
 NONE = 0xFFFF  # a pixel that shows nothing, in images of numbers
-PIXELS = 4_000_000  # of a block of objects
+PIXELS = 600_000  # of a block of objects: arrays over its pixels are used many times
 MOST_RAYS = 4_000_000  # for one cloud
 Arrays = dict[str, np.ndarray]
 
