@@ -386,6 +386,10 @@ class Samples:
         """A binary glTF per object; returns the paths of ``object.glb``."""
         return self._objects(folder, "glb", force)
 
+    def to_usd(self, folder: str | Path, *, force: bool = False) -> list[Path]:
+        """OpenUSD with a physics articulation per object; returns the paths of ``object.usda``."""
+        return self._objects(folder, "usd", force)
+
     def to_obj(self, folder: str | Path, *, force: bool = False) -> list[Path]:
         """A Wavefront OBJ per link with the object's materials; returns the paths of ``obj/object.mtl``."""
         return self._objects(folder, "obj", force)

@@ -1,0 +1,255 @@
+"""OpenUSD as text (.usda) with an articulation of UsdPhysics: bodies, joints, colliders, materials.
+
+Z up, metres, kilograms; the bodies lie side by side below one Xform, which is the articulation's root, as they are at
+rest. USD counts angles of joints in degrees. Nothing but text is written, so no package is needed to write it.
+"""
+
+from __future__ import annotations
+
+import re
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..annotate.frames import quaternion
+from .materials import linear
+from .pose import rest_poses
+from .principal import principal
+from .robot import Collider, Robot, RobotJoint, Robots, Visual
+from .write import ExportError
+
+if TYPE_CHECKING:
+    from jinja2 import Template
+
+TYPES = {
+    "revolute": "PhysicsRevoluteJoint",
+    "continuous": "PhysicsRevoluteJoint",
+    "prismatic": "PhysicsPrismaticJoint",
+    "ball": "PhysicsSphericalJoint",
+    "fixed": "PhysicsFixedJoint",
+}
+DEGREES = float(np.degrees(1.0))
+
+
+class Names:
+    """Names of prims: letters, digits and underscores, each once below one prim."""
+
+    def __init__(self, *taken: str):
+        self.taken = set(taken)
+
+    def __call__(self, name: str) -> str:
+        plain = re.sub(r"\W", "_", name, flags=re.ASCII)
+        plain = plain if not plain[:1].isdigit() else f"_{plain}"
+        found, count = plain, 1
+        while found in self.taken:
+            count += 1
+            found = f"{plain}_{count}"
+        self.taken.add(found)
+        return found
+
+
+def usd_files(robots: Robots, i: int) -> dict[str, bytes]:
+    """``object.usda`` of object ``i``. Raises ExportError for joints that UsdPhysics cannot state."""
+    robot = robots.robot(i)
+    words = robots.batch.program.vocabularies.get("semantic", ())
+    name, bodies = Names()(robot.name), Names("Looks", "joints")
+    link_names = [bodies(link.name) for link in robot.links]
+    links = [_link(robot, k, pose, words) | {"name": link_names[k]} for k, pose in enumerate(rest_poses(robot))]
+    moments, axes = principal(np.stack([link.inertia for link in robot.links]))
+    for k, link in enumerate(links):
+        # a button's moments are tiny: significant digits, not decimals
+        link |= {"moments": "({:.9g}, {:.9g}, {:.9g})".format(*moments[k].tolist()), "axes": quat(quaternion(axes[k]))}
+    own = Names()
+    paths = {joint.name: own(joint.name) for joint in robot.joints}
+    joints = [_joint(robot, joint, name, link_names, paths) for joint in robot.joints]
+    text = _template().render(name=name, looks=_looks(robot), links=links, joints=joints)
+    return {"object.usda": (text + "\n").encode("utf-8")}
+
+
+def _looks(robot: Robot) -> list[dict[str, str]]:
+    """The materials in use: how they look, and how they touch."""
+    looks = {v.look.name: v.look for link in robot.links for v in link.visuals}
+    physical = {c.material.name: c.material for link in robot.links for c in link.colliders}
+    found = []
+    for name, look in looks.items():
+        material = physical.get(name)
+        entry = {"name": identifier(name), "colour": vector(np.round(linear(np.array(look.colour)), 6))}
+        entry |= {"metalness": f"{look.metalness:.6g}", "roughness": f"{look.roughness:.6g}", "opacity": f"{look.opacity:.6g}"}
+        for key, pair in {
+            "density": material.density if material else (0.0, 0.0),
+            "static": material.friction_static if material else (0.5, 0.5),
+            "dynamic": material.friction_dynamic if material else (0.4, 0.4),
+            "restitution": material.restitution if material else (0.1, 0.1),
+        }.items():
+            entry[key] = f"{(pair[0] + pair[1]) / 2:.6g}"
+        found.append(entry)
+    return found
+
+
+def _link(robot: Robot, k: int, pose: tuple[np.ndarray, np.ndarray], words: tuple[str, ...]) -> dict[str, Any]:
+    link, names = robot.links[k], Names("colliders")
+    pieces = Names()
+    meshes = [_mesh(visual, link.origin, words) | {"name": names(visual.name)} for visual in link.visuals]
+    labels = [mesh["label"] for mesh in meshes if mesh["label"]]
+    return {
+        "title": link.name,
+        "label": labels[0] if labels else "",
+        "mass": f"{link.mass:.9g}",
+        "center": vector(link.center),
+        "turn": quat(quaternion(pose[0])),
+        "shift": vector(pose[1]),
+        "meshes": meshes,
+        "pieces": [_piece(collider) | {"name": pieces(collider.name)} for collider in link.colliders],
+    }
+
+
+def _mesh(visual: Visual, origin: np.ndarray, words: tuple[str, ...]) -> dict[str, str]:
+    group, k = visual.item.group, visual.item.k
+    shading = group.shading
+    points = group.vertices[k][shading.source] - origin
+    semantic = int(group.table.semantic[visual.item.row])
+    return _polygons(points, shading.faces) | {
+        "title": visual.name,
+        "look": identifier(visual.look.name),
+        "label": words[semantic] if 0 <= semantic < len(words) else "",
+        "normals": vectors(np.round(shading.normals[k], 5)),
+    }
+
+
+def _piece(collider: Collider) -> dict[str, Any]:
+    look = {"look": identifier(collider.material.name), "box": collider.hull is None}
+    if collider.hull is not None:
+        return look | _polygons(collider.hull.vertices, collider.hull.faces)
+    place = {"turn": quat(quaternion(collider.rotation)), "shift": vector(collider.center)}
+    return look | place | {"scale": vector(np.array(collider.size))}
+
+
+def _polygons(points: np.ndarray, faces: np.ndarray) -> dict[str, str]:
+    return {
+        "extent": vectors(np.stack([points.min(axis=0), points.max(axis=0)])),
+        "counts": "[" + ", ".join(["3"] * len(faces)) + "]",
+        "indices": "[" + ", ".join(map(str, faces.ravel().tolist())) + "]",
+        "points": vectors(points),
+    }
+
+
+def _joint(robot: Robot, joint: RobotJoint, name: str, links: list[str], paths: dict[str, str]) -> dict[str, Any]:
+    """A joint's type, applied schemas and properties. Its frames are turned so that one of their axes is the joint's."""
+    if joint.kind not in TYPES:
+        raise ExportError(
+            f"{robot.name}: joint {joint.name} is a {joint.kind} joint, which UsdPhysics cannot state",
+            f"it has {', '.join(TYPES)}; leave usd out of --format",
+        )
+    letter, turn = frame_of(joint.axis)
+    lines = [
+        f"rel physics:body0 = </{name}/{links[joint.parent]}>",
+        f"rel physics:body1 = </{name}/{links[joint.child]}>",
+        f"point3f physics:localPos0 = {vector(joint.origin)}",
+        "point3f physics:localPos1 = (0, 0, 0)",
+        f"quatf physics:localRot0 = {quat(turn)}",
+        f"quatf physics:localRot1 = {quat(turn)}",
+    ]
+    schemas: list[str] = []
+    if joint.kind not in ("ball", "fixed"):
+        angular = joint.kind != "prismatic"
+        unit = DEGREES if angular else 1.0
+        drive = "drive:angular:physics" if angular else "drive:linear:physics"
+        lines.append(f'uniform token physics:axis = "{letter}"')
+        if joint.kind != "continuous" and joint.low is not None and joint.high is not None:
+            lines += [f"float physics:lowerLimit = {joint.low * unit:.9g}", f"float physics:upperLimit = {joint.high * unit:.9g}"]
+        lines += [
+            f'uniform token {drive}:type = "force"',
+            f"float {drive}:damping = {joint.damping / unit:.9g}",
+            f"float {drive}:maxForce = {joint.effort:.9g}",
+            f"float {drive}:stiffness = 0",
+            f"float physxJoint:jointFriction = {joint.friction:.9g}",
+            f"float physxJoint:maxJointVelocity = {joint.velocity * unit:.9g}",
+        ]
+        schemas = ["PhysicsDriveAPI:angular" if angular else "PhysicsDriveAPI:linear", "PhysxJointAPI"]
+        if joint.mimic is not None:
+            lines += _mimic(robot, joint, name, letter, paths, schemas)
+    quoted = ", ".join(f'"{schema}"' for schema in schemas)
+    return {"type": TYPES[joint.kind], "name": paths[joint.name], "title": joint.name, "schemas": quoted, "lines": lines}
+
+
+def _mimic(
+    robot: Robot, joint: RobotJoint, name: str, letter: str, paths: dict[str, str], schemas: list[str]
+) -> list[str]:
+    """What a joint follows: in our own words, and as PhysX has it (q + gearing * q of the leader + offset = 0)."""
+    assert joint.mimic is not None
+    leader, multiplier, offset = joint.mimic
+    led = next(other for other in robot.joints if other.name == leader)
+    own, other = (DEGREES if j.kind != "prismatic" else 1.0 for j in (joint, led))
+    sort, led_sort = ("rot" if j.kind != "prismatic" else "trans" for j in (joint, led))
+    schemas.append(f"PhysxMimicJointAPI:{sort}{letter}")
+    physx = f"physxMimicJoint:{sort}{letter}"
+    return [
+        f"custom rel artipg:mimic:joint = </{name}/joints/{paths[leader]}>",
+        f"custom double artipg:mimic:multiplier = {multiplier:.17g}",
+        f"custom double artipg:mimic:offset = {offset:.17g}",
+        f"float {physx}:gearing = {-multiplier * own / other:.9g}",
+        f"float {physx}:offset = {-offset * own:.9g}",
+        f"rel {physx}:referenceJoint = </{name}/joints/{paths[leader]}>",
+        f'uniform token {physx}:referenceJointAxis = "{led_sort}{frame_of(led.axis)[0]}"',
+    ]
+
+
+def frame_of(axis: np.ndarray) -> tuple[str, np.ndarray]:
+    """The letter of a frame's axis, and the quaternion w x y z that turns the frame so that it points along ``axis``.
+
+    The letter is that of the largest component: a frame for an axis along x, y or z is not turned at all.
+    """
+    k = int(np.argmax(np.abs(axis)))
+    own = np.eye(3)[k]
+    if axis[k] < 0:  # half a turn about the next axis first, so that what is left is less than a quarter
+        half = np.zeros(4)
+        half[1 + (k + 1) % 3] = 1.0
+        return "XYZ"[k], times(between(-own, axis), half)
+    return "XYZ"[k], between(own, axis)
+
+
+def between(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """The quaternion w x y z of the shortest turn from one unit vector to another, which is not its opposite."""
+    cross = np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+    q = np.array([1.0 + a[0] * b[0] + a[1] * b[1] + a[2] * b[2], *cross])
+    return q / np.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+
+
+def times(p: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """The product of two quaternions w x y z: first ``q``, then ``p``."""
+    a, b, c, d = p.tolist()
+    e, f, g, h = q.tolist()
+    return np.array(
+        [
+            a * e - b * f - c * g - d * h, a * f + b * e + c * h - d * g,
+            a * g - b * h + c * e + d * f, a * h + b * g - c * f + d * e,
+        ]
+    )  # fmt: skip
+
+
+def identifier(name: str) -> str:
+    return Names()(name)
+
+
+def vector(values: np.ndarray) -> str:
+    return "(" + ", ".join(f"{v:.9g}" for v in (np.round(values, 12) + 0.0).tolist()) + ")"
+
+
+def quat(values: np.ndarray) -> str:
+    """A quaternion w x y z."""
+    return vector(np.asarray(values, dtype=np.float64).reshape(4))
+
+
+def vectors(points: np.ndarray) -> str:
+    """Points (n, 3) as an array of tuples."""
+    rounded = np.round(points, 12) + 0.0
+    return "[" + ("(%.9g, %.9g, %.9g), " * len(rounded) % tuple(rounded.ravel().tolist()))[:-2] + "]"
+
+
+@lru_cache(maxsize=1)
+def _template() -> Template:
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    environment = Environment(loader=PackageLoader("artipg_dsl.export"), undefined=StrictUndefined, auto_reload=False)
+    return environment.get_template("object.usda.j2")
