@@ -57,7 +57,7 @@ def unsolved(env: Env, unknowns: list[Unknown], equations: list[Equation], forms
         message = f"these equations place {listed} against one another only: nothing ties them to the rest"
         hint = "let one of them follow from something that stands already, such as a face of the root"
     else:
-        message = f"this cannot be solved for {listed} in closed form"
+        message = f"this cannot be solved for {listed}"
         hint = "state the equation so that the unknown stands alone on one side, or give it as an argument"
     notes = tuple((q.span, "together with this") for q in equations[1:])
     return env.context.error("not-solvable", equations[0].span, message, hint=hint, notes=notes)

@@ -95,23 +95,24 @@ EQUATIONS = (
           }
         }
         """),
-    Code("not-solvable", "equations cannot be solved in closed form", """
-        The equation determines something that it holds in a way which cannot be turned round. State it the
-        other way about, or name the unknown alone on one side. Equations are solved symbolically, once for all
-        objects, so each unknown needs a formula. Equations that name two parts only against each other leave
-        open where the two are together. Tie one of them to something that stands.
+    Code("not-solvable", "equations cannot be solved", """
+        Equations are solved symbolically where each unknown has a formula, and by a search (Newton's method)
+        where several hang together in curves. Neither can be done when an unknown is read through another
+        table in a way that is not linear: squared inside a repeat, and then summed. State such an equation in
+        the repeat, or the other way about. Equations that name two parts only against each other leave open
+        where the two are together. Tie one of them to something that stands.
         """, """
         apg 1
         use primitives { Cuboid }
-        template Slab {
-          param wide : length
-          part plate : Cuboid(size = [10cm, wide, 1cm])
-        }
         category Shelf {
           root part body : Cuboid(size = [30cm, 60cm, 90cm])
-          part one : Slab
-          connect one to body
-          align one.wide + 10cm * sin(one.wide / 1cm * 1rad) = body.size.y
+          param edge : length in 1cm .. 9cm derived
+          repeat row[i] in 0 ..< 3 split body along z {
+            let area = edge * edge * (1 + i)
+            part board : Cuboid
+            connect board in row
+          }
+          align sum(row.area) = body.size.x * body.size.y
         }
         """),
     Code("redundant", "an equation follows from others", """
