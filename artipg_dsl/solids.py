@@ -18,7 +18,7 @@ from .syntax import ast
 HINT = "edges meet where two surfaces give the same curve, from end to end; compare the ranges of u and v and the signs"
 
 
-def close(solids: Mapping[Symbol, Lowered], report: Report) -> None:
+def close(solids: Mapping[Symbol | tuple, Lowered], report: Report) -> None:
     """Report ``leaky-primitive`` for each lowered primitive whose surfaces do not bound a solid.
 
     Every surface, at each variant its test values show, must meet others all around and have the inside on one side.
@@ -27,7 +27,8 @@ def close(solids: Mapping[Symbol, Lowered], report: Report) -> None:
         try:
             examine(lowered.primitive)
         except PrimitiveError as error:
-            tell(symbol, error, report)
+            # one that is made of a curve is known by the symbol and the curve
+            tell(symbol[0] if isinstance(symbol, tuple) else symbol, error, report)
 
 
 def examine(primitive: Primitive) -> None:
