@@ -151,9 +151,8 @@ class _Views:
         depth = np.concatenate([s.depth for s in shots])
         pixels, k = self.cameras.width * self.cameras.height, self.cameras.points
         place = np.concatenate([s.number * pixels + s.pixel for s in shots])
-        seen: np.ndarray | slice = np.concatenate([np.arange(len(s.pixel)) < s.in_image for s in shots])
-        if np.all(seen):
-            seen = slice(None)
+        within = np.concatenate([np.arange(len(s.pixel)) < s.in_image for s in shots])
+        seen = slice(None) if within.all() else within
         shown = place[seen]
         self.images["depth"][shown] = depth[seen]
         for name, values in every.items():
