@@ -45,7 +45,7 @@ def statements(env: Env) -> None:
         try:
             match statement:
                 case ast.AlignStmt():
-                    align(env, statement.left, statement.right, statement.span)
+                    align(env, statement)
                 case ast.ConnectStmt():
                     goes_with(connect(env, statement), env.equations[stated:])
                 case ast.JointDecl() if statement.kind is not None:
@@ -64,9 +64,17 @@ def goes_with(part: Part, equations: list[Equation]) -> None:
         equation.guard = E.both(equation.guard, part.exists)
 
 
-def align(env: Env, left: ast.Expr, right: ast.Expr, span: Span) -> None:
-    ev = Evaluator(env)
-    equate(ev, ev.value(left), ev.value(right), left.span, right.span, span)
+def align(env: Env, statement: ast.AlignStmt) -> None:
+    ev, stated = Evaluator(env), len(env.equations)
+    near = () if statement.near is None else statement.near.values
+    for left, right in zip(near[::2], near[1::2], strict=True):
+        equate(ev, ev.value(left), ev.value(right), left.span, right.span, statement.span)
+    starts = tuple((q.left, q.right) for q in env.equations[stated:])
+    del env.equations[stated:]
+    left, right = statement.left, statement.right
+    equate(ev, ev.value(left), ev.value(right), left.span, right.span, statement.span)
+    for equation in env.equations[stated:]:
+        equation.near = starts
 
 
 def equate(ev: Evaluator, a: Value, b: Value, left: Span, right: Span, span: Span) -> None:

@@ -21,13 +21,17 @@ class Abort(Exception):
 
 @dataclass(slots=True, eq=False)
 class Equation:
-    """``left = right`` in the scope of the environment that states it, where ``guard`` holds."""
+    """``left = right`` in the scope of the environment that states it, where ``guard`` holds.
+
+    ``near`` are pairs of sides that are about equal at the root that is meant.
+    """
 
     left: Expr
     right: Expr
     span: Span
     text: str
     guard: Expr = E.TRUE
+    near: tuple[tuple[Expr, Expr], ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -33,7 +33,7 @@ def numeric(
     try:
         residuals = [formulas.of(d) for d in differences]
         slopes = [derive(r, x) for r in residuals for x in names]
-        starts = [start(u, columns) for u in unknowns]
+        starts = [start(env, u, columns, equations) for u in unknowns]
         bundle = E.solve(residuals, slopes, list(formulas.knowns), starts)
         solution = {c: E.root(bundle, k) for k, c in enumerate(columns)}
         if not scope.within(bundle.scope):
@@ -66,8 +66,14 @@ class Formulas:
         return E.rebuild(node, tuple(self.of(a) for a in node.args))
 
 
-def start(unknown: Unknown, columns: Sequence[Column]) -> Expr:
-    """Where the search begins, which is what chooses among several roots: the default, the middle of the domain, 0."""
+def start(env: Env, unknown: Unknown, columns: Sequence[Column], equations: Sequence[Equation]) -> Expr:
+    """Where the search begins, which is what chooses among several roots: what stands behind ``near``, the default, the
+    middle of the domain, 0."""
+    linear = Linear(lambda c: c in columns, env.context.program.definitions)
+    for left, right in (pair for equation in equations for pair in equation.near):
+        form = linear.form(E.sub(left, right))
+        if form is not None and set(form[0]) == {unknown.column}:
+            return E.div(E.neg(form[1]), form[0][unknown.column])
     draw = unknown.draw
     candidates = [unknown.default]
     if draw is not None:

@@ -36,7 +36,7 @@ def solve_system(
         if solution is None:
             sides = [equations[matching.equation_of[u]] for u in group]
             differences = [inline(E.sub(q.left, q.right), columns, definitions) for q in sides]
-            solution = eliminate(differences, columns)
+            solution = None if any(q.near for q in sides) else eliminate(differences, columns)
             if solution is None and any(row is None for row in rows):
                 solution = numeric(env, [unknowns[u] for u in group], sides, differences, guard)
                 searched = solution is not None
@@ -45,7 +45,7 @@ def solve_system(
         for u, column in zip(group, columns, strict=True):
             values[column] = solution[column] if searched else tidy(solution[column])
             others = tuple(unknowns[v].name for v in group if v != u)
-            begun = E.show(start(unknowns[u], columns)) if searched else ""
+            begun = E.show(start(env, unknowns[u], columns, [equations[matching.equation_of[v]] for v in group])) if searched else ""
             told[column] = Settled(guard, equations[matching.equation_of[u]], others, columns[0], begun)
     return values, told
 

@@ -96,7 +96,10 @@ def _statement(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
         case ast.ConnectStmt():
             placing.check_connect(ck, ctx, stmt)
         case ast.AlignStmt():
-            _align(ck, ctx, stmt)
+            _align(ck, ctx, stmt.left, stmt.right, "align")
+            near = () if stmt.near is None else stmt.near.values
+            for left, right in zip(near[::2], near[1::2], strict=True):
+                _align(ck, ctx, left, right, "near")
         case ast.RequireStmt() | ast.PreferStmt():
             _condition(ck, ctx, stmt)
         case ast.ClearStmt(subject=subject, other=other, distance=distance):
@@ -215,11 +218,11 @@ def _port(ck: Checker, ctx: Context, stmt: ast.PortDecl) -> None:
             ck.error("wrong-type", stmt.value.span, f"a port is a place, but this is {given}")
 
 
-def _align(ck: Checker, ctx: Context, stmt: ast.AlignStmt) -> None:
-    left, right = ck.infer(ctx, stmt.left), ck.infer(ctx, stmt.right)
+def _align(ck: Checker, ctx: Context, first: ast.Expr, second: ast.Expr, word: str) -> None:
+    left, right = ck.infer(ctx, first), ck.infer(ctx, second)
     if UNKNOWN in (left, right):
         return
-    for kind, expr in ((left, stmt.left), (right, stmt.right)):
+    for kind, expr in ((left, first), (right, second)):
         if not is_number(kind) and not fits(kind, POINT):
             hint = None
             if isinstance(kind, Part | Element | Slot):
@@ -227,18 +230,18 @@ def _align(ck: Checker, ctx: Context, stmt: ast.AlignStmt) -> None:
             elif kind in (FRAME, LINE, EDGE):
                 hint = "name its point: `.origin`"
             ck.error(
-                "wrong-type", expr.span, f"`align` equates planes, numbers or points, but this is {kind}", hint=hint
+                "wrong-type", expr.span, f"`{word}` equates planes, numbers or points, but this is {kind}", hint=hint
             )
             return
     if is_number(left) != is_number(right):
-        number = stmt.left if is_number(left) else stmt.right
+        number = first if is_number(left) else second
         kind = left if is_number(left) else right
         ck.error("wrong-type", number.span, f"a point can only be aligned with a point, but this is {kind}")
         return
     a, b = dimension_of(left), dimension_of(right)
     if is_number(left) and None not in (a, b) and a != b:
-        wanted, given, expr = (left, right, stmt.right) if a != RATIO.dimension else (right, left, stmt.left)
-        ck.mismatch(expr, given, LENGTH if wanted == PLANE else wanted, "this side of `align`")
+        wanted, given, expr = (left, right, second) if a != RATIO.dimension else (right, left, first)
+        ck.mismatch(expr, given, LENGTH if wanted == PLANE else wanted, f"this side of `{word}`")
 
 
 def _condition(ck: Checker, ctx: Context, stmt: ast.RequireStmt | ast.PreferStmt) -> None:

@@ -329,8 +329,11 @@ class ConnectStmt(Stmt):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AlignStmt(Stmt):
+    """``align a = b near c = d``: ``near`` holds the sides of all its pairs, one after the other."""
+
     left: Expr
     right: Expr
+    near: Clause | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

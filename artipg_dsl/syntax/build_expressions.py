@@ -97,6 +97,14 @@ class ExpressionBuilder(BuilderBase):
             span=self.span(c), word="at", values=tuple(a.value for a in items), names=tuple(a.name or "" for a in items)
         )
 
+    def start(self, c: Children) -> Piece:
+        return self.piece("start", (c[0], c[2]), c)
+
+    def near(self, c: Children) -> ast.Clause:
+        """``near a = 1cm, b = 2cm``: what each search begins from, as ``values`` a, 1cm, b, 2cm."""
+        values = tuple(side for item in c if isinstance(item, Piece) for side in item.value)
+        return ast.Clause(span=self.span(c), word="near", values=values, names=("",) * len(values))
+
     def properties(self, c: Children) -> Piece:
         return self.piece("properties", tuple(p for p in c if isinstance(p, ast.Clause)), c)
 

@@ -167,7 +167,7 @@ class StatementBuilder(ExpressionBuilder):
         return ast.ConnectStmt(**self.stmt(c), subject=c[1], clauses=self.clauses(c))
 
     def align(self, c: Children) -> ast.Stmt:
-        return ast.AlignStmt(**self.stmt(c), left=c[1], right=c[3])
+        return ast.AlignStmt(**self.stmt(c), left=c[1], right=c[3], near=c[4] if len(c) > 4 else None)
 
     def stable(self, c: Children) -> Piece:
         return self.piece("stable", "open" if len(c) > 1 else "rest", c)

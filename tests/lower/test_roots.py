@@ -53,6 +53,44 @@ def test_the_default_chooses_the_root() -> None:
     assert (values[0][1] > 0).all() and (values[1][1] < 0).all()
 
 
+@pytest.mark.parametrize(("near", "sign"), [("b = 20cm", 1), ("b = -20cm, a = 0cm + w / 2", -1)])
+def test_near_chooses_the_root(near: str, sign: int) -> None:
+    text = CIRCLES.format(a="20cm", b="0cm").replace("(b + a / 3) = w * w", f"(b + a / 3) = w * w near {near}")
+    batch = sampled(category(text))
+    assert (np.sign(value(batch, "b")) == sign).all()
+    np.testing.assert_allclose(value(batch, "a") ** 2 + value(batch, "b") ** 2, value(batch, "w") ** 2, rtol=1e-12)
+
+
+def test_near_chooses_the_root_of_a_square() -> None:
+    text = """
+  param a : length in -50cm .. 50cm derived
+  align a * a = w * w / 4 near a = {near}
+  part p : Cuboid(size = [60cm + a, 1cm, 1cm])
+  connect p.back on body.front
+"""
+    for near, factor in (("10cm", 0.5), ("-10cm", -0.5)):
+        batch = sampled(category(text.format(near=near)))
+        np.testing.assert_allclose(value(batch, "a"), factor * value(batch, "w"), rtol=1e-12)
+
+
+def test_near_places_a_part_on_the_side_meant() -> None:
+    text = """
+  part p : Cuboid(size = [1cm, 1cm, 1cm])
+  connect p to body
+  align p.center.y * p.center.y = w * w / 9 near p.left = {near}
+"""
+    for near, sign in (("10cm", 1), ("-10cm", -1)):
+        batch = sampled(category(text.format(near=near)))
+        np.testing.assert_allclose(value(batch, "p.at.y"), sign * value(batch, "w") / 3, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("near", "code"), [("a = 10deg", "wrong-dimension"), ("body = 1cm", "wrong-type"), ("aa = 1cm", "unknown-name")]
+)
+def test_wrong_starts(near: str, code: str) -> None:
+    assert codes(category(f"  param a : length in 1cm .. 50cm derived\n  align a * a = w * w near {near}")) == [code]
+
+
 def test_roots_do_not_depend_on_the_batch() -> None:
     sampler = compiled(TANGENT).sampler
     whole = value(sampler.batch(np.arange(64), seed=3), "reach")
