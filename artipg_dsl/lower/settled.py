@@ -15,10 +15,10 @@ from .vectors import turn
 SMALL = E.const(1e-4)  # the least size of something that equations determine, in metres
 
 
-def default(env: Env, unknown: Unknown, near: list[tuple[Equation, str]], *, fresh: bool) -> tuple[Expr, str]:
+def default(env: Env, unknown: Unknown, near: list[tuple[Equation, str]], *, fresh: bool, guard: str = "") -> tuple[Expr, str]:
     """The value where no equation determines an unknown, and why; with ``fresh``, where only some cases do.
 
-    ``near`` are the equations that name it, each with what it determines instead.
+    ``near`` are the equations that name it, each with what it determines instead; ``guard`` says in words where.
     """
     context = env.context
     definitions = context.program.definitions
@@ -34,7 +34,7 @@ def default(env: Env, unknown: Unknown, near: list[tuple[Equation, str]], *, fre
         notes = tuple((q.span, f"this names it, but determines {what}") for q, what in near[:3] if what)
         if fresh:
             notes = tuple((q.span, "determines it, but under a guard only") for q, _ in near[:3])
-        message = f"nothing determines {degree(unknown)}" + (" where these guards do not hold" if fresh else "")
+        message = f"nothing determines {degree(unknown)}{guard if fresh else ''}"
         context.error("under-determined", unknown.span, message, hint=remedy(unknown), notes=notes)
         value, reason = E.const(0.1), ""
     if not fresh:

@@ -19,6 +19,7 @@ from ..graph.matching import Matching, match
 from .cases import TooManyCases, combinations, condition
 from .context import Abort, Equation, Settled, Unknown
 from .env import Env
+from .ledger import condition as guard_in_words
 from .recurrent import closed
 from .settled import default, determined
 from .systems import solve_system
@@ -223,12 +224,13 @@ def outcome(block: Block, case: tuple[Expr, list[int], dict[Column, bool]]) -> O
                 edges[place[column]].append(e)
     order = sorted(range(len(unknowns)), key=lambda k: preference(unknowns[k], block.number[unknowns[k].column]))
     matching = match(edges, len(equations), order)
-    ties(env, unknowns, equations, matching)
+    guard = under(env, holds)
+    ties(env, unknowns, equations, matching, guard)
     for u, unknown in enumerate(unknowns):
         if matching.equation_of[u] >= 0:
             result.because[unknown.column] = equations[matching.equation_of[u]]
     result.values, result.told = solve_system(env, unknowns, equations, forms, matching, holds)
-    surplus(env, unknowns, equations, matching, result.values)
+    surplus(env, unknowns, equations, matching, result.values, guard)
     return result
 
 
@@ -237,7 +239,14 @@ def preference(unknown: Unknown, index: int) -> tuple[int, int]:
     return RANK[unknown.kind], -index if unknown.kind == "position" else index
 
 
-def ties(env: Env, unknowns: list[Unknown], equations: list[Equation], matching: Matching) -> None:
+def under(env: Env, holds: Expr) -> str:
+    """The guard of a case in words, behind what goes wrong under it."""
+    if holds is E.TRUE:
+        return ""
+    return f" where {guard_in_words(holds, {d.column: d.options for d in env.context.draws if d.kind == 'choice'})}"
+
+
+def ties(env: Env, unknowns: list[Unknown], equations: list[Equation], matching: Matching, guard: str) -> None:
     for u, unknown in enumerate(unknowns):
         if matching.equation_of[u] >= 0 or unknown.kind != "param":
             continue
@@ -248,7 +257,7 @@ def ties(env: Env, unknowns: list[Unknown], equations: list[Equation], matching:
                 argument = unknown.name.strip("`").rsplit(".", 1)[-1]
                 raise env.context.error(
                     "tie", last,
-                    f"this could determine {unknowns[other].name} or {unknown.name}: nothing says which of them yields",
+                    f"this could determine {unknowns[other].name} or {unknown.name}{guard}: nothing says which of them yields",
                     hint=f"give one of the two as an argument (`{argument} = ...`), such as a parameter of this scope; declared"
                     " `derived` it still follows from the equations",
                     notes=((unknowns[other].span, f"{unknowns[other].name} is drawn if it need not yield"),
@@ -275,7 +284,7 @@ def path_between(matching: Matching, start: int, goal: int) -> list[int]:
 
 
 def surplus(
-    env: Env, unknowns: list[Unknown], equations: list[Equation], matching: Matching, values: dict[Column, Expr]
+    env: Env, unknowns: list[Unknown], equations: list[Equation], matching: Matching, values: dict[Column, Expr], guard: str
 ) -> None:  # fmt: skip
     """Equations that determine nothing: redundant (a lint), contradictory or too many (errors)."""
     definitions = {**env.context.program.definitions, **values}
@@ -289,7 +298,7 @@ def surplus(
         cancelled = all(f.constant is not None and abs(f.constant) < 1e-12 for f in terms.values())
         if cancelled and rest.constant is not None and abs(rest.constant) < 1e-9:
             env.context.report.warning(
-                "redundant", equation.span, "this equation follows from the others", notes=notes,
+                "redundant", equation.span, f"this equation follows from the others{guard}", notes=notes,
                 hint="it can go: what is shown determines the same" if notes else "it can go",
                 trace=tuple(env.context.trace),
             )  # fmt: skip
@@ -298,7 +307,7 @@ def surplus(
             length = any(unknowns[u].kind == "position" for u in users)
             raise env.context.error(
                 "contradictory", equation.span,
-                f"this equation contradicts the others: its sides always differ by {amount(rest.constant, length)}",
+                f"this equation contradicts the others{guard}: its sides always differ by {amount(rest.constant, length)}",
                 hint="drop or correct one of them; `gap` counts outwards from the face that it follows", notes=notes,
             )  # fmt: skip
         named = " and ".join(unknowns[u].name for u in users[:3])
@@ -308,7 +317,7 @@ def surplus(
         if drawn:
             hint = f"drop one of these equations, or let `{drawn[0]}` follow from them by declaring it `derived`"
         said = f"{named} {'are' if len(users) > 1 else 'is'} determined already" if users else "it names nothing open"
-        message = f"this is one equation too many: {said}"
+        message = f"this is one equation too many{guard}: {said}"
         raise env.context.error("over-determined", equation.span, message, hint=hint, notes=notes)
 
 
@@ -347,7 +356,7 @@ def settle_block(block: Block, outcomes: list[Outcome]) -> None:
                 (q, determined_by(block, outcomes, q))
                 for q, names in zip(block.equations, block.incidence, strict=True) if column in names
             ]  # fmt: skip
-            value, reason = default(env, unknown, near, fresh=bool(solved))
+            value, reason = default(env, unknown, near, fresh=bool(solved), guard=under(env, any_of(open_cases)))
             unknown.settled.append(Settled(any_of(open_cases), reason=reason))
             if not solved:
                 unknown.reason = reason

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..graph import expr as E
 from ..graph.expr import Column, Expr
-from ..graph.linear import Form, Linear, isolate, solve_block, tidy
+from ..graph.linear import Form, Linear, combine, isolate, solve_block, tidy
 from ..graph.matching import Matching, components
 from .context import Abort, Equation, Settled, Unknown
 from .env import Env
@@ -52,8 +52,20 @@ def solve_system(
 
 def unsolved(env: Env, unknowns: list[Unknown], equations: list[Equation], forms: list[Form | None]) -> Abort:
     """Report equations that have no solution in closed form: linear ones that hang on one another alone, or others."""
+    equations = sorted(equations, key=lambda q: q.span.start)
     listed = " and ".join(u.name for u in unknowns)
-    if all(form is not None for form in forms):
+    linear = [form for form in forms if form is not None]
+    left_over = None if len(linear) < len(forms) else remainder(linear, [u.column for u in unknowns])
+    if left_over is E.ZERO:
+        message = f"these equations say the same of {listed}: one more is needed"
+        hint = "state where another face lies in place of one of them, or give a size as an argument"
+    elif left_over is not None and left_over.constant is not None:
+        raise env.context.error(
+            "contradictory", equations[-1].span,
+            f"this equation contradicts the others: its sides always differ by {abs(float(left_over.constant)) * 1000:.6g}mm",
+            hint="drop or correct one of them", notes=tuple((q.span, "the other") for q in equations[:-1]),
+        )  # fmt: skip
+    elif len(linear) == len(forms):
         message = f"these equations place {listed} against one another only: nothing ties them to the rest"
         hint = "let one of them follow from something that stands already, such as a face of the root"
     else:
@@ -61,6 +73,22 @@ def unsolved(env: Env, unknowns: list[Unknown], equations: list[Equation], forms
         hint = "state the equation so that the unknown stands alone on one side, or give it as an argument"
     notes = tuple((q.span, "together with this") for q in equations[1:])
     return env.context.error("not-solvable", equations[0].span, message, hint=hint, notes=notes)
+
+
+def remainder(forms: list[Form], columns: list[Column]) -> Expr | None:
+    """What is left of linear equations that depend on one another, once the columns are eliminated; None if that is open."""
+    rows = list(forms)
+    for column in columns:
+        pivot = next((row for row in rows if row[0].get(column, E.ZERO).constant not in (None, 0.0)), None)
+        if pivot is None:
+            continue
+        factor = pivot[0][column]
+        others = [row for row in rows if row is not pivot]
+        rows = [
+            combine(row, pivot, E.neg(E.div(row[0][column], factor))) if column in row[0] else row for row in others
+        ]
+    left = [tidy(rest) for terms, rest in rows if not terms]
+    return left[0] if left else None
 
 
 def inline(node: Expr, columns: list[Column], definitions: dict[Column, Expr], *, through: bool = False) -> Expr:
