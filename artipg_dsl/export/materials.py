@@ -28,11 +28,12 @@ def density(material: Material) -> float:
 def colours(batch: Batch, material: Material) -> np.ndarray:
     """sRGB (B, 3) of a material in each object: one of its colours, the same for all its primitives in an object.
 
-    The choice depends on the seed, the object's number and the material's name alone (a multiplicative hash).
+    The choice depends on the seed, the object's number and the material's name alone (a multiplicative hash). A mutant
+    has the colours of the object that it was made from.
     """
     palette = np.asarray(material.colour, dtype=np.float64).reshape(-1, 3)
     with np.errstate(over="ignore"):
-        key = np.asarray(batch.numbers).astype(np.uint64) * np.uint64(0x9E3779B97F4A7C15)
+        key = np.asarray(batch.state.objects).astype(np.uint64) * np.uint64(0x9E3779B97F4A7C15)
         key ^= np.uint64(zlib.crc32(material.name.encode()) ^ (int(batch.seed) & 0xFFFFFFFF) * 0x85EBCA6B % 2**32)
         key ^= key >> np.uint64(30)
         key *= np.uint64(0xBF58476D1CE4E5B9)

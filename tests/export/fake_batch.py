@@ -137,7 +137,7 @@ class FakeBatch:
     def __post_init__(self) -> None:
         self.program = program()
         self.numbers = np.arange(self.first, self.first + self.n)
-        self.state = SimpleNamespace(attempt=self.numbers % 3)
+        self.state = SimpleNamespace(attempt=self.numbers % 3, objects=self.numbers)
         f = self.numbers % 7 / 7.0
         self.depth, self.width, self.height = 0.3 + 0.1 * f, 0.4 + 0.1 * f, 0.3 + 0.2 * f
         self.wall, self.gap, self.slab = 0.015, 0.001, 0.02

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from artipg_dsl.export.materials import colours
 from artipg_dsl.runtime.correspondence import NONE, REPLICA, SAME, SLOT, correspondence
 from artipg_dsl.runtime.mutate import Names, mutate, structural
 from artipg_dsl.runtime.sample import Statistics
@@ -181,6 +182,12 @@ def test_variants_side_by_side_are_those_made_alone(microwave, batch):
     for place, variant in ((0, 0), (1, 1)):
         assert many.drawn(place) == mutate(microwave, again(batch, np.array([7])), variant=variant).drawn(0)
     assert many.drawn(3) == batch.drawn(7)
+
+
+def test_a_mutant_has_the_colours_of_its_original(microwave, batch):
+    mutant = mutate(microwave, again(batch, np.array([7, 7, 9]), numbers=np.array([0, 1, 2])), variant=np.array([-1, 0, 0]))
+    for material in microwave.program.materials.values():
+        np.testing.assert_array_equal(colours(mutant, material), colours(batch, material)[[7, 7, 9]])
 
 
 # ---------------------------------------------------------------- correspondence
