@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import UsageError
 from ..graph import random
-from ..runtime.motion import follow
+from ..runtime.motion import follow, freedoms
 from .frames import rotate
 
 if TYPE_CHECKING:
@@ -125,7 +125,7 @@ def draw(batch: Batch, k: int) -> np.ndarray:
     """
     joints, values = batch.joints(), resting(batch)
     definition = np.asarray(joints.definition)
-    turning = np.array([kind in ("revolute", "continuous") for kind in joints.kind], dtype=bool)
+    turning = np.array([kind in ("revolute", "continuous", "screw", "ball") for kind in joints.kind], dtype=bool)
     free = np.array([kind == "continuous" for kind in joints.kind], dtype=bool)
     low, high = (
         np.where(free | (turning & np.isnan(limit)), end, np.where(np.isnan(limit), values, limit))
@@ -192,18 +192,14 @@ def twist(batch: Batch, states: np.ndarray | None = None) -> Twist:
     rotation, translation = batch.pose(states)
     start = np.searchsorted(links.owner, joints.owner)
     parent, child = start + joints.parent, start + joints.child
-    axis = rotate(rotation[parent], joints.axis)  # the axis moves with the link that carries it
+    axis, slide = (rotate(rotation[parent], way) for way in freedoms(joints))  # they move with the link that carries them
     origin = rotate(rotation[parent], joints.origin) + translation[parent]
-    kinds = np.array(list(joints.kind), dtype=object)
-    turning = np.isin(kinds, ["revolute", "continuous", "screw"])[:, None]
-    sliding = (kinds == "prismatic")[:, None]
-    stiff = np.flatnonzero(~(turning | sliding)[:, 0])
+    stiff = np.flatnonzero(~((axis != 0.0) | (slide != 0.0)).any(axis=1))
     made = Twist(np.zeros((len(links.owner), 3)), np.zeros((len(links.owner), 3)))
-    made.turn[child] = np.where(turning, axis, 0.0)
     x, y, z = origin.T
     a, b, c = axis.T
-    back = np.stack([c * y - b * z, a * z - c * x, b * x - a * y], axis=-1)  # - axis x origin
-    made.shift[child] = np.where(turning, back, np.where(sliding, axis, 0.0))
+    made.turn[child] = axis
+    made.shift[child] = np.stack([c * y - b * z, a * z - c * x, b * x - a * y], axis=-1) + slide  # slide - axis x origin
     for _ in range(len(batch.program.joints)):  # what is fixed to a link moves as that link does
         before = made.turn[child[stiff]], made.shift[child[stiff]]
         made.turn[child[stiff]], made.shift[child[stiff]] = made.turn[parent[stiff]], made.shift[parent[stiff]]

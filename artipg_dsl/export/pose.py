@@ -9,7 +9,8 @@ import numpy as np
 from ..annotate.frames import axis_angle
 
 if TYPE_CHECKING:
-    from .robot import Robot, RobotJoint
+    from ..runtime.motion import square
+from .robot import Robot, RobotJoint
 
 Pose = tuple[np.ndarray, np.ndarray]
 
@@ -66,8 +67,11 @@ def link_poses(robot: Robot, values: dict[str, float]) -> list[Pose]:
 def _beyond(parent: Pose, joint: RobotJoint, value: float) -> Pose:
     """The pose of a joint's child link. No BLAS: the same bits everywhere."""
     turn, shift = parent
-    origin = joint.origin + value * joint.axis if joint.kind == "prismatic" else joint.origin
-    own = axis_angle(joint.axis, np.float64(value)) if joint.kind in ("revolute", "continuous") else np.eye(3)
+    advance = {"prismatic": 1.0, "screw": joint.pitch / (2.0 * np.pi)}.get(joint.kind, 0.0)
+    origin = joint.origin + value * advance * joint.axis
+    axis = square(joint.axis[None])[0] if joint.kind == "ball" else joint.axis  # the tilt that a ball's value is
+    turning = joint.kind in ("revolute", "continuous", "screw", "ball")
+    own = axis_angle(axis, np.float64(value)) if turning else np.eye(3)
     return product(turn, own), product(turn, origin) + shift
 
 

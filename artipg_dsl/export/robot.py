@@ -80,7 +80,7 @@ class RobotLink:
 class RobotJoint:
     """``origin`` in the parent link's frame, ``axis`` in the object's axes. ``low``, ``high`` None: no limit.
 
-    ``mimic`` is (name of the leader, multiplier, offset). Radians and metres.
+    ``mimic`` is (name of the leader, multiplier, offset), ``pitch`` a screw's advance by a turn. Radians and metres.
     """
 
     name: str
@@ -97,6 +97,7 @@ class RobotJoint:
     damping: float
     friction: float
     mimic: tuple[str, float, float] | None
+    pitch: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -248,6 +249,7 @@ class Robots:
                     mimic=None
                     if leader < 0
                     else (joints.name[first + leader], float(joints.multiplier[j]), float(joints.offset[j])),
+                    pitch=number_or(joints.pitch[j], 0.0),
                 )
             )
         return made

@@ -171,7 +171,7 @@ class Batch:
             columns["child"].append(self.link_numbers(scope, (joint.child,)))
             columns["origin"].append(self._vectors(joint.origin, scope))
             columns["axis"].append(self._vectors(joint.axis, scope))
-            for name in ("low", "high", "damping", "friction", "effort", "velocity"):
+            for name in ("low", "high", "damping", "friction", "effort", "velocity", "pitch"):
                 expr = getattr(joint, name)
                 columns[name].append(np.full(size, np.nan) if expr is None else self.read([expr], scope)[0])
             columns["rest"].append(self.read([joint.rest], scope)[0])
@@ -279,7 +279,7 @@ class Batch:
 
 _JOINT_COLUMNS = (
     "parent", "child", "origin", "axis", "low", "high", "rest", "mimic", "multiplier", "offset", "damping", "friction", "effort",
-    "velocity",
+    "velocity", "pitch",
 )  # fmt: skip
 
 

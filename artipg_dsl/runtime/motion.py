@@ -32,14 +32,37 @@ def product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def follow(joints: JointTable, states: np.ndarray) -> np.ndarray:
-    """Joint values in which those that mimic another take the value that follows from it."""
+    """Joint values in which those that mimic another take the value that follows from it, along chains of any length."""
     values = np.array(states, dtype=np.float64)
-    first = np.searchsorted(joints.owner, joints.owner)
-    for _ in range(3):  # a mimic may follow a mimic
-        leads = joints.mimic >= 0
-        leader = first[leads] + joints.mimic[leads]
+    leads = np.flatnonzero(joints.mimic >= 0)
+    leader = np.searchsorted(joints.owner, joints.owner)[leads] + joints.mimic[leads]
+    for _ in range(len(leads)):
+        before = values[leads]
         values[leads] = joints.multiplier[leads] * values[leader] + joints.offset[leads]
+        if np.array_equal(before, values[leads], equal_nan=True):
+            break
     return values
+
+
+def freedoms(joints: JointTable) -> tuple[np.ndarray, np.ndarray]:
+    """What one unit of a joint's value does: the axis it turns about and the way it slides, (J, 3) each, 0 where it does not.
+
+    Radians of a hinge, a screw or a ball, metres of a slide. A screw advances by its pitch a turn. The value of a ball
+    joint, which has three freedoms, is the tilt of its axis about one direction square to it; the other two rest.
+    """
+    kind = np.array(joints.kind, dtype=object)
+    hinged = np.isin(kind, ("revolute", "continuous", "screw"))[:, None]
+    turn = np.where(hinged, joints.axis, np.where((kind == "ball")[:, None], square(joints.axis), 0.0))
+    advance = np.where(kind == "screw", np.nan_to_num(joints.pitch) / (2.0 * np.pi), (kind == "prismatic") * 1.0)
+    return turn, joints.axis * advance[:, None]
+
+
+def square(axis: np.ndarray) -> np.ndarray:
+    """Unit vectors (k, 3) square to unit vectors: towards the coordinate axis that is farthest from each, made square."""
+    farthest = np.eye(3)[np.argmin(np.abs(axis), axis=1)] if len(axis) else axis
+    along = axis[:, 0] * farthest[:, 0] + axis[:, 1] * farthest[:, 1] + axis[:, 2] * farthest[:, 2]
+    rest = farthest - axis * along[:, None]
+    return rest / np.sqrt(rest[:, 0] ** 2 + rest[:, 1] ** 2 + rest[:, 2] ** 2)[:, None]
 
 
 def link_motion(links: LinkTable, joints: JointTable, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -52,10 +75,10 @@ def link_motion(links: LinkTable, joints: JointTable, states: np.ndarray) -> tup
     values = follow(joints, states)
     first = np.searchsorted(links.owner, np.arange(int(links.owner[-1]) + 1))
     parent, child = first[joints.owner] + joints.parent, first[joints.owner] + joints.child
-    turning = np.array([kind in ("revolute", "continuous", "screw") for kind in joints.kind])
-    sliding = np.array([kind == "prismatic" for kind in joints.kind])
-    turn = rotation_about(joints.axis, np.where(turning, values, 0.0))
-    shift = joints.origin - apply(turn, joints.origin) + joints.axis * np.where(sliding, values, 0.0)[:, None]
+    axis, slide = freedoms(joints)
+    turning, sliding = (axis != 0.0).any(axis=1), (slide != 0.0).any(axis=1)
+    turn = rotation_about(axis, np.where(turning, values, 0.0))
+    shift = joints.origin - apply(turn, joints.origin) + slide * np.where(sliding, values, 0.0)[:, None]
     depth = np.zeros(count, dtype=np.int64)
     for _ in range(count):
         deeper = depth[parent] + 1

@@ -28,6 +28,7 @@ class JointTable:
     """J joints sorted by owner, then number. ``parent`` and ``child`` are link numbers, ``mimic`` a joint number or -1.
 
     ``origin``, ``axis`` (J, 3) lie in the object's frame at joint values 0; radians or metres; nan: not limited, not given.
+    ``pitch`` is the advance of a screw by a turn, in metres. The value of a ball joint is a tilt (see ``motion``).
     """
 
     owner: np.ndarray
@@ -49,6 +50,7 @@ class JointTable:
     friction: np.ndarray
     effort: np.ndarray
     velocity: np.ndarray
+    pitch: np.ndarray
 
 
 @dataclass(frozen=True, slots=True, eq=False)

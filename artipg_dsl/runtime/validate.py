@@ -24,7 +24,7 @@ HALVINGS = 16  # of an interval of angles; what is not decided then is nearer th
 COARSE = 12  # halvings for which boxes stand for the pieces
 SHARES = np.unique(np.concatenate([[0.002, 0.005, 0.01, 0.02, 0.035], np.linspace(0.0, 1.0, 41), [0.98, 0.995]]))
 Pairs = tuple[np.ndarray, np.ndarray]
-TURNING = ("revolute", "continuous", "screw")
+TURNING = ("revolute", "continuous")
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,9 +105,10 @@ class Tree:
         self.high = np.where(np.isnan(self.joints.high), np.pi, self.joints.high)
         base = np.searchsorted(self.joints.owner, self.joints.owner)
         self.leader = np.where(self.joints.mimic >= 0, base + self.joints.mimic, np.arange(len(base)))
-        for _ in range(3):
+        while not np.array_equal(self.leader, self.leader[self.leader]):
             self.leader = self.leader[self.leader]
         self.alone = np.bincount(self.leader, minlength=len(base))[self.leader] == 1
+        self.alone &= self.turns | self.slides | (kinds == "fixed")  # a screw does both, a ball turns about what is no axis of the table
 
     def named(self, found: Collisions) -> dict[tuple[str, str, str], np.ndarray]:
         """Per pair of paths of links and path of the joint ("" at rest): the rows of ``found``."""

@@ -209,7 +209,7 @@ class FakeBatch:
             child=np.tile([1, 2], n), origin=np.stack([self._hinge(), self._boxes()[0][7]], axis=1).reshape(-1, 3),
             axis=np.tile([[0.0, 0, 1], [-1.0, 0, 0]], (n, 1)), low=np.zeros(2 * n), high=np.tile([1.9, 0.005], n),
             rest=np.zeros(2 * n), mimic=np.tile([-1, 0 if self.mimic else -1], n), multiplier=np.full(2 * n, 0.002),
-            offset=np.zeros(2 * n), damping=nan, friction=nan, effort=nan, velocity=nan,
+            offset=np.zeros(2 * n), damping=nan, friction=nan, effort=nan, velocity=nan, pitch=nan,
         )  # fmt: skip
 
     def parts(self) -> SimpleNamespace:
