@@ -41,12 +41,16 @@ class Pose:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Bound:
-    """A conditional bound of a draw: the value lies above (``side`` "low") or below ("high") ``value`` where ``guard`` holds."""
+    """A conditional bound of a draw: the value lies above (``side`` "low") or below ("high") ``value`` where ``guard`` holds.
+
+    It comes from ``requirement`` (an index into Program.requirements), together with those of ``also``.
+    """
 
     side: str
     value: Expr
     guard: Expr
-    requirement: int  # index into Program.requirements
+    requirement: int
+    also: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 
 from ..graph import expr as E
 from ..graph.expr import Column, Expr, Scope
+from ..graph.inequality import Half, bounds_of, least_of
 from ..graph.interval import Intervals
 from ..graph.linear import Linear
 from ..graph.program import Bound, Draw, Limit, Program
@@ -26,18 +27,18 @@ def attach_bounds(program: Program) -> None:
     order = {d.column: k for k, d in enumerate(program.draws)}
     intervals = Intervals(program.draws, program.definitions)
     reader = Linear(lambda c: c in draws, program.definitions, through=True)
-    pending: list[tuple[Scope, Expr, Expr, Expr, int, int]] = []
+    pending: list[tuple[Scope, Expr, Expr, Expr, int, int, tuple[int, ...]]] = []
     for number, requirement in enumerate(program.requirements):
         if requirement.slack is not None:
             low, high = requirement.slack
-            pending.append((requirement.scope, low, high, requirement.guard, number, 0))
+            pending.append((requirement.scope, low, high, requirement.guard, number, 0, ()))
             continue
         last = last_drawn(reader, order, requirement.scope, requirement.condition, requirement.guard)
         if last is not None and draws[last].kind == "choice":
             limit_choice(program, reader, draws[last], requirement.scope, requirement.condition, requirement.guard, number)
-    made = 0
+    made = {False: 0, True: 0}  # derived from linear bounds, and from others
     while pending:
-        scope, low, high, guard, number, depth = pending.pop(0)
+        scope, low, high, guard, number, depth, also = pending.pop(0)
         if intervals.of(E.call("le", low, high))[0] >= 1.0:
             continue
         last = last_drawn(reader, order, scope, E.sub(low, high), guard)
@@ -46,14 +47,20 @@ def attach_bounds(program: Program) -> None:
         if draws[last].kind == "choice":
             limit_choice(program, reader, draws[last], scope, E.call("le", low, high), guard, number)
             continue
-        found = bind(program, draws[last], scope, low, high, guard, number)
-        if found is None or depth >= DEPTH or made >= MOST_DERIVED:
-            continue
-        draw, bound, stated = found
-        for other in opposite(draw, bound):
-            made += 1
-            lower, upper = (other, stated) if bound.side == "high" else (stated, other)
-            pending.append((scope, lower.value, upper.value, E.both(lower.guard, upper.guard), number, depth + 1))
+        bent = linear(program, last, scope, low, high, guard) is None
+        if bent and depth < DEPTH and made[bent] < MOST_DERIVED:  # that the value drawn last has a chance at all
+            least = least_of(E.sub(low, high), last, intervals, program.definitions)
+            if least is not None and scope.within(least.scope) and not late(program, order, last, [least, guard]):
+                made[bent] += 1
+                pending.append((scope, least, E.ZERO, guard, number, depth + 1, also))
+        for draw, bound, stated, inner in bind(program, order, draws[last], scope, low, high, guard, number, also):
+            if depth >= DEPTH or made[bent] >= MOST_DERIVED:
+                break
+            for other in opposite(draw, bound):
+                made[bent] += 1
+                lower, upper = (other, stated) if bound.side == "high" else (stated, other)
+                reasons = tuple(dict.fromkeys((*also, *other.also, *(() if other.requirement == number else (other.requirement,)))))
+                pending.append((inner, lower.value, upper.value, E.both(lower.guard, upper.guard), number, depth + 1, reasons))
 
 
 def last_drawn(reader: Linear, order: dict[Column, int], scope: Scope, *nodes: Expr) -> Column | None:
@@ -103,14 +110,73 @@ def opposite(draw: Draw, bound: Bound) -> Iterator[Bound]:
 
 
 def bind(
-    program: Program, draw: Draw, scope: Scope, low: Expr, high: Expr, guard: Expr, number: int
-) -> tuple[Draw, Bound, Bound] | None:
-    """Turn ``low <= high`` into a bound of the variable that is drawn last, if it can be solved for it.
+    program: Program, order: dict[Column, int], draw: Draw, scope: Scope, low: Expr, high: Expr, guard: Expr, number: int,
+    also: tuple[int, ...] = (),
+) -> list[tuple[Draw, Bound, Bound, Scope]]:  # fmt: skip
+    """Turn ``low <= high`` into bounds of the variable that is drawn last, as far as it can be solved for it.
 
-    Returned twice: as one of the variable's table, and as stated in ``scope``.
+    Each is returned twice: as one of the variable's table, and as stated in the rows of the scope that follows.
     """
     column = draw.column
-    alone = Linear(lambda c: c is column, program.definitions, through=True)
+    halves = linear(program, column, scope, low, high, guard)
+    bent = None
+    if halves is None:
+        intervals = Intervals(program.draws, program.definitions)
+        halves = bent = bounds_of(low, high, guard, scope, column, intervals, program.definitions)
+    found = []
+    for half in halves:
+        lifted = lift(half.scope, column.scope, half.value, half.guard, half.side)
+        if lifted is None or not column.scope.within(lifted[0].scope) or not column.scope.within(lifted[1].scope):
+            continue
+        if halves is bent and late(program, order, column, [*lifted]):
+            continue
+        bound = Bound(half.side, lifted[0], lifted[1], number, also)
+        if any(b.side == bound.side and b.value is bound.value and b.guard is bound.guard for b in draw.bounds):
+            continue
+        draw.bounds.append(bound)
+        found.append((draw, bound, Bound(half.side, half.value, half.guard, number, also), half.scope))
+    return found
+
+
+def needed(program: Program, roots: list[Expr]) -> set[Column]:
+    """All columns that expressions depend on, those included that count the rows they are taken in."""
+    found: set[Column] = set()
+    stack, seen = list(roots), set()
+    while stack:
+        node = stack.pop()
+        if node in seen:
+            continue
+        seen.add(node)
+        stack.extend(node.args)
+        scopes = [node.scope] if node.scope is not None else []
+        if node.op == "col":
+            column: Column = node.value  # type: ignore[assignment]
+            found.add(column)
+            if column in program.definitions:
+                stack.append(program.definitions[column])
+        elif node.op == "reduce":
+            scopes.append(node.value[1])  # type: ignore[index]
+        elif node.op == "phi":
+            scopes.extend(node.value)  # type: ignore[arg-type]
+        elif isinstance(node.value, Scope):
+            scopes.append(node.value)
+        stack.extend(a.count for s in scopes for a in s.ancestors() if a.count is not None)
+    return found
+
+
+def late(program: Program, order: dict[Column, int], column: Column, roots: list[Expr]) -> bool:
+    """Whether expressions need the column itself or what is drawn after it, be it to count the rows they stand in."""
+    return any(order.get(c, -1) >= order[column] for c in needed(program, roots))
+
+
+def reader_of(column: Column, program: Program) -> Linear:
+    """Linear forms in one column, read through the definitions."""
+    return Linear(lambda c: c is column, program.definitions, through=True)
+
+
+def linear(program: Program, column: Column, scope: Scope, low: Expr, high: Expr, guard: Expr) -> list[Half] | None:
+    """The bound of an inequality that is linear in the variable, with a factor of one sign; None where it is not."""
+    alone = reader_of(column, program)
     form = alone.form(E.sub(low, high))
     if form is None or column not in form[0] or alone.reads(guard):
         return None
@@ -118,16 +184,7 @@ def bind(
     sign = sign_of(program, factor)
     if sign == 0:
         return None
-    value = E.div(E.neg(form[1]), factor)
-    side = "high" if sign > 0 else "low"
-    lifted = lift(scope, column.scope, value, guard, side)
-    if lifted is None:
-        return None
-    bound = Bound(side, lifted[0], lifted[1], number)
-    if any(b.side == side and b.value is bound.value and b.guard is bound.guard for b in draw.bounds):
-        return None
-    draw.bounds.append(bound)
-    return draw, bound, Bound(side, value, guard, number)
+    return [Half("high" if sign > 0 else "low", E.div(E.neg(form[1]), factor), guard, scope)]
 
 
 def sign_of(program: Program, factor: Expr) -> int:
