@@ -7,6 +7,7 @@ bounds of one variable could exclude one another, that they do not is a new requ
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from ..graph import expr as E
@@ -47,7 +48,7 @@ def attach_bounds(program: Program) -> None:
         if draws[last].kind == "choice":
             limit_choice(program, reader, draws[last], scope, E.call("le", low, high), guard, number)
             continue
-        bent = linear(program, last, scope, low, high, guard) is None
+        bent = linear(program, last, scope, low, high, guard) is None and not open_ended(E.sub(low, high))
         if bent and depth < DEPTH and made[bent] < MOST_DERIVED:  # that the value drawn last has a chance at all
             least = least_of(E.sub(low, high), last, intervals, program.definitions)
             if least is not None and scope.within(least.scope) and not late(program, order, last, [least, guard]):
@@ -121,6 +122,8 @@ def bind(
     halves = linear(program, column, scope, low, high, guard)
     bent = None
     if halves is None:
+        if open_ended(E.sub(low, high)):
+            return []
         intervals = Intervals(program.draws, program.definitions)
         halves = bent = bounds_of(low, high, guard, scope, column, intervals, program.definitions)
     found = []
@@ -136,6 +139,20 @@ def bind(
         draw.bounds.append(bound)
         found.append((draw, bound, Bound(half.side, half.value, half.guard, number, also), half.scope))
     return found
+
+
+def open_ended(root: Expr) -> bool:
+    """Whether an expression says "no bound" in some rows: it comes from bounds of other alternatives."""
+    stack, seen = [root], set()
+    while stack:
+        node = stack.pop()
+        if node in seen:
+            continue
+        seen.add(node)
+        if node.op == "const" and isinstance(node.value, float) and math.isinf(node.value):
+            return True
+        stack.extend(node.args)
+    return False
 
 
 def needed(program: Program, roots: list[Expr]) -> set[Column]:
