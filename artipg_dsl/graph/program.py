@@ -155,7 +155,7 @@ class Link:
 class Joint:
     """``kind``: revolute, prismatic, continuous, screw, ball or fixed; origin and axis in the object's frame at value 0.
 
-    ``low``, ``high``, ``rest`` in radians or metres (None for continuous and ball: no limit). ``mimic`` is (joint
+    ``low``, ``high``, ``rest`` in radians or metres (None: no limit; of a ball, how far it tilts). ``mimic`` is (joint
     index, multiplier, offset). One instance per row of ``scope``.
     """
 

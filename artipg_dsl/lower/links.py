@@ -217,7 +217,7 @@ class Links:
         outer = self.world(env)
         words = {c.word: c for c in statement.clauses}
         low = high = None
-        if "range" in words and kind not in ("continuous", "ball"):
+        if "range" in words and kind != "continuous":
             low, high = (self.limit(ev, node) for node in words["range"].values)
         elif kind in ("revolute", "prismatic", "screw"):
             raise self.context.error(
