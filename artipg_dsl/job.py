@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .errors import NoObject, UserError
+from .diagnostics.suggest import did_you_mean
+from .errors import NoObject, UsageError, UserError
 from .graph.text import TextError, digest, from_text, to_text
-from .runtime.mutate import Mutation
+from .runtime.mutate import Mutation, Names
 from .runtime.sample import Exhausted, Sampler, Statistics
 from .runtime.settled import again
 from .runtime.trace import Replay, read_traces
@@ -68,7 +69,11 @@ class Job:
         return step.apply(self.sampler, made, numbers, variants, self.statistics, self.checked)
 
     def mutated(self, step: Mutation | Replay) -> Job:
-        """The job of the mutants of this one's objects."""
+        """The job of the mutants of this one's objects. Raises UsageError for names that mean nothing."""
+        program = self.sampler.program
+        for name in Names.unknown(step.only, program) if isinstance(step, Mutation) else ():
+            names = dict.fromkeys(d.column.name for d in program.draws)
+            raise UsageError(f"{program.name} draws no `{name}`", did_you_mean(name, names) or f"it draws {', '.join(list(names)[:8])}, ...")
         return replace(self, mutations=(*self.mutations, step), statistics=Statistics())
 
     def recorded(self) -> dict[str, Any]:

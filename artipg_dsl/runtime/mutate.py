@@ -152,6 +152,14 @@ class Names:
         self.everything = "*" in pieces
         self.pattern = re.compile(f"(?:{'|'.join(parts) or '(?!)'})(?:[.\\[].*)?")
 
+    @staticmethod
+    def unknown(only: str, program: Program) -> list[str]:
+        """The names of a list that mean no value of the program at all."""
+        pieces = [p.strip() for p in only.split(",")]
+        drawn = {d.column.name for d in program.draws}
+        plain = {p: Names(re.sub(r"\[\d+\]", "", p)) for p in pieces}
+        return [p for p, names in plain.items() if not any(names.everything or names.pattern.fullmatch(n) for n in drawn)]
+
     def of(self, batch: Batch, draw: Draw) -> np.ndarray:
         """The rows of a draw that are meant, as a mask."""
         size = batch.rowmap.rows(draw.column.scope).size

@@ -124,6 +124,8 @@ def test_objects_given_by_their_values(apgc, chest, tmp_path):
         (("--only", "99"), "holds no object 99"),
         (("--one", "width", "--parts", "lid"), "--parts has no meaning"),
         (("--replay", "nothing.jsonl"), "cannot be read"),
+        (("--one", "widht"), "did you mean `width`?"),
+        (("--parts", "share,lod"), "Chest draws no `lod`"),
     ],
 )
 def test_wrong_use_is_told(apgc, chest, tmp_path, arguments, said):
