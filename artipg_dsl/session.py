@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from .runtime.sample import Sampler
 
 
+NAMED = 6  # parts that a warning names
 _DECLARED = re.compile(r"^category\s+(\w+)", re.MULTILINE)
 
 
@@ -131,6 +132,23 @@ class Session:
                 hint="let one of them follow from something else",
             )  # fmt: skip
             raise CompileError(self.report) from None
+
+
+    def advise(self) -> None:
+        """Report what is legal and perhaps not meant: parts that nothing gives a material, whose mass is a guess."""
+        typed, lowering = self.typed, self.lowering
+        if typed is None or typed.category is None or lowering is None:
+            return
+        program = lowering.program
+        bare = list(dict.fromkeys(program.parts[site.part].path for site in program.sites if not site.materials))
+        if bare:
+            named = ", ".join(f"`{path}`" for path in bare[:NAMED])
+            more = f" and {len(bare) - NAMED} more" if len(bare) > NAMED else ""
+            what = f"the parts {named}{more} have" if len(bare) > 1 else f"the part {named} has"
+            self.report.warning(
+                "missing-material", typed.category.decl.name_span, f"{what} no material",
+                hint="`material oak on body` gives one; without, 700 kg/m3 and a light grey are taken",
+            )  # fmt: skip
 
 
 def shown(path: Path) -> str:

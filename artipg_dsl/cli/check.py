@@ -37,4 +37,5 @@ def examine(name: str) -> Report:
             _ = session.sampler
         except CompileError:
             pass  # it has told the report
+        session.advise()
     return session.report

@@ -1,13 +1,15 @@
-"""What a primitive is made of: its density, and its colour in one object."""
+"""What a primitive is made of, and what of a material's ranges is drawn in one object."""
 
 from __future__ import annotations
 
 import zlib
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..graph.program import Material
+from ..graph.random import key, uniform
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
@@ -20,9 +22,36 @@ def catalogue(batch: Batch) -> list[Material]:
     return [PLAIN, *batch.program.materials.values()]
 
 
-def density(material: Material) -> float:
-    """kg/m3: the middle of the range."""
-    return (material.density[0] + material.density[1]) / 2
+RANGES = {  # property: what its draw is named after; the two frictions share one, so that the static one stays larger
+    "density": "density",
+    "friction_static": "friction",
+    "friction_dynamic": "friction",
+    "restitution": "restitution",
+    "metalness": "metalness",
+    "roughness": "roughness",
+    "transparency": "transparency",
+}
+
+
+def drawn(batch: Batch, material: Material, name: str) -> np.ndarray:
+    """A property (B,) of a material in each object, uniform in its range: addressed by seed, object and names alone.
+
+    A mutant has the values of the object that it was made from.
+    """
+    low, high = getattr(material, name)
+    if low == high:
+        return np.full(len(batch), low)
+    share = uniform(key(batch.seed, "material", material.name, RANGES[name]), batch.state.objects)
+    return low + (high - low) * share
+
+
+def settled(batch: Batch, material: Material) -> list[Material]:
+    """The material as it is in each object: every range is one value."""
+    ranges = [name for name in RANGES if getattr(material, name)[0] != getattr(material, name)[1]]
+    if not ranges:
+        return [material] * len(batch)
+    values = {name: drawn(batch, material, name).tolist() for name in ranges}
+    return [replace(material, **{name: (v[i], v[i]) for name, v in values.items()}) for i in range(len(batch))]
 
 
 def colours(batch: Batch, material: Material) -> np.ndarray:
@@ -33,14 +62,14 @@ def colours(batch: Batch, material: Material) -> np.ndarray:
     """
     palette = np.asarray(material.colour, dtype=np.float64).reshape(-1, 3)
     with np.errstate(over="ignore"):
-        key = np.asarray(batch.state.objects).astype(np.uint64) * np.uint64(0x9E3779B97F4A7C15)
-        key ^= np.uint64(zlib.crc32(material.name.encode()) ^ (int(batch.seed) & 0xFFFFFFFF) * 0x85EBCA6B % 2**32)
-        key ^= key >> np.uint64(30)
-        key *= np.uint64(0xBF58476D1CE4E5B9)
-        key ^= key >> np.uint64(27)
-        key *= np.uint64(0x94D049BB133111EB)
-        key ^= key >> np.uint64(31)
-    return palette[(key % np.uint64(len(palette))).astype(np.int64)]
+        mixed = np.asarray(batch.state.objects).astype(np.uint64) * np.uint64(0x9E3779B97F4A7C15)
+        mixed ^= np.uint64(zlib.crc32(material.name.encode()) ^ (int(batch.seed) & 0xFFFFFFFF) * 0x85EBCA6B % 2**32)
+        mixed ^= mixed >> np.uint64(30)
+        mixed *= np.uint64(0xBF58476D1CE4E5B9)
+        mixed ^= mixed >> np.uint64(27)
+        mixed *= np.uint64(0x94D049BB133111EB)
+        mixed ^= mixed >> np.uint64(31)
+    return palette[(mixed % np.uint64(len(palette))).astype(np.int64)]
 
 
 def linear(srgb: np.ndarray) -> np.ndarray:

@@ -235,7 +235,7 @@ def _urdf_link(member: Member, members: list[Member], drawn: dict[int, Any]) -> 
     found |= {"visuals": visuals[0], "colliders": visuals[1], "back": numbers(-member.pivot)}
     if joint is not None:
         found["origin"] = numbers(member.pivot - members[member.parent or 0].pivot)
-    if joint is not None and joint.kind != "fixed":
+    if joint is not None and member.word != "static":
         found["axis"] = numbers(turned(joint.axis))
         if member.type != "continuous" and member.limit is not None:
             found["limit"] = [numbers([value]) for value in member.limit]
@@ -245,7 +245,7 @@ def _urdf_link(member: Member, members: list[Member], drawn: dict[int, Any]) -> 
 def _mobility(member: Member) -> dict[str, Any]:
     """An entry of ``mobility_v2.json``: hinges in degrees, the rest in the data set's frame."""
     joint, data = member.joint, {}
-    if joint is not None and joint.kind != "fixed":
+    if joint is not None and member.word != "static":
         free = member.type == "continuous" or member.limit is None
         ends = np.array((-np.pi, np.pi) if free else member.limit)
         ends = np.degrees(ends) if member.word == "hinge" else ends

@@ -18,6 +18,7 @@ JOINTS = {
     "continuous": ("hinge", "continuous"),
     "prismatic": ("slider", "prismatic"),
     "fixed": ("static", "fixed"),
+    "ball": ("static", "fixed"),  # there is no word for it
 }
 LIFTED = 5.0  # kg: a root part below this is `free` (one takes the object in the hand), above it `heavy`
 FURNITURE = ("StorageFurniture", "Table")  # whose doors are told apart by how they move

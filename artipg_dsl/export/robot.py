@@ -139,8 +139,8 @@ class Robots:
     @cached_property
     def mass(self) -> solids.Mass:
         """Mass, centre and inertia in link frames, safe to print with few digits and for links of next to nothing."""
-        density = np.array([materials.density(material) for material in self.catalogue])
-        densities = [density[self.material_rows[t.number]] for t in self.tables]
+        density = np.stack([materials.drawn(self.batch, material, "density") for material in self.catalogue])
+        densities = [density[self.material_rows[t.number], t.owner] for t in self.tables]
         mass = solids.link_mass(self.tables, densities, self.link_start[:-1], len(self.links.owner))
         trace = mass.inertia[:, 0, 0] + mass.inertia[:, 1, 1] + mass.inertia[:, 2, 2]
         # a little on the diagonal keeps the tensor positive and within the triangle inequality after rounding
@@ -150,14 +150,19 @@ class Robots:
         return solids.Mass(np.maximum(mass.mass, SMALLEST_MASS), center, inertia)
 
     @cached_property
+    def materials(self) -> list[list[Material]]:
+        """For each material of the catalogue, what it is in each object: ranges of one value."""
+        return [materials.settled(self.batch, material) for material in self.catalogue]
+
+    @cached_property
     def looks(self) -> list[list[Look]]:
         """For each material of the catalogue, how it looks in each object."""
         return [
             [
-                Look(material.name, tuple(c), 1.0 - material.transparency, material.metalness, material.roughness)
-                for c in materials.colours(self.batch, material).tolist()
+                Look(m.name, tuple(c), 1.0 - m.transparency[0], m.metalness[0], m.roughness[0])
+                for m, c in zip(settled, materials.colours(self.batch, settled[0]).tolist(), strict=True)
             ]
-            for material in self.catalogue
+            for settled in self.materials
         ]
 
     def material(self, item: solids.Item) -> int:
@@ -217,7 +222,7 @@ class Robots:
 
     def _collider(self, i: int, item: solids.Item[solids.PieceGroup], index: int) -> Collider:
         group, name = item.group, f"{self._name(i, item)}_{index}"
-        origin, material = self._origin(i, item), self.catalogue[self.material(item)]
+        origin, material = self._origin(i, item), self.materials[self.material(item)][i]
         center, rotation = group.center[item.k] - origin, group.table.rotation[item.row]
         if group.is_box[item.k]:
             return Collider(name, material, tuple(group.size[item.k].tolist()), center, rotation, None)

@@ -254,7 +254,10 @@ class Keypoint:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Material:
-    """Physical and optical properties, each a (low, high) range in SI units; colour is linear-free sRGB in 0 .. 1."""
+    """Physical and optical properties, each a (low, high) range in SI units; colours are sRGB in 0 .. 1.
+
+    An object draws one value from each range, the same for everything of the material in it.
+    """
 
     name: str
     density: tuple[float, float] = (700.0, 700.0)
@@ -262,9 +265,9 @@ class Material:
     friction_dynamic: tuple[float, float] = (0.4, 0.4)
     restitution: tuple[float, float] = (0.1, 0.1)
     colour: tuple[tuple[float, float, float], ...] = ((0.7, 0.7, 0.7),)
-    metalness: float = 0.0
-    roughness: float = 0.6
-    transparency: float = 0.0
+    metalness: tuple[float, float] = (0.0, 0.0)
+    roughness: tuple[float, float] = (0.6, 0.6)
+    transparency: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -18,8 +18,8 @@ from .values import Choice, Vec
 RANGES = {
     "density": "density", "friction_static": "friction_static", "static_friction": "friction_static",
     "friction_dynamic": "friction_dynamic", "dynamic_friction": "friction_dynamic", "restitution": "restitution",
+    "metalness": "metalness", "roughness": "roughness", "transparency": "transparency",
 }  # fmt: skip
-NUMBERS = ("metalness", "roughness", "transparency")
 
 
 @dataclass(slots=True, eq=False)
@@ -67,13 +67,11 @@ def lower_material(context: Context, symbol: Symbol) -> Material:
         elif clause.word in RANGES:
             numbers = [float(ev.scalar(n).constant or 0.0) for n in clause.values]
             values[RANGES[clause.word]] = (numbers[0], numbers[-1])
-        elif clause.word in NUMBERS:
-            values[clause.word] = float(ev.scalar(clause.values[0]).constant or 0.0)
         elif clause.word == "friction":
             numbers = [float(ev.scalar(n).constant or 0.0) for n in clause.values]
             values["friction_static"] = values["friction_dynamic"] = (numbers[0], numbers[-1])
         else:
-            known = sorted({*RANGES, *NUMBERS, "colour", "friction"})
+            known = sorted({*RANGES, "colour", "friction"})
             raise context.error("unknown-clause", clause.span, f"a material has no `{clause.word}`", hint=f"it has {', '.join(known)}")
     made = Material(**values)
     context.program.materials[symbol.name] = made

@@ -28,6 +28,8 @@ def found_in(session: Session) -> set[str]:
         _ = session.sampler
     except CompileError:
         pass
+    if not session.report.diagnostics:  # a small example has no materials, which is not what it is about
+        session.advise()
     return {d.code for d in session.report.diagnostics}
 
 

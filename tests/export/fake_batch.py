@@ -115,8 +115,8 @@ def program() -> Program:
         sites=sites, labels=labels, grasps=[grasp], keypoints=[Keypoint("tip", root, (1,), (width, ZERO, ZERO))],
         materials={
             "paint": Material("paint", (600.0, 800.0), colour=((0.92, 0.91, 0.88), (0.35, 0.45, 0.55))),
-            "glass": Material("glass", (2500.0, 2500.0), colour=((0.6, 0.75, 0.8),), roughness=0.05, transparency=0.6),
-            "steel": Material("steel", (7850.0, 7850.0), colour=((0.75, 0.75, 0.78),), metalness=1.0, roughness=0.3),
+            "glass": Material("glass", (2500.0, 2500.0), colour=((0.6, 0.75, 0.8),), roughness=(0.05, 0.05), transparency=(0.6, 0.6)),
+            "steel": Material("steel", (7850.0, 7850.0), colour=((0.75, 0.75, 0.78),), metalness=(1.0, 1.0), roughness=(0.3, 0.3)),
         },
         primitives=primitives, vocabularies={"semantic": SEMANTIC}, hash="f" * 64,
     )  # fmt: skip

@@ -247,7 +247,7 @@ def test_what_it_cannot_state_is_refused(monkeypatch: pytest.MonkeyPatch) -> Non
     batch = sample("Microwave", 1, seed=7)
     robots = Robots(batch.batch)
     robot = robots.robot(0)
-    for changed in ({"kind": "ball"}, {"kind": "prismatic", "low": None}):
+    for changed in ({"kind": "screw"}, {"kind": "prismatic", "low": None}):
         joints = (replace(robot.joints[0], **changed), *robot.joints[1:])
         monkeypatch.setattr(robots, "robot", lambda _, joints=joints: replace(robot, joints=joints))
         with pytest.raises(ExportError, match="cannot state"):

@@ -178,6 +178,17 @@ RESOLVING = (
           material oak on seat
         }
         """),
+    Code("missing-material", "parts have no material", """
+        Nothing says what a part is made of, so that its mass, friction and colour are guesses: 700 kg/m3, light
+        grey. Write `material oak on body`; the parts within take it, too. `apgc check` warns of it, the program
+        works.
+        """, """
+        apg 1
+        use primitives { Cuboid }
+        category Stool {
+          root part seat : Cuboid(size = [30cm, 30cm, 3cm])
+        }
+        """),
     Code("duplicate-name", "a name is declared twice", """
         Parameters, parts, ports, surfaces and slots of one template share one namespace. One name may be
         declared in two branches that exclude each other (`when a { } else { }`). Otherwise it would depend on
