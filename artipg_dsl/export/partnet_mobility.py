@@ -150,8 +150,9 @@ def _members(robots: Robots, i: int, robot: Robot, frame: Frame) -> list[Member]
 def _words(robot: Robot, joint: RobotJoint) -> tuple[str, str]:
     """The word and the URDF type of a joint."""
     limited = joint.low is not None and joint.high is not None
-    if joint.kind not in JOINTS or (joint.kind == "prismatic" and not limited):
-        what = f"a {joint.kind} joint" if joint.kind not in JOINTS else "a prismatic joint without limits"
+    slides = joint.kind in ("prismatic", "screw")
+    if joint.kind not in JOINTS or (slides and not limited):
+        what = f"a {joint.kind} joint{'' if joint.kind not in JOINTS else ' without limits'}"
         raise ExportError(
             f"{robot.name}: joint {joint.name} is {what}, which PartNet-Mobility cannot state",
             "it has hinges and sliders; leave partnet-mobility out of --format",
@@ -162,8 +163,9 @@ def _words(robot: Robot, joint: RobotJoint) -> tuple[str, str]:
 def _limit(joint: RobotJoint, frame: Frame) -> tuple[float, float] | None:
     if joint.low is None or joint.high is None:
         return None
-    unit = frame.unit if joint.kind == "prismatic" else 1.0
-    return joint.low / unit, joint.high / unit
+    unit = {"prismatic": 1.0, "screw": joint.pitch / (2 * np.pi)}.get(joint.kind)
+    share = 1.0 if unit is None else unit / frame.unit
+    return joint.low * share, joint.high * share
 
 
 def _leaf_name(robots: Robots, i: int, instance: int) -> tuple[str, str]:
@@ -244,7 +246,8 @@ def _urdf_link(member: Member, members: list[Member], drawn: dict[int, Any]) -> 
 
 def _mobility(member: Member) -> dict[str, Any]:
     """An entry of ``mobility_v2.json``: hinges in degrees, the rest in the data set's frame."""
-    joint, data = member.joint, {}
+    joint = member.joint
+    data: dict[str, Any] = {}
     if joint is not None and member.word != "static":
         free = member.type == "continuous" or member.limit is None
         ends = np.array((-np.pi, np.pi) if free else member.limit)
@@ -253,6 +256,10 @@ def _mobility(member: Member) -> dict[str, Any]:
             "axis": {"origin": short(member.pivot), "direction": short(turned(joint.axis))},
             "limit": {"a": short(ends)[0], "b": short(ends)[1], "noLimit": free},
         }
+        if member.word == "slider+":
+            assert joint.low is not None and joint.high is not None
+            turn = short(np.degrees(np.array(joint.high - joint.low)))
+            data["limit"] |= {"rotates": True, "noRotationLimit": False, "rotationLimit": turn}
     parts = [{"id": leaf.id, "name": leaf.name, "children": []} for leaf in member.leaves.values()]
     parent = -1 if member.parent is None else member.parent
     return {"id": member.id, "parent": parent, "joint": member.word, "name": member.label, "parts": parts, "jointData": data}
@@ -301,7 +308,8 @@ def _points(robots: Robots) -> Points:
     return found
 
 
-def short(values: np.ndarray) -> list[float]:
+def short(values: np.ndarray) -> Any:
+    """Numbers with nine decimals, as plain data."""
     return (np.round(values, 9) + 0.0).tolist()
 
 

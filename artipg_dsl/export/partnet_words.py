@@ -17,6 +17,7 @@ JOINTS = {
     "revolute": ("hinge", "revolute"),
     "continuous": ("hinge", "continuous"),
     "prismatic": ("slider", "prismatic"),
+    "screw": ("slider+", "prismatic"),  # what turns as it slides; a URDF drops the turning
     "fixed": ("static", "fixed"),
     "ball": ("static", "fixed"),  # there is no word for it
 }

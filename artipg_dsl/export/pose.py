@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..annotate.frames import axis_angle
+from ..runtime.motion import square
 
 if TYPE_CHECKING:
-    from ..runtime.motion import square
-from .robot import Robot, RobotJoint
+    from .robot import Robot, RobotJoint
 
 Pose = tuple[np.ndarray, np.ndarray]
 

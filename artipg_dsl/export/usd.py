@@ -26,6 +26,7 @@ TYPES = {
     "revolute": "PhysicsRevoluteJoint",
     "continuous": "PhysicsRevoluteJoint",
     "prismatic": "PhysicsPrismaticJoint",
+    "screw": "PhysicsRevoluteJoint",  # there is no screw: it turns, and says how far it would advance
     "ball": "PhysicsSphericalJoint",
     "fixed": "PhysicsFixedJoint",
 }
@@ -151,7 +152,12 @@ def _joint(robot: Robot, joint: RobotJoint, name: str, links: list[str], paths: 
         f"quatf physics:localRot1 = {quat(turn)}",
     ]
     schemas: list[str] = []
-    if joint.kind not in ("ball", "fixed"):
+    if joint.kind == "ball":
+        lines.append(f'uniform token physics:axis = "{letter}"')
+        if joint.high is not None:
+            cone = max(abs(joint.low or 0.0), abs(joint.high)) * DEGREES
+            lines += [f"float physics:coneAngle{k}Limit = {cone:.9g}" for k in (0, 1)]
+    elif joint.kind != "fixed":
         angular = joint.kind != "prismatic"
         unit = DEGREES if angular else 1.0
         drive = "drive:angular:physics" if angular else "drive:linear:physics"
@@ -167,6 +173,8 @@ def _joint(robot: Robot, joint: RobotJoint, name: str, links: list[str], paths: 
             f"float physxJoint:maxJointVelocity = {joint.velocity * unit:.9g}",
         ]
         schemas = ["PhysicsDriveAPI:angular" if angular else "PhysicsDriveAPI:linear", "PhysxJointAPI"]
+        if joint.kind == "screw":
+            lines.append(f"custom double artipg:screw:pitch = {joint.pitch:.17g}")
         if joint.mimic is not None:
             lines += _mimic(robot, joint, name, letter, paths, schemas)
     quoted = ", ".join(f'"{schema}"' for schema in schemas)

@@ -56,7 +56,9 @@ class Folder:
         for entry in self.mobility:
             if entry["parent"] >= 0 and entry["joint"] != "static":
                 value = values[self.joint_of(entry["id"])]
-                theirs[f"joint_{entry['id']}"] = float(value / self.unit if entry["joint"] == "slider" else value)
+                row = self.joint_of(entry["id"])
+                per = self.joints.pitch[row] / (2 * np.pi) if entry["joint"] == "slider+" else 1.0
+                theirs[f"joint_{entry['id']}"] = float(value if entry["joint"] == "hinge" else value * per / self.unit)
         return values, theirs
 
     def check_poses(self, values: np.ndarray, transforms: dict[str, np.ndarray], tolerance: float) -> None:
@@ -243,11 +245,37 @@ def test_bytes_do_not_depend_on_the_batch() -> None:
     assert one == partnet_files(Robots(sample("Microwave", 5, seed=7).batch), 3)
 
 
+def test_screws_advance_and_balls_keep_still(monkeypatch: pytest.MonkeyPatch) -> None:
+    robots = Robots(sample("Microwave", 1, seed=7).batch)
+    robot = robots.robot(0)
+    door = robot.joints[0]
+    assert door.kind == "revolute" and door.high is not None
+
+    def changed(**values: object) -> dict[str, bytes]:
+        joints = (replace(door, **values), *robot.joints[1:])
+        monkeypatch.setattr(robots, "robot", lambda _: replace(robot, joints=joints))
+        return partnet_files(robots, 0)
+
+    files = changed(kind="screw", pitch=0.02)
+    unit = float(json.loads(files["meta.json"])["metres_per_unit"])
+    entry = json.loads(files["mobility_v2.json"])[0]
+    limit = entry["jointData"]["limit"]
+    assert entry["joint"] == "slider+" and limit["rotates"] and limit["rotationLimit"] == pytest.approx(np.degrees(door.high))
+    assert limit["b"] * unit == pytest.approx(0.02 * door.high / (2 * np.pi), abs=1e-8)
+    joint = ElementTree.fromstring(files["mobility.urdf"]).find("joint[@name='joint_0']")
+    assert joint is not None and joint.attrib["type"] == "prismatic" and joint.find("limit") is not None
+    files = changed(kind="ball")
+    assert files["semantics.txt"].startswith(b"link_0 static door\n")
+    assert json.loads(files["mobility_v2.json"])[0]["jointData"] == {}
+    joint = ElementTree.fromstring(files["mobility.urdf"]).find("joint[@name='joint_0']")
+    assert joint is not None and joint.attrib["type"] == "fixed" and joint.find("axis") is None
+
+
 def test_what_it_cannot_state_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     batch = sample("Microwave", 1, seed=7)
     robots = Robots(batch.batch)
     robot = robots.robot(0)
-    for changed in ({"kind": "screw"}, {"kind": "prismatic", "low": None}):
+    for changed in ({"kind": "gear"}, {"kind": "prismatic", "low": None}):
         joints = (replace(robot.joints[0], **changed), *robot.joints[1:])
         monkeypatch.setattr(robots, "robot", lambda _, joints=joints: replace(robot, joints=joints))
         with pytest.raises(ExportError, match="cannot state"):

@@ -235,11 +235,17 @@ def test_joints_of_other_kinds(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(robots, "robot", lambda _: changed)
         return robots
 
-    for kind, schema in (("ball", UsdPhysics.SphericalJoint), ("fixed", UsdPhysics.FixedJoint)):
-        opened = Opened(with_kind(kind), 0)
-        assert opened.joints[robot.joints[0].name].IsA(schema)
-    with pytest.raises(ExportError, match="screw joint, which UsdPhysics cannot state"):
-        usd_files(with_kind("screw"), 0)
+    name, high = robot.joints[0].name, robot.joints[0].high
+    opened = Opened(with_kind("ball"), 0)  # a prim lives as long as its stage
+    ball = UsdPhysics.SphericalJoint(opened.joints[name])
+    assert ball.GetConeAngle0LimitAttr().Get() == pytest.approx(np.degrees(high))
+    opened = Opened(with_kind("fixed"), 0)
+    assert opened.joints[name].IsA(UsdPhysics.FixedJoint)
+    opened = Opened(with_kind("screw"), 0)
+    screw = opened.joints[name]
+    assert screw.IsA(UsdPhysics.RevoluteJoint) and screw.GetAttribute("artipg:screw:pitch").Get() == robot.joints[0].pitch
+    with pytest.raises(ExportError, match="gear joint, which UsdPhysics cannot state"):
+        usd_files(with_kind("gear"), 0)
 
 
 def test_frames_for_any_axis() -> None:
