@@ -21,9 +21,9 @@ import numpy as np
 
 from ..graph import expr as E
 from ..graph.expr import ONE, ZERO, Expr
-from ..graph.primitive import Patch, Piece, Triple
+from ..graph.primitive import Patch, Piece
 from ..syntax import ast
-from .curves import TURN, spans_of
+from .curves import TURN
 from .env import Env
 from .evaluate import Evaluator
 from .made import FULL, Made, U, clause
@@ -33,7 +33,6 @@ from .profiles import (
     Point,
     Side,
     Span,
-    V,
     between,
     distance,
     dot,
@@ -43,9 +42,9 @@ from .profiles import (
     right_of,
     samples,
 )
+from .regions import Strips, axis_of, chains_of, check_values, outline, turned
 from .strips import MOST, Quad, chord, convex, strip
 from .sweeps import sweep
-from .vectors import signed_axis
 
 PX, PY, PZ = (E.var(f"p.{a}") for a in "xyz")
 ROUND = 24  # corners of a slice
@@ -60,41 +59,6 @@ def solid_of(env: Env, solid: ast.SolidDecl) -> Made:
             hint="there are " + ", ".join(makers),
         )  # fmt: skip
     return makers[solid.operator](env, solid)
-
-
-def chains_of(env: Env, probe: Probe, solid: ast.SolidDecl) -> list[list[Span]]:
-    """One chain or two; the curves of each meet end to end."""
-    if not 1 <= len(solid.arguments) <= 2:
-        raise env.context.error(
-            "wrong-arguments", solid.span, f"`{solid.operator}` takes one chain of curves, or an outer and an inner one"
-        )
-    chains = [spans_of(Evaluator(env), a.value) for a in solid.arguments]
-    for chain, argument in zip(chains, solid.arguments, strict=True):
-        for a, b in zip(chain, chain[1:], strict=False):
-            if not probe.same(a.end, b.start):
-                raise env.context.error(
-                    "broken-chain", argument.span, f"`{b.name}` does not begin where `{a.name}` ends",
-                    hint="the curves of a chain meet end to end, for every test value",
-                )  # fmt: skip
-    return chains
-
-
-def axis_of(env: Env, solid: ast.SolidDecl, word: str) -> int:
-    """The axis that follows ``about`` or ``along``; z where the clause is left out."""
-    node = clause(solid, word)
-    if node is None:
-        return 2
-    found = signed_axis(Evaluator(env).direction(node))
-    if found is None or found[1] < 0:
-        raise env.context.error("bad-axis", node.span, f"`{solid.operator}` takes x, y or z after `{word}`")
-    return found[0]
-
-
-def turned(axis: int, across: Point, height: Expr) -> Triple:
-    """A place given across and along an axis; across are the two other axes in cyclic order."""
-    place: list[Expr] = [ZERO] * 3
-    place[(axis + 1) % 3], place[(axis + 2) % 3], place[axis] = across[0], across[1], height
-    return tuple(place)  # type: ignore[return-value]
 
 
 # ---------------------------------------------------------------- lathe
@@ -236,14 +200,6 @@ def check_radius(env: Env, probe: Probe, solid: ast.SolidDecl, span: Span) -> No
         )  # fmt: skip
 
 
-def check_values(env: Env, probe: Probe, solid: ast.SolidDecl, span: Span) -> None:
-    if np.isnan(samples(probe, span, 16)).any():
-        raise env.context.error(
-            "bad-curve", solid.span, f"the curve `{span.name}` has no value at some of the test values",
-            hint="narrow the ranges after `test`, or add a `require`",
-        )  # fmt: skip
-
-
 # ---------------------------------------------------------------- extrude
 
 
@@ -285,61 +241,6 @@ def extrude(env: Env, solid: ast.SolidDecl) -> Made:
     if len(loops) > 1 or not convex(probe, loops[0][0], mirrored=False):
         pieces = prisms(probe, loops, strips, axis, (low, high))
     return Made(tuple(patches), pieces, inside, bounds[0], bounds[1], {}, ((low, high, "the prism has no height"),))
-
-
-Strips = list[tuple[Span, Span]]
-
-
-def outline(
-    env: Env, probe: Probe, solid: ast.SolidDecl, chains: list[list[Span]]
-) -> tuple[list[tuple[Loop, bool]], Strips]:
-    """The loops of a region (with whether they are holes), and the pairs of curves between which it lies."""
-    closed = [probe.same(chain[0].start, chain[-1].end) for chain in chains]
-    for chain in chains:
-        for span in chain:
-            check_values(env, probe, solid, span)
-    outer = chains[0]
-    if len(chains) == 1:
-        sides = [Side(s) for s in outer]
-        if not closed[0]:
-            sides.append(Side(between("rim", outer[-1].end, outer[0].start)))
-        middle = mean([side.span for side in sides])
-        hub = [(side.span, Span("", middle, side.span.low, side.span.high)) for side in sides]
-        return [(tuple(sides), False)], hub
-    inner = chains[1]
-    if closed[0] != closed[1] or len(outer) != len(inner):
-        raise env.context.error(
-            "broken-chain", solid.span, "the two chains do not fit",
-            hint="both are closed or both are open, and they have as many curves each",
-        )  # fmt: skip
-    strips = [(a, matched(a, b)) for a, b in zip(outer, inner, strict=True)]
-    if closed[0]:
-        return [(tuple(map(Side, outer)), False), (tuple(map(Side, inner)), True)], strips
-    sides = [Side(s) for s in outer]
-    if not probe.same(outer[-1].end, inner[-1].end):
-        sides.append(Side(between("rim", outer[-1].end, inner[-1].end)))
-    sides += [Side(s, back=True) for s in reversed(inner)]
-    if not probe.same(inner[0].start, outer[0].start):
-        sides.append(Side(between("rim", inner[0].start, outer[0].start)))
-    return [(tuple(sides), False)], strips
-
-
-def matched(a: Span, b: Span) -> Span:
-    """The curve ``b`` over the range of ``a``."""
-    if b.low is a.low and b.high is a.high:
-        return b
-    v = E.div(E.sub(V, a.low), E.sub(a.high, a.low))
-    return Span(b.name, b.fraction(v), a.low, a.high)
-
-
-def mean(spans: list[Span]) -> Point:
-    """A place in the middle: the mean of a few places of the boundary."""
-    points = [span.fraction(k / 4) for span in spans for k in range(4)]
-    share = E.const(1.0 / len(points))
-    x, y = ZERO, ZERO
-    for point in points:
-        x, y = E.add(x, E.mul(point[0], share)), E.add(y, E.mul(point[1], share))
-    return x, y
 
 
 def prisms(
