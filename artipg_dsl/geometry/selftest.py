@@ -29,7 +29,8 @@ FILL = 0.5  # what pieces leave out may lie this deep, relative to the greatest 
 MISSED = 0.015  # share of deeper places that may be missed all the same: the rim of a slice thinner than its rounding
 _FINE = 96  # steps per turn of the mesh that stands for the true shape
 _PLACES = 64  # places per surface
-_VOLUME = 8192  # places in the box
+_VOLUME = 4096  # places in the box
+_AT_ONCE = 8192  # places asked at a time, so that the terms stay in the caches
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,8 +85,11 @@ class _Inspection:
 
     def inside(self, row: np.ndarray, points: np.ndarray) -> np.ndarray:
         """(m,) the inside function of rows at points (m, 3)."""
-        value = self._split.points([r[row] for r in self._rows], *points.T)[0]
-        return np.broadcast_to(value, row.shape)
+        out = np.empty(len(row))
+        for start in range(0, len(row), _AT_ONCE):
+            part = slice(start, start + _AT_ONCE)
+            out[part] = self._split.points([r[row[part]] for r in self._rows], *points[part].T)[0]
+        return out
 
     def places(self, patch: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Rows (m,), positions and normals (m, 3) of places spread over one surface of all rows that have it."""

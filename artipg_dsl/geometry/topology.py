@@ -190,7 +190,18 @@ def _straight(primitive: Primitive, patch: int, params: Params, scale: np.ndarra
         straight[axis] = np.abs(lines - chord).max() < TOLERANCE
     if straight.all() and twist > TOLERANCE:
         straight[:] = False  # a twisted quad: one step would cut off its bulge
-    return straight
+    return straight & ~_warped(primitive, patch, params)
+
+
+def _warped(primitive: Primitive, patch: int, params: Params) -> np.ndarray:
+    """(2,) bool: whether the normal turns along lines of u, of v: facets along the whole of a line would face askew."""
+    u, v = np.meshgrid(_ACROSS, _ACROSS, indexing="ij")
+    tangent = grid(tangent_split(primitive, patch), params, u, v)
+    normal = np.cross(tangent[..., :3], tangent[..., 3:])
+    length = np.sqrt((normal**2).sum(axis=-1, keepdims=True))
+    normal = normal / np.maximum(length, 1e-300)
+    turned = [np.abs(lines - lines[:, :1]).max() for lines in (normal, normal.transpose(0, 2, 1, 3))]
+    return np.array(turned) > 1e-6
 
 
 def shown(primitive: Primitive, patch: int) -> Params:

@@ -1,4 +1,4 @@
-"""The operators that make a solid of curves: ``lathe`` and ``extrude`` here, ``sweep`` and ``loft`` in ``sweeps``.
+"""The operators that make a solid of curves: ``lathe`` and ``extrude`` here, ``sweep`` and ``loft`` in ``sweeps`` and ``loft``.
 
 An operator supplies surfaces that close, the inside function, the box and convex pieces. Surfaces bear the names of
 the curves; what closes them is ``start``, ``end`` or ``rim``:
@@ -26,6 +26,7 @@ from ..syntax import ast
 from .curves import TURN
 from .env import Env
 from .evaluate import Evaluator
+from .loft import loft, swept
 from .made import FULL, Made, U, clause
 from .probe import SMALL, Probe
 from .profiles import (
@@ -43,8 +44,8 @@ from .profiles import (
     samples,
 )
 from .regions import Strips, axis_of, chains_of, check_values, outline, turned
-from .strips import MOST, Quad, chord, convex, strip
-from .sweeps import sweep
+from .strips import MOST, Quad, chord, convex, parts, strip
+from .sweeps import round_sections, sweep
 
 PX, PY, PZ = (E.var(f"p.{a}") for a in "xyz")
 ROUND = 24  # corners of a slice
@@ -52,7 +53,7 @@ ROUND = 24  # corners of a slice
 
 def solid_of(env: Env, solid: ast.SolidDecl) -> Made:
     """The solid of ``solid = operator(curves) ...``; raises Abort after a diagnostic where it cannot be made."""
-    makers = {"lathe": lathe, "extrude": extrude, "sweep": sweep}
+    makers = {"lathe": lathe, "extrude": extrude, "sweep": sweep if round_sections(solid) else swept, "loft": loft}
     if solid.operator not in makers:
         raise env.context.error(
             "unknown-function", solid.span, f"there is no operator `{solid.operator}`",
@@ -246,12 +247,9 @@ def extrude(env: Env, solid: ast.SolidDecl) -> Made:
 def prisms(
     probe: Probe, loops: list[tuple[Loop, bool]], strips: Strips, axis: int, ends: tuple[Expr, Expr]
 ) -> tuple[Piece, ...]:
-    """Prisms over the steps of the strips."""
-    sign = orientation(probe, loops[0][0])
-    pieces = []
-    for number, (one, other) in enumerate(strips):
-        for k, quad in enumerate(strip(probe, [one], [other], sign)):
-            corners = [*quad.outer, *quad.inner]
-            points = tuple(turned(axis, corner, end) for end in ends for corner in corners)
-            pieces.append(Piece(f"{one.name}_{number}_{k}", points))
-    return tuple(pieces)
+    """Prisms over the convex parts of a region."""
+    polygons = parts(probe, strips, orientation(probe, loops[0][0]))
+    return tuple(
+        Piece(f"part_{number}", tuple(turned(axis, corner, end) for end in ends for corner in corners))
+        for number, corners in enumerate(polygons)
+    )

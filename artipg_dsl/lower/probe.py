@@ -53,6 +53,14 @@ class Probe:
             )  # fmt: skip
         self.values = {name: value[kept] for name, value in self.values.items()}
 
+    def spread(self, name: str, values: tuple[float, ...]) -> Probe:
+        """The same rows once for each value of another variable."""
+        other = object.__new__(Probe)
+        count = len(next(iter(self.values.values())))
+        other.values = {key: np.tile(column, len(values)) for key, column in self.values.items()}
+        other.values[name] = np.repeat(np.array(values), count)
+        return other
+
     def __call__(self, *exprs: Expr) -> np.ndarray:
         """(expressions, rows): their values; nan where a formula has none."""
         with np.errstate(all="ignore"):

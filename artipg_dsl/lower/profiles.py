@@ -1,6 +1,6 @@
 """Plane regions bounded by curves: how far a point is from the boundary, on which side, and how far the region reaches.
 
-A boundary is made of spans. The distance of a point to a straight span is exact; on a curved one the foot of the
+A boundary is made of spans. The distance of a point to a straight span or a circular arc is exact; on others the foot of the
 perpendicular is found by Newton's method, written out, within brackets so short that the curve bends little in them.
 On the boundary itself the distance is 0 to rounding.
 """
@@ -15,7 +15,7 @@ import numpy as np
 from ..graph import expr as E
 from ..graph.derive import derive
 from ..graph.expr import ONE, ZERO, Expr
-from .probe import Probe
+from .probe import SMALL, Probe
 
 Point = tuple[Expr, Expr]
 V = E.var("v")
@@ -25,6 +25,7 @@ STEPS = 4
 SLOW = 3
 LEAST = 0.5  # of the squared speed: the least denominator of a step, near the centre of curvature
 BEND = np.radians(50.0)  # the most that a curve turns within a bracket
+TURN = 6.283185307179586
 FINE = 64  # steps at which a curve's turning is looked at; a power of 2
 
 
@@ -236,7 +237,10 @@ def reaches(
         t = E.div(dot(minus(point, a), along), E.maximum(dot(along, along), TINY))
         t = clamp(t, 0.0, 1.0)
         away = minus(minus(point, a), scale(along, t))
-        return [(dot(away, away), side_of(away, right_of(along, outward), t, ends, 0.0, 1.0))]
+        return [(dot(away, away), side_of(away, right_of(along, outward), t, ends, ZERO, ONE))]
+    arc = circular(probe, span)
+    if arc is not None:
+        return [arc.reach(outward, ends, point)]
     cuts = brackets(probe, span)
     curve = span.by_fraction
     speed: Point = tuple(derive(c, "v") for c in curve)  # type: ignore[assignment]
@@ -251,8 +255,62 @@ def reaches(
         away = minus(minus(point, here), scale(tangent, E.sub(last, t)))
         normal = right_of(tangent, outward)
         own = (ends[0] if k == 0 else normal, ends[1] if k == len(cuts) - 1 else normal)
-        found.append((dot(away, away), side_of(away, normal, last, own, low, high)))
+        found.append((dot(away, away), side_of(away, normal, last, own, E.const(low), E.const(high))))
     return found
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Arc:
+    """A circular span: its centre and radius, the direction from the centre to its middle, +1 where it turns left,
+    and half its angle.
+    """
+
+    center: Point
+    radius: Expr
+    middle: Point
+    left: Expr
+    half: Expr
+
+    def reach(self, outward: Expr, ends: tuple[Point, Point], point: Point) -> tuple[Expr, Expr]:
+        """Squared distance of a point, and a number with the sign of its side."""
+        away = minus(point, self.center)
+        onwards = scale((E.neg(self.middle[1]), self.middle[0]), self.left)
+        angle = E.call("atan2", dot(away, onwards), dot(away, self.middle))
+        angle = E.minimum(E.maximum(angle, E.neg(self.half)), self.half)
+        c, s = E.call("cos", angle), E.call("sin", angle)
+        out = E.add(E.mul(self.middle[0], c), E.mul(onwards[0], s)), E.add(E.mul(self.middle[1], c), E.mul(onwards[1], s))
+        rest = minus(away, scale(out, self.radius))
+        normal = scale(out, E.mul(self.left, outward))
+        return dot(rest, rest), side_of(rest, normal, angle, ends, E.neg(self.half), self.half)
+
+
+def circular(probe: Probe, span: Span) -> Arc | None:
+    """The circle that a span is an arc of, for every test value; None where it is none."""
+    points = samples(probe, span, FINE)
+    turns = turning(points)
+    if not (np.abs(turns - turns[:, :1]) < 1e-6).all() or (np.abs(turns.sum(axis=1)) * 64 / 63 > TURN + 1e-6).any():
+        return None
+    start, middle = span.start, span.fraction(0.5)
+    speed = tuple(derive(c, "v") for c in span.by_fraction)
+    bend = tuple(derive(c, "v") for c in speed)
+    (x, y), (ax, ay) = (substituted(q, ZERO) for q in (speed, bend))  # type: ignore[arg-type]
+    square, cross = E.add(E.mul(x, x), E.mul(y, y)), E.sub(E.mul(x, ay), E.mul(y, ax))
+    to_center = E.div(square, cross)
+    center = E.sub(start[0], E.mul(y, to_center)), E.add(start[1], E.mul(x, to_center))
+    center = probe.tidy(center[0]), probe.tidy(center[1])
+    radius = probe.tidy(E.call("abs", E.mul(E.call("sqrt", square), to_center)))
+    seen = np.stack([probe(c)[0] for c in center], axis=-1)[:, None]
+    off = np.sqrt(((points - seen) ** 2).sum(axis=-1)) / probe(radius)[0][:, None] - 1
+    if not (np.abs(off) < 1e-11).all():
+        return None
+    to_middle = tuple(probe.tidy(E.div(c, radius)) for c in minus(middle, center))
+    to_start = minus(start, center)
+    side, ahead = E.sub(E.mul(to_middle[0], to_start[1]), E.mul(to_middle[1], to_start[0])), dot(to_middle, to_start)  # type: ignore[arg-type]
+    half = E.call("atan2", E.call("abs", side), ahead)
+    whole = bool((np.abs(points[:, 0] - points[:, -1]).max(axis=1) < SMALL).all())
+    left = probe(cross)[0]
+    sign = E.const(float(np.sign(left[0]))) if (np.sign(left) == np.sign(left[0])).all() else E.call("sign", cross)
+    return Arc(center, radius, to_middle, sign, E.const(TURN / 2) if whole else half)  # type: ignore[arg-type]
 
 
 def step(point: Point, curve: Point, speed: Point, bend: Point, t: Expr, number: int) -> Expr:
@@ -268,13 +326,13 @@ def onwards(residual: Expr, square: Expr, curved: Expr, number: int) -> Expr:
     return E.div(residual, E.maximum(E.sub(square, curved), E.mul(least, square)))
 
 
-def side_of(away: Point, normal: Point, t: Expr, ends: tuple[Point, Point], low: float, high: float) -> Expr:
+def side_of(away: Point, normal: Point, t: Expr, ends: tuple[Point, Point], low: Expr, high: Expr) -> Expr:
     """Positive outside: by the normal at the foot, or where the foot is an end by what tells the sides apart there."""
     way = dot(away, normal)
     if ends[0] is not normal:
-        way = E.where(E.call("le", t, E.const(low)), dot(away, ends[0]), way)
+        way = E.where(E.call("le", t, low), dot(away, ends[0]), way)
     if ends[1] is not normal:
-        way = E.where(E.call("le", E.const(high), t), dot(away, ends[1]), way)
+        way = E.where(E.call("le", high, t), dot(away, ends[1]), way)
     return way
 
 

@@ -6,6 +6,7 @@ are moved in until the chord is a tangent.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -106,3 +107,27 @@ def strip(probe: Probe, outer: list[Span], inner: list[Span], sign: Expr) -> lis
             )
     return quads
 
+
+def parts(probe: Probe, pairs: Sequence[tuple[Span, Span]], sign: Expr) -> list[list[Point]]:
+    """Convex polygons that fill the strips between pairs of curves; neighbours that are convex together are one."""
+    found: list[list[Point]] = []
+    for one, other in pairs:
+        for quad in strip(probe, [one], [other], sign):
+            corners = [*quad.outer, *reversed(quad.inner)]
+            corners = [c for k, c in enumerate(corners) if c != corners[k - 1]]
+            if found and len(corners) == 3 and found[-1][-1] == corners[-1] and found[-1][-2] == corners[0]:
+                joined = [*found[-1][:-1], *corners[1:]]
+                if round_about(probe, joined):
+                    found[-1] = joined
+                    continue
+            found.append(corners)
+    return found
+
+
+def round_about(probe: Probe, corners: Sequence[Point]) -> bool:
+    """Whether a polygon is convex for every test value, its corners in their order."""
+    points = np.stack([np.stack([probe(c)[0] for c in corner], axis=-1) for corner in corners], axis=1)
+    size = np.sqrt(((points.max(axis=1) - points.min(axis=1)) ** 2).sum(axis=-1))
+    ring = np.concatenate([points, points[:, :2]], axis=1) / size[:, None, None]
+    turns = turning(ring)
+    return bool(((turns > -1e-9).all(axis=1) | (turns < 1e-9).all(axis=1)).all() and (np.abs(turns.sum(axis=1)) < 6.3).all())

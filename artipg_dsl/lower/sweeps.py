@@ -10,37 +10,30 @@ from __future__ import annotations
 import numpy as np
 
 from ..graph import expr as E
-from ..graph.derive import derive
 from ..graph.expr import ONE, ZERO, Expr
 from ..graph.primitive import Patch, Piece, Triple
 from ..syntax import ast
 from .builtins import named, need
-from .curves import TURN, Curve
+from .curves import TURN
 from .env import Env
 from .evaluate import Evaluator
 from .faces import frame_of
 from .made import FULL, Made, U, clause
 from .paths import Handed, Stretch, steps_of, stretches
 from .probe import Probe
-from .profiles import FINE, SLOPE, STEPS, V, clamp, halved, onwards, summit
+from .profiles import SLOPE, V, summit
+from .rails import P, about_arc, cap, nearest, path_of
 from .values import Frame
 from .vectors import cross, dot, minus, normalized, plus, times, unit
 
-P: Triple = tuple(E.var(f"p.{a}") for a in "xyz")  # type: ignore[assignment]
 CORNERS = 12  # of a round piece
 
 
 def sweep(env: Env, solid: ast.SolidDecl) -> Made:
     """A tube along a path."""
-    node = clause(solid, "along")
-    path = env.find(node.name) if isinstance(node, ast.NameExpr) else None
-    if node is None or not isinstance(path, Curve | Handed):
-        raise env.context.error(
-            "wrong-kind", solid.span if node is None else node.span, "`sweep` needs a path",
-            hint="sweep(circle(r)) along path up y",
-        )  # fmt: skip
+    path = path_of(env, solid)
     ev = Evaluator(env)
-    radii = [section_radius(ev, solid, a) for a in solid.arguments]
+    radii = [section_radius(ev, a) for a in solid.arguments]
     if len(radii) not in (1, 2):
         raise env.context.error("wrong-arguments", solid.span, "`sweep` takes a section, or an outer and an inner one")
     upwards = clause(solid, "up")
@@ -76,14 +69,18 @@ def sweep(env: Env, solid: ast.SolidDecl) -> Made:
     )  # fmt: skip
 
 
-def section_radius(ev: Evaluator, solid: ast.SolidDecl, argument: ast.Argument) -> Expr:
+def round_sections(solid: ast.SolidDecl) -> bool:
+    """Whether all sections are circles; others are swept by ``loft``."""
+    calls = [a.value for a in solid.arguments]
+    return all(
+        isinstance(c, ast.CallExpr) and isinstance(c.function, ast.NameExpr) and c.function.name == "circle" for c in calls
+    )
+
+
+def section_radius(ev: Evaluator, argument: ast.Argument) -> Expr:
     node = argument.value
-    if isinstance(node, ast.CallExpr) and isinstance(node.function, ast.NameExpr) and node.function.name == "circle":
-        return ev.scalar(need(ev, node, named(node, "radius"), "radius"))
-    raise ev.env.context.error(
-        "bad-curve", node.span, "`sweep` takes a round section: circle(radius)",
-        hint="bars of other sections are extruded: `extrude(rectangle(a, b)) along z from 0 to t`",
-    )  # fmt: skip
+    assert isinstance(node, ast.CallExpr)
+    return ev.scalar(need(ev, node, named(node, "radius"), "radius"))
 
 
 def cross_frame(probe: Probe, piece: Stretch, up: Triple):  # noqa: ANN201
@@ -122,9 +119,9 @@ def inside(probe: Probe, pieces: list[Stretch], radius: Expr, bore: Expr | None)
         away = path_distance(probe, piece)
         value = E.sub(away, radius)
         if k == 0:
-            value = E.maximum(value, dot(minus(piece.at(0.0), P), piece.towards(0.0)))
+            value = E.maximum(value, end_plane(piece, 0.0))
         if k == len(pieces) - 1:
-            value = E.maximum(value, dot(minus(P, piece.at(1.0)), piece.towards(1.0)))
+            value = E.maximum(value, end_plane(piece, 1.0))
         outer = value if outer is None else E.minimum(outer, value)
         middle = away if middle is None else E.minimum(middle, away)
     assert outer is not None and middle is not None
@@ -132,16 +129,17 @@ def inside(probe: Probe, pieces: list[Stretch], radius: Expr, bore: Expr | None)
     return E.mul(found, SLOPE) if any(p.length is ZERO for p in pieces) else found
 
 
+def end_plane(piece: Stretch, end: float) -> Expr:
+    """How far p lies beyond the plane that cuts off a piece of a path; of an arc, a half plane from its axis."""
+    if piece.center is not None:
+        angle, away, half = about_arc(piece)
+        return cap(E.sub(angle, half) if end else E.neg(E.add(angle, half)), away)
+    away = minus(P, piece.at(end))
+    return dot(away if end else times(away, E.const(-1.0)), piece.towards(end))
+
+
 def length_of(vector: Triple) -> Expr:
     return E.call("sqrt", dot(vector, vector))
-
-
-def path_brackets(probe: Probe, piece: Stretch) -> list[tuple[float, float]]:
-    """A formula's path cut so that it turns by little in each bracket."""
-    places = [piece.towards(k / FINE) for k in range(FINE + 1)]
-    seen = np.nan_to_num(probe(*(c for d in places for c in d)).reshape(FINE + 1, 3, -1))
-    cosine = (seen[1:] * seen[:-1]).sum(axis=1)
-    return halved(np.arccos(np.clip(cosine, -1.0, 1.0)).T, np.radians(25.0))
 
 
 def path_distance(probe: Probe, piece: Stretch) -> Expr:
@@ -152,39 +150,17 @@ def path_distance(probe: Probe, piece: Stretch) -> Expr:
         away = minus(P, piece.at(0.0))
         t = E.minimum(E.maximum(dot(away, piece.direction), ZERO), piece.length)
         return length_of(minus(away, times(piece.direction, t)))
-    speed: Triple = tuple(derive(c, "v") for c in piece.place)  # type: ignore[assignment]
-    bend: Triple = tuple(derive(c, "v") for c in speed)  # type: ignore[assignment]
-    best: Expr | None = None
-    for low, high in path_brackets(probe, piece):
-        t: Expr = E.const((low + high) / 2)
-        for turn in range(STEPS + 1):
-            here, tangent, curved = (
-                tuple(E.substitute(c, {V: t}) for c in vector) for vector in (piece.place, speed, bend)
-            )
-            away = minus(P, here)  # type: ignore[arg-type]
-            move = onwards(dot(away, tangent), dot(tangent, tangent), dot(away, curved), turn)
-            moved = clamp(E.add(t, move), low, high)
-            if turn == STEPS:
-                away = minus(away, times(tangent, E.sub(moved, t)))  # type: ignore[arg-type]
-            t = moved
-        found = dot(away, away)
-        best = found if best is None else E.minimum(best, found)
-    assert best is not None
-    return E.call("sqrt", best)
+    return E.call("sqrt", nearest(probe, piece)[0])
 
 
 def arc_distance(piece: Stretch) -> Expr:
     """The angle of p about the arc's axis, from its middle, is cut to the arc."""
     assert piece.center is not None and piece.out is not None
-    along, half = piece.towards(0.0), E.mul(piece.angle, E.const(0.5))
-    c, s = E.call("cos", half), E.call("sin", half)
-    first = plus(times(piece.out, c), times(along, s))
-    second = minus(times(along, c), times(piece.out, s))
-    away = minus(P, piece.center)
-    a, b, h = dot(away, first), dot(away, second), dot(away, cross(piece.out, along))
-    turned = E.minimum(E.maximum(E.call("atan2", b, a), E.neg(half)), half)
-    x = E.sub(a, E.mul(piece.radius, E.call("cos", turned)))
-    y = E.sub(b, E.mul(piece.radius, E.call("sin", turned)))
+    angle, away, half = about_arc(piece)
+    beyond = E.sub(angle, E.minimum(E.maximum(angle, E.neg(half)), half))
+    x = E.sub(E.mul(away, E.call("cos", beyond)), piece.radius)
+    y = E.mul(away, E.call("sin", beyond))
+    h = dot(minus(P, piece.center), cross(piece.out, piece.towards(0.0)))
     return E.call("sqrt", dot((x, y, h), (x, y, h)))
 
 

@@ -3,7 +3,9 @@
 import pytest
 
 from artipg_dsl.diagnostics import Report
+from artipg_dsl.geometry.mesh import build, moments
 from artipg_dsl.geometry.selftest import check_primitive
+from artipg_dsl.geometry.trial import trial
 from artipg_dsl.graph.expr import Scope, show, var
 from artipg_dsl.graph.program import Program
 from artipg_dsl.lower.context import Abort, Context
@@ -113,6 +115,80 @@ primitive Pipe {
   solid = sweep(circle(radius), circle(radius - thick)) along path up y
 }
 """
+CHANNEL = """
+primitive Channel {
+  param a : length > 0  test 10cm .. 20cm
+  param t : length > 0  test 5mm .. 3cm
+  solid = extrude(polygon([0, 0], [a, 0], [a, a], [a - t, a], [a - t, t], [t, t], [t, a], [0, a])) along y from 0 to a
+}
+"""
+SIZES = """
+  param a, b : length > 0  test 4mm .. 12mm
+  param l : length > 0  test 5cm .. 10cm
+  param r : length > 0  test 2cm .. 4cm
+"""
+PLINTH = f"""
+primitive Plinth {{{SIZES}
+  solid = loft(rectangle(2 * a, 2 * b), rectangle(b, a), rectangle(3 * a, a)) along x at [0, l / 3, l]
+}}
+"""
+BEND = f"""
+primitive Bend {{{SIZES}
+  curve way = from([0, 0, 0], x) line(l) arc(radius = r, angle = 90deg, towards = z) line(l)
+  solid = sweep(rectangle(a, b)) along way up y
+}}
+"""
+DUCT = f"""
+primitive Duct {{{SIZES}
+  curve way = from([0, 0, 0], x) line(l) arc(radius = r, angle = 70deg, towards = z)
+  solid = sweep(rectangle(2 * a, 2 * b), rectangle(a, b)) along way up y
+}}
+"""
+HORN = f"""
+primitive Horn {{{SIZES}
+  curve way = from([0, 0, 0], x) line(l) arc(radius = r, angle = 90deg, towards = z)
+  solid = loft(circle(a), circle(a / 2)) along way up y
+}}
+"""
+HOOK = f"""
+primitive Hook {{{SIZES}
+  curve way = from([0, 0, 0], -z) line(l) arc(radius = r, angle = 270deg, towards = x)
+  solid = sweep(circle(a)) along way up y
+}}
+"""
+
+
+@pytest.mark.parametrize("text", [CHANNEL, PLINTH, BEND, DUCT, HORN, HOOK], ids=lambda text: text.split()[1].lower())
+def test_sections_and_outlines_pass_the_self_test(text):
+    findings = check_primitive(lowered(text).primitive, samples=2)
+    assert findings == []
+
+
+def test_a_circle_between_rectangles_is_cut_into_arcs_that_close():
+    primitive = lowered(PLINTH.replace("rectangle(b, a)", "circle(b)")).primitive
+    assert primitive.surfaces == ("skin", "start", "end") and len(primitive.patches) == 16
+    (group,) = build(primitive, trial(primitive, 2))
+    volume = moments(group.vertices, group.faces)[0]
+    assert (volume > 0).all() and group.vertices.shape[1] > 24
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "code", "words"),
+    [
+        ("sweep(rectangle(a, b))", "loft(rectangle(a, b))", "wrong-arguments", "two sections or more"),
+        ("sweep(rectangle(a, b)) along way up y", "loft(circle(a), circle(b)) along z", "wrong-arguments", "the levels"),
+        ("sweep(rectangle(a, b))", "loft(rectangle(a, b), polygon([0, 0], [a, 0], [0, b]))", "broken-chain", "this one 3"),
+        ("up y", "up z", "bad-curve", "the axis across that plane"),
+        ("sweep(rectangle(a, b))", "sweep(rectangle(a, b), circle(a))", "broken-chain", "do not fit"),
+    ],
+)
+def test_what_sections_cannot_be_is_said_in_words(old, new, code, words):
+    assert old in BEND
+    report, module = load(BEND.replace(old, new))
+    with pytest.raises(Abort):
+        lower_primitive(Context(report, Program("test")), module.find("Bend"))
+    (found,) = report.diagnostics
+    assert found.code == code and words in found.message
 
 
 @pytest.mark.parametrize(
