@@ -215,12 +215,14 @@ def write_object(robots: Robots, i: int, folder: Path, formats: Sequence[Format]
         refuse_existing(folder / entry.file, force)
     files = {name: data for entry in formats for name, data in entry.files(robots, i).items()}
     with replacing_folder(folder, force=True) as partial:
-        if folder.is_dir():
+        known = folder.is_dir()
+        if known:
             shutil.copytree(folder, partial, copy_function=link_or_copy, dirs_exist_ok=True)
         for parent in dict.fromkeys(Path(name).parent for name in files):
             (partial / parent).mkdir(parents=True, exist_ok=True)
         for name, data in files.items():
-            (partial / name).unlink(missing_ok=True)  # never write into a file that the old folder shares
+            if known:  # never write into a file that the old folder shares
+                (partial / name).unlink(missing_ok=True)
             (partial / name).write_bytes(data)
 
 
