@@ -6,12 +6,13 @@ faces that is convex for it, and only one that fits none gets a hull of its own.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
-from ..graph.expr import Expr, const, substitute, var
+from ..graph.formula import compile_formula
 from ..graph.primitive import Piece, Primitive
 from . import mesh
 from .errors import PrimitiveError
@@ -68,15 +69,21 @@ def _counts(primitive: Primitive, piece: Piece, params: Params) -> np.ndarray:
     return count.astype(np.int64)
 
 
-@lru_cache(maxsize=8192)
-def _formulas(piece: Piece, index: int) -> tuple[Expr, ...]:
-    return tuple(substitute(e, {var("i"): const(index)}) for point in piece.points for e in point)
+@lru_cache(maxsize=2048)
+def _corners(primitive: Primitive, piece: Piece) -> Callable[..., tuple]:
+    """The declared points of a piece as a function of the parameters' columns and of its index."""
+    coordinates = tuple(e for point in piece.points for e in point)
+    return compile_formula(coordinates, (*primitive.parameters, "i"))
 
 
 def _points(primitive: Primitive, piece: Piece, index: int, params: Params) -> np.ndarray:
     """(k, points, 3): the declared points."""
-    values = evaluate_rows(primitive, _formulas(piece, index), params)
-    return np.ascontiguousarray(values.T).reshape(rows_of(params), len(piece.points), 3)
+    count = rows_of(params)
+    values = _corners(primitive, piece)(*(params[n] for n in primitive.parameters), np.full(count, float(index)))
+    out = np.empty((count, 3 * len(piece.points)))
+    for column, value in enumerate(values):
+        out[:, column] = value
+    return out.reshape(count, len(piece.points), 3)
 
 
 @lru_cache(maxsize=8192)
