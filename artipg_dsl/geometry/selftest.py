@@ -239,17 +239,17 @@ def _pieces(seen: _Inspection) -> Report:
     """Convex pieces lie within the solid and leave out no more than a quarter of a wall."""
     groups = pieces.build(seen.primitive, seen.params)
     furthest: dict[str, tuple[float, int, str]] = {}  # per declared piece, the worst of all its indices
-    for group in groups:
-        corners = group.vertices[:, group.faces]
-        middle = (corners[:, :, 0] + corners[:, :, 1] + corners[:, :, 2]) / 3
-        edges = (corners + np.roll(corners, 1, axis=2)).reshape(len(group.rows), -1, 3) / 2
-        points = np.concatenate([group.vertices, middle, edges], axis=1)
-        row = np.repeat(group.rows, points.shape[1])
-        out = seen.inside(row, points.reshape(-1, 3)) / seen.diagonal[row]
+    asked = [_on_piece(group) for group in groups]
+    whose = np.concatenate([np.repeat(group.rows, p.shape[1]) for group, p in zip(groups, asked, strict=True)])
+    every = seen.inside(whose, np.concatenate([p.reshape(-1, 3) for p in asked])) / seen.diagonal[whose]
+    begin = 0
+    for group, points in zip(groups, asked, strict=True):
+        out = every[begin : begin + points.shape[0] * points.shape[1]]
+        begin += len(out)
         worst = int(np.argmax(out))
         declared = group.name.partition("[")[0]
         if out[worst] > max(WITHIN, furthest.get(declared, (0.0, 0, ""))[0]):
-            furthest[declared] = (float(out[worst]), int(row[worst]), group.name)
+            furthest[declared] = (float(out[worst]), int(group.rows[worst // points.shape[1]]), group.name)
     for out_by, at, name in furthest.values():
         length = 1000 * out_by * seen.diagonal[at]
         yield "pieces", name, f"this piece reaches {length:.4g} mm out of the solid ({seen.at(at)})"
@@ -258,7 +258,11 @@ def _pieces(seen: _Inspection) -> Report:
     for group in groups:
         slot = np.full(seen.count, -1)
         slot[group.rows] = np.arange(len(group.rows))
-        asked = np.flatnonzero((slot[row] >= 0) & ~covered)
+        low, high = np.full((seen.count, 3), np.inf), np.full((seen.count, 3), -np.inf)
+        low[group.rows], high[group.rows] = group.vertices.min(axis=1), group.vertices.max(axis=1)
+        open_ones = np.flatnonzero(~covered)
+        near = (points[open_ones] >= low[row[open_ones]]) & (points[open_ones] <= high[row[open_ones]])
+        asked = open_ones[near.all(axis=1)]
         corners = group.vertices[:, group.faces]
         normal = np.cross(corners[:, :, 1] - corners[:, :, 0], corners[:, :, 2] - corners[:, :, 0])
         reach = (normal * corners[:, :, 0]).sum(axis=-1)
@@ -271,6 +275,14 @@ def _pieces(seen: _Inspection) -> Report:
     if share > MISSED:
         worst = int(np.argmin(covered))
         yield "pieces", None, f"no piece covers {100 * share:.3g} % of the depth of the solid ({seen.at(row[worst])})"
+
+
+def _on_piece(group: pieces.PieceGroup) -> np.ndarray:
+    """(k, n, 3): the corners of a piece, the middles of its faces and of their edges."""
+    corners = group.vertices[:, group.faces]
+    middle = (corners[:, :, 0] + corners[:, :, 1] + corners[:, :, 2]) / 3
+    edges = (corners + np.roll(corners, 1, axis=2)).reshape(len(group.rows), -1, 3) / 2
+    return np.concatenate([group.vertices, middle, edges], axis=1)
 
 
 def _deep(seen: _Inspection) -> tuple[np.ndarray, np.ndarray]:

@@ -189,8 +189,7 @@ def along_path(
     bays, gone = [], ZERO
     whole = Bay(rails[0], lambda v: up, up, first, last)
     for rail in rails:
-        here = cross(up, rail.direction)
-        side = lambda v, here=here: tuple(E.substitute(c, {V: E.wrap(v)}) for c in here)  # noqa: E731
+        side = beside(cross(up, rail.direction))
         ahead = E.add(gone, rail.length)
         if first is last:
             ends = first, first
@@ -221,10 +220,15 @@ def along_path(
                 highest = extreme(probe, spans, 1, sign * upright[1])
                 rows.append(E.add(level, highest if upright[1] > 0 else E.neg(highest)))
             else:
-                wide = [[extreme(probe, c[0], 0, s) for c in (bay.first, bay.last)] for bay in bays for s in (-1, 1)]
-                rows.append(reach(probe, [(b.rail, b.side) for b in bays for _ in (0, 1)], wide, axis, sign))
+                reached = [[extreme(probe, c[0], 0, s) for c in (bay.first, bay.last)] for bay in bays for s in (-1, 1)]
+                rows.append(reach(probe, [(b.rail, b.side) for b in bays for _ in (0, 1)], reached, axis, sign))
         bounds.append(tuple(rows))
-    return made_of(env, probe, solid, bays, bounds[0], bounds[1], ports, tuple(requires))
+    return made_of(env, probe, solid, bays, bounds[0], bounds[1], ports, tuple(requires))  # type: ignore[arg-type]
+
+
+def beside(vector: Triple) -> Callable[[float | Expr], Triple]:
+    """A vector along a path as a function of v."""
+    return lambda v: tuple(E.substitute(c, {V: E.wrap(v)}) for c in vector)  # type: ignore[return-value]
 
 
 def made_of(
@@ -246,8 +250,8 @@ def made_of(
                 patches.append(Patch(span.name, bay.place(across, V), (span.low, span.high), (ZERO, ONE)))
         for name, here, end in (("start", number == 0, 0.0), ("end", number == len(bays) - 1, 1.0)):
             for one, other in fill if here else ():
-                across = tuple(E.add(b, E.mul(U, E.sub(a, b))) for a, b in zip(one.position, other.position, strict=True))
-                place = bay.place(swapped(across, {BLEND: E.const(end)}), end)  # type: ignore[arg-type]
+                within = [E.add(b, E.mul(U, E.sub(a, b))) for a, b in zip(one.position, other.position, strict=True)]
+                place = bay.place(swapped(within, {BLEND: E.const(end)}), end)
                 patches.append(Patch(name, place, (ZERO, ONE), (one.low, one.high)))
         value = inside_bay(probe, bay, E.div(distance(seen, loops, (X, Y)), slowest), number == 0, number == len(bays) - 1)
         inside = value if inside is None else E.minimum(inside, value)
