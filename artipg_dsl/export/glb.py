@@ -12,14 +12,22 @@ from typing import Any
 
 import numpy as np
 
+from ..runtime.motion import square
 from .materials import linear
 from .pose import open_values, rest_values
 from .robot import Look, Robot, RobotJoint
 
 FLOAT, UNSIGNED_SHORT, UNSIGNED_INT = 5126, 5123, 5125
 VERTICES, INDICES = 34962, 34963
-OPENING = np.array([0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0]) * 1.5  # seconds: to the other end and back
-SHARE = np.array([0.0, 0.25, 0.5, 0.75, 1.0, 0.75, 0.5, 0.25, 0.0])  # of the way from rest to the other end
+OPENING = 3.0  # seconds: to the other end and back
+STEP = 1.6  # radians between two keys at most: viewers take the shorter way round
+PATHS = {  # what moves when a joint does
+    "revolute": ("rotation",),
+    "continuous": ("rotation",),
+    "ball": ("rotation",),
+    "prismatic": ("translation",),
+    "screw": ("rotation", "translation"),
+}
 # the object's x (front) becomes z, y (left) becomes x, z (up) becomes y
 Z_UP_TO_Y_UP = [-0.5, -0.5, -0.5, 0.5]  # quaternion x y z w
 
@@ -151,15 +159,17 @@ def _placement(joint: RobotJoint, value: float) -> dict[str, Any]:
 
 def translations(joint: RobotJoint, values: np.ndarray) -> np.ndarray:
     """Origins (n, 3) of the child link in the parent's frame."""
-    if joint.kind != "prismatic":
+    advance = {"prismatic": 1.0, "screw": joint.pitch / (2 * np.pi)}.get(joint.kind)
+    if advance is None:
         return np.broadcast_to(joint.origin, (len(values), 3))
-    return joint.origin + values[:, None] * joint.axis
+    return joint.origin + advance * values[:, None] * joint.axis
 
 
 def turns(joint: RobotJoint, values: np.ndarray) -> np.ndarray:
     """Quaternions (n, 4), x y z w, of the child link in the parent's frame."""
     half = values / 2
-    return np.concatenate([np.sin(half)[:, None] * joint.axis, np.cos(half)[:, None]], axis=1)
+    axis = square(joint.axis[None])[0] if joint.kind == "ball" else joint.axis  # a ball's value is its tilt
+    return np.concatenate([np.sin(half)[:, None] * axis, np.cos(half)[:, None]], axis=1)
 
 
 def short(values: np.ndarray) -> list[float]:
@@ -175,27 +185,40 @@ def _describe(joint: RobotJoint) -> dict[str, Any]:
         "limits": None if joint.low is None or joint.high is None else short(np.array([joint.low, joint.high])),
         "rest": round(joint.rest, 9),
     }
+    if joint.kind == "screw":
+        described["pitch"] = round(joint.pitch, 9)  # metres per turn
     if joint.mimic is not None:
         described["mimic"] = {"joint": joint.mimic[0], "multiplier": joint.mimic[1], "offset": joint.mimic[2]}
     return described
 
 
+def course(joint: RobotJoint, start: float, end: float) -> np.ndarray:
+    """The values of a joint at the keys of the animation, evenly apart in time."""
+    steps = 4 if joint.kind == "prismatic" else max(4, int(np.ceil(abs(end - start) / STEP)))
+    there = np.arange(steps + 1) / steps
+    if joint.kind == "continuous":
+        share = np.arange(2 * steps + 1) / (2 * steps)
+    else:
+        share = np.concatenate([there, there[-2::-1]])
+    return start + (end - start) * share
+
+
 def _animation(robot: Robot, rest: dict[str, float], buffer: Buffer) -> dict[str, Any]:
-    """Every joint from rest to its other end and back; eight keys, so that each step is well below half a turn."""
+    """Every joint from rest to its other end and back; a continuous one by a full turn."""
     samplers: list[dict[str, Any]] = []
     channels: list[dict[str, Any]] = []
     ends = open_values(robot)
-    moving = [joint for joint in robot.joints if joint.kind in ("revolute", "continuous", "prismatic")]
-    clock = buffer.add(OPENING.astype("<f4"), "SCALAR", FLOAT, bounds=True) if moving else -1
-    for joint in moving:
-        start, end = rest[joint.name], ends[joint.name]
-        share = SHARE if joint.kind != "continuous" else np.arange(len(OPENING)) / (len(OPENING) - 1)
-        values = start + (end - start) * share
-        if joint.kind == "prismatic":
-            keys, kind, path = translations(joint, values), "VEC3", "translation"
-        else:
-            keys, kind, path = turns(joint, values), "VEC4", "rotation"
-        output = buffer.add(keys.astype("<f4"), kind, FLOAT)
-        samplers.append({"input": clock, "interpolation": "LINEAR", "output": output})
-        channels.append({"sampler": len(samplers) - 1, "target": {"node": 1 + joint.child, "path": path}})
+    clocks: dict[int, int] = {}
+    for joint in robot.joints:
+        if joint.kind not in PATHS:
+            continue
+        values = course(joint, rest[joint.name], ends[joint.name])
+        if len(values) not in clocks:
+            times = np.arange(len(values)) * (OPENING / (len(values) - 1))
+            clocks[len(values)] = buffer.add(times.astype("<f4"), "SCALAR", FLOAT, bounds=True)
+        for path in PATHS[joint.kind]:
+            keys, kind = (translations, "VEC3") if path == "translation" else (turns, "VEC4")
+            output = buffer.add(keys(joint, values).astype("<f4"), kind, FLOAT)
+            samplers.append({"input": clocks[len(values)], "interpolation": "LINEAR", "output": output})
+            channels.append({"sampler": len(samplers) - 1, "target": {"node": 1 + joint.child, "path": path}})
     return {"name": "open", "samplers": samplers, "channels": channels}

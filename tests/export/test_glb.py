@@ -82,6 +82,30 @@ def test_a_joint_at_rest_inside_its_range_is_placed_there(robot: Robot) -> None:
     assert door["rotation"] == pytest.approx([0, 0, np.sin(0.25), np.cos(0.25)], abs=1e-8)
 
 
+def test_a_screw_turns_by_short_steps_and_advances(robot: Robot) -> None:
+    screw = replace(robot.joints[0], kind="screw", pitch=0.01, low=0.0, high=6 * np.pi)
+    document, binary = parse(glb_bytes(replace(robot, joints=(screw, robot.joints[1]))))
+    animation = document["animations"][0]
+    door = next(k for k, node in enumerate(document["nodes"]) if node["name"] == "door")
+    own = {c["target"]["path"]: c for c in animation["channels"] if c["target"]["node"] == door}
+    keys = {path: accessor(document, binary, animation["samplers"][c["sampler"]]["output"]) for path, c in own.items()}
+    turns, shifts = keys["rotation"], keys["translation"]
+    assert (np.abs((turns[1:] * turns[:-1]).sum(axis=1)) > np.cos(0.81)).all()  # less than a quarter of a turn each
+    assert (shifts[len(shifts) // 2] - shifts[0]).tolist() == pytest.approx((0.03 * screw.axis).tolist(), abs=1e-6)
+    assert document["nodes"][door]["extras"]["joint"]["pitch"] == 0.01
+    times = accessor(document, binary, animation["samplers"][own["rotation"]["sampler"]]["input"]).ravel()
+    assert times[0] == 0 and times[-1] == 3 and len(times) == len(turns)
+
+
+def test_a_ball_tilts(robot: Robot) -> None:
+    ball = replace(robot.joints[0], kind="ball", low=0.0, high=0.4)
+    document, binary = parse(glb_bytes(replace(robot, joints=(ball, robot.joints[1]))))
+    animation = document["animations"][0]
+    sampler = animation["samplers"][animation["channels"][0]["sampler"]]
+    tilt = accessor(document, binary, sampler["output"])[4]
+    assert tilt[3] == pytest.approx(np.cos(0.2)) and tilt[:3] @ ball.axis == pytest.approx(0, abs=1e-7)
+
+
 def test_followers_go_with_their_leader(robot: Robot) -> None:
     follower = replace(robot.joints[1], mimic=("open", 0.5, 0.1))
     assert open_values(replace(robot, joints=(robot.joints[0], follower)))["press"] == pytest.approx(0.5 * 1.9 + 0.1)
