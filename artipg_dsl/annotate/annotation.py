@@ -16,7 +16,7 @@ from .gripper import REASONS, STANDARD, Gripper, judge
 from .hierarchy import lineages, semantic_parents
 from .interactions import Interactions, directions, interactions
 from .poses import part_poses, symmetry_words
-from .states import follow, resting, twist
+from .states import resting, twist
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
@@ -271,7 +271,7 @@ def _acts(batch: Batch, acting: Interactions, states: np.ndarray | None) -> dict
     """Where interactions act, which way and how fast their links move, and how far the joint can go each way."""
     turn, shift = batch.pose(states)
     joints = batch.joints()
-    values = follow(joints, resting(batch) if states is None else states)
+    values = batch.settled(resting(batch) if states is None else states)
     point = rotate(turn[acting.link], acting.point) + shift[acting.link]
     direction, speed = directions(twist(batch, states), acting.link, point)
     left = np.stack([joints.low - values, joints.high - values], axis=-1)[acting.joint]

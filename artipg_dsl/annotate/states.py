@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import UsageError
 from ..graph import random
-from ..runtime.motion import follow, freedoms
+from ..runtime.motion import freedoms
 from .frames import rotate
 
 if TYPE_CHECKING:
@@ -65,15 +65,16 @@ def read_states(text: str) -> States:
 
 
 def joint_values(batch: Batch, states: States) -> np.ndarray:
-    """Joint values (K, J) of the whole batch in the states asked for; what mimics a joint follows it."""
-    joints, found, drawn = batch.joints(), [], 0
+    """Joint values (K, J) of the whole batch in the states asked for; mimics and closed loops follow."""
+    found: list[np.ndarray] = []
+    drawn = 0
     for name, count in states.wanted:
         if name == "random":
             found += [draw(batch, k) for k in range(drawn, drawn + count)]
             drawn += count
         else:
             found.append(resting(batch) if name == "rest" else opened(batch) if name == "open" else chosen(batch, name))
-    return np.stack([follow(joints, values) for values in found])
+    return np.stack([batch.settled(values) for values in found])
 
 
 def resting(batch: Batch) -> np.ndarray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ..graph import expr as E
-from ..graph.program import Closure, Triple
+from ..graph.program import Closure
 from ..source import Span
 from ..syntax import ast
 from .connect import carriers
@@ -15,7 +15,7 @@ from .evaluate import Evaluator
 from .links import Links
 from .solve import lifted
 from .values import Frame, Line, Vec
-from .vectors import place
+from .vectors import Triple, direct, dot, minus, place, plus, times
 
 
 def motions(links: Links, env: Env) -> None:
@@ -57,12 +57,13 @@ def limit(links: Links, env: Env, statement: ast.LimitStmt) -> None:
 def close(links: Links, env: Env, statement: ast.CloseStmt) -> None:
     """Record a loop: the two points, in the object's frame at joint values 0, and the links they lie on."""
     sides: list[tuple[tuple[int, ...], Triple]] = []
+    along: Triple | None = None
     for node in (statement.subject, statement.other):
         value = Evaluator(env).value(node)
         if isinstance(value, Frame):
             point = value.origin
-        elif isinstance(value, Line):
-            point = value.point
+        elif isinstance(value, Line):  # axes that coincide: where along them does not matter
+            point, along = value.point, direct(links.world(env), value.direction)
         elif isinstance(value, Vec) and value.point:
             point = value.items  # type: ignore[assignment]
         else:
@@ -70,6 +71,8 @@ def close(links: Links, env: Env, statement: ast.CloseStmt) -> None:
         on = carriers(value)
         sides.append((links.carried(on, node.span) if on else links.base(env), place(links.world(env), point)))
     (first, a), (second, b) = sides
+    if along is not None:
+        b = plus(b, times(along, dot(minus(a, b), along)))
     links.context.program.closures.append(Closure(env.scope, (first, second), (a, b), where(statement.span)))
 
 

@@ -13,6 +13,7 @@ from ..graph.expr import Expr, Scope
 from ..graph.program import Joint, Program
 from . import motion
 from .kernels import State
+from .loops import Loops, loops_of
 from .needs import pose_cells
 from .plan import Plan, make_plan
 from .tables import Instances, JointTable, LinkTable, PartTable, Rowmap, whichever
@@ -251,7 +252,18 @@ class Batch:
 
     def pose(self, states: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
         """Rotation (L, 3, 3), translation (L, 3) that move each link from joint values 0 to ``states`` (J,), rest by default."""
-        return motion.link_motion(self.links(), self.joints(), self.rest() if states is None else states)
+        return motion.link_motion(self.links(), self.joints(), self.settled(self.rest() if states is None else states))
+
+    def settled(self, states: np.ndarray) -> np.ndarray:
+        """Joint values (J,) as mimics and closed loops have them, the driving joints as in ``states``."""
+        if self.loops is None:
+            return motion.follow(self.joints(), states)
+        return self.loops.settle(states)
+
+    @cached_property
+    def loops(self) -> Loops | None:
+        """The closed loops, where the program states any."""
+        return loops_of(self)
 
     # ------------------------------------------------------------ what was drawn
 

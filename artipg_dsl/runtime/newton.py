@@ -30,7 +30,7 @@ def newton(system: Callable[..., tuple], starts: Sequence[np.ndarray | float], k
     for _ in range(ROUNDS):
         if still.all():
             break
-        step = length * _solved(slope, residual)
+        step = length * solved(slope, residual)
         trial = x - step
         at_trial = _at(system, trial, given)
         better = (at_trial[2] < worst) & ~still
@@ -51,7 +51,7 @@ def _at(system: Callable[..., tuple], x: np.ndarray, given: list[np.ndarray]) ->
     return residual, slope, np.where(np.isfinite(worst), worst, np.inf)
 
 
-def _solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+def solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     """Solve a small system (n, n, rows) per row: elimination with the largest pivot of each column, in a fixed order."""
     n, _, rows = matrix.shape
     table = np.concatenate([matrix, right[:, None]], axis=1)

@@ -17,7 +17,7 @@ import numpy as np
 from ..geometry.collide import dot, examine, overlap
 from .batch import Batch
 from .bodies import FULL, Pieces, Placed, gather, rings, swept_extent
-from .motion import apply, link_motion, product, rotation_about
+from .motion import apply, product, rotation_about
 
 BLOCK = 20_000  # pieces at a time
 HALVINGS = 16  # of an interval of angles; what is not decided then is nearer than a turn by 0.005 degrees
@@ -107,6 +107,8 @@ class Tree:
         self.leader = np.where(self.joints.mimic >= 0, base + self.joints.mimic, np.arange(len(base)))
         while not np.array_equal(self.leader, self.leader[self.leader]):
             self.leader = self.leader[self.leader]
+        if batch.loops is not None:  # what the loops of an object determine follows its first driving joint
+            self.leader = batch.loops.driven(self.leader)
         self.alone = np.bincount(self.leader, minlength=len(base))[self.leader] == 1
         self.alone &= self.turns | self.slides | (kinds == "fixed")  # a screw does both, a ball turns about what is no axis of the table
 
@@ -364,11 +366,16 @@ def _following(tree: Tree, body: Pieces) -> Iterator[np.ndarray]:
             at = lead[tree.links.owner[first]]
             keep = at >= 0
             yield Hits(first[keep], second[keep], at[keep], states[at[keep]]).rows()
+            if tree.batch.loops is not None:
+                first, second = tree.batch.loops.apart(states)
+                at = lead[tree.links.owner[first]]
+                keep = at >= 0
+                yield Hits(first[keep], second[keep], at[keep], states[at[keep]]).rows()
 
 
 def posed(tree: Tree, body: Pieces, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Pairs of links that meet with the joints at ``states`` (J,)."""
-    turn, shift = link_motion(tree.links, tree.joints, states)
+    turn, shift = tree.batch.pose(states)
     turn = product(turn, tree.turn.transpose(0, 2, 1))  # from rest
     shift = shift - apply(turn, tree.shift)
     turn, shift = turn[body.link], shift[body.link]

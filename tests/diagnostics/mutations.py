@@ -12,7 +12,6 @@ from pathlib import Path
 
 from artipg_dsl.resources import categories_dir, library_dir
 
-DRAFTS = Path(__file__).parents[1] / "drafts"
 _TOKEN = re.compile(r'#[^\n]*|"[^"\n]*"|\d[\d.]*[A-Za-z%/0-9]*|\w+|[^\s\w]')
 _NAME = re.compile(r"[A-Za-z_]\w*$")
 _NUMBER = re.compile(r"(\d+(?:\.\d+)?)([A-Za-z%]*)$")
@@ -25,8 +24,8 @@ UNITS = ("mm", "cm", "deg", "kg", "%", "", "inch")
 
 
 def programs() -> list[Path]:
-    """The shipped and the drafted programs."""
-    return sorted([*categories_dir().glob("*.apg"), *library_dir().glob("*.apg"), *DRAFTS.glob("*.apg")])
+    """The shipped programs."""
+    return sorted([*categories_dir().glob("*.apg"), *library_dir().glob("*.apg")])
 
 
 def mutations(seed: int, number: int) -> Iterator[tuple[str, str]]:

@@ -7,7 +7,7 @@ from artipg_dsl.source import Source
 
 from .mutations import mutations, programs
 
-MUTATIONS = list(mutations(seed=7, number=40))
+MUTATIONS = list(mutations(seed=7, number=60))
 
 
 @pytest.mark.parametrize("text", [t for _, t in MUTATIONS], ids=[name for name, _ in MUTATIONS])
@@ -18,5 +18,5 @@ def test_no_exception(text: str) -> None:
 
 
 def test_all_programs_are_mutated() -> None:
-    assert len(programs()) >= 20 and len(MUTATIONS) >= len(programs())
+    assert len(programs()) >= 40 and len(MUTATIONS) >= len(programs())
     assert len({text for _, text in MUTATIONS}) == len(MUTATIONS)

@@ -16,6 +16,7 @@ from artipg_dsl.geometry.sites import SiteTable
 from artipg_dsl.graph import expr as e
 from artipg_dsl.graph.primitive import Patch, Primitive
 from artipg_dsl.graph.program import Grasp, Joint, Keypoint, Label, Link, Material, Part, Pose, Program, Site, Target
+from artipg_dsl.runtime.motion import follow
 
 U, V, HALF, ONE, ZERO = e.var("u"), e.var("v"), e.const(0.5), e.ONE, e.ZERO
 IDENTITY = Pose(((ONE, ZERO, ZERO), (ZERO, ONE, ZERO), (ZERO, ZERO, ONE)), (ZERO, ZERO, ZERO), ONE)
@@ -227,6 +228,9 @@ class FakeBatch:
             high=half.transpose(1, 0, 2).reshape(-1, 3), symmetry=np.tile([[1, 2]] * 6 + [[0, 2]] * 2, (n, 1)),
             holder=np.full(8 * n, -1),
         )  # fmt: skip
+
+    def settled(self, states: np.ndarray) -> np.ndarray:
+        return follow(self.joints(), states)
 
     def pose(self, states: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
         joints = self.joints()

@@ -1,8 +1,6 @@
-"""The categories, shipped and drafted, pass every phase, sample with few rejections, and come out finite and rigid."""
+"""The shipped categories pass every phase, sample with few rejections, and come out finite and rigid."""
 
 from __future__ import annotations
-
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,8 +9,7 @@ from artipg_dsl.resources import categories_dir
 from artipg_dsl.runtime.sample import Statistics
 from artipg_dsl.session import Session
 
-DRAFTS = sorted((Path(__file__).parent.parent / "drafts").glob("*.apg"))
-FILES = [*DRAFTS, *sorted(categories_dir().glob("*.apg"))]
+FILES = sorted(categories_dir().glob("*.apg"))
 OBJECTS = 50
 LEAST_VALID = 40  # of the first attempts
 

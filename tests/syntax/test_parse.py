@@ -15,7 +15,7 @@ from .helpers import body_of, nodes, prefix, tree_of, value_of
 
 HERE = Path(__file__).parent
 FILES = sorted(
-    [*(HERE / "design").glob("*.apg"), *(HERE.parent / "drafts").glob("*.apg"), *library_dir().glob("*.apg"),
+    [*(HERE / "design").glob("*.apg"), *library_dir().glob("*.apg"),
      *categories_dir().glob("*.apg")]
 )  # fmt: skip
 
