@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import zlib
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -50,8 +50,9 @@ def settled(batch: Batch, material: Material) -> list[Material]:
     ranges = [name for name in RANGES if getattr(material, name)[0] != getattr(material, name)[1]]
     if not ranges:
         return [material] * len(batch)
-    values = {name: drawn(batch, material, name).tolist() for name in ranges}
-    return [replace(material, **{name: (v[i], v[i]) for name, v in values.items()}) for i in range(len(batch))]
+    values: dict[str, Any] = {name: drawn(batch, material, name).tolist() for name in ranges}
+    each: list[dict[str, Any]] = [{name: (v[i], v[i]) for name, v in values.items()} for i in range(len(batch))]
+    return [replace(material, **one) for one in each]
 
 
 def colours(batch: Batch, material: Material) -> np.ndarray:

@@ -71,7 +71,7 @@ def _beyond(parent: Pose, joint: RobotJoint, value: float) -> Pose:
     origin = joint.origin + value * advance * joint.axis
     axis = square(joint.axis[None])[0] if joint.kind == "ball" else joint.axis  # the tilt that a ball's value is
     turning = joint.kind in ("revolute", "continuous", "screw", "ball")
-    own = axis_angle(axis, np.float64(value)) if turning else np.eye(3)
+    own = axis_angle(axis, np.asarray(value)) if turning else np.eye(3)
     return product(turn, own), product(turn, origin) + shift
 
 
