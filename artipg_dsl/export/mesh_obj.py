@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from .robot import Look, Robot, Visual
+    from .robot import Look, Robot, RobotLink, Visual
 
 LIBRARY = "object.mtl"
 
@@ -56,6 +56,15 @@ def obj_text(shapes: Sequence[Shape], looks: Sequence[str] = ()) -> str:
 
 def obj_bytes(shapes: Sequence[Shape]) -> bytes:
     return obj_text(shapes).encode("utf-8")
+
+
+def link_meshes(link: RobotLink) -> list[tuple[str, Look, bytes]]:
+    """One OBJ for each material of a link, in the link's frame: its name, how it looks, its text."""
+    found = []
+    for material in dict.fromkeys(visual.look.name for visual in link.visuals):
+        same = [visual for visual in link.visuals if visual.look.name == material]
+        found.append((f"{link.name}_{material}", same[0].look, obj_bytes([visual.shape for visual in same])))
+    return found
 
 
 def obj_files(robot: Robot) -> dict[str, bytes]:

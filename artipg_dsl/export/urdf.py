@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..annotate.frames import euler
-from .mesh_obj import Shape, obj_bytes
+from .mesh_obj import Shape, link_meshes, obj_bytes
 from .robot import Collider, Robot, RobotJoint, RobotLink
 from .write import ExportError
 
@@ -43,14 +43,11 @@ def _template() -> Template:
 
 def _link(link: RobotLink, files: dict[str, bytes], looks: dict[str, str], pieces: dict[bytes, str]) -> dict[str, Any]:
     visuals = []
-    for material in dict.fromkeys(visual.look.name for visual in link.visuals):
-        same = [visual for visual in link.visuals if visual.look.name == material]
-        look = same[0].look
-        looks.setdefault(material, numbers([*look.colour, look.opacity]))
-        name = f"{link.name}_{material}"
+    for name, look, data in link_meshes(link):
+        looks.setdefault(look.name, numbers([*look.colour, look.opacity]))
         file = f"meshes/{name}.obj"
-        files[file] = obj_bytes([visual.shape for visual in same])
-        visuals.append({"name": name, "file": file, "material": material})
+        files[file] = data
+        visuals.append({"name": name, "file": file, "material": look.name})
     noise = 1e-12 * (link.inertia[0, 0] + link.inertia[1, 1] + link.inertia[2, 2])
     tensor = np.where(np.abs(link.inertia) > noise, link.inertia, 0.0)
     inertia = {

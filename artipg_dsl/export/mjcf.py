@@ -1,0 +1,229 @@
+"""MJCF for MuJoCo 3 and later: the object fixed to the world, the same free to move, and a scene with a floor for each.
+
+What is seen are OBJ meshes, what collides are boxes and convex hulls given by their points. A screw is a hinge and a slide
+on one axis, tied by an equality; a joint that follows another is tied in the same way; a ball is MuJoCo's own.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..annotate.frames import quaternion
+from ..runtime.motion import square
+from .mesh_obj import link_meshes
+from .pose import link_poses, rest_values
+from .robot import Collider, Robot, RobotJoint, RobotLink
+from .write import ExportError
+
+if TYPE_CHECKING:
+    from jinja2 import Template
+
+TYPES = {"revolute": "hinge", "continuous": "hinge", "screw": "hinge", "prismatic": "slide", "ball": "ball", "fixed": ""}
+ADVANCE = "_advance"  # a screw's slide is named after the screw
+# kg m2 or kg: what a drive adds to a joint. Without it the light links (a key, a knob) oscillate under limited effort
+ARMATURE = {"slide": 0.01, "hinge": 1e-4, "ball": 1e-4}
+
+
+def mjcf_files(robot: Robot) -> dict[str, bytes]:
+    """``object.xml`` (fixed base), ``object_free.xml`` and a scene with a floor for each, with meshes in ``meshes/``.
+
+    Raises ExportError for a kind of joint that MuJoCo does not have.
+    """
+    model = _Model(robot)
+    files = dict(model.files)
+    low, high = _bounds(robot)
+    center, extent = (low + high) / 2, float(np.max(high - low))
+    for end, free in (("", False), ("_free", True)):
+        text = _template("object.mjcf.j2").render(model.context, free=free, rest=model.rest(free))
+        files[f"object{end}.xml"] = (text + "\n").encode("utf-8")
+        scene = _template("scene.mjcf.j2").render(
+            name=robot.name,
+            file=f"object{end}.xml",
+            center=numbers(center),
+            extent=f"{max(extent, 0.01):.6g}",
+            lamp=numbers(center + 2 * extent * np.array([0.4, 0.3, 0.87])),
+        )
+        files[f"scene{end}.xml"] = (scene + "\n").encode("utf-8")
+    return files
+
+
+class _Model:
+    """What the template is filled with."""
+
+    def __init__(self, robot: Robot):
+        self.robot = robot
+        self.files: dict[str, bytes] = {}
+        self.meshes: dict[str, str] = {}
+        self.hulls: dict[str, str] = {}
+        self._same_hull: dict[str, str] = {}
+        self.couplings: list[dict[str, str]] = []
+        below: dict[int, list[RobotJoint]] = {}
+        for joint in robot.joints:
+            if joint.kind not in TYPES:
+                raise ExportError(
+                    f"{robot.name}: joint {joint.name} is a {joint.kind} joint, which MuJoCo cannot state",
+                    f"MuJoCo has {', '.join(TYPES)}; leave mjcf out of --format",
+                )
+            below.setdefault(joint.parent, []).append(joint)
+        looks = {visual.look.name: visual.look for link in robot.links for visual in link.visuals}
+        root = self._body(0, None, below)
+        self.order = self._joint_order(root)
+        self.context: dict[str, Any] = {
+            "name": robot.name,
+            "root": root,
+            "looks": [
+                {
+                    "name": name,
+                    "rgba": numbers([*look.colour, look.opacity]),
+                    "metallic": f"{look.metalness:.6g}",
+                    "roughness": f"{look.roughness:.6g}",
+                }
+                for name, look in looks.items()
+            ],
+            "meshes": self.meshes,
+            "hulls": self.hulls,
+            "excludes": adjacent(robot),
+            "couplings": self.couplings,
+        }
+
+    def _body(self, k: int, above: RobotJoint | None, below: dict[int, list[RobotJoint]]) -> dict[str, Any]:
+        link = self.robot.links[k]
+        visuals = []
+        for name, look, data in link_meshes(link):
+            file = f"meshes/{name}.obj"
+            self.files[file], self.meshes[name] = data, file
+            visuals.append({"name": name, "material": look.name})
+        i = link.inertia
+        return {
+            "name": link.name,
+            "pos": numbers(link.origin if above is None else above.origin),
+            "center": numbers(link.center),
+            "mass": f"{link.mass:.9g}",
+            "inertia": " ".join(f"{v:.9g}" for v in (i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2])),
+            "joints": [] if above is None else self._joints(above),
+            "visuals": visuals,
+            "pieces": [self._piece(link, collider) for collider in link.colliders],
+            "children": [self._body(joint.child, joint, below) for joint in below.get(k, [])],
+        }
+
+    def _joints(self, joint: RobotJoint) -> list[dict[str, str]]:
+        kind = TYPES[joint.kind]
+        if not kind:
+            return []
+        entry = {"name": joint.name, "type": kind}
+        if kind != "ball":
+            entry["axis"] = numbers(joint.axis)
+            if joint.kind != "continuous" and joint.low is not None and joint.high is not None:
+                entry["range"] = numbers([joint.low, joint.high])
+            entry["actuatorfrcrange"] = numbers([-joint.effort, joint.effort])
+        elif joint.high is not None and joint.high > 0:
+            entry["range"] = numbers([0.0, joint.high])
+        entry |= {
+            "damping": f"{joint.damping:.9g}",
+            "frictionloss": f"{joint.friction:.9g}",
+            "armature": f"{ARMATURE[kind]:.9g}",
+        }
+        made = [entry]
+        if joint.kind == "screw":
+            made.append({"name": joint.name + ADVANCE, "type": "slide", "axis": numbers(joint.axis)})
+            self._couple(joint.name + ADVANCE, joint.name, 0.0, joint.pitch / (2 * np.pi))
+        if joint.mimic is not None:
+            leader, multiplier, offset = joint.mimic
+            self._couple(joint.name, leader, offset, multiplier)
+        return made
+
+    def _couple(self, follower: str, leader: str, offset: float, multiplier: float) -> None:
+        coefficients = f"{offset:.9g} {multiplier:.9g} 0 0 0"
+        self.couplings.append({"name": follower, "joint1": follower, "joint2": leader, "polycoef": coefficients})
+
+    def _piece(self, link: RobotLink, collider: Collider) -> dict[str, str]:
+        name = f"{link.name}_{collider.name}"
+        dynamic = sum(collider.material.friction_dynamic) / 2
+        entry = {"name": f"{name}_collision", "class": "collision", "friction": f"{dynamic:.6g} 0.005 0.0001"}
+        if collider.hull is None:
+            assert collider.size is not None
+            size, turn = numbers(np.array(collider.size) / 2), numbers(np.ravel(quaternion(collider.rotation)))
+            return entry | {"type": "box", "size": size, "pos": numbers(collider.center), "quat": turn}
+        # equal pieces (the keys of a pad) share a mesh: its points are those about its own middle
+        middle = np.round((collider.hull.vertices.min(axis=0) + collider.hull.vertices.max(axis=0)) / 2, 9)
+        points = numbers(np.round(collider.hull.vertices - middle, 9).ravel())
+        mesh = self._same_hull.setdefault(points, f"{name}_hull")
+        self.hulls[mesh] = points
+        return entry | {"type": "mesh", "mesh": mesh, "pos": numbers(middle)}
+
+    def _joint_order(self, body: dict[str, Any]) -> list[str]:
+        """Names of joints as MuJoCo orders them: depth first."""
+        return [j["name"] for j in body["joints"]] + [n for child in body["children"] for n in self._joint_order(child)]
+
+    def rest(self, free: bool) -> str:
+        """``qpos`` with every joint at rest: numbers in MuJoCo's order, a ball's as a quaternion, the free base's first."""
+        values: list[float] = [*self.robot.links[0].origin.tolist(), 1.0, 0.0, 0.0, 0.0] if free else []
+        return numbers([*values, *qpos(self.robot, rest_values(self.robot), self.order)]) if self.order or free else ""
+
+
+def qpos(robot: Robot, values: dict[str, float], order: list[str]) -> list[float]:
+    """What MuJoCo calls a state: the numbers of the joints ``order`` at the joint ``values``."""
+    joints = {joint.name: joint for joint in robot.joints}
+    numbers: list[float] = []
+    for name in order:
+        joint = joints.get(name)
+        if joint is None:  # a screw's slide
+            screw = joints[name.removesuffix(ADVANCE)]
+            numbers.append(values[screw.name] * screw.pitch / (2 * np.pi))
+        elif joint.kind == "ball":
+            half = values[name] / 2
+            numbers += [float(np.cos(half)), *(np.sin(half) * square(joint.axis[None])[0]).tolist()]
+        else:
+            numbers.append(values[name])
+    return numbers
+
+
+def adjacent(robot: Robot) -> list[tuple[str, str]]:
+    """Pairs of links that a joint holds together and that therefore do not collide.
+
+    MuJoCo leaves such pairs out by itself, but not where the parent is fixed to the world. Links that fixed joints
+    hold together count as one.
+    """
+    welded = list(range(len(robot.links)))
+    for joint in robot.joints:  # parents come before their children
+        if joint.kind == "fixed":
+            welded[joint.child] = welded[joint.parent]
+    groups: dict[int, list[int]] = {}
+    for link, group in enumerate(welded):
+        groups.setdefault(group, []).append(link)
+    pairs = [
+        (a, b)
+        for joint in robot.joints
+        if joint.kind != "fixed"
+        for a in groups[welded[joint.parent]]
+        for b in groups[welded[joint.child]]
+    ]
+    pairs += [(a, b) for group in groups.values() for i, a in enumerate(group) for b in group[i + 1 :]]
+    return [(robot.links[a].name, robot.links[b].name) for a, b in dict.fromkeys(pairs)]
+
+
+def _bounds(robot: Robot) -> tuple[np.ndarray, np.ndarray]:
+    """The box (3,), (3,) of what is seen, with the joints at 0."""
+    poses = link_poses(robot, {joint.name: 0.0 for joint in robot.joints})
+    points = [v.shape.vertices + pose[1] for link, pose in zip(robot.links, poses, strict=True) for v in link.visuals]
+    every = np.concatenate(points) if points else np.zeros((1, 3))
+    return every.min(axis=0), every.max(axis=0)
+
+
+def numbers(values: Any) -> str:
+    """Numbers with ten significant digits and a blank between, rounding noise below 1e-12 dropped."""
+    rounded = np.round(np.asarray(values, dtype=np.float64), 12) + 0.0
+    return " ".join(f"{value:.10g}" for value in rounded.tolist())
+
+
+@lru_cache(maxsize=2)
+def _template(name: str) -> Template:
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    environment = Environment(
+        loader=PackageLoader("artipg_dsl.export"), undefined=StrictUndefined, autoescape=True, auto_reload=False
+    )
+    return environment.get_template(name)
