@@ -7,7 +7,7 @@ joint value 0, so that joint frames need no rotation and every mesh of a link is
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -48,7 +48,7 @@ class Visual:
     name: str
     look: Look
     shape: Shape
-    item: solids.Item[solids.SolidGroup]
+    item: solids.Item[solids.SolidGroup] = field(repr=False)  # refers to the whole batch
 
 
 @dataclass(frozen=True, slots=True)
