@@ -91,8 +91,12 @@ class Job:
         lines = [f"  {count:>8} times: {reason}" for reason, count in list(self.failures().items())[:3]]
         fixed = " with what was set" if self.settings else ""
         return NoObject(
-            f"no valid {self.sampler.program.name} in {error.attempts} attempts{fixed} for {counted} {shown}; "
-            "what failed most:\n" + "\n".join(lines),
+            (
+                f"what was set leaves no valid {self.sampler.program.name}; "
+                if error.hopeless
+                else f"no valid {self.sampler.program.name} in {error.attempts} attempts{fixed} for {counted} {shown}; "
+            )
+            + "what failed most:\n" + "\n".join(lines),
             "set other values" if self.settings else "widen the ranges, or state what one value leaves to the next",
         )
 

@@ -19,11 +19,15 @@ from ..graph.program import Bound, Draw, Limit, Program
 from .systems import inline
 
 MOST_DERIVED = 400
-DEPTH = 6
+DEPTH = 24
 
 
-def attach_bounds(program: Program) -> None:
-    """Fill ``bounds`` of the draws and ``limits`` of the choices from the requirements."""
+def attach_bounds(program: Program) -> list[tuple[Scope, tuple[int, ...]]]:
+    """Fill ``bounds`` of the draws and ``limits`` of the choices from the requirements.
+
+    Returns the requirements that contradict one another whatever is drawn, with the rows in which they do.
+    """
+    hollow: list[tuple[Scope, tuple[int, ...]]] = []
     draws = {d.column: d for d in program.draws}
     order = {d.column: k for k, d in enumerate(program.draws)}
     intervals = Intervals(program.draws, program.definitions)
@@ -48,6 +52,12 @@ def attach_bounds(program: Program) -> None:
         if draws[last].kind == "choice":
             limit_choice(program, reader, draws[last], scope, E.call("le", low, high), guard, number)
             continue
+        if depth and guard is E.TRUE:
+            form = reader.form(E.sub(low, high))
+            if form is not None and not form[0] and form[1].constant is not None:
+                if form[1].constant > 1e-9:
+                    hollow.append((scope, (number, *also)))
+                continue
         bent = linear(program, last, scope, low, high, guard) is None and not open_ended(E.sub(low, high))
         if bent and depth < DEPTH and made[bent] < MOST_DERIVED:  # that the value drawn last has a chance at all
             least = least_of(E.sub(low, high), last, intervals, program.definitions)
@@ -62,7 +72,7 @@ def attach_bounds(program: Program) -> None:
                 lower, upper = (other, stated) if bound.side == "high" else (stated, other)
                 reasons = tuple(dict.fromkeys((*also, *other.also, *(() if other.requirement == number else (other.requirement,)))))
                 pending.append((inner, lower.value, upper.value, E.both(lower.guard, upper.guard), number, depth + 1, reasons))
-
+    return hollow
 
 def last_drawn(reader: Linear, order: dict[Column, int], scope: Scope, *nodes: Expr) -> Column | None:
     """Of all that a requirement names, the choices that its table stands under included, what is drawn last."""

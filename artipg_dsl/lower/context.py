@@ -76,6 +76,7 @@ class Context:
     guards: dict[tuple[Scope, Expr], Scope] = field(default_factory=dict)
     draws: list[Draw] = field(default_factory=list)
     spans: dict[Column, Span] = field(default_factory=dict)
+    stated: dict[int, tuple[Span, bool]] = field(default_factory=dict)  # requirement -> its place, whether the category's own
     ledger: list[tuple[Part | None, Unknown]] = field(default_factory=list)
     parts: list[Part] = field(default_factory=list)
     solids: dict = field(default_factory=dict)  # primitive symbol -> Lowered

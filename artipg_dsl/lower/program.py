@@ -19,6 +19,7 @@ from .connect import carriers
 from .context import Abort, Context, text_of, where
 from .env import Env
 from .evaluate import Evaluator
+from .feasible import judge
 from .links import Links, resolve_mimics
 from .motions import motions
 from .part import Part
@@ -82,7 +83,7 @@ def finish(links: Links, env: Env) -> None:
     conditions(links, env)
     slots(links, env)
     vocabularies(env)
-    attach_bounds(program)
+    judge(context, attach_bounds(program), env.module.source.name)
     program.hash = digest(program)
 
 
@@ -154,7 +155,9 @@ def require(env: Env, statement: ast.RequireStmt) -> None:
             guard = E.both(guard, E.negate(ev.truth(ev.value(other), other.span)))
         message = statement.message or text_of(statement.span)
         repair = None if statement.repair is None else text_of(statement.repair.span)
-        env.context.program.requirements.append(
+        requirements = env.context.program.requirements
+        env.context.stated[len(requirements)] = statement.span, env.scope.parent is None and not env.path
+        requirements.append(
             Requirement(env.scope, condition, guard, message, where(statement.span), slack, repair, text_of(node.span))
         )
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..graph.feasible import conflicts
 from ..graph.program import Program
 from .batch import Batch
 from .kernels import State
@@ -45,9 +46,10 @@ class Statistics:
 class Exhausted(Exception):
     """Objects for which none of ``attempts`` was valid; ``statistics`` says what failed how often."""
 
-    def __init__(self, numbers: np.ndarray, statistics: Statistics, attempts: int):
+    def __init__(self, numbers: np.ndarray, statistics: Statistics, attempts: int, hopeless: bool = False):
         super().__init__(f"no valid object after {attempts} attempts for {len(numbers)} objects")
         self.numbers, self.statistics, self.attempts = numbers, statistics, attempts
+        self.hopeless = hopeless  # the values given leave nothing, whatever else is drawn
 
 
 class Sampler:
@@ -72,6 +74,8 @@ class Sampler:
         if not bad.any():
             return batch
         failed = np.flatnonzero(bad)
+        if bad.all() and hopeless(self.program, trials.given):
+            raise Exhausted(numbers, trials.statistics, 1, hopeless=True)
         for start in range(0, len(failed), GROUP):  # the first ones tell soon whether it is any use
             group = failed[start : start + GROUP]
             while len(group):
@@ -82,6 +86,12 @@ class Sampler:
                     raise Exhausted(numbers[without], trials.statistics, int(attempt[without].max()))
                 group = group[trials.run(numbers[group], attempt[group], False)[0]]
         return trials.made(numbers, attempt)[1]
+
+
+def hopeless(program: Program, given: dict[int, float]) -> bool:
+    """Whether the values given leave no valid object at all, whatever else is drawn."""
+    fixed = {k: float(v) for k, v in given.items() if np.ndim(v) == 0}
+    return bool(fixed) and any(conflict.certain for conflict in conflicts(program, fixed))
 
 
 class _Trials:

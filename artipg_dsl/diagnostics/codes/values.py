@@ -102,9 +102,23 @@ VALUES = (
           when handle is BowHandle { require body.size.x >= 3cm }
         }
         """),
+    Code("always-true", "a requirement always holds", """
+        The ranges of what it names leave no way to break this requirement, so it says nothing. Often it
+        compares the wrong values, or was written before a range was narrowed. Correct what it compares, or drop it.
+        """, """
+        apg 1
+        use primitives { Cuboid }
+        category Stool {
+          param width : length in 30cm .. 50cm
+          root part seat : Cuboid(size = [30cm, width, 3cm])
+          require width >= 20cm
+        }
+        """),
     Code("impossible", "a requirement can never hold", """
         The ranges of what it names leave no way to keep this requirement, so nothing could ever be drawn. For
-        a primitive it is the ranges after `test` that are tried. Widen a range, or correct the requirement.
+        a primitive it is the ranges after `test` that are tried. Where requirements contradict one another, all of
+        them are shown, with what they name. Within an alternative or a `when` it is a warning: what holds the
+        contradiction is never drawn, and nobody would miss it. Widen a range, or correct the requirement.
         """, """
         apg 1
         primitive Ring {

@@ -1,0 +1,146 @@
+"""Ranges that can never be met: intervals of all draws, narrowed by their bounds until one is empty or nothing moves.
+
+Static and conservative: a conflict found here holds for every object; one that is not found here is met when sampling.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from .expr import TRUE, Expr, Scope, both, negate
+from .interval import Interval, Intervals
+from .linear import Linear
+from .program import Draw, Program
+
+ROUNDS = 6
+SMALL = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class Conflict:
+    """What can never be met: a draw whose range is empty, or a requirement; with the requirements that lead there.
+
+    ``certain``: every object has it, so that nothing can ever be drawn; else it is within an alternative or a repeat.
+    """
+
+    draw: int | None
+    requirement: int | None
+    reasons: tuple[int, ...]
+    draws: tuple[int, ...]
+    low: float
+    high: float
+    scope: Scope
+    certain: bool
+
+
+class Narrowed(Intervals):
+    """Intervals of expressions with some draws at less than their domain."""
+
+    def __init__(self, program: Program, box: Mapping[int, Interval]):
+        super().__init__(program.draws, program.definitions)
+        self.box = {program.draws[k].column: ends for k, ends in box.items()}
+
+    def _of(self, node: Expr) -> Interval:
+        low, high = super()._of(node)
+        if node.op == "phi" and node.args[-1].op == "const" and math.isinf(float(node.args[-1].value)):  # type: ignore[arg-type]
+            end = float(node.args[-1].value)  # type: ignore[arg-type]
+            return min(low, end), max(high, end)  # no bound where no alternative states one
+        if node.op == "reduce" and node.value[0] in ("min", "max"):  # type: ignore[index]
+            kind, child = node.value  # type: ignore[misc]
+            if child.count is None or self.of(child.count)[0] < 1.0:  # of no rows
+                return (low, math.inf) if kind == "min" else (-math.inf, high)
+        return low, high
+
+    def column(self, column):  # noqa: ANN001, ANN201 - as the base class
+        found = self.box.get(column)
+        return super().column(column) if found is None else found
+
+
+def conflicts(program: Program, given: Mapping[int, float] | None = None) -> list[Conflict]:
+    """Everything that can never be met, given the values of some draws (by index), in the order of the text."""
+    box = {k: (v, v) for k, v in (given or {}).items() if math.isfinite(v)}
+    reader = Linear(lambda c: c not in program.definitions, program.definitions, through=True)
+    numbers = {d.column: k for k, d in enumerate(program.draws)}
+    causes: dict[int, tuple[tuple[int, ...], tuple[int, ...]]] = {}
+    found: dict[object, Conflict] = {}
+    for _ in range(ROUNDS):
+        intervals = Narrowed(program, box)
+        moved = False
+        for k, draw in enumerate(program.draws):
+            if k in found or draw.kind == "choice" or draw.low is None or draw.high is None:
+                continue
+            low, high, why, read = _range(draw, intervals, reader)
+            if k in box:
+                low, high = max(low, box[k][0]), min(high, box[k][1])
+            others = tuple(dict.fromkeys(numbers[c] for c in read if c in numbers and c is not draw.column))
+            if low > high + SMALL * max(1.0, abs(low)):
+                reasons = tuple(dict.fromkeys([*why, *(r for o in others for r in causes.get(o, ((), ()))[0])]))
+                chain = tuple(dict.fromkeys([*others, *(d for o in others for d in causes.get(o, ((), ()))[1] if d != k)]))
+                scope = draw.column.scope
+                found[k] = Conflict(k, None, reasons, chain, low, high, scope, certain(scope, intervals))
+            elif why and (low, high) != intervals.column(draw.column) and (given is None or k not in given):
+                box[k] = (low, max(low, high))
+                causes[k] = tuple(why), others
+                moved = True
+        if found or not moved:
+            break
+    return [*found.values(), *_broken(program, Narrowed(program, box if not found else {}), found)]
+
+
+def _range(draw: Draw, intervals: Intervals, reader: Linear) -> tuple[float, float, list[int], list]:
+    """The range of a draw, the requirements that make it narrower than its domain, and what they read."""
+    low, high = intervals.of(draw.low)[0], intervals.of(draw.high)[1]  # type: ignore[arg-type]
+    why: dict[str, list[int]] = {"low": [], "high": []}
+    read: dict[str, list] = {"low": sorted_columns(reader, draw.low), "high": sorted_columns(reader, draw.high)}
+    for bound in draw.bounds:
+        if intervals.of(bound.guard)[0] < 1.0:
+            continue
+        ends = intervals.of(bound.value)
+        if any(map(math.isnan, ends)):
+            continue
+        if (ends[0] > low) if bound.side == "low" else (ends[1] < high):
+            low, high = (ends[0], high) if bound.side == "low" else (low, ends[1])
+            why[bound.side], read[bound.side] = [bound.requirement, *bound.also], sorted_columns(reader, bound.value)
+    return low, high, why["low"] + why["high"], read["low"] + read["high"]
+
+
+def sorted_columns(reader: Linear, node: Expr | None) -> list:
+    return [] if node is None else sorted(reader.columns(node), key=lambda c: c.path)
+
+
+def _broken(program: Program, intervals: Intervals, found: Mapping[object, Conflict]) -> list[Conflict]:
+    """Requirements that no values within the intervals keep, beyond those that a range has told already."""
+    told = {r for conflict in found.values() for r in conflict.reasons}
+    more = []
+    for number, requirement in enumerate(program.requirements):
+        if number in told or intervals.of(requirement.guard)[0] < 1.0:
+            continue
+        if intervals.of(requirement.condition)[1] >= 1.0:
+            continue
+        if requirement.slack is not None:
+            low, high = (intervals.of(side) for side in requirement.slack)
+            if not low[0] > high[1] + SMALL:
+                continue
+        scope = requirement.scope
+        more.append(Conflict(None, number, (number,), (), math.nan, math.nan, scope, certain(scope, intervals)))
+    return more
+
+
+def idle(program: Program) -> list[int]:
+    """The requirements on something drawn that hold whatever is drawn; one between constants states a fact on purpose."""
+    intervals = Intervals(program.draws, program.definitions)
+    reader = Linear(lambda c: c not in program.definitions, program.definitions, through=True)
+    return [
+        number for number, requirement in enumerate(program.requirements)
+        if reader.columns(requirement.condition) and intervals.of(negate(both(requirement.guard, negate(requirement.condition))))[0] >= 1.0
+    ]  # fmt: skip
+
+
+def certain(scope: Scope, intervals: Intervals) -> bool:
+    """Whether every object has a row of the table."""
+    return all(s.count is None or s.count is TRUE or intervals.of(s.count)[0] >= 1.0 for s in scope.ancestors())
+
+
+__all__ = ["Conflict", "certain", "conflicts", "idle"]

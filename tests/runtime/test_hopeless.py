@@ -1,0 +1,57 @@
+"""Programs and settings that leave nothing end at once, and tight ones with an answer."""
+
+import numpy as np
+import pytest
+
+from artipg_dsl.diagnostics import CompileError
+from artipg_dsl.runtime.sample import Exhausted, Statistics
+from artipg_dsl.session import Session
+
+HEAD = "apg 1\nuse primitives { Cuboid }\ncategory Box {\n"
+BODY = "  root part body : Cuboid(size = [10cm, 10cm, 10cm])\n"
+
+
+def program(*lines: str) -> str:
+    return HEAD + BODY + "".join(f"  {line}\n" for line in lines) + "}\n"
+
+
+def chain(count: int, last: str) -> str:
+    """Values of which each is at least a little more than the one before."""
+    names = [f"a{k}" for k in range(count)]
+    steps = [f"require {b} >= {a} + 1mm" for a, b in zip(names, names[1:], strict=False)]
+    return program(*(f"param {n} : length in 1cm .. 10cm" for n in names), *steps, last)
+
+
+def test_values_that_are_set_against_each_other_end_after_one_attempt() -> None:
+    text = program("param a : length in 1cm .. 9cm", "param b : length in 1cm .. 9cm", "require a + 2cm <= b")
+    sampler = Session.of_text(text).sampler
+    with pytest.raises(Exhausted) as found:
+        sampler.batch(np.arange(8), 0, given={0: 0.08})
+    assert found.value.attempts == 1 and found.value.statistics.attempts == 8
+    assert len(sampler.batch(np.arange(8), 0, given={0: 0.06})) == 8
+
+
+def test_a_long_contradiction_is_told_with_all_that_leads_to_it() -> None:
+    with pytest.raises(CompileError) as found:
+        _ = Session.of_text(chain(12, "require a11 <= a0")).sampler
+    message = str(found.value)
+    assert "impossible" in message and "require a11 <= a0" in message and "require a6 >= a5 + 1mm" in message
+
+
+def test_a_tight_chain_is_met_at_the_first_attempt() -> None:
+    statistics = Statistics()
+    sampler = Session.of_text(chain(12, "require a11 <= a0 + 12mm")).sampler
+    batch = sampler.batch(np.arange(50), 0, statistics=statistics)
+    values = np.stack([batch.values()[f"a{k}"] for k in range(12)])
+    assert (np.diff(values, axis=0) >= 0.001 - 2e-9).all() and statistics.first_valid == 50
+
+
+def test_a_contradiction_within_an_alternative_leaves_the_others() -> None:
+    session = Session.of_text(
+        "apg 1\nuse primitives { Cuboid }\ntemplate Low {\n  param rise : length in 1cm .. 5cm\n"
+        "  part block : Cuboid(size = [20cm, 20cm, rise])\n  require rise >= 6cm\n}\n"
+        + HEAD.split("\n", 2)[2] + BODY + "  part top : Low | none\n  connect top.bottom on body.top\n}\n"
+    )  # fmt: skip
+    batch = session.sampler.batch(np.arange(10), 0)
+    assert [d.code for d in session.report.diagnostics] == ["impossible"] and not session.report.failed
+    assert {batch.drawn(k)["top"] for k in range(10)} == {"none"}
