@@ -10,6 +10,7 @@ import numpy as np
 from ..annotate.frames import euler
 from .mesh_obj import Shape, link_meshes, obj_bytes
 from .robot import Collider, Robot, RobotJoint, RobotLink
+from .substitute import simple_joints
 from .write import ExportError
 
 if TYPE_CHECKING:
@@ -20,6 +21,7 @@ KINDS = ("revolute", "continuous", "prismatic", "fixed")
 
 def urdf_files(robot: Robot) -> dict[str, bytes]:
     """The files of a robot by path relative to its folder: ``object.urdf`` and what it refers to in ``meshes/``."""
+    robot = simple_joints(robot)
     files: dict[str, bytes] = {}
     looks: dict[str, str] = {}
     pieces: dict[bytes, str] = {}

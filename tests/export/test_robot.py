@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 import trimesh
 
+from artipg_dsl.export.pose import follow, link_poses
 from artipg_dsl.export.robot import Robot, Robots
 from artipg_dsl.export.solids import as_box
+from artipg_dsl.export.substitute import simple_joints
 from artipg_dsl.export.urdf import urdf_files
 from artipg_dsl.export.write import ExportError
 
@@ -133,9 +135,44 @@ def test_a_mimicking_joint_names_its_leader() -> None:
 
 
 def test_joints_that_urdf_cannot_state_are_refused_with_words(robot: Robot) -> None:
-    ball = replace(robot, joints=(replace(robot.joints[0], kind="ball"),))
-    with pytest.raises(ExportError, match="open is a ball joint"):
-        urdf_files(ball)
+    planar = replace(robot, joints=(replace(robot.joints[0], kind="planar"),))
+    with pytest.raises(ExportError, match="open is a planar joint"):
+        urdf_files(planar)
+
+
+@pytest.mark.parametrize("kind, added", [("screw", 1), ("ball", 2)])
+def test_a_substitute_moves_as_the_joint_does(robot: Robot, kind: str, added: int) -> None:
+    first = replace(robot.joints[0], kind=kind, pitch=0.02 if kind == "screw" else 0.0)
+    whole = replace(robot, joints=(first, *robot.joints[1:]))
+    simple = simple_joints(whole)
+    assert len(simple.links) == len(whole.links) + added and len(simple.joints) == len(whole.joints) + added
+    assert {joint.kind for joint in simple.joints} <= {"revolute", "continuous", "prismatic", "fixed"}
+    for value in (-0.7, 0.0, 1.1):
+        states = {joint.name: 0.0 for joint in simple.joints} | {first.name: value}
+        poses = zip(link_poses(whole, states), link_poses(simple, follow(simple, states)), strict=False)
+        for (turn, shift), (simple_turn, simple_shift) in poses:
+            assert simple_turn == pytest.approx(turn, abs=1e-12) and simple_shift == pytest.approx(shift, abs=1e-12)
+    more = sum(link.mass for link in simple.links) - sum(link.mass for link in whole.links)
+    assert 0 < more <= 0.003 * whole.links[first.child].mass
+
+
+@pytest.mark.parametrize("kind", ["screw", "ball"])
+def test_mujoco_moves_the_substitute_of_urdf_alike(robot: Robot, kind: str) -> None:
+    first = replace(robot.joints[0], kind=kind, pitch=0.02 if kind == "screw" else 0.0)
+    whole = replace(robot, joints=(first, *robot.joints[1:]))
+    mujoco, model = mujoco_model(urdf_files(whole))
+    assert model.nbody == len(simple_joints(whole).links) + 1
+    data = mujoco.MjData(model)
+    data.joint(first.name).qpos[0] = 0.8
+    if kind == "screw":
+        data.joint(f"{first.name}_advance").qpos[0] = 0.8 * 0.02 / (2 * np.pi)
+    mujoco.mj_kinematics(model, data)
+    values = {joint.name: 0.0 for joint in whole.joints} | {first.name: 0.8}
+    root = robot.links[0].name
+    for link, (turn, shift) in zip(whole.links, link_poses(whole, values), strict=True):
+        body = data.body(link.name)
+        assert body.xpos - data.body(root).xpos == pytest.approx(shift, abs=1e-6), link.name
+        assert body.xmat.reshape(3, 3) == pytest.approx(turn, abs=1e-6), link.name
 
 
 def test_a_joint_without_limits_is_continuous(robot: Robot) -> None:

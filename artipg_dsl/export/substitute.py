@@ -1,0 +1,69 @@
+"""Joints that a format does not have, as chains of those that it has, with links of next to no mass between.
+
+A screw is a hinge and a slide on one axis that follows it. A ball is three hinges through one point: the tilt that its
+value is (see ``runtime.motion.freedoms``), the tilt about the third direction, and the twist about its own axis.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..runtime.motion import square
+from .robot import Robot, RobotJoint, RobotLink
+
+ADVANCE, SWING, TWIST = "_advance", "_swing", "_twist"
+SHARE = 1e-3  # of the moved link's mass and inertia, for a link that is there for the format alone
+
+
+def simple_joints(robot: Robot) -> Robot:
+    """The same robot with hinges, slides and fixed joints alone; a joint that needs more keeps its name and value."""
+    links, joints = list(robot.links), []
+    for joint in robot.joints:
+        if joint.kind == "screw":
+            advance = (joint.name, joint.pitch / (2.0 * np.pi), 0.0)
+            kind = "continuous" if joint.low is None or joint.high is None else "revolute"
+            ends = [value * advance[1] for value in (joint.low, joint.high) if value is not None]
+            low, high = (min(ends), max(ends)) if len(ends) == 2 else (None, None)
+            slide = replace(
+                joint, name=joint.name + ADVANCE, kind="prismatic", low=low, high=high, rest=joint.rest * advance[1],
+                effort=joint.effort / max(abs(advance[1]), 1e-3), velocity=joint.velocity * abs(advance[1]),
+                damping=0.0, friction=0.0, mimic=advance, pitch=0.0,
+            )  # fmt: skip
+            joints += _chain([replace(joint, kind=kind, pitch=0.0), slide], links)
+        elif joint.kind == "ball":
+            tilt = square(joint.axis[None])[0]
+            kind = "continuous" if joint.low is None or joint.high is None else "revolute"
+            tilted = replace(joint, kind=kind, axis=tilt)
+            if joint.low is not None and joint.high is not None:  # a range is that of the angle, in any direction
+                reach = max(abs(joint.low), abs(joint.high))
+                tilted = replace(tilted, low=-reach, high=reach)
+            other = replace(tilted, rest=0.0, mimic=None)
+            swing = replace(other, name=joint.name + SWING, axis=_cross(joint.axis, tilt))
+            twist = replace(other, name=joint.name + TWIST, axis=joint.axis)
+            joints += _chain([tilted, swing, twist], links)
+        else:
+            joints.append(joint)
+    return replace(robot, links=tuple(links), joints=tuple(joints))
+
+
+def _chain(steps: list[RobotJoint], links: list[RobotLink]) -> list[RobotJoint]:
+    """The joints one behind the other at one place; the links between are added to ``links``."""
+    moved = links[steps[0].child]
+    chained, parent = [], steps[0].parent
+    for i, step in enumerate(steps):
+        child = step.child
+        if i + 1 < len(steps):
+            child = len(links)
+            trace = float(moved.inertia[0, 0] + moved.inertia[1, 1] + moved.inertia[2, 2])
+            inertia = SHARE * max(trace, 1e-9) * np.eye(3)
+            name = f"{moved.name}_carrier_{i + 1}" if i else f"{moved.name}_carrier"
+            links.append(RobotLink(name, moved.origin, SHARE * moved.mass, np.zeros(3), inertia, (), ()))
+        chained.append(replace(step, parent=parent, child=child, origin=step.origin if i == 0 else np.zeros(3)))
+        parent = child
+    return chained
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
