@@ -71,7 +71,7 @@ class Expr:
         return self.value if self.op == "const" else None  # type: ignore[return-value]
 
     def __repr__(self) -> str:
-        return show(self)
+        return show(self) if few(self, 200) else f"<{self.op} of many terms>"
 
     def __add__(self, other: Expr | float) -> Expr:
         return add(self, wrap(other))
@@ -466,6 +466,15 @@ def rebuild(node: Expr, args: tuple[Expr, ...]) -> Expr:
 
 
 _INFIX = {"add": "+", "sub": "-", "mul": "*", "div": "/", "pow": "^", "lt": "<", "le": "<=", "eq": "==", "and": "and", "or": "or"}
+
+
+def few(node: Expr, most: int) -> bool:
+    """Whether the written form of an expression, which repeats what is shared, has at most so many nodes."""
+    left, stack = most, [node]
+    while stack and left >= 0:
+        left -= 1
+        stack.extend(stack.pop().args)
+    return left >= 0
 
 
 def show(node: Expr) -> str:

@@ -1,5 +1,9 @@
-"""The shipped primitives, lowered from their text, pass the self-test; leaks in declarations are findings in words."""
+"""The shipped primitives, lowered from their text, pass the self-test; leaks in declarations are findings in words.
 
+Some lathes and outlines of free curves take up to a minute each; they run with ``ARTIPG_EVERY=1``.
+"""
+
+import os
 from pathlib import Path
 
 import pytest
@@ -23,11 +27,14 @@ def declared():
 
 
 SHIPPED = declared()
+LONG = ("PotShell", "ShoulderedVessel", "WavedVessel", "EggRing", "HalfRing", "Bowl", "ArchBar")
+EVERY = os.environ.get("ARTIPG_EVERY") == "1"
 
 
-@pytest.mark.parametrize("name", SHIPPED)
+@pytest.mark.parametrize("name", [name for name in SHIPPED if EVERY or name not in LONG])
 def test_a_shipped_primitive_agrees_with_itself(name):
-    assert check_primitive(SHIPPED[name]) == []
+    found = check_primitive(SHIPPED[name])
+    assert not found, "\n".join(map(str, found))
 
 
 def test_the_library_has_primitives():
