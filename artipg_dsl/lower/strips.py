@@ -17,7 +17,7 @@ from .probe import Probe
 from .profiles import Loop, Point, Span, dot, equal_steps, minus, right_of, samples, scale, straight, turning
 
 MOST = 16  # steps of a curve
-SAFE = E.const(1.15)  # a bulge is measured at a few places; what lies between them
+SAFE = E.const(1.05)  # a bulge is measured at a few places; what lies between them
 QUARTER = 0.25  # of a wall may be cut
 
 
