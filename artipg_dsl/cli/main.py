@@ -46,6 +46,11 @@ def parser() -> argparse.ArgumentParser:
     shape.add_argument("--json", action="store_true", help="findings as JSON")
     shape.add_argument("--sarif", action="store_true", help="findings as SARIF, for editors and code hosts")
 
+    new = command("new", "write a category to start from")
+    new.add_argument("name", metavar="NAME", help="what the category is called, such as DeskLamp")
+    new.add_argument("-o", "--out", metavar="FILE", help="the file (default: desk_lamp.apg for DeskLamp)")
+    new.add_argument("--force", action="store_true", help="replace a file that exists")
+
     compile_ = command("compile", "compile a program and show it at one of its stages")
     _program(compile_)
     compile_.add_argument("-o", "--out", metavar="FILE", help="write to a file instead of the terminal")

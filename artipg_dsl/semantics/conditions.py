@@ -9,6 +9,7 @@ from ..syntax import ast
 from . import expressions
 from .fold import constant
 from .guards import OPERATORS, TRUE, Atom, Compare, Condition, Not, Or, conjunction
+from .offers import TEMPLATES, missing
 from .scope import Guard
 from .symbols import is_a
 from .types import BOOL, BOX, UNKNOWN, Choice, Part, Scalar, Style, Type
@@ -40,7 +41,7 @@ def check_is(ck: Checker, ctx: Context, expr: ast.IsExpr) -> Type:
         ck.unknown(
             ctx.module, expr.type_name, "unknown-template", expr.type_span,
             f"there is no role or template `{expr.type_name}` here",
-            hint=did_you_mean(expr.type_name, names),
+            hint=missing(expr.type_name, names, *TEMPLATES),
         )  # fmt: skip
     elif isinstance(subject, Part | Style):
         known = [v for v in subject.domain if v is not None]

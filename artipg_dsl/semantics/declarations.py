@@ -12,6 +12,7 @@ from .entries import of_alternative, of_reference
 from .fold import components, constant
 from .guards import consistent
 from .names import FACES, OWN, RESERVED_TYPES, WORDS
+from .offers import missing
 from .scope import Scope
 from .symbols import Symbol, is_a
 from .types import (
@@ -240,7 +241,7 @@ def check_style(ck: Checker, ctx: Context, node: ast.StyleDecl) -> None:
 
 def unknown_material(ck: Checker, ctx: Context, name: str, span: Span) -> None:
     materials = [s.name for s in ctx.module.names.values() if s.kind == "material"]
-    hint = did_you_mean(name, materials) or f"bring it in: `use materials {{ {name} }}`"
+    hint = missing(name, materials, "material") or f"declare it: `material {name} {{ ... }}`"
     ck.unknown(ctx.module, name, "unknown-material", span, f"there is no material `{name}` here", hint)
 
 
@@ -249,7 +250,7 @@ def _role(ck: Checker, ctx: Context, name: str, span: Span | None) -> Symbol | N
     assert span is not None
     if symbol is None or symbol.kind not in ("role", "template"):
         roles = [s.name for s in ctx.module.names.values() if s.kind == "role"]
-        hint = did_you_mean(name, roles)
+        hint = missing(name, roles, "role", "template")
         ck.unknown(ctx.module, name, "unknown-template", span, f"there is no role `{name}` here", hint)
         return None
     return symbol
@@ -304,7 +305,7 @@ def _bad_alternative(ck: Checker, ctx: Context, alternative: ast.Alternative, sy
     ck.unknown(
         ctx.module, alternative.name, "unknown-template", alternative.name_span,
         f"there is no template, primitive or style `{alternative.name}` here",
-        hint=did_you_mean(alternative.name, offered) or "bring it in with `use`",
+        hint=missing(alternative.name, offered, "template", "primitive"),
     )  # fmt: skip
 
 

@@ -11,6 +11,7 @@ from ..syntax import ast
 from .calls import range_type
 from .declarations import unknown_material
 from .entries import of_reference
+from .offers import missing
 from .types import (
     BOOL,
     DIRECTION,
@@ -104,7 +105,7 @@ def _label(ck: Checker, ctx: Context, stmt: ast.LabelStmt) -> None:
         ck.unknown(
             ctx.module, stmt.vocabulary, "unknown-vocabulary", stmt.label_span,
             f"there is no vocabulary `{stmt.vocabulary}`",
-            hint=did_you_mean(stmt.vocabulary, ck.vocabularies)
+            hint=missing(stmt.vocabulary, ck.vocabularies, "vocabulary")
             or f"declare it: `vocabulary {stmt.vocabulary} {{ {stmt.label} }}`",
         )  # fmt: skip
     elif stmt.label not in words:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..diagnostics.suggest import did_you_mean
 from ..syntax import ast
+from .offers import missing
 from .scope import Entry, Scope
 from .symbols import Symbol, lineage, parent_of
 from .types import Part
@@ -29,7 +29,7 @@ def check_parent(ck: Checker, symbol: Symbol) -> None:
     if found is None or found.kind != "role":
         roles = [s.name for s in symbol.module.names.values() if s.kind == "role" and s is not symbol]
         what = f"there is no role `{name}` here" if found is None else f"`{name}` is a {found.kind}, not a role"
-        ck.unknown(symbol.module, name, "unknown-template", span, what, did_you_mean(name, roles))
+        ck.unknown(symbol.module, name, "unknown-template", span, what, missing(name, roles, "role"))
     elif symbol.kind == "role" and parent_of(lineage(symbol)[-1]) is symbol:
         ring = lineage(symbol)
         if symbol is not min(ring, key=lambda s: (s.module.name, s.decl.span.start)):

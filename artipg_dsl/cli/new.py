@@ -1,0 +1,50 @@
+"""``apgc new``: a file to start a category from."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from pathlib import Path
+
+from ..errors import UsageError
+from ..export.write import write_bytes
+from ..semantics.names import reserved_name
+from ..syntax.grammar import reserved_words
+from .report import say
+
+
+def run(options: argparse.Namespace) -> int:
+    name = checked(options.name)
+    path = Path(options.out or f"{snake(name)}.apg")
+    if path.suffix != ".apg":
+        raise UsageError(f"{path} is no name for a program", f"write {path.with_suffix('.apg')}")
+    write_bytes(path, starting_point(name).encode(), force=options.force)
+    say(f"wrote {path}, a category that works; make it yours\n  apgc check {path}\n  apgc render {path}")
+    return 0
+
+
+def starting_point(name: str) -> str:
+    """The text of a category called ``name`` that compiles and samples as it is."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    environment = Environment(
+        loader=PackageLoader("artipg_dsl.cli"), undefined=StrictUndefined, autoescape=False, keep_trailing_newline=True
+    )
+    return environment.get_template("category.apg.j2").render(name=name)
+
+
+def checked(name: str) -> str:
+    """``name`` if a category may be called so."""
+    why = "a word of the language" if name in reserved_words() else reserved_name(name)
+    if why is not None:
+        raise UsageError(f"a category cannot be called `{name}`: it is {why}", "choose another name")
+    if not re.fullmatch(r"[A-Z][A-Za-z0-9]*", name):
+        words = [w for w in re.split(r"[^A-Za-z0-9]+", name.removesuffix(".apg")) if w]
+        hint = "".join(w[:1].upper() + w[1:] for w in words).lstrip("0123456789") or "DeskLamp"
+        raise UsageError(f"`{name}` is no name for a category: capital letters begin its words", f"write {hint}")
+    return name
+
+
+def snake(name: str) -> str:
+    """``DeskLamp`` as the name of a file: ``desk_lamp``."""
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", name).lower()

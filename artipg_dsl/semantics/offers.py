@@ -1,0 +1,32 @@
+"""What the shipped library would offer for a name that a file neither declares nor imports."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+from ..diagnostics.suggest import did_you_mean, suggest
+from ..resources import library_dir
+
+_DECLARED = re.compile(r"^(role|template|primitive|material|vocabulary)[ ]+(\w+)", re.MULTILINE)
+TEMPLATES = ("role", "template", "primitive")
+
+
+def missing(name: str, here: Iterable[str], *kinds: str) -> str | None:
+    """A hint: the import that brings ``name`` in, else the nearest of the names ``here``, else the nearest of the library.
+
+    ``kinds`` are those of the library's declarations that would do. The modules are searched as text, not parsed: this runs
+    behind an error alone.
+    """
+    library = {
+        word: path.stem
+        for path in sorted(library_dir().glob("*.apg"), reverse=True)
+        for kind, word in _DECLARED.findall(path.read_text(encoding="utf-8"))
+        if kind in kinds
+    }
+    if name in library:
+        return f"bring it in: `use {library[name]} {{ {name} }}`"
+    near = did_you_mean(name, here)
+    if near is None and (word := suggest(name, library)) is not None:
+        near = f"did you mean `{word}`? bring it in: `use {library[word]} {{ {word} }}`"
+    return near
