@@ -38,33 +38,56 @@ def literal(value: object) -> str:
 def source(exprs: Sequence[Expr], names: Sequence[str], name: str = "formula") -> str:
     """Python source of ``def formula(<names>)``, or of another name, that returns a tuple with one value per expression.
 
-    ``names`` are the free variables in the order of the parameters; ``p.x`` is written ``p_x``.
+    ``names`` are the free variables in the order of the parameters; ``p.x`` is written ``p_x``. A name is used again once
+    its value is: what a formula of thousands of steps keeps in memory is what it still needs.
     """
     lines: list[str] = []
     done: dict[int, str] = {}
     known = set(names)
-
-    def emit(node: Expr) -> str:
-        if id(node) in done:
-            return done[id(node)]
+    order, uses = _steps(exprs)
+    free: list[str] = []
+    given = 0
+    for node in order:
         if node.op == "const":
-            text = literal(node.value)
+            done[id(node)] = literal(node.value)
         elif node.op == "var":
             if node.value not in known:
                 raise ValueError(f"a formula reads {node.value}, which is not among its variables {sorted(known)}")
-            text = mangle(str(node.value))
+            done[id(node)] = mangle(str(node.value))
         elif node.op in NUMPY:
-            text = NUMPY[node.op].format(*(emit(a) for a in node.args))
-            lines.append(f"    t{len(lines)} = {text}")
-            text = f"t{len(lines) - 1}"
+            text = NUMPY[node.op].format(*(done[id(a)] for a in node.args))
+            for arg in node.args:
+                uses[id(arg)] -= 1
+                if not uses[id(arg)] and arg.op in NUMPY:
+                    free.append(done[id(arg)])
+            if not free:
+                free.append(f"t{given}")
+                given += 1
+            done[id(node)] = free.pop()
+            lines.append(f"    {done[id(node)]} = {text}")
         else:
             raise ValueError(f"{show(node)} is not a formula over variables")
-        done[id(node)] = text
-        return text
-
-    results = [emit(e) for e in exprs]
+    results = [done[id(e)] for e in exprs]
     header = f"def {name}({', '.join(mangle(n) for n in names)}):"
     return "\n".join([header, *lines, f"    return ({''.join(r + ', ' for r in results)})"])
+
+
+def _steps(exprs: Sequence[Expr]) -> tuple[list[Expr], dict[int, int]]:
+    """All nodes, arguments before what is made of them, and how often each is used."""
+    order: list[Expr] = []
+    uses: dict[int, int] = {}
+
+    def visit(node: Expr) -> None:
+        if id(node) not in uses:
+            uses[id(node)] = 0
+            for arg in node.args:
+                visit(arg)
+            order.append(node)
+        uses[id(node)] += 1
+
+    for expr in exprs:
+        visit(expr)
+    return order, uses
 
 
 def mangle(name: str) -> str:
