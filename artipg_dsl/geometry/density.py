@@ -23,6 +23,7 @@ _QUARTER = 16  # cells of a table per quarter turn: a linear density is then wit
 _MOST_BOTH, _SHARED_BOTH, _SHARED = 32, 128, 256  # cells at most along two bent axes; of a table for all instances
 _ORDER = 8  # points of quadrature per panel at most; fewer where the area is then the same but for _EXACT
 _EXACT = 1e-8
+_FAR = 1e300
 
 
 @lru_cache(maxsize=4096)
@@ -184,37 +185,45 @@ class _Line:
         self.density = np.ascontiguousarray(density)
         self.cells = density.shape[1] - 1
         running = np.cumsum((self.density[:, 1:] + self.density[:, :-1]) / 2, axis=1)
-        self.running = np.concatenate([np.zeros((len(density), 1)), running], axis=1)
+        self.steps = [1 << k for k in reversed(range((self.cells - 1).bit_length()))]
+        self.width = max(2 * sum(self.steps[:1]), self.cells) + 1
+        self.running = np.full((len(density), self.width), _FAR)  # what no target reaches, up to a power of 2
+        self.running[:, 0] = 0.0
+        self.running[:, 1 : self.cells] = running[:, :-1]
+        self.total = running[:, -1]
 
     def invert(self, row: np.ndarray, q: np.ndarray) -> np.ndarray:
         """Where the share ``q`` of the mass of line ``row`` is reached."""
-        if len(self.density) == 1:
-            target = q * self.running[0, -1]
-            cell = np.searchsorted(self.running[0, 1:-1], target, side="right")
-            left = cell
-        else:
-            lines = self.running[row]
-            target = q * lines[:, -1]
-            cell = _reached(lines, target)
-            left = row * (self.cells + 1) + cell
         density, running = self.density.reshape(-1), self.running.reshape(-1)
-        return (cell + _solve(target - running[left], density[left], density[left + 1])) / self.cells
+        if len(self.density) == 1:
+            target = q * self.total[0]
+            cell = np.searchsorted(running[1 : self.cells], target, side="right")
+            left, reached = cell, running[cell]
+        else:
+            target = q * self.total[row]
+            at = row * self.width
+            for step in self.steps:
+                at += step * (running[at + step] <= target)
+            reached = running[at]
+            cell = at - row * self.width
+            left = row * (self.cells + 1) + cell
+        return (cell + _solve(target - reached, density[left], density[left + 1])) / self.cells
 
     def between(self, low: np.ndarray, t: np.ndarray, q: np.ndarray) -> np.ndarray:
         """The same on the line at ``t`` between lines ``low`` and ``low + 1``."""
-        s = 1.0 - t
-        lines = s[:, None] * self.running[low] + t[:, None] * self.running[low + 1]
-        target = q * lines[:, -1]
-        cell = _reached(lines, target)
-        density, left = self.density.reshape(-1), low * (self.cells + 1) + cell
+        density, running = self.density.reshape(-1), self.running.reshape(-1)
+        s, w = 1.0 - t, self.width
+        target = q * (s * self.total[low] + t * self.total[low + 1])
+        at = low * w
+        for step in self.steps:
+            there = at + step
+            at += step * (s * running[there] + t * running[there + w] <= target)
+        reached = s * running[at] + t * running[at + w]
+        cell = at - low * w
+        left = low * (self.cells + 1) + cell
         right = left + self.cells + 1
         start, end = s * density[left] + t * density[right], s * density[left + 1] + t * density[right + 1]
-        return (cell + _solve(target - lines[np.arange(len(cell)), cell], start, end)) / self.cells
-
-
-def _reached(lines: np.ndarray, target: np.ndarray) -> np.ndarray:
-    """(m,) the last cell of each line of running sums (m, cells + 1) whose start does not exceed the target."""
-    return np.add.reduce(lines[:, 1:-1] <= target[:, None], axis=1, dtype=np.int64)
+        return (cell + _solve(target - reached, start, end)) / self.cells
 
 
 def _solve(mass: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:

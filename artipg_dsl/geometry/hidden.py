@@ -18,13 +18,14 @@ from ..graph.primitive import Primitive
 from .block import Block, to_local
 from .box import bounds
 from .cells import Cells, Coordinates
+from .enclosure import most_inside
 from .flat import BENT, PLANAR, convex
 from .patches import Split
 
 OFF = 1e-6  # how far off its surface a point is asked, relative to the largest primitive of its object
 _ABOUT = 1.5  # a coincident surface lies within this many times that distance of the point asked
 _REACH = 1.6  # boxes are wider by this many times that distance
-_LOOSE = 1e-9  # rectangles are wider by this fraction
+_LOOSE = 1e-9  # rectangles are wider, cells smaller by this fraction
 _SIGNS = np.uint32(0x80008000)
 _CHUNK = 4096  # pairs of cells and rows at a time: their arrays stay in the cache
 _PAIRS = 100_000  # pairs of rows, or of a point and a row, looked at together
@@ -190,17 +191,32 @@ class Occlusion:
                 np.fmin(within[start + 1], np.fmax(one, two) + _LOOSE, out=within[start + 1])
 
     def _buried(self) -> np.ndarray:
-        """Flat cells with all corners within one convex row: nothing of them can be seen."""
-        pairs = self.pairs
+        """Flat cells that lie within one row: nothing of them can be seen.
+
+        All corners lie in a convex row, or the inside function is below nought all over the box of the cell. Edges that
+        are flush with one of the row's do not count: cells are taken smaller by a billionth.
+        """
+        pairs, out = self.pairs, np.zeros(len(self.cells.row), dtype=bool)
         solid = np.zeros(len(self.rows.owner), dtype=bool)
         for shelf in self.rows.shelves:
             solid[shelf.start : shelf.stop] = convex(shelf.primitive)
         low, high = np.maximum(pairs.within[0], pairs.within[2]), np.minimum(pairs.within[1], pairs.within[3])
-        chosen = np.flatnonzero((low <= 0.0) & (high >= 1.0) & solid[pairs.other])
-        for u, v in ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)):
+        whole = np.flatnonzero((low <= 0.0) & (high >= 1.0))
+        chosen = whole[solid[pairs.other[whole]]]
+        corners = [(u, v) for u in (_LOOSE, 1.0 - _LOOSE) for v in (_LOOSE, 1.0 - _LOOSE)]
+        for u, v in corners:
             chosen = chosen[self._at(chosen, u, v) < 0.0]
-        out = np.zeros(len(self.cells.row), dtype=bool)
         out[pairs.cell[chosen]] = True
+        whole = whole[~solid[pairs.other[whole]]]
+        shelf_of = self.shelf[pairs.other[whole]]
+        for number in np.unique(shelf_of).tolist():
+            shelf, mine = self.rows.shelves[number], whole[shelf_of == number]
+            origin, a, b, c = pairs.quad[:, :, mine]
+            ends = np.stack([origin + u * a + v * b + (u * v) * c for u, v in corners])
+            row = pairs.other[mine] - shelf.start
+            params = {name: value[row] for name, value in shelf.params.items()}
+            found = most_inside(shelf.primitive, params, ends.min(axis=0), ends.max(axis=0))
+            out[pairs.cell[mine[found < 0.0]]] = True
         return out
 
     def visible(self) -> np.ndarray:

@@ -161,17 +161,12 @@ def _blocks(sites: list[SiteTable], n_objects: int, most: int = _OBJECTS) -> lis
     return [(first, min(first + step, n_objects)) for first in range(0, n_objects, step)]
 
 
-def _even(number: np.ndarray) -> np.ndarray:
-    """Counts of candidates: even, as two share one random function value."""
-    half = np.ceil(number / 2).astype(np.int64)
-    return 2 * half
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class _Drawn:
-    """One round: ``wanted`` (pools,) candidates, ``count`` (C,) of them on each cell, ``before`` (C,) lanes first."""
+    """One round: ``stream`` (pools,) of random numbers, ``wanted`` (pools,) candidates, ``count`` (C,) of them on each
+    cell, ``before`` (C,) lanes first."""
 
-    attempt: int
+    stream: np.ndarray
     wanted: np.ndarray
     count: np.ndarray
     before: np.ndarray
@@ -220,7 +215,7 @@ class _Sampler:
         """Rounds of candidates until every pool has its points, or is found to have no surface for them."""
         n = self.n
         filled = np.zeros(len(self.address), dtype=np.int64)
-        wanted = np.where(self.total > 0.0, _even(_SPARE * n / self.guess + 32), 0)
+        wanted = np.where(self.total > 0.0, np.ceil(_SPARE * n / self.guess + 32), 0).astype(np.int64)
         tried, seen = np.zeros_like(wanted), np.zeros_like(wanted)
         hopeless = _HOPELESS if self.outlook is None else _HOPELESS_OUTSIDE
         for attempt in range(_ROUNDS):
@@ -232,7 +227,7 @@ class _Sampler:
             if not missing.any():
                 break
             share = np.maximum(seen / np.maximum(tried, 1), _LEAST)
-            wanted = np.where(missing > 0, _even(_SPARE * missing / share + 32), 0)
+            wanted = np.where(missing > 0, np.ceil(_SPARE * missing / share + 32), 0).astype(np.int64)
             wanted = np.where(seen > 0, wanted, np.minimum(wanted, hopeless))
         mine = slice(self.first, self.first + len(filled))
         found.full[mine] = filled == n
@@ -246,7 +241,7 @@ class _Sampler:
         upto = np.clip(np.ceil(most * self.share - offset[cells.pool]), 0, most).astype(np.int64)
         before = np.concatenate([[0], upto[:-1]])
         before[self.head] = 0
-        drawn = _Drawn(attempt, wanted, upto - before, before)
+        drawn = _Drawn(random.streams(self.key, self.address, attempt), wanted, upto - before, before)
         loose = _LoosePoints(self, drawn)
         survivors = np.zeros_like(wanted)
         for number, (low, high) in enumerate(self.groups):
@@ -264,7 +259,7 @@ class _Sampler:
         count = drawn.count[begin:end]
         start = np.cumsum(count) - count
         wanted = drawn.wanted[pools]
-        u, v = random.coarse_pairs(self.key, self.address[pools], wanted, drawn.attempt)
+        u, v = random.coarse(np.repeat(drawn.stream[pools], wanted), runs(np.zeros_like(wanted), wanted))
         slanting = np.flatnonzero((cells.shape[begin:end] == PLANAR) & (count > 0))
         cell = np.repeat(begin + slanting, count[slanting])
         _slant(cells, cell, runs(start[slanting], count[slanting]), u, v)
@@ -304,15 +299,21 @@ class _Sampler:
 
     def _places(self, every: _Candidates, kept: np.ndarray, loose: _LoosePoints) -> tuple[list, list]:
         """Positions and normals of the candidates ``kept`` (ascending), three arrays each."""
-        cell = every.cell[kept]
-        position = list(self.cells.flat_position(cell, every.u[kept], every.v[kept]))
-        normal = [x[cell] for x in self.cells.normal]
-        if len(every.loose):
-            among = np.searchsorted(kept, every.loose)
-            there = np.flatnonzero(np.append(kept, -1)[among] == every.loose)
-            for axis in range(3):
-                position[axis][among[there]] = loose.position[axis][every.mine][there]
-                normal[axis][among[there]] = loose.normal[axis][every.mine][there]
+        cells = self.cells
+        if not len(every.loose):
+            cell = every.cell[kept]
+            return list(cells.flat_position(cell, every.u[kept], every.v[kept])), [x[cell] for x in cells.normal]
+        which = np.full(len(every.cell), -1)  # of the loose points, if it is one
+        which[every.loose] = np.arange(every.mine.start, every.mine.stop)
+        which = which[kept]
+        flat, other = np.flatnonzero(which < 0), np.flatnonzero(which >= 0)
+        which, some = which[other], kept[flat]
+        cell = every.cell[some]
+        placed = cells.flat_position(cell, every.u[some], every.v[some])
+        position, normal = [np.empty(len(kept)) for _ in range(3)], [np.empty(len(kept)) for _ in range(3)]
+        for axis in range(3):
+            position[axis][flat], normal[axis][flat] = placed[axis], cells.normal[axis][cell]
+            position[axis][other], normal[axis][other] = loose.position[axis][which], loose.normal[axis][which]
         return position, normal
 
 
@@ -339,8 +340,7 @@ class _LoosePoints:
         count = drawn.count[every]
         cell = np.repeat(every, count)
         nth = runs(np.zeros_like(count), count)
-        pool = cells.pool[cell]
-        u, v = random.coarse_pair(sampler.key, sampler.address[pool], drawn.before[cell] + nth, drawn.attempt)
+        u, v = random.coarse(drawn.stream[cells.pool[cell]], drawn.before[cell] + nth)
         position, normal = np.empty((3, len(cell))), np.empty((3, len(cell)))
         begin = 0
         done = np.cumsum(np.concatenate([[0], count]))

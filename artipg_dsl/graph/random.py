@@ -20,6 +20,10 @@ _M0, _M1 = np.uint64(0xD2511F53), np.uint64(0xCD9E8D57)
 _W0, _W1 = 0x9E3779B9, 0xBB67AE85
 _MASK, _HALF = np.uint64(0xFFFFFFFF), np.uint64(32)
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
+_MIX = (
+    (np.uint64(30), np.uint64(0xBF58476D1CE4E5B9)), (np.uint64(27), np.uint64(0x94D049BB133111EB)), (np.uint64(31), None)
+)  # fmt: skip
+_STREAM_LANE = 0xFFFFFFFD
 _CHUNK = 8192  # counters at a time: the working set of one chunk stays in the first two cache levels
 
 
@@ -89,37 +93,48 @@ def pair(key: Key, address: ArrayLike, lane: ArrayLike = 0, attempt: ArrayLike =
     return _unit(words[0], words[1]), _unit(words[2], words[3])
 
 
-def coarse_pair(
-    key: Key, address: ArrayLike, lane: np.ndarray, attempt: ArrayLike = 0
-) -> tuple[np.ndarray, np.ndarray]:
-    """Two independent numbers in (0, 1) of 32 random bits each; lanes 2 j and 2 j + 1 share one function value."""
-    lane = np.asarray(lane)
-    words = _split(key, address, lane >> 1, attempt)
-    odd = (lane & 1).astype(bool)
-    return _coarse(np.where(odd, words[2], words[0])), _coarse(np.where(odd, words[3], words[1]))
+def streams(key: Key, address: ArrayLike, attempt: ArrayLike = 0) -> np.ndarray:
+    """(k,) uint64: where the stream of each address starts. Its numbers are told by ``coarse``."""
+    high, low, *_ = _split(key, address, _STREAM_LANE, attempt)
+    return (high.astype(np.uint64) << _HALF) | low
 
 
-def coarse_pairs(key: Key, address: np.ndarray, count: np.ndarray, attempt: int) -> tuple[np.ndarray, np.ndarray]:
-    """``coarse_pair`` of the lanes 0 .. count[k] - 1 of each address, one address after the other; counts are even."""
-    half = count // 2
-    owner = np.repeat(np.arange(len(half)), half)
-    lane = np.arange(len(owner)) - np.repeat(np.cumsum(half) - half, half)
-    words = _split(key, np.asarray(address, dtype=np.uint64)[owner], lane, attempt)
-    u, v = np.empty(2 * len(owner)), np.empty(2 * len(owner))
-    u[0::2], v[0::2], u[1::2], v[1::2] = (_coarse(word) for word in words)
+def coarse(stream: np.ndarray, lane: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Two independent numbers in (0, 1) of 32 random bits each, for each pair of a stream and a lane (0, 1, ...).
+
+    The generator is splitmix64 (Steele, Lea and Flood, "Fast splittable pseudorandom number generators", 2014), whose
+    nth number is a function of n: a seventh of the work of Philox, for what is drawn by the million.
+    """
+    size = len(lane)
+    u, v = np.empty(size), np.empty(size)
+    for start in range(0, size, _CHUNK):
+        part = slice(start, start + _CHUNK)
+        word = lane[part].astype(np.uint64)
+        word += np.uint64(1)
+        word *= _GOLDEN
+        word += stream[part]
+        other = np.empty_like(word)
+        for shift, factor in _MIX:
+            np.right_shift(word, shift, out=other)
+            word ^= other
+            if factor is not None:
+                word *= factor
+        np.right_shift(word, _HALF, out=other)
+        word &= _MASK
+        for out, bits in ((u, other), (v, word)):  # odd multiples of 2 ** -33
+            mine = out[part]
+            mine[...] = bits
+            mine += 0.5
+            mine *= 2.0**-32
     return u, v
-
-
-def _coarse(word: np.ndarray) -> np.ndarray:
-    """Odd multiples of 2 ** -33."""
-    return (word + 0.5) * 2.0**-32
 
 
 def _scramble(value: np.ndarray) -> np.ndarray:
     """The finaliser of splitmix64: a bijection on 64 bits."""
-    value = (value ^ (value >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
-    value = (value ^ (value >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-    return value ^ (value >> np.uint64(31))
+    for shift, factor in _MIX:
+        value = value ^ (value >> shift)
+        value = value if factor is None else value * factor
+    return value
 
 
 def mix(address: ArrayLike, rank: ArrayLike) -> np.ndarray:

@@ -55,10 +55,20 @@ def test_child_addresses_do_not_meet():
     assert random.mix(np.uint64(5), 3) == children[5, 3]
 
 
-def test_coarse_pairs_are_the_coarse_pair_of_each_lane():
-    key, address, count = random.key(3, "coarse"), np.array([5, 2**40, 9], dtype=np.uint64), np.array([6, 0, 10])
-    u, v = random.coarse_pairs(key, address, count, 2)
-    lane = np.concatenate([np.arange(6), np.arange(10)])
-    one = random.coarse_pair(key, np.repeat(address, count), lane, 2)
-    assert np.array_equal(u, one[0]) and np.array_equal(v, one[1])
-    assert len(np.unique(np.concatenate([u, v]))) == 32 and 0 < min(u.min(), v.min()) and max(u.max(), v.max()) < 1
+def test_coarse_numbers_are_those_of_splitmix64_and_of_their_lanes_alone():
+    stream = np.array([1234567], dtype=np.uint64)
+    # the first outputs of splitmix64 from the seed 1234567, as published with the generator
+    known = np.array([6457827717110365317, 3203168211198807973, 9817491932198370423, 4593380528125082431], dtype=np.uint64)
+    u, v = random.coarse(np.repeat(stream, 4), np.arange(4))
+    assert np.array_equal((u * 2.0**32).astype(np.uint64), known >> np.uint64(32))
+    assert np.array_equal((v * 2.0**32).astype(np.uint64), known & np.uint64(0xFFFFFFFF))
+    starts = random.streams(random.key(3, "coarse"), np.array([5, 2**40, 9], dtype=np.uint64), 2)
+    which = np.repeat(starts, 20_000)
+    lane = np.tile(np.arange(20_000), 3)
+    u, v = random.coarse(which, lane)
+    some = np.array([7, 59_999, 20_000, 8])
+    assert np.array_equal(random.coarse(which[some], lane[some]), (u[some], v[some]))
+    assert len(np.unique(np.concatenate([u, v]))) > 119_990 and 0 < min(u.min(), v.min()) and max(u.max(), v.max()) < 1
+    for numbers in (u, v, (u + v) % 1.0):  # each bin within five deviations of its share
+        counts = np.bincount((numbers * 64).astype(np.int64), minlength=64)
+        assert (np.abs(counts - 60_000 / 64) < 5 * np.sqrt(60_000 / 64)).all()
