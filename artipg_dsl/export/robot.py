@@ -137,11 +137,22 @@ class Robots:
         return origins
 
     @cached_property
+    def welded(self) -> np.ndarray:
+        """(L,) the first link (a row of the table) of those that fixed joints hold together."""
+        holder = np.arange(len(self.links.owner))
+        fixed = np.array([kind == "fixed" for kind in self.joints.kind], dtype=bool)
+        first = self.link_start[self.joints.owner]
+        holder[(first + self.joints.child)[fixed]] = (first + self.joints.parent)[fixed]
+        while not np.array_equal(holder, holder[holder]):
+            holder = holder[holder]
+        return holder
+
+    @cached_property
     def mass(self) -> solids.Mass:
         """Mass, centre and inertia in link frames, safe to print with few digits and for links of next to nothing."""
         density = np.stack([materials.drawn(self.batch, material, "density") for material in self.catalogue])
         densities = [density[self.material_rows[t.number], t.owner] for t in self.tables]
-        mass = solids.link_mass(self.tables, densities, self.link_start[:-1], len(self.links.owner))
+        mass = solids.link_mass(self.tables, densities, self.link_start[:-1], len(self.links.owner), self.welded)
         trace = mass.inertia[:, 0, 0] + mass.inertia[:, 1, 1] + mass.inertia[:, 2, 2]
         # a little on the diagonal keeps the tensor positive and within the triangle inequality after rounding
         spare = np.maximum(1e-6 * trace, 1e-12)

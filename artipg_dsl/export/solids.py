@@ -14,6 +14,8 @@ import numpy as np
 
 from ..annotate.frames import place, reflect, rotate
 from ..geometry import mesh, pieces
+from ..geometry.block import block
+from ..geometry.overlap import overlaps
 from .shading import Shading, shade
 
 if TYPE_CHECKING:
@@ -141,24 +143,21 @@ class Mass:
     inertia: np.ndarray
 
 
-def link_mass(tables: list[SiteTable], densities: list[np.ndarray], link_start: np.ndarray, n_links: int) -> Mass:
-    """Mass of every link: the sum over its primitives (where they overlap, as a post sunk in a wall does, both count).
+def link_mass(
+    tables: list[SiteTable], densities: list[np.ndarray], link_start: np.ndarray, n_links: int, body: np.ndarray
+) -> Mass:
+    """Mass of every link. Where primitives of one body overlap, as a post sunk in a wall does, the denser one counts.
 
-    ``densities`` one array (k,) kg/m3 per table; ``link_start`` (B,) the first link row of each object.
+    ``densities`` one array (k,) kg/m3 per table; ``link_start`` (B,) the first link row of each object; ``body`` (L,)
+    the same number for links that do not move against one another. Of equally dense ones the first in the text counts.
     """
+    own = [_whole(table, density, link_start) for table, density in zip(tables, densities, strict=True) if len(table)]
+    rows = [*own, *_shared(tables, densities, link_start, body, own)]
     total = np.zeros(n_links)
     first = np.zeros((n_links, 3))
-    rows: list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]] = []
-    for table, density in zip(tables, densities, strict=True):
-        if not len(table.owner):
-            continue
-        volume, center, inertia = mesh.volume_inertia(table.primitive, table.params)
-        link = link_start[table.owner] + table.link
-        mass = np.abs(volume) * density
-        center = rotate(table.rotation, reflect(center, table.mirror)) + table.translation
+    for link, mass, center, _ in rows:
         total += np.bincount(link, mass, n_links)
         first += np.stack([np.bincount(link, mass * center[:, i], n_links) for i in range(3)], axis=1)
-        rows.append((link, mass, center, turned_inertia(table, inertia * density[:, None, None])))
     middle = first / np.where(total > 0, total, 1.0)[:, None]
     summed = np.zeros((n_links, 3, 3))
     for link, mass, center, inertia in rows:
@@ -167,6 +166,40 @@ def link_mass(tables: list[SiteTable], densities: list[np.ndarray], link_start: 
             for j in range(3):
                 summed[:, i, j] += np.bincount(link, about[:, i, j], n_links)
     return Mass(total, middle, summed)
+
+
+Portion = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]  # link, mass, centre, inertia about it, of k bodies
+
+
+def _whole(table: SiteTable, density: np.ndarray, link_start: np.ndarray) -> Portion:
+    """The primitives of a site."""
+    volume, center, inertia = mesh.volume_inertia(table.primitive, table.params)
+    center = rotate(table.rotation, reflect(center, table.mirror)) + table.translation
+    about = turned_inertia(table, inertia * density[:, None, None])
+    return link_start[table.owner] + table.link, np.abs(volume) * density, center, about
+
+
+def _shared(
+    tables: list[SiteTable], densities: list[np.ndarray], link_start: np.ndarray, body: np.ndarray, own: list[Portion]
+) -> list[Portion]:
+    """What primitives lose to denser ones that they overlap: portions of negative mass."""
+    rows = block(tables, 0, len(link_start))
+    if not len(rows.owner):
+        return []
+    start = np.cumsum([0, *(len(table) for table in tables)])
+    places = dict(zip((table.number for table in tables), start.tolist(), strict=False))
+    at = np.array([places[number] for number in rows.site.tolist()]) + rows.row
+    density = np.concatenate(densities)[at]
+    link, mass = (np.concatenate([part[k] for part in own])[at] for k in (0, 1))
+    order = np.empty(len(at), dtype=np.int64)
+    order[np.lexsort((rows.rank, -density))] = np.arange(len(at))
+    found = overlaps(rows, body[link], order, density / np.bincount(link, mass, len(body))[link])
+    lost = found.volume * density[found.row]
+    # measured in points: a primitive that lies in others altogether loses what it has, and no more
+    most = mass / np.maximum(np.bincount(found.row, lost, len(at)), 1e-300)
+    share = np.minimum(most, 1.0)[found.row]
+    inertia = found.inertia * (density[found.row] * share)[:, None, None]
+    return [(link[found.row], -lost * share, found.center, -inertia)]
 
 
 def turned_inertia(table: SiteTable, inertia: np.ndarray) -> np.ndarray:

@@ -1,0 +1,258 @@
+"""How much of a primitive lies in others of its body that come before it, so that no volume counts twice.
+
+Two primitives that overlap share a region, which belongs to the one that comes first. Boxes narrow the question: first
+those in the object's frame, then the box of either in the frame of the other. What is left is decided by the inside
+functions at points of a fixed sequence in the smaller of these boxes. Where all points lie in both, as with boxes that
+stand alike, the region is the box itself and the result exact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from ..graph.primitive import Primitive
+from .block import Block, to_local, to_object
+from .box import bounds
+from .hidden import inside_split
+
+FEW, MANY = 512, 4096  # points of a pair: to see whether there is an overlap, and to measure it
+SMALL = 0.05  # of the mass of a link: the box of a pair that is measured with few points
+THIN = 1e-6  # metres: boxes that overlap by less touch
+_CHUNK = 1 << 18  # points at a time
+_AT_ONCE = 1 << 13  # of them through one inside function: what it keeps on the way stays in the cache
+# the additive sequence of the root of x^4 = x + 1 (M. Roberts, 2018), which fills a box evenly from the first point on
+_ROOT = 1.2207440846057596
+Points = tuple[np.ndarray, np.ndarray, np.ndarray]
+
+
+def sequence(count: int) -> np.ndarray:
+    """Points (3, count) that fill the unit cube evenly."""
+    steps = np.arange(1, count + 1, dtype=np.float64)
+    return np.stack([(0.5 + steps * _ROOT**-k) % 1.0 for k in (1, 2, 3)])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Overlaps:
+    """Regions (n,) of rows ``row`` of a block that belong to another row: volume m3, centre (n, 3) m in the object's frame,
+    inertia about it per unit density (n, 3, 3) m5. A row has several; they do not overlap."""
+
+    row: np.ndarray
+    volume: np.ndarray
+    center: np.ndarray
+    inertia: np.ndarray
+
+
+def overlaps(rows: Block, body: np.ndarray, order: np.ndarray, worth: np.ndarray) -> Overlaps:
+    """What each row shares with rows of the same ``body`` (R,) that come before it by ``order`` (R,), all different.
+
+    ``worth`` (R,), per m3: boxes that weigh little by it are measured with fewer points. Sorted by body and row, and
+    the same whatever the block holds besides.
+    """
+    own = _Rows(rows)
+    row, first = own.pairs(body, order)
+    sort = np.lexsort((order[first], order[row], body[row]))
+    row, first = row[sort], first[sort]
+    frame, low, high = own.region(row, first)
+    keep = np.flatnonzero((high - low > THIN).all(axis=0))
+    row, first, frame, low, high = row[keep], first[keep], frame[keep], low[:, keep], high[:, keep]
+    size = high - low
+    pairs = Pairs(row, first, frame, low, high, size[0] * size[1] * size[2] * worth[row] > SMALL)
+    return own.measured(pairs.at(own.near(pairs)))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pairs:
+    """``row`` and one that comes before it, and the box ``low`` to ``high`` (3, n) in the frame of the row ``frame``."""
+
+    row: np.ndarray
+    first: np.ndarray
+    frame: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    great: np.ndarray  # whether many points are worth it
+
+    def __len__(self) -> int:
+        return len(self.row)
+
+    def at(self, which: np.ndarray) -> Pairs:
+        """Some of the pairs."""
+        low, high = self.low[:, which], self.high[:, which]
+        return Pairs(self.row[which], self.first[which], self.frame[which], low, high, self.great[which])
+
+
+class _Rows:
+    """A block with what its inside functions need."""
+
+    def __init__(self, rows: Block):
+        self.rows = rows
+        self.poses = rows.rotation, rows.translation, rows.mirror
+        self.inside = [inside_split(s.primitive) for s in rows.shelves]
+        self.values = [split.rows(s.params) for split, s in zip(self.inside, rows.shelves, strict=True)]
+        self.effort = np.array([effort(s.primitive) for s in rows.shelves], dtype=np.int64)
+        self.shelf = np.zeros(len(rows.owner), dtype=np.int64)
+        self.low, self.high = np.empty((3, len(rows.owner))), np.empty((3, len(rows.owner)))
+        for number, shelf in enumerate(rows.shelves):
+            part = slice(shelf.start, shelf.stop)
+            corners = bounds(shelf.primitive, shelf.params)
+            self.shelf[part] = number
+            self.low[:, part], self.high[:, part] = corners[0].T, corners[1].T
+
+    def pairs(self, body: np.ndarray, order: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(row, one that comes before it) of one body whose boxes in the object's frame overlap."""
+        sort = np.lexsort((order, body))
+        start = np.searchsorted(body[sort], body[sort])  # where the body of each begins
+        before = np.arange(len(sort)) - start
+        later = np.repeat(np.arange(len(sort)), before)
+        index = np.arange(len(later)) - np.repeat(np.cumsum(before) - before, before)
+        row, first = sort[later], sort[start[later] + index]
+        for axis in range(3):
+            least = np.maximum(self.rows.low[row, axis], self.rows.low[first, axis])
+            most = np.minimum(self.rows.high[row, axis], self.rows.high[first, axis])
+            meet = most - least > THIN
+            row, first = row[meet], first[meet]
+        return row, first
+
+    def region(self, row: np.ndarray, first: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The smaller of the two boxes that hold what a pair shares: whose frame it is in, low and high (3, n)."""
+        ends = [self._within(a, b) for a, b in ((row, first), (first, row))]
+        size = [np.maximum(high - low, 0.0) for low, high in ends]
+        own = size[0][0] * size[0][1] * size[0][2] <= size[1][0] * size[1][1] * size[1][2]
+        return np.where(own, row, first), np.where(own, ends[0][0], ends[1][0]), np.where(own, ends[0][1], ends[1][1])
+
+    def _within(self, frame: np.ndarray, other: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The part (3, n), (3, n) of the box of ``frame``, in its own frame, that the box of ``other`` reaches."""
+        middle, half = (self.low[:, other] + self.high[:, other]) / 2, (self.high[:, other] - self.low[:, other]) / 2
+        center = to_local(self.poses, frame, to_object(self.poses, other, middle, True))
+        low, high = np.empty_like(middle), np.empty_like(middle)
+        turn, other_turn = self.rows.rotation[:, frame], self.rows.rotation[:, other]
+        for i in range(3):
+            reach = np.zeros(len(frame))
+            for j in range(3):
+                cell = sum(turn[3 * k + i] * other_turn[3 * k + j] for k in range(3))
+                reach += np.abs(cell) * half[j]
+            low[i] = np.maximum(self.low[i, frame], center[i] - reach)
+            high[i] = np.minimum(self.high[i, frame], center[i] + reach)
+        return low, high
+
+    def points(self, pairs: Pairs, count: int) -> Points:
+        """Three arrays (n, count): points of the object, evenly in the boxes of pairs."""
+        share, size = sequence(count), pairs.high - pairs.low
+        local = [pairs.low[k][:, None] + size[k][:, None] * share[k] for k in range(3)]
+        return to_object(self.poses, pairs.frame[:, None], local, True)
+
+    def within(self, row: np.ndarray, points: Points, asked: np.ndarray, near: np.ndarray | float = 0.0) -> np.ndarray:
+        """Which of the points (n, count) that are ``asked`` lie in their rows, or by the inside function as ``near``."""
+        held = np.zeros(asked.shape, dtype=bool)
+        counts = asked.sum(axis=1)
+        limit = np.broadcast_to(near, len(row))
+        for number, shelf in enumerate(self.rows.shelves):
+            chosen = np.flatnonzero((self.shelf[row] == number) & (counts > 0))
+            width = max(1, int(counts[chosen].max(initial=1)))
+            for part in _parts(len(chosen), max(1, _AT_ONCE // width)):
+                at = chosen[part]
+                width = int(counts[at].max())
+                # those asked first, as many of each row as of the one with the most
+                pick = np.argsort(~asked[at], axis=1, kind="stable")[:, :width] if width < asked.shape[1] else slice(None)
+                some = [axis[at[:, None], pick] if width < asked.shape[1] else axis[at] for axis in points]
+                local = to_local(self.poses, row[at, None], some)
+                values = self.values[number][:, row[at] - shelf.start, None]
+                inside = self.inside[number].points(values, *local)[0] <= limit[at, None]
+                if width < asked.shape[1]:
+                    held[at[:, None], pick] = inside
+                else:
+                    held[at] = inside
+        return held & asked
+
+    def both(self, pairs: Pairs, points: Points, near: np.ndarray | float = 0.0) -> np.ndarray:
+        """Which points (n, count) lie in both rows of pairs; the one that is told sooner is asked first."""
+        row, first = pairs.row, pairs.first
+        easy = self.effort[self.shelf[row]] <= self.effort[self.shelf[first]]
+        one, two = np.where(easy, row, first), np.where(easy, first, row)
+        held = self.within(one, points, np.ones(points[0].shape, dtype=bool), near)
+        return self.within(two, points, held, near)
+
+    def near(self, pairs: Pairs) -> np.ndarray:
+        """Which pairs to measure: the small ones, and those of which a point comes as near to both as points are apart."""
+        found = [np.flatnonzero(~pairs.great)]
+        great = np.flatnonzero(pairs.great)
+        for part in _parts(len(great), _CHUNK // FEW):
+            some = pairs.at(great[part])
+            size = some.high - some.low
+            apart = np.cbrt(size[0] * size[1] * size[2] / FEW) + size.max(axis=0) / 16
+            held = self.both(some, self.points(some, FEW), apart)
+            found.append(great[part][held.any(axis=1)])
+        return np.sort(np.concatenate(found))
+
+    def measured(self, pairs: Pairs) -> Overlaps:
+        """Pairs sorted by row: what a pair shares, without what a pair of the same row before it has."""
+        new = np.diff(pairs.row, prepend=-1) != 0
+        begin = np.flatnonzero(new)[np.cumsum(new) - 1] if len(pairs) else pairs.row  # where the pairs of a row begin
+        volume, center, inertia = np.zeros(len(pairs)), np.zeros((len(pairs), 3)), np.zeros((len(pairs), 3, 3))
+        for count in (FEW, MANY):
+            chosen = np.flatnonzero(pairs.great == (count == MANY))
+            for part in _parts(len(chosen), _CHUNK // count):
+                at = chosen[part]
+                some = pairs.at(at)
+                points = self.points(some, count)
+                held = self.both(some, points)
+                for back in range(1, int((at - begin[at]).max()) + 1):  # the pairs before it of the same row, one by one
+                    more = np.flatnonzero((at - begin[at] >= back) & held.any(axis=1))
+                    if len(more):
+                        asked = held[more]
+                        held[more] &= ~self.within(pairs.first[at[more] - back], tuple(a[more] for a in points), asked)
+                volume[at], center[at], inertia[at] = self._moments(some, points, held)
+        some = np.flatnonzero(volume > 0.0)
+        return Overlaps(pairs.row[some], volume[some], center[some], inertia[some])
+
+    def _moments(self, pairs: Pairs, points: Points, held: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Volume (n,), centre (n, 3), inertia (n, 3, 3) of what is held of the boxes; exact where that is all."""
+        whole = held.all(axis=1)
+        size = pairs.high - pairs.low
+        volume = size[0] * size[1] * size[2] * (held.sum(axis=1) / held.shape[1])
+        mean = _means(held, points)
+        spread = _products(held, [axis - m[:, None] for axis, m in zip(points, mean, strict=True)])
+        middle = to_object(self.poses, pairs.frame, (pairs.low + pairs.high) / 2, True)
+        turn = self.rows.rotation[:, pairs.frame]
+        center = np.stack([np.where(whole, m, other) for m, other in zip(middle, mean, strict=True)], axis=-1)
+        inertia = np.zeros((len(pairs), 3, 3))
+        for i in range(3):
+            for j in range(3):
+                exact = sum(turn[3 * i + k] * turn[3 * j + k] * size[k] ** 2 for k in range(3)) / 12.0
+                second = volume * np.where(whole, exact, spread[i][j])
+                inertia[:, i, j] -= second
+                if i == j:
+                    for k in range(3):
+                        inertia[:, k, k] += second
+        return volume, center, inertia
+
+
+def _means(held: np.ndarray, axes: Iterable[np.ndarray]) -> list[np.ndarray]:
+    """The means (n,) of arrays (n, count) over what is held."""
+    count = np.maximum(held.sum(axis=1), 1)
+    return [np.where(held, a, 0.0).sum(axis=1) / count for a in axes]
+
+
+def _products(held: np.ndarray, axes: list[np.ndarray]) -> list[list[np.ndarray]]:
+    """The means (n,) of the products of any two of three arrays."""
+    return [_means(held, [a * b for b in axes]) for a in axes]
+
+
+@lru_cache(maxsize=512)
+def effort(primitive: Primitive) -> int:
+    """How many operations the inside function takes."""
+    seen: set[int] = set()
+    waiting = [primitive.inside]
+    while waiting:
+        node = waiting.pop()
+        if id(node) not in seen:
+            seen.add(id(node))
+            waiting.extend(node.args)
+    return len(seen)
+
+
+def _parts(count: int, size: int) -> list[slice]:
+    return [slice(start, min(start + size, count)) for start in range(0, count, size)]
