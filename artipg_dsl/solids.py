@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 from .diagnostics import Report
 from .geometry.errors import PrimitiveError
@@ -18,7 +19,7 @@ from .syntax import ast
 HINT = "edges meet where two surfaces give the same curve, from end to end; compare the ranges of u and v and the signs"
 
 
-def close(solids: Mapping[Symbol | tuple, Lowered], report: Report) -> None:
+def close(solids: Mapping[Any, Lowered], report: Report) -> None:
     """Report ``leaky-primitive`` for each lowered primitive whose surfaces do not bound a solid.
 
     Every surface, at each variant its test values show, must meet others all around and have the inside on one side.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -31,7 +32,8 @@ class GraspTable:
     def take(self, at: np.ndarray) -> GraspTable:
         """The rows ``at``, ascending."""
         columns = (getattr(self, name) for name in self.__slots__)
-        return GraspTable(*([c[k] for k in at] if isinstance(c, list) else c[at] for c in columns))
+        rows: list[Any] = [[c[k] for k in at] if isinstance(c, list) else c[at] for c in columns]
+        return GraspTable(*rows)
 
     def moved(
         self, link_start: np.ndarray, turn: np.ndarray, shift: np.ndarray

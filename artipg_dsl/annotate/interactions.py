@@ -52,9 +52,9 @@ def interactions(batch: Batch) -> Interactions:
             found = np.column_stack([table.owner, word, link, np.round(point, 9) + 0.0])
             rows.append(found[moving[link] >= 0])
     # the primitives of one target share its middle: one row for all of them
-    table = np.unique(np.concatenate(rows), axis=0)
-    owner, word, link = (table[:, k].astype(np.int64) for k in range(3))
-    return Interactions(owner, [names[k] for k in word], link, moving[link], table[:, 3:])
+    unique = np.unique(np.concatenate(rows), axis=0)
+    owner, word, link = (unique[:, k].astype(np.int64) for k in range(3))
+    return Interactions(owner, [names[k] for k in word], link, moving[link], unique[:, 3:])
 
 
 def directions(motion: Twist, link: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 from weakref import WeakValueDictionary
 
 
@@ -63,12 +64,12 @@ class Expr:
 
     op: str
     args: tuple[Expr, ...]
-    value: object
+    value: Any
     scope: Scope | None
 
     @property
     def constant(self) -> float | None:
-        return self.value if self.op == "const" else None  # type: ignore[return-value]
+        return self.value if self.op == "const" else None
 
     def __repr__(self) -> str:
         return show(self) if few(self, 200) else f"<{self.op} of many terms>"
@@ -276,7 +277,7 @@ def div(a: Expr, b: Expr) -> Expr:
     if b is ONE:
         return a
     if b.op == "const" and b.value not in (0.0, True, False) and a.op != "const":
-        return mul(a, const(1.0 / float(b.value)))  # type: ignore[arg-type]
+        return mul(a, const(1.0 / float(b.value)))
     return call("div", a, b)
 
 
@@ -422,7 +423,7 @@ def leaves(root: Expr, *, through: bool = True) -> set[Column]:
             continue
         seen.add(id(node))
         if node.op == "col":
-            found.add(node.value)  # type: ignore[arg-type]
+            found.add(node.value)
         elif through or node.op not in CROSSING:
             stack.extend(node.args)
     return found
@@ -456,7 +457,7 @@ _BUILDERS: dict[str, Callable[..., Expr]] = {
 def rebuild(node: Expr, args: tuple[Expr, ...]) -> Expr:
     """A node of the same operation on other arguments."""
     if node.op == "phi":
-        scopes: tuple[Scope, ...] = node.value  # type: ignore[assignment]
+        scopes: tuple[Scope, ...] = node.value
         return phi(node.scope, zip(scopes, args[:-1], strict=True), args[-1])  # type: ignore[arg-type]
     if node.op in CROSSING:
         return _make(node.op, args, node.value, node.scope)
@@ -482,23 +483,23 @@ def show(node: Expr) -> str:
     if node.op == "const":
         return f"{node.value:.9g}" if not isinstance(node.value, bool) else str(node.value).lower()
     if node.op == "col":
-        return node.value.path  # type: ignore[union-attr]
+        return node.value.path
     if node.op == "var":
         return str(node.value)
     if node.op == "rank":
-        return f"rank({node.value.name})"  # type: ignore[union-attr]
+        return f"rank({node.value.name})"
     if node.op in _INFIX:
         return f"({show(node.args[0])} {_INFIX[node.op]} {show(node.args[1])})"
     if node.op == "neg":
         return f"-{show(node.args[0])}"
     if node.op == "solve":
-        return f"newton({', '.join(show(a) + ' = 0' for a in node.args[: node.value[0]])})"  # type: ignore[index]
+        return f"newton({', '.join(show(a) + ' = 0' for a in node.args[: node.value[0]])})"
     inner = ", ".join(show(a) for a in node.args)
     if node.op == "phi":
         return f"phi({inner})"
     if node.op == "reduce":
-        kind, child = node.value  # type: ignore[misc]
+        kind, child = node.value
         return f"{kind}[{child.name}]({inner})"
     if node.op == "root":
-        return f"{inner}[{node.value[0]}]"  # type: ignore[index]
+        return f"{inner}[{node.value[0]}]"
     return f"{node.op}({inner})"

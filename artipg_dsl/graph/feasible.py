@@ -44,11 +44,11 @@ class Narrowed(Intervals):
 
     def _of(self, node: Expr) -> Interval:
         low, high = super()._of(node)
-        if node.op == "phi" and node.args[-1].op == "const" and math.isinf(float(node.args[-1].value)):  # type: ignore[arg-type]
-            end = float(node.args[-1].value)  # type: ignore[arg-type]
+        if node.op == "phi" and node.args[-1].op == "const" and math.isinf(float(node.args[-1].value)):
+            end = float(node.args[-1].value)
             return min(low, end), max(high, end)  # no bound where no alternative states one
-        if node.op == "reduce" and node.value[0] in ("min", "max"):  # type: ignore[index]
-            kind, child = node.value  # type: ignore[misc]
+        if node.op == "reduce" and node.value[0] in ("min", "max"):
+            kind, child = node.value
             if child.count is None or self.of(child.count)[0] < 1.0:  # of no rows
                 return (low, math.inf) if kind == "min" else (-math.inf, high)
         return low, high

@@ -72,13 +72,13 @@ class _Ends:
             return node, node
         if node.op == "col":
             if node.value is not self.column:
-                return self.of(self.linear.definitions[node.value])  # type: ignore[index]
+                return self.of(self.linear.definitions[node.value])
             draw = self.intervals.draws[self.column]
             return (draw.low, draw.high) if draw.low is not None and draw.high is not None else self.static(node)
         if node.op in ("where", "phi", "element", "previous", "scan", "solve", "root"):
             return self.static(node)
         if node.op == "reduce":
-            kind, child = node.value  # type: ignore[misc]
+            kind, child = node.value
             if kind not in ("sum", "min", "max"):
                 return self.static(node)
             low, high = self.of(node.args[0])
@@ -108,7 +108,7 @@ class _Ends:
                 return sizes[0]
             return E.call(op, *(s[0] for s in sizes)), E.call(op, *(s[1] for s in sizes))
         if op == "mul":
-            square = completed(*node.args, self.column, self.linear)
+            square = completed(node.args[0], node.args[1], self.column, self.linear)
             if square is not None:
                 return self.of(square)
             products = [E.mul(a, b) for a in dict.fromkeys(parts[0]) for b in dict.fromkeys(parts[1])]
@@ -154,7 +154,7 @@ class _Solver:
             if node.value is self.column:
                 self.found.append(Half(side, value, guard, scope))
             else:
-                self.solve(self.linear.definitions[node.value], side, value, guard, scope, depth + 1)  # type: ignore[index]
+                self.solve(self.linear.definitions[node.value], side, value, guard, scope, depth + 1)
             return
         terms, rest = self.linear.parts(node)
         if list(terms) == [node]:
@@ -298,7 +298,7 @@ class _Solver:
 
     def reduction(self, node: Expr, side: str, value: Expr, guard: Expr, depth: int) -> None:
         """The least or greatest of some rows binds each; a sum binds what its rows share, or each beside the others' least."""
-        kind, child = node.value  # type: ignore[misc]
+        kind, child = node.value
         inner = node.args[0]
         if (kind, side) in (("max", "high"), ("min", "low")):
             self.solve(inner, side, value, guard, child, depth)

@@ -38,16 +38,16 @@ class Intervals:
     def _of(self, node: Expr) -> Interval:
         op = node.op
         if op == "const":
-            return float(node.value), float(node.value)  # type: ignore[arg-type]
+            return float(node.value), float(node.value)
         if op == "col":
-            return self.column(node.value)  # type: ignore[arg-type]
+            return self.column(node.value)
         if op == "rank":
             return 0.0, math.inf
         if op == "phi":
             ends = [self.of(a) for a in node.args[:-1]]
             return min(e[0] for e in ends), max(e[1] for e in ends)
         if op == "reduce":
-            kind, _ = node.value  # type: ignore[misc]
+            kind, _ = node.value
             low, high = self.of(node.args[0])
             if kind in ("min", "max"):
                 return low, high

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import Any
 
 from . import expr as E
 from .expr import ONE, ZERO, Column, Expr, Scope
 
 Form = tuple[dict[Column, Expr], Expr]  # coefficient of each column, and the rest
-Parts = tuple[dict[Column | Expr, Expr], Expr]  # the same with atoms beside the columns
+Parts = tuple[dict[Any, Expr], Expr]  # the same with atoms beside the columns
 
 
 class Circle(Exception):
@@ -36,7 +37,7 @@ class Linear:
         known = self.reads_memo.get(node)
         if known is None:
             if node.op == "col":
-                column: Column = node.value  # type: ignore[assignment]
+                column: Column = node.value
                 definition = self.definitions.get(column)
                 known = self.unknown(column)
                 if not known and definition is not None:
@@ -64,7 +65,7 @@ class Linear:
                 continue
             seen.add(at)
             if at.op == "col":
-                column: Column = at.value  # type: ignore[assignment]
+                column: Column = at.value
                 if self.unknown(column):
                     found.add(column)
                 else:
@@ -78,7 +79,7 @@ class Linear:
         found = self.parts(node)
         if any(isinstance(key, Expr) for key in found[0]):
             return None
-        return found  # type: ignore[return-value]
+        return found
 
     def parts(self, node: Expr) -> Parts:
         """A sum of coefficients times columns or *atoms* (what is not linear, kept whole so that it can cancel)."""
@@ -91,7 +92,7 @@ class Linear:
 
     def _parts(self, node: Expr) -> Parts:
         if node.op == "col":
-            column: Column = node.value  # type: ignore[assignment]
+            column: Column = node.value
             return ({column: ONE}, ZERO) if self.unknown(column) else self.parts(self.definitions[column])
         if node.op in ("add", "sub"):
             left, right = self.parts(node.args[0]), self.parts(node.args[1])
@@ -194,7 +195,7 @@ def isolate(node: Expr, target: Column, value: Expr, linear: Linear) -> Expr | N
         if node.op == "col":
             if node.value is target:
                 return value
-            definition = linear.definitions.get(node.value)  # type: ignore[arg-type]
+            definition = linear.definitions.get(node.value)
             if definition is None:
                 return None
             node = definition
@@ -256,8 +257,8 @@ def solve_block(forms: list[Form], columns: list[Column]) -> dict[Column, Expr] 
         left.remove(column)
     result: dict[Column, Expr] = {}
     for column, coefficients, rest in reversed(order):
-        value = rest
-        for other, factor in coefficients.items():
-            value = E.add(value, E.mul(factor, result.get(other, E.col(other))))
-        result[column] = value
+        total = rest
+        for known, share in coefficients.items():
+            total = E.add(total, E.mul(share, result.get(known, E.col(known))))
+        result[column] = total
     return result

@@ -75,17 +75,17 @@ class _Writer:
         if node.op == "const":
             return [self.encode(value)]
         if node.op == "col":
-            return [self.column(value)]  # type: ignore[arg-type]
+            return [self.column(value)]
         if node.op == "var":
             return [json.dumps(value)]
         if node.op == "phi":
-            return ["[" + " ".join(f"@{self.scopes[s]}" for s in value) + "]"]  # type: ignore[union-attr]
+            return ["[" + " ".join(f"@{self.scopes[s]}" for s in value) + "]"]
         if node.op == "reduce":
-            return [value[0], f"@{self.scopes[value[1]]}"]  # type: ignore[index]
+            return [value[0], f"@{self.scopes[value[1]]}"]
         if isinstance(value, Scope):
             return [f"@{self.scopes[value]}"]
         if node.op in ("solve", "root"):
-            return list(map(str, value))  # type: ignore[call-overload]
+            return list(map(str, value))
         return []
 
     def encode(self, value: Any) -> str:

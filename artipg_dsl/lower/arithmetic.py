@@ -69,11 +69,12 @@ def truth(ev: Evaluator, value: Value, span: Span) -> Expr:
 
 def binary(ev: Evaluator, node: ast.BinaryExpr) -> Value:
     if node.op in ("and", "or"):
-        left, right = (truth(ev, ev.value(n), n.span) for n in (node.left, node.right))
-        return OPERATIONS[node.op](left, right)
+        return OPERATIONS[node.op](*(truth(ev, ev.value(n), n.span) for n in (node.left, node.right)))
     if node.op in ("==", "!="):
         same = equal(ev, node)
         return same if node.op == "==" else E.negate(same)
+    left: Value
+    right: Value
     left, right = ev.value(node.left), ev.value(node.right)
     if node.op in ("<", "<=", ">", ">="):
         a, b = number(ev, left, node.left.span), number(ev, right, node.right.span)
@@ -104,7 +105,7 @@ def plane_arithmetic(ev: Evaluator, node: ast.BinaryExpr, left: Value, right: Va
             return result
         return Plane(left.axis, result, left.on + right.on)
     plane = left if isinstance(left, Plane) else right
-    return Plane(plane.axis, result, plane.on) if node.op in "+-" else result  # type: ignore[union-attr]
+    return Plane(plane.axis, result, plane.on) if node.op in "+-" else result
 
 
 def across(ev: Evaluator, span: Span, left: Plane, right: Plane, a: Span, b: Span) -> Exception:
@@ -130,7 +131,7 @@ def vector_arithmetic(ev: Evaluator, node: ast.BinaryExpr, left: Value, right: V
         factor = number(ev, right, node.right.span)
         return Vec(tuple(operation(a, factor) for a in left.items), left.on)
     factor = number(ev, left, node.left.span)
-    return Vec(tuple(operation(factor, b) for b in right.items), right.on)  # type: ignore[union-attr]
+    return Vec(tuple(operation(factor, b) for b in right.items), right.on)
 
 
 def number(ev: Evaluator, value: Value, span: Span) -> Expr:

@@ -59,7 +59,7 @@ def lower_body(instance: Instance, option: Option, scope: Scope, given: dict[str
     if isinstance(size, Vec) and len(size.items) == 3:
         from .values import Box
 
-        half = times(size.items, HALF)  # type: ignore[arg-type]
+        half = times(size.items, HALF)
         env.box = Box(times(half, E.const(-1.0)), half)
     lower_statements(env, tuple(s for s in symbol.body if not isinstance(s, ast.ParamDecl)))
     return env

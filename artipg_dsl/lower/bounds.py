@@ -177,14 +177,14 @@ def needed(program: Program, roots: list[Expr]) -> set[Column]:
         stack.extend(node.args)
         scopes = [node.scope] if node.scope is not None else []
         if node.op == "col":
-            column: Column = node.value  # type: ignore[assignment]
+            column: Column = node.value
             found.add(column)
             if column in program.definitions:
                 stack.append(program.definitions[column])
         elif node.op == "reduce":
-            scopes.append(node.value[1])  # type: ignore[index]
+            scopes.append(node.value[1])
         elif node.op == "phi":
-            scopes.extend(node.value)  # type: ignore[arg-type]
+            scopes.extend(node.value)
         elif isinstance(node.value, Scope):
             scopes.append(node.value)
         stack.extend(a.count for s in scopes for a in s.ancestors() if a.count is not None)

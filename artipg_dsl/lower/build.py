@@ -113,15 +113,15 @@ def make_inputs(part: Part, interface: Symbol, arguments: tuple[ast.Argument, ..
         if declaration.keyword == "out":
             continue
         local.module = symbol.module
-        argument = given.get(name)
-        if argument is not None and not has_hole(argument.value):
+        stated = given.get(name)
+        if stated is not None and not has_hole(stated.value):
             value = (
-                Evaluator(env).value(argument.value)
-                if not is_option(declaration, argument)
-                else option_value(declaration, argument)
+                Evaluator(env).value(stated.value)
+                if not is_option(declaration, stated)
+                else option_value(declaration, stated)
             )
         else:
-            value = open_parameter(part, local, declaration, name, span, argument)
+            value = open_parameter(part, local, declaration, name, span, stated)
         part.inputs[name] = value
         local.names[name] = value
 

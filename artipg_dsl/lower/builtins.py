@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING
 
 from ..graph import expr as E
@@ -72,13 +74,18 @@ def pick(ports: Ports, index: Expr, env: Env, span: Span) -> Value:
     for key in reversed(keys[:-1]):
         here = E.call("eq", index, E.const(float(key)))
         others = iter(scalars(values[key]))
-        value = mapped(value, lambda e, here=here, others=others: E.where(here, next(others), e))
+        value = mapped(value, partial(chosen, here, others))
     return value
+
+
+def chosen(here: Expr, others: Iterator[Expr], otherwise: Expr) -> Expr:
+    """The next of the others where ``here`` holds."""
+    return E.where(here, next(others), otherwise)
 
 
 def function(ev: Evaluator, node: ast.CallExpr) -> Value:
     """A call of a name that is no function of the text."""
-    name = node.function.name  # type: ignore[union-attr]
+    name = node.function.name
     context = ev.env.context
     if name in SCALAR:
         arguments = [ev.scalar(a.value) for a in node.arguments]
@@ -130,7 +137,7 @@ def farthest(box: Box, ev: Evaluator, node: ast.CallExpr, name: str) -> tuple[Ex
 
 def count(ev: Evaluator, node: ast.CallExpr, expected: int, given: int) -> None:
     if expected != given:
-        name = node.function.name  # type: ignore[union-attr]
+        name = node.function.name
         raise ev.env.context.error("wrong-arguments", node.span, f"`{name}` takes {expected} arguments, {given} are given")
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..graph import expr as E
 from ..graph.expr import ONE, Expr, Scope
@@ -41,7 +41,8 @@ def mapped(value: Value, scalar: Callable[[Expr], Expr]) -> Value:
         point, direction = tuple(map(scalar, value.point)), tuple(map(scalar, value.direction))
         return Line(point, direction, to, value.on)  # type: ignore[arg-type]
     if isinstance(value, Box):
-        low, high = tuple(map(scalar, value.low)), tuple(map(scalar, value.high))
+        low: Any = tuple(map(scalar, value.low))
+        high: Any = tuple(map(scalar, value.high))
         return replace(value, low=low, high=high, pose=mapped_pose(value.pose, scalar))
     if isinstance(value, Choice):
         return replace(value, code=scalar(value.code))
@@ -89,7 +90,7 @@ def merged(parent: Scope, branches: list[tuple[Scope, Value]], on: tuple[Part, .
     carriers: list[Part] = list(on)
     for _, v in branches:
         carriers.extend(p for p in getattr(v, "on", ()) if p not in carriers)
-    return replace(value, on=tuple(carriers)) if hasattr(value, "on") else value  # type: ignore[type-var]
+    return replace(value, on=tuple(carriers)) if hasattr(value, "on") else value
 
 
 def moved(value: Value, pose: Pose) -> Value:

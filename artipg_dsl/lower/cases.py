@@ -46,10 +46,10 @@ def subject(atom: Expr) -> tuple[Expr, float, bool] | None:
 
 def trials(node: Expr, constants: Sequence[float], draws: Mapping[Column, Draw]) -> list[float]:
     """Values of an expression that tell its comparisons with the constants apart."""
-    if node.op == "col" and (draw := draws.get(node.value)) is not None and draw.kind == "choice":  # type: ignore[arg-type]
+    if node.op == "col" and (draw := draws.get(node.value)) is not None and draw.kind == "choice":
         return [float(k) for k in range(len(draw.options))]
     marks = sorted(set(constants))
-    draw = draws.get(node.value) if node.op == "col" else None  # type: ignore[arg-type]
+    draw = draws.get(node.value) if node.op == "col" else None
     if node.op == "rank" or draw is not None and draw.kind == "count":
         low = 0.0 if draw is None or draw.low is None else draw.low.constant
         high = None if draw is None or draw.high is None else draw.high.constant

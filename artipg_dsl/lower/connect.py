@@ -99,7 +99,7 @@ def placing(env: Env, part: Part, subject: ast.Expr, clauses: tuple[ast.Clause, 
     ev = Evaluator(env)
     words = {c.word: c for c in clauses}
     gap = ev.scalar(words["gap"].values[0]) if "gap" in words else gap_default
-    target: Value | None = None
+    target: Value = None
     if "on" in words:
         node = words["on"].values[0]
         target = ev.value(node)
@@ -114,7 +114,7 @@ def placing(env: Env, part: Part, subject: ast.Expr, clauses: tuple[ast.Clause, 
         own = ev.box(ast.NameExpr(span=subject.span, name=part.name))
         for name in names:
             match_faces(ev, own, box, name, words["in"].span, gap if "gap" in words else E.ZERO)
-    if "fit" in words and "in" not in words and target is not None:
+    if "fit" in words and "in" not in words:
         owner = target_box(ev, words["on"].values[0], words["fit"].span)
         own = ev.box(ast.NameExpr(span=subject.span, name=part.name))
         for name in face_names(words["fit"]):
@@ -172,7 +172,7 @@ def at_point(ev: Evaluator, subject: ast.Expr, clause: ast.Clause, target: Value
             ev.env.equations.append(Equation(origin[k], ev.scalar(node), node.span, f"at {name}"))
         else:
             own_center = isinstance(target, Frame) and isinstance(node, ast.NameExpr) and node.name == "center"
-            other = target.origin if own_center else ev.vector(node)
+            other = target.origin if own_center and target is not None else ev.vector(node)
             for k in range(3):
                 if k != normal:
                     ev.env.equations.append(Equation(origin[k], other[k], node.span, f"at {AXES[k]}"))

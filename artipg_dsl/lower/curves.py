@@ -102,7 +102,7 @@ def spans_of(ev: Evaluator, node: ast.Expr) -> list[Span]:
 def plane(ev: Evaluator, point: tuple[Expr, ...], place: Place) -> Point:
     if len(point) != 2:
         raise ev.env.context.error("wrong-kind", place, "a curve in a plane is needed here, but this one lies in space")
-    return point  # type: ignore[return-value]
+    return point
 
 
 def offset_spans(ev: Evaluator, node: ast.CallExpr) -> list[Span]:
@@ -131,7 +131,7 @@ def polygon(ev: Evaluator, node: ast.CallExpr) -> list[Span]:
         value = ev.value(argument.value)
         if not isinstance(value, Vec) or len(value.items) != 2:
             raise ev.wrong(argument.span, "a corner [a, b]", value)
-        corners.append(value.items)  # type: ignore[arg-type]
+        corners.append(value.items)
     if len(corners) < 3:
         raise ev.env.context.error("wrong-arguments", node.span, "a polygon has at least three corners")
     return closed("skin", corners)

@@ -52,9 +52,10 @@ def make_draw(env: Env, declaration: ast.ParamDecl | ast.CountDecl, path: str, c
     low, high = component_of(env, domain.low, component), component_of(env, domain.high, component)
     if low.constant is not None and high.constant is not None and low.constant > high.constant:
         raise env.context.error("empty-range", domain.span, "the range is empty: its low end lies above its high end")
+    unit = SI_UNITS.get(declaration.type.name, "") if isinstance(declaration, ast.ParamDecl) else ""
     draw = Draw(
         column, address(env, path, declaration.was), "count" if counted else "real", low, high,
-        unit="" if counted else SI_UNITS.get(declaration.type.name, ""), where=where(declaration.span), doc=declaration.doc,
+        unit=unit, where=where(declaration.span), doc=declaration.doc,
     )  # fmt: skip
     if declaration.default is not None:
         draw.default = component_of(env, declaration.default, component)

@@ -60,7 +60,7 @@ class Evaluator:
         if isinstance(value, Frame):
             return value.origin
         if isinstance(value, Vec) and len(value.items) == 3:
-            return value.items  # type: ignore[return-value]
+            return value.items
         raise self.wrong(node.span, "a point or a vector of three", value)
 
     def direction(self, node: ast.Expr) -> tuple[Expr, Expr, Expr]:
@@ -70,7 +70,7 @@ class Evaluator:
         if isinstance(value, Line):
             return value.direction
         if isinstance(value, Vec) and len(value.items) == 3:
-            return value.items  # type: ignore[return-value]
+            return value.items
         raise self.wrong(node.span, "a direction such as x or -z", value)
 
     def frame(self, node: ast.Expr) -> Frame:
@@ -257,7 +257,7 @@ class Evaluator:
     def _CallExpr(self, node: ast.CallExpr) -> Value:
         if isinstance(node.function, ast.MemberExpr):
             return builtins.method(self, node)
-        name = node.function.name  # type: ignore[union-attr]
+        name = node.function.name
         found = self.local.get(name) or self.env.find(name)
         if not isinstance(found, Function):
             symbol = self.env.module.find(name)

@@ -51,10 +51,10 @@ def raised(box: Box, scope: Scope | None, to: Scope) -> Box:
 def boxes_in(env: Env) -> Iterator[tuple[Part, Box]]:
     """Every part of an environment and of those inside it with its box, in the environment's frame."""
     for part in env.parts:
-        yield part, moved(part.box(), part.pose)  # type: ignore[misc]
+        yield part, moved(part.box(), part.pose)
     for inner in env.inner:
         for part, box in boxes_in(inner):
-            yield part, moved(box, inner.frame)  # type: ignore[misc]
+            yield part, moved(box, inner.frame)
 
 
 def union_of(env: Env, scope: Scope) -> Box:

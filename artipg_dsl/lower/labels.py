@@ -162,7 +162,7 @@ def aim_at(links: Links, part: Part, owner: Part, surfaces: tuple[str, ...]) -> 
     if owner is part:
         return Aim([part], surfaces, links.part_world(part), part.box(), part.env.scope, depth_of(part))
     frame = links.part_world(owner)
-    box = extent(moved(part.box(), compose(inverse(frame), links.part_world(part))))  # type: ignore[arg-type]
+    box = extent(moved(part.box(), compose(inverse(frame), links.part_world(part))))
     return Aim([part], surfaces, frame, box, part.env.scope, depth_of(part))
 
 
@@ -254,7 +254,7 @@ def standing(env: Env, aim: Aim) -> Expr:
     """What the ``when`` around a statement says, as far as the target may be there without it."""
     found = E.TRUE
     for scope in env.scope.ancestors():
-        if scope.kind == "guard" and not aim.scope.within(scope):
+        if scope.kind == "guard" and scope.count is not None and not aim.scope.within(scope):
             found = E.both(found, scope.count)
     return found
 

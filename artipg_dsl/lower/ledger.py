@@ -78,14 +78,14 @@ def literals(nodes: Sequence[Expr], options: dict[Column, tuple[str, ...]]) -> I
 def comparison(node: Expr, negated: bool, options: dict[Column, tuple[str, ...]]) -> str:
     sign = (OPPOSITE if negated else SIGNS)[node.op]
     left, right = node.args
-    names = options.get(left.value, ()) if left.op == "col" else ()  # type: ignore[arg-type]
+    names = options.get(left.value, ()) if left.op == "col" else ()
     if names and right.constant is not None and 0 <= int(right.constant) < len(names):
-        return f"{left.value.name} {sign} {names[int(right.constant)]}"  # type: ignore[union-attr]
+        return f"{left.value.name} {sign} {names[int(right.constant)]}"
     return f"{said(left)} {sign} {said(right)}"
 
 
 def said(node: Expr) -> str:
-    return node.value.name if node.op == "col" else E.show(node)  # type: ignore[union-attr]
+    return node.value.name if node.op == "col" else E.show(node)
 
 
 def blocks(unknowns: Iterable[Unknown], draws: Sequence[Draw]) -> Iterator[str]:

@@ -290,7 +290,7 @@ class Links:
         if isinstance(value, Frame):
             return value.origin, value.out
         if isinstance(value, Vec) and not value.point and len(value.items) == 3:
-            return center, value.items  # type: ignore[return-value]
+            return center, value.items
         raise self.context.error(
             "bad-axis", clause.span, "this is no axis", hint="an edge (door.left.back), a port of kind line, line(...), or a direction"
         )
@@ -327,7 +327,7 @@ def resolve_mimics(links: Links) -> None:
     for k, joint in enumerate(program.joints):
         if joint.mimic is None or len(joint.mimic) == 3:
             continue
-        node, multiplier, offset, env = joint.mimic  # type: ignore[misc]
+        node, multiplier, offset, env = joint.mimic
         leader = k if root_name(node) == "previous" else leader_of(links, names, node, env)
         if leader is None:
             links.context.error("unknown-name", node.span, "there is no such joint to follow")

@@ -51,7 +51,7 @@ def own_box(ev: Evaluator) -> Box | None:
     from .vectors import inverse
 
     pose = ev.env.to_root()
-    return root.box if pose is HERE else moved(root.box, inverse(pose))  # type: ignore[return-value]
+    return root.box if pose is HERE else moved(root.box, inverse(pose))
 
 
 def box_member(ev: Evaluator, box: Box, name: str) -> Value | None:
@@ -150,9 +150,9 @@ def at_member(ev: Evaluator, value: At, name: str, span: Span) -> Value:
     within = type(ev)(value.element.env)
     boxed = name in FACES or name in ("center", "size", "box")
     if boxed and isinstance(value.inner, Ref):
-        found = box_member(ev, fetch(ev, value, within.ref_box(value.inner, span)), name)  # type: ignore[arg-type]
+        found = box_member(ev, fetch(ev, value, within.ref_box(value.inner, span)), name)
     elif boxed and isinstance(value.inner, Element) and value.inner.box is not None:
-        found = box_member(ev, fetch(ev, value, value.inner.box), name)  # type: ignore[arg-type]
+        found = box_member(ev, fetch(ev, value, value.inner.box), name)
     else:
         return fetch(ev, value, within.member(value.inner, name, span))
     return found
@@ -208,26 +208,26 @@ def ref_member(ev: Evaluator, ref: Ref, name: str, span: Span) -> Value | None:
 def joined(ev: Evaluator, name: str, results: list[tuple[Scope | None, Value]]) -> Value:
     """One value out of those of alternatives, in this environment's table."""
     if all(isinstance(v, Surface) for _, v in results):
-        return Surface(tuple(b if b[0] is not None else (s, *b[1:]) for s, v in results for b in v.branches))  # type: ignore[union-attr]
+        return Surface(tuple(b if b[0] is not None else (s, *b[1:]) for s, v in results for b in v.branches))
     if len(results) == 1:
         scope, value = results[0]
         if not isinstance(value, Ref):
             return lift(ev, value, scope)
         return replace(value, branches=tuple(replace(b, scope=b.scope or scope) for b in value.branches))
     if all(isinstance(v, Ref) for _, v in results):
-        branches = [replace(b, scope=b.scope or s) for s, v in results for b in baked(v).branches]  # type: ignore[arg-type]
+        branches = [replace(b, scope=b.scope or s) for s, v in results for b in baked(v).branches]
         return Ref(name, tuple(branches))
     parent = results[0][0].parent  # type: ignore[union-attr]
     return lift(ev, merged(parent, results), parent)  # type: ignore[arg-type]
 
 
 def labelled(ev: Evaluator, value: Value, box: Box) -> Value:
-    return replace(value, on=box.on) if hasattr(value, "on") else value  # type: ignore[type-var]
+    return replace(value, on=box.on) if hasattr(value, "on") else value
 
 
 def ref_box(ev: Evaluator, ref: Ref, span: Span) -> Box:
     """The box of what a reference names, in the frame of the environment that names it."""
-    return moved(branch_box(ev, ref, span), ref.frame)  # type: ignore[return-value]
+    return moved(branch_box(ev, ref, span), ref.frame)
 
 
 def branch_box(ev: Evaluator, ref: Ref, span: Span) -> Box:
@@ -238,17 +238,17 @@ def branch_box(ev: Evaluator, ref: Ref, span: Span) -> Box:
         held = [member_box(ev, part, outer, ref.own, branch.scope) for part, outer in branch.members]
         carriers += [part for part, _ in branch.members if part not in carriers]
         if len(held) > 1:
-            held = [extent(b) for b in held]  # type: ignore[arg-type]
+            held = [extent(b) for b in held]
             low = tuple(E.minimum(*(b.low[k] for b in held)) for k in range(3))
             high = tuple(E.maximum(*(b.high[k] for b in held)) for k in range(3))
             held = [Box(low, high)]  # type: ignore[arg-type]
-        boxes.append((branch.scope, held[0]))  # type: ignore[arg-type]
+        boxes.append((branch.scope, held[0]))
     on = tuple(carriers)
     if len(boxes) == 1:
-        return lift(ev, replace(boxes[0][1], on=on), boxes[0][0])  # type: ignore[return-value]
+        return lift(ev, replace(boxes[0][1], on=on), boxes[0][0])
     parent = boxes[0][0].parent  # type: ignore[union-attr]
     value = merged(parent, boxes)  # type: ignore[arg-type]
-    return lift(ev, replace(value, on=on), parent)  # type: ignore[return-value,type-var]
+    return lift(ev, replace(value, on=on), parent)
 
 
 def member_box(ev: Evaluator, part: Part, outer: Pose, own: bool, scope: Scope | None) -> Value:
@@ -258,7 +258,7 @@ def member_box(ev: Evaluator, part: Part, outer: Pose, own: bool, scope: Scope |
     box = moved(part.box(), outer if own else compose(outer, part.pose))
     target = scope if scope is not None else ev.env.scope
     if part.env.scope.within(target) and part.env.scope is not target:
-        return raised(extent(box), part.env.scope, target)  # type: ignore[arg-type]
+        return raised(extent(box), part.env.scope, target)
     return box
 
 

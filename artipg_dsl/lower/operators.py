@@ -101,7 +101,7 @@ def lathe_pieces(
             hint="the chains of a hollow solid have as many curves each: the wall lies between one and its partner",
         )  # fmt: skip
     pieces = []
-    for number, quad in enumerate(strip(probe, *chains, sign)):
+    for number, quad in enumerate(strip(probe, chains[0], chains[1], sign)):
         wide = E.maximum(quad.outer[0][0], quad.outer[1][0])
         fit = E.call("ceil", E.mul(E.const(TURN / 2), E.call("sqrt", E.div(E.mul(E.const(2.0), wide), quad.wall))))
         count = E.minimum(E.maximum(fit, E.const(12.0)), E.const(72.0))
@@ -208,12 +208,12 @@ def extrude(env: Env, solid: ast.SolidDecl) -> Made:
     """A prism over a region of the plane; curves give the two coordinates across the axis, in cyclic order."""
     probe = Probe(env, solid.span)
     axis = axis_of(env, solid, "along")
-    ends = [clause(solid, word) for word in ("from", "to")]
-    if ends[0] is None or ends[1] is None:
+    start, end = (clause(solid, word) for word in ("from", "to"))
+    if start is None or end is None:
         raise env.context.error(
             "wrong-arguments", solid.span, "`extrude` needs both its ends", hint="extrude(edge) along z from 0 to thick"
         )
-    low, high = (Evaluator(env).scalar(node) for node in ends)
+    low, high = (Evaluator(env).scalar(node) for node in (start, end))
     chains = chains_of(env, probe, solid)
     loops, strips = outline(env, probe, solid, chains)
     patches = []

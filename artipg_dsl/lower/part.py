@@ -102,7 +102,7 @@ class Part:
                 hint="place the elements straight at joint values 0 and turn them by their joints",
             )  # fmt: skip
         for name, value in zip(chain.translation, pose.translation, strict=True):
-            self.context.program.definitions[name.value] = closed(self.context, name.value, value)  # type: ignore[index,arg-type]
+            self.context.program.definitions[name.value] = closed(self.context, name.value, value)
         return chain
 
     @property
@@ -124,13 +124,13 @@ class Part:
             branches = [
                 Branch(s if b.scope is None and s is not self.env.scope else b.scope, b.members)
                 for s, v in found
-                for b in v.branches  # type: ignore[union-attr]
+                for b in v.branches
             ]
             return Ref(name, tuple(branches))
         if len(found) == 1 and found[0][0] is self.env.scope:
             return found[0][1]
         if all(isinstance(v, Surface) for _, v in found):
-            return Surface(tuple(b if b[0] is not None else (s, *b[1:]) for s, v in found for b in v.branches))  # type: ignore[union-attr]
+            return Surface(tuple(b if b[0] is not None else (s, *b[1:]) for s, v in found for b in v.branches))
         if any(not hasattr(v, "__dataclass_fields__") and not isinstance(v, Expr) for _, v in found):
             return found[0][1]
         return merged(self.env.scope, found)
@@ -140,7 +140,7 @@ class Part:
         if self._box is None:
             size = self.inputs.get("size")
             if isinstance(size, Vec) and len(size.items) == 3 and all(i.takes_size for i in self.instances):
-                half = times(size.items, HALF)  # type: ignore[arg-type]
+                half = times(size.items, HALF)
                 self._box = Box(times(half, E.const(-1.0)), half, on=(self,))
             elif len(self.instances) == 1 and self.instances[0].scope is self.env.scope:
                 box = self.instances[0].box()
@@ -149,8 +149,8 @@ class Part:
                 raise Abort(f"`{self.name}` could not be built")
             else:
                 boxes = [(i.scope, i.box()) for i in self.instances]
-                box = merged(self.env.scope, boxes)  # type: ignore[arg-type]
-                self._box = Box(box.low, box.high, on=(self,))  # type: ignore[union-attr]
+                box = merged(self.env.scope, boxes)
+                self._box = Box(box.low, box.high, on=(self,))
         return self._box
 
 
@@ -204,7 +204,8 @@ class Instance:
 
     def slot(self, name: str) -> Value:
         """A slot as one reference to all the parts, or all the surfaces, it binds."""
-        members, surfaces = [], []
+        members: list[tuple[Part, Pose]] = []
+        surfaces = []
         for value, _ in self.bound(name):
             if isinstance(value, Surface):
                 for table, part, outer, surface in value.branches:
@@ -222,7 +223,7 @@ class Instance:
             if self.solid is not None:
                 self._box = self.solid.box(self)
             elif self.takes_size:
-                half = times(self.values["size"].items, HALF)  # type: ignore[union-attr]
+                half = times(self.values["size"].items, HALF)
                 self._box = Box(times(half, E.const(-1.0)), half)
             else:
                 assert self.env is not None
@@ -262,9 +263,9 @@ def part_member(part: Part, name: str, span: Span, ev: Evaluator, own: bool = Fa
 
 def carried(value: Value, part: Part) -> Value:
     """A value that names no inner part lies on the part itself."""
-    if isinstance(value, Ref) or not hasattr(value, "on") or value.on:  # type: ignore[union-attr]
+    if isinstance(value, Ref) or not hasattr(value, "on") or value.on:
         return value
-    return replace(value, on=(part,))  # type: ignore[type-var]
+    return replace(value, on=(part,))
 
 
 def matches(part: Part, name: str, span: Span, env: Env) -> Expr:

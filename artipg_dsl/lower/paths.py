@@ -68,8 +68,9 @@ def steps_of(curve: Curve) -> tuple[Step, ...]:
         v = E.add(low, E.mul(V, E.sub(high, low)))
         return (Step("formula", tuple(E.substitute(c, {V: v}) for c in point)),)
     found = []
+    numbers: tuple[Expr, ...]
     for piece in curve.value.pieces:
-        word = piece.function.name  # type: ignore[attr-defined]
+        word = piece.function.name
         if word == "from":
             given = named(piece, "at", "along")
             numbers = (*ev.vector(need(ev, piece, given, "at")), *ev.direction(need(ev, piece, given, "along")))
@@ -105,7 +106,8 @@ def stretches(steps: Iterable[Step]) -> list[Stretch]:
             length = step.numbers[0]
             found.append(Stretch(plus(at, times(along, E.mul(V, length))), along, length))
         else:
-            found.append(arc(at, along, *step.numbers[:2], step.numbers[2:]))  # type: ignore[arg-type]
+            radius, angle, *towards = step.numbers
+            found.append(arc(at, along, radius, angle, (towards[0], towards[1], towards[2])))
         at, along = found[-1].at(1.0), found[-1].towards(1.0)
     return found
 

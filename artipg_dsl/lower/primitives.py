@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING
 
 from ..graph import expr as E
@@ -139,9 +140,7 @@ def make(context: Context, symbol: Symbol, title: str, paths: dict[str, Handed])
             else:
                 from .env import Thunk
 
-                env.names[statement.name] = Thunk(
-                    lambda statement=statement: Evaluator(env).value(statement.value), statement.name_span
-                )
+                env.names[statement.name] = Thunk(partial(Evaluator(env).value, statement.value), statement.name_span)
         elif isinstance(statement, ast.CurveDecl):
             env.names[statement.name] = Curve(statement, env)
         elif isinstance(statement, ast.SurfaceDecl):
@@ -167,8 +166,8 @@ def make(context: Context, symbol: Symbol, title: str, paths: dict[str, Handed])
                 low, high = box_of(Evaluator(env), statement)
             case ast.SolidDecl():
                 solid = statement
-            case ast.PortDecl() if statement.value is not None and solid is None:
-                ports[statement.name] = Evaluator(env).value(statement.value)
+            case ast.PortDecl(value=ast.Expr() as value) if solid is None:
+                ports[statement.name] = Evaluator(env).value(value)
             case _:
                 pass
     if solid is not None:
@@ -179,15 +178,15 @@ def make(context: Context, symbol: Symbol, title: str, paths: dict[str, Handed])
             if within is not E.TRUE:
                 conditions.append((within, (small, large), message, solid, "requirement of the operator"))
         low, high = (low, high) if low is not None else (made.low, made.high)
-        stated = [s for s in symbol.body if isinstance(s, ast.PortDecl) and s.value is not None]
-        ports = {**made.ports, **{s.name: Evaluator(env).value(s.value) for s in stated}}
+        stated = [(s.name, s.value) for s in symbol.body if isinstance(s, ast.PortDecl) and s.value is not None]
+        ports = {**made.ports, **{name: Evaluator(env).value(value) for name, value in stated}}
     if inside is None or low is None or high is None or not patches:
         raise context.error(
             "incomplete-primitive", symbol.decl.name_span,
             f"the primitive `{symbol.name}` needs surfaces, `inside (p) = ...` and `box = ...`, or a `solid`",
         )  # fmt: skip
     primitive = Primitive(
-        title, tuple(parameters), tuple(tests), tuple(patches), inside, low, high, tuple(pieces),  # type: ignore[arg-type]
+        title, tuple(parameters), tuple(tests), tuple(patches), inside, low, high, tuple(pieces),
         tuple(c[0] for c in conditions), str(where(symbol.decl.span)), tuple(dict.fromkeys(p.name for p in patches)),
     )  # fmt: skip
     lowered = Lowered(primitive, tuple(names), ports, conditions)

@@ -64,7 +64,7 @@ class Probe:
     def __call__(self, *exprs: Expr) -> np.ndarray:
         """(expressions, rows): their values; nan where a formula has none."""
         with np.errstate(all="ignore"):
-            return np.array([np.asarray(v, dtype=np.float64) for v in evaluate(exprs, self.values)])
+            return np.array([np.asarray(v, dtype=np.float64) for v in evaluate(exprs, {**self.values})])
 
     def zero(self, *exprs: Expr) -> bool:
         """Whether all of the lengths vanish for every test value."""
@@ -109,7 +109,7 @@ def test_ranges(env: Env) -> Iterable[tuple[str, tuple[float, float]]]:
         if statement.type.name == "curve":
             for name in statement.names:
                 path = env.names[name]
-                yield from zip(path.names, path.tests, strict=True)  # type: ignore[attr-defined]
+                yield from zip(path.names, path.tests, strict=True)
             continue
         source = statement.test or statement.domain
         for name in statement.names:

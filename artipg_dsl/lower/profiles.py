@@ -247,7 +247,7 @@ def reaches(
     bend: Point = tuple(derive(c, "v") for c in speed)  # type: ignore[assignment]
     found = []
     for k, (low, high) in enumerate(cuts):
-        t: Expr = E.const((low + high) / 2)
+        t = E.const((low + high) / 2)
         for number in range(STEPS):
             t = clamp(E.add(t, step(point, curve, speed, bend, t, number)), low, high)
         last = clamp(E.add(t, step(point, curve, speed, bend, t, STEPS)), low, high)

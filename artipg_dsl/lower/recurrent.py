@@ -17,7 +17,7 @@ def closed(context: Context, column: Column, value: Expr) -> Expr:
     steps = [node for node in nodes(value) if node.op == "previous" and column in E.leaves(node)]
     if not steps:
         raise refused(context, column)
-    scope: Scope = steps[0].value  # type: ignore[assignment]
+    scope: Scope = steps[0].value
     before = Column(scope, f"{column.name} before")
     mapping: dict[Expr, Expr] = {}
     for node in steps:
@@ -38,7 +38,7 @@ def carried_on(factor: Expr, scope: Scope) -> bool:
         condition, then, otherwise = factor.args
         return condition is first and otherwise is E.ONE or condition is E.negate(first) and then is E.ONE
     if factor.op == "phi":
-        pairs = zip(factor.value, factor.args[:-1], strict=True)  # type: ignore[arg-type]
+        pairs = zip(factor.value, factor.args[:-1], strict=True)
         return all(value is E.ONE or value is E.ZERO and child.count is first for child, value in pairs)
     return factor is E.ONE
 

@@ -130,8 +130,8 @@ def ring(ev: Evaluator, statement: ast.RepeatStmt, count: Expr, scope: Scope) ->
     # the origin: the point of the axis nearest the scope's origin keeps it independent of where the line starts
     axis = signed_axis(direction)
     if axis is not None:
-        point = tuple(E.ZERO if k == axis[0] else c for k, c in enumerate(point))  # type: ignore[assignment]
-    return Pose(rotation_about(direction, angle), point, E.ONE)  # type: ignore[arg-type]
+        point = tuple(E.ZERO if k == axis[0] else c for k, c in enumerate(point))
+    return Pose(rotation_about(direction, angle), point, E.ONE)
 
 
 def mirrored(ev: Evaluator, statement: ast.RepeatStmt, scope: Scope) -> Pose:

@@ -60,7 +60,7 @@ class Formulas:
         if not self.reader.reads(node):
             return node if node.op == "const" else self.knowns.setdefault(node, E.var(f"solve.p{len(self.knowns)}"))
         if node.op == "col":
-            return self.unknowns[node.value]  # type: ignore[index]
+            return self.unknowns[node.value]
         if node.op in CROSSING or node.op in ("root", "solve"):
             raise NoFormula
         return E.rebuild(node, tuple(self.of(a) for a in node.args))

@@ -88,7 +88,7 @@ def centred(unknown: Unknown) -> Expr:
     center: Expr = E.ZERO
     while at is not None:
         if at.element is not None and at.element.box is not None:
-            box: Box = squared(Evaluator(part.env).here(at.element, at.element.box))  # type: ignore[assignment]
+            box: Box = squared(Evaluator(part.env).here(at.element, at.element.box))
             center = box.center[axis]
             break
         at = at.outer

@@ -42,7 +42,7 @@ def frame_on(ev: Evaluator, surface: Surface, node: ast.CallExpr) -> Frame:
             du, dv = (tuple(E.substitute(derive(c, name), values) for c in patch.position) for name in ("u", "v"))
             frame = Frame(position, frame_of(normalized(cross(du, dv)), unit(2)), (part,))  # type: ignore[arg-type]
             pose = mapped_pose(outer, lambda e: lifted(e, scope))
-            found.append((held(instance.scope, scope), moved(frame, pose)))  # type: ignore[arg-type]
+            found.append((held(instance.scope, scope), moved(frame, pose)))
     if not found:
         raise ev.env.context.error("unknown-member", node.span, "none of the alternatives has this surface")
     value: Value = found[-1][1]
@@ -50,7 +50,7 @@ def frame_on(ev: Evaluator, surface: Surface, node: ast.CallExpr) -> Frame:
         cells = iter(scalars(other))
         value = mapped(value, lambda e, guard=guard, cells=cells: E.where(guard, next(cells), e))  # type: ignore[misc]
     carriers = tuple(dict.fromkeys(p for _, f in found for p in f.on))
-    return moved(replace(value, on=carriers), ev.pose)  # type: ignore[type-var,return-value]
+    return moved(replace(value, on=carriers), ev.pose)
 
 
 def held(scope: Scope, to: Scope) -> Expr:

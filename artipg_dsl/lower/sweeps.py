@@ -134,8 +134,8 @@ def end_plane(piece: Stretch, end: float) -> Expr:
     if piece.center is not None:
         angle, away, half = about_arc(piece)
         return cap(E.sub(angle, half) if end else E.neg(E.add(angle, half)), away)
-    away = minus(P, piece.at(end))
-    return dot(away if end else times(away, E.const(-1.0)), piece.towards(end))
+    beyond = minus(P, piece.at(end))
+    return dot(beyond if end else times(beyond, E.const(-1.0)), piece.towards(end))
 
 
 def length_of(vector: Triple) -> Expr:

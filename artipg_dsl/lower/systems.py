@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..graph import expr as E
 from ..graph.expr import Column, Expr
-from ..graph.linear import Form, Linear, combine, isolate, solve_block, tidy
+from ..graph.linear import Form, Linear, Parts, combine, isolate, solve_block, tidy
 from ..graph.matching import Matching, components
 from .context import Abort, Equation, Settled, Unknown
 from .env import Env
@@ -77,7 +77,7 @@ def unsolved(env: Env, unknowns: list[Unknown], equations: list[Equation], forms
 
 def remainder(forms: list[Form], columns: list[Column]) -> Expr | None:
     """What is left of linear equations that depend on one another, once the columns are eliminated; None if that is open."""
-    rows = list(forms)
+    rows: list[Parts] = list(forms)
     for column in columns:
         pivot = next((row for row in rows if row[0].get(column, E.ZERO).constant not in (None, 0.0)), None)
         if pivot is None:

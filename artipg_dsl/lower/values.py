@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..graph import expr as E
 from ..graph.expr import Expr, Scope
@@ -152,10 +152,10 @@ class Ports:
     """``port socket[2]``: values by index."""
 
     name: str
-    values: dict[int, object]
+    values: dict[int, Any]
 
-    def settled(self) -> dict[int, object]:
+    def settled(self) -> dict[int, Any]:
         return self.values
 
 
-Value = object
+Value = Any  # one of the above: the checker has made sure which

@@ -82,8 +82,8 @@ def rotation_about(axis: Triple, angle: Expr) -> Matrix:
     c, s = E.call("cos", angle), E.call("sin", angle)
     found = signed_axis(axis)
     if found is not None:
-        k, sign = found
-        i, j = (k + 1) % 3, (k + 2) % 3
+        at, sign = found
+        i, j = (at + 1) % 3, (at + 2) % 3
         rows = [list(row) for row in IDENTITY]
         rows[i][i] = rows[j][j] = c
         turned = E.mul(E.const(float(sign)), s)

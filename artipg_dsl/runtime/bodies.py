@@ -118,7 +118,8 @@ class Placed:
 def gather(batch: Batch, first: np.ndarray, turn: np.ndarray, shift: np.ndarray) -> Pieces:
     """All pieces of a batch; ``first`` (B,) is each object's first link, ``turn`` and ``shift`` carry links to rest."""
     by_size: dict[int, list[np.ndarray]] = {}
-    owners, links, kinds, slots, shapes, faces = [], [], [], [], [], []
+    owners, links, kinds, slots, shapes = [], [], [], [], []
+    faces: list = []
     for table in batch.sites():
         if not len(table):
             continue

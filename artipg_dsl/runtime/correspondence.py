@@ -70,10 +70,11 @@ def correspondence(before: Batch, after: Batch) -> Correspondence:
     order = np.argsort(owner, kind="stable")
     joined = [np.concatenate(c)[order] for c in zip(*columns, strict=True)]
     owner = owner[order]
-    whole = [c.astype(np.int32) for c in joined[:4]]
+    sites, ranks, match, rank = (c.astype(np.int32) for c in joined[:4])
     return Correspondence(
-        after.numbers[owner], before.numbers[owner], *whole, joined[4].astype(np.uint8), joined[5], joined[6]
-    )
+        after.numbers[owner], before.numbers[owner], sites, ranks, match, rank,
+        joined[4].astype(np.uint8), joined[5], joined[6],
+    )  # fmt: skip
 
 
 def _nearest(before: Batch, after: Batch, scope: Scope) -> tuple[np.ndarray, np.ndarray]:

@@ -8,7 +8,7 @@ of all objects at once, led from rest to the values asked for, so that a loop do
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -74,7 +74,8 @@ class Loops:
         count, most = len(self.batch), int(rank.max(initial=0)) + 1
         gap, slope = np.zeros((count, most, 3)), np.zeros((count, most, 3, self.variable.shape[1]))
         gap[self.owner, rank] = places[0] - places[1]
-        np.add.at(slope, (self.owner[self.at], rank[self.at], slice(None), self.slot), speed)
+        where: Any = (self.owner[self.at], rank[self.at], slice(None), self.slot)
+        np.add.at(slope, where, speed)
         return gap.reshape(count, -1), slope.reshape(count, 3 * most, -1)
 
     def settle(self, states: np.ndarray) -> np.ndarray:
@@ -167,13 +168,14 @@ def above(batch: Batch, link: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.nd
         side, at, row, joint = side[keep], at[keep], row[keep], joint[keep]
         found.append(np.stack([at, side, joint]))
         row = holder[row]
-    return tuple(np.concatenate(found, axis=1))  # type: ignore[return-value]
+    return tuple(np.concatenate(found, axis=1))
 
 
 def determined(slope: np.ndarray) -> np.ndarray:
     """Which of the variables (B, V) the equations determine: the last ones whose columns are independent."""
     count, _, size = slope.shape
-    found, basis = np.zeros((count, size), dtype=bool), []
+    found = np.zeros((count, size), dtype=bool)
+    basis: list[np.ndarray] = []
     for k in reversed(range(size)):
         column = slope[:, :, k]
         left = column.copy()

@@ -119,7 +119,7 @@ class _Emitter:
         if node.op == "const":
             return literal(node.value)
         if node.op == "col":
-            return self.column(node.value)  # type: ignore[arg-type]
+            return self.column(node.value)
         if node.op == "rank":
             return self.fresh(f"{self.table(node.scope)}.rank.astype(np.float64)")  # type: ignore[arg-type]
         if node.op == "phi":
@@ -129,7 +129,7 @@ class _Emitter:
         if node.op == "solve":
             return self.solve(node)
         if node.op == "root":
-            name = self.fresh(f"{self.node(node.args[0])}[{node.value[0]}]")  # type: ignore[index]
+            name = self.fresh(f"{self.node(node.args[0])}[{node.value[0]}]")
             if self.scalar(self.node(node.args[0])):
                 self.scalars.add(name)
             return name
@@ -145,7 +145,7 @@ class _Emitter:
         return name
 
     def phi(self, node: Expr) -> str:
-        scopes: tuple[Scope, ...] = node.value  # type: ignore[assignment]
+        scopes: tuple[Scope, ...] = node.value
         parent = self.table(node.scope)  # type: ignore[arg-type]
         default = self.value(node.args[-1], node.scope)
         branches = []
@@ -155,7 +155,7 @@ class _Emitter:
 
     def solve(self, node: Expr) -> str:
         """Equations solved together: a function of the block, and the call that searches from its starts."""
-        size, known = node.value  # type: ignore[misc]
+        size, known = node.value
         formulas, values = node.args[: size + size * size], node.args[size + size * size :]
         arguments = [self.value(a, node.scope) for a in values]
         names = [f"solve.x{k}" for k in range(size)] + [f"solve.p{k}" for k in range(known)]
@@ -170,9 +170,9 @@ class _Emitter:
 
     def crossing(self, node: Expr) -> str:
         if node.op == "reduce":
-            kind, scope = node.value  # type: ignore[misc]
-            return self.fresh(f"reduce_rows({kind!r}, {self.table(scope)}, {self.value(node.args[0], scope)})")
-        scope: Scope = node.value  # type: ignore[assignment]
+            kind, child = node.value
+            return self.fresh(f"reduce_rows({kind!r}, {self.table(child)}, {self.value(node.args[0], child)})")
+        scope: Scope = node.value
         table, value = self.table(scope), self.value(node.args[0], scope)
         if node.op == "element":
             return self.fresh(f"pick_row({table}, {value}, {self.value(node.args[1], node.scope)})")
@@ -243,7 +243,7 @@ class _Emitter:
             return self.value(node, scope)
         except PlanError:
             del self.lines[before:]
-            self.names, self.gathered, self.tables, self.routes, self.drawn, self.running = kept  # type: ignore[assignment]
+            self.names, self.gathered, self.tables, self.routes, self.drawn, self.running = kept
             return None
 
     def bound(self, number: int, bound: Bound, scope: Scope, low: str, high: str) -> None:

@@ -109,9 +109,9 @@ def _determined(stage: Stage) -> Iterable[tuple[int, Step]]:
             continue
         expr, scope = E.col(column), column.scope
         rows = [batch.rowmap.rows(scope) for batch in (before, after)]
-        keys = [mix(r.address, r.owner) for r in rows]
+        was, now = (mix(r.address, r.owner) for r in rows)
         a, b = (batch.read([expr], scope)[0] for batch in (before, after))
-        _, here, there = np.intersect1d(*keys, assume_unique=True, return_indices=True)
+        _, here, there = np.intersect1d(was, now, assume_unique=True, return_indices=True)
         apart = np.abs(a[here] - b[there]) > TOLD
         if not apart.any():
             continue

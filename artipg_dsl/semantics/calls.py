@@ -139,7 +139,7 @@ def _apply(
 
 def _unary(rule: Callable[[Scalar], Scalar | None], what: str) -> Callable[[Checker, Context, ast.CallExpr], Type]:
     def check(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
-        word = expr.function.name  # type: ignore[attr-defined]
+        word = expr.function.name
         (kind,) = _positional(ck, ctx, expr, 1, word)
         if kind == UNKNOWN:
             return UNKNOWN
@@ -164,7 +164,7 @@ def _same(ck: Checker, ctx: Context, expr: ast.CallExpr, kinds: list[Type]) -> T
         if kind == UNKNOWN:
             return UNKNOWN
         if not is_number(kind):
-            word = expr.function.name  # type: ignore[attr-defined]
+            word = expr.function.name
             return ck.error("wrong-type", argument.span, f"`{word}` takes numbers, but this is {kind}")
         kind = LENGTH if kind == PLANE else kind
         if dimension_of(kind) is None:
@@ -186,7 +186,7 @@ def _same(ck: Checker, ctx: Context, expr: ast.CallExpr, kinds: list[Type]) -> T
 
 def _several(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
     """``hypot`` and, with several arguments, ``min`` and ``max``."""
-    word = expr.function.name  # type: ignore[attr-defined]
+    word = expr.function.name
     if not expr.arguments:
         return ck.error("wrong-arguments", expr.span, f"`{word}` needs arguments")
     return _same(ck, ctx, expr, [ck.infer(ctx, a.value) for a in expr.arguments])
@@ -198,7 +198,7 @@ def _extremum(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
 
 def _reduce(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
     """A reduction over the elements of a repeat: ``sum(cell.size.z)``."""
-    word = expr.function.name  # type: ignore[attr-defined]
+    word = expr.function.name
     if len(expr.arguments) != 1:
         return ck.error("wrong-arguments", expr.span, f"`{word}` over the elements of a repeat takes one argument")
     argument = expr.arguments[0]
@@ -261,7 +261,7 @@ Shape = dict[str, tuple[Type, bool]]  # parameter -> (type, required)
 
 def _named(result: Type, shape: Shape) -> Callable[[Checker, Context, ast.CallExpr], Type]:
     def check(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
-        arguments(ck, ctx, expr, expr.function.name, shape)  # type: ignore[attr-defined]
+        arguments(ck, ctx, expr, expr.function.name, shape)
         return result
 
     return check

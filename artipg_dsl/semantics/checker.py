@@ -134,7 +134,7 @@ class Checker:
         if isinstance(wanted, Scalar | Vec) and isinstance(given, Scalar | Vec):
             need = wanted.dimension
             if given.dimension == NONE and need not in (NONE, None) and expressions.is_unitless(expr):
-                unit = expressions.usual_unit(need)  # type: ignore[arg-type]
+                unit = expressions.usual_unit(need)
                 text = expr.span.source.text[expr.span.start : expr.span.end]
                 hint = f"write {text}{unit}" if isinstance(expr, ast.NumberExpr) else f"give the numbers a unit: {unit}"
                 self.error("missing-unit", expr.span, f"{what} needs a unit: {wanted} is expected", hint=hint)

@@ -116,7 +116,7 @@ class Argument(Node):
 class CallExpr(Expr):
     """``function`` is a NameExpr or, for ``body.wall.at(...)``, a MemberExpr."""
 
-    function: Expr
+    function: NameExpr | MemberExpr
     arguments: tuple[Argument, ...]
 
 

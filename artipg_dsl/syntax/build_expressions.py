@@ -29,7 +29,7 @@ class ExpressionBuilder(BuilderBase):
     def string(self, c: Children) -> ast.Expr:
         return ast.StringExpr(span=self.span(c), value=unquote(c[0].value))
 
-    def name(self, c: Children) -> ast.Expr:
+    def name(self, c: Children) -> ast.NameExpr:
         return ast.NameExpr(span=self.span(c), name=c[0].value)
 
     def hole(self, c: Children) -> ast.Expr:

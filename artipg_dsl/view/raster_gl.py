@@ -117,8 +117,8 @@ class Renderer:
         count = sum(self.light_counts)
         self.columns = int(np.ceil(np.sqrt(count)))
         fragment = FRAGMENT.replace("@COUNT@", str(count)).replace("@COLUMNS@", str(self.columns))
-        self.program = self.context.program(VERTEX, fragment)
-        self.shadow_program = self.context.program(SHADOW, "#version 330\nvoid main() {}\n")
+        self.program: Any = self.context.program(VERTEX, fragment)
+        self.shadow_program: Any = self.context.program(SHADOW, "#version 330\nvoid main() {}\n")
         edge = MAP * self.columns
         self.atlas = self.context.depth_texture((edge, edge))
         self.atlas.compare_func = "<="
@@ -192,7 +192,8 @@ class Renderer:
         program["shadows"].value = 0
         self.target.use()
         self.target.viewport = (0, 0, self.size * SAMPLES, self.size * SAMPLES)
-        self.target.clear(*self.backdrop.tolist(), 1.0, depth=1.0)
+        red, green, blue = self.backdrop.tolist()
+        self.target.clear(red, green, blue, 1.0, depth=1.0)
         context.enable_only(self.gl.DEPTH_TEST)
         layout = [(vertices, "3f 3f 4f 2f", "position", "normal", "colour", "surface")]
         opaque, clear = faces

@@ -31,7 +31,7 @@ class Renderer:
         opaque, _ = scene.split()
         self.casters = self._build(opaque)
 
-    def _build(self, faces: np.ndarray):  # type: ignore[no-untyped-def]
+    def _build(self, faces: np.ndarray):
         triangles = self.scene.vertices[self.scene.faces[faces]].astype(np.float32)
         built = self._scene()
         if len(triangles):
