@@ -21,7 +21,7 @@ def run(options: argparse.Namespace) -> int:
         print(to_sarif(found, __version__) if options.sarif else to_json(found))
     else:
         from ..diagnostics.text import summary
-        from .report import findings, say
+        from .messages import findings, say
 
         findings(found, sys.stdout)
         files = "1 file" if len(options.files) == 1 else f"{len(options.files)} files"

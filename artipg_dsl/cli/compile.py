@@ -18,7 +18,7 @@ from ..job import COMPILED, compiled_text
 from ..session import Session
 from ..source import Span
 from ..syntax import ast
-from .report import findings, say
+from .messages import findings, say
 
 
 def of_text(name: str) -> Session:

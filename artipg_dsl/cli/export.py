@@ -7,9 +7,9 @@ import time
 from pathlib import Path
 
 from ..errors import UsageError
+from .messages import say
 from .progress import Progress
 from .render import wanted
-from .report import say
 from .sample import in_the_way
 
 

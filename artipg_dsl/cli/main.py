@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 from ..export.registry import FORMATS, per_object
 from .arguments import amount, fraction, numbers, part, positive, whole
-from .report import error, findings, say
+from .messages import error, findings, say
 
 OK, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
 EMITS = {
@@ -170,6 +170,19 @@ def parser() -> argparse.ArgumentParser:
         "--states", type=positive, default=64, metavar="N", help="random configurations per object (default: 64)"
     )
     validate.add_argument("--json", action="store_true", help="the evidence as JSON")
+
+    report = command("report", "tell how good a category is: figures over many samples, and goals")
+    report.add_argument("programs", nargs="*", metavar="NAME|FILE", help="shipped categories or .apg files")
+    report.add_argument("--all", action="store_true", help="all shipped categories")
+    _drawing(report, 1000)
+    shape = report.add_mutually_exclusive_group()
+    shape.add_argument("--json", action="store_true", help="the figures as JSON")
+    shape.add_argument("--markdown", action="store_true", help="a table with a row per category")
+    report.add_argument("--html", metavar="FILE", help="write a page with a picture as well")
+    report.add_argument("--reference", metavar="FILE", help="real sizes to compare with (default: those shipped)")
+    report.add_argument("--unchecked", action="store_true", help="count objects whose links collide as valid: faster")
+    report.add_argument("--strict", action="store_true", help="exit with 1 if a goal is not met")
+    report.add_argument("--force", action="store_true", help="replace the page")
 
     ledger = command("ledger", "tell for each value of a part what determines it")
     _program(ledger)

@@ -12,8 +12,8 @@ import numpy as np
 
 from ..errors import UsageError, UserError
 from ..settings import shown
+from .messages import say
 from .progress import Progress
-from .report import say
 from .sample import in_the_way, statistics
 
 if TYPE_CHECKING:

@@ -10,8 +10,8 @@ import numpy as np
 from ..errors import UsageError, UserError
 from ..job import Job, open_job, reopen
 from ..settings import split
+from .messages import say
 from .progress import Progress
-from .report import say
 from .sample import chosen
 
 

@@ -1,35 +1,100 @@
-"""What the commands say: findings of the compiler, and errors of the user."""
+"""``apgc report``: how good a category is, in figures, with a goal beside each."""
 
 from __future__ import annotations
 
-import os
-import sys
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, TextIO
+import argparse
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..errors import UsageError
+from ..settings import split
+from .messages import say
+from .progress import Progress
+from .sample import chosen
 
 if TYPE_CHECKING:
-    from ..diagnostics import Diagnostic
+    from ..job import Job
+    from ..quality.card import Card
+    from ..quality.sizes import Real
 
-RED, BLUE, RESET = "\x1b[1;31m", "\x1b[34m", "\x1b[0m"
-
-
-def coloured(stream: TextIO) -> bool:
-    return stream.isatty() and "NO_COLOR" not in os.environ
+PICTURED, COLUMNS, TILE = 12, 6, 160  # objects on the picture of a page
 
 
-def say(text: str) -> None:
-    """A word to whoever watches: on stderr, so that stdout holds results alone."""
-    print(text, file=sys.stderr, flush=True)
+def run(options: argparse.Namespace) -> int:
+    from ..export.write import refuse_existing, write_bytes
+    from ..quality.sizes import reference
+    from ..quality.text import markdown, text
+
+    names = wanted(options)
+    numbers = chosen(options)
+    known = reference(options.reference)
+    if options.html is not None:
+        refuse_existing(Path(options.html), options.force)
+    cards, pictures = [], []
+    for name in names:
+        job, card = examined(options, name, numbers, known)
+        cards.append(card)
+        if options.html is not None:
+            pictures.append(picture(job, numbers[:PICTURED]))
+        if not (options.json or options.markdown):
+            print(("\n" if len(cards) > 1 else "") + text(card), flush=True)
+    if options.json:
+        found = [card.plain() for card in cards]
+        print(json.dumps(found if options.all or len(found) > 1 else found[0], indent=1))
+    elif options.markdown:
+        print(markdown(cards), end="")
+    if options.html is not None:
+        from ..quality.page import page
+
+        write_bytes(options.html, page(cards, pictures).encode("utf-8"), force=options.force)
+        say(f"wrote {options.html}")
+    return 1 if options.strict and not all(card.met for card in cards) else 0
 
 
-def error(message: str, hint: str | None) -> None:
-    red, blue, reset = (RED, BLUE, RESET) if coloured(sys.stderr) else ("", "", "")
-    say(f"{red}error{reset}: {message}" + (f"\n  {blue}={reset} help: {hint}" if hint else ""))
+def wanted(options: argparse.Namespace) -> list[str]:
+    """The categories asked for. Raises UsageError."""
+    from ..session import categories
+
+    if options.all and options.programs:
+        raise UsageError("--all are the shipped categories", "leave out --all, or the names")
+    if options.all and options.set:
+        raise UsageError("what is set has a meaning in one category only", "name the category")
+    if not options.all and not options.programs:
+        raise UsageError("no category is named", "`apgc report Microwave`; --all takes all shipped ones")
+    return list(categories()) if options.all else options.programs
 
 
-def findings(diagnostics: Iterable[Diagnostic], stream: TextIO) -> None:
-    from ..diagnostics.text import render
+def examined(options: argparse.Namespace, name: str, numbers: np.ndarray, known: dict[str, Real]) -> tuple[Job, Card]:
+    """The card of a category, and the job that made its objects."""
+    from ..job import open_job
+    from ..quality.card import card
+    from ..session import categories
 
-    text = render(diagnostics, colour=coloured(stream))
-    if text:
-        print(text, file=stream, flush=True)
+    job = open_job(name, options.seed or 0, split(options.set), checked=not options.unchecked)
+    category = job.sampler.program.name
+    path = Path(name) if Path(name).is_file() else categories().get(category)
+    with Progress(category) as progress:
+        found = card(
+            job, numbers, real=known.get(category), lines=own_lines(path), progress=lambda _, done, total: progress(done, total)
+        )
+    return job, found
+
+
+def own_lines(path: Path | None) -> int | None:
+    """Lines of the text of a category; None for a compiled one."""
+    from ..quality.card import text_lines
+
+    if path is None or path.suffix != ".apg":
+        return None
+    return text_lines(path.read_text(encoding="utf-8"))
+
+
+def picture(job: Job, numbers: np.ndarray) -> bytes:
+    """A small contact sheet as PNG."""
+    from ..view.png import png_bytes
+    from ..view.sheet import sheet
+
+    return png_bytes(sheet(job.batch(numbers), columns=min(COLUMNS, len(numbers)), tile=TILE, colour="material"))

@@ -11,8 +11,8 @@ import numpy as np
 
 from ..errors import UsageError, UserError
 from ..settings import split
+from .messages import say
 from .progress import Progress
-from .report import say
 
 if TYPE_CHECKING:
     from ..export.content import Content

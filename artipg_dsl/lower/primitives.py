@@ -237,8 +237,23 @@ def comparison(ev: Evaluator, node: ast.Expr) -> tuple[Expr, tuple[Expr, Expr] |
     if isinstance(node, ast.BinaryExpr) and node.op in ("<", "<=", ">", ">="):
         left, right = ev.number(ev.value(node.left), node.left.span), ev.number(ev.value(node.right), node.right.span)
         pair = (left, right) if node.op in ("<", "<=") else (right, left)
+        if node.op in ("<", ">") and whole(left) and whole(right):  # of reals, sampling cannot tell < from <=
+            pair = (pair[0], E.sub(pair[1], E.ONE))
         return E.call("le", *pair), pair
     return ev.truth(ev.value(node), node.span), None
+
+
+def whole(node: Expr) -> bool:
+    """Whether a value is seen to be a whole number: counts, ranks, constants, and what is made of these."""
+    if node.op == "const":
+        return isinstance(node.value, float) and node.value.is_integer()
+    if node.op == "col":
+        return node.value.kind == "count"  # type: ignore[union-attr]
+    if node.op in ("rank", "floor", "ceil"):
+        return True
+    if node.op in ("add", "sub", "mul", "neg", "abs", "min", "max"):
+        return all(map(whole, node.args))
+    return False
 
 
 def box_of(ev: Evaluator, statement: ast.BoxDecl) -> tuple:

@@ -5,7 +5,7 @@ import json
 
 import pytest
 
-from artipg_dsl.cli.report import findings
+from artipg_dsl.cli.messages import findings
 from artipg_dsl.diagnostics import CompileError, Report, did_you_mean, suggest
 from artipg_dsl.diagnostics.data import to_json, to_sarif
 from artipg_dsl.diagnostics.text import render, summary

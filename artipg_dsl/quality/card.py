@@ -1,0 +1,177 @@
+"""The quality card of a category: every figure over some samples, and the goal that stands beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ..job import Job
+from ..runtime.sample import Statistics
+from .coverage import Coverage, coverage
+from .dead import Dead, dead_alternatives, dead_parameters
+from .distance import mean_distance
+from .duplicates import CLOSE, near_duplicates
+from .graphs import graphs
+from .sizes import Extent, Real, compare, extents
+
+VERSION = 1  # of the JSON form
+VALID, DUPLICATE, WITHIN, LINES = 0.99, 0.01, 0.75, 200  # the goals
+SHOWN = 12  # graphs that are listed
+
+
+@dataclass(frozen=True, slots=True)
+class Goal:
+    """What a figure should be, in words; whether it is."""
+
+    figure: str
+    goal: str
+    met: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Valid:
+    """First attempts that were valid, attempts in all, and what failed in how many, in words with its line."""
+
+    first: int
+    attempts: int
+    failed: dict[str, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Variety:
+    """Distinct kinematic graphs, their perplexity, the mean edit distance of ``pairs`` pairs of objects, joints per object.
+
+    ``kinds`` are the most frequent graphs in words, with how many objects have each.
+    """
+
+    distinct: int
+    perplexity: float
+    distance: float
+    pairs: int
+    joints_mean: float
+    joints_variance: float
+    joints_least: int
+    joints_most: int
+    kinds: tuple[tuple[str, int], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Card:
+    """All figures of a category. ``lines`` of its own text without blank lines and comments; None for compiled programs."""
+
+    category: str
+    program: str
+    seed: int
+    objects: int
+    checked: bool
+    valid: Valid
+    variety: Variety
+    duplicates: int
+    pairs: Coverage
+    sizes: tuple[Extent, ...]
+    real: Real | None
+    dead_parameters: tuple[Dead, ...]
+    dead_alternatives: tuple[Dead, ...]
+    lines: int | None
+
+    @property
+    def goals(self) -> tuple[Goal, ...]:
+        """The goals in the order of the figures; one without a number to reach is left out."""
+        wanted = None if self.real is None else self.real.graphs
+        sized = [e.within for e in self.sizes if e.within is not None]
+        found = [Goal("valid", f">= {100 * VALID:.0f}%", self.valid.first >= VALID * self.objects)]
+        if wanted is not None:
+            found.append(Goal("graphs", f">= {wanted}", self.variety.distinct >= wanted))
+        found.append(Goal("duplicates", f"< {100 * DUPLICATE:.0f}%", self.duplicates < DUPLICATE * self.objects))
+        found.append(Goal("pairs", "100%", not self.pairs.missed))
+        if sized:
+            found.append(Goal("sizes", f">= {100 * WITHIN:.0f}% on each axis", min(sized) >= WITHIN))
+        found.append(Goal("dead parameters", "none", not self.dead_parameters))
+        found.append(Goal("dead alternatives", "none", not self.dead_alternatives))
+        if self.lines is not None:
+            found.append(Goal("lines", f"< {LINES}", self.lines < LINES))
+        return tuple(found)
+
+    @property
+    def met(self) -> bool:
+        return all(goal.met for goal in self.goals)
+
+    def plain(self) -> dict[str, Any]:
+        """The card as plain data, as `--json` prints it."""
+        variety, pairs = asdict(self.variety), self.pairs
+        kinds = [{"graph": text, "objects": count} for text, count in variety.pop("kinds")]
+        return {
+            "version": VERSION,
+            "category": self.category,
+            "program": self.program,
+            "seed": self.seed,
+            "objects": self.objects,
+            "checked": self.checked,
+            "valid": {**asdict(self.valid), "share": self.valid.first / self.objects},
+            "graphs": {**variety, "kinds": kinds},
+            "duplicates": {"objects": self.duplicates, "share": self.duplicates / self.objects, "within": CLOSE},
+            "pairs": {
+                "seen": pairs.seen, "possible": pairs.possible, "share": pairs.share,
+                "missed": [asdict(p) for p in pairs.missed], "excluded": [asdict(p) for p in pairs.excluded],
+            },  # fmt: skip
+            "sizes": {
+                "axes": [asdict(e) for e in self.sizes], "source": self.real.source if self.real is not None else "",
+            },  # fmt: skip
+            "dead": {
+                "parameters": [asdict(d) for d in self.dead_parameters],
+                "alternatives": [asdict(d) for d in self.dead_alternatives],
+            },
+            "lines": self.lines,
+            "goals": [asdict(goal) for goal in self.goals],
+            "met": self.met,
+        }
+
+
+STEPS = ("sampling", "graphs", "near-duplicates", "pairs", "sizes", "dead parameters", "dead alternatives")
+
+
+def card(
+    job: Job, numbers: np.ndarray, *, real: Real | None = None, lines: int | None = None,
+    progress: Callable[[str, int, int], None] | None = None,
+) -> Card:  # fmt: skip
+    """The card of a job's program over the objects of the given numbers. Raises NoObject."""
+
+    def step(number: int) -> None:
+        if progress is not None:
+            progress(STEPS[number], number, len(STEPS))
+
+    step(0)
+    job = replace(job, statistics=Statistics())
+    batch, made = job.batch(numbers), job.statistics
+    step(1)
+    found = graphs(batch)
+    distance, pairs = mean_distance(found)
+    kind, count = found.kinds
+    kinds = tuple((found.text[k], int(c)) for k, c in zip(kind[:SHOWN], count[:SHOWN], strict=True))
+    variety = Variety(
+        len(kind), found.perplexity, distance, pairs, float(found.joints.mean()), float(found.joints.var()),
+        int(found.joints.min()), int(found.joints.max()), kinds,
+    )  # fmt: skip
+    step(2)
+    close = int(near_duplicates(batch, found.code).sum())
+    step(3)
+    together = coverage(job.sampler, batch)
+    step(4)
+    size = extents(batch)
+    step(5)
+    parameters = tuple(dead_parameters(batch))
+    step(6)
+    alternatives = tuple(dead_alternatives(job.sampler, batch))
+    return Card(
+        batch.program.name, batch.program.hash, job.seed, len(batch), job.checked,
+        Valid(made.first_valid, made.attempts, job.failures()), variety, close, together, tuple(compare(size, real)), real,
+        parameters, alternatives, lines,
+    )  # fmt: skip
+
+
+def text_lines(text: str) -> int:
+    """Lines of a program without blank ones and comments."""
+    return sum(1 for line in text.splitlines() if line.strip() and not line.strip().startswith("#"))

@@ -1,0 +1,120 @@
+"""What a program draws to no effect: parameters whose value shows nowhere, alternatives nobody takes or nobody could tell.
+
+Found by trial: a value is moved within its range, all else kept, and the objects are looked at again; an alternative is
+taken on purpose, and compared with the others.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..graph.program import Draw
+from ..runtime.batch import Batch
+from ..runtime.kernels import Kept, State
+from ..runtime.sample import Sampler
+from ..runtime.settled import again, differing, kept, made
+from .fingerprint import fingerprint
+
+FEW = 48  # objects tried at first
+MANY = 400  # objects tried before a parameter is called dead
+ROUND = (0.37, -0.23, 0.61)  # of its range, how far a value is moved, round and round
+
+
+@dataclass(frozen=True, slots=True)
+class Dead:
+    """A draw by name and line; ``option`` of a choice; ``why`` in words."""
+
+    name: str
+    where: str
+    why: str
+    option: str = ""
+
+
+def dead_parameters(batch: Batch) -> list[Dead]:
+    """Numbers that are drawn and change nothing that can be observed."""
+    found = []
+    for number, draw in enumerate(batch.program.draws):
+        if draw.kind == "choice":
+            continue
+        having = np.unique(batch.owner(draw.column.scope))
+        why = _effect(batch, number, having) if len(having) else "is never drawn"
+        if why:
+            found.append(Dead(draw.column.name, str(draw.where or ""), why))
+    return found
+
+
+def _effect(batch: Batch, number: int, having: np.ndarray) -> str:
+    """Why a draw counts as dead; nothing said if it shows somewhere."""
+    everything = [kept(batch, k, having[:MANY]) for k in range(len(batch.program.draws))]
+    others = [k for k in range(len(batch.program.draws)) if k != number]
+    moved, alone = False, False
+    shown = False
+    for count in (FEW, MANY):
+        objects = having[:count]
+        if count > FEW and len(having) <= FEW:
+            break
+        values = everything if count == MANY else [kept(batch, k, objects) for k in range(len(batch.program.draws))]
+        before = fingerprint(again(batch, objects, values=values))
+        for step in ROUND:
+            other = list(values)
+            other[number] = _moved(batch.program.draws[number], batch.state.values[number], values[number], step)
+            after = again(batch, objects, values=other)
+            changed = differing(batch, objects, after, [number]) & ~after.state.failed
+            look = changed & (fingerprint(after) != before)
+            still = changed & ~differing(batch, objects, after, others)  # nothing else had to give way
+            if (look & still).any():
+                return ""
+            moved, alone, shown = moved or bool(changed.any()), alone or bool(still.any()), shown or bool(look.any())
+    if shown and not alone:
+        return ""
+    return "changes nothing" if moved else "has no room to vary"
+
+
+def _moved(draw: Draw, drawn: np.ndarray, values: Kept, step: float) -> Kept:
+    """The values moved within the range of the draw by a share of it, coming in again at the other end."""
+    low, high = float(drawn.min()), float(drawn.max())
+    if draw.low is not None and draw.low.constant is not None:
+        low = float(draw.low.constant)
+    if draw.high is not None and draw.high.constant is not None:
+        high = float(draw.high.constant)
+    span = high - low + (draw.kind == "count")
+    if span <= 0.0:
+        return values
+    shift = max(1.0, round(abs(step) * span)) if draw.kind == "count" else step * span
+    return replace(values, value=low + np.mod(values.value - low + shift, span))
+
+
+def dead_alternatives(sampler: Sampler, batch: Batch) -> list[Dead]:
+    """Alternatives that no object takes, and such as cannot be told from another one."""
+    found = []
+    numbers = batch.numbers[:FEW]
+    for number, draw in enumerate(batch.program.draws):
+        if draw.kind != "choice":
+            continue
+        count = np.bincount(batch.state.values[number].astype(np.int64), minlength=len(draw.options))
+        for option in np.flatnonzero(count == 0).tolist():
+            found.append(Dead(draw.column.name, str(draw.where or ""), "is never taken", draw.options[option]))
+        seen: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+        for option in np.flatnonzero(count).tolist():
+            look, valid = _taken(sampler, batch, number, option, numbers)
+            for other, (second, too) in seen.items():
+                both = valid & too
+                if both.any() and np.array_equal(look[both], second[both]):
+                    why = f"cannot be told from {draw.options[other]}"
+                    found.append(Dead(draw.column.name, str(draw.where or ""), why, draw.options[option]))
+                    break
+            seen[option] = look, valid
+    return found
+
+
+def _taken(
+    sampler: Sampler, batch: Batch, number: int, option: int, numbers: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """The fingerprints of some objects in which a choice is given, and which of them are valid and have the choice."""
+    state = State(batch.seed, numbers, np.zeros(len(numbers), dtype=np.int64), {number: float(option)})
+    taken = made(sampler.program, sampler.plan, state)
+    there = np.zeros(len(numbers), dtype=bool)
+    there[taken.owner(batch.program.draws[number].column.scope)] = True
+    return fingerprint(taken), there & ~state.failed

@@ -1,0 +1,70 @@
+"""Near-duplicates: objects with the same choices and counts whose drawn values all lie close together.
+
+Same choices and counts in the same rows give the same tables, so such objects have equally many values, in one order.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ..graph.random import mix
+from ..runtime.batch import Batch
+
+CLOSE = 0.02  # of the range of a value
+
+
+def near_duplicates(batch: Batch, kind: np.ndarray | None = None, close: float = CLOSE) -> np.ndarray:
+    """(B,) whether an object is nearly the same as one before it in the batch.
+
+    ``kind`` (B,) sets objects apart beforehand (their kinematic graphs). The range of a value is that of its
+    declaration if constant, else of what was drawn.
+    """
+    mark = structure(batch)
+    if kind is not None:
+        mark = mix(mark, kind)
+    owner, value = unit_values(batch)
+    start = np.searchsorted(owner, np.arange(len(batch)))
+    count = np.diff(np.append(start, len(owner)))
+    found = np.zeros(len(batch), dtype=bool)
+    order = np.argsort(mark, kind="stable")
+    for group in np.split(order, np.flatnonzero(np.diff(mark[order])) + 1):
+        if len(group) < 2:
+            continue
+        if count[group[0]] == 0:
+            found[group[1:]] = True
+            continue
+        cells = value[start[group][:, None] + np.arange(count[group[0]])]
+        pairs = cKDTree(cells).query_pairs(close, p=np.inf, output_type="ndarray")
+        found[group[pairs.max(axis=1)]] = True
+    return found
+
+
+def structure(batch: Batch) -> np.ndarray:
+    """(B,) uint64, equal for objects with the same rows of draws and the same choices and counts in them."""
+    found = np.zeros(len(batch), dtype=np.uint64)
+    for number, draw in enumerate(batch.program.draws):
+        owner = batch.owner(draw.column.scope)
+        place = np.arange(len(owner)) - np.searchsorted(owner, owner)
+        value = np.zeros(len(owner)) if draw.kind == "real" else batch.state.values[number]
+        mark = mix(mix(np.full(len(owner), number, dtype=np.uint64), place), value.astype(np.int64) + 2**31)
+        np.add.at(found, owner, mark)
+    return found
+
+
+def unit_values(batch: Batch) -> tuple[np.ndarray, np.ndarray]:
+    """The owner and the value, as a fraction of its range, of all real draws; by owner, then in the order of the text."""
+    owners, values = [np.zeros(0, dtype=np.int64)], [np.zeros(0)]
+    for number, draw in enumerate(batch.program.draws):
+        drawn = batch.state.values[number]
+        if draw.kind != "real" or not len(drawn):
+            continue
+        low, high = drawn.min(), drawn.max()
+        if draw.low is not None and draw.high is not None:
+            if draw.low.constant is not None and draw.high.constant is not None:
+                low, high = float(draw.low.constant), float(draw.high.constant)
+        owners.append(batch.owner(draw.column.scope))
+        values.append((drawn - low) / (high - low) if high > low else np.zeros(len(drawn)))
+    owner = np.concatenate(owners)
+    order = np.argsort(owner, kind="stable")
+    return owner[order], np.concatenate(values)[order]

@@ -1,0 +1,97 @@
+"""Quality cards in words: as lines for a terminal, and as a table in Markdown of several categories."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from .card import Card
+from .coverage import Pair
+from .sizes import Extent
+
+FEW = 8  # of a list that are told
+
+
+def text(card: Card) -> str:
+    """A card in lines: each figure, its goal, whether it is met, and below it what explains it."""
+    goals = {goal.figure: goal for goal in card.goals}
+    lines = [f"{card.category}: {card.objects} objects, seed {card.seed}" + ("" if card.checked else ", collisions not checked")]
+    for figure, value, remarks in rows(card):
+        goal = goals.get(figure)
+        verdict = "" if goal is None else f"  goal {goal.goal}: {'met' if goal.met else 'NOT MET'}"
+        lines.append(f"{figure:<18} {value}{verdict}")
+        lines += [f"    {remark}" for remark in remarks]
+    return "\n".join(lines)
+
+
+def rows(card: Card) -> Iterator[tuple[str, str, list[str]]]:
+    """(name of a figure, its value in words, remarks) for every figure of a card."""
+    variety, pairs = card.variety, card.pairs
+    failed = [f"{count} times: {what}" for what, count in card.valid.failed.items()]
+    again = card.valid.attempts - card.objects
+    yield "valid", f"{100 * card.valid.first / card.objects:.1f}% of first attempts, {again} drawn again", few(failed)
+    why = [f"goal: {card.real.why}"] if card.real is not None and card.real.why else []
+    yield "graphs", f"{variety.distinct} distinct, perplexity {variety.perplexity:.1f}", why
+    yield "edit distance", f"{variety.distance:.3f} on average, normalised, {variety.pairs} pairs", []
+    joints = f"{variety.joints_least} to {variety.joints_most}, mean {variety.joints_mean:.1f}, variance {variety.joints_variance:.1f}"
+    yield "joints", joints, []
+    yield "duplicates", f"{card.duplicates} ({100 * card.duplicates / card.objects:.1f}%)", []
+    seen = f"{pairs.seen} of {pairs.possible} ({percent(pairs.share)}), {len(pairs.excluded)} more excluded by guards"
+    yield "pairs", seen, few([f"not seen: {say(pair)}" for pair in pairs.missed])
+    yield "sizes", sizes(card), [extent_text(e) for e in card.sizes] + ([card.real.source] if card.real is not None else [])
+    for name, dead in (("dead parameters", card.dead_parameters), ("dead alternatives", card.dead_alternatives)):
+        told = [f"{d.where}: {d.name}{f' = {d.option}' if d.option else ''} {d.why}" for d in dead]
+        yield name, str(len(dead)) if dead else "none", few(told)
+    yield "lines", "compiled" if card.lines is None else str(card.lines), []
+
+
+def percent(share: float) -> str:
+    """A share in per cent; 100% is kept for all."""
+    return "100%" if share >= 1.0 else f"{min(100 * share, 99.9):.1f}%"
+
+
+def sizes(card: Card) -> str:
+    within = [e.within for e in card.sizes if e.within is not None]
+    if not within:
+        return "nothing is known of real ones"
+    return "in the range of real ones " + ", ".join(f"{e.axis} {100 * e.within:.0f}%" for e in card.sizes if e.within is not None)
+
+
+def extent_text(extent: Extent) -> str:
+    low, middle, high = (100 * v for v in extent.ours)
+    told = f"{extent.axis:<6} {low:.1f} .. {middle:.1f} .. {high:.1f} cm"
+    if extent.real is None:
+        return told
+    low, middle, high = (100 * v for v in extent.real)
+    return told + f"; real {low:.1f} .. {middle:.1f} .. {high:.1f}; medians as {extent.ratio:.2f} to 1"
+
+
+def say(pair: Pair) -> str:
+    return f"{pair.first} = {pair.one} with {pair.second} = {pair.two}"
+
+
+def few(told: Sequence[str]) -> list[str]:
+    return [*told[:FEW], f"and {len(told) - FEW} more"] if len(told) > FEW else list(told)
+
+
+HEAD = (
+    "category", "valid", "graphs (goal)", "perplexity", "edit distance", "joints (mean, variance)", "near-duplicates",
+    "pairs of choices", "real size (w, d, h)", "dead", "lines",
+)  # fmt: skip
+
+
+def markdown(cards: Iterable[Card]) -> str:
+    """A table with a row per category."""
+    lines = ["| " + " | ".join(HEAD) + " |", "|---|" + "---:|" * (len(HEAD) - 1)]
+    for card in cards:
+        variety, pairs = card.variety, card.pairs
+        goal = "" if card.real is None or card.real.graphs is None else f" ({card.real.graphs})"
+        within = [f"{100 * e.within:.0f}" for e in card.sizes if e.within is not None]
+        cells = [
+            card.category, f"{100 * card.valid.first / card.objects:.1f}%", f"{variety.distinct}{goal}", f"{variety.perplexity:.1f}",
+            f"{variety.distance:.2f}", f"{variety.joints_mean:.1f}, {variety.joints_variance:.1f}",
+            f"{100 * card.duplicates / card.objects:.1f}%", f"{pairs.seen} of {pairs.possible}",
+            f"{', '.join(within)}%" if within else "-", str(len(card.dead_parameters) + len(card.dead_alternatives)),
+            "-" if card.lines is None else str(card.lines),
+        ]  # fmt: skip
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,92 @@
+"""``apgc report``."""
+
+from __future__ import annotations
+
+import json
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+from .helpers import CHEST, Apgc, spawn
+
+
+def test_the_card_in_words(apgc: Apgc) -> None:
+    code, out, _ = apgc("report", CHEST, "-n", 30, "--seed", 3)
+    assert code == 0
+    names = [line[:18].strip() for line in out.splitlines()[1:] if not line.startswith("    ")]
+    assert names == [
+        "valid", "graphs", "edit distance", "joints", "duplicates", "pairs", "sizes", "dead parameters", "dead alternatives", "lines",
+    ]  # fmt: skip
+    assert out.startswith("Chest: 30 objects, seed 3\n")
+    assert "goal >= 99%: met" in out and "nothing is known of real ones" in out
+
+
+def test_the_card_as_json_is_the_same_each_time(apgc: Apgc) -> None:
+    first = apgc("report", CHEST, "-n", 20, "--json")[1]
+    found = json.loads(first)
+    assert list(found) == [
+        "version", "category", "program", "seed", "objects", "checked", "valid", "graphs", "duplicates", "pairs", "sizes",
+        "dead", "lines", "goals", "met",
+    ]  # fmt: skip
+    assert (found["category"], found["objects"], found["checked"]) == ("Chest", 20, True)
+    assert found["valid"]["first"] == 20 and found["valid"]["share"] == 1.0
+    assert sum(kind["objects"] for kind in found["graphs"]["kinds"]) == 20
+    assert spawn("report", CHEST, "-n", "20", "--json", hash_seed="5").stdout == first
+
+
+def test_goals_decide_the_exit_code_where_that_is_asked_for(apgc: Apgc, tmp_path: Path) -> None:
+    real = tmp_path / "real.json"
+    real.write_text(json.dumps({"categories": {"Chest": {"height": [5, 6, 7], "graphs": 9, "why": "so be it"}}}))
+    code, out, _ = apgc("report", CHEST, "-n", 10, "--reference", real)
+    assert code == 0 and "goal >= 9: NOT MET" in out and "so be it" in out and "height 0%" in out
+    assert apgc("report", CHEST, "-n", 10, "--reference", real, "--strict")[0] == 1
+
+
+def test_a_table_of_several(apgc: Apgc) -> None:
+    code, out, _ = apgc("report", CHEST, CHEST, "-n", 5, "--markdown", "--unchecked")
+    assert code == 0
+    head, line, *rows = out.splitlines()
+    assert head.count("|") == line.count("|") == rows[0].count("|") and len(rows) == 2
+    assert rows[0].startswith("| Chest | 100.0% |")
+
+
+class Page(HTMLParser):
+    def __init__(self) -> None:
+        super().__init__()
+        self.seen: list[str] = []
+        self.sources: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list) -> None:
+        self.seen.append(tag)
+        self.sources += [value for name, value in attrs if name in ("src", "href")]
+
+
+def test_the_page_holds_all_it_needs(apgc: Apgc, tmp_path: Path) -> None:
+    file = tmp_path / "chest.html"
+    assert apgc("report", CHEST, "-n", 6, "--html", file)[0] == 0
+    page = Page()
+    page.feed(file.read_text())
+    assert page.seen.count("h1") == 1 and page.seen.count("tr") >= 10
+    assert len(page.sources) == 1 and page.sources[0].startswith("data:image/png;base64,")
+    code, _, err = apgc("report", CHEST, "-n", 6, "--html", file)
+    assert code == 1 and "exists" in err
+    assert apgc("report", CHEST, "-n", 6, "--html", file, "--force")[0] == 0
+
+
+@pytest.mark.parametrize(
+    "arguments, code, word",
+    [
+        ((), 2, "no category is named"),
+        (("--all", "Microwave"), 2, "--all"),
+        (("--all", "--set", "width=3cm"), 2, "name the category"),
+        (("Chestt",), 1, "there is no category"),
+        ((CHEST, "--set", "nothing=3"), 2, "nothing"),
+        ((CHEST, "--reference", "absent.json"), 1, "absent.json"),
+        ((CHEST, "-n", "0"), 2, "0"),
+        ((CHEST, "--json", "--markdown"), 2, "not allowed"),
+    ],
+)
+def test_what_cannot_be_reported_is_told(arguments: tuple, code: int, word: str, apgc: Apgc) -> None:
+    found, _, err = apgc("report", *arguments)
+    assert found == code and word in err

@@ -1,0 +1,153 @@
+"""Pair coverage, and what is drawn to no effect."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from artipg_dsl.quality.coverage import coverage, factors, together
+from artipg_dsl.quality.dead import dead_alternatives, dead_parameters
+from artipg_dsl.quality.fingerprint import fingerprint
+
+from .programs import CHEST, sampled
+
+
+def test_all_pairs_of_a_chest_are_seen() -> None:
+    sampler, batch = sampled(CHEST)
+    found = coverage(sampler, batch)
+    assert (found.seen, found.possible, found.missed, found.excluded) == (6, 6, (), ())
+    assert found.share == 1.0
+
+
+def test_what_few_objects_do_not_show_is_missed() -> None:
+    sampler, _ = sampled(CHEST)
+    found = coverage(sampler, sampler.batch(np.array([3]), 0))
+    assert (found.seen, found.possible) == (1, 6) and len(found.missed) == 5 and not found.excluded
+    assert found.share == 1 / 6
+
+
+GUARDED = """
+category Guarded {
+  count n in 1 .. 3
+  root part body : Cuboid(size = [n * 10cm, 10cm, 10cm])
+  part top : Cuboid(size = [5cm, 5cm, 5cm]) | Cylinder(radius = 2cm, height = 5cm) when n == 1 | none
+  connect top.bottom on body.top
+  when top is Cuboid {
+    count m in 1 .. 2
+    repeat knob[i] in 0 ..< m {
+      part bead : Cylinder(radius = 3mm, height = 1cm)
+      align bead.bottom = top.top
+      align bead.center.x = top.center.x + i * 1cm
+      connect bead to top
+    }
+  }
+  require n < 3 or not top  else "so long ones carry nothing"
+}
+"""
+
+
+def test_pairs_that_guards_or_requirements_exclude_are_told_from_missed_ones() -> None:
+    sampler, batch = sampled(GUARDED, 200)
+    found = coverage(sampler, batch)
+    excluded = {(p.first, p.one, p.second, p.two) for p in found.excluded}
+    assert excluded == {
+        ("n", "2", "top", "Cylinder"), ("n", "3", "top", "Cylinder"), ("n", "3", "top", "Cuboid"),
+        ("n", "3", "m", "1"), ("n", "3", "m", "2"),
+        ("top", "Cylinder", "m", "1"), ("top", "Cylinder", "m", "2"), ("top", "none", "m", "1"), ("top", "none", "m", "2"),
+    }  # fmt: skip
+    assert not found.missed and found.seen == found.possible == 6 + 4 + 2
+
+
+ELEMENTS = """
+category Elements {
+  root part body : Cuboid(size = [10cm, 50cm, 10cm])
+  repeat cell[i] in 0 ..< 2 spread body.box along y margin 10cm {
+    part a : Cuboid(size = [2cm, 2cm, 2cm]) | none
+    part b : Cuboid(size = [2cm, 2cm, 2cm]) when not a | none when a
+    connect a.bottom on body.top at y = cell.center.y
+    connect b.bottom on body.top at y = cell.center.y
+  }
+}
+"""
+
+
+def test_choices_of_one_element_meet_in_the_element() -> None:
+    sampler, batch = sampled(ELEMENTS)
+    first, second = factors(batch)
+    assert together(batch, first, second).tolist() == [[False, True], [True, False]]
+    found = coverage(sampler, batch)
+    assert (found.seen, len(found.missed), len(found.excluded)) == (2, 0, 2)
+
+
+def test_long_counts_are_told_apart_by_their_ends() -> None:
+    _, batch = sampled("category Box { count n in 2 .. 30  root part body : Cuboid(size = [n * 1cm, 1cm, 1cm]) }", 5)
+    (factor,) = factors(batch)
+    assert [level.name for level in factor.levels] == ["2", "3..29", "30"]
+
+
+DEAD = """
+category Dead {
+  param width  : length in 10cm .. 20cm
+  param unused : length in 10cm .. 20cm
+  param stuck  : length in 10cm .. 20cm
+  param colour : ratio in 0 .. 1
+  param bound  : length in 5cm .. 30cm
+  require width <= bound  else "too wide"
+  require stuck <= 10cm   else "there is one value"
+  count idle in 1 .. 4
+  root part body : Cuboid(size = [width, 10cm, 10cm])
+  part knob : Cuboid(size = [stuck, 1cm, 1cm]) | none
+  connect knob.bottom on body.top
+  param reach : angle in 10deg .. 90deg
+  part lid : Cuboid(size = [1cm, 1cm, 1cm])
+  align lid.bottom = body.top + 10cm
+  joint open : revolute body -> lid about lid.back.bottom range 0deg .. reach
+  label semantic.body on body where p.x < colour * size.x
+}
+"""
+
+
+def test_parameters_without_effect_are_found() -> None:
+    _, batch = sampled(DEAD)
+    assert {dead.name: dead.why for dead in dead_parameters(batch)} == {
+        "unused": "changes nothing", "idle": "changes nothing", "stuck": "has no room to vary", "bound": "changes nothing",
+    }  # fmt: skip
+    assert all(dead.where.startswith("<text>:") for dead in dead_parameters(batch))
+
+
+def test_a_parameter_of_what_is_never_there_is_never_drawn() -> None:
+    text = """
+category Never {
+  root part body : Cuboid(size = [10cm, 10cm, 10cm])
+  part top : Cuboid(size = [_, 5cm, 5cm]) weight 0 | none
+  connect top.bottom on body.top
+  when top {
+    param w : length in 2cm .. 5cm
+    align top.front = top.back + w
+  }
+}"""
+    sampler, batch = sampled(text)
+    assert [(d.name, d.why) for d in dead_parameters(batch)] == [("w", "is never drawn")]
+    assert [(d.name, d.option, d.why) for d in dead_alternatives(sampler, batch)] == [("top", "Cuboid", "is never taken")]
+
+
+def test_alternatives_that_cannot_be_told_apart() -> None:
+    text = """
+role Top { inherit size : length[3] in [1cm, 1cm, 1cm] .. [3cm, 3cm, 3cm]  slot cap }
+template Plain : Top { part cap : Cuboid(size = size) }
+template Other : Top { part lump : Cuboid(size = size)  slot cap = lump }
+template Long  : Top { part cap : Cuboid(size = [size.x, size.y, size.z + 1cm]) }
+category Box {
+  root part body : Cuboid(size = [10cm, 10cm, 10cm])
+  part top : Top = Plain | Other | Long
+  connect top.cap.bottom on body.top
+}"""
+    sampler, batch = sampled(text)
+    found = dead_alternatives(sampler, batch)
+    assert [(d.name, d.option, d.why) for d in found] == [("top", "Other", "cannot be told from Plain")]
+
+
+def test_a_fingerprint_belongs_to_the_object() -> None:
+    sampler, batch = sampled(CHEST)
+    together_, alone = fingerprint(batch), fingerprint(sampler.batch(np.array([11, 5]), 0))
+    assert alone.tolist() == [together_[11], together_[5]]
+    assert len(np.unique(together_)) == 60
