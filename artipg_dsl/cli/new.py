@@ -10,7 +10,7 @@ from ..errors import UsageError
 from ..export.write import write_bytes
 from ..semantics.names import reserved_name
 from ..syntax.grammar import reserved_words
-from .report import say
+from .messages import say
 
 
 def run(options: argparse.Namespace) -> int:

@@ -365,5 +365,6 @@ def test_a_joint_in_one_branch_and_a_rigid_hold_in_the_other() -> None:
 
 @pytest.mark.parametrize("condition", ["n < 3", "3 > n", "n + 1 < 4", "2 * n < 2 * 3", "n <= 2"])
 def test_strict_comparisons_of_whole_numbers_leave_the_end_out(condition: str) -> None:
-    text = category(f"  count n in 1 .. 5\n  require {condition}\n  part top : Cuboid(size = [n * 1cm, 1cm, 1cm])\n  connect top.bottom on body.top")
+    top = "  part top : Cuboid(size = [n * 1cm, 1cm, 1cm])\n  connect top.bottom on body.top"
+    text = category(f"  count n in 1 .. 5\n  require {condition}\n{top}")
     assert set(value(sampled(text, 60), "n")) == {1.0, 2.0}
