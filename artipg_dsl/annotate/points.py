@@ -9,13 +9,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..geometry.patches import surfaces
+from ..graph.expr import Scope
 from ..graph.program import Label, Target
 from .fields import Field, Reader, read_pose, read_triples
-from .frames import reflect, rotate, unrotate
+from .frames import reflect, rotate
 
 if TYPE_CHECKING:
     from ..geometry.points import PointSet
     from ..geometry.sites import SiteTable
+
+_CHUNK = 16_000  # points at a time: their arrays stay in the caches
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +46,8 @@ def label_points(
     labels = reader.program.labels if labels is None else labels
     tables = {table.number: table for table in sites}
     rows, flat_site = np.asarray(points.row).ravel(), np.asarray(points.site).ravel()
-    order = np.argsort(flat_site, kind="stable")
+    narrow = flat_site.astype(np.int16) if len(reader.program.sites) < 2**15 else flat_site  # sorted by its digits
+    order = np.argsort(narrow, kind="stable")
     edges = np.searchsorted(flat_site[order], np.arange(len(reader.program.sites) + 1))
     chosen = {number: order[edges[number] : edges[number + 1]] for number in tables}  # flat point numbers of each site
 
@@ -52,7 +56,7 @@ def label_points(
         semantic[chosen[number]] = table.semantic[rows[chosen[number]]]
 
     fields = empty_fields(labels, flat_site.shape)
-    levels = {label.vocabulary: np.full(flat_site.shape, -1, dtype=np.int64) for label in labels}
+    levels = {label.vocabulary: np.full(flat_site.shape, -1, dtype=np.int16) for label in labels}
     classes = {name: i for i, name in enumerate(reader.program.vocabularies.get("semantic", ()))}
     for label in labels:
         for target in label.targets:
@@ -141,21 +145,55 @@ def evaluate(
     """
     scope = reader.program.sites[target.site].scope
     field = Field(label.formulas)
-    row = np.asarray(points.row).ravel()[at]
-    inputs = [np.asarray(v)[row] for v in reader.read(field.inputs, scope)] if field.inputs else []
-    variables: dict[str, np.ndarray] = {"u": points.u.ravel()[at], "v": points.v.ravel()[at]}
-    needed = {name.split(".")[0] for name in field.names}
-    if label.vector or needed & {"p", "n", "size"}:
-        rotation, translation, mirror = (a[row] for a in read_pose(reader, target.frame, scope))
-        size, center = (a[row] for a in read_triples(reader, [target.size, target.center], scope))
-        position = points.position.reshape(-1, 3)[at]
-        local = reflect(unrotate(rotation, position - translation), mirror) - center
-        normal = reflect(unrotate(rotation, points.normal.reshape(-1, 3)[at]), mirror)
-        for name, vectors in (("p", local), ("n", normal), ("size", size)):
-            variables |= {f"{name}.{axis}": vectors[:, i] for i, axis in enumerate("xyz")}
-    guard, *values = field(inputs, variables)
-    told = np.stack(values, axis=-1) if label.vector else values[0]
-    if label.vector:
-        told = rotate(rotation, reflect(told, mirror))
-    said = np.flatnonzero(guard)
-    return at[said], told[said]
+    reads = [np.asarray(v) for v in reader.read(field.inputs, scope)] if field.inputs else []
+    place = _Place(reader, target, scope, {name for name in field.names if "." in name}, label.vector)
+    rows, found = np.asarray(points.row).ravel(), []
+    for start in range(0, len(at), _CHUNK):
+        some = at[start : start + _CHUNK]
+        row = rows[some]
+        variables = {name: getattr(points, name).ravel()[some] for name in field.names if name in ("u", "v")}
+        variables |= place.variables(row, some, points)
+        guard, *values = (np.broadcast_to(v, some.shape) for v in field([r[row] for r in reads], variables))
+        told = place.turned(row, np.stack(values, axis=-1)) if label.vector else values[0]
+        found.append((some, told) if guard.all() else (some[guard], told[guard]))
+    return np.concatenate([f[0] for f in found]), np.concatenate([f[1] for f in found])
+
+
+class _Place:
+    """The variables ``p``, ``n`` and ``size`` of a target: those of their coordinates that ``names`` tells."""
+
+    def __init__(self, reader: Reader, target: Target, scope: Scope, names: set[str], vector: bool):
+        self.names, self.kinds = sorted(names), {name.partition(".")[0] for name in names}
+        if vector or self.kinds & {"p", "n"}:
+            self.rotation, translation, self.mirror = read_pose(reader, target.frame, scope)
+            self.columns = np.ascontiguousarray(self.rotation.reshape(-1, 9).T)
+            self.translation = np.ascontiguousarray(translation.T)
+        if self.kinds & {"p", "size"}:
+            size, center = read_triples(reader, [target.size, target.center], scope)
+            self.size, self.center = np.ascontiguousarray(size.T), np.ascontiguousarray(center.T)
+
+    def variables(self, row: np.ndarray, at: np.ndarray, points: PointSet) -> dict[str, np.ndarray]:
+        """Values at the flat point numbers ``at``, whose rows are ``row``."""
+        away = {}
+        if "p" in self.kinds:
+            position = points.position.reshape(-1, 3)
+            away["p"] = [position[at, k] - self.translation[k][row] for k in range(3)]
+        if "n" in self.kinds:
+            normal = points.normal.reshape(-1, 3)
+            away["n"] = [normal[at, k] for k in range(3)]
+        out = {}
+        for name in self.names:
+            kind, _, letter = name.partition(".")
+            axis = "xyz".index(letter)
+            if kind == "size":
+                out[name] = self.size[axis][row]
+                continue
+            x, y, z = (self.columns[3 * k + axis][row] * away[kind][k] for k in range(3))
+            value = x + y + z
+            value = value * self.mirror[row] if axis == 1 else value
+            out[name] = value - self.center[axis][row] if kind == "p" else value
+        return out
+
+    def turned(self, row: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+        """Vectors of the target (m, 3) in the object's frame."""
+        return rotate(self.rotation[row], reflect(vectors, self.mirror[row]))
