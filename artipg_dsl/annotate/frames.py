@@ -27,9 +27,14 @@ def place(
     rotation: np.ndarray, translation: np.ndarray, points: np.ndarray, mirror: np.ndarray | None = None
 ) -> np.ndarray:
     """Points (k, n, 3) of k own frames, placed: rotation (k, 3, 3), translation (k, 3), mirror (k,) or None."""
+    x, y, z = (np.ascontiguousarray(points[..., k]) for k in range(3))
     if mirror is not None:
-        points = reflect(points, mirror)
-    return rotate(rotation[:, None], points) + translation[:, None]
+        y = y * mirror[:, None]
+    out = np.empty(np.broadcast_shapes(points.shape, (len(rotation), 1, 3)))
+    for k in range(3):
+        a, b, c = (rotation[:, k, j, None] for j in range(3))
+        out[..., k] = a * x + b * y + c * z + translation[:, k, None]
+    return out
 
 
 def reflect(points: np.ndarray, mirror: np.ndarray) -> np.ndarray:

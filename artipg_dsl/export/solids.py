@@ -82,7 +82,8 @@ def build_meshes(tables: list[SiteTable], steps: int = 24) -> list[SolidGroup]:
                 if len(chosen):
                     order = slice(None, None, int(sign))  # a mirror turns faces inside out
                     faces, face_uv = part.faces[:, order], part.face_uv[:, order]
-                    groups.append(SolidGroup(table, rows[chosen], vertices[chosen], faces, part.face_patch, face_uv))
+                    mine = vertices if len(chosen) == len(rows) else vertices[chosen]
+                    groups.append(SolidGroup(table, rows[chosen], mine, faces, part.face_patch, face_uv))
     return groups
 
 

@@ -40,6 +40,8 @@ def take(params: Params, rows: np.ndarray) -> Params:
 def group_rows(primitive: Primitive, params: Params) -> list[tuple[tuple[bool, ...], np.ndarray]]:
     """Instances that have the same patches: (which patches, rows), in a fixed order."""
     there = existing(primitive, params)
+    if len(there) and (there == there[0]).all():
+        return [(tuple(there[0].tolist()), np.arange(len(there)))]
     makes, which = np.unique(there, axis=0, return_inverse=True)
     which = which.reshape(-1)
     return [(tuple(make.tolist()), np.flatnonzero(which == n)) for n, make in enumerate(makes)]
@@ -59,15 +61,15 @@ def build(primitive: Primitive, params: Params, steps: int = 24) -> list[MeshGro
 
 
 def _vertices(primitive: Primitive, welded: Plan, params: Params) -> np.ndarray:
-    out = np.empty((rows_of(params), welded.count, 3))
+    out = np.empty((3, rows_of(params), welded.count))
     for patch, vertex, u, v in zip(welded.patches, welded.vertex, welded.u, welded.v, strict=True):
         if len(vertex) == 0:
             continue
         split = position_split(primitive, patch)
         values = split.points([r[:, None] for r in split.rows(params)], u[None], v[None])
         for axis, value in enumerate(values):
-            out[:, vertex, axis] = value
-    return out
+            out[axis][:, vertex] = value
+    return np.moveaxis(out, 0, -1)
 
 
 def moments(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
