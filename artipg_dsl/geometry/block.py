@@ -103,15 +103,18 @@ def placed_bounds(poses: Poses, row: np.ndarray, low: np.ndarray, high: np.ndarr
     return out_low, out_high
 
 
-def to_object(poses: Poses, row: np.ndarray, local, shift: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Local coordinates (three arrays (m,)) of rows in the object's frame; directions without ``shift``."""
-    x, y, z = local[0], local[1] * poses[2][row], local[2]
-    out = []
+def to_object(poses: Poses, row: np.ndarray, place, direction) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Places and directions (three arrays (m,) each) in the own frames of rows, in the object's frame."""
+    mirror = poses[2][row]
+    locals_ = [(p[0], p[1] * mirror, p[2]) for p in (place, direction)]
+    places, directions = [], []
     for axis in range(3):
         a, b, c = (poses[0][3 * axis + k][row] for k in range(3))
-        value = a * x + b * y + c * z
-        out.append(value + poses[1][axis][row] if shift else value)
-    return out[0], out[1], out[2]
+        one, two = (a * x + b * y + c * z for x, y, z in locals_)
+        one += poses[1][axis][row]
+        places.append(one)
+        directions.append(two)
+    return places, directions
 
 
 def to_local(poses: Poses, row: np.ndarray, point) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

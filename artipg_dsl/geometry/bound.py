@@ -25,5 +25,5 @@ def surface_at(
         made = Evaluator(shelf.primitive, number, shelf.params).at(row[at] - shelf.start, u[at], v[at])
         for axis in range(3):
             place[axis, at], direction[axis, at] = made[0][axis], made[1][axis]
-    position, normal = to_object(poses, row, place, True), to_object(poses, row, direction, False)
+    position, normal = to_object(poses, row, place, direction)
     return np.stack(position, axis=-1), np.stack(normal, axis=-1)

@@ -137,7 +137,7 @@ class Cells:
         """Positions and outward normals at fractions of cells that all belong to ``bent``."""
         row, local, params = self.rows_asked(bent, cell)
         at, normal = Evaluator(bent.shelf.primitive, bent.patch, params).at(local, u, v)
-        return to_object(self.poses, row, at, True), to_object(self.poses, row, normal, False)
+        return to_object(self.poses, row, at, normal)
 
     def rows_asked(self, bent: Bent, cell: np.ndarray) -> tuple[np.ndarray, np.ndarray, Params]:
         """Rows of cells of ``bent``; the same among the rows that are named at all, and the parameters of those."""

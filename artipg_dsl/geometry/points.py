@@ -357,7 +357,7 @@ class _LoosePoints:
                 some, mine = slice(part.start + low, min(part.start + low + _CHUNK, part.stop)), slice(low, low + _CHUNK)
                 u[some], v[some] = placement.place(local[mine], u[some], v[some])
                 at, outward = surface.at(local[mine], u[some], v[some])
-                at, outward = to_object(cells.poses, row[mine], at, True), to_object(cells.poses, row[mine], outward, False)
+                at, outward = to_object(cells.poses, row[mine], at, outward)
                 for axis in range(3):
                     position[axis, some], normal[axis, some] = at[axis], outward[axis]
         part = slice(int(done[begin]), len(cell))
