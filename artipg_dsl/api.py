@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from .annotate.grasps import GraspTable, KeypointTable
     from .annotate.gripper import Gripper
     from .annotate.views import Views
+    from .geometry.resolution import Resolution
     from .runtime.correspondence import Correspondence
     from .runtime.tables import JointTable, LinkTable, PartTable
     from .runtime.trace import Step
@@ -73,6 +74,16 @@ def _cameras(views: int | str | Path | Mapping[str, Any], more: Mapping[str, Any
     described = {"views": views} if isinstance(views, int | np.integer) else dict(views)
     described |= {k: list(v) if isinstance(v, tuple) else v for k, v in more.items()}
     return from_description({k: int(v) if isinstance(v, np.integer) else v for k, v in described.items()})
+
+
+def _resolution(tolerance: float | None, triangles: int | None) -> Resolution:
+    from .geometry.resolution import COARSEST, FINEST, Resolution
+
+    if tolerance is not None and not FINEST <= tolerance <= COARSEST:
+        raise UsageError(f"tolerance={tolerance} is no distance from {FINEST} to {COARSEST} metres")
+    if triangles is not None and triangles < 1:
+        raise UsageError(f"triangles={triangles} is no number above 0")
+    return Resolution(tolerance=tolerance, triangles=triangles)
 
 
 def _gripper(gripper: Gripper | str) -> Gripper | None:
@@ -305,11 +316,17 @@ class Samples:
 
         return make_views(self.batch, _cameras(n, camera), states, engine)
 
-    def meshes(self, states: np.ndarray | None = None) -> list[trimesh.Scene]:
-        """One trimesh scene per object, a closed mesh per primitive, named after its part."""
+    def meshes(
+        self, states: np.ndarray | None = None, *, tolerance: float | None = None, triangles: int | None = None
+    ) -> list[trimesh.Scene]:
+        """One trimesh scene per object, a closed mesh per primitive, named after its part.
+
+        ``tolerance``: how far a mesh may lie off the true surface, metres; ``triangles``: the most that an object may
+        have, spread by curvature. Neither: 24 steps per full turn. Raises UsageError.
+        """
         from .export.scenes import scenes
 
-        return scenes(self.batch, states)
+        return scenes(self.batch, states, _resolution(tolerance, triangles))
 
     def grasps(
         self, values: int = 5, *, gripper: Gripper | str = "standard", states: np.ndarray | None = None
@@ -344,12 +361,14 @@ class Samples:
         surface: str = "boundary",
         spread: str = "random",
         per: str = "object",
+        tolerance: float | None = None,
+        triangles: int | None = None,
         force: bool = False,
     ) -> Path:
         """Write what ``apgc sample`` writes: shards, a folder per object where a format asks for it, the manifest.
 
-        The options are those of the command and of ``points``: ``states`` such as "open,random:4", ``views`` a number
-        or cameras.
+        The options are those of the command, of ``points`` and of ``meshes``: ``states`` such as "open,random:4",
+        ``views`` a number or cameras.
         """
         from .annotate.sampling import Sampling
         from .annotate.states import read_states
@@ -359,14 +378,24 @@ class Samples:
         names = formats if formats is None or isinstance(formats, str) else list(formats)
         how = Sampling(points, surface, spread, per)
         cameras = None if views is None else _cameras(views, {})
-        content = Content(int(how.count), read_states(states), motion, cameras, surface, spread, per)
+        meshes = _resolution(tolerance, triangles)
+        content = Content(int(how.count), read_states(states), motion, cameras, surface, spread, per, resolution=meshes)
         self.job.write(folder, self.numbers, choose(names, views=views is not None), content=content, force=force)
         return Path(folder)
 
-    def export(self, folder: str | Path, formats: str | Iterable[str], *, force: bool = False) -> list[Path]:
+    def export(
+        self,
+        folder: str | Path,
+        formats: str | Iterable[str],
+        *,
+        tolerance: float | None = None,
+        triangles: int | None = None,
+        force: bool = False,
+    ) -> list[Path]:
         """Files per object, ``batch.export("robots", "urdf,glb")``; returns the folders ``objects/<number>``.
 
-        Formats are those of ``apgc export``. What is there is refused unless ``force``. Raises ExportError.
+        Formats are those of ``apgc export``, ``tolerance`` and ``triangles`` as in ``meshes``. What is there is refused
+        unless ``force``. Raises ExportError.
         """
         from .export.dataset import object_folder, write_objects
         from .export.registry import named, per_object
@@ -375,7 +404,7 @@ class Samples:
         for entry in chosen:
             if not entry.per_object:
                 raise UsageError(f"{entry.name} is written by `to`", f"export writes {', '.join(per_object())}")
-        write_objects(self.batch, Path(folder), chosen, force=force)
+        write_objects(self.batch, Path(folder), chosen, force=force, resolution=_resolution(tolerance, triangles))
         return [object_folder(Path(folder), n) for n in self.numbers.tolist()]
 
     def to_urdf(self, folder: str | Path, *, force: bool = False) -> list[Path]:
@@ -446,9 +475,11 @@ class Object(Samples):
         """Parameters, counts and choices; lists where a repeat draws several."""
         return self.batch.drawn(0)
 
-    def mesh(self, states: np.ndarray | None = None) -> trimesh.Scene:
-        """The object as a trimesh scene."""
-        return self.meshes(states)[0]
+    def mesh(
+        self, states: np.ndarray | None = None, *, tolerance: float | None = None, triangles: int | None = None
+    ) -> trimesh.Scene:
+        """The object as a trimesh scene, see ``meshes``."""
+        return self.meshes(states, tolerance=tolerance, triangles=triangles)[0]
 
     def _title(self) -> str:
         return f"{self.category} {self.number}, seed {self.job.seed}"

@@ -35,6 +35,7 @@ import trimesh
 from artipg_dsl.annotate.points import label_points
 from artipg_dsl.export import solids
 from artipg_dsl.geometry import mesh, points
+from artipg_dsl.geometry.resolution import Resolution
 from artipg_dsl.geometry.sites import SiteTable
 from artipg_dsl.graph import random
 from artipg_dsl.graph.formula import compile_formula
@@ -50,7 +51,7 @@ def columns(sampler, numbers: np.ndarray, n_points: int) -> dict[str, float]:
     batch = sampler.batch(numbers, seed=7)
     sites = batch.sites()
     marks.append(time.process_time())
-    solids.build_meshes(sites, STEPS)
+    solids.build_meshes(sites, Resolution(STEPS))
     marks.append(time.process_time())
     made = points.sample(sites, len(batch), n_points, random.key(7, "points"), batch.numbers.astype(np.uint64))
     marks.append(time.process_time())

@@ -147,7 +147,7 @@ def apart(batch) -> tuple[str, str]:
 def closed(batch) -> tuple[str, str]:
     """Meshes that are watertight and wound outwards."""
     good, number = 0, 0
-    for group in solids.build_meshes(batch.sites(), 24):
+    for group in solids.build_meshes(batch.sites()):
         for vertices in group.vertices[:OBJECTS]:
             mesh = trimesh.Trimesh(vertices, group.faces, process=False)
             good += mesh.is_watertight and mesh.is_winding_consistent and mesh.volume > 0

@@ -42,6 +42,7 @@ from artipg_dsl.annotate.views import make_views
 from artipg_dsl.export import solids
 from artipg_dsl.geometry import points
 from artipg_dsl.geometry.hidden import Occlusion
+from artipg_dsl.geometry.resolution import Resolution
 from artipg_dsl.graph import random
 from artipg_dsl.runtime.validate import collisions
 from artipg_dsl.session import Session
@@ -95,7 +96,7 @@ def columns(sampler, numbers: np.ndarray, n_points: int) -> tuple[dict[str, floa
     out["resolve"] = [(a.shape, a.dtype) for a in columns]
 
     begun = time.process_time()
-    meshes = solids.build_meshes(sites, STEPS)
+    meshes = solids.build_meshes(sites, Resolution(STEPS))
     spent["mesh"] = time.process_time() - begun
     out["mesh"] = [(group.vertices.shape, np.float64) for group in meshes]
 

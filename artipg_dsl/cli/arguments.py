@@ -42,6 +42,19 @@ def fraction(text: str) -> float:
     return number
 
 
+def tolerance(text: str) -> float:
+    """``0.5mm``: how far a mesh may lie off its surface, in metres."""
+    from ..geometry.resolution import COARSEST, FINEST
+
+    match = re.fullmatch(r"\s*(\d+\.?\d*|\.\d+)\s*(mm|cm|m)\s*", text)
+    if match is None:
+        raise ArgumentTypeError(f"{text!r} is not a length: write 0.5mm or 1cm")
+    length = float(match.group(1)) * {"mm": 1e-3, "cm": 1e-2, "m": 1.0}[match.group(2)]
+    if not FINEST <= length <= COARSEST:
+        raise ArgumentTypeError(f"{text.strip()} does not lie between {1000 * FINEST:g}mm and {COARSEST:g}m")
+    return length
+
+
 def numbers(text: str) -> list[int]:
     """``37``, ``37,40..45``: numbers of objects, both ends of a range included, ascending."""
     found: set[int] = set()

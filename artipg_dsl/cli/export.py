@@ -10,13 +10,15 @@ from ..errors import UsageError
 from .messages import say
 from .progress import Progress
 from .render import wanted
-from .sample import in_the_way
+from .sample import in_the_way, resolution
 
 
 def run(options: argparse.Namespace) -> int:
+    from ..export.content import Content
     from ..export.dataset import add_formats
     from ..export.registry import named, per_object
     from ..export.write import ExportError
+    from ..geometry.resolution import STANDARD
 
     begun = time.monotonic()
     try:
@@ -33,9 +35,10 @@ def run(options: argparse.Namespace) -> int:
     job, numbers = wanted(options, every=True)
     with Progress(job.sampler.program.name) as progress:
         if folder.is_dir() and out.resolve() == folder.resolve():
-            add_formats(job.batch, out, numbers, formats, force=options.force, progress=progress)
+            add_formats(job.batch, out, numbers, formats, force=options.force, progress=progress, resolution=resolution(options))
         else:
-            job.write(out, numbers, formats, force=options.force, progress=progress)
+            content = Content(resolution=resolution(options) or STANDARD)
+            job.write(out, numbers, formats, content=content, force=options.force, progress=progress)
     done = "1 object" if len(numbers) == 1 else f"{len(numbers)} objects"
     names = ", ".join(entry.name for entry in formats)
     say(f"{done} as {names} in {out} ({time.monotonic() - begun:.1f} s)")

@@ -9,7 +9,7 @@ import sys
 from collections.abc import Sequence
 
 from ..export.registry import FORMATS, per_object
-from .arguments import amount, fraction, numbers, part, positive, whole
+from .arguments import amount, fraction, numbers, part, positive, tolerance, whole
 from .messages import error, findings, say
 
 OK, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
@@ -89,6 +89,7 @@ def parser() -> argparse.ArgumentParser:
         "--mutate", metavar="LIST", help="make mutants of the objects: apa (templates), dpa (counts), cpa (parameters)"
     )
     sample.add_argument("--variant", type=whole, default=0, metavar="K", help="another mutant of each (default: 0)")
+    _meshes(sample)
     sample.add_argument("--unchecked", action="store_true", help="take objects whose links collide, too")
     sample.add_argument("--stats", action="store_true", help="tell how many first attempts were valid, and what failed")
     sample.add_argument("--force", action="store_true", help="replace samples made with other options")
@@ -105,6 +106,7 @@ def parser() -> argparse.ArgumentParser:
         "-o", "--out", metavar="DIR", help="the folder to write to (default: the folder of samples, or out)"
     )
     export.add_argument("--format", metavar="LIST", required=True, help=f"{', '.join(per_object())}; with commas")
+    _meshes(export)
     export.add_argument("--force", action="store_true", help="replace what is there")
 
     mutate = command("mutate", "make new objects from those of a folder")
@@ -155,6 +157,7 @@ def parser() -> argparse.ArgumentParser:
     render.add_argument(
         "--tile", type=positive, default=256, metavar="PIXELS", help="width of one object (default: 256)"
     )
+    _meshes(render)
 
     explain = command("explain", "explain an error code")
     explain.add_argument("code", nargs="?", metavar="CODE", help="such as missing-unit; without it, all codes")
@@ -192,6 +195,16 @@ def parser() -> argparse.ArgumentParser:
 
 def _program(to: argparse.ArgumentParser) -> None:
     to.add_argument("program", metavar="NAME|FILE", help="a shipped category or an .apg file")
+
+
+def _meshes(to: argparse.ArgumentParser) -> None:
+    to.add_argument(
+        "--tolerance", type=tolerance, metavar="LENGTH",
+        help="how far meshes may lie off the true surfaces, such as 0.5mm (default: 24 steps per full turn)",
+    )  # fmt: skip
+    to.add_argument(
+        "--triangles", type=positive, metavar="N", help="at most so many triangles per object, spread by curvature"
+    )
 
 
 def _drawing(to: argparse.ArgumentParser, n: int) -> None:

@@ -102,6 +102,7 @@ def held(identity: dict[str, Any], points: int | None) -> Content:
     from ..annotate.gripper import Gripper
     from ..annotate.states import read_states
     from ..export.content import Content
+    from ..geometry.resolution import Resolution
 
     views = identity.get("views")
     cameras = None if views is None else from_description({k: v for k, v in views.items() if k != "engine"})
@@ -111,6 +112,7 @@ def held(identity: dict[str, Any], points: int | None) -> Content:
         identity.get("motion", False), cameras, identity.get("surface", plain.surface),
         identity.get("spread", plain.spread), identity.get("per", plain.per),
         Gripper(**identity["gripper"]) if identity.get("gripper") else None if "gripper" in identity else plain.gripper,
+        Resolution(**identity.get("meshes", {})),
     )  # fmt: skip
 
 

@@ -12,10 +12,11 @@ from ..job import Job, open_job, reopen
 from ..settings import split
 from .messages import say
 from .progress import Progress
-from .sample import chosen
+from .sample import chosen, resolution
 
 
 def run(options: argparse.Namespace) -> int:
+    from ..geometry.resolution import STANDARD
     from ..view.sheet import write_sheet
 
     if Path(options.out).suffix.lower() != ".png":
@@ -24,7 +25,7 @@ def run(options: argparse.Namespace) -> int:
     with Progress("drawing") as progress:
         write_sheet(
             job.batch(numbers), options.out, force=True, colour=options.colour, tile=options.tile, progress=progress,
-            states="open" if options.open else "alternate",
+            states="open" if options.open else "alternate", resolution=resolution(options) or STANDARD,
         )  # fmt: skip
     say(f"drew {len(numbers)} of {job.sampler.program.name} to {options.out}")
     return 0

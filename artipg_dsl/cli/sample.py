@@ -16,6 +16,7 @@ from .progress import Progress
 
 if TYPE_CHECKING:
     from ..export.content import Content
+    from ..geometry.resolution import Resolution
     from ..job import Job
     from ..runtime.mutate import Mutation
 
@@ -44,11 +45,21 @@ def held(options: argparse.Namespace) -> Content:
     from ..annotate.sampling import Sampling
     from ..annotate.states import read_states
     from ..export.content import Content
+    from ..geometry.resolution import STANDARD
 
     cameras = None if options.views is None else read_cameras(options.views)
     how = Sampling(options.points, options.surface, options.spread, options.per)
     kind = how.surface, how.spread, how.per
-    return Content(how.count, read_states(options.states), options.motion, cameras, *kind, read_gripper(options.gripper))
+    hand, meshes = read_gripper(options.gripper), resolution(options) or STANDARD
+    return Content(how.count, read_states(options.states), options.motion, cameras, *kind, hand, meshes)
+
+
+def resolution(options: argparse.Namespace) -> Resolution | None:
+    """How fine meshes are to be, where that is asked for."""
+    from ..geometry.resolution import Resolution
+
+    asked = options.tolerance, options.triangles
+    return None if asked == (None, None) else Resolution(tolerance=options.tolerance, triangles=options.triangles)
 
 
 def mutation(options: argparse.Namespace) -> Mutation:
@@ -78,6 +89,8 @@ def run(options: argparse.Namespace) -> int:
     for name, value in asked.items():
         if value != PLAIN[name] and "points" not in [entry.name for entry in formats]:
             raise UsageError(f"--{name} is about points, which are not among the formats", "add points to --format")
+    if resolution(options) and not any(entry.per_object for entry in formats):
+        raise UsageError("--tolerance and --triangles are about meshes, which none of the formats has", "add one such as glb to --format")
     in_the_way(Path(options.out))
     job = open_job(options.program, options.seed or 0, settings, checked=not options.unchecked)
     if options.mutate:

@@ -11,6 +11,8 @@ from ..annotate.gripper import Gripper
 from ..annotate.sampling import Sampling
 from ..annotate.states import REST, States
 from ..geometry.rays import best_engine
+from ..geometry.resolution import STANDARD as STANDARD_RESOLUTION
+from ..geometry.resolution import Resolution
 
 SHARD = 256  # objects in one
 LARGEST = 512_000_000  # bytes of images in one
@@ -22,7 +24,7 @@ _PER = {"object": 1, "link": 4, "semantic": 8, "instance": 16, "primitive": 64} 
 class Content:
     """``points`` for each ``per``, from which ``surface``, how ``spread`` (see ``Sampling``); ``states`` of the joints;
     ``gripper`` that grasps are made with, None: all of them;
-    ``motion``: velocities of points; ``cameras`` for views, None: the default ones if views are wanted at all."""
+    ``resolution`` of meshes; ``motion``: velocities of points; ``cameras`` for views, None: the default ones if views are wanted at all."""
 
     points: int = 2048
     states: States = REST
@@ -32,6 +34,7 @@ class Content:
     spread: str = "random"
     per: str = "object"
     gripper: Gripper | None = STANDARD_GRIPPER
+    resolution: Resolution = STANDARD_RESOLUTION
 
     @property
     def sampling(self) -> Sampling:
@@ -47,7 +50,8 @@ class Content:
         views = None if self.cameras is None else self.cameras.plain() | {"engine": best_engine()}
         gripper = None if self.gripper is None else self.gripper.plain()
         held = {"states": str(self.states), "motion": self.motion, "views": views, "gripper": gripper}
-        return self.sampling.plain() | held
+        meshes = self.resolution.plain()
+        return self.sampling.plain() | held | ({"meshes": meshes} if meshes else {})
 
     def shard_size(self) -> int:
         """How many objects go into one shard: less than usual where points or images would make it unwieldy."""

@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..geometry.resolution import STANDARD as STANDARD_RESOLUTION
+from ..geometry.resolution import Resolution
 from . import manifest as manifests
 from .content import SHARD, STANDARD, Content
 from .registry import FORMATS, Format
@@ -74,7 +76,10 @@ def write_dataset(
             for entry in missing:
                 write_bytes(shard_path(out, entry, first // shard), entry.shard_bytes(batch, content))
             if len(absent):
-                write_objects(batch, out, each, only=absent, add=True, progress=_offset(progress, done, total))
+                inner = _offset(progress, done, total)
+                write_objects(
+                    batch, out, each, only=absent, add=True, progress=inner, resolution=content.resolution
+                )
         done += len(chosen)
         if progress:
             progress(done, total)
@@ -148,14 +153,17 @@ def add_formats(
     *,
     force: bool = False,
     progress: Callable[[int, int], None] | None = None,
+    resolution: Resolution | None = None,
 ) -> None:
     """Further files for objects of a folder of samples; formats that it has are refused, or written again by ``force``.
 
+    ``resolution`` of the meshes, None: that of the folder.
     The manifest names the new formats once all objects have them; until then the same call completes what is missing.
     """
     manifest = manifests.read(out)
     assert manifest is not None
     listed = manifest["identity"]["formats"]
+    resolution = resolution or Resolution(**manifest["identity"].get("meshes", {}))
     doubled = [entry.name for entry in formats if entry.name in listed]
     there = {n for n in numbers.tolist() if not lacking(object_folder(out, n), formats)}
     if doubled and len(there) == len(numbers) and not force:
@@ -169,7 +177,9 @@ def add_formats(
         absent = chosen if force else np.array([n for n in chosen.tolist() if n not in there], dtype=np.int64)
         if len(absent):
             inner = _offset(progress, done, len(numbers))
-            write_objects(sample(absent), out, formats, force=force, add=not force, progress=inner)
+            write_objects(
+                    sample(absent), out, formats, force=force, add=not force, progress=inner, resolution=resolution
+                )
         done += len(chosen)
         if progress:
             progress(done, len(numbers))
@@ -194,12 +204,13 @@ def write_objects(
     force: bool = False,
     add: bool = False,
     progress: Callable[[int, int], None] | None = None,
+    resolution: Resolution = STANDARD_RESOLUTION,
 ) -> None:
     """A folder ``objects/<number>`` with the files of all formats for every object of the batch (or of ``only``).
 
-    ``force``: write what is there again. ``add``: write what is missing and leave the rest alone.
+    ``force``: write what is there again. ``add``: write what is missing and leave the rest alone. ``resolution`` of the meshes.
     """
-    robots = Robots(batch)
+    robots = Robots(batch, resolution=resolution)
     wanted = set(batch.numbers.tolist() if only is None else only.tolist())
     for i, number in enumerate(batch.numbers.tolist()):
         if number in wanted:

@@ -36,6 +36,7 @@ IDENTITY = {
     "motion": "velocities of points",
     "views": "the cameras",
     "gripper": "the gripper",
+    "meshes": "the resolution of meshes",
     "formats": "the formats",
     "shard": "the number of objects per shard",
     "settings": "the parameters that were set",

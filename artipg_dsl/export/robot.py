@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..annotate.materials import material_rows
+from ..geometry.resolution import STANDARD, Resolution
 from ..graph.program import Material
 from . import materials, solids
 from .mesh_obj import Shape
@@ -113,11 +114,11 @@ class Robot:
 class Robots:
     """The robots of a batch; the numbers of all of them are computed together."""
 
-    def __init__(self, batch: Batch, *, steps: int = 24, collision: bool = True):
+    def __init__(self, batch: Batch, *, resolution: Resolution = STANDARD, collision: bool = True):
         self.batch = batch
         self.tables = batch.sites()
         self.links, self.joints, self.parts = batch.links(), batch.joints(), batch.parts()
-        self.meshes = solids.build_meshes(self.tables, steps)
+        self.meshes = solids.build_meshes(self.tables, resolution)
         self.pieces = solids.build_pieces(self.tables) if collision else []
         self.catalogue = materials.catalogue(batch)
         self.material_rows = {t.number: material_rows(batch, t) for t in self.tables}

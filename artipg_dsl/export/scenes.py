@@ -9,19 +9,22 @@ import numpy as np
 import trimesh
 
 from ..annotate.frames import rotate
+from ..geometry.resolution import STANDARD, Resolution
 from .robot import Robots
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
 
 
-def scenes(batch: Batch, states: np.ndarray | None = None) -> list[trimesh.Scene]:
+def scenes(
+    batch: Batch, states: np.ndarray | None = None, resolution: Resolution = STANDARD
+) -> list[trimesh.Scene]:
     """One scene per object with the joints at ``states`` (J,), at rest by default: a closed mesh per primitive.
 
     Metres, the object's frame; a mesh is named after its part (``feet``, ``feet.2``, ... where that has several
     primitives), its metadata tells link and material.
     """
-    robots = Robots(batch, collision=False)
+    robots = Robots(batch, resolution=resolution, collision=False)
     turn, shift = batch.pose(states)
     made = []
     for i, number in enumerate(batch.numbers.tolist()):

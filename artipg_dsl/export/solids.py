@@ -16,6 +16,8 @@ from ..annotate.frames import place, reflect, rotate
 from ..geometry import mesh, pieces
 from ..geometry.block import block
 from ..geometry.overlap import overlaps
+from ..geometry.resolution import FINEST, STANDARD, Resolution, bends, within_budget
+from ..geometry.topology import topology
 from .shading import Shading, shade
 
 if TYPE_CHECKING:
@@ -68,12 +70,11 @@ class Item(Generic[Group]):
     row: int
 
 
-def build_meshes(tables: list[SiteTable], steps: int = 24) -> list[SolidGroup]:
+def build_meshes(tables: list[SiteTable], resolution: Resolution = STANDARD) -> list[SolidGroup]:
     """Meshes of all instances of all sites."""
     groups: list[SolidGroup] = []
-    for table in tables:
-        if not len(table.owner):
-            continue
+    tables = [table for table in tables if len(table.owner)]
+    for table, steps in zip(tables, steps_of(tables, resolution), strict=True):
         for part in mesh.build(table.primitive, table.params, steps):
             rows = np.asarray(part.rows)
             vertices = placed(table, rows, part.vertices)
@@ -85,6 +86,23 @@ def build_meshes(tables: list[SiteTable], steps: int = 24) -> list[SolidGroup]:
                     mine = vertices if len(chosen) == len(rows) else vertices[chosen]
                     groups.append(SolidGroup(table, rows[chosen], mine, faces, part.face_patch, face_uv))
     return groups
+
+
+def steps_of(tables: list[SiteTable], resolution: Resolution) -> list[int] | list[np.ndarray]:
+    """What ``mesh.build`` takes for each table: steps per full turn, or the tolerance (k,) of each instance, metres."""
+    if not resolution.by_error:
+        return [resolution.steps] * len(tables)
+    wanted = resolution.tolerance or FINEST
+    if resolution.triangles is None:
+        return [np.full(len(table.owner), wanted) for table in tables]
+    objects = max((int(table.owner.max()) + 1 for table in tables), default=0)
+    parts = [
+        (bends(table.primitive, topology(table.primitive, variant), mesh.take(table.params, rows)), table.owner[rows])
+        for table in tables
+        for variant, rows in mesh.group_rows(table.primitive, table.params)
+    ]
+    own = within_budget(parts, objects, resolution.triangles, wanted)
+    return [own[table.owner] for table in tables]
 
 
 def build_pieces(tables: list[SiteTable]) -> list[PieceGroup]:

@@ -6,14 +6,16 @@ here. Lengths in metres, in the primitive's own frame, unmirrored.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..graph.primitive import Primitive
 from .patches import Params, existing, position_split, rows_of
-from .topology import topology
-from .weld import Plan, plan
+from .resolution import bends
+from .topology import Topology, topology
+from .weld import Plan, plan, step_counts
 
 _TRIANGLES = 100_000  # summed at a time, so that the terms stay in the caches
 
@@ -47,17 +49,34 @@ def group_rows(primitive: Primitive, params: Params) -> list[tuple[tuple[bool, .
     return [(tuple(make.tolist()), np.flatnonzero(which == n)) for n, make in enumerate(makes)]
 
 
-def build(primitive: Primitive, params: Params, steps: int = 24) -> list[MeshGroup]:
-    """Meshes of ``k`` instances with ``steps`` segments per full turn, grouped by which patches exist.
+def build(primitive: Primitive, params: Params, steps: int | np.ndarray = 24) -> list[MeshGroup]:
+    """Meshes of ``k`` instances, grouped by which patches exist and how many steps they take.
 
-    Faces wind outwards. Raises PrimitiveError when the declaration of the primitive does not close.
+    ``steps``: segments per full turn, or how far chords may lie off the surface, metres (k,). Faces wind outwards.
+    Raises PrimitiveError when the declaration of the primitive does not close.
     """
     groups = []
-    for variant, rows in group_rows(primitive, params):
-        welded = plan(topology(primitive, variant), steps)
+    for found, rows, counts in stepped(primitive, params, steps):
+        welded = plan(found, counts)
         vertices = _vertices(primitive, welded, take(params, rows))
         groups.append(MeshGroup(rows, vertices, welded.faces, welded.face_patch, welded.face_uv))
     return groups
+
+
+def stepped(
+    primitive: Primitive, params: Params, steps: int | np.ndarray
+) -> Iterator[tuple[Topology, np.ndarray, tuple[int, ...]]]:
+    """Instances of one topology and the same steps: (topology, rows, steps of its classes), in a fixed order."""
+    for variant, rows in group_rows(primitive, params):
+        found = topology(primitive, variant)
+        if not isinstance(steps, np.ndarray):
+            yield found, rows, tuple(step_counts(found, steps).tolist())
+            continue
+        counts = bends(primitive, found, take(params, rows)).steps(steps[rows])
+        makes, which = np.unique(counts, axis=0, return_inverse=True)
+        which = which.reshape(-1)
+        for n, make in enumerate(makes.tolist()):
+            yield found, rows[which == n], tuple(make)
 
 
 def _vertices(primitive: Primitive, welded: Plan, params: Params) -> np.ndarray:
@@ -104,8 +123,8 @@ def volume_inertia(primitive: Primitive, params: Params, steps: int = 24) -> tup
     """Volume (k,) m3, centre (k, 3) m, inertia about the centre per unit density (k, 3, 3) m5 of the meshes."""
     count = rows_of(params)
     volume, centre, inertia = np.empty(count), np.empty((count, 3)), np.empty((count, 3, 3))
-    for variant, rows in group_rows(primitive, params):
-        welded = plan(topology(primitive, variant), steps)
+    for found, rows, counts in stepped(primitive, params, steps):
+        welded = plan(found, counts)
         at_once = max(1, _TRIANGLES // len(welded.faces))
         for start in range(0, len(rows), at_once):
             part = rows[start : start + at_once]

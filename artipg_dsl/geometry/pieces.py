@@ -1,4 +1,4 @@
-"""Convex pieces of many instances at once: the declared ones, or the hull of the mesh.
+"""Convex pieces of many instances at once: the declared ones, or the hull of a mesh of few corners.
 
 The faces of a hull are found at the test values when the primitive is compiled; an instance takes the first set of
 faces that is convex for it, and only one that fits none gets a hull of its own.
@@ -17,8 +17,12 @@ from ..graph.primitive import Piece, Primitive
 from . import mesh
 from .errors import PrimitiveError
 from .patches import Params, evaluate_rows, rows_of
-from .trial import trial
+from .topology import topology
+from .trial import trial, variants
+from .weld import plan, step_counts
 
+STEPS = (24, 16, 12, 8)  # per full turn: a hull takes the finest of these that has few corners
+FEW = 160  # what collision checks and simulators take well; a ball of 16 steps lies within 2 % of its radius
 FLAT = 1e-7  # how far, relative to the piece's extent, a vertex may stand out of the plane of a face
 
 
@@ -40,13 +44,14 @@ class Hull:
     faces: np.ndarray
 
 
-def build(primitive: Primitive, params: Params, steps: int = 24) -> list[PieceGroup]:
+def build(primitive: Primitive, params: Params) -> list[PieceGroup]:
     """Convex pieces of k instances, one group per piece (its index too) and per set of faces; metres, own frame."""
     if not primitive.pieces:
         groups = []
-        for made in mesh.build(primitive, params, steps):
-            known = _mesh_hulls(primitive, steps, made.vertices.shape[1], len(made.faces))
-            groups.extend(_grouped(primitive, "hull", made.rows, made.vertices, known))
+        for variant, rows in mesh.group_rows(primitive, params):
+            known = _mesh_hulls(primitive, variant)
+            (made,) = mesh.build(primitive, mesh.take(params, rows), _hull_steps(primitive, variant))
+            groups.extend(_grouped(primitive, "hull", rows, made.vertices, known))
         return groups
     groups = []
     for number, piece in enumerate(primitive.pieces):
@@ -96,17 +101,24 @@ def _known(primitive: Primitive, number: int, index: int) -> tuple[Hull, ...]:
 
 
 @lru_cache(maxsize=512)
-def _mesh_hulls(primitive: Primitive, steps: int, corners: int, faces: int) -> tuple[Hull, ...]:
+def _hull_steps(primitive: Primitive, variant: tuple[bool, ...]) -> int:
+    """The steps per full turn of the mesh whose hull is the piece."""
+    found = topology(primitive, variant)
+    few = (s for s in STEPS if plan(found, tuple(step_counts(found, s).tolist())).count <= FEW)
+    return next(few, STEPS[-1])
+
+
+@lru_cache(maxsize=512)
+def _mesh_hulls(primitive: Primitive, variant: tuple[bool, ...]) -> tuple[Hull, ...]:
     """The mesh itself, where it may be convex, and the hulls of the test values for which it is not."""
     found: list[Hull] = []
-    for made in mesh.build(primitive, trial(primitive), steps):
-        if made.vertices.shape[1] == corners and len(made.faces) == faces:
-            points = made.vertices
-            if 2 * corners - faces == 4:  # V - E + F = 2: one body without holes
-                found.append(Hull(np.arange(corners), made.faces.astype(np.int64)))
-                points = points[~_fits(points, found[-1])]
-            found.extend(_distinct(primitive, "hull", points))
-    return tuple(found)
+    params = mesh.take(trial(primitive), variants(primitive)[variant])
+    (made,) = mesh.build(primitive, params, _hull_steps(primitive, variant))
+    points, corners = made.vertices, made.vertices.shape[1]
+    if 2 * corners - len(made.faces) == 4:  # V - E + F = 2: one body without holes
+        found.append(Hull(np.arange(corners), made.faces.astype(np.int64)))
+        points = points[~_fits(points, found[-1])]
+    return (*found, *_distinct(primitive, "hull", points))
 
 
 def _distinct(primitive: Primitive, name: str, points: np.ndarray) -> tuple[Hull, ...]:

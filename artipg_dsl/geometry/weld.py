@@ -34,16 +34,15 @@ class Plan:
 
 
 def step_counts(topology: Topology, steps: int) -> np.ndarray:
-    """(patches, 2): steps along u and v, for ``steps`` per full turn; 1 where nothing bends, at least 3 around."""
+    """(classes,): steps of each class for ``steps`` per full turn; 1 where nothing bends, at least 3 around."""
     eighths = np.ceil(topology.turn / EIGHTH - 1e-6)
-    counts = np.maximum(np.ceil(steps * eighths / 8 - 1e-6), np.where(topology.closed, 3, 1)).astype(np.int64)
-    return counts[topology.step_class]
+    return np.maximum(np.ceil(steps * eighths / 8 - 1e-6), np.where(topology.closed, 3, 1)).astype(np.int64)
 
 
 @lru_cache(maxsize=1024)
-def plan(topology: Topology, steps: int) -> Plan:
-    """The plan for ``steps`` steps per full turn; raises PrimitiveError when the surfaces do not close."""
-    counts = step_counts(topology, steps)
+def plan(topology: Topology, steps: tuple[int, ...]) -> Plan:
+    """The plan for the ``steps`` of each class of directions; raises PrimitiveError when the surfaces do not close."""
+    counts = np.array(steps, dtype=np.int64)[topology.step_class]
     sizes = (counts[:, 0] + 1) * (counts[:, 1] + 1)
     offsets = np.concatenate([[0], np.cumsum(sizes)])
     grids = {

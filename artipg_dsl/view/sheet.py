@@ -11,6 +11,7 @@ import numpy as np
 from ..annotate.frames import rotate
 from ..export.robot import Robots
 from ..export.write import ExportError, write_bytes
+from ..geometry.resolution import STANDARD, Resolution
 from .camera import lights, look_at
 from .png import png_bytes, srgb, write_number
 from .scene import COLOURINGS, hex_colour, opened, scene
@@ -59,18 +60,19 @@ def sheet(
     colour: str = "part",
     which: str = "auto",
     states: str = "alternate",
+    resolution: Resolution = STANDARD,
     progress: Callable[[int, int], None] | None = None,
 ) -> np.ndarray:
     """The picture (height, width, 3) uint8 of all objects of a batch, ``tile`` pixels each.
 
-    ``states``: "rest", "open", or "alternate": even tiles at rest, odd ones opened.
+    ``states``: "rest", "open", or "alternate": even tiles at rest, odd ones opened. ``resolution`` of the meshes.
     """
     if colour not in COLOURINGS:
         raise ExportError(f"unknown colouring {colour!r}", f"the colourings are {', '.join(COLOURINGS)}")
     if not len(batch):
         raise ExportError("there is no object to draw", "sample at least one")
     draw = renderer(which, tile)
-    robots = Robots(batch, collision=False)
+    robots = Robots(batch, resolution=resolution, collision=False)
     poses = {"rest": batch.pose(), "open": batch.pose(opened(batch))}
     azimuth = AZIMUTH * side(robots, poses["open"])
     columns = columns or default_columns(len(batch))

@@ -184,3 +184,24 @@ def test_a_program_that_has_changed_is_not_passed_off_for_the_old_one(apgc: Apgc
     assert code == 1 and "has changed" in err
     code, _, err = apgc("export", tmp_path, "--format", "urdf")
     assert code == 1 and "manifest.json" in err
+
+
+def test_meshes_as_fine_as_asked(apgc: Apgc, tmp_path: Path) -> None:
+    fine, coarse = tmp_path / "fine", tmp_path / "coarse"
+    assert apgc("sample", "Faucet", "-n", 1, "--format", "glb", "--tolerance", "0.1mm", "-o", fine)[0] == 0
+    assert apgc("export", "Faucet", "-n", 1, "--format", "glb", "--triangles", "800", "-o", coarse)[0] == 0
+    sizes = [(folder / "objects/000000/object.glb").stat().st_size for folder in (fine, coarse)]
+    assert sizes[0] > 2 * sizes[1]
+    assert json.loads((fine / "manifest.json").read_text())["identity"]["meshes"] == {"tolerance": 1e-4}
+    code, _, err = apgc("sample", "Faucet", "-n", 1, "--format", "glb", "-o", fine)
+    assert code == 1 and "the resolution of meshes" in err
+
+
+@pytest.mark.parametrize("wish, message", [
+    (("--tolerance", "5"), "'5' is not a length"), (("--tolerance", "1nm"), "not a length"),
+    (("--tolerance", "0.001mm"), "does not lie between 0.01mm and 10m"), (("--triangles", "0"), "from 1 to"),
+    (("--tolerance", "1mm"), "--tolerance and --triangles are about meshes"),
+])  # fmt: skip
+def test_wishes_about_meshes_that_make_no_sense(apgc: Apgc, tmp_path: Path, wish: tuple[str, ...], message: str) -> None:
+    code, _, err = apgc("sample", "Faucet", *wish, "-o", tmp_path / "out")
+    assert code == 2 and message in err

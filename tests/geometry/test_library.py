@@ -8,25 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from artipg_dsl.diagnostics import Report
 from artipg_dsl.geometry.selftest import check_primitive
-from artipg_dsl.resources import library_dir
 from artipg_dsl.session import Session, check_text
-from artipg_dsl.solids import own
 from artipg_dsl.source import Source
 
+from .shipped import SHIPPED
 
-def declared():
-    """The primitives that the modules of the library declare."""
-    found = {}
-    for path in sorted(library_dir().glob("*.apg")):
-        module, report = Session.of(path).module, Report()
-        found |= {symbol.name: lowered.primitive for symbol, lowered in own(module, report).items()}
-        assert not report.diagnostics
-    return found
-
-
-SHIPPED = declared()
 LONG = ("PotShell", "ShoulderedVessel", "WavedVessel", "EggRing", "HalfRing", "Bowl", "ArchBar")
 EVERY = os.environ.get("ARTIPG_EVERY") == "1"
 
