@@ -281,6 +281,16 @@ class Allowed:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Stable:
+    """``require stable``: objects in which ``scope`` has a row stand by themselves; ``open``: with their joints open too."""
+
+    scope: Scope
+    open: bool
+    message: str
+    where: Where | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Closure:
     """``close a on b``: two points (in the object's frame at joint values 0) on two links that stay together."""
 
@@ -326,5 +336,5 @@ class Program:
     allowed: list[Allowed] = field(default_factory=list)
     closures: list[Closure] = field(default_factory=list)
     slots: list[Slot] = field(default_factory=list)
-    stable: str | None = None
+    stable: list[Stable] = field(default_factory=list)
     hash: str = ""

@@ -22,10 +22,10 @@ RECORDS = {
     cls.__name__: cls
     for cls in (
         P.Where, P.Pose, P.Bound, P.Limit, P.Draw, P.Requirement, P.Part, P.Site, P.Link, P.Joint, P.Target, P.Label, P.Grasp, P.Keypoint,
-        P.Material, P.Allowed, P.Closure, P.Slot, Primitive, Patch, Piece,
+        P.Material, P.Allowed, P.Closure, P.Slot, P.Stable, Primitive, Patch, Piece,
     )
 }  # fmt: skip
-LISTS = ("requirements", "parts", "links", "joints", "sites", "labels", "grasps", "keypoints", "allowed", "closures", "slots")
+LISTS = ("requirements", "parts", "links", "joints", "sites", "labels", "grasps", "keypoints", "allowed", "closures", "slots", "stable")
 
 
 class TextError(Exception):
@@ -150,8 +150,6 @@ def to_text(program: P.Program, *, places: bool = True) -> str:
     head = [f"apgc {VERSION}", f"program {json.dumps(program.name)}"]
     if places and program.doc:
         head.append(f"doc {json.dumps(program.doc, ensure_ascii=False)}")
-    if program.stable:
-        head.append(f"stable {program.stable}")
     return "\n".join([*head, *writer.lines, ""])
 
 
@@ -293,8 +291,6 @@ def _item(program: P.Program, reader: _Reader) -> None:
         program.name = reader.value()
     elif word == "doc":
         program.doc = reader.value()
-    elif word == "stable":
-        program.stable = reader.next()
     elif word == "draw":
         program.draws.append(reader.value())
     elif word == "define":

@@ -8,7 +8,7 @@ from ..diagnostics import Report
 from ..graph import expr as E
 from ..graph.expr import Expr, Scope, ScopeError
 from ..graph.linear import Circle
-from ..graph.program import Allowed, Link, Program, Requirement
+from ..graph.program import Allowed, Link, Program, Requirement, Stable
 from ..graph.text import digest
 from ..semantics.symbols import Symbol
 from ..syntax import ast
@@ -130,7 +130,8 @@ def conditions(links: Links, env: Env) -> None:
                 case ast.RequireStmt() if statement.condition is not None:
                     require(env, statement)
                 case ast.RequireStmt():
-                    context.program.stable = statement.stable
+                    message = statement.message or ("it tips over when open" if statement.stable == "open" else "it tips over")
+                    context.program.stable.append(Stable(env.scope, statement.stable == "open", message, where(statement.span)))
                 case ast.PreferStmt():
                     Evaluator(env).scalar(statement.condition)
                 case ast.AllowStmt():

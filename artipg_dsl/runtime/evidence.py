@@ -13,7 +13,8 @@ import numpy as np
 from ..graph.random import key, mix, uniform
 from .batch import Batch
 from .bodies import gather
-from .validate import Tree, blocks, collisions, posed
+from .tree import Tree
+from .validate import blocks, collisions, posed
 
 STATES = 64  # random configurations per object
 

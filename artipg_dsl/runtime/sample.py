@@ -129,7 +129,8 @@ class _Trials:
 
 def colliding(batch: Batch, statistics: Statistics) -> np.ndarray:
     """Indices of the objects of a batch that collide, counted."""
-    from .validate import Tree, collisions  # late: only who asks for it pays for it
+    from .tree import Tree  # late: only who asks for it pays for it
+    from .validate import collisions
 
     found = collisions(batch)
     for key, rows in Tree(batch).named(found).items() if len(found) else ():

@@ -7,7 +7,8 @@ from artipg_dsl.geometry import pieces
 from artipg_dsl.runtime.bodies import turned
 from artipg_dsl.runtime.evidence import evidence, random_states
 from artipg_dsl.runtime.sample import Exhausted, Sampler, Statistics
-from artipg_dsl.runtime.validate import Tree, collisions, posed
+from artipg_dsl.runtime.tree import Tree
+from artipg_dsl.runtime.validate import collisions, posed
 from artipg_dsl.session import Session
 
 HEAD = "apg 1\nuse primitives { Cuboid, Cylinder }\ncategory Case {\n"

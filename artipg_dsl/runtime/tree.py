@@ -1,0 +1,91 @@
+"""The links of a batch as trees: what is above what, which joint moves what, and how far it can move."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .batch import Batch
+from .bodies import Pieces
+from .motion import apply
+
+if TYPE_CHECKING:
+    from .validate import Collisions
+
+TURNING = ("revolute", "continuous", "screw")
+
+
+class Tree:
+    """Links above each link, joint axes at rest, and which joints move others along."""
+
+    def __init__(self, batch: Batch):
+        self.batch, self.links, self.joints = batch, batch.links(), batch.joints()
+        count = len(self.links.owner)
+        self.first = np.searchsorted(self.links.owner, np.arange(len(batch)))
+        self.start = np.append(self.first, count)
+        self.above = np.full(count, -1, dtype=np.int64)  # parent link of each link
+        self.joint = np.full(count, -1, dtype=np.int64)
+        self.child = self.first[self.joints.owner] + self.joints.child
+        self.above[self.child] = self.first[self.joints.owner] + self.joints.parent
+        self.joint[self.child] = np.arange(len(self.child))
+        chain = [np.arange(count)]
+        while (chain[-1] >= 0).any():
+            chain.append(np.where(chain[-1] >= 0, self.above[np.maximum(chain[-1], 0)], -1))
+        self.chain = np.stack(chain, axis=1)  # (L, depth): the link itself, its parent, ...
+        self.turn, self.shift = batch.pose()
+        holder = np.maximum(self.above[self.child], 0)
+        self.axis = apply(self.turn[holder], self.joints.axis)
+        self.origin = apply(self.turn[holder], self.joints.origin) + self.shift[holder]
+        kinds = np.array(self.joints.kind, dtype=object)
+        self.turns, self.slides = np.isin(kinds, TURNING), kinds == "prismatic"
+        self.low = np.where(np.isnan(self.joints.low), -np.pi, self.joints.low)
+        self.high = np.where(np.isnan(self.joints.high), np.pi, self.joints.high)
+        base = np.searchsorted(self.joints.owner, self.joints.owner)
+        self.leader = np.where(self.joints.mimic >= 0, base + self.joints.mimic, np.arange(len(base)))
+        while not np.array_equal(self.leader, self.leader[self.leader]):
+            self.leader = self.leader[self.leader]
+        if batch.loops is not None:  # what the loops of an object determine follows its first driving joint
+            self.leader = batch.loops.driven(self.leader)
+        self.alone = np.bincount(self.leader, minlength=len(base))[self.leader] == 1
+        self.alone &= self.turns | self.slides | (kinds == "fixed")  # a screw does both, a ball turns about what is no axis of the table
+
+    def named(self, found: Collisions) -> dict[tuple[str, str, str], np.ndarray]:
+        """Per pair of paths of links and path of the joint ("" at rest): the rows of ``found``."""
+        program, start = self.batch.program, np.searchsorted(self.joints.owner, found.owner)
+        first, second = (self.links.definition[self.first[found.owner] + link] for link in (found.first, found.second))
+        kinds = np.append(self.joints.definition, -1)
+        joint = np.where(found.joint >= 0, kinds[np.minimum(start + found.joint, len(kinds) - 1)], -1)
+        groups: dict[tuple[str, str, str], list[int]] = {}
+        for row, (a, b, j) in enumerate(zip(first.tolist(), second.tolist(), joint.tolist(), strict=True)):
+            pair = sorted((program.links[a].path, program.links[b].path))
+            groups.setdefault((pair[0], pair[1], program.joints[j].path if j >= 0 else ""), []).append(row)
+        return {key: np.array(rows) for key, rows in groups.items()}
+
+    def permitted(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+        """Pairs that the text allows to overlap or to block one another."""
+        result = np.zeros(len(first), dtype=bool)
+        kinds = self.links.definition
+        for pair in self.batch.program.allowed:
+            if pair.kind in ("overlap", "free"):
+                one = np.isin(kinds[first], pair.first) & np.isin(kinds[second], pair.second)
+                other = np.isin(kinds[first], pair.second) & np.isin(kinds[second], pair.first)
+                result |= one | other
+        return result
+
+    def carried(self, body: Pieces, chosen: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        """(pieces, joints): the pieces that each of the joints ``chosen`` (J,) bool moves, level by level of the tree."""
+        for level in range(self.chain.shape[1] - 1):
+            link = self.chain[body.link, level]
+            joint = np.where(link >= 0, self.joint[np.maximum(link, 0)], -1)
+            piece = np.flatnonzero((joint >= 0) & np.append(chosen, False)[joint])
+            if len(piece):
+                yield piece, joint[piece]
+
+
+def spread(first: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(index, value): the values ``first .. first + count - 1`` of each index."""
+    count = np.maximum(count, 0)
+    index = np.repeat(np.arange(len(first)), count)
+    return index, np.arange(len(index)) - np.repeat(np.cumsum(count) - count, count) + np.repeat(first, count)
