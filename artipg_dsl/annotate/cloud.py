@@ -10,8 +10,8 @@ import numpy as np
 from ..errors import UsageError, UserError
 from ..geometry import points as geometry
 from ..graph import random
+from ..runtime.materials import material_rows
 from .frames import rotate
-from .materials import material_rows
 from .points import field_kinds, label_points
 from .sampling import Sampling, draw
 from .seen import part_coordinates

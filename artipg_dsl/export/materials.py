@@ -1,4 +1,4 @@
-"""What a primitive is made of, and what of a material's ranges is drawn in one object."""
+"""How a material is and looks in one object."""
 
 from __future__ import annotations
 
@@ -9,40 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..graph.program import Material
-from ..graph.random import key, uniform
+from ..runtime.materials import RANGES, drawn
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
-
-PLAIN = Material("plain")
-
-
-def catalogue(batch: Batch) -> list[Material]:
-    """Materials by index; what has none is plain: 700 kg/m3, light grey."""
-    return [PLAIN, *batch.program.materials.values()]
-
-
-RANGES = {  # property: what its draw is named after; the two frictions share one, so that the static one stays larger
-    "density": "density",
-    "friction_static": "friction",
-    "friction_dynamic": "friction",
-    "restitution": "restitution",
-    "metalness": "metalness",
-    "roughness": "roughness",
-    "transparency": "transparency",
-}
-
-
-def drawn(batch: Batch, material: Material, name: str) -> np.ndarray:
-    """A property (B,) of a material in each object, uniform in its range: addressed by seed, object and names alone.
-
-    A mutant has the values of the object that it was made from.
-    """
-    low, high = getattr(material, name)
-    if low == high:
-        return np.full(len(batch), low)
-    share = uniform(key(batch.seed, "material", material.name, RANGES[name]), batch.state.objects)
-    return low + (high - low) * share
 
 
 def settled(batch: Batch, material: Material) -> list[Material]:

@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..annotate.materials import material_rows
 from ..geometry.resolution import STANDARD, Resolution
 from ..graph.program import Material
+from ..runtime.mass import Mass, masses
+from ..runtime.materials import catalogue, material_rows
 from . import materials, solids
 from .mesh_obj import Shape
 
@@ -120,7 +121,7 @@ class Robots:
         self.links, self.joints, self.parts = batch.links(), batch.joints(), batch.parts()
         self.meshes = solids.build_meshes(self.tables, resolution)
         self.pieces = solids.build_pieces(self.tables) if collision else []
-        self.catalogue = materials.catalogue(batch)
+        self.catalogue = catalogue(batch)
         self.material_rows = {t.number: material_rows(batch, t) for t in self.tables}
         self.visuals = solids.by_object(self.meshes, len(batch))
         self.colliders = solids.by_object(self.pieces, len(batch))
@@ -138,28 +139,15 @@ class Robots:
         return origins
 
     @cached_property
-    def welded(self) -> np.ndarray:
-        """(L,) the first link (a row of the table) of those that fixed joints hold together."""
-        holder = np.arange(len(self.links.owner))
-        fixed = np.array([kind == "fixed" for kind in self.joints.kind], dtype=bool)
-        first = self.link_start[self.joints.owner]
-        holder[(first + self.joints.child)[fixed]] = (first + self.joints.parent)[fixed]
-        while not np.array_equal(holder, holder[holder]):
-            holder = holder[holder]
-        return holder
-
-    @cached_property
-    def mass(self) -> solids.Mass:
+    def mass(self) -> Mass:
         """Mass, centre and inertia in link frames, safe to print with few digits and for links of next to nothing."""
-        density = np.stack([materials.drawn(self.batch, material, "density") for material in self.catalogue])
-        densities = [density[self.material_rows[t.number], t.owner] for t in self.tables]
-        mass = solids.link_mass(self.tables, densities, self.link_start[:-1], len(self.links.owner), self.welded)
+        mass = masses(self.batch)
         trace = mass.inertia[:, 0, 0] + mass.inertia[:, 1, 1] + mass.inertia[:, 2, 2]
         # a little on the diagonal keeps the tensor positive and within the triangle inequality after rounding
         spare = np.maximum(1e-6 * trace, 1e-12)
         inertia = mass.inertia + spare[:, None, None] * np.eye(3)
         center = np.where(mass.mass[:, None] > 0, mass.center - self.origins, 0.0)
-        return solids.Mass(np.maximum(mass.mass, SMALLEST_MASS), center, inertia)
+        return Mass(np.maximum(mass.mass, SMALLEST_MASS), center, inertia)
 
     @cached_property
     def materials(self) -> list[list[Material]]:

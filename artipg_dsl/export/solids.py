@@ -1,4 +1,4 @@
-"""The solids of a batch: meshes, convex pieces and mass of every primitive, in the object's frame at zero pose.
+"""The solids of a batch: meshes and convex pieces of every primitive, in the object's frame at zero pose.
 
 Instances of one site that share a topology stay together in one array, so everything is computed for all objects at
 once; ``Solid`` picks out one instance.
@@ -12,10 +12,8 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 
 import numpy as np
 
-from ..annotate.frames import place, reflect, rotate
+from ..annotate.frames import place
 from ..geometry import mesh, pieces
-from ..geometry.block import block
-from ..geometry.overlap import overlaps
 from ..geometry.resolution import FINEST, STANDARD, Resolution, bends, within_budget
 from ..geometry.topology import topology
 from .shading import Shading, shade
@@ -151,87 +149,3 @@ def by_object(groups: list[Group], n_objects: int) -> list[list[Item[Group]]]:
     for one in items:  # groups of one site (two topologies, mirrored rows) lie together: order them by row
         one.sort(key=lambda item: (item.group.table.number, item.row))
     return items
-
-
-@dataclass(frozen=True, slots=True)
-class Mass:
-    """Per link of the batch: mass (L,) kg, centre (L, 3) and inertia about it (L, 3, 3), axes of the object."""
-
-    mass: np.ndarray
-    center: np.ndarray
-    inertia: np.ndarray
-
-
-def link_mass(
-    tables: list[SiteTable], densities: list[np.ndarray], link_start: np.ndarray, n_links: int, body: np.ndarray
-) -> Mass:
-    """Mass of every link. Where primitives of one body overlap, as a post sunk in a wall does, the denser one counts.
-
-    ``densities`` one array (k,) kg/m3 per table; ``link_start`` (B,) the first link row of each object; ``body`` (L,)
-    the same number for links that do not move against one another. Of equally dense ones the first in the text counts.
-    """
-    own = [_whole(table, density, link_start) for table, density in zip(tables, densities, strict=True) if len(table)]
-    rows = [*own, *_shared(tables, densities, link_start, body, own)]
-    total = np.zeros(n_links)
-    first = np.zeros((n_links, 3))
-    for link, mass, center, _ in rows:
-        total += np.bincount(link, mass, n_links)
-        first += np.stack([np.bincount(link, mass * center[:, i], n_links) for i in range(3)], axis=1)
-    middle = first / np.where(total > 0, total, 1.0)[:, None]
-    summed = np.zeros((n_links, 3, 3))
-    for link, mass, center, inertia in rows:
-        about = inertia + parallel_axis(mass, center - middle[link])
-        for i in range(3):
-            for j in range(3):
-                summed[:, i, j] += np.bincount(link, about[:, i, j], n_links)
-    return Mass(total, middle, summed)
-
-
-Portion = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]  # link, mass, centre, inertia about it, of k bodies
-
-
-def _whole(table: SiteTable, density: np.ndarray, link_start: np.ndarray) -> Portion:
-    """The primitives of a site."""
-    volume, center, inertia = mesh.volume_inertia(table.primitive, table.params)
-    center = rotate(table.rotation, reflect(center, table.mirror)) + table.translation
-    about = turned_inertia(table, inertia * density[:, None, None])
-    return link_start[table.owner] + table.link, np.abs(volume) * density, center, about
-
-
-def _shared(
-    tables: list[SiteTable], densities: list[np.ndarray], link_start: np.ndarray, body: np.ndarray, own: list[Portion]
-) -> list[Portion]:
-    """What primitives lose to denser ones that they overlap: portions of negative mass."""
-    rows = block(tables, 0, len(link_start))
-    if not len(rows.owner):
-        return []
-    start = np.cumsum([0, *(len(table) for table in tables)])
-    places = dict(zip((table.number for table in tables), start.tolist(), strict=False))
-    at = np.array([places[number] for number in rows.site.tolist()]) + rows.row
-    density = np.concatenate(densities)[at]
-    link, mass = (np.concatenate([part[k] for part in own])[at] for k in (0, 1))
-    order = np.empty(len(at), dtype=np.int64)
-    order[np.lexsort((rows.rank, -density))] = np.arange(len(at))
-    found = overlaps(rows, body[link], order, density / np.bincount(link, mass, len(body))[link])
-    lost = found.volume * density[found.row]
-    # measured in points: a primitive that lies in others altogether loses what it has, and no more
-    most = mass / np.maximum(np.bincount(found.row, lost, len(at)), 1e-300)
-    share = np.minimum(most, 1.0)[found.row]
-    inertia = found.inertia * (density[found.row] * share)[:, None, None]
-    return [(link[found.row], -lost * share, found.center, -inertia)]
-
-
-def turned_inertia(table: SiteTable, inertia: np.ndarray) -> np.ndarray:
-    """Inertia tensors (k, 3, 3) of local frames in the axes of the object."""
-    sign = np.stack([np.ones_like(table.mirror), table.mirror, np.ones_like(table.mirror)], axis=-1)
-    inertia = inertia * sign[:, :, None] * sign[:, None, :]
-    half = np.stack([rotate(table.rotation, inertia[..., j]) for j in range(3)], axis=-1)  # R I
-    return np.stack([rotate(table.rotation, half[:, j]) for j in range(3)], axis=-2)  # (R I) R^T, row by row
-
-
-def parallel_axis(mass: np.ndarray, offset: np.ndarray) -> np.ndarray:
-    """What a mass (k,) at ``offset`` (k, 3) adds to the inertia: m (|d|^2 1 - d d^T)."""
-    x, y, z = offset[:, 0], offset[:, 1], offset[:, 2]
-    square = x * x + y * y + z * z
-    outer = offset[:, :, None] * offset[:, None, :]
-    return mass[:, None, None] * (square[:, None, None] * np.eye(3) - outer)

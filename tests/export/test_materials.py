@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from artipg_dsl import load
-from artipg_dsl.export.materials import RANGES, drawn, settled
+from artipg_dsl.export.materials import settled
 from artipg_dsl.export.robot import Robots
 from artipg_dsl.resources import library_dir
+from artipg_dsl.runtime.materials import RANGES, drawn
 from artipg_dsl.session import Session
 
 TEXT = """apg 1
