@@ -117,6 +117,13 @@ def to_object(poses: Poses, row: np.ndarray, place, direction) -> tuple[list[np.
     return places, directions
 
 
+def placed_points(poses: Poses, row: np.ndarray, place) -> list[np.ndarray]:
+    """Places (three arrays (m,) each) in the own frames of rows, in the object's frame."""
+    x, y, z = place[0], place[1] * poses[2][row], place[2]
+    cells = ((poses[0][3 * axis + k][row] for k in range(3)) for axis in range(3))
+    return [a * x + b * y + c * z + poses[1][axis][row] for axis, (a, b, c) in enumerate(cells)]
+
+
 def to_local(poses: Poses, row: np.ndarray, point) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Coordinates of points of the object (three arrays (m,)) in the own frames of rows."""
     offset = [point[axis] - poses[1][axis][row] for axis in range(3)]

@@ -15,7 +15,7 @@ from functools import lru_cache
 import numpy as np
 
 from ..graph.primitive import Primitive
-from .block import Block, to_local, to_object
+from .block import Block, placed_points, to_local
 from .box import bounds
 from .hidden import inside_split
 
@@ -126,7 +126,7 @@ class _Rows:
     def _within(self, frame: np.ndarray, other: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The part (3, n), (3, n) of the box of ``frame``, in its own frame, that the box of ``other`` reaches."""
         middle, half = (self.low[:, other] + self.high[:, other]) / 2, (self.high[:, other] - self.low[:, other]) / 2
-        center = to_local(self.poses, frame, to_object(self.poses, other, middle, True))
+        center = to_local(self.poses, frame, placed_points(self.poses, other, middle))
         low, high = np.empty_like(middle), np.empty_like(middle)
         turn, other_turn = self.rows.rotation[:, frame], self.rows.rotation[:, other]
         for i in range(3):
@@ -142,7 +142,7 @@ class _Rows:
         """Three arrays (n, count): points of the object, evenly in the boxes of pairs."""
         share, size = sequence(count), pairs.high - pairs.low
         local = [pairs.low[k][:, None] + size[k][:, None] * share[k] for k in range(3)]
-        return to_object(self.poses, pairs.frame[:, None], local, True)
+        return tuple(placed_points(self.poses, pairs.frame[:, None], local))
 
     def within(self, row: np.ndarray, points: Points, asked: np.ndarray, near: np.ndarray | float = 0.0) -> np.ndarray:
         """Which of the points (n, count) that are ``asked`` lie in their rows, or by the inside function as ``near``."""
@@ -215,7 +215,7 @@ class _Rows:
         volume = size[0] * size[1] * size[2] * (held.sum(axis=1) / held.shape[1])
         mean = _means(held, points)
         spread = _products(held, [axis - m[:, None] for axis, m in zip(points, mean, strict=True)])
-        middle = to_object(self.poses, pairs.frame, (pairs.low + pairs.high) / 2, True)
+        middle = placed_points(self.poses, pairs.frame, (pairs.low + pairs.high) / 2)
         turn = self.rows.rotation[:, pairs.frame]
         center = np.stack([np.where(whole, m, other) for m, other in zip(middle, mean, strict=True)], axis=-1)
         inertia = np.zeros((len(pairs), 3, 3))
