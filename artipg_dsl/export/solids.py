@@ -6,6 +6,7 @@ once; ``Solid`` picks out one instance.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Generic, TypeVar
@@ -86,7 +87,7 @@ def build_meshes(tables: list[SiteTable], resolution: Resolution = STANDARD) -> 
     return groups
 
 
-def steps_of(tables: list[SiteTable], resolution: Resolution) -> list[int] | list[np.ndarray]:
+def steps_of(tables: list[SiteTable], resolution: Resolution) -> Sequence[int | np.ndarray]:
     """What ``mesh.build`` takes for each table: steps per full turn, or the tolerance (k,) of each instance, metres."""
     if not resolution.by_error:
         return [resolution.steps] * len(tables)

@@ -142,7 +142,8 @@ class _Rows:
         """Three arrays (n, count): points of the object, evenly in the boxes of pairs."""
         share, size = sequence(count), pairs.high - pairs.low
         local = [pairs.low[k][:, None] + size[k][:, None] * share[k] for k in range(3)]
-        return tuple(placed_points(self.poses, pairs.frame[:, None], local))
+        x, y, z = placed_points(self.poses, pairs.frame[:, None], local)
+        return x, y, z
 
     def within(self, row: np.ndarray, points: Points, asked: np.ndarray, near: np.ndarray | float = 0.0) -> np.ndarray:
         """Which of the points (n, count) that are ``asked`` lie in their rows, or by the inside function as ``near``."""
@@ -159,7 +160,7 @@ class _Rows:
                 pick = np.argsort(~asked[at], axis=1, kind="stable")[:, :width] if width < asked.shape[1] else slice(None)
                 some = [axis[at[:, None], pick] if width < asked.shape[1] else axis[at] for axis in points]
                 local = to_local(self.poses, row[at, None], some)
-                values = self.values[number][:, row[at] - shelf.start, None]
+                values = list(self.values[number][:, row[at] - shelf.start, None])
                 inside = self.inside[number].points(values, *local)[0] <= limit[at, None]
                 if width < asked.shape[1]:
                     held[at[:, None], pick] = inside
@@ -203,10 +204,11 @@ class _Rows:
                     more = np.flatnonzero((at - begin[at] >= back) & held.any(axis=1))
                     if len(more):
                         asked = held[more]
-                        held[more] &= ~self.within(pairs.first[at[more] - back], tuple(a[more] for a in points), asked)
+                        x, y, z = (axis[more] for axis in points)
+                        held[more] &= ~self.within(pairs.first[at[more] - back], (x, y, z), asked)
                 volume[at], center[at], inertia[at] = self._moments(some, points, held)
-        some = np.flatnonzero(volume > 0.0)
-        return Overlaps(pairs.row[some], volume[some], center[some], inertia[some])
+        kept = np.flatnonzero(volume > 0.0)
+        return Overlaps(pairs.row[kept], volume[kept], center[kept], inertia[kept])
 
     def _moments(self, pairs: Pairs, points: Points, held: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Volume (n,), centre (n, 3), inertia (n, 3, 3) of what is held of the boxes; exact where that is all."""
