@@ -46,6 +46,11 @@ def parser() -> argparse.ArgumentParser:
     shape.add_argument("--json", action="store_true", help="findings as JSON")
     shape.add_argument("--sarif", action="store_true", help="findings as SARIF, for editors and code hosts")
 
+    fmt = command("fmt", "lay out programs")
+    fmt.add_argument("files", nargs="+", metavar="FILE", help="an .apg file, or - for stdin to stdout")
+    fmt.add_argument("--check", action="store_true", help="change nothing; name the files that would change, exit code 1")
+    fmt.add_argument("--diff", action="store_true", help="change nothing; show what would change")
+
     new = command("new", "write a category to start from")
     new.add_argument("name", metavar="NAME", help="what the category is called, such as DeskLamp")
     new.add_argument("-o", "--out", metavar="FILE", help="the file (default: desk_lamp.apg for DeskLamp)")

@@ -1,0 +1,45 @@
+"""``apgc fmt``: one layout for programs."""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+import sys
+from pathlib import Path
+
+from ..diagnostics import Report
+from ..export.write import write_bytes
+from ..source import Source
+from ..syntax.format import formatted
+from ..syntax.parse import load
+from .report import findings, say
+
+
+def run(options: argparse.Namespace) -> int:
+    report = Report()
+    changed = 0
+    for name in options.files:
+        source = Source("<stdin>", sys.stdin.read()) if name == "-" else load(Path(name), report)
+        text = formatted(source, report) if source is not None else None
+        if source is None or text is None:
+            continue
+        if name == "-" and not (options.check or options.diff):
+            sys.stdout.write(text)
+        elif text != source.text:
+            changed += 1
+            _differs(name, source.text, text, options)
+    findings(report.diagnostics, sys.stdout)
+    if "-" not in options.files:
+        files = "1 file" if len(options.files) == 1 else f"{len(options.files)} files"
+        say(f"{files}: {changed} {'would change' if options.check or options.diff else 'changed'}")
+    return 1 if report.failed or (changed and options.check) else 0
+
+
+def _differs(name: str, before: str, after: str, options: argparse.Namespace) -> None:
+    if options.diff:
+        lines = difflib.unified_diff(before.splitlines(True), after.splitlines(True), name, name)
+        sys.stdout.writelines(line if line.endswith("\n") else line + "\n" for line in lines)
+    elif options.check:
+        print(name)
+    else:
+        write_bytes(name, after.encode(), force=True)

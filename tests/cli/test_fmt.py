@@ -1,0 +1,34 @@
+"""apgc fmt."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import pytest
+
+from .helpers import Apgc
+
+ROUGH = "apg 1\ncategory A{\nparam w:length = 1cm\n}\n"
+SMOOTH = "apg 1\ncategory A {\n  param w : length = 1cm\n}\n"
+
+
+def test_files(apgc: Apgc, tmp_path: Path) -> None:
+    rough, smooth, broken = (tmp_path / f"{name}.apg" for name in ("rough", "smooth", "broken"))
+    rough.write_text(ROUGH, encoding="utf-8")
+    smooth.write_text(SMOOTH, encoding="utf-8")
+    broken.write_text("apg 1\ncategory {", encoding="utf-8")
+    assert apgc("fmt", "--check", rough, smooth) == (1, f"{rough}\n", "2 files: 1 would change\n")
+    code, out, _ = apgc("fmt", "--diff", rough)
+    assert code == 0 and "-param w:length = 1cm" in out and "+  param w : length = 1cm" in out
+    assert rough.read_text(encoding="utf-8") == ROUGH
+    code, out, err = apgc("fmt", rough, smooth, broken, tmp_path / "absent.apg")
+    assert code == 1 and "broken.apg:2" in out and "there is no file" in out and "4 files: 1 changed" in err
+    assert rough.read_text(encoding="utf-8") == SMOOTH
+    assert broken.read_text(encoding="utf-8") == "apg 1\ncategory {"
+    assert apgc("fmt", "--check", rough, smooth)[0] == 0
+
+
+def test_stdin(apgc: Apgc, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sys.stdin", io.StringIO(ROUGH))
+    assert apgc("fmt", "-") == (0, SMOOTH, "")
