@@ -12,7 +12,7 @@ from ..export.write import write_bytes
 from ..source import Source
 from ..syntax.format import formatted
 from ..syntax.parse import load
-from .report import findings, say
+from .messages import findings, say
 
 
 def run(options: argparse.Namespace) -> int:
