@@ -146,7 +146,7 @@ def evaluate(
     scope = reader.program.sites[target.site].scope
     field = Field(label.formulas)
     reads = [np.asarray(v) for v in reader.read(field.inputs, scope)] if field.inputs else []
-    place = _Place(reader, target, scope, {name for name in field.names if "." in name}, label.vector)
+    place = _Place(reader, target, scope, {name for name in field.names if "." in name}, bool(label.vector))
     rows, found = np.asarray(points.row).ravel(), []
     for start in range(0, len(at), _CHUNK):
         some = at[start : start + _CHUNK]

@@ -87,6 +87,7 @@ def block(sites: list[SiteTable], first: int, stop: int) -> Block:
 
 
 Poses = tuple[np.ndarray, np.ndarray, np.ndarray]
+Coordinates = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 def placed_bounds(poses: Poses, row: np.ndarray, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -103,7 +104,7 @@ def placed_bounds(poses: Poses, row: np.ndarray, low: np.ndarray, high: np.ndarr
     return out_low, out_high
 
 
-def to_object(poses: Poses, row: np.ndarray, place, direction) -> tuple[list[np.ndarray], list[np.ndarray]]:
+def to_object(poses: Poses, row: np.ndarray, place, direction) -> tuple[Coordinates, Coordinates]:
     """Places and directions (three arrays (m,) each) in the own frames of rows, in the object's frame."""
     mirror = poses[2][row]
     locals_ = [(p[0], p[1] * mirror, p[2]) for p in (place, direction)]
@@ -114,7 +115,7 @@ def to_object(poses: Poses, row: np.ndarray, place, direction) -> tuple[list[np.
         one += poses[1][axis][row]
         places.append(one)
         directions.append(two)
-    return places, directions
+    return (places[0], places[1], places[2]), (directions[0], directions[1], directions[2])
 
 
 def placed_points(poses: Poses, row: np.ndarray, place) -> list[np.ndarray]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .block import Block, Shelf, to_object
+from .block import Block, Coordinates, Shelf, to_object
 from .density import patch_area
 from .flat import BENT, PLANAR, quads, shapes
 from .patches import Params, existing, surfaces
@@ -18,7 +18,6 @@ from .surface import Evaluator
 from .topology import orientation
 
 _CHUNK = 8192  # cells at a time: their arrays stay in the cache
-Coordinates = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

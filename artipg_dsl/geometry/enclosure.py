@@ -5,6 +5,7 @@ The rules are those of Moore, "Interval Analysis" (1966), without outward roundi
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
@@ -49,7 +50,7 @@ def most_inside(primitive: Primitive, params: dict[str, np.ndarray], low, high) 
     with np.errstate(all="ignore"):
         for node in steps:
             if node.op == "const":
-                one = np.float64(node.value)  # type: ignore[arg-type]
+                one = np.asarray(node.value, dtype=np.float64)
                 values[id(node)] = one, one
             elif node.op == "var":
                 name = str(node.value)
@@ -94,7 +95,7 @@ def _hypot(a: Bounds, b: Bounds) -> Bounds:
     return np.hypot(one[0], two[0]), np.hypot(one[1], two[1])
 
 
-_RULES = {
+_RULES: dict[str, Callable[..., Bounds]] = {
     "add": lambda a, b: (a[0] + b[0], a[1] + b[1]),
     "sub": lambda a, b: (a[0] - b[1], a[1] - b[0]),
     "neg": lambda a: (-a[1], -a[0]),

@@ -15,9 +15,9 @@ from functools import lru_cache
 import numpy as np
 
 from ..graph.primitive import Primitive
-from .block import Block, to_local
+from .block import Block, Coordinates, to_local
 from .box import bounds
-from .cells import Cells, Coordinates
+from .cells import Cells
 from .enclosure import most_inside
 from .flat import BENT, PLANAR, convex
 from .patches import Split

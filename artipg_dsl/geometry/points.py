@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..graph import random
-from .block import Block, block, to_object
-from .cells import Cells, Coordinates
+from .block import Block, Coordinates, block, to_object
+from .cells import Cells
 from .density import Placement, solve_linear
 from .flat import BENT, PLANAR
 from .hidden import Occlusion, runs, scales

@@ -248,7 +248,7 @@ def whole(node: Expr) -> bool:
     if node.op == "const":
         return isinstance(node.value, float) and node.value.is_integer()
     if node.op == "col":
-        return node.value.kind == "count"  # type: ignore[union-attr]
+        return node.value.kind == "count"
     if node.op in ("rank", "floor", "ceil"):
         return True
     if node.op in ("add", "sub", "mul", "neg", "abs", "min", "max"):

@@ -99,7 +99,9 @@ def _levels(draw: Draw, drawn: np.ndarray) -> tuple[Level, ...]:
 
 def coverage(sampler: Sampler, batch: Batch) -> Coverage:
     """The pair coverage of a batch, with what was not seen asked for."""
-    seen, missed, excluded = 0, [], []
+    seen = 0
+    missed: list[Pair] = []
+    excluded: list[Pair] = []
     trials = _Trials(sampler, batch.seed)
     for first, second in combinations(factors(batch), 2):
         table = together(batch, first, second)

@@ -11,11 +11,11 @@ from hashlib import blake2b
 
 import numpy as np
 
-from ..annotate.materials import material_rows
 from ..graph.expr import Expr, Scope
 from ..graph.formula import free_variables
 from ..graph.random import mix
 from ..runtime.batch import Batch
+from ..runtime.materials import material_rows
 from ..runtime.needs import pose_cells, row_values
 
 GRAIN = 1e-9  # metres, radians: what differs by less is the same
