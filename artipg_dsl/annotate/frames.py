@@ -17,6 +17,23 @@ def unrotate(rotation: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     return rotate(np.swapaxes(rotation, -1, -2), vectors)
 
 
+def rotate_rows(
+    rotation: np.ndarray, row: np.ndarray, vectors: np.ndarray, shift: np.ndarray | None = None
+) -> np.ndarray:
+    """Vectors (n, 3) turned by the matrices ``rotation[row]``, of (k, 3, 3), and moved by ``shift[row]``, of (k, 3).
+
+    Column by column: no matrix is gathered for each vector.
+    """
+    columns = np.ascontiguousarray(rotation.reshape(-1, 9).T)
+    x, y, z = (np.ascontiguousarray(vectors[:, k]) for k in range(3))
+    out = np.empty((len(row), 3))
+    for i in range(3):
+        a, b, c = (columns[3 * i + j][row] for j in range(3))
+        turned = a * x + b * y + c * z
+        out[:, i] = turned if shift is None else turned + np.ascontiguousarray(shift[:, i])[row]
+    return out
+
+
 def compose(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """Products ``first @ second`` of matrices (..., 3, 3), without BLAS."""
     columns = [rotate(first, second[..., :, j]) for j in range(3)]

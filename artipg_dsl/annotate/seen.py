@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..geometry.block import to_local
-from ..geometry.bound import surface_at
+from ..geometry.bound import normals_at
 from ..geometry.hidden import inside_split
-from .frames import rotate, unrotate
+from .frames import rotate, rotate_rows, unrotate
 from .points import Labels, label_points
 from .poses import diagonal, middles
 
@@ -27,16 +27,16 @@ class Hits:
     weights: np.ndarray
 
     def blend(self, values: np.ndarray) -> np.ndarray:
-        """(n, c) of values (T, 3, c) at the corners of all triangles."""
-        return blend(values[self.triangle], self.weights)
+        """(n, c): the weighted sums of values (T, 3, c) at the corners of all triangles."""
+        out = np.empty((len(self.triangle), values.shape[2]))
+        weights = [np.ascontiguousarray(self.weights[:, k]) for k in range(3)]
+        for axis in range(values.shape[2]):
+            a, b, c = (np.ascontiguousarray(values[:, k, axis])[self.triangle] for k in range(3))
+            out[:, axis] = a * weights[0] + b * weights[1] + c * weights[2]
+        return out
 
     def take(self, at: np.ndarray) -> Hits:
         return Hits(self.triangle[at], self.weights[at])
-
-
-def blend(corners: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """(n, c): the weighted sums of values (n, 3, c) at corners."""
-    return corners[:, 0] * weights[:, :1] + corners[:, 1] * weights[:, 1:2] + corners[:, 2] * weights[:, 2:]
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +59,7 @@ def bind(soup: Soup, hits: Hits) -> Bound:
     """Place on the triangle, normal of the surface that it stands for."""
     row, patch = soup.row[hits.triangle], soup.patch[hits.triangle]
     uv = np.clip(hits.blend(soup.uv), 0.0, 1.0)
-    _, normal = surface_at(soup.rows, row, patch, uv[:, 0], uv[:, 1])
+    normal = normals_at(soup.rows, row, patch, uv[:, 0], uv[:, 1])
     position = hits.blend(soup.corner)
     return Bound(soup.rows.site[row], soup.rows.row[row], patch, uv[:, 0], uv[:, 1], position, normal)
 
@@ -69,7 +69,8 @@ def part_coordinates(batch: Batch, part: np.ndarray, points: np.ndarray) -> np.n
     parts = batch.parts()
     scale = diagonal(parts.high - parts.low)
     scale = np.where(scale > 0, scale, 1.0)
-    return unrotate(parts.rotation[part], points - middles(parts)[part]) / scale[part][:, None]
+    back = np.swapaxes(parts.rotation, -1, -2)
+    return rotate_rows(back, part, points - middles(parts)[part]) / scale[part][:, None]
 
 
 def classes(batch: Batch, points: Bound) -> np.ndarray:
@@ -105,6 +106,8 @@ def amid_solids(
 
 def carried(rotation: np.ndarray, translation: np.ndarray | None, link: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     """Vectors (n, ..., 3) moved with the links (n,); directions without a translation."""
+    if vectors.ndim == 2:
+        return rotate_rows(rotation, link, vectors, translation)
     spread = link.reshape(link.shape + (1,) * (vectors.ndim - 2))
     out = rotate(rotation[spread], vectors)
     return out if translation is None else out + translation[spread]

@@ -92,6 +92,8 @@ def run(options: argparse.Namespace) -> int:
     if resolution(options) and not any(entry.per_object for entry in formats):
         raise UsageError("--tolerance and --triangles are about meshes, which none of the formats has", "add one such as glb to --format")
     in_the_way(Path(options.out))
+    if content.cameras is not None:
+        tell_engine()
     job = open_job(options.program, options.seed or 0, settings, checked=not options.unchecked)
     if options.mutate:
         job = job.mutated(mutation(options))
@@ -113,6 +115,14 @@ def run(options: argparse.Namespace) -> int:
     share = "" if options.shard[1] == 1 else f", part {options.shard[0]} of {options.shard[1]}"
     say(f"{done} in {options.out}{share} ({time.monotonic() - begun:.1f} s)")
     return 0
+
+
+def tell_engine() -> None:
+    """Say that views take longer where embree is missing."""
+    from ..geometry.rays import best_engine
+
+    if best_engine() != "embree":
+        say("views: embree is not installed, so NumPy casts the rays, which is slower; pip install 'artipg_dsl[rays]' brings it")
 
 
 def statistics(job: Job, manifest: dict[str, Any]) -> str:

@@ -1,29 +1,34 @@
-"""Bound points (row, patch, u, v) in any number and order: where they are, and the surface there."""
+"""Bound points (row, patch, u, v) in any number and order: the surface there."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from .block import Block, to_object
+from .block import Block
 from .patches import surfaces
 from .surface import Evaluator
 
 
-def surface_at(
-    rows: Block, row: np.ndarray, patch: np.ndarray, u: np.ndarray, v: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Position and outward unit normal, (m, 3) each in the object's frame, of points on rows of a block."""
-    poses = (rows.rotation, rows.translation, rows.mirror)
-    place, direction = np.empty((3, len(row))), np.empty((3, len(row)))
+def normals_at(rows: Block, row: np.ndarray, patch: np.ndarray, u: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Outward unit normals (m, 3) in the objects' frames at points on rows of a block."""
+    local = np.empty((3, len(row)))
     widest = max((len(surfaces(shelf.primitive)) for shelf in rows.shelves), default=0)
     shelf_of = np.searchsorted([shelf.start for shelf in rows.shelves], row, side="right") - 1
     cell = shelf_of * widest + patch
-    order = np.argsort(cell, kind="stable")
-    found, starts = np.unique(cell[order], return_index=True)
-    for which, at in zip(found.tolist(), np.split(order, starts[1:]), strict=True):
+    narrow = cell.astype(np.int16) if len(rows.shelves) * widest < 2**15 else cell  # sorted by its digits
+    order = np.argsort(narrow, kind="stable")
+    sorted_cell = cell[order]
+    starts = (
+        np.flatnonzero(np.append(True, sorted_cell[1:] != sorted_cell[:-1])) if len(cell) else np.empty(0, np.int64)
+    )
+    for which, at in zip(sorted_cell[starts].tolist(), np.split(order, starts[1:]), strict=True):
         shelf, number = rows.shelves[which // widest], which % widest
-        made = Evaluator(shelf.primitive, number, shelf.params).at(row[at] - shelf.start, u[at], v[at])
+        _, normal = Evaluator(shelf.primitive, number, shelf.params).at(row[at] - shelf.start, u[at], v[at])
         for axis in range(3):
-            place[axis, at], direction[axis, at] = made[0][axis], made[1][axis]
-    position, normal = to_object(poses, row, place, direction)
-    return np.stack(position, axis=-1), np.stack(normal, axis=-1)
+            local[axis][at] = normal[axis]
+    local[1] *= rows.mirror[row]
+    out = np.empty((len(row), 3))
+    for axis in range(3):
+        a, b, c = (rows.rotation[3 * axis + k][row] for k in range(3))
+        out[:, axis] = a * local[0] + b * local[1] + c * local[2]
+    return out

@@ -131,22 +131,35 @@ def normals(triangles: np.ndarray) -> np.ndarray:
     return _cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
 
 
-def intersect(triangles: np.ndarray, directions: np.ndarray) -> np.ndarray:
-    """Where rays (n, 3) from the origin meet triangles (n, 3, 3): barycentric weights (n, 3) of the corners.
+def intersect(triangles: np.ndarray, found: np.ndarray, directions: np.ndarray) -> np.ndarray:
+    """Where rays (n, 3) from the origin meet ``triangles[found]``, of (T, 3, 3): barycentric weights (n, 3) of the corners.
 
-    A ray that passes a triangle by a rounding error meets its border.
+    A ray that passes a triangle by a rounding error meets its border. What depends on the triangle alone is computed
+    once for each; rows of ``found`` gather it column by column.
     """
     a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
     normal = normals(triangles)
-    slope, square = _dot(normal, directions), _dot(normal, normal)
-    distance = _dot(normal, a) / np.where(slope == 0.0, 1.0, slope)
-    offset = directions * distance[:, None] - a
-    square = np.where(square == 0.0, 1.0, square)
-    second = np.clip(_dot(_cross(offset, c - a), normal) / square, 0.0, 1.0)
-    third = np.clip(_dot(_cross(b - a, offset), normal) / square, 0.0, 1.0)
+    square = _dot(normal, normal)
+    square = np.where(square == 0.0, 1.0, square)[:, None]
+    across, along = _cross(c - a, normal) / square, _cross(normal, b - a) / square  # of places in the plane
+
+    def gathered(vectors: np.ndarray) -> list[np.ndarray]:
+        return [np.ascontiguousarray(vectors[:, k])[found] for k in range(3)]
+
+    def product(one: list[np.ndarray], two: list[np.ndarray]) -> np.ndarray:
+        return one[0] * two[0] + one[1] * two[1] + one[2] * two[2]
+
+    way, start, up = [np.ascontiguousarray(directions[:, k]) for k in range(3)], gathered(a), gathered(normal)
+    slope = product(up, way)
+    distance = _dot(normal, a)[found] / np.where(slope == 0.0, 1.0, slope)
+    offset = [w * distance - s for w, s in zip(way, start, strict=True)]
+    second = np.clip(product(offset, gathered(across)), 0.0, 1.0)
+    third = np.clip(product(offset, gathered(along)), 0.0, 1.0)
     over = np.maximum(second + third, 1.0)
-    second, third = second / over, third / over
-    return np.stack([1.0 - second - third, second, third], axis=-1)
+    out = np.empty((len(found), 3))
+    out[:, 1], out[:, 2] = second / over, third / over
+    out[:, 0] = 1.0 - out[:, 1] - out[:, 2]
+    return out
 
 
 def reach(local: np.ndarray, grid: Grid) -> tuple[np.ndarray, np.ndarray]:

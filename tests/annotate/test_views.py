@@ -225,8 +225,9 @@ def test_casters_name_the_same_triangles_from_any_place() -> None:
             b = np.where(b >= 0, b % 400, -1)
         assert (a >= 0).mean() > 0.05 and (a == b).mean() > 0.995
         hit = np.flatnonzero((a == b) & (a >= 0))
-        local = rays.turned(turn, corner[a[hit]] - eye)
-        weights = rays.intersect(local, grid.directions()[hit])
+        local = rays.turned(turn, corner - eye)
+        weights = rays.intersect(local, a[hit], grid.directions()[hit])
+        local = local[a[hit]]
         place = (weights[..., None] * local).sum(axis=1)
         assert (weights >= 0).all()
         assert place[:, :2] / place[:, 2:] == pytest.approx(grid.directions()[hit, :2], abs=1e-5)

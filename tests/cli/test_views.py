@@ -64,3 +64,17 @@ def test_a_broken_camera_file_is_told_in_words(apgc: Apgc, tmp_path: Path, camer
     cameras.write_text('{"fov": "wide"}')
     code, _, err = apgc("sample", CHEST, "-n", 2, "-o", tmp_path / "o", "--views", cameras)
     assert code == 1 and "cameras.json: `fov`" in err and not (tmp_path / "o").exists()
+
+
+def test_it_is_told_when_rays_take_longer(
+    apgc: Apgc, tmp_path: Path, cameras: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("artipg_dsl.geometry.rays.best_engine", lambda: "numpy")
+    wish = ("sample", CHEST, "-n", 1, "--points", 16)
+    code, _, err = apgc(*wish, "-o", tmp_path / "points")
+    assert code == 0 and "embree" not in err  # nothing is cast
+    code, _, err = apgc(*wish, "-o", tmp_path / "views", "--views", cameras)
+    assert code == 0 and "NumPy casts the rays" in err and "artipg_dsl[rays]" in err
+    monkeypatch.setattr("artipg_dsl.geometry.rays.best_engine", lambda: "embree")
+    code, _, err = apgc(*wish, "-o", tmp_path / "embree", "--views", cameras)
+    assert code == 0 and "NumPy" not in err
