@@ -112,6 +112,7 @@ class Job:
         for (first, second, joint), count in self.statistics.collided.items():
             when = f"while {joint} moves" if joint else "at rest"
             found[f"{first} and {second} collide {when}"] = count
+        found |= self.statistics.unsound
         return dict(sorted(found.items(), key=lambda item: (-item[1], item[0])))
 
     def counts(self) -> dict[str, Any]:

@@ -25,7 +25,7 @@ def run(options: argparse.Namespace) -> int:
     found = examine(job, numbers, options.states)
     print(json.dumps(found, indent=1) if options.json else text(found))
     delivered = found["delivered"]
-    return 0 if delivered is not None and not delivered["colliding"] else 1
+    return 0 if delivered is not None and not delivered["invalid"] else 1
 
 
 def wanted(options: argparse.Namespace) -> tuple[Job, np.ndarray]:
@@ -81,16 +81,23 @@ def text(found: dict[str, Any]) -> str:
     ]
     for pair in drawn["pairs"]:
         lines.append("    " + collision(Pair(**pair), found["objects"], kinds))
+    lines.extend(others(drawn["faults"], found["objects"]))
     if delivered is None:
         return "\n".join([*lines, f"nothing delivered: {found['exhausted']}"])
-    valid = found["objects"] - delivered["colliding"]
+    valid = found["objects"] - delivered["invalid"]
     lines.append(f"delivered valid       {100 * valid / found['objects']:.1f}%   (at rest and over {delivered['joints']} joints)")
     for pair in delivered["pairs"]:
         lines.append("    " + collision(Pair(**pair), found["objects"], kinds))
+    lines.extend(others(delivered["faults"], found["objects"]))
     lines.append(f"blocking              {len(delivered['blocking'])} pairs of links in {delivered['states']} random configurations each")
     for pair in delivered["blocking"]:
         lines.append(f"    {pair['first']} and {pair['second']}: {100 * pair['objects'] / found['objects']:.1f}% of objects")
     return "\n".join(lines)
+
+
+def others(faults: list[tuple[str, int]], objects: int) -> list[str]:
+    """What is wrong besides collisions, in lines."""
+    return [f"    {words}: {100 * count / objects:.1f}% of objects" for words, count in faults]
 
 
 def collision(pair: Pair, objects: int, kinds: dict[str, str]) -> str:

@@ -1,4 +1,4 @@
-"""What is known of the validity of some objects: which links collide, and which block one another.
+"""What is known of the validity of some objects: what is wrong with them, and which links block one another.
 
 Two links block one another when they meet only while joints of several chains are moved at once: two doors on one
 divider. That is no failure; it is found in random configurations of all joints together, and counted.
@@ -13,8 +13,9 @@ import numpy as np
 from ..graph.random import key, mix, uniform
 from .batch import Batch
 from .bodies import gather
+from .faults import faults
 from .tree import Tree
-from .validate import blocks, collisions, posed
+from .validate import blocks, posed
 
 STATES = 64  # random configurations per object
 
@@ -32,10 +33,13 @@ class Pair:
 
 @dataclass(frozen=True, slots=True)
 class Evidence:
-    """Pairs that collide and pairs that block one another, the most frequent first; ``colliding`` objects; joints seen."""
+    """Pairs that collide and pairs that block one another, and what else is wrong by how many objects have it, the most
+    frequent first; how many objects are ``invalid`` and how many of them have links that collide; joints seen."""
 
     objects: int
+    invalid: int
     colliding: int
+    faults: tuple[tuple[str, int], ...]
     pairs: tuple[Pair, ...]
     blocking: tuple[Pair, ...]
     joints: int
@@ -43,8 +47,10 @@ class Evidence:
 
 
 def evidence(batch: Batch, states: int = STATES) -> Evidence:
-    """Collisions of a batch at rest and joint by joint, and in ``states`` random configurations of all joints."""
-    found, tree = collisions(batch), Tree(batch)
+    """What is wrong with a batch at rest and joint by joint, and which links meet in ``states`` random
+    configurations of all joints."""
+    wrong = faults(batch)
+    found, tree = wrong.collisions, wrong.tree
     pairs = []
     for (first, second, joint), rows in tree.named(found).items():
         value = float(found.value[rows].min())
@@ -52,7 +58,9 @@ def evidence(batch: Batch, states: int = STATES) -> Evidence:
     known = _codes(tree, found.owner, found.first, found.second)
     blocking = _blocking(tree, states, known) if states else []
     count = len(tree.joints.owner)
-    return Evidence(len(batch), len(found.objects()), _sorted(pairs), _sorted(blocking), count, states)
+    others = sorted(((fault.words, len(fault.objects)) for fault in wrong.others), key=lambda f: (-f[1], f[0]))
+    invalid, colliding = len(wrong.objects()), len(found.objects())
+    return Evidence(len(batch), invalid, colliding, tuple(others), _sorted(pairs), _sorted(blocking), count, states)
 
 
 def _sorted(pairs: list[Pair]) -> tuple[Pair, ...]:

@@ -22,7 +22,8 @@ GROUP = 32  # objects that try again together
 class Statistics:
     """How often what failed: ``missed`` draws without room and ``broken`` requirements, in objects, over all attempts.
 
-    ``collided`` counts objects per pair of links, by path, and the joint that makes them meet ("" at rest).
+    ``collided`` counts objects per pair of links, by path, and the joint that makes them meet ("" at rest); ``unsound``
+    those whose solids are at fault otherwise, by what is wrong.
     """
 
     objects: int = 0
@@ -31,6 +32,7 @@ class Statistics:
     missed: dict[int, int] = field(default_factory=dict)
     broken: dict[int, int] = field(default_factory=dict)
     collided: dict[tuple[str, str, str], int] = field(default_factory=dict)
+    unsound: dict[str, int] = field(default_factory=dict)
 
     def add(self, state: State, first: bool, bad: np.ndarray | None = None) -> None:
         """Count one attempt of some objects; ``bad`` says which of them failed, where that is more than the state knows."""
@@ -128,11 +130,13 @@ class _Trials:
 
 
 def colliding(batch: Batch, statistics: Statistics) -> np.ndarray:
-    """Indices of the objects of a batch that collide, counted."""
-    from .tree import Tree  # late: only who asks for it pays for it
-    from .validate import collisions
+    """Indices of the objects of a batch whose solids are at fault: that collide, tip over, ...; counted."""
+    from .faults import faults  # late: only who asks for it pays for it
 
-    found = collisions(batch)
-    for key, rows in Tree(batch).named(found).items() if len(found) else ():
-        statistics.collided[key] = statistics.collided.get(key, 0) + len(np.unique(found.owner[rows]))
+    found = faults(batch)
+    struck = found.collisions
+    for key, rows in found.tree.named(struck).items() if len(struck) else ():
+        statistics.collided[key] = statistics.collided.get(key, 0) + len(np.unique(struck.owner[rows]))
+    for fault in found.others:
+        statistics.unsound[fault.words] = statistics.unsound.get(fault.words, 0) + len(fault.objects)
     return found.objects()

@@ -40,6 +40,8 @@ class Tree:
         self.origin = apply(self.turn[holder], self.joints.origin) + self.shift[holder]
         kinds = np.array(self.joints.kind, dtype=object)
         self.turns, self.slides = np.isin(kinds, TURNING), kinds == "prismatic"
+        # what a turn by a radian advances: a screw's pitch
+        self.advance = np.where(kinds == "screw", np.nan_to_num(self.joints.pitch) / (2 * np.pi), 0.0)
         self.low = np.where(np.isnan(self.joints.low), -np.pi, self.joints.low)
         self.high = np.where(np.isnan(self.joints.high), np.pi, self.joints.high)
         base = np.searchsorted(self.joints.owner, self.joints.owner)
@@ -49,7 +51,7 @@ class Tree:
         if batch.loops is not None:  # what the loops of an object determine follows its first driving joint
             self.leader = batch.loops.driven(self.leader)
         self.alone = np.bincount(self.leader, minlength=len(base))[self.leader] == 1
-        self.alone &= self.turns | self.slides | (kinds == "fixed")  # a screw does both, a ball turns about what is no axis of the table
+        self.alone &= self.turns | self.slides | (kinds == "fixed")  # a ball turns about what is no axis of the table
 
     def named(self, found: Collisions) -> dict[tuple[str, str, str], np.ndarray]:
         """Per pair of paths of links and path of the joint ("" at rest): the rows of ``found``."""
@@ -89,3 +91,24 @@ def spread(first: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, np.ndarray
     count = np.maximum(count, 0)
     index = np.repeat(np.arange(len(first)), count)
     return index, np.arange(len(index)) - np.repeat(np.cumsum(count) - count, count) + np.repeat(first, count)
+
+
+def led(tree: Tree, chosen: np.ndarray, shares: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, int]]:
+    """States (J,) in which one leading joint of ``chosen`` (J,) bool of every object stands at each share of its range.
+
+    The first such joint of every object, then the second, ...: (that joint of each object (B,), -1 for none; states with
+    the others at rest; which share).
+    """
+    joints = tree.joints
+    leads = chosen & (tree.leader == np.arange(len(joints.owner)))
+    base = np.searchsorted(joints.owner, joints.owner)
+    rank = np.cumsum(leads) - leads
+    rank = rank - rank[base] if len(rank) else rank
+    for turn in range(int(rank[leads].max(initial=-1)) + 1):
+        at = np.flatnonzero(leads & (rank == turn))
+        lead = np.full(len(tree.first), -1)
+        lead[joints.owner[at]] = at
+        for number, share in enumerate(shares):
+            states = joints.rest.copy()
+            states[at] = tree.low[at] + share * (tree.high[at] - tree.low[at])
+            yield lead, states, number

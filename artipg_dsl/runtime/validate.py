@@ -18,7 +18,7 @@ from ..geometry.collide import dot, examine, overlap
 from .batch import Batch
 from .bodies import FULL, Pieces, Placed, gather, rings, swept_extent
 from .motion import apply, product, rotation_about
-from .tree import Tree, spread
+from .tree import Tree, led, spread
 
 BLOCK = 20_000  # pieces at a time
 HALVINGS = 16  # of an interval of angles; what is not decided then is nearer than a turn by 0.005 degrees
@@ -48,10 +48,10 @@ class Collisions:
         return np.unique(self.owner)
 
 
-def collisions(batch: Batch) -> Collisions:
+def collisions(batch: Batch, tree: Tree | None = None, body: Pieces | None = None) -> Collisions:
     """All penetrations of a batch, each pair of links once per joint that brings it about."""
-    tree = Tree(batch)
-    body = gather(batch, tree.first, tree.turn, tree.shift)
+    tree = tree or Tree(batch)
+    body = body or gather(batch, tree.first, tree.turn, tree.shift)
     return told(tree, np.concatenate([_nothing(), *(_block(tree, part) for part in blocks(body))]))
 
 
@@ -181,6 +181,8 @@ def _sliding(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> 
 def _turning(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> np.ndarray:
     axis, origin = tree.axis[joint], tree.origin[joint]
     own = rings(body, piece, axis, origin)
+    ends = [tree.advance[joint] * (end[joint] - tree.joints.rest[joint]) for end in (tree.low, tree.high)]
+    own.height += np.stack([np.minimum(*ends), np.maximum(*ends)], axis=-1)
     middle = origin + axis * ((own.height[:, 0] + own.height[:, 1]) / 2)[:, None]
     wide = own.reach[:, 1][:, None] * np.sqrt(np.maximum(1.0 - axis * axis, 0.0))
     wide += np.abs(axis) * ((own.height[:, 1] - own.height[:, 0]) / 2)[:, None]
@@ -195,7 +197,7 @@ def _turning(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> 
     rest = tree.joints.rest[joint[i]]
     at, start, stop = _angles(own.angle[i], other.angle[back], tree.low[joint[i]] - rest, tree.high[joint[i]] - rest)
     i, j = i[at], j[at]
-    hit, value = _decide(body, Turns(piece[i], j, axis[i], origin[i], start, stop, np.arange(len(i))))
+    hit, value = _decide(body, Turns(piece[i], j, axis[i], origin[i], start, stop, tree.advance[joint[i]], np.arange(len(i))))
     i, j = i[hit], j[hit]
     return Hits(body.link[piece[i]], body.link[j], joint[i], value + tree.joints.rest[joint[i]]).rows()
 
@@ -227,6 +229,7 @@ class Turns:
     origin: np.ndarray
     start: np.ndarray
     stop: np.ndarray
+    advance: np.ndarray  # metres along the axis for a radian
     row: np.ndarray  # what it is a part of
 
     def at(self, rows: np.ndarray) -> Turns:
@@ -242,11 +245,13 @@ class Turns:
         """Which meet in the middle, and which are proved to stay apart."""
         middle, half = (self.start + self.stop) / 2, (self.stop - self.start) / 2
         turn = rotation_about(self.axis, middle)
-        moved = Placed(body, self.piece, turn, self.origin - apply(turn, self.origin))
+        along = self.axis * (self.advance * middle)[:, None]
+        moved = Placed(body, self.piece, turn, self.origin - apply(turn, self.origin) + along)
         still = Placed(body, self.other)
         hit, away = examine(moved, still)
         # moved lies beyond still along ``away``: does it while it turns by half the interval either way?
         least = -swept_extent(moved, self.axis, self.origin, np.minimum(half, np.pi), -away)
+        least -= np.abs(dot(self.axis, away) * self.advance * half)
         most = dot(still.support(np.arange(len(self.row)), away), away)
         return hit, ~hit & (least >= most)
 
@@ -277,27 +282,14 @@ def _decide(body: Pieces, turns: Turns) -> tuple[np.ndarray, np.ndarray]:
 
 def _following(tree: Tree, body: Pieces) -> Iterator[np.ndarray]:
     """Joints that others follow, in many states."""
-    joints = tree.joints
-    leads = ~tree.alone & (tree.leader == np.arange(len(joints.owner)))
-    base = np.searchsorted(joints.owner, joints.owner)
-    rank = np.cumsum(leads) - leads
-    rank = rank - rank[base] if len(rank) else rank
-    for number in range(int(rank[leads].max(initial=-1)) + 1):  # the first such joint of every object, the second, ...
-        chosen = np.flatnonzero(leads & (rank == number))
-        lead = np.full(len(tree.first), -1)
-        lead[joints.owner[chosen]] = chosen
-        for share in SHARES:
-            states = joints.rest.copy()
-            states[chosen] = tree.low[chosen] + share * (tree.high[chosen] - tree.low[chosen])
-            first, second = posed(tree, body, states)
+    for lead, states, _ in led(tree, ~tree.alone, SHARES):
+        pairs = [posed(tree, body, states)]
+        if tree.batch.loops is not None:
+            pairs.append(tree.batch.loops.apart(states))
+        for first, second in pairs:
             at = lead[tree.links.owner[first]]
             keep = at >= 0
             yield Hits(first[keep], second[keep], at[keep], states[at[keep]]).rows()
-            if tree.batch.loops is not None:
-                first, second = tree.batch.loops.apart(states)
-                at = lead[tree.links.owner[first]]
-                keep = at >= 0
-                yield Hits(first[keep], second[keep], at[keep], states[at[keep]]).rows()
 
 
 def posed(tree: Tree, body: Pieces, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

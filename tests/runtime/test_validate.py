@@ -199,3 +199,17 @@ def test_an_exact_checker_agrees_on_microwaves(microwave: Sampler) -> None:
         assert ours == exact_pairs(batch, states)
         seen += len(ours)
     assert seen > 0  # the comparison is of something
+
+
+def test_a_screw_advances_into_what_lies_ahead() -> None:
+    text = """
+  root part body : Cuboid(size = [10cm, 10cm, 2cm])
+  part roof : Cuboid(size = [10cm, 10cm, 1cm])
+  align roof.bottom = body.top + 5cm
+  connect roof to body
+  part bolt : Cuboid(size = [2cm, 2cm, 2cm])
+  align bolt.bottom = body.top + 1mm
+  joint drive : screw body -> bolt about line(at = body.center, along = z) range 0turn .. {turns}turn pitch 5mm
+"""
+    assert found(text.format(turns="5.7")) == []  # 1 mm + 2 cm + 28.5 mm
+    assert found(text.format(turns="5.9")) == [("body", "bolt", "drive")]

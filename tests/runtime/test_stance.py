@@ -1,0 +1,148 @@
+"""Does an object stand: closed forms for boxes, hulls against SciPy's, and that what tips over is drawn again."""
+
+import numpy as np
+import pytest
+from scipy.spatial import ConvexHull
+
+from artipg_dsl.job import make_job
+from artipg_dsl.runtime.faults import faults
+from artipg_dsl.runtime.hull import depth, hulls
+from artipg_dsl.runtime.sample import Sampler, Statistics
+from artipg_dsl.runtime.stance import TILT
+from artipg_dsl.session import Session
+
+HEAD = "apg 1\nuse primitives { Cuboid, Cylinder }\ncategory Case {\n"
+
+
+def program(body: str) -> Sampler:
+    return Session.of_text(HEAD + body + "\n}\n").sampler
+
+
+def tips(body: str) -> bool:
+    return len(faults(program(body).batch(np.arange(1), 0)).others) > 0
+
+
+def test_hulls_are_those_of_scipy() -> None:
+    rng = np.random.default_rng(1)
+    points = rng.normal(size=(40, 30, 2)).round(1)  # rounded: many lie on one line, some coincide
+    valid = rng.random((40, 30)) < 0.7
+    found = hulls(points, valid)
+    for row in range(40):
+        exact = ConvexHull(points[row, valid[row]])
+        x, y = found[row].T
+        area = abs((x * np.roll(y, -1) - y * np.roll(x, -1)).sum()) / 2
+        assert area == pytest.approx(exact.volume, abs=1e-9)
+        probe = rng.normal(size=2)
+        inside = -(exact.equations[:, :2] @ probe + exact.equations[:, 2]).max()
+        assert depth(found[row : row + 1], probe[None])[0] == pytest.approx(inside, abs=1e-9) or inside < 0
+        assert (depth(found[row : row + 1], probe[None])[0] < 0) == (inside < 0)
+
+
+@pytest.mark.parametrize("points", [[], [(0, 0)], [(0, 0), (1, 0)], [(0, 0), (1, 0), (2, 0), (1, 0)]])
+def test_on_points_and_lines_nothing_stands(points: list) -> None:
+    padded, valid = np.zeros((1, 5, 2)), np.zeros((1, 5), dtype=bool)
+    padded[0, : len(points)], valid[0, : len(points)] = np.array(points).reshape(-1, 2), True
+    assert depth(hulls(padded, valid), np.array([[1.0, 0.0]]))[0] <= 0.0
+
+
+LEANING = """
+  root part foot : Cuboid(size = [20cm, 20cm, 10cm])
+  part top : Cuboid(size = [20cm, 20cm, 10cm])
+  connect top.bottom on foot.top
+  align top.center.x = {off}
+  require stable
+"""
+
+
+def test_the_margin_is_two_degrees() -> None:
+    """Two equal boxes: the centre of mass is half as far out as the upper one, at the height of 10 cm."""
+    edge = 2 * (0.10 - TILT * 0.10)
+    assert not tips(LEANING.format(off=f"{edge - 1e-4:.6f} * 1m"))
+    assert tips(LEANING.format(off=f"{edge + 1e-4:.6f} * 1m"))
+
+
+CHEST = """
+  root part body : Cuboid(size = [40cm, 60cm, 80cm])
+  repeat row[r] in 0 ..< 2 spread body along z margin 20cm {{
+    part drawer : Cuboid(size = [30cm, 50cm, 20cm])
+    align drawer.back = body.front + 1mm
+    align drawer.center.z = row.center.z
+    joint pull : prismatic body -> drawer along x range 0cm .. {travel}
+  }}
+  require stable {open}
+"""
+
+
+def reach(drawers: int) -> float:
+    """How far solid drawers can be pulled out together: the centre of mass reaches the edge less the margin."""
+    body, drawer, height = 0.4 * 0.6 * 0.8, 0.3 * 0.5 * 0.2, 0.4
+    whole = body + 2 * drawer
+    edge = 0.2 - TILT * height
+    still = 0.351 * (2 - drawers) * drawer
+    return (edge * whole - still) / (drawers * drawer) - 0.351
+
+
+def test_all_drawers_together_tip_what_one_does_not() -> None:
+    both, one = reach(2), reach(1)
+    assert both < one
+    assert not tips(CHEST.format(travel=f"{both - 1e-3:.5f} * 1m", open="open"))
+    assert tips(CHEST.format(travel=f"{both + 1e-3:.5f} * 1m", open="open"))
+    assert not tips(CHEST.format(travel="2m", open=""))  # at rest it stands
+
+
+def test_a_door_tips_at_the_angle_that_is_worst_in_the_middle_of_its_range() -> None:
+    text = """
+  root part body : Cuboid(size = [{deep}, 60cm, 60cm])
+  part door : Cuboid(size = [6cm, 60cm, 60cm])
+  align door.back = body.front + 1mm
+  align door.bottom = body.bottom + 1mm
+  joint open : revolute body -> door about door.left.back range 0deg .. 180deg
+  require stable open
+"""
+    assert tips(text.format(deep="8cm")) and not tips(text.format(deep="40cm"))
+
+
+def test_feet_that_move_leave_the_floor() -> None:
+    """A leg that folds up is no foot any more."""
+    text = """
+  root part post : Cuboid(size = [4cm, 4cm, 50cm])
+  part leg : Cuboid(size = [30cm, 30cm, 2cm])
+  align leg.front = post.back - 1mm
+  align leg.bottom = post.bottom
+  joint fold : revolute post -> leg about line(at = post.back.center, along = y) range 0deg .. 30deg
+  part other : Cuboid(size = [30cm, 30cm, 2cm])
+  connect other to post
+  align other.back = post.front
+  align other.bottom = post.bottom
+  require stable {open}
+"""
+    assert not tips(text.format(open="")) and tips(text.format(open="open"))
+
+
+def test_what_tips_over_is_drawn_again_and_told_with_its_line() -> None:
+    sampler = program("param off : length in 0cm .. 30cm\n" + LEANING.format(off="off"))
+    statistics = Statistics()
+    batch = sampler.batch(np.arange(60), 3, checked=True, statistics=statistics)
+    assert not faults(batch).others
+    assert (batch.values()["off"] < 0.2).all()
+    assert 0 < statistics.first_valid < 60
+    (words,) = statistics.unsound
+    assert words == "<text>:10: it tips over"
+    job = make_job(sampler, "Case", 3)
+    job.statistics.unsound = dict(statistics.unsound)
+    assert job.failures() == statistics.unsound
+
+
+def test_it_holds_only_where_it_is_stated() -> None:
+    text = "param fixed : choice yes | no\n" + LEANING.format(off="30cm").replace("require stable", "when fixed == no { require stable }")
+    batch = program(text).batch(np.arange(30), 0)
+    (fault,) = faults(batch).others
+    assert np.array_equal(fault.objects, np.flatnonzero(batch.values()["fixed"] == 1))
+    assert 0 < len(fault.objects) < 30
+
+
+def test_the_same_whatever_else_is_in_the_batch() -> None:
+    sampler = program("param off : length in 0cm .. 30cm\n" + LEANING.format(off="off"))
+    (whole,) = faults(sampler.batch(np.arange(40), 5)).others
+    alone = [n for n in range(40) if faults(sampler.batch(np.array([n]), 5)).others]
+    assert alone == whole.objects.tolist()
