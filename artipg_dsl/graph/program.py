@@ -94,6 +94,7 @@ class Requirement:
     """``condition`` must hold in every row of ``scope`` where ``guard`` does.
 
     ``slack`` (low, high), when the condition is ``low <= high``, lets the evaluator allow for rounding.
+    ``repair`` are the draws (indices) that should give way first where it fails.
     """
 
     scope: Scope
@@ -102,7 +103,7 @@ class Requirement:
     message: str
     where: Where | None
     slack: tuple[Expr, Expr] | None = None
-    repair: str | None = None
+    repair: tuple[int, ...] = ()
     text: str = ""
 
 

@@ -11,6 +11,7 @@ import math
 from collections.abc import Iterator
 
 from ..graph import expr as E
+from ..graph.depend import needed
 from ..graph.expr import Column, Expr, Scope
 from ..graph.inequality import Half, bounds_of, least_of
 from ..graph.interval import Intervals
@@ -163,32 +164,6 @@ def open_ended(root: Expr) -> bool:
             return True
         stack.extend(node.args)
     return False
-
-
-def needed(program: Program, roots: list[Expr]) -> set[Column]:
-    """All columns that expressions depend on, those included that count the rows they are taken in."""
-    found: set[Column] = set()
-    stack, seen = list(roots), set()
-    while stack:
-        node = stack.pop()
-        if node in seen:
-            continue
-        seen.add(node)
-        stack.extend(node.args)
-        scopes = [node.scope] if node.scope is not None else []
-        if node.op == "col":
-            column: Column = node.value
-            found.add(column)
-            if column in program.definitions:
-                stack.append(program.definitions[column])
-        elif node.op == "reduce":
-            scopes.append(node.value[1])
-        elif node.op == "phi":
-            scopes.extend(node.value)
-        elif isinstance(node.value, Scope):
-            scopes.append(node.value)
-        stack.extend(a.count for s in scopes for a in s.ancestors() if a.count is not None)
-    return found
 
 
 def late(program: Program, order: dict[Column, int], column: Column, roots: list[Expr]) -> bool:

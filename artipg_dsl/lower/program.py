@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 from ..diagnostics import Report
 from ..graph import expr as E
+from ..graph.depend import draws_behind
 from ..graph.expr import Expr, Scope, ScopeError
 from ..graph.linear import Circle
 from ..graph.program import Allowed, Link, Program, Requirement, Stable
@@ -26,7 +27,7 @@ from .part import Part
 from .primitives import comparison
 from .slots import slots
 from .solve import circular
-from .values import Ref
+from .values import Choice, Ref, Value
 
 
 @dataclass(slots=True, eq=False)
@@ -155,12 +156,24 @@ def require(env: Env, statement: ast.RequireStmt) -> None:
         for other in others:
             guard = E.both(guard, E.negate(ev.truth(ev.value(other), other.span)))
         message = statement.message or text_of(statement.span)
-        repair = None if statement.repair is None else text_of(statement.repair.span)
+        repair = () if statement.repair is None else giving(env, ev.value(statement.repair))
         requirements = env.context.program.requirements
         env.context.stated[len(requirements)] = statement.span, env.scope.parent is None and not env.path
         requirements.append(
             Requirement(env.scope, condition, guard, message, where(statement.span), slack, repair, text_of(node.span))
         )
+
+
+def giving(env: Env, value: Value) -> tuple[int, ...]:
+    """The draws that a ``repair`` names: the value itself, a part's template, or what determines the value."""
+    if isinstance(value, Ref):
+        parts: list[Part] = [part for branch in value.branches for part, *_ in branch.members]
+        codes = [part.choice.code for part in parts if part.choice is not None]
+    else:
+        codes = [value.code if isinstance(value, Choice) else value] if isinstance(value, Expr | Choice) else []
+    drawn = {draw.column: number for number, draw in enumerate(env.context.program.draws)}
+    own = [drawn[code.value] for code in codes if code.op == "col" and code.value in drawn]
+    return tuple(own) or tuple(draws_behind(env.context.program, codes))
 
 
 def conjuncts(node: ast.Expr) -> list[ast.Expr]:

@@ -59,7 +59,8 @@ class State:
 
     ``given`` maps the index of a draw to its value (a scalar, or one per row), ``kept`` to the values of an object that
     this one is made from; ``salt``, and ``lane`` per object, set the random numbers of one such making apart. ``missed`` counts the objects for
-    which a draw found no room, per draw; ``broken`` those that break a requirement, per requirement.
+    which a draw found no room, per draw; ``broken`` those that break a requirement, per requirement. ``faults`` has the
+    rows in question: of the table of the draw ("draw", number), or of that of the requirement ("requirement", number).
     """
 
     seed: int
@@ -73,6 +74,7 @@ class State:
     failed: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=bool))
     missed: dict[int, int] = field(default_factory=dict)
     broken: dict[int, int] = field(default_factory=dict)
+    faults: dict[tuple[str, int], list[np.ndarray]] = field(default_factory=dict)
     values: dict[int, np.ndarray] = field(default_factory=dict)
 
     def lanes(self) -> np.ndarray:
@@ -186,6 +188,7 @@ def _no_room(state: State, rows: Rows, number: int, bad: np.ndarray) -> None:
         owners = rows.owner[bad]
         state.failed[owners] = True
         state.missed[number] = state.missed.get(number, 0) + len(np.unique(owners))
+        state.faults.setdefault(("draw", number), []).append(np.flatnonzero(bad))
 
 
 def _given(state: State, rows: Rows, number: int, low: np.ndarray | float, high: np.ndarray | float) -> np.ndarray | None:
@@ -358,3 +361,4 @@ def demand(state: State, rows: Rows, number: int, holds: np.ndarray | bool) -> N
         owners = np.unique(rows.owner[bad])
         state.failed[owners] = True
         state.broken[number] = state.broken.get(number, 0) + len(owners)
+        state.faults.setdefault(("requirement", number), []).append(bad)

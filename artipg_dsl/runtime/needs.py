@@ -41,6 +41,14 @@ def wanted(program: Program) -> Iterator[Wanted]:
         yield from each(keypoint.scope, keypoint.point)
 
 
+def narrowing(program: Program) -> Iterator[Wanted]:
+    """The domain and the bounds of each draw."""
+    for draw in program.draws:
+        ends = (end for end in (draw.low, draw.high) if end is not None)
+        bounds = (e for bound in draw.bounds for e in (bound.value, bound.guard))
+        yield from each(draw.column.scope, ends, bounds, (limit.allowed for limit in draw.limits))
+
+
 def each(scope: Scope, *groups: Iterable[Expr]) -> Iterator[Wanted]:
     for group in groups:
         for expr in group:

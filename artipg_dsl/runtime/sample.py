@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from ..graph.feasible import conflicts
 from ..graph.program import Program
 from .batch import Batch
 from .kernels import State
-from .needs import wanted
+from .needs import narrowing, wanted
 from .plan import Plan, make_plan
 
 ATTEMPTS = 100
@@ -60,6 +61,11 @@ class Sampler:
     def __init__(self, program: Program, plan: Plan | None = None):
         self.program = program
         self.plan = plan or make_plan(program, wanted(program))
+
+    @cached_property
+    def lean(self) -> Plan:
+        """Draws and requirements alone, with what narrows each draw: for trying values out."""
+        return make_plan(self.program, narrowing(self.program))
 
     def batch(
         self, numbers: np.ndarray, seed: int, *, given: dict[int, float] | None = None, defaults: bool = False,
