@@ -1,7 +1,7 @@
 """Pair coverage of choices: which two alternatives or counts have been seen together, of all that can be.
 
 Two choices meet in the rows of the deepest table that both stand in or below: in one object, or in one element of a
-repeat. A count of many values counts as its least, its greatest and what lies between. A pair that no object shows is
+repeat. Of a count of many values its thirds are told apart. A pair that no object shows is
 asked for: objects are evaluated with both values given. If one is valid the pair is possible and was missed; if none
 is, guards and requirements exclude it.
 """
@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import numpy as np
 
@@ -93,8 +93,8 @@ def _levels(draw: Draw, drawn: np.ndarray) -> tuple[Level, ...]:
     values = range(int(low), int(high) + 1)
     if len(values) <= LEVELS:
         return tuple(Level(str(v), v, v) for v in values)
-    inner = Level(f"{values[1]}..{values[-2]}", values[1], values[-2])
-    return (Level(str(values[0]), low, low), inner, Level(str(values[-1]), high, high))
+    ends = [values[len(values) * k // 3] for k in range(3)] + [values[-1] + 1]
+    return tuple(Level(f"{a}..{b - 1}" if b - a > 1 else str(a), a, b - 1) for a, b in pairwise(ends))
 
 
 def coverage(sampler: Sampler, batch: Batch) -> Coverage:
