@@ -60,21 +60,20 @@ class Graphs:
 
 
 def part_words(batch: Batch) -> list[str]:
-    """For each definition of a link the word for its part: the semantic label at, above or below it, else its name."""
+    """For each definition of a link the word for what moves: the semantic label of the part that it is named after, or of
+    one around that; else, but for the root, of the first part that it carries; else the name of the part."""
     program = batch.program
-    below: dict[int, str] = {}
-    for number in range(len(program.parts) - 1, -1, -1):  # parents stand before their children
-        part = program.parts[number]
-        word = part.semantic or below.get(number, "")
-        if word and part.parent >= 0:
-            below[part.parent] = word
+    named = {part.path: number for number, part in reversed(list(enumerate(program.parts)))}
+    carried: dict[int, str] = {}
+    for part in program.parts:
+        for link in part.link if part.semantic else ():
+            carried.setdefault(link, part.semantic)
     found = []
-    for link in program.links:
-        at, word = link.part, ""
+    for number, link in enumerate(program.links):
+        at, word = named.get(link.path, link.part), ""
         while at >= 0 and not word:
             word, at = program.parts[at].semantic, program.parts[at].parent
-        own = program.parts[link.part].name if link.part >= 0 else ""
-        found.append(word or below.get(link.part, "") or own or link.path)
+        found.append(word or (carried.get(number, "") if number else "") or link.path.rsplit(".", 1)[-1])
     return found
 
 
