@@ -66,8 +66,8 @@ def part_words(batch: Batch) -> list[str]:
     named = {part.path: number for number, part in reversed(list(enumerate(program.parts)))}
     carried: dict[int, str] = {}
     for part in program.parts:
-        for link in part.link if part.semantic else ():
-            carried.setdefault(link, part.semantic)
+        for carrier in part.link if part.semantic else ():
+            carried.setdefault(carrier, part.semantic)
     found = []
     for number, link in enumerate(program.links):
         at, word = named.get(link.path, link.part), ""
