@@ -13,6 +13,7 @@ import numpy as np
 
 from ..annotate.frames import quaternion
 from ..runtime.motion import square
+from .adjacent import adjacent
 from .mesh_obj import link_meshes
 from .pose import link_poses, rest_values
 from .robot import Collider, Robot, RobotJoint, RobotLink
@@ -179,30 +180,6 @@ def qpos(robot: Robot, values: dict[str, float], order: list[str]) -> list[float
         else:
             numbers.append(values[name])
     return numbers
-
-
-def adjacent(robot: Robot) -> list[tuple[str, str]]:
-    """Pairs of links that a joint holds together and that therefore do not collide.
-
-    MuJoCo leaves such pairs out by itself, but not where the parent is fixed to the world. Links that fixed joints
-    hold together count as one.
-    """
-    welded = list(range(len(robot.links)))
-    for joint in robot.joints:  # parents come before their children
-        if joint.kind == "fixed":
-            welded[joint.child] = welded[joint.parent]
-    groups: dict[int, list[int]] = {}
-    for link, group in enumerate(welded):
-        groups.setdefault(group, []).append(link)
-    pairs = [
-        (a, b)
-        for joint in robot.joints
-        if joint.kind != "fixed"
-        for a in groups[welded[joint.parent]]
-        for b in groups[welded[joint.child]]
-    ]
-    pairs += [(a, b) for group in groups.values() for i, a in enumerate(group) for b in group[i + 1 :]]
-    return [(robot.links[a].name, robot.links[b].name) for a, b in dict.fromkeys(pairs)]
 
 
 def _bounds(robot: Robot) -> tuple[np.ndarray, np.ndarray]:

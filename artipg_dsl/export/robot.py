@@ -7,6 +7,7 @@ joint value 0, so that joint frames need no rotation and every mesh of a link is
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -18,17 +19,12 @@ from ..graph.program import Material
 from ..runtime.mass import Mass, masses
 from ..runtime.materials import catalogue, material_rows
 from . import materials, solids
+from .dynamics import Dynamics, dynamics
 from .mesh_obj import Shape
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
 
-# what a joint gets where its text gives none: N m and rad/s, or N and m/s; damping in N m s/rad or N s/m
-DEFAULTS = {
-    "revolute": {"effort": 20.0, "velocity": 3.0, "damping": 0.02, "friction": 0.0},
-    "continuous": {"effort": 20.0, "velocity": 6.0, "damping": 0.01, "friction": 0.0},
-    "prismatic": {"effort": 50.0, "velocity": 1.0, "damping": 1.0, "friction": 0.0},
-}
 SMALLEST_MASS = 1e-6  # kg
 
 
@@ -103,6 +99,14 @@ class RobotJoint:
 
 
 @dataclass(frozen=True, slots=True)
+class Closure:
+    """Points (3,) of two links, each in its link's frame, that stay together: where a loop closes."""
+
+    links: tuple[int, int]
+    points: tuple[np.ndarray, np.ndarray]
+
+
+@dataclass(frozen=True, slots=True)
 class Robot:
     """One object. ``links[0]`` is the root."""
 
@@ -110,6 +114,7 @@ class Robot:
     number: int
     links: tuple[RobotLink, ...]
     joints: tuple[RobotJoint, ...]
+    closures: tuple[Closure, ...] = ()
 
 
 class Robots:
@@ -148,6 +153,13 @@ class Robots:
         inertia = mass.inertia + spare[:, None, None] * np.eye(3)
         center = np.where(mass.mass[:, None] > 0, mass.center - self.origins, 0.0)
         return Mass(np.maximum(mass.mass, SMALLEST_MASS), center, inertia)
+
+    @cached_property
+    def dynamics(self) -> Dynamics:
+        """Friction, damping, effort and velocity of all joints, as given or as their kind and what they move ask for."""
+        first, rest = self.link_start[self.joints.owner], self.batch.settled(self.joints.rest)
+        center = self.mass.center + self.origins
+        return dynamics(self.joints, rest, first, self.mass.mass, center, self.mass.inertia, self.batch.pose())
 
     @cached_property
     def materials(self) -> list[list[Material]]:
@@ -207,7 +219,8 @@ class Robots:
             for k, name in enumerate(names)
         )
         number = int(self.batch.numbers[i])
-        return Robot(f"{self.batch.program.name}_{number:06d}", number, links, tuple(self._joints(i)))
+        name = f"{self.batch.program.name}_{number:06d}"
+        return Robot(name, number, links, tuple(self._joints(i)), tuple(self._closures(i)))
 
     def _name(self, i: int, item: solids.Item) -> str:
         return self.part_names[int(self.part_start[i]) + int(item.group.table.instance[item.row])]
@@ -229,12 +242,20 @@ class Robots:
         hull = Shape(name, group.vertices[item.k] - origin, group.faces)
         return Collider(name, material, None, center, rotation, hull)
 
+    def _closures(self, i: int) -> Iterator[Closure]:
+        loops, first = self.batch.loops, int(self.link_start[i])
+        if loops is None:
+            return
+        for c in np.flatnonzero(loops.owner == i).tolist():
+            one, other = int(loops.link[0, c]), int(loops.link[1, c])
+            points = loops.point[0, c] - self.origins[one], loops.point[1, c] - self.origins[other]
+            yield Closure((one - first, other - first), points)
+
     def _joints(self, i: int) -> list[RobotJoint]:
         joints, first, last = self.joints, int(self.joint_start[i]), int(self.joint_start[i + 1])
         made = []
         for j in range(first, last):
             kind, parent = joints.kind[j], int(joints.parent[j])
-            given = DEFAULTS.get(kind, DEFAULTS["revolute"])
             leader = int(joints.mimic[j])
             made.append(
                 RobotJoint(
@@ -247,10 +268,10 @@ class Robots:
                     low=number_or_none(joints.low[j]),
                     high=number_or_none(joints.high[j]),
                     rest=number_or_none(joints.rest[j]) or 0.0,
-                    effort=number_or(joints.effort[j], given["effort"]),
-                    velocity=number_or(joints.velocity[j], given["velocity"]),
-                    damping=number_or(joints.damping[j], given["damping"]),
-                    friction=number_or(joints.friction[j], given["friction"]),
+                    effort=float(self.dynamics.effort[j]),
+                    velocity=float(self.dynamics.velocity[j]),
+                    damping=float(self.dynamics.damping[j]),
+                    friction=float(self.dynamics.friction[j]),
                     mimic=None
                     if leader < 0
                     else (joints.name[first + leader], float(joints.multiplier[j]), float(joints.offset[j])),

@@ -31,7 +31,7 @@ def simple_joints(robot: Robot) -> Robot:
                 effort=joint.effort / max(abs(advance[1]), 1e-3), velocity=joint.velocity * abs(advance[1]),
                 damping=0.0, friction=0.0, mimic=advance, pitch=0.0,
             )  # fmt: skip
-            joints += _chain([replace(joint, kind=kind, pitch=0.0), slide], links)
+            joints += _chain([slide, replace(joint, kind=kind, pitch=0.0)], links)
         elif joint.kind == "ball":
             tilt = square(joint.axis[None])[0]
             kind = "continuous" if joint.low is None or joint.high is None else "revolute"

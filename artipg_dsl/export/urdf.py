@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..annotate.frames import euler
+from .adjacent import adjacent
 from .mesh_obj import Shape, link_meshes, obj_bytes
 from .robot import Collider, Robot, RobotJoint, RobotLink
 from .substitute import simple_joints
@@ -17,30 +18,59 @@ if TYPE_CHECKING:
     from jinja2 import Template
 
 KINDS = ("revolute", "continuous", "prismatic", "fixed")
+MOST_PAIRS = 31  # SAPIEN has a bit for each that are not parent and child
 
 
 def urdf_files(robot: Robot) -> dict[str, bytes]:
-    """The files of a robot by path relative to its folder: ``object.urdf`` and what it refers to in ``meshes/``."""
-    robot = simple_joints(robot)
+    """The files of a robot by path relative to its folder: ``object.urdf``, ``object_fixed.urdf`` (on a link ``world``),
+    ``object_independent.urdf`` (without followers, where there are any), what they refer to in ``meshes/``, and beside
+    each an ``.srdf``, which says which links do not collide."""
+    whole, robot = robot, simple_joints(robot)
     files: dict[str, bytes] = {}
     looks: dict[str, str] = {}
     pieces: dict[bytes, str] = {}
     links = [_link(link, files, looks, pieces) for link in robot.links]
     joints = [_joint(joint, robot) for joint in robot.joints]
     materials = [{"name": name, "rgba": rgba} for name, rgba in looks.items()]
-    text = _template().render(name=robot.name, materials=materials, links=links, joints=joints)
-    files["object.urdf"] = (text + "\n").encode("utf-8")
+    context = {"name": robot.name, "materials": materials, "links": links, "joints": joints}
+    texts: dict[str, dict[str, Any]] = {
+        "object": {"linked": True, "world": ""},
+        "object_fixed": {"linked": True, "world": _unused("world", robot)},
+    }
+    if any(joint["mimic"] for joint in joints):
+        texts["object_independent"] = {"linked": False, "world": ""}
+    for file, variant in texts.items():
+        files[f"{file}.urdf"] = (_template("robot.urdf.j2").render(context, **variant) + "\n").encode("utf-8")
+        if joints:
+            text = _template("robot.srdf.j2").render(name=robot.name, pairs=_pairs(whole, robot))
+            files[f"{file}.srdf"] = (text + "\n").encode("utf-8")
     return files
 
 
-@lru_cache(maxsize=1)
-def _template() -> Template:
+def _unused(name: str, robot: Robot) -> str:
+    """A name that no link has."""
+    taken = {link.name for link in robot.links}
+    while name in taken:
+        name += "_"
+    return name
+
+
+def _pairs(whole: Robot, robot: Robot) -> list[tuple[str, str, str]]:
+    """Pairs of links that do not collide, and why: parent and child in the URDF, or held together through links between."""
+    held = {frozenset((robot.links[joint.parent].name, robot.links[joint.child].name)) for joint in robot.joints}
+    pairs = adjacent(whole)
+    other = [pair for pair in pairs if frozenset(pair) not in held][:MOST_PAIRS]
+    return [(*pair, "Adjacent") for pair in pairs if frozenset(pair) in held] + [(*pair, "Default") for pair in other]
+
+
+@lru_cache(maxsize=2)
+def _template(name: str) -> Template:
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(
         loader=PackageLoader("artipg_dsl.export"), undefined=StrictUndefined, autoescape=True, auto_reload=False
     )
-    return environment.get_template("robot.urdf.j2")
+    return environment.get_template(name)
 
 
 def _link(link: RobotLink, files: dict[str, bytes], looks: dict[str, str], pieces: dict[bytes, str]) -> dict[str, Any]:

@@ -134,6 +134,7 @@ class FakeBatch:
     first: int = 0
     seed: int = 7
     mimic: bool = False
+    loops: None = None
 
     def __post_init__(self) -> None:
         self.program = program()

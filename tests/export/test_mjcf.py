@@ -10,7 +10,8 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from artipg_dsl.export.mjcf import adjacent, mjcf_files, qpos
+from artipg_dsl.export.adjacent import adjacent
+from artipg_dsl.export.mjcf import mjcf_files, qpos
 from artipg_dsl.export.pose import follow, link_poses, rest_values
 from artipg_dsl.export.robot import Robot, Robots
 from artipg_dsl.export.write import ExportError

@@ -1,0 +1,122 @@
+"""SAPIEN on the CPU: URDF without what is to be seen, which it reads only where it can render.
+
+Its loader drops a joint's friction and effort; both are given to the drives here.
+"""
+
+from __future__ import annotations
+
+import warnings
+from xml.etree import ElementTree
+
+import numpy as np
+
+from artipg_dsl.export.robot import RobotJoint
+
+from .levels import Poses
+from .subject import Subject
+
+with warnings.catch_warnings():
+    warnings.simplefilter("ignore")  # it looks for a renderer when it is imported
+    import sapien
+    from sapien import physx
+
+BANDWIDTH = 30.0  # 1/s of the drives
+BRISTLE = 1e-4  # rad or m by which a joint gives before its friction slips: P. R. Dahl, A Solid Friction Model, 1968
+
+
+class SapienSim:
+    name = "SAPIEN"
+    forms = ("urdf",)
+    follows = False  # not unless both joints share a parent or one hangs on the other
+
+    def __init__(self, subject: Subject, free: bool = False):
+        self.subject, self.free = subject, free
+        self.scene = sapien.Scene([physx.PhysxCpuSystem()])
+        self.step_time = float(self.scene.get_timestep())
+        if free:
+            self.scene.add_ground(0.0, render=False)
+        loader = self.scene.create_urdf_loader()
+        loader.fix_root_link = not free
+        articulations, actors = loader.load_multiple(str(self._without_visuals()))
+        self.articulation = articulations[0] if articulations else None  # an object without joints is an actor
+        self.actor = actors[0] if actors else None
+        found = self.articulation.active_joints if self.articulation else []
+        self.joint = {joint.name: joint for joint in found}
+        self.order = [joint.name for joint in found]
+        self.held: dict[str, float] = {}
+        if self.actor and not free:
+            self.actor.find_component_by_type(physx.PhysxRigidDynamicComponent).kinematic = True
+
+    def _without_visuals(self):  # type: ignore[no-untyped-def]
+        path = self.subject.folder / "object.urdf"  # object.srdf, which it reads too, has to lie beside
+        tree = ElementTree.parse(path)
+        for link in tree.getroot().iter("link"):
+            for visual in link.findall("visual"):
+                link.remove(visual)
+        tree.write(path)
+        return path
+
+    def links(self) -> set[str]:
+        return {link.name for link in self.articulation.links} if self.articulation else {self.actor.name}
+
+    def joints(self) -> set[str]:
+        return set(self.joint)
+
+    def place(self, values: dict[str, float]) -> None:
+        base = sapien.Pose([0, 0, -float(self.subject.low[2])] if self.free else [0, 0, 0])
+        if self.actor:
+            self.actor.set_pose(base)
+            return
+        self.articulation.set_qpos([values[name] for name in self.order])
+        self.articulation.set_qvel(np.zeros(len(self.order)))
+        if self.free:
+            self.articulation.set_root_pose(base)
+            self.articulation.set_root_linear_velocity([0, 0, 0])
+            self.articulation.set_root_angular_velocity([0, 0, 0])
+        self.held = {}
+        for joint in self.subject.moving:
+            self._brake(joint)
+
+    def _brake(self, joint: RobotJoint) -> None:
+        """The stated friction: a drive that holds the joint where it is, with no more force than that."""
+        moved, value = self.joint[joint.name], self.value(joint.name)
+        moved.set_friction(0.0)
+        if joint.friction > 0:
+            self.held[joint.name] = value
+            stiff = joint.friction / BRISTLE
+            moved.set_drive_properties(stiff, stiff * self.step_time, force_limit=joint.friction, mode="force")
+        else:
+            moved.set_drive_properties(0.0, joint.damping, mode="force")
+        moved.set_drive_target(value)
+
+    def drive(self, targets: dict[str, float]) -> None:
+        for joint in self.subject.moving:
+            if joint.name in targets:
+                inertia = self.subject.inertia(joint, self.subject.rest)
+                span = 1.0 if joint.low is None or joint.high is None else joint.high - joint.low
+                stiff, damped = inertia * BANDWIDTH**2 + joint.effort / (0.01 * span), 2 * inertia * BANDWIDTH
+                self.held.pop(joint.name, None)
+                moved = self.joint[joint.name]
+                moved.set_drive_properties(stiff, damped, force_limit=joint.effort, mode="force")
+                moved.set_drive_target(targets[joint.name])
+
+    def step(self) -> None:
+        for name, place in self.held.items():  # what slips is held where it has come to
+            value = self.value(name)
+            if abs(place - value) > BRISTLE:
+                self.held[name] = value + BRISTLE * float(np.sign(place - value))
+                self.joint[name].set_drive_target(self.held[name])
+        self.scene.step()
+
+    def value(self, joint: str) -> float:
+        return float(self.articulation.get_qpos()[self.order.index(joint)])
+
+    def poses(self) -> Poses:
+        if self.actor:
+            found = {self.actor.name: self.actor.pose}
+        else:
+            found = {link.name: link.get_entity_pose() for link in self.articulation.links}
+        return {name: (np.asarray(pose.p, np.float64), np.asarray(pose.q, np.float64)) for name, pose in found.items()}
+
+    def close(self) -> None:
+        pass
