@@ -18,30 +18,36 @@ _PER_END = 3  # rows with one parameter at an end of its range, per end
 
 @lru_cache(maxsize=512)
 def _trial(primitive: Primitive, count: int) -> Params:
-    parts = [_draw(primitive, count, None, 0)]
+    parts = [_draw(primitive, count, {}, 0)]
     if len(parts[0][""]) == 0:
         raise PrimitiveError(primitive, None, "no value of its test ranges meets its requirements")
-    for which in range(2 * len(primitive.parameters)):
-        parts.append(_draw(primitive, _PER_END, which, 1 + which))
+    fixed = [
+        (name, value)
+        for name, (low, high) in zip(primitive.parameters, primitive.test, strict=True)
+        for value in (np.arange(low, high + 1) if name in primitive.whole else (low, high))
+    ]
+    for which, (name, value) in enumerate(fixed):
+        parts.append(_draw(primitive, _PER_END, {name: float(value)}, 1 + which))
     return {name: np.concatenate([p[name] for p in parts]) for name in parts[0]}
 
 
 def trial(primitive: Primitive, count: int = 12) -> Params:
-    """``count`` rows drawn over the test ranges, then some with each parameter at either end; all meet `requires`."""
+    """``count`` rows drawn over the test ranges, then some with each parameter at either end, or with every value of
+    one that counts; all meet `requires`."""
     return dict(_trial(primitive, count))
 
 
-def _draw(primitive: Primitive, count: int, end: int | None, attempt: int) -> Params:
+def _draw(primitive: Primitive, count: int, fixed: dict[str, float], attempt: int) -> Params:
     number = np.arange(count * _OVERSAMPLE, dtype=np.uint64)
     params: Params = {"": np.zeros(len(number))}
-    for i, (name, (low, high)) in enumerate(zip(primitive.parameters, primitive.test, strict=True)):
+    for name, (low, high) in zip(primitive.parameters, primitive.test, strict=True):
         q = random.uniform(random.key(0, "trial", primitive.name, name), number, attempt=attempt)
         value = low + q * (high - low)
-        if low > 0:  # small ones too: every other row by ratio
+        if name in primitive.whole:
+            value = np.floor(low + q * (high + 1 - low))
+        elif low > 0:  # small ones too: every other row by ratio
             value = np.where(number % 2 == 1, np.clip(low * np.power(high / low, q), low, high), value)
-        if end is not None and end // 2 == i:
-            value = np.full(len(number), high if end % 2 else low)
-        params[name] = value
+        params[name] = np.full(len(number), fixed[name]) if name in fixed else value
     kept = np.flatnonzero(allowed(primitive, primitive.requires, params))[:count]
     return {name: value[kept] for name, value in params.items()}
 

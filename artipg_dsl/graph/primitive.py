@@ -19,7 +19,8 @@ class Patch:
     """A surface ``position(u, v)`` over ``u0 .. u1`` by ``v0 .. v1`` (formulas of the parameters).
 
     ``guard`` (a predicate of the parameters, or None) says when the patch exists. ``count`` (a constant, or None)
-    repeats an indexed patch for ``i`` = 0 .. count - 1.
+    repeats an indexed patch for ``i`` = 0 .. count - 1; where the number differs between instances it is the greatest,
+    and the guard says which of them exist.
     """
 
     name: str
@@ -43,7 +44,8 @@ class Piece:
 @dataclass(frozen=True, slots=True, eq=False)
 class Primitive:
     """``parameters`` are the scalar parameter names in order; ``test`` their test ranges (metres, radians) in the same
-    order; ``requires`` predicates that the parameters must meet. Without ``pieces`` a primitive is the hull of its mesh.
+    order; ``whole`` those that count something; ``requires`` predicates that the parameters must meet. Without
+    ``pieces`` a primitive is the hull of its mesh.
     """
 
     name: str
@@ -57,3 +59,4 @@ class Primitive:
     requires: tuple[Expr, ...] = ()
     where: str = ""  # "file:line" of the declaration
     surfaces: tuple[str, ...] = field(default=())  # names that labels may use, in order
+    whole: tuple[str, ...] = ()

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from ..graph import expr as E
 from ..graph.expr import Expr
+from ..graph.interval import Interval, Intervals
 from ..graph.primitive import Patch, Piece, Primitive
 from ..graph.program import Requirement
 from ..semantics.symbols import Symbol
@@ -23,6 +24,9 @@ from .values import Box, Surface, Value, Vec
 
 if TYPE_CHECKING:
     from .part import Instance
+
+
+MOST_COPIES = 64  # of an indexed surface
 
 
 @dataclass(slots=True, eq=False)
@@ -148,6 +152,8 @@ def make(context: Context, symbol: Symbol, title: str, paths: dict[str, Handed])
     for statement in symbol.body:
         if isinstance(statement, ast.RequireStmt) and statement.condition is not None:
             conditions.append(condition_of(Evaluator(env), statement))
+    limits = domains(env, symbol.body)
+    whole = [n for s in symbol.body if isinstance(s, ast.ParamDecl) and s.type.name == "count" for n in s.names]
     patches, pieces = [], []
     inside: Expr | None = None
     low = high = None
@@ -156,7 +162,7 @@ def make(context: Context, symbol: Symbol, title: str, paths: dict[str, Handed])
     for statement in symbol.body:
         match statement:
             case ast.SurfaceDecl():
-                patches.append(patch_of(env, statement))
+                patches.append(patch_of(env, statement, limits))
             case ast.PieceDecl():
                 pieces.append(piece_of(env, statement))
             case ast.InsideDecl():
@@ -188,6 +194,7 @@ def make(context: Context, symbol: Symbol, title: str, paths: dict[str, Handed])
     primitive = Primitive(
         title, tuple(parameters), tuple(tests), tuple(patches), inside, low, high, tuple(pieces),
         tuple(c[0] for c in conditions), str(where(symbol.decl.span)), tuple(dict.fromkeys(p.name for p in patches)),
+        tuple(whole),
     )  # fmt: skip
     lowered = Lowered(primitive, tuple(names), ports, conditions)
     size = [E.var(f"size.{a}") for a in "xyz"]
@@ -265,7 +272,33 @@ def box_of(ev: Evaluator, statement: ast.BoxDecl) -> tuple:
     return ev.vector(statement.low), ev.vector(statement.high)
 
 
-def patch_of(env: Env, statement: ast.SurfaceDecl) -> Patch:
+def domains(env: Env, body: tuple[ast.Stmt, ...]) -> dict[Expr, Interval]:
+    """The constant domains of scalar parameters."""
+    found: dict[Expr, Interval] = {}
+    for statement in body:
+        if isinstance(statement, ast.ParamDecl) and statement.domain is not None and not statement.type.size:
+            low, high = (Evaluator(env).scalar(n).constant for n in (statement.domain.low, statement.domain.high))
+            if low is not None and high is not None:
+                found |= {E.var(name): (float(low), float(high)) for name in statement.names}
+    return found
+
+
+def copies(env: Env, number: Expr, node: ast.Expr, limits: dict[Expr, Interval]) -> tuple[int, Expr | None]:
+    """The greatest number of copies of an indexed surface, and where it varies, which of them exist."""
+    if number.constant is not None:
+        return int(number.constant), None
+    known = Intervals((), {})
+    known.memo.update(limits)
+    _, most = known.of(number)
+    if not most <= MOST_COPIES:
+        raise env.context.error(
+            "open-count", node.span, f"how many copies of this surface there are at most is not known, or above {MOST_COPIES}",
+            hint="a count with a domain tells: param sides : count in 3 .. 12",
+        )  # fmt: skip
+    return int(most + 1e-9), E.call("lt", E.var("i"), number)
+
+
+def patch_of(env: Env, statement: ast.SurfaceDecl, limits: dict[Expr, Interval]) -> Patch:
     local: dict[str, Value] = {statement.u: E.var("u"), statement.v: E.var("v")}
     if statement.index is not None:
         local[statement.index] = E.var("i")
@@ -276,8 +309,8 @@ def patch_of(env: Env, statement: ast.SurfaceDecl) -> Patch:
     guard = None if statement.guard is None else ev.truth(ev.value(statement.guard), statement.guard.span)
     count = None
     if statement.index_count is not None:
-        number = plain.scalar(statement.index_count).constant
-        count = int(number) if number is not None else None
+        count, present = copies(env, plain.scalar(statement.index_count), statement.index_count, limits)
+        guard = present if guard is None else guard if present is None else E.both(guard, present)
     return Patch(statement.name, ev.vector(statement.value), u, v, guard, count)
 
 

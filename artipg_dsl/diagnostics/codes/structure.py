@@ -165,6 +165,22 @@ STRUCTURE = (
           surface top (u in 0 .. 1, v in 0 .. 1) = [u * wide, v * wide, 0mm]
         }
         """),
+    Code("open-count", "an indexed surface may have any number of copies", """
+        The surfaces of a primitive are known when it is compiled, so that their seams can be matched. A number of copies
+        that differs between objects needs a greatest value, of at most 64. Use a parameter of type `count` with a domain, or
+        a formula of such parameters.
+        """, """
+        apg 1
+        primitive Fan {
+          param blades : count
+          param reach : length > 0  test 1cm .. 1m
+          let at(i) = i / blades * 360deg
+          surface blade[i in 0 ..< blades] (u in 0 .. 1, v in 0 .. 1) = [u * reach * cos(at(i)), u * reach * sin(at(i)), v * reach]
+          inside (p) = hypot(p.x, p.y) - reach
+          box = [2 * reach, 2 * reach, reach]
+        }
+        category Ventilator { root part fan : Fan(blades = 3, reach = 10cm) }
+        """),
     Code("broken-chain", "curves of a chain do not meet end to end", """
         Each curve of a chain begins where the one before it ends, for every test value of the primitive.
         Otherwise the surface made of them would have a gap. An outer and an inner chain have equally many
