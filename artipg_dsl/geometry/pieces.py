@@ -22,7 +22,7 @@ from .trial import trial, variants
 from .weld import plan, step_counts
 
 STEPS = (24, 16, 12, 8)  # per full turn: a hull takes the finest of these that has few corners
-FEW = 160  # what collision checks and simulators take well; a ball of 16 steps lies within 2 % of its radius
+FEW = 200  # what collision checks and simulators take well; a ball of 16 steps lies within 2 % of its radius
 FLAT = 1e-7  # how far, relative to the piece's extent, a vertex may stand out of the plane of a face
 
 

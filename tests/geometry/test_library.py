@@ -6,9 +6,15 @@ Some lathes and outlines of free curves take up to a minute each; they run with 
 import os
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from artipg_dsl.geometry import mesh
+from artipg_dsl.geometry.box import bounds
+from artipg_dsl.geometry.patches import existing
 from artipg_dsl.geometry.selftest import check_primitive
+from artipg_dsl.geometry.trial import trial
+from artipg_dsl.graph.text import from_text, to_text
 from artipg_dsl.session import Session, check_text
 from artipg_dsl.source import Source
 
@@ -32,6 +38,35 @@ def test_the_page_lists_every_shipped_primitive():
     page = (Path(__file__).parents[2] / "docs" / "primitives.md").read_text()
     missing = [name for name in SHIPPED if f"| `{name}` |" not in page]
     assert missing == []
+
+
+def test_a_prism_has_the_sides_that_each_instance_asks_for():
+    prism, sides = SHIPPED["Prism"], np.array([3.0, 12.0, 4.0, 7.0])
+    params = {"": np.zeros(4), "sides": sides, "radius": np.full(4, 0.1), "top_radius": np.full(4, 0.1), "height": np.full(4, 0.2)}
+    assert set(trial(prism)["sides"]) == set(range(3, 13))
+    assert existing(prism, params).sum(axis=1).tolist() == (3 * sides).tolist()
+    for group in mesh.build(prism, params):
+        assert len(group.faces) == 4 * sides[group.rows[0]]
+    volume, centre, _ = mesh.volume_inertia(prism, params)
+    assert np.allclose(volume, sides / 2 * 0.01 * np.sin(2 * np.pi / sides) * 0.2, rtol=1e-12)
+    assert np.abs(centre).max() < 1e-15
+    low, high = bounds(prism, params)
+    assert np.allclose(low[:, 0], [-0.1, -0.1 * np.cos(np.pi / 12), -0.1 * np.cos(np.pi / 4), -0.1])
+
+
+def test_counts_of_surfaces_are_settled_with_the_text():
+    text = """apg 1
+use solids { Prism }
+category Bar {
+  count sides in 3 .. 5 = 4
+  root part body : Prism(sides = sides, radius = 2cm, height = 30cm)
+}
+"""
+    batch = Session.of_text(text).sampler.batch(np.arange(12), 1)
+    (table,) = batch.sites()
+    assert set(table.params["sides"]) == {3.0, 4.0, 5.0}
+    again = from_text(to_text(batch.program))
+    assert again.primitives["Prism"].whole == ("sides",) and to_text(again) == to_text(batch.program)
 
 
 PLATE = """apg 1
