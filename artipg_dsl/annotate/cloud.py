@@ -12,6 +12,7 @@ from ..geometry import points as geometry
 from ..graph import random
 from ..runtime.materials import material_rows
 from .frames import rotate
+from .jacobian import jacobian
 from .points import field_kinds, label_points
 from .sampling import Sampling, draw
 from .seen import part_coordinates
@@ -31,7 +32,9 @@ class Points:
     object's primitives of that site), ``patch``, ``u``, ``v`` (B, n) patch fractions. ``labels`` such as
     ``affordance.pull``, (B, n) each, fields of vectors (B, n, 3). With K states, ``position``, ``normal``, ``motion`` and
     fields of vectors are (B, K, n, 3): the same points, moved. ``motion`` is the velocity per unit (radian, metre) of
-    the point's own joint, None unless asked for. ``bound`` (B, n) tells of points that were bound again which of them
+    the point's own joint, None unless asked for; so are ``drivers`` (B, n, D), the numbers of all joints of the object
+    that move the point, -1 for no more, and ``velocities`` (B, n, D, 3) or (B, K, n, D, 3) per unit of each of them, what
+    mimics it and what closed loops move along included. ``bound`` (B, n) tells of points that were bound again which of them
     still have their primitive and patch; what is not has nan for its place, no label and -1 for semantic, instance,
     link and material. It is None for points that were drawn.
     """
@@ -51,6 +54,8 @@ class Points:
     v: np.ndarray
     labels: dict[str, np.ndarray]
     motion: np.ndarray | None = None
+    drivers: np.ndarray | None = None
+    velocities: np.ndarray | None = None
     bound: np.ndarray | None = None
 
 
@@ -98,7 +103,8 @@ def complete(
         )
     every = np.asarray(states) if several else [states]
     shown = [moved(batch, made, own, one, motion) for one in every]
-    position, normal, velocity = (
+    drivers = jacobian(batch, every[0]).driver[own] if motion else None
+    position, normal, velocity, velocities = (
         None if arrays[0] is None else np.stack(arrays, axis=1) if several else arrays[0]
         for arrays in zip(*shown, strict=True)
     )
@@ -109,7 +115,7 @@ def complete(
         carried = [rotate(batch.pose(one)[0][own], fields[name]).astype(np.float32) for one in every]
         fields[name] = np.stack(carried, axis=1) if several else carried[0]
     classes = labels.semantic, instance, link, made_of
-    return Points(owner, position, normal, *classes, npcs, *binding, fields, velocity)
+    return Points(owner, position, normal, *classes, npcs, *binding, fields, velocity, drivers, velocities)
 
 
 def _starts(batch: Batch) -> np.ndarray:
@@ -122,8 +128,12 @@ def _starts(batch: Batch) -> np.ndarray:
 
 def moved(
     batch: Batch, made: geometry.PointSet, link: np.ndarray, states: np.ndarray | None, motion: bool
-) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
-    """Position, normal and, if asked for, velocity (B, n, 3) of points on the link rows ``link`` (B, n)."""
+) -> tuple[np.ndarray, np.ndarray, np.ndarray | None, np.ndarray | None]:
+    """Position and normal (B, n, 3) of points on the link rows ``link`` (B, n); if asked for, their velocity by their own
+    joint, and (B, n, D, 3) by each joint that drives them."""
     turn, shift = batch.pose(states)
     position = rotate(turn[link], made.position) + shift[link]
-    return position, rotate(turn[link], made.normal), twist(batch, states).at(link, position) if motion else None
+    normal = rotate(turn[link], made.normal)
+    if not motion:
+        return position, normal, None, None
+    return position, normal, twist(batch, states).at(link, position), jacobian(batch, states).at(link, position)

@@ -53,13 +53,14 @@ def rebind(
     flat, made = flat[kept], geometry.PointSet(*(x[kept, None] for x in (*columns, position, normal)))
     known = complete(batch, made, whose[kept], states, motion)
 
-    def spread(values: np.ndarray, missing: float) -> np.ndarray:
-        """Values (k, [states,] 1, ...) of the points that are bound, in their places among all (P, [states,] n, ...)."""
-        values = np.squeeze(values, axis=values.ndim - 2 if values.ndim > 2 else 1)
+    def spread(values: np.ndarray, missing: float, own: int = 1) -> np.ndarray:
+        """Values (k, [states,] 1, ...) of the points that are bound, in their places among all (P, [states,] n, ...);
+        each has ``own`` axes."""
+        values = np.squeeze(values, axis=values.ndim - 1 - own if values.ndim > 1 + own else 1)
         out = np.full((site.size, *values.shape[1:]), missing, dtype=values.dtype)
         out[flat] = values
         out = out.reshape(*site.shape, *values.shape[1:])
-        return np.moveaxis(out, 2, 1) if values.ndim == 3 else out
+        return np.moveaxis(out, 2, 1) if values.ndim == 2 + own else out
 
     bound = np.zeros(site.size, dtype=bool)
     bound[flat] = True
@@ -70,7 +71,9 @@ def rebind(
         known, object=owner, position=spread(known.position, np.nan), normal=spread(known.normal, np.nan), npcs=spread(known.npcs, np.nan),
         **numbers,
         primitive=site.astype(np.int32), element=element, patch=patch.astype(np.int16), u=u, v=v, labels=labels,
-        motion=None if known.motion is None else spread(known.motion, np.nan), bound=bound.reshape(site.shape),
+        motion=None if known.motion is None else spread(known.motion, np.nan),
+        drivers=None if known.drivers is None else spread(known.drivers, -1),
+        velocities=None if known.velocities is None else spread(known.velocities, np.nan, 2), bound=bound.reshape(site.shape),
     )  # fmt: skip
 
 

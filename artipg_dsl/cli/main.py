@@ -84,7 +84,7 @@ def parser() -> argparse.ArgumentParser:
     sample.add_argument(
         "--states", default="rest", metavar="LIST", help="joint states: rest, open, random:K, joint=45deg, with commas (default: rest)"
     )
-    sample.add_argument("--motion", action="store_true", help="the velocity of each point by its own joint, too")
+    sample.add_argument("--motion", action="store_true", help="the velocities of each point by its own joint and by all that drive it, too")
     sample.add_argument(
         "--gripper", default="standard", metavar="LIST",
         help="the hand that grasps are made with: any, or measures such as stroke=8cm,width=2cm (default: standard)",

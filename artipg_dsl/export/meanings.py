@@ -36,11 +36,20 @@ POINTS = {
     "u": Meaning("first patch coordinate, a fraction 0 .. 1", "objects, points", "patch", "1", "float32"),
     "v": Meaning("second patch coordinate, a fraction 0 .. 1", "objects, points", "patch", "1", "float32"),
 }
-MOTION = Meaning(
-    "velocity of the point per unit of the next joint above its link", "objects, points, 3", "object",
-    "m per rad, or m per m", "float32",
-)  # fmt: skip
-MOVING = ("points", "normals", "motion")  # what depends on the state
+MOTIONS = {
+    "motion": Meaning(
+        "velocity of the point per unit of the next joint above its link", "objects, points, 3", "object",
+        "m per rad, or m per m", "float32",
+    ),
+    "drivers": Meaning(
+        "joints that move the point, places in the annotation's list `joints`; 65535: no more", "objects, points, drivers"
+    ),
+    "velocities": Meaning(
+        "velocity of the point per unit of each of its drivers, with all that follows it", "objects, points, drivers, 3",
+        "object", "m per rad, or m per m", "float32",
+    ),
+}  # fmt: skip
+MOVING = ("points", "normals", "motion", "velocities")  # what depends on the state
 
 _SHOT, _IMAGE, _CLOUD = ("objects, views" + more for more in ("", ", height, width", ", cloud"))
 VIEWS = {

@@ -46,7 +46,10 @@ def point_arrays(
     if values is not None:
         arrays["state"] = state_table(batch, values)[points.object]
     if points.motion is not None:
+        assert points.drivers is not None and points.velocities is not None
         arrays["motion"] = points.motion.astype(np.float32)
+        arrays["drivers"] = np.where(points.drivers < 0, NONE, narrow(np.maximum(points.drivers, 0))).astype(np.uint16)
+        arrays["velocities"] = points.velocities.astype(np.float32)
     labels = {name: a if a.dtype == bool else a.astype(np.float32) for name, a in sorted(points.labels.items())}
     return arrays | labels
 

@@ -79,15 +79,19 @@ def link_motion(links: LinkTable, joints: JointTable, states: np.ndarray) -> tup
     turning, sliding = (axis != 0.0).any(axis=1), (slide != 0.0).any(axis=1)
     turn = rotation_about(axis, np.where(turning, values, 0.0))
     shift = joints.origin - apply(turn, joints.origin) + slide * np.where(sliding, values, 0.0)[:, None]
+    for at in levels(count, parent, child):
+        p, c = parent[at], child[at]
+        rotation[c] = product(rotation[p], turn[at])
+        translation[c] = apply(rotation[p], shift[at]) + translation[p]
+    return rotation, translation
+
+
+def levels(count: int, parent: np.ndarray, child: np.ndarray) -> list[np.ndarray]:
+    """The joints whose child links lie at each depth of the tree of ``count`` links, from the root on."""
     depth = np.zeros(count, dtype=np.int64)
     for _ in range(count):
         deeper = depth[parent] + 1
         if (depth[child] == deeper).all():
             break
         depth[child] = deeper
-    for level in range(1, int(depth.max()) + 1):
-        at = np.flatnonzero(depth[child] == level)
-        p, c = parent[at], child[at]
-        rotation[c] = product(rotation[p], turn[at])
-        translation[c] = apply(rotation[p], shift[at]) + translation[p]
-    return rotation, translation
+    return [np.flatnonzero(depth[child] == level) for level in range(1, int(depth.max(initial=0)) + 1)]
