@@ -144,10 +144,14 @@ class _Model:
         name = f"{link.name}_{collider.name}"
         dynamic = sum(collider.material.friction_dynamic) / 2
         entry = {"name": f"{name}_collision", "class": "collision", "friction": f"{dynamic:.6g} 0.005 0.0001"}
-        if collider.hull is None:
-            assert collider.size is not None
-            size, turn = numbers(np.array(collider.size) / 2), numbers(np.ravel(quaternion(collider.rotation)))
-            return entry | {"type": "box", "size": size, "pos": numbers(collider.center), "quat": turn}
+        turn = numbers(np.ravel(quaternion(collider.rotation)))
+        placed = {"pos": numbers(collider.center), "quat": turn}
+        if collider.size is not None:
+            return entry | {"type": "box", "size": numbers(np.array(collider.size) / 2)} | placed
+        if collider.bar is not None:
+            sizes = [collider.bar.radius, *([collider.bar.length / 2] if collider.bar.kind != "sphere" else [])]
+            return entry | {"type": collider.bar.kind, "size": numbers(sizes)} | placed
+        assert collider.hull is not None
         # equal pieces (the keys of a pad) share a mesh: its points are those about its own middle
         middle = np.round((collider.hull.vertices.min(axis=0) + collider.hull.vertices.max(axis=0)) / 2, 9)
         points = numbers(np.round(collider.hull.vertices - middle, 9).ravel())

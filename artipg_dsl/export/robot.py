@@ -19,6 +19,7 @@ from ..graph.program import Material
 from ..runtime.mass import Mass, masses
 from ..runtime.materials import catalogue, material_rows
 from . import materials, solids
+from .colliders import Hull, colliders
 from .dynamics import Dynamics, dynamics
 from .mesh_obj import Shape
 
@@ -50,15 +51,35 @@ class Visual:
 
 
 @dataclass(frozen=True, slots=True)
+class Bar:
+    """A cylinder about z, or with ``capped`` a capsule, whose ``length`` does not count its ends; a ball has none."""
+
+    radius: float
+    length: float
+    capped: bool
+
+    @property
+    def kind(self) -> str:
+        """Its name in most formats: cylinder, sphere or capsule."""
+        if not self.capped:
+            return "cylinder"
+        return "capsule" if self.length > 0.0 else "sphere"
+
+
+@dataclass(frozen=True, slots=True)
 class Collider:
-    """A convex piece in the link's frame: a box (``size`` about ``center`` turned by ``rotation``) or a ``hull``."""
+    """A convex piece in the link's frame: a box of ``size``, a ``bar`` or a ``hull``, which bars have, too.
+
+    Boxes and bars stand about ``center``, turned by ``rotation``.
+    """
 
     name: str
     material: Material
-    size: tuple[float, float, float] | None
     center: np.ndarray
     rotation: np.ndarray
-    hull: Shape | None
+    size: tuple[float, float, float] | None = None
+    bar: Bar | None = None
+    hull: Shape | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,7 +150,6 @@ class Robots:
         self.catalogue = catalogue(batch)
         self.material_rows = {t.number: material_rows(batch, t) for t in self.tables}
         self.visuals = solids.by_object(self.meshes, len(batch))
-        self.colliders = solids.by_object(self.pieces, len(batch))
         objects = np.arange(len(batch) + 1)
         self.link_start = np.searchsorted(self.links.owner, objects)
         self.joint_start = np.searchsorted(self.joints.owner, objects)
@@ -142,6 +162,11 @@ class Robots:
         origins = np.zeros((len(self.links.owner), 3))
         origins[self.link_start[self.joints.owner] + self.joints.child] = self.joints.origin
         return origins
+
+    @cached_property
+    def colliders(self) -> list[list[Hull]]:
+        """What collides of each object."""
+        return colliders(self.batch, self.pieces, self.material_rows)
 
     @cached_property
     def mass(self) -> Mass:
@@ -202,9 +227,9 @@ class Robots:
         colliders: list[list[Collider]] = [[] for _ in names]
         for item in self.visuals[i]:
             visuals[int(item.group.table.link[item.row])].append(self._visual(i, item))
-        for piece in self.colliders[i]:
-            link = int(piece.group.table.link[piece.row])
-            colliders[link].append(self._collider(i, piece, len(colliders[link])))
+        for hull in self.colliders[i]:
+            link = int(hull.item.group.table.link[hull.item.row])
+            colliders[link].append(self._collider(i, hull, len(colliders[link])))
         first = int(self.link_start[i])
         links = tuple(
             RobotLink(
@@ -233,14 +258,21 @@ class Robots:
         shape = Shape(name, group.vertices[item.k] - self._origin(i, item), group.faces)
         return Visual(name, self.look(i, item), shape, item)
 
-    def _collider(self, i: int, item: solids.Item[solids.PieceGroup], index: int) -> Collider:
+    def _collider(self, i: int, piece: Hull, index: int) -> Collider:
+        item = piece.item
         group, name = item.group, f"{self._name(i, item)}_{index}"
         origin, material = self._origin(i, item), self.materials[self.material(item)][i]
         center, rotation = group.center[item.k] - origin, group.table.rotation[item.row]
+        if piece.vertices is not None and piece.faces is not None:
+            middle = (piece.vertices.min(axis=0) + piece.vertices.max(axis=0)) / 2 - origin
+            return Collider(name, material, middle, np.eye(3), hull=Shape(name, piece.vertices - origin, piece.faces))
         if group.is_box[item.k]:
-            return Collider(name, material, tuple(group.size[item.k].tolist()), center, rotation, None)
+            return Collider(name, material, center, rotation, size=tuple(group.size[item.k].tolist()))
+        radius, length, capped = group.round[item.k].tolist()
         hull = Shape(name, group.vertices[item.k] - origin, group.faces)
-        return Collider(name, material, None, center, rotation, hull)
+        if radius > 0.0:
+            return Collider(name, material, center, rotation, bar=Bar(radius, length, bool(capped)), hull=hull)
+        return Collider(name, material, center, rotation, hull=hull)
 
     def _closures(self, i: int) -> Iterator[Closure]:
         loops, first = self.batch.loops, int(self.link_start[i])

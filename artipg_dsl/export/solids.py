@@ -15,6 +15,7 @@ import numpy as np
 
 from ..annotate.frames import place
 from ..geometry import mesh, pieces
+from ..geometry.collide import cross, dot
 from ..geometry.resolution import FINEST, STANDARD, Resolution, bends, within_budget
 from ..geometry.topology import topology
 from .shading import Shading, shade
@@ -43,18 +44,38 @@ class SolidGroup:
         return shade(self.vertices, self.faces, self.face_patch)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class PieceGroup:
     """Convex pieces of ``rows`` of one site. Where ``is_box``, the piece is a box of ``size`` about ``center`` in the
-    directions of the site's rotation; otherwise the hull of vertices (k, P, 3). All in the object's frame."""
+    directions of the site's rotation; otherwise the hull of vertices (k, P, 3). All in the object's frame.
+
+    ``name`` numbers the declared piece, ``index`` its steps; ``round`` (k, 3): radius, length along z and whether that
+    ends in half spheres, of what is round about the site's z, else noughts.
+    """
 
     table: SiteTable
+    name: int
+    index: int
     rows: np.ndarray
     vertices: np.ndarray
     faces: np.ndarray
     is_box: np.ndarray
     size: np.ndarray
     center: np.ndarray
+    round: np.ndarray
+
+    @cached_property
+    def planes(self) -> tuple[np.ndarray, np.ndarray]:
+        """Outward normals (k, F, 3) and offsets (k, F) of the faces."""
+        return planes(self.vertices, self.faces)
+
+
+def planes(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Outward unit normals (k, F, 3) of the faces of convex pieces (k, P, 3), and their offsets (k, F)."""
+    corners = vertices[:, faces]
+    normal = cross(corners[:, :, 1] - corners[:, :, 0], corners[:, :, 2] - corners[:, :, 0])
+    normal = normal / np.maximum(np.sqrt(dot(normal, normal)), 1e-300)[..., None]
+    return normal, dot(normal, corners[:, :, 0])
 
 
 Group = TypeVar("Group", SolidGroup, PieceGroup)
@@ -110,16 +131,21 @@ def build_pieces(tables: list[SiteTable]) -> list[PieceGroup]:
     for table in tables:
         if not len(table.owner):
             continue
+        names: dict[str, int] = {}
         for part in pieces.build(table.primitive, table.params):
             rows = np.asarray(part.rows)
             is_box, size, center = as_box(part.vertices)
+            bulge = as_round(part.vertices)
+            name, _, index = part.name.partition("[")
+            number = names.setdefault(name, len(names))
             center = placed(table, rows, center[:, None])[:, 0]
             vertices = placed(table, rows, part.vertices)
             for sign in (1.0, -1.0):
                 c = np.flatnonzero(table.mirror[rows] == sign)
                 if len(c):
                     faces = part.faces if sign > 0 else part.faces[:, ::-1]
-                    groups.append(PieceGroup(table, rows[c], vertices[c], faces, is_box[c], size[c], center[c]))
+                    step = int(index[:-1] or 0)
+                    groups.append(PieceGroup(table, number, step, rows[c], vertices[c], faces, is_box[c], size[c], center[c], bulge[c]))
     return groups
 
 
@@ -139,6 +165,34 @@ def as_box(vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     exact = (np.abs(vertices - corner) <= 1e-9).all(axis=(1, 2))
     code = np.sort(upper[..., 0] + 2 * upper[..., 1] + 4 * upper[..., 2], axis=1)
     return exact & (code == np.arange(8)).all(axis=1) & (size > 0).all(axis=1), size, center
+
+
+def as_round(vertices: np.ndarray) -> np.ndarray:
+    """Radius, length and whether it ends in half spheres, (k, 3), of the points (k, P, 3) of cylinders, balls and capsules.
+
+    The corners of a cylinder lie on two equal circles about z, or in the middle of these, those of a ball or a capsule
+    at one distance from a stretch of z; else there are noughts. The length of a capsule is that between its ends' middles.
+    """
+    found = np.zeros((len(vertices), 3))
+    if vertices.shape[1] < 12:
+        return found
+    low, high = vertices.min(axis=1), vertices.max(axis=1)
+    middle, half = (low + high) / 2, (high - low) / 2
+    local = vertices - middle[:, None]
+    radius, near = half[:, 0], 1e-6 * half.max(axis=1)
+    across = np.sqrt(local[..., 0] ** 2 + local[..., 1] ** 2)
+    even = (np.abs(half[:, 0] - half[:, 1]) <= near) & (radius > 0)
+    flat = np.abs(np.abs(local[..., 2]) - half[:, 2, None]) <= near[:, None]
+    rim = np.abs(across - radius[:, None]) <= near[:, None]
+    cylinder = even & (flat & (rim | (across <= near[:, None]))).all(axis=1) & (rim.sum(axis=1) >= 12)
+    straight = half[:, 2] - radius
+    beyond = np.maximum(np.abs(local[..., 2]) - straight[:, None], 0.0)
+    apart = np.abs(np.sqrt(across**2 + beyond**2) - radius[:, None])
+    capsule = even & (straight >= -near) & (apart <= near[:, None]).all(axis=1) & ~cylinder
+    found[:, 0] = np.where(cylinder | capsule, radius, 0.0)
+    found[:, 1] = np.where(cylinder, 2 * half[:, 2], np.where(capsule, np.where(straight > near, 2 * straight, 0.0), 0.0))
+    found[:, 2] = capsule
+    return found
 
 
 def by_object(groups: list[Group], n_objects: int) -> list[list[Item[Group]]]:

@@ -98,14 +98,19 @@ def _link(link: RobotLink, files: dict[str, bytes], looks: dict[str, str], piece
 
 def _collider(link: RobotLink, collider: Collider, files: dict[str, bytes], pieces: dict[bytes, str]) -> dict[str, Any]:
     name = f"{link.name}_{collider.name}"
-    if collider.hull is None:
-        assert collider.size is not None
-        rpy = numbers(euler(collider.rotation))
-        return {"name": name, "xyz": numbers(collider.center), "rpy": rpy, "box": numbers(collider.size)}
+    placed = {"name": name, "xyz": numbers(collider.center), "rpy": numbers(euler(collider.rotation))}
+    if collider.size is not None:
+        return placed | {"shape": {"kind": "box", "sizes": {"size": numbers(collider.size)}}}
+    if collider.bar is not None and collider.bar.kind != "capsule":
+        sizes = {"radius": numbers([collider.bar.radius])}
+        if not collider.bar.capped:
+            sizes["length"] = numbers([collider.bar.length])
+        return placed | {"shape": {"kind": collider.bar.kind, "sizes": sizes}}
+    assert collider.hull is not None
     data = obj_bytes([Shape("piece", collider.hull.vertices, collider.hull.faces)])
     file = pieces.setdefault(data, f"meshes/{name}.collision.obj")  # equal pieces (the keys of a pad) share a file
     files[file] = data
-    return {"name": name, "xyz": "0 0 0", "rpy": "0 0 0", "box": "", "file": file}
+    return {"name": name, "xyz": "0 0 0", "rpy": "0 0 0", "shape": None, "file": file}
 
 
 def _joint(joint: RobotJoint, robot: Robot) -> dict[str, Any]:

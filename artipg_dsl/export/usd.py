@@ -119,11 +119,19 @@ def _mesh(visual: Visual, origin: np.ndarray, words: tuple[str, ...]) -> dict[st
 
 
 def _piece(collider: Collider) -> dict[str, Any]:
-    look = {"look": identifier(collider.material.name), "box": collider.hull is None}
-    if collider.hull is not None:
-        return look | _polygons(collider.hull.vertices, collider.hull.faces)
+    look = {"look": identifier(collider.material.name)}
     place = {"turn": quat(quaternion(collider.rotation)), "shift": vector(collider.center)}
-    return look | place | {"scale": vector(np.array(collider.size))}
+    if collider.size is not None:
+        return look | place | {"type": "Cube", "scale": vector(np.array(collider.size))}
+    if collider.bar is not None:
+        bar, reach = collider.bar, collider.bar.length / 2 + collider.bar.radius * collider.bar.capped
+        corner = np.array([bar.radius, bar.radius, reach])
+        lines = [f"float3[] extent = {vectors(np.stack([-corner, corner]))}", f"double radius = {bar.radius:.9g}"]
+        if bar.kind != "sphere":
+            lines += ['uniform token axis = "Z"', f"double height = {bar.length:.9g}"]
+        return look | place | {"type": bar.kind.capitalize(), "lines": lines}
+    assert collider.hull is not None
+    return look | {"type": "Mesh"} | _polygons(collider.hull.vertices, collider.hull.faces)
 
 
 def _polygons(points: np.ndarray, faces: np.ndarray) -> dict[str, str]:

@@ -23,7 +23,8 @@ class Pieces:
     """N pieces sorted by link (links by object): corners by class and slot, box, object, link (a row of the link table).
 
     ``corners`` holds (n, P, 3) per class, P a power of two; a piece with fewer corners repeats its last. ``shape`` is
-    the index of its faces in ``faces``. Only pieces that come near others are inset, in place, by ``ready``.
+    the index of its faces in ``faces``. Only pieces that come near others are inset, in place, by ``ready``. ``source``
+    tells where a piece stood before it was sorted, ``met`` which pieces have been found to meet another.
     """
 
     corners: list[np.ndarray]
@@ -36,13 +37,16 @@ class Pieces:
     link: np.ndarray
     shape: np.ndarray
     done: np.ndarray
+    met: np.ndarray
+    source: np.ndarray
 
     def __len__(self) -> int:
         return len(self.owner)
 
     def part(self, rows: slice) -> Pieces:
         """Some of the pieces; they share the corners."""
-        columns = (self.kind, self.slot, self.low, self.high, self.owner, self.link, self.shape, self.done)
+        names = ("kind", "slot", "low", "high", "owner", "link", "shape", "done", "met", "source")
+        columns = (getattr(self, name) for name in names)
         return Pieces(self.corners, self.faces, *(column[rows] for column in columns))
 
     def boxes(self) -> Pieces:
@@ -115,11 +119,19 @@ class Placed:
         return apply(self.turn[rows], found) + self.shift[rows]
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Alike:
+    """Convex pieces with common faces (F, 3): corners (k, P, 3) at rest, object and link (a row of the link table) of each."""
+
+    corners: np.ndarray
+    faces: np.ndarray
+    owner: np.ndarray
+    link: np.ndarray
+
+
 def gather(batch: Batch, first: np.ndarray, turn: np.ndarray, shift: np.ndarray) -> Pieces:
     """All pieces of a batch; ``first`` (B,) is each object's first link, ``turn`` and ``shift`` carry links to rest."""
-    by_size: dict[int, list[np.ndarray]] = {}
-    owners, links, kinds, slots, shapes = [], [], [], [], []
-    faces: list = []
+    groups = []
     for table in batch.sites():
         if not len(table):
             continue
@@ -129,31 +141,38 @@ def gather(batch: Batch, first: np.ndarray, turn: np.ndarray, shift: np.ndarray)
             link = first[table.owner[rows]] + table.link[rows]
             placed = turned(table.rotation[rows], group.vertices * sign[:, None])
             placed = turned(turn[link], placed + table.translation[rows][:, None]) + shift[link][:, None]
-            size = max(8, 1 << (placed.shape[1] - 1).bit_length())
-            fill = np.repeat(placed[:, -1:], size - placed.shape[1], axis=1)
-            known = by_size.setdefault(size, [])
-            shapes.append(np.full(len(rows), len(faces)))
-            kinds.append(np.full(len(rows), size))
-            slots.append(np.arange(len(rows)) + sum(map(len, known)))
-            known.append(np.concatenate([placed, fill], axis=1))
-            owners.append(table.owner[rows])
-            links.append(link)
-            faces.append(group.faces)
-    if not owners:
-        none = np.zeros(0, dtype=np.int64)
-        return Pieces([], [], none, none, np.zeros((0, 3)), np.zeros((0, 3)), none, none, none, none.astype(bool))
+            groups.append(Alike(placed, group.faces, table.owner[rows], link))
+    return packed(groups)
+
+
+def packed(groups: list[Alike]) -> Pieces:
+    """Pieces group by group, sorted by link."""
+    by_size: dict[int, list[np.ndarray]] = {}
+    kinds, slots, shapes = [], [], []
+    for number, group in enumerate(groups):
+        count, corners = group.corners.shape[:2]
+        size = max(8, 1 << (corners - 1).bit_length())
+        fill = np.repeat(group.corners[:, -1:], size - corners, axis=1)
+        known = by_size.setdefault(size, [])
+        shapes.append(np.full(count, number))
+        kinds.append(np.full(count, size))
+        slots.append(np.arange(count) + sum(map(len, known)))
+        known.append(np.concatenate([group.corners, fill], axis=1))
+    if not groups:
+        none, flags = np.zeros(0, dtype=np.int64), np.zeros(0, dtype=bool)
+        return Pieces([], [], none, none, np.zeros((0, 3)), np.zeros((0, 3)), none, none, none, flags, flags, none)
     sizes = sorted(by_size)
     corners = [np.concatenate(by_size[size]) for size in sizes]
-    owner, link, slot = np.concatenate(owners), np.concatenate(links), np.concatenate(slots)
-    kind = np.searchsorted(sizes, np.concatenate(kinds))
+    owner, link = (np.concatenate([getattr(group, name) for group in groups]) for name in ("owner", "link"))
+    slot, kind = np.concatenate(slots), np.searchsorted(sizes, np.concatenate(kinds))
     low, high = np.empty((len(owner), 3)), np.empty((len(owner), 3))
     for number, points in enumerate(corners):
         at = kind == number
         low[at], high[at] = points.min(axis=1)[slot[at]], points.max(axis=1)[slot[at]]
     order = np.argsort(link, kind="stable")
-    done = np.zeros(len(owner), dtype=bool)
-    columns = (kind, slot, low + DEPTH / 2, high - DEPTH / 2, owner, link, np.concatenate(shapes), done)
-    return Pieces(corners, faces, *(column[order] for column in columns))
+    done, met = np.zeros(len(owner), dtype=bool), np.zeros(len(owner), dtype=bool)
+    columns = (kind, slot, low + DEPTH / 2, high - DEPTH / 2, owner, link, np.concatenate(shapes), done, met)
+    return Pieces(corners, [group.faces for group in groups], *(column[order] for column in columns), order)
 
 
 def turned(rotation: np.ndarray, points: np.ndarray) -> np.ndarray:

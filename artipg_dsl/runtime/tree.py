@@ -9,11 +9,12 @@ import numpy as np
 
 from .batch import Batch
 from .bodies import Pieces
-from .motion import apply
+from .motion import apply, product
 
 if TYPE_CHECKING:
     from .validate import Collisions
 
+KEPT = 5_000  # links of which the poses in all states are kept
 TURNING = ("revolute", "continuous", "screw")
 
 
@@ -50,6 +51,7 @@ class Tree:
             self.leader = self.leader[self.leader]
         if batch.loops is not None:  # what the loops of an object determine follows its first driving joint
             self.leader = batch.loops.driven(self.leader)
+        self._states: dict[bytes, tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray]]] = {}
         self.alone = np.bincount(self.leader, minlength=len(base))[self.leader] == 1
         self.alone &= self.turns | self.slides | (kinds == "fixed")  # a ball turns about what is no axis of the table
 
@@ -64,6 +66,26 @@ class Tree:
             pair = sorted((program.links[a].path, program.links[b].path))
             groups.setdefault((pair[0], pair[1], program.joints[j].path if j >= 0 else ""), []).append(row)
         return {key: np.array(rows) for key, rows in groups.items()}
+
+    def at(self, states: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray]]:
+        """Turn and shift of the links from rest with the joints at ``states`` (J,), and the links where loops do not close."""
+        key = states.tobytes()
+        if key not in self._states:
+            if len(self.links.owner) > KEPT:
+                self._states.clear()
+            turn, shift = self.batch.pose(states)
+            turn = product(turn, self.turn.transpose(0, 2, 1))
+            none = np.zeros(0, dtype=np.int64)
+            apart = (none, none) if self.batch.loops is None else self.batch.loops.apart(states)
+            self._states[key] = turn, shift - apply(turn, self.shift), apart
+        return self._states[key]
+
+    def blame(self, body: Pieces, i: np.ndarray, j: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The links of pairs of pieces that meet; where the text does not allow it, the pieces remember."""
+        first, second = body.link[i], body.link[j]
+        wrong = ~self.permitted(first, second)
+        body.met[i[wrong]] = body.met[j[wrong]] = True
+        return first, second
 
     def permitted(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
         """Pairs that the text allows to overlap or to block one another."""

@@ -1,6 +1,6 @@
 """Do the links of an object penetrate one another, at rest or while one joint runs through its range?
 
-The truth is the convex pieces, the very ones that are exported. Every pair of links counts, parents and children too.
+The truth is the convex pieces; what an export makes of them is examined here, too. Every pair of links counts, parents and children too.
 Each joint moves alone, all others at rest, with everything that hangs on its link. Sliding is swept exactly (the hull
 of a piece at both ends). Turning is decided over whole intervals: bounds about the axis leave the angles at which two
 pieces can meet at all; there a plane that keeps them apart is looked for in the middle and proved for the interval, or
@@ -17,7 +17,7 @@ import numpy as np
 from ..geometry.collide import dot, examine, overlap
 from .batch import Batch
 from .bodies import FULL, Pieces, Placed, gather, rings, swept_extent
-from .motion import apply, product, rotation_about
+from .motion import apply, rotation_about
 from .tree import Tree, led, spread
 
 BLOCK = 20_000  # pieces at a time
@@ -49,7 +49,10 @@ class Collisions:
 
 
 def collisions(batch: Batch, tree: Tree | None = None, body: Pieces | None = None) -> Collisions:
-    """All penetrations of a batch, each pair of links once per joint that brings it about."""
+    """All penetrations of a batch, each pair of links once per joint that brings it about.
+
+    ``body``: given pieces instead of the batch's own; their ``met`` tells afterwards which are to blame.
+    """
     tree = tree or Tree(batch)
     body = body or gather(batch, tree.first, tree.turn, tree.shift)
     return told(tree, np.concatenate([_nothing(), *(_block(tree, part) for part in blocks(body))]))
@@ -162,8 +165,8 @@ def _resting(tree: Tree, body: Pieces) -> np.ndarray:
     i, j = _near(tree, body, piece, body.low, body.high, None)
     body.ready(i, j)
     hit = overlap(Placed(body, i), Placed(body, j))
-    i, j = i[hit], j[hit]
-    return Hits(body.link[i], body.link[j], np.full(len(i), -1), np.zeros(len(i))).rows()
+    links = tree.blame(body, i[hit], j[hit])
+    return Hits(*links, np.full(len(links[0]), -1), np.zeros(len(links[0]))).rows()
 
 
 def _sliding(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> np.ndarray:
@@ -175,7 +178,7 @@ def _sliding(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> 
     body.ready(piece[i], j)
     hit = overlap(Placed(body, piece[i], ends=(ends[0][i], ends[1][i])), Placed(body, j))
     i, j = i[hit], j[hit]
-    return Hits(body.link[piece[i]], body.link[j], joint[i], tree.high[joint[i]]).rows()
+    return Hits(*tree.blame(body, piece[i], j), joint[i], tree.high[joint[i]]).rows()
 
 
 def _turning(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> np.ndarray:
@@ -199,7 +202,7 @@ def _turning(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> 
     i, j = i[at], j[at]
     hit, value = _decide(body, Turns(piece[i], j, axis[i], origin[i], start, stop, tree.advance[joint[i]], np.arange(len(i))))
     i, j = i[hit], j[hit]
-    return Hits(body.link[piece[i]], body.link[j], joint[i], value + tree.joints.rest[joint[i]]).rows()
+    return Hits(*tree.blame(body, piece[i], j), joint[i], value + tree.joints.rest[joint[i]]).rows()
 
 
 def _angles(own: np.ndarray, other: np.ndarray, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -285,7 +288,7 @@ def _following(tree: Tree, body: Pieces) -> Iterator[np.ndarray]:
     for lead, states, _ in led(tree, ~tree.alone, SHARES):
         pairs = [posed(tree, body, states)]
         if tree.batch.loops is not None:
-            pairs.append(tree.batch.loops.apart(states))
+            pairs.append(tree.at(states)[2])
         for first, second in pairs:
             at = lead[tree.links.owner[first]]
             keep = at >= 0
@@ -294,9 +297,7 @@ def _following(tree: Tree, body: Pieces) -> Iterator[np.ndarray]:
 
 def posed(tree: Tree, body: Pieces, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Pairs of links that meet with the joints at ``states`` (J,)."""
-    turn, shift = tree.batch.pose(states)
-    turn = product(turn, tree.turn.transpose(0, 2, 1))  # from rest
-    shift = shift - apply(turn, tree.shift)
+    turn, shift, _ = tree.at(states)
     turn, shift = turn[body.link], shift[body.link]
     middle = apply(turn, (body.low + body.high) / 2) + shift
     half = apply(np.abs(turn), (body.high - body.low) / 2)
@@ -304,4 +305,4 @@ def posed(tree: Tree, body: Pieces, states: np.ndarray) -> tuple[np.ndarray, np.
     i, j = _near(tree, placed, np.arange(len(body)), placed.low, placed.high, None)
     body.ready(i, j)
     hit = overlap(Placed(body, i, turn[i], shift[i]), Placed(body, j, turn[j], shift[j]))
-    return body.link[i[hit]], body.link[j[hit]]
+    return tree.blame(body, i[hit], j[hit])

@@ -105,8 +105,10 @@ def test_what_collides_is_all_there_and_stays_in_its_place(robot: Robot, files: 
         for collider in link.colliders:
             count += 1
             geom = model.geom(f"{link.name}_{collider.name}_collision")
-            if collider.hull is None:
-                assert geom.size * 2 == pytest.approx(collider.size, abs=1e-9)
+            if collider.size is not None or collider.bar is not None:
+                bar = collider.bar
+                size = np.array(collider.size) / 2 if bar is None else [bar.radius, bar.length / 2, 0]
+                assert geom.size == pytest.approx(size, abs=1e-9)
                 assert data.geom(geom.id).xpos == pytest.approx(collider.center + shift, abs=1e-6)
                 continue
             mesh = model.mesh(int(geom.dataid[0]))

@@ -85,11 +85,11 @@ def test_box_is_told_from_other_hulls() -> None:
     assert size[0].tolist() == [2, 4, 6] and center[0].tolist() == [0, 0, 0]
 
 
-def test_boards_collide_as_boxes_and_the_rest_as_hulls(files: dict[str, bytes]) -> None:
+def test_boards_collide_as_boxes_and_bars_as_cylinders(files: dict[str, bytes]) -> None:
     tree = ElementTree.fromstring(files["object.urdf"])
     base, door = tree.findall("link")[:2]
     assert len(base.findall("collision/geometry/box")) == 5
-    assert len(door.findall("collision/geometry/mesh")) == 1
+    assert len(door.findall("collision/geometry/cylinder")) == 1  # its handle
     for mesh in tree.iter("mesh"):
         assert mesh.get("filename") in files and mesh.get("filename", "").startswith("meshes/")
     named = [(e.tag, e.get("name")) for kind in ("link", "joint", "visual", "collision") for e in tree.iter(kind)]

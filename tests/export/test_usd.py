@@ -190,7 +190,7 @@ def test_bounds_looks_and_colliders(opened: Opened) -> None:
 def test_box_colliders_lie_where_the_model_has_them(opened: Opened) -> None:
     cache = UsdGeom.XformCache()
     cubes = [prim for prim in opened.stage.Traverse() if prim.IsA(UsdGeom.Cube)]
-    boxes = [(k, c) for k, link in enumerate(opened.robot.links) for c in link.colliders if c.hull is None]
+    boxes = [(k, c) for k, link in enumerate(opened.robot.links) for c in link.colliders if c.size is not None]
     poses = rest_poses(opened.robot)
     corner = np.array([0.5, -0.5, 0.5])
     for prim, (k, box) in zip(cubes, boxes, strict=True):

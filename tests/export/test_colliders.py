@@ -1,0 +1,229 @@
+"""What collides: few pieces, round ones as what they are, open cavities, and no link that meets another."""
+
+from __future__ import annotations
+
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from artipg_dsl.export.colliders import STEPS
+from artipg_dsl.export.mjcf import mjcf_files
+from artipg_dsl.export.robot import Robot, Robots
+from artipg_dsl.export.solids import as_round, planes
+from artipg_dsl.export.urdf import urdf_files
+from artipg_dsl.export.usd import usd_files
+from artipg_dsl.geometry.merge import Convex, clusters, gap, gathered, halves
+from artipg_dsl.session import Session
+
+BOX = np.array([(x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
+
+
+def convex(points: np.ndarray, unit: int = 0, name: int = 0, index: int = 0) -> Convex:
+    from scipy.spatial import ConvexHull
+
+    equations = ConvexHull(points).equations
+    return Convex(points, equations[:, :3], -equations[:, 3], unit, name, index)
+
+
+def ring(count: int, radius: float = 1.0, bore: float = 0.9, level: float = 0.0, name: int = 0) -> list[Convex]:
+    found = []
+    for i in range(count):
+        ends = 2 * np.pi * np.array([i, i + 1]) / count
+        corners = [(r * np.cos(a), r * np.sin(a), h) for a in ends for r in (radius, bore) for h in (level, level + 0.3)]
+        found.append(convex(np.array(corners), name=name, index=i))
+    return found
+
+
+def test_a_hull_that_adds_nothing_has_no_gap() -> None:
+    halves_of_a_box = [convex(BOX), convex(BOX + [1.0, 0, 0])]
+    assert gap(halves_of_a_box) == pytest.approx(0.0, abs=1e-9)
+    assert gap([convex(BOX), convex(BOX + [1.2, 0, 0])]) == pytest.approx(0.1, abs=0.02)  # half of what is between
+
+
+def test_a_ring_becomes_staves_and_keeps_its_hole() -> None:
+    pieces = ring(24)
+    assert len(clusters(pieces, 1e-9)) == 24
+    staves = clusters(pieces, 0.08)
+    assert 5 <= len(staves) <= 8 and sorted(p.index for c in staves for p in c) == list(range(24))
+    for stave in staves:  # the chord of a stave of 1 / n turn bulges into the bore by 1 - cos(pi / n)
+        assert gap(stave) == pytest.approx(0.9 * (1 - np.cos(np.pi / len(staves))), abs=0.02)
+    assert gap(pieces) > 0.5  # one hull would fill the hole
+
+
+def test_rings_one_above_the_other_become_long_staves() -> None:
+    tube = [piece for k in range(6) for piece in ring(24, level=0.3 * k, name=k)]
+    assert len(clusters(tube, 0.08)) == len(clusters(ring(24), 0.08))
+
+
+def test_the_keys_of_a_keyboard_become_one_slab_and_far_ones_do_not() -> None:
+    keys = [(convex(BOX * [1, 1, 0.2] + [1.1 * c, 1.1 * r, 0], unit=10 * r + c),) for r in range(4) for c in range(10)]
+    assert len(gathered(keys, 0.12)) == 1
+    assert len(gathered(keys[::2], 0.12)) == 20
+
+
+def test_halves_are_of_primitives_then_steps_then_names() -> None:
+    tube = tuple(piece for k in range(2) for piece in ring(4, name=k))
+    one, other = halves(tube)
+    assert {p.index for p in one} == {0, 1} and {p.index for p in other} == {2, 3}
+    assert {p.name for p in halves(tuple(p for p in tube if p.index == 0))[0]} == {0}
+    with pytest.raises(ValueError):
+        halves(tube[:1])
+
+
+def test_cylinders_balls_and_capsules_are_known() -> None:
+    turn = np.arange(24) * np.pi / 12
+    circle = np.stack([0.02 * np.cos(turn), 0.02 * np.sin(turn), 0 * turn], axis=-1)
+    cylinder = np.concatenate([circle - [0, 0, 0.05], circle + [0, 0, 0.05]])
+    cone = np.concatenate([circle - [0, 0, 0.05], 0.9 * circle + [0, 0, 0.05]])
+    assert as_round(np.stack([cylinder, cone])).tolist() == [[pytest.approx(0.02), pytest.approx(0.1), 0], [0, 0, 0]]
+    tilt = np.linspace(-np.pi / 2, np.pi / 2, 9)
+    ball = np.stack(np.broadcast_arrays(np.cos(tilt)[:, None] * np.cos(turn), np.cos(tilt)[:, None] * np.sin(turn), np.sin(tilt)[:, None]), -1)
+    ball = 0.03 * ball.reshape(-1, 3)
+    capsule = ball + np.sign(ball[:, 2:]) * [0, 0, 0.04]
+    assert as_round(np.stack([ball, capsule])).tolist() == [
+        [pytest.approx(0.03), 0, 1], [pytest.approx(0.03), pytest.approx(0.08), 1]
+    ]  # fmt: skip
+    assert not as_round(np.stack([ball * [1, 1, 1.1], ball * [1, 0.9, 1]])).any()
+
+
+TEXT = """apg 1
+use primitives { Cuboid, Cylinder }
+use rounds { Capsule }
+use globes { Ball }
+category Rounds {
+  root part body : Cuboid(size = [30cm, 5cm, 1cm])
+  part bar : Cylinder(radius = 1cm, height = 6cm) along y
+  part ball : Ball(radius = 2cm)
+  part pill : Capsule(radius = 1cm, height = 5cm)
+  connect bar.bottom on body.top
+  connect ball.bottom on body.top
+  connect pill.bottom on body.top
+  align bar.center.x = body.center.x
+  align ball.center.x = body.center.x + 8cm
+  align pill.center.x = body.center.x - 8cm
+}
+"""
+
+
+@pytest.fixture(scope="module")
+def rounds() -> Robots:
+    return Robots(Session.of_text(TEXT).sampler.batch(np.arange(1), 0))
+
+
+def test_round_pieces_are_written_as_what_they_are(rounds: Robots) -> None:
+    robot = rounds.robot(0)
+    assert [c.bar.kind if c.bar else "box" for c in robot.links[0].colliders] == ["box", "cylinder", "sphere", "capsule"]
+    urdf = ElementTree.fromstring(urdf_files(robot)["object.urdf"])
+    assert [next(iter(g)).tag for g in urdf.findall("link/collision/geometry")] == ["box", "cylinder", "sphere", "mesh"]
+    mjcf = ElementTree.fromstring(mjcf_files(robot)["object.xml"])
+    assert [g.get("type") for g in mjcf.iter("geom") if g.get("class") == "collision"] == ["box", "cylinder", "sphere", "capsule"]
+    usd = usd_files(rounds, 0)["object.usda"].decode()
+    assert [usd.count(f"def {kind} ") for kind in ("Cube", "Cylinder", "Sphere", "Capsule")] == [1, 1, 1, 1]
+
+
+def test_readers_place_round_pieces_alike(rounds: Robots) -> None:
+    mujoco = pytest.importorskip("mujoco")
+    files = {name: data for name, data in urdf_files(rounds.robot(0)).items()}
+    assets = {name: data for name, data in files.items() if name.endswith(".obj")}
+    one = mujoco.MjModel.from_xml_string(files["object.urdf"].decode(), assets)
+    files = mjcf_files(rounds.robot(0))
+    two = mujoco.MjModel.from_xml_string(files["object.xml"].decode(), {k: v for k, v in files.items() if k.endswith(".obj")})
+    found = []
+    for model in (one, two):
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        kept = [g for g in range(model.ngeom) if model.geom_contype[g] and model.geom_type[g] in (2, 5)]
+        axes = data.geom_xmat.reshape(-1, 3, 3)[kept, :, 2]
+        found.append((model.geom_size[kept], data.geom_xpos[kept] - data.body("body").xpos, np.abs(axes) > 0.5))
+    assert len(found[0][0]) == 2
+    assert found[0][0] == pytest.approx(found[1][0], abs=1e-9) and found[0][1] == pytest.approx(found[1][1], abs=1e-9)
+    assert found[0][2][0].tolist() == found[1][2][0].tolist() == [False, True, False]
+
+
+def inside(robot: Robot, point: np.ndarray) -> bool:
+    """Whether a point of the object at zero pose lies in a collider."""
+    for link in robot.links:
+        for c in link.colliders:
+            local = point - link.origin
+            if c.size is not None:
+                hit = (np.abs(c.rotation.T @ (local - c.center)) < np.array(c.size) / 2).all()
+            else:
+                assert c.hull is not None
+                normals, offsets = planes(c.hull.vertices[None], c.hull.faces)
+                hit = (normals[0] @ local < offsets[0]).all()
+            if hit:
+                return True
+    return False
+
+
+# category, about how many colliders an object has at most, where its cavity is as shares of its box
+CASES = [
+    ("Microwave", 100, (0.4, 0.6, 0.55)), ("Kettle", 130, (0.5, 0.5, 0.4)), ("WashingMachine", 70, (0.5, 0.5, 0.5)),
+    ("Bottle", 130, (0.5, 0.5, 0.4)), ("Laptop", 60, None), ("Scissors", 70, None),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("name, most, cavity", CASES)
+def test_shipped_objects_have_few_colliders_and_open_cavities(name: str, most: int, cavity: tuple[float, ...] | None) -> None:
+    robots = Robots(Session.of(name).sampler.batch(np.arange(40, 42), 5))
+    counts = []
+    for i in range(2):
+        robot = robots.robot(i)
+        counts.append(sum(len(link.colliders) for link in robot.links))
+        points = np.concatenate([v.shape.vertices + link.origin for link in robot.links[:1] for v in link.visuals])
+        low, high = points.min(axis=0), points.max(axis=0)
+        if cavity is not None:
+            assert not inside(robot, low + (high - low) * np.array(cavity)), (name, i)
+    assert max(counts) <= most
+
+
+def test_hulls_reach_hardly_farther_than_the_pieces_and_hold_them_all() -> None:
+    robots = Robots(Session.of("WashingMachine").sampler.batch(np.arange(2), 5))
+    for i, hulls in enumerate(robots.colliders):
+        size = max(float(np.ptp(v.shape.vertices, axis=0).max()) for link in robots.robot(i).links for v in link.visuals)
+        kept = sum(len(hull.pieces) for hull in hulls)
+        assert kept == sum(len(group.rows[group.table.owner[group.rows] == i]) for group in robots.pieces)
+        for hull in hulls:
+            if hull.vertices is None:
+                continue
+            normals, offsets = planes(hull.vertices[None], hull.faces)
+            for piece in hull.pieces:
+                assert (piece.points @ normals[0].T <= offsets[0] + 1e-9).all()
+            assert gap(hull.pieces) <= STEPS[-1] * 2 * size
+
+
+@pytest.mark.parametrize("name", ["Bottle", "Microwave"])
+def test_hulls_of_different_links_stay_apart(name: str) -> None:
+    manifold = pytest.importorskip("manifold3d")
+    from artipg_dsl.export.pose import link_poses, rest_values
+
+    batch = Session.of(name).sampler.batch(np.arange(40, 42), 5)
+    robots = Robots(batch)
+    for i in range(len(batch)):
+        robot, checked = robots.robot(i), 0
+        states = [rest_values(robot)]
+        for joint in robot.joints:
+            if joint.low is not None and joint.high is not None and joint.mimic is None:
+                states += [rest_values(robot) | {joint.name: joint.low + t * (joint.high - joint.low)} for t in (0.5, 1.0)]
+        for values in states:
+            shapes = []
+            for number, (link, (turn, shift)) in enumerate(zip(robot.links, link_poses(robot, values), strict=True)):
+                for c in link.colliders:
+                    points = c.hull.vertices if c.hull is not None else (BOX * np.array(c.size)) @ c.rotation.T + c.center
+                    shapes.append((number, manifold.Manifold.hull_points(points @ turn.T + shift)))
+            boxes = np.array([s.bounding_box() for _, s in shapes])
+            for a in range(len(shapes)):
+                near = ((boxes[a, :3] < boxes[:, 3:] + 0.005) & (boxes[:, :3] < boxes[a, 3:] + 0.005)).all(axis=1)
+                for b in np.flatnonzero(near).tolist():
+                    if b > a and shapes[a][0] != shapes[b][0]:
+                        checked += 1
+                        shared = shapes[a][1] ^ shapes[b][1]
+                        assert shared.volume() < 1e-9, (robot.links[shapes[a][0]].name, robot.links[shapes[b][0]].name, values)
+        assert checked > 0
+
+
+def test_colliders_are_the_same_alone_and_in_a_batch() -> None:
+    sampler = Session.of("WashingMachine").sampler
+    many, one = Robots(sampler.batch(np.arange(2), 5)), Robots(sampler.batch(np.array([1]), 5))
+    assert urdf_files(many.robot(1)) == urdf_files(one.robot(0))
