@@ -171,8 +171,8 @@ def packed(groups: list[Alike]) -> Pieces:
         low[at], high[at] = points.min(axis=1)[slot[at]], points.max(axis=1)[slot[at]]
     order = np.argsort(link, kind="stable")
     done, met = np.zeros(len(owner), dtype=bool), np.zeros(len(owner), dtype=bool)
-    columns = (kind, slot, low + DEPTH / 2, high - DEPTH / 2, owner, link, np.concatenate(shapes), done, met)
-    return Pieces(corners, [group.faces for group in groups], *(column[order] for column in columns), order)
+    columns = (kind, slot, low + DEPTH / 2, high - DEPTH / 2, owner, link, np.concatenate(shapes), done, met, np.arange(len(owner)))
+    return Pieces(corners, [group.faces for group in groups], *(column[order] for column in columns))
 
 
 def turned(rotation: np.ndarray, points: np.ndarray) -> np.ndarray:
