@@ -111,8 +111,9 @@ def test_usd_finds_one_articulation(opened: Opened) -> None:
     assert counts.get("PrismaticJoint", 0) == moving.count("prismatic")
     assert counts.get("RevoluteJoint", 0) == moving.count("revolute") + moving.count("continuous")
     pieces = [collider for link in opened.robot.links for collider in link.colliders]
-    assert counts.get("CubeShape", 0) == sum(piece.hull is None for piece in pieces)
-    assert counts.get("MeshShape", 0) == sum(piece.hull is not None for piece in pieces)
+    kinds = ["cube" if p.size is not None else p.bar.kind if p.bar is not None else "mesh" for p in pieces]
+    for kind in ("cube", "cylinder", "sphere", "capsule", "mesh"):
+        assert counts.get(f"{kind.capitalize()}Shape", 0) == kinds.count(kind)
 
 
 @pytest.mark.parametrize("seed", [1, 2])
