@@ -40,16 +40,18 @@ def sample(
     numbers: Sequence[int] | np.ndarray | None = None,
     set: Mapping[str, Value] | None = None,
     checked: bool = True,
+    sampling: str = "sequential",
 ) -> Samples:
     """Objects of a category, by the name of a shipped one or by file.
 
     ``n`` objects, 0 .. n - 1 (default 1), or those of the given ``numbers``: a number stands for the same object in
     any set of one seed. ``set`` fixes parameters: text with a unit, ``{"width": "45cm", "handle": "none"}``, or
     numbers in metres and radians. Objects whose links collide, at rest or while a joint moves, are drawn again unless
-    ``checked`` is false. Raises CompileError, SettingError, NoObject.
+    ``checked`` is false. ``sampling="prior"`` resamples to the declared distributions (``"prior:128"``: among 128
+    attempts for each object) where drawing in sequence shifts them. Raises CompileError, SettingError, NoObject.
     """
     wanted = _numbers(n, numbers)
-    return Samples(open_job(category, seed, set, checked=checked), wanted)
+    return Samples(open_job(category, seed, set, checked=checked, sampling=sampling), wanted)
 
 
 def load(

@@ -14,6 +14,7 @@ from .diagnostics.suggest import did_you_mean
 from .errors import NoObject, UsageError, UserError
 from .graph.text import TextError, digest, from_text, to_text
 from .runtime.mutate import Mutation, Names
+from .runtime.prior import CANDIDATES
 from .runtime.sample import Exhausted, Sampler, Statistics
 from .runtime.settled import again
 from .runtime.trace import Replay, read_traces
@@ -28,8 +29,11 @@ if TYPE_CHECKING:
 
 COMPILED = ".apgc"
 MUTATIONS = "mutations"  # among the settings of a manifest; no parameter is called so
+SEQUENTIAL, PRIOR = "sequential", "prior"
+MOST_CANDIDATES = 4096
 UNCHECKED = "unchecked"  # likewise
 VALUES = "values"  # likewise
+SAMPLING = "sampling"  # likewise
 
 
 @dataclass(slots=True)
@@ -44,6 +48,7 @@ class Job:
     statistics: Statistics = field(default_factory=Statistics)
     mutations: tuple[Mutation | Replay, ...] = ()
     checked: bool = True  # only objects without collisions
+    candidates: int = 0  # above 0: each object is one of so many attempts, resampled to the declared distributions
     values: Values | None = None  # objects given by their values, numbered from 0, instead of drawn ones
 
     def batch(self, numbers: Sequence[int] | np.ndarray) -> Batch:
@@ -58,7 +63,8 @@ class Job:
             return self.values.batch(self.sampler, numbers, self.seed, self.statistics, self.checked)
         if not mutations:
             return self.sampler.batch(
-                numbers, self.seed, given=self.given, statistics=self.statistics, checked=self.checked
+                numbers, self.seed, given=self.given, statistics=self.statistics, checked=self.checked,
+                candidates=self.candidates,
             )  # fmt: skip
         *before, step = mutations
         sources, variants = step.origins(numbers)
@@ -80,6 +86,8 @@ class Job:
         """What was set and what was done to the objects, as the manifest keeps it."""
         steps = [step.plain() for step in self.mutations]
         marks = ({MUTATIONS: steps} if steps else {}) | ({} if self.checked else {UNCHECKED: True})
+        if self.candidates:
+            marks[SAMPLING] = f"prior:{self.candidates}"
         if self.values is not None:
             marks[VALUES] = [dict(entry) for entry in self.values.plain]
         return {**self.settings, **marks}
@@ -119,7 +127,19 @@ class Job:
         """The statistics as the manifest keeps them."""
         made = self.statistics
         found: dict[str, Any] = {"checked": self.checked, "objects": made.objects, "first_valid": made.first_valid, "attempts": made.attempts}
-        return found | {"failed": self.failures()}
+        found["failed"] = self.failures()
+        program = self.sampler.program
+        if program.preferences and not made.candidates:  # else they are part of the weights
+            found["declined"] = made.declined
+            kept_not = ((program.preferences[k], count) for k, count in made.unkept.items())
+            found["not_preferred"] = {f"{one.where}: prefer {one.text}": count for one, count in kept_not}
+        if made.candidates:
+            attempts = max(1, made.attempts)
+            found["candidates"] = {
+                "each": made.candidates, "valid": made.candidates_valid / attempts,
+                "effective": made.effective * made.candidates / attempts,
+            }  # fmt: skip
+        return found
 
     def write(
         self,
@@ -145,28 +165,43 @@ class Job:
 
 
 def open_job(
-    name: str | Path, seed: int = 0, settings: Mapping[str, Value] | None = None, *, checked: bool = True
+    name: str | Path, seed: int = 0, settings: Mapping[str, Value] | None = None, *, checked: bool = True, sampling: str = SEQUENTIAL
 ) -> Job:
     """The job of a category given by name or file; a compiled one (.apgc) is read without the parser.
 
     ``checked``: only objects whose links do not penetrate one another, at rest and while each joint moves.
+    ``sampling`` is "sequential" or "prior", perhaps with a number of candidates: "prior:128".
     Raises CompileError, SettingError, and UserError for a compiled program that cannot be read.
     """
     if Path(name).suffix == COMPILED:
-        return make_job(Sampler(read_compiled(name)), str(name), seed, settings, checked=checked)
+        return make_job(Sampler(read_compiled(name)), str(name), seed, settings, checked=checked, sampling=sampling)
     from .session import Session
 
     session = Session.of(name)
     sampler = session.sampler
     source = str(name) if session.path is None or is_file(name) else sampler.program.name
-    return make_job(sampler, source, seed, settings, checked=checked)
+    return make_job(sampler, source, seed, settings, checked=checked, sampling=sampling)
 
 
 def make_job(
-    sampler: Sampler, source: str, seed: int, settings: Mapping[str, Value] | None = None, *, checked: bool = True
-) -> Job:
+    sampler: Sampler, source: str, seed: int, settings: Mapping[str, Value] | None = None, *, checked: bool = True,
+    sampling: str = SEQUENTIAL,
+) -> Job:  # fmt: skip
+    candidates = read_sampling(sampling)
     given, plain = resolve(sampler.program, settings or {})
-    return Job(sampler, source, int(seed), plain, given, checked=checked)
+    return Job(sampler, source, int(seed), plain, given, checked=checked, candidates=candidates)
+
+
+def read_sampling(text: str) -> int:
+    """How many candidates ``sequential`` (none), ``prior`` or ``prior:128`` asks for. Raises UsageError."""
+    if text in (SEQUENTIAL, PRIOR):
+        return CANDIDATES if text == PRIOR else 0
+    name, _, count = text.partition(":")
+    if name != PRIOR or not (count.isdecimal() and 2 <= int(count) <= MOST_CANDIDATES):
+        raise UsageError(
+            f"there is no sampling `{text}`", f"it is {SEQUENTIAL}, {PRIOR}, or {PRIOR}:N with 2 to {MOST_CANDIDATES} candidates"
+        )
+    return int(count)
 
 
 def read_compiled(path: str | Path) -> Program:
@@ -240,7 +275,8 @@ def reopen(folder: Path | str) -> tuple[Job, np.ndarray]:
     steps = settings.pop(MUTATIONS, [])
     unchecked = bool(settings.pop(UNCHECKED, False))
     given = settings.pop(VALUES, None)
-    job = open_job(source, identity["seed"], settings, checked=not unchecked)
+    sampling = settings.pop(SAMPLING, SEQUENTIAL)
+    job = open_job(source, identity["seed"], settings, checked=not unchecked, sampling=sampling)
     if given is not None:
         from .params import values_of
 

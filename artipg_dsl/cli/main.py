@@ -95,6 +95,10 @@ def parser() -> argparse.ArgumentParser:
     )
     sample.add_argument("--variant", type=whole, default=0, metavar="K", help="another mutant of each (default: 0)")
     _meshes(sample)
+    sample.add_argument(
+        "--sampling", default="sequential", metavar="HOW",
+        help="sequential (default), or prior: resampled to the declared distributions; prior:N among N attempts each (32)",
+    )  # fmt: skip
     sample.add_argument("--unchecked", action="store_true", help="take objects whose links collide, too")
     sample.add_argument("--stats", action="store_true", help="tell how many first attempts were valid, and what failed")
     sample.add_argument("--force", action="store_true", help="replace samples made with other options")

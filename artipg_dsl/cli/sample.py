@@ -94,7 +94,7 @@ def run(options: argparse.Namespace) -> int:
     in_the_way(Path(options.out))
     if content.cameras is not None:
         tell_engine()
-    job = open_job(options.program, options.seed or 0, settings, checked=not options.unchecked)
+    job = open_job(options.program, options.seed or 0, settings, checked=not options.unchecked, sampling=options.sampling)
     if options.mutate:
         job = job.mutated(mutation(options))
     numbers = chosen(options)
@@ -134,6 +134,16 @@ def statistics(job: Job, manifest: dict[str, Any]) -> str:
     lines = [f"{made} objects, {100 * valid / made:.1f}% valid at first, {counts['attempts']} attempts"]
     if not counts.get("checked", False):
         lines.append("collisions were not checked")
+    if "candidates" in counts:
+        found = counts["candidates"]
+        lines.append(
+            f"resampled among {found['each']} attempts for each object: {100 * found['valid']:.1f}% valid, as good as "
+            f"{found['effective']:.1f} of equal weight"
+        )
+    if "declined" in counts:
+        lines.append(f"{counts['declined']} valid objects passed over by preference")
     for reason, count in counts["failed"].items():
         lines.append(f"{count:>8} failed  {reason}")
+    for reason, count in counts.get("not_preferred", {}).items():
+        lines.append(f"{count:>8} not preferred  {reason}")
     return "\n".join(lines)

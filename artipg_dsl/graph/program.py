@@ -62,12 +62,22 @@ class Limit:
     requirement: int  # index into Program.requirements
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Union:
+    """A conditional range of several intervals: the value lies in one of ``intervals`` (low, high) where ``guard`` holds."""
+
+    intervals: tuple[tuple[Expr, Expr], ...]
+    guard: Expr
+    requirement: int
+    also: tuple[int, ...] = ()
+
+
 @dataclass(slots=True, eq=False)
 class Draw:
     """A variable that is drawn. ``address`` names it for the random function (the path, or the old name after ``was``).
 
     ``kind`` "real" and "count": uniform, normal (mean, deviation), lognormal (median, sigma) or values (the values)
-    between ``low`` and ``high``, narrowed by ``bounds``. ``kind`` "choice": one of ``options`` with ``weights``.
+    between ``low`` and ``high``, narrowed by ``bounds`` and ``unions``. ``kind`` "choice": one of ``options`` with ``weights``.
     ``vary`` is the reach of a CPA step: (True, fraction of the value) or (False, metres or radians).
     """
 
@@ -86,6 +96,7 @@ class Draw:
     where: Where | None = None
     bounds: list[Bound] = field(default_factory=list)
     limits: list[Limit] = field(default_factory=list)
+    unions: list[Union] = field(default_factory=list)
     doc: str = ""
 
 
@@ -104,6 +115,19 @@ class Requirement:
     where: Where | None
     slack: tuple[Expr, Expr] | None = None
     repair: tuple[int, ...] = ()
+    text: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Preference:
+    """``prefer``: for each row of ``scope`` where ``guard`` holds and ``condition`` does not, an object is exp(``weight``)
+    times rarer."""
+
+    scope: Scope
+    condition: Expr
+    guard: Expr
+    weight: Expr
+    where: Where | None
     text: str = ""
 
 
@@ -324,6 +348,7 @@ class Program:
     draws: list[Draw] = field(default_factory=list)
     definitions: dict[Column, Expr] = field(default_factory=dict)
     requirements: list[Requirement] = field(default_factory=list)
+    preferences: list[Preference] = field(default_factory=list)
     parts: list[Part] = field(default_factory=list)
     links: list[Link] = field(default_factory=list)
     joints: list[Joint] = field(default_factory=list)

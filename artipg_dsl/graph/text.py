@@ -21,11 +21,14 @@ VERSION = 1
 RECORDS = {
     cls.__name__: cls
     for cls in (
-        P.Where, P.Pose, P.Bound, P.Limit, P.Draw, P.Requirement, P.Part, P.Site, P.Link, P.Joint, P.Target, P.Label, P.Grasp, P.Keypoint,
-        P.Material, P.Allowed, P.Closure, P.Slot, P.Stable, Primitive, Patch, Piece,
+        P.Where, P.Pose, P.Bound, P.Limit, P.Union, P.Draw, P.Requirement, P.Preference, P.Part, P.Site, P.Link, P.Joint,
+        P.Target, P.Label, P.Grasp, P.Keypoint, P.Material, P.Allowed, P.Closure, P.Slot, P.Stable, Primitive, Patch, Piece,
     )
 }  # fmt: skip
-LISTS = ("requirements", "parts", "links", "joints", "sites", "labels", "grasps", "keypoints", "allowed", "closures", "slots", "stable")
+LISTS = (
+    "requirements", "preferences", "parts", "links", "joints", "sites", "labels", "grasps", "keypoints", "allowed", "closures", "slots",
+    "stable",
+)  # fmt: skip
 
 
 class TextError(Exception):
@@ -205,7 +208,7 @@ class _Reader:
         while self.words[self.at] != ")":
             name = self.next()
             value = self.value()
-            found[name] = list(value) if cls is P.Draw and name == "bounds" else value
+            found[name] = list(value) if cls is P.Draw and name in ("bounds", "unions", "limits") else value
         self.at += 1
         return cls(**found)
 

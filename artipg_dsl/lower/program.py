@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 from ..diagnostics import Report
@@ -9,7 +10,7 @@ from ..graph import expr as E
 from ..graph.depend import draws_behind
 from ..graph.expr import Expr, Scope, ScopeError
 from ..graph.linear import Circle
-from ..graph.program import Allowed, Link, Program, Requirement, Stable
+from ..graph.program import Allowed, Link, Preference, Program, Requirement, Stable
 from ..graph.text import digest
 from ..semantics.symbols import Symbol
 from ..syntax import ast
@@ -134,7 +135,7 @@ def conditions(links: Links, env: Env) -> None:
                     message = statement.message or ("it tips over when open" if statement.stable == "open" else "it tips over")
                     context.program.stable.append(Stable(env.scope, statement.stable == "open", message, where(statement.span)))
                 case ast.PreferStmt():
-                    Evaluator(env).scalar(statement.condition)
+                    prefer(env, statement)
                 case ast.AllowStmt():
                     pair(links, env, statement.subject, statement.other, statement.kind, statement.reason or "")
                 case ast.ClearStmt():
@@ -174,6 +175,21 @@ def giving(env: Env, value: Value) -> tuple[int, ...]:
     drawn = {draw.column: number for number, draw in enumerate(env.context.program.draws)}
     own = [drawn[code.value] for code in codes if code.op == "col" and code.value in drawn]
     return tuple(own) or tuple(draws_behind(env.context.program, codes))
+
+
+def prefer(env: Env, statement: ast.PreferStmt) -> None:
+    ev = Evaluator(env)
+    weight = E.ONE if statement.weight is None else ev.scalar(statement.weight)
+    if statement.weight is not None and weight.constant is not None and not 0.0 <= float(weight.constant) < math.inf:
+        raise env.context.error(
+            "wrong-arguments", statement.weight.span, "a preference weighs 0 or more",
+            hint="to prefer the opposite, write the opposite condition",
+        )  # fmt: skip
+    condition, _ = comparison(ev, statement.condition)
+    guard = presence(env, statement.condition)
+    env.context.program.preferences.append(
+        Preference(env.scope, condition, guard, weight, where(statement.span), text_of(statement.condition.span))
+    )
 
 
 def conjuncts(node: ast.Expr) -> list[ast.Expr]:

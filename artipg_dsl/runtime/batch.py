@@ -267,6 +267,21 @@ class Batch:
 
     # ------------------------------------------------------------ what was drawn
 
+    @cached_property
+    def log_weight(self) -> np.ndarray:
+        """(B,) logarithm of how dense the declared distributions are at each object, against how dense its drawing was.
+
+        Each variable is drawn in the range that the ones before leave it; the share of the declared distribution that
+        lies in this range, multiplied over the draws, is the weight. Objects drawn in sequence and weighed by it are
+        distributed as declared, restricted to what is valid.
+        """
+        old = self.state
+        state = State(
+            old.seed, old.objects, old.attempt, old.given, old.defaults, old.kept, old.salt, old.lane, weigh=True
+        )
+        self.plan.bare.function(state)
+        return state.log_weight
+
     def drawn(self, index: int) -> dict[str, Any]:
         """The drawn parameters, counts and choices of the object at ``index``: lists where a repeat draws several."""
         found: dict[str, Any] = {}

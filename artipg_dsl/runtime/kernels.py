@@ -10,8 +10,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..graph.random import key, mix, uniform
+from .laws import TOLERANCE, clear, density, gaps_of, held, inside, spread, spread_between, support
 
-TOLERANCE = 1e-9  # bounds and requirements are decided to this
+Gaps = tuple[np.ndarray, np.ndarray]  # where gaps begin and end: (gaps, rows) each
+LEAST = 1e-300  # a range that holds less of its law than this counts as holding so much
 
 
 @dataclass(slots=True, eq=False)
@@ -57,6 +59,10 @@ class Kept:
 class State:
     """One evaluation: the objects, the attempts, what is given or kept, and what failed.
 
+    Where ``weigh`` is set, ``log_weight`` (objects,) is the logarithm of how much of the declared laws the ranges held in
+    which the values were drawn. ``leaning`` (objects,) are the weights of the preferences that an object does not keep,
+    added up, and ``unkept`` the objects per preference.
+
     ``given`` maps the index of a draw to its value (a scalar, or one per row), ``kept`` to the values of an object that
     this one is made from; ``salt``, and ``lane`` per object, set the random numbers of one such making apart. ``missed`` counts the objects for
     which a draw found no room, per draw; ``broken`` those that break a requirement, per requirement. ``faults`` has the
@@ -76,6 +82,10 @@ class State:
     broken: dict[int, int] = field(default_factory=dict)
     faults: dict[tuple[str, int], list[np.ndarray]] = field(default_factory=dict)
     values: dict[int, np.ndarray] = field(default_factory=dict)
+    weigh: bool = False
+    log_weight: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    leaning: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    unkept: dict[int, int] = field(default_factory=dict)
 
     def lanes(self) -> np.ndarray:
         return np.zeros(len(self.objects), dtype=np.int64) if self.lane is None else self.lane
@@ -84,6 +94,7 @@ class State:
 def root_rows(state: State) -> Rows:
     n = len(state.objects)
     state.failed = np.zeros(n, dtype=bool)
+    state.log_weight, state.leaning = np.zeros(n), np.zeros(n)
     index = np.arange(n)
     ones = np.ones(n, dtype=np.int64)
     return Rows(n, index, np.zeros(n, dtype=np.int64), index, state.objects.astype(np.uint64), index, ones)
@@ -191,39 +202,74 @@ def _no_room(state: State, rows: Rows, number: int, bad: np.ndarray) -> None:
         state.faults.setdefault(("draw", number), []).append(np.flatnonzero(bad))
 
 
-def _given(state: State, rows: Rows, number: int, low: np.ndarray | float, high: np.ndarray | float) -> np.ndarray | None:
+def _given(
+    state: State, rows: Rows, number: int, low: np.ndarray | float, high: np.ndarray | float, gaps: Gaps | None = None
+) -> np.ndarray | None:
     """The value given for a draw, if any; an object that has no room for it fails (and goes on with a legal value)."""
     value = state.given.get(number)
     if value is None:
         return None
     found = full(rows, value).astype(np.float64)
     bad = ~((found >= low - TOLERANCE) & (found <= high + TOLERANCE))
-    _no_room(state, rows, number, bad)
+    _no_room(state, rows, number, bad if gaps is None else bad | inside(found, gaps))
     return np.where(bad, low, found)
 
 
 def draw_real(
     state: State, rows: Rows, number: int, address: str, low: np.ndarray, high: np.ndarray, distribution: str,
-    arguments: tuple, default: np.ndarray | float | None,
+    arguments: tuple, default: np.ndarray | float | None, domain: tuple | None = None, unions: tuple = (),
 ) -> np.ndarray:  # fmt: skip
-    """A value between ``low`` and ``high`` per row, distributed as asked within them."""
-    found = _given(state, rows, number, low, high)
+    """A value between ``low`` and ``high`` per row, distributed as asked within them.
+
+    ``domain``: the ends of the declared range, where it is another one. ``unions`` as ``laws.gaps_of`` has them.
+    """
+    gaps = gaps_of(low, unions, False) if unions else None
+    found = _given(state, rows, number, low, high, gaps)
     if found is None:
         bad = low > high + TOLERANCE
         _no_room(state, rows, number, bad)
         top = np.maximum(low, high)
         if state.defaults and default is not None:
             found = np.minimum(np.maximum(full(rows, default).astype(np.float64), low), top)
+            found = found if gaps is None else clear(found, low, top, gaps)
         else:
             unit = _lot(state, rows, address)
-            found = spread(unit, low, top, distribution, arguments)
+            found = _spread(unit, low, top, gaps, distribution, arguments)
             if number in state.kept:
-                found = _near(state.kept[number], rows, unit, low, top, found)
+                found = _near(state.kept[number], rows, unit, low, top, found, gaps)
+        if gaps is not None:
+            _no_room(state, rows, number, inside(found, gaps) & ~bad)
+    if state.weigh and domain is not None:
+        _weigh(state, rows, number, found, (low, high), domain, gaps, distribution, arguments)
     state.values[number] = found
     return found
 
 
-def _near(kept: Kept, rows: Rows, unit: np.ndarray, low: np.ndarray, high: np.ndarray, fresh: np.ndarray) -> np.ndarray:
+def _spread(unit: np.ndarray, low: np.ndarray, high: np.ndarray, gaps: Gaps | None, distribution: str, arguments: tuple) -> np.ndarray:
+    if gaps is None:
+        return spread(unit, low, high, distribution, arguments)
+    return spread_between(unit, low, high, gaps, distribution, arguments)
+
+
+def _weigh(
+    state: State, rows: Rows, number: int, value: np.ndarray, ends: tuple, domain: tuple, gaps: Gaps | None, distribution: str,
+    arguments: tuple,
+) -> None:  # fmt: skip
+    """Note how much of the declared law lies in the range that was left of it, or how likely a value given is by it."""
+    whole = held(full(rows, domain[0]).astype(np.float64), full(rows, domain[1]).astype(np.float64), None, distribution, arguments)
+    part = density(value, distribution, arguments) if number in state.given else held(ends[0], ends[1], gaps, distribution, arguments)
+    _note(state, rows, part, whole, number in state.given)
+
+
+def _note(state: State, rows: Rows, part: np.ndarray, whole: np.ndarray, dense: bool = False) -> None:
+    share = np.where(whole > 0.0, part / np.where(whole > 0.0, whole, 1.0), 1.0)
+    share = np.maximum(share if dense else np.minimum(share, 1.0), LEAST)
+    state.log_weight += np.bincount(rows.owner, weights=np.log(share), minlength=len(state.objects))
+
+
+def _near(
+    kept: Kept, rows: Rows, unit: np.ndarray, low: np.ndarray, high: np.ndarray, fresh: np.ndarray, gaps: Gaps | None
+) -> np.ndarray:
     """Within reach of the value kept, as far as the bounds allow; the fresh value for rows that are new."""
     known, at = kept.find(rows)
     if not known.any():
@@ -231,84 +277,56 @@ def _near(kept: Kept, rows: Rows, unit: np.ndarray, low: np.ndarray, high: np.nd
     old = kept.value[at]
     first = np.minimum(np.maximum(old - kept.reach[at], low), high)
     last = np.minimum(np.maximum(old + kept.reach[at], low), high)
+    if gaps is not None:
+        near = spread_between(unit, first, last, gaps, "uniform", ())
+        return np.where(known, np.where(first < last, near, clear(first, low, high, gaps)), fresh)
     return np.where(known, np.minimum(first + unit * (last - first), last), fresh)
-
-
-def spread(unit: np.ndarray, low: np.ndarray, high: np.ndarray, distribution: str, arguments: tuple) -> np.ndarray:
-    """Uniform numbers to a distribution truncated to ``low .. high``."""
-    if distribution == "normal":
-        return _truncated(unit, low, high, arguments[0], arguments[1])
-    if distribution == "lognormal":
-        small = np.maximum(low, 1e-12)
-        inner = _truncated(unit, np.log(small), np.log(np.maximum(high, small)), np.log(arguments[0]), arguments[1])
-        return np.minimum(np.maximum(np.exp(inner), low), high)
-    if distribution == "values":
-        return _nearest(unit, low, high, arguments)
-    if arguments:  # uniform(a, b): within the part of the domain that lies between the two
-        low, high = (np.minimum(np.maximum(end, low), high) for end in arguments)
-    return np.minimum(low + unit * (high - low), high)
-
-
-# the normal distribution on a grid fine enough that straight lines between its nodes do for sampling
-_Z = np.linspace(-8.0, 8.0, 4097)
-
-
-def _grid() -> np.ndarray:
-    density = np.exp(-0.5 * _Z * _Z)
-    steps = np.concatenate([[0.0], 0.5 * (density[1:] + density[:-1])])
-    total = np.cumsum(steps)
-    return total / total[-1]
-
-
-_CDF = _grid()
-
-
-def _truncated(unit: np.ndarray, low: np.ndarray, high: np.ndarray, mean: np.ndarray | float, deviation: np.ndarray | float) -> np.ndarray:
-    """Inverse distribution function of the normal law between two values."""
-    a, b = (low - mean) / deviation, (high - mean) / deviation
-    below, above = np.interp(a, _Z, _CDF), np.interp(b, _Z, _CDF)
-    inner = mean + deviation * np.interp(below + unit * (above - below), _CDF, _Z)
-    flat = above - below < 1e-9  # far out in a tail: uniform
-    inner = np.where(flat, low + unit * (high - low), inner)
-    return np.minimum(np.maximum(inner, low), high)
-
-
-def _nearest(unit: np.ndarray, low: np.ndarray, high: np.ndarray, values: tuple) -> np.ndarray:
-    """One of the values that lie within the bounds, equally likely; the nearest bound when none does."""
-    table = np.stack([np.broadcast_to(np.asarray(v, dtype=np.float64), unit.shape) for v in values])
-    inside = (table >= low - TOLERANCE) & (table <= high + TOLERANCE)
-    count = inside.sum(axis=0)
-    wanted = np.minimum((unit * np.maximum(count, 1)).astype(np.int64), np.maximum(count - 1, 0))
-    seen = np.cumsum(inside, axis=0) - 1
-    chosen = np.where(inside & (seen == wanted), table, 0.0).max(axis=0)
-    return np.where(count > 0, chosen, np.minimum(np.maximum(table[0], low), high))
 
 
 def draw_count(
     state: State, rows: Rows, number: int, address: str, low: np.ndarray, high: np.ndarray, distribution: str,
-    arguments: tuple, default: np.ndarray | float | None,
+    arguments: tuple, default: np.ndarray | float | None, domain: tuple | None = None, unions: tuple = (),
 ) -> np.ndarray:  # fmt: skip
-    """A whole number between ``low`` and ``high`` per row."""
-    found = _given(state, rows, number, np.ceil(low - TOLERANCE), np.floor(high + TOLERANCE))
+    """A whole number between ``low`` and ``high`` per row; ``domain`` and ``unions`` as of ``draw_real``."""
+    gaps = gaps_of(low, unions, True) if unions else None
+    first, last = np.ceil(low - TOLERANCE), np.floor(high + TOLERANCE)
+    found = _given(state, rows, number, first, last, gaps)
     if found is None:
-        first, last = np.ceil(low - TOLERANCE), np.floor(high + TOLERANCE)
-        _no_room(state, rows, number, first > last)
+        bad = first > last
+        _no_room(state, rows, number, bad)
         last = np.maximum(first, last)
         if state.defaults and default is not None:
             found = np.minimum(np.maximum(full(rows, default).astype(np.float64), first), last)
-        elif distribution == "uniform":
+        elif distribution == "uniform" and gaps is None:
             unit = _lot(state, rows, address)
-            if arguments:
-                first, last = (np.minimum(np.maximum(end, first), last) for end in arguments)
-                first, last = np.ceil(first - TOLERANCE), np.floor(last + TOLERANCE)
-            found = np.minimum(first + np.floor(unit * (last - first + 1.0)), last)
+            one, two = _whole(first, last, distribution, arguments)
+            found = np.minimum(one + np.floor(unit * (two - one + 1.0)), two)
         else:
-            wide = spread(_lot(state, rows, address), first - 0.5, last + 0.5, distribution, arguments)
-            found = np.minimum(np.maximum(np.floor(wide + 0.5), first), last)
+            one, two = _whole(first, last, distribution, arguments)
+            law = () if distribution == "uniform" else arguments
+            wide = _spread(_lot(state, rows, address), one - 0.5, two + 0.5, gaps, distribution, law)
+            found = np.minimum(np.maximum(np.floor(wide + 0.5), one), two)
         if number in state.kept:
             found = _other_count(state.kept[number], rows, _lot(state, rows, address), first, last, found)
+        if gaps is not None:
+            found = np.floor(clear(found, first - 0.5, last + 0.5, gaps) + 0.5) if state.defaults or state.kept else found
+            _no_room(state, rows, number, inside(found, gaps) & ~bad)
+    if state.weigh and domain is not None:
+        one, two = _whole(first, last, distribution, arguments)
+        least, most = (full(rows, end).astype(np.float64) for end in domain)
+        least, most = _whole(np.ceil(least - TOLERANCE), np.floor(most + TOLERANCE), distribution, arguments)
+        law = () if distribution == "uniform" else arguments
+        ends = (found, found) if number in state.given else (one, two)
+        part = held(ends[0] - 0.5, ends[1] + 0.5, gaps, distribution, law)
+        _note(state, rows, part, held(least - 0.5, most + 0.5, None, distribution, law))
     state.values[number] = found
     return found
+
+
+def _whole(first: np.ndarray, last: np.ndarray, distribution: str, arguments: tuple) -> tuple[np.ndarray, np.ndarray]:
+    """The whole numbers of a range in which a law lies."""
+    first, last = support(first, last, distribution, arguments)
+    return np.ceil(first - TOLERANCE), np.floor(last + TOLERANCE)
 
 
 def _other_count(kept: Kept, rows: Rows, unit: np.ndarray, first: np.ndarray, last: np.ndarray, fresh: np.ndarray) -> np.ndarray:
@@ -322,22 +340,25 @@ def _other_count(kept: Kept, rows: Rows, unit: np.ndarray, first: np.ndarray, la
     return np.where(known, np.where(kept.swap[at] & (last > first), other, old), fresh)
 
 
-def draw_choice(state: State, rows: Rows, number: int, address: str, weights: tuple) -> np.ndarray:
-    """The index of one of the options, by weight."""
+def draw_choice(state: State, rows: Rows, number: int, address: str, weights: tuple, declared: tuple | None = None) -> np.ndarray:
+    """The index of one of the options, by weight; ``declared`` are the weights before requirements removed some."""
     table = np.stack([np.broadcast_to(np.asarray(w, dtype=np.float64), (rows.size,)) for w in weights])
     found = _given(state, rows, number, 0.0, len(weights) - 1.0)
     if found is not None:
         _no_room(state, rows, number, table[found.astype(np.int64), np.arange(rows.size)] <= 0.0)
     else:
-        if number in state.kept:
-            table = _other_option(state.kept[number], rows, table)
-        total = np.cumsum(np.maximum(table, 0.0), axis=0)
+        left = _other_option(state.kept[number], rows, table) if number in state.kept else table
+        total = np.cumsum(np.maximum(left, 0.0), axis=0)
         _no_room(state, rows, number, total[-1] <= 0.0)
         if state.defaults:
-            found = np.argmax(table > 0.0, axis=0).astype(np.float64)
+            found = np.argmax(left > 0.0, axis=0).astype(np.float64)
         else:
             mark = _lot(state, rows, address) * total[-1]
             found = np.minimum((total <= mark).sum(axis=0), len(weights) - 1).astype(np.float64)
+    if state.weigh and (declared is not None or number in state.given):
+        prior = table if declared is None else np.stack([full(rows, w).astype(np.float64) for w in declared])
+        part = prior[found.astype(np.int64), np.arange(rows.size)] if number in state.given else np.cumsum(np.maximum(table, 0.0), axis=0)[-1]
+        _note(state, rows, part, np.cumsum(np.maximum(prior, 0.0), axis=0)[-1])
     state.values[number] = found
     return found
 
@@ -362,3 +383,21 @@ def demand(state: State, rows: Rows, number: int, holds: np.ndarray | bool) -> N
         state.failed[owners] = True
         state.broken[number] = state.broken.get(number, 0) + len(owners)
         state.faults.setdefault(("requirement", number), []).append(bad)
+
+
+def lean(state: State, rows: Rows, number: int, holds: np.ndarray | bool, weight: np.ndarray | float) -> None:
+    """Note the objects that do not keep a preference, and what it weighs, once for each of their rows."""
+    bad = np.flatnonzero(~full(rows, holds).astype(bool))
+    if len(bad):
+        owners = rows.owner[bad]
+        heavy = np.maximum(full(rows, weight).astype(np.float64)[bad], 0.0)
+        state.leaning += np.bincount(owners, weights=heavy, minlength=len(state.objects))
+        state.unkept[number] = state.unkept.get(number, 0) + len(np.unique(owners))
+
+
+def preferred(state: State) -> np.ndarray:
+    """Which objects their preferences let pass: with probability exp(-weight) for each row that does not keep one."""
+    if not state.leaning.any():
+        return np.ones(len(state.objects), dtype=bool)
+    lot = uniform(key(state.seed, "prefer"), state.objects.astype(np.uint64), 0, state.attempt)
+    return lot <= np.exp(-state.leaning)

@@ -11,7 +11,7 @@ from jinja2 import Environment, PackageLoader
 from ..graph import random
 from ..graph.expr import Expr, Scope
 from ..graph.text import digest
-from . import kernels, newton
+from . import kernels, laws, newton
 from .needs import pose_cells
 from .plan import Plan, make_plan
 from .sample import ATTEMPTS
@@ -43,7 +43,7 @@ def to_module(program, version: str) -> str:  # noqa: ANN001 - graph.program.Pro
     environment = Environment(loader=PackageLoader("artipg_dsl.runtime"), keep_trailing_newline=True, autoescape=False)
     return environment.get_template("module.py.j2").render(
         program=program, version=version, hash=digest(program), plan=plan, scopes=plan.scopes, sites=sites, joints=joints,
-        random=body(random), kernels=body(kernels), newton=body(newton), attempts=ATTEMPTS, about=spoken(program.doc),
+        random=body(random), kernels=body(laws) + "\n\n" + body(kernels), newton=body(newton), attempts=ATTEMPTS, about=spoken(program.doc),
     )  # fmt: skip
 
 

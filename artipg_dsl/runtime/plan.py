@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 from ..graph.expr import Column, Expr, Scope, both, call, negate, show
 from ..graph.formula import NUMPY, literal, source
-from ..graph.program import Bound, Draw, Program
+from ..graph.program import Bound, Draw, Program, Union
 
 
 class PlanError(Exception):
@@ -28,6 +28,14 @@ class Plan:
     scopes: dict[Scope, int]
     loose: tuple[tuple[int, Bound], ...]  # bounds that would have needed a later draw: left to the check of requirements
     _function: Callable | None = None
+    _bare: Plan | None = None
+
+    @property
+    def bare(self) -> Plan:
+        """The plan of draws, requirements and preferences alone."""
+        if self._bare is None:
+            self._bare = make_plan(self.program, ())
+        return self._bare
 
     @property
     def function(self) -> Callable:
@@ -207,19 +215,25 @@ class _Emitter:
         scope = draw.column.scope
         table = self.table(scope)
         if draw.kind == "choice":
-            weights = ", ".join(self.limited(draw, k, self.value(w, scope)) for k, w in enumerate(draw.weights))
-            name = self.fresh(f"draw_choice(state, {table}, {number}, {draw.address!r}, ({weights},))")
+            plain = [self.value(w, scope) for w in draw.weights]
+            left = [self.limited(draw, k, w) for k, w in enumerate(plain)]
+            declared = f", ({', '.join(plain)},)" if left != plain else ""
+            name = self.fresh(f"draw_choice(state, {table}, {number}, {draw.address!r}, ({', '.join(left)},){declared})")
         else:
             assert draw.low is not None and draw.high is not None
-            low = self.fresh(f"full({table}, {self.value(draw.low, scope)}).astype(np.float64)")
-            high = self.fresh(f"full({table}, {self.value(draw.high, scope)}).astype(np.float64)")
+            least, most = self.value(draw.low, scope), self.value(draw.high, scope)
+            low = self.fresh(f"full({table}, {least}).astype(np.float64)")
+            high = self.fresh(f"full({table}, {most}).astype(np.float64)")
             for bound in draw.bounds:
                 self.bound(number, bound, scope, low, high)
+            more = f", ({least}, {most})"
+            unions = "".join(self.union(union, scope) for union in draw.unions)
+            more += f", ({unions})" if unions else ""
             default = "None" if draw.default is None else self.value(draw.default, scope)
             arguments = "".join(self.value(a, scope) + ", " for a in draw.arguments)
             function = "draw_count" if draw.kind == "count" else "draw_real"
             name = self.fresh(
-                f"{function}(state, {table}, {number}, {draw.address!r}, {low}, {high}, {draw.distribution!r}, ({arguments}), {default})"
+                f"{function}(state, {table}, {number}, {draw.address!r}, {low}, {high}, {draw.distribution!r}, ({arguments}), {default}{more})"
             )
         self.lines[-1] += remark(draw.column.path)
         self.drawn[draw.column] = name
@@ -245,6 +259,14 @@ class _Emitter:
             del self.lines[before:]
             self.names, self.gathered, self.tables, self.routes, self.drawn, self.running = kept
             return None
+
+    def union(self, union: Union, scope: Scope) -> str:
+        """A union of intervals as the kernels take it; nothing where it needs what is drawn later."""
+        found = [self.early(node, scope) for node in (union.guard, *(end for pair in union.intervals for end in pair))]
+        if None in found:
+            return ""
+        pairs = "".join(f"({one}, {two}), " for one, two in zip(found[1::2], found[2::2], strict=True))
+        return f"({found[0]}, ({pairs})), "
 
     def bound(self, number: int, bound: Bound, scope: Scope, low: str, high: str) -> None:
         """Narrow a draw; a bound that needs what is drawn later is left to the check."""
@@ -275,6 +297,11 @@ def make_plan(program: Program, wanted: Iterable[tuple[Expr, Scope]]) -> Plan:
         holds = negate(both(requirement.guard, negate(holds)))
         value = emitter.value(holds, requirement.scope)
         emitter.line(f"demand(state, {emitter.table(requirement.scope)}, {number}, {value})" + remark(str(requirement.where)))
+    for number, preference in enumerate(program.preferences):
+        scope = preference.scope
+        holds = negate(both(preference.guard, negate(preference.condition)))
+        call_ = f"lean(state, {emitter.table(scope)}, {number}, {emitter.value(holds, scope)}, {emitter.value(preference.weight, scope)})"
+        emitter.line(call_ + remark(str(preference.where)))
     outputs: dict[tuple[Expr, Scope], int] = {}
     values: list[str] = []
     for expr, scope in wanted:

@@ -10,9 +10,10 @@ import numpy as np
 from ..graph.feasible import conflicts
 from ..graph.program import Program
 from .batch import Batch
-from .kernels import State
+from .kernels import State, preferred
 from .needs import narrowing, wanted
 from .plan import Plan, make_plan
+from .prior import BLOCK, Resampling
 
 ATTEMPTS = 100
 COLLIDING = 25  # attempts that end in a collision, until it is the program's fault
@@ -25,6 +26,9 @@ class Statistics:
 
     ``collided`` counts objects per pair of links, by path, and the joint that makes them meet ("" at rest); ``unsound``
     those whose solids are at fault otherwise, by what is wrong.
+    ``declined`` are valid objects that preferences passed over, ``unkept`` objects per preference, over all attempts.
+    ``candidates``: how many attempts each object considered, where they were resampled; ``candidates_valid`` of all of
+    them, ``effective`` the effective number of candidates, summed over the objects.
     """
 
     objects: int = 0
@@ -34,6 +38,11 @@ class Statistics:
     broken: dict[int, int] = field(default_factory=dict)
     collided: dict[tuple[str, str, str], int] = field(default_factory=dict)
     unsound: dict[str, int] = field(default_factory=dict)
+    declined: int = 0
+    unkept: dict[int, int] = field(default_factory=dict)
+    candidates: int = 0
+    candidates_valid: int = 0
+    effective: float = 0.0
 
     def add(self, state: State, first: bool, bad: np.ndarray | None = None) -> None:
         """Count one attempt of some objects; ``bad`` says which of them failed, where that is more than the state knows."""
@@ -41,7 +50,7 @@ class Statistics:
         if first:
             self.objects += len(state.objects)
             self.first_valid += int((~(state.failed if bad is None else bad)).sum())
-        for total, new in ((self.missed, state.missed), (self.broken, state.broken)):
+        for total, new in ((self.missed, state.missed), (self.broken, state.broken), (self.unkept, state.unkept)):
             for key, value in new.items():
                 total[key] = total.get(key, 0) + value
 
@@ -69,14 +78,17 @@ class Sampler:
 
     def batch(
         self, numbers: np.ndarray, seed: int, *, given: dict[int, float] | None = None, defaults: bool = False,
-        statistics: Statistics | None = None, checked: bool = False,
+        statistics: Statistics | None = None, checked: bool = False, candidates: int = 0,
     ) -> Batch:  # fmt: skip
         """The objects of the given numbers; each is the same whatever else is in the batch. Raises Exhausted.
 
         ``checked``: only objects whose links do not penetrate one another, at rest and while each joint moves.
+        ``candidates``: above 0, each object is one of so many attempts, resampled to the declared distributions.
         """
         numbers = np.asarray(numbers, dtype=np.int64)
         trials = _Trials(self, seed, dict(given or {}), defaults, checked, statistics if statistics is not None else Statistics())
+        if candidates and not defaults:
+            return trials.resampled(numbers, candidates)
         attempt = np.zeros(len(numbers), dtype=np.int64)
         bad, batch = trials.run(numbers, attempt, True)
         if not bad.any():
@@ -89,6 +101,9 @@ class Sampler:
             while len(group):
                 attempt[group] += 1
                 lost = (attempt[group] >= ATTEMPTS) | (trials.colliding(numbers[group]) >= COLLIDING)
+                spare = np.array([trials.spare.get(n, -1) for n in numbers[group].tolist()])
+                attempt[group[lost & (spare >= 0)]] = spare[lost & (spare >= 0)]  # rather than none
+                group, lost = group[~lost | (spare < 0)], lost[~lost | (spare < 0)]
                 if lost.any() or defaults:
                     without = group[lost] if lost.any() else group
                     raise Exhausted(numbers[without], trials.statistics, int(attempt[without].max()))
@@ -111,6 +126,7 @@ class _Trials:
         self.sampler, self.seed, self.given, self.defaults = sampler, seed, given, defaults
         self.checked, self.statistics = checked, statistics
         self.hits: dict[int, int] = {}
+        self.spare: dict[int, int] = {}  # the first valid attempt of objects that preferences passed over
 
     def colliding(self, numbers: np.ndarray) -> np.ndarray:
         return np.array([self.hits.get(n, 0) for n in numbers.tolist()], dtype=np.int64)
@@ -132,7 +148,34 @@ class _Trials:
             for number in within.numbers[struck].tolist():
                 self.hits[number] = self.hits.get(number, 0) + 1
         self.statistics.add(state, first, bad)
-        return bad, batch
+        declined = np.zeros(len(bad), dtype=bool) if self.defaults else ~bad & ~preferred(state)
+        self.statistics.declined += int(declined.sum())
+        for number, tried in zip(numbers[declined].tolist(), attempt[declined].tolist(), strict=True):
+            self.spare.setdefault(number, tried)
+        return bad | declined, batch
+
+    def resampled(self, numbers: np.ndarray, candidates: int) -> Batch:
+        """Objects that are each one of several attempts. Raises Exhausted."""
+        struck = (lambda batch: colliding(batch, self.statistics)) if self.checked else None
+        attempt = np.zeros(len(numbers), dtype=np.int64)
+        for start in range(0, len(numbers), max(1, BLOCK // candidates)):
+            part = slice(start, start + max(1, BLOCK // candidates))
+            choice = Resampling(
+                self.sampler.plan, self.seed, self.given, candidates, lambda n, a: self.made(n, a)[1], struck
+            )
+            attempt[part] = choice.attempts(numbers[part])
+            self.statistics.candidates = candidates
+            self.statistics.candidates_valid += choice.valid
+            self.statistics.effective += choice.effective
+            for state in choice.states:
+                self.statistics.add(state, False)
+            first = choice.states[0]
+            self.statistics.objects += len(numbers[part])
+            self.statistics.first_valid += int((~first.failed[::candidates]).sum())
+            lost = numbers[part][attempt[part] < 0]
+            if len(lost):
+                raise Exhausted(lost, self.statistics, len(choice.states) * candidates, hopeless(self.sampler.program, self.given))
+        return self.made(numbers, attempt)[1]
 
 
 def colliding(batch: Batch, statistics: Statistics) -> np.ndarray:

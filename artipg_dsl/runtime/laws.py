@@ -1,0 +1,209 @@
+"""The laws by which values are drawn: truncated to a range, without its gaps, and how much of a law a range holds.
+
+A law is a *level*: its distribution function, along which it is uniform. A range that consists of several intervals is the
+hull of them without the gaps between; a gap is cut out of the levels, so that what is left is drawn by the law itself.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+TOLERANCE = 1e-9  # bounds and requirements are decided to this
+
+
+def spread(unit: np.ndarray, low: np.ndarray, high: np.ndarray, distribution: str, arguments: tuple) -> np.ndarray:
+    """Uniform numbers to a distribution truncated to ``low .. high``."""
+    if distribution == "normal":
+        return _truncated(unit, low, high, arguments[0], arguments[1])
+    if distribution == "lognormal":
+        small = np.maximum(low, 1e-12)
+        inner = _truncated(unit, np.log(small), np.log(np.maximum(high, small)), np.log(arguments[0]), arguments[1])
+        return np.minimum(np.maximum(np.exp(inner), low), high)
+    if distribution == "values":
+        return _nearest(unit, low, high, arguments)
+    if arguments:  # uniform(a, b): within the part of the domain that lies between the two
+        low, high = (np.minimum(np.maximum(end, low), high) for end in arguments)
+    return np.minimum(low + unit * (high - low), high)
+
+
+# the normal distribution on a grid fine enough that straight lines between its nodes do for sampling
+_Z = np.linspace(-8.0, 8.0, 4097)
+
+
+def _grid() -> np.ndarray:
+    density = np.exp(-0.5 * _Z * _Z)
+    steps = np.concatenate([[0.0], 0.5 * (density[1:] + density[:-1])])
+    total = np.cumsum(steps)
+    return total / total[-1]
+
+
+_CDF = _grid()
+
+
+def _truncated(unit: np.ndarray, low: np.ndarray, high: np.ndarray, mean: np.ndarray | float, deviation: np.ndarray | float) -> np.ndarray:
+    """Inverse distribution function of the normal law between two values."""
+    a, b = (low - mean) / deviation, (high - mean) / deviation
+    below, above = np.interp(a, _Z, _CDF), np.interp(b, _Z, _CDF)
+    inner = mean + deviation * np.interp(below + unit * (above - below), _CDF, _Z)
+    flat = above - below < 1e-9  # far out in a tail: uniform
+    inner = np.where(flat, low + unit * (high - low), inner)
+    return np.minimum(np.maximum(inner, low), high)
+
+
+def _among(
+    low: np.ndarray, high: np.ndarray, values: tuple, gaps: tuple[np.ndarray, np.ndarray] | None
+) -> tuple[np.ndarray, np.ndarray]:
+    """The values (values, rows), and which of them lie within the bounds and in no gap."""
+    table = np.stack([np.broadcast_to(np.asarray(v, dtype=np.float64), low.shape) for v in values])
+    within = (table >= low - TOLERANCE) & (table <= high + TOLERANCE)
+    if gaps is not None:
+        within &= ~np.stack([inside(row, gaps) for row in table])
+    return table, within
+
+
+def _nearest(
+    unit: np.ndarray, low: np.ndarray, high: np.ndarray, values: tuple, gaps: tuple[np.ndarray, np.ndarray] | None = None
+) -> np.ndarray:
+    """One of the values that lie within the bounds, equally likely; the nearest bound when none does."""
+    table, within = _among(low, high, values, gaps)
+    count = within.sum(axis=0)
+    wanted = np.minimum((unit * np.maximum(count, 1)).astype(np.int64), np.maximum(count - 1, 0))
+    seen = np.cumsum(within, axis=0) - 1
+    chosen = np.where(within & (seen == wanted), table, -np.inf).max(axis=0)
+    return np.where(count > 0, chosen, np.minimum(np.maximum(table[0], low), high))
+
+
+# ---------------------------------------------------------------- ranges with gaps
+
+
+def gaps_of(low: np.ndarray, unions: tuple, whole: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Where the open gaps that unions of intervals leave begin and end: two arrays (gaps, rows); an empty one ends first.
+
+    A union is (guard, ((low, high), ...)): where the guard holds, the value lies in one of the intervals. ``whole``: of
+    whole numbers, in halves.
+    """
+    begins, ends = [], []
+    for guard, intervals in unions:
+        first = np.stack([_end(low, guard, one, -np.inf) for one, _ in intervals])
+        last = np.stack([_end(low, guard, two, np.inf) for _, two in intervals])
+        empty = first > last
+        first, last = np.where(empty, np.inf, first), np.where(empty, -np.inf, last)
+        order = np.argsort(first, axis=0, kind="stable")
+        first = np.take_along_axis(first, order, axis=0)
+        reach = np.maximum.accumulate(np.take_along_axis(last, order, axis=0), axis=0)
+        edge = np.full((1, len(low)), np.inf)
+        begins.append(np.concatenate([-edge, reach]))
+        ends.append(np.concatenate([first, edge]))
+    begin, end = np.concatenate(begins), np.concatenate(ends)
+    if whole:
+        begin, end = np.floor(begin + TOLERANCE) + 0.5, np.ceil(end - TOLERANCE) - 0.5
+    return begin, end
+
+
+def _end(low: np.ndarray, guard: np.ndarray | bool, value: np.ndarray | float, free: float) -> np.ndarray:
+    """The end of an interval per row; none where the guard does not hold or nothing is known."""
+    found = np.broadcast_to(np.asarray(value, dtype=np.float64), low.shape)
+    return np.where(np.logical_and(guard, ~np.isnan(found)), found, free)
+
+
+def inside(value: np.ndarray, gaps: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+    """Which values lie in a gap, by more than rounding."""
+    return np.logical_or.reduce((value > gaps[0] + TOLERANCE) & (value < gaps[1] - TOLERANCE), axis=0)
+
+
+def clear(value: np.ndarray, low: np.ndarray, high: np.ndarray, gaps: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+    """Values in a gap moved to the nearest place between ``low`` and ``high`` that is in none; else left where they are."""
+    found, best = value, np.where(inside(value, gaps), np.inf, 0.0)
+    for place in (*gaps[0], *gaps[1]):
+        way = np.abs(place - value)
+        better = (place >= low) & (place <= high) & (way < best) & ~inside(place, gaps)
+        found, best = np.where(better, place, found), np.where(better, way, best)
+    return found
+
+
+def spread_between(
+    unit: np.ndarray, low: np.ndarray, high: np.ndarray, gaps: tuple[np.ndarray, np.ndarray], distribution: str, arguments: tuple
+) -> np.ndarray:
+    """Uniform numbers to a distribution truncated to ``low .. high`` without the gaps."""
+    if distribution == "values":
+        return _nearest(unit, low, high, arguments, gaps)
+    low, high = support(low, high, distribution, arguments)
+    first, last = level(low, distribution, arguments), level(high, distribution, arguments)
+    begin, end = _apart(low, high, gaps, distribution, arguments)
+    at = first + unit * ((last - first) - _total(end - begin))
+    for one, two in zip(begin, end, strict=True):
+        at = np.where(at >= one, at + (two - one), at)
+    return np.minimum(np.maximum(_value(np.minimum(at, last), distribution, arguments), low), high)
+
+
+def held(
+    low: np.ndarray, high: np.ndarray, gaps: tuple[np.ndarray, np.ndarray] | None, distribution: str, arguments: tuple
+) -> np.ndarray:
+    """How much of a law lies between ``low`` and ``high`` outside the gaps, in a measure of the law's own (rows,)."""
+    if distribution == "values":
+        return _among(low, high, arguments, gaps)[1].sum(axis=0).astype(np.float64)
+    low, high = support(low, high, distribution, arguments)
+    total = np.maximum(level(high, distribution, arguments) - level(low, distribution, arguments), 0.0)
+    if gaps is None:
+        return total
+    begin, end = _apart(low, high, gaps, distribution, arguments)
+    return np.maximum(total - _total(end - begin), 0.0)
+
+
+def density(value: np.ndarray, distribution: str, arguments: tuple) -> np.ndarray:
+    """The density of a law at a value, in the measure of ``held``."""
+    if distribution == "normal":
+        return np.exp(-0.5 * ((value - arguments[0]) / arguments[1]) ** 2) / (_ROOT * arguments[1])
+    if distribution == "lognormal":
+        small = np.maximum(value, 1e-12)
+        return np.exp(-0.5 * (np.log(small / arguments[0]) / arguments[1]) ** 2) / (_ROOT * arguments[1] * small)
+    return np.ones(len(value))
+
+
+def support(low: np.ndarray, high: np.ndarray, distribution: str, arguments: tuple) -> tuple[np.ndarray, np.ndarray]:
+    """The part of a range in which the law lies: ``uniform(a, b)`` between the two."""
+    if distribution == "uniform" and arguments:
+        low, high = (np.minimum(np.maximum(end, low), high) for end in arguments)
+    return low, high
+
+
+# the distribution function with the least slope, so that a range far out in a tail has a measure, too
+_STEEP = _CDF + 1e-9 * _Z
+_ROOT = float(np.sqrt(2.0 * np.pi))
+
+
+def level(value: np.ndarray, distribution: str, arguments: tuple) -> np.ndarray:
+    if distribution == "normal":
+        return np.interp((value - arguments[0]) / arguments[1], _Z, _STEEP)
+    if distribution == "lognormal":
+        return np.interp(np.log(np.maximum(value, 1e-12) / arguments[0]) / arguments[1], _Z, _STEEP)
+    return np.asarray(value, dtype=np.float64)
+
+
+def _value(level: np.ndarray, distribution: str, arguments: tuple) -> np.ndarray:
+    if distribution == "normal":
+        return arguments[0] + arguments[1] * np.interp(level, _STEEP, _Z)
+    if distribution == "lognormal":
+        return arguments[0] * np.exp(arguments[1] * np.interp(level, _STEEP, _Z))
+    return level
+
+
+def _apart(
+    low: np.ndarray, high: np.ndarray, gaps: tuple[np.ndarray, np.ndarray], distribution: str, arguments: tuple
+) -> tuple[np.ndarray, np.ndarray]:
+    """The gaps within a range in levels, ascending and no two of them overlapping."""
+    begin = level(np.minimum(np.maximum(gaps[0], low), high), distribution, arguments)
+    end = np.maximum(level(np.minimum(np.maximum(gaps[1], low), high), distribution, arguments), begin)
+    order = np.argsort(begin, axis=0, kind="stable")
+    begin, end = np.take_along_axis(begin, order, axis=0), np.take_along_axis(end, order, axis=0)
+    end = np.maximum.accumulate(end, axis=0)
+    begin[1:] = np.maximum(begin[1:], end[:-1])
+    return begin, end
+
+
+def _total(lengths: np.ndarray) -> np.ndarray:
+    """The sum over the first axis, added up in order."""
+    total = lengths[0]
+    for one in lengths[1:]:
+        total = total + one
+    return total
