@@ -85,7 +85,7 @@ class Job:
     def recorded(self) -> dict[str, Any]:
         """What was set and what was done to the objects, as the manifest keeps it."""
         steps = [step.plain() for step in self.mutations]
-        marks = ({MUTATIONS: steps} if steps else {}) | ({} if self.checked else {UNCHECKED: True})
+        marks: dict[str, Any] = ({MUTATIONS: steps} if steps else {}) | ({} if self.checked else {UNCHECKED: True})
         if self.candidates:
             marks[SAMPLING] = f"prior:{self.candidates}"
         if self.values is not None:
