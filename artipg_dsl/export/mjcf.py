@@ -1,7 +1,7 @@
 """MJCF for MuJoCo 3 and later: the object fixed to the world, the same free to move, and a scene with a floor for each.
 
-What is seen are OBJ meshes, what collides are boxes and convex hulls given by their points. A screw is a hinge and a slide
-on one axis, tied by an equality; a joint that follows another is tied in the same way; a ball is MuJoCo's own.
+What is seen are OBJ meshes, what collides are boxes, round bars and convex hulls given by their points. A screw is a hinge and
+a slide on one axis, tied by an equality; a joint that follows another is tied in the same way, and so is a loop where it closes.
 """
 
 from __future__ import annotations
@@ -88,6 +88,7 @@ class _Model:
             "hulls": self.hulls,
             "excludes": adjacent(robot),
             "couplings": self.couplings,
+            "closures": [{"name": f"closure_{n}", "site1": f"closure_{n}_a", "site2": f"closure_{n}_b"} for n in range(len(robot.closures))],
         }
 
     def _body(self, k: int, above: RobotJoint | None, below: dict[int, list[RobotJoint]]) -> dict[str, Any]:
@@ -106,6 +107,12 @@ class _Model:
             "inertia": " ".join(f"{v:.9g}" for v in (i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2])),
             "joints": [] if above is None else self._joints(above),
             "visuals": visuals,
+            "sites": [
+                {"name": f"closure_{n}_{side}", "pos": numbers(point)}
+                for n, closure in enumerate(self.robot.closures)
+                for side, at, point in zip("ab", closure.links, closure.points, strict=True)
+                if at == k
+            ],
             "pieces": [self._piece(link, collider) for collider in link.colliders],
             "children": [self._body(joint.child, joint, below) for joint in below.get(k, [])],
         }

@@ -16,7 +16,7 @@ from ..annotate.frames import quaternion
 from .materials import linear
 from .pose import rest_poses
 from .principal import principal
-from .robot import Collider, Robot, RobotJoint, Robots, Visual
+from .robot import Closure, Collider, Robot, RobotJoint, Robots, Visual
 from .write import ExportError
 
 if TYPE_CHECKING:
@@ -64,6 +64,7 @@ def usd_files(robots: Robots, i: int) -> dict[str, bytes]:
     own = Names()
     paths = {joint.name: own(joint.name) for joint in robot.joints}
     joints = [_joint(robot, joint, name, link_names, paths) for joint in robot.joints]
+    joints += [_closure(closure, name, link_names) | {"name": own(f"closure_{n}")} for n, closure in enumerate(robot.closures)]
     text = _template().render(name=name, looks=_looks(robot), links=links, joints=joints)
     return {"object.usda": (text + "\n").encode("utf-8")}
 
@@ -187,6 +188,16 @@ def _joint(robot: Robot, joint: RobotJoint, name: str, links: list[str], paths: 
             lines += _mimic(robot, joint, name, letter, paths, schemas)
     quoted = ", ".join(f'"{schema}"' for schema in schemas)
     return {"type": TYPES[joint.kind], "name": paths[joint.name], "title": joint.name, "schemas": quoted, "lines": lines}
+
+
+def _closure(closure: Closure, name: str, links: list[str]) -> dict[str, Any]:
+    """Where a loop closes: two points that stay together, outside the articulation's tree."""
+    lines = [
+        *(f"rel physics:body{n} = </{name}/{links[k]}>" for n, k in enumerate(closure.links)),
+        *(f"point3f physics:localPos{n} = {vector(point)}" for n, point in enumerate(closure.points)),
+        "bool physics:excludeFromArticulation = 1",
+    ]
+    return {"type": TYPES["ball"], "title": "closure", "schemas": "", "lines": lines}
 
 
 def _mimic(
