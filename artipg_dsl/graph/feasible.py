@@ -12,10 +12,11 @@ from dataclasses import dataclass
 from .expr import TRUE, Expr, Scope, both, negate
 from .interval import Interval, Intervals
 from .linear import Linear
-from .program import Draw, Program
+from .program import Draw, Program, Union
 
 ROUNDS = 6
 SMALL = 1e-9
+ALIKE = 1e-5
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +80,9 @@ def conflicts(program: Program, given: Mapping[int, float] | None = None) -> lis
                 reasons = tuple(dict.fromkeys([*why, *(r for o in others for r in causes.get(o, ((), ()))[0])]))
                 chain = tuple(dict.fromkeys([*others, *(d for o in others for d in causes.get(o, ((), ()))[1] if d != k)]))
                 scope = draw.column.scope
-                found[k] = Conflict(k, None, reasons, chain, low, high, scope, certain(scope, intervals))
+                alike = low - high < ALIKE and bool(reasons)  # whole numbers beside one that is left out: no range to tell of
+                one, other = (None, reasons[0]) if alike else (k, None)
+                found[k] = Conflict(one, other, reasons, chain, low, high, scope, certain(scope, intervals))
             elif why and (low, high) != intervals.column(draw.column) and (given is None or k not in given):
                 box[k] = (low, max(low, high))
                 causes[k] = tuple(why), others
@@ -103,7 +106,32 @@ def _range(draw: Draw, intervals: Intervals, reader: Linear) -> tuple[float, flo
         if (ends[0] > low) if bound.side == "low" else (ends[1] < high):
             low, high = (ends[0], high) if bound.side == "low" else (low, ends[1])
             why[bound.side], read[bound.side] = [bound.requirement, *bound.also], sorted_columns(reader, bound.value)
+    for union in draw.unions:
+        low, high = _hull(draw, union, intervals, low, high, why, read, reader)
     return low, high, why["low"] + why["high"], read["low"] + read["high"]
+
+
+def _hull(
+    draw: Draw, union: Union, intervals: Intervals, low: float, high: float, why: dict[str, list[int]], read: dict[str, list],
+    reader: Linear,
+) -> tuple[float, float]:  # fmt: skip
+    """The range narrowed to what a union of intervals leaves of it; an empty one where no interval has room."""
+    if intervals.of(union.guard)[0] < 1.0 or low > high + SMALL:
+        return low, high
+    ends = [(intervals.of(one)[0], intervals.of(two)[1]) for one, two in union.intervals]
+    if any(math.isnan(end) for pair in ends for end in pair):
+        return low, high
+    left = [(max(one, low), min(two, high)) for one, two in ends if max(one, low) <= min(two, high) + SMALL]
+    columns = [c for pair in union.intervals for end in pair for c in sorted_columns(reader, end)]
+    if not left:
+        why["low"], read["low"] = [union.requirement, *union.also, *why["low"]], [*columns, *read["low"]]
+        above, below = [one for one, two in ends if one > high], [two for _, two in ends if two < low]
+        return (min(above), high) if above else (low, max(below)) if below else max(ends, key=lambda pair: pair[1] - pair[0])
+    first, last = min(one for one, _ in left), max(two for _, two in left)
+    for side, moved in (("low", first > low), ("high", last < high)):
+        if moved:
+            why[side], read[side] = [union.requirement, *union.also], columns
+    return first, last
 
 
 def sorted_columns(reader: Linear, node: Expr | None) -> list:

@@ -18,6 +18,7 @@ from ..graph.interval import Intervals
 from ..graph.linear import Linear
 from ..graph.program import Bound, Draw, Limit, Program
 from .systems import inline
+from .unions import unite
 
 MOST_DERIVED = 400
 DEPTH = 24
@@ -40,8 +41,15 @@ def attach_bounds(program: Program) -> list[tuple[Scope, tuple[int, ...]]]:
             pending.append((requirement.scope, low, high, requirement.guard, number, 0, ()))
             continue
         last = last_drawn(reader, order, requirement.scope, requirement.condition, requirement.guard)
-        if last is not None and draws[last].kind == "choice":
+        if last is None:
+            continue
+        if draws[last].kind == "choice":
             limit_choice(program, reader, draws[last], requirement.scope, requirement.condition, requirement.guard, number)
+            continue
+        whole = E.either(E.negate(requirement.guard), requirement.condition)
+        rest = unite(program, order, draws[last], requirement.scope, whole, number)
+        if rest is not None:
+            pending.append((requirement.scope, *rest, E.TRUE, number, 1, ()))
     made = {False: 0, True: 0}  # derived from linear bounds, and from others
     while pending:
         scope, low, high, guard, number, depth, also = pending.pop(0)
@@ -59,6 +67,11 @@ def attach_bounds(program: Program) -> list[tuple[Scope, tuple[int, ...]]]:
                 if form[1].constant > 1e-9:
                     hollow.append((scope, (number, *also)))
                 continue
+        if parted(low, high, guard, last, program):
+            rest = unite(program, order, draws[last], scope, E.either(E.negate(guard), E.call("le", low, high)), number, also)
+            if rest is not None and depth < DEPTH and made[True] < MOST_DERIVED:
+                made[True] += 1
+                pending.append((scope, *rest, E.TRUE, number, depth + 1, also))
         bent = linear(program, last, scope, low, high, guard) is None and not open_ended(E.sub(low, high))
         if bent and depth < DEPTH and made[bent] < MOST_DERIVED:  # that the value drawn last has a chance at all
             least = least_of(E.sub(low, high), last, intervals, program.definitions)
@@ -74,6 +87,13 @@ def attach_bounds(program: Program) -> list[tuple[Scope, tuple[int, ...]]]:
                 reasons = tuple(dict.fromkeys((*also, *other.also, *(() if other.requirement == number else (other.requirement,)))))
                 pending.append((inner, lower.value, upper.value, E.both(lower.guard, upper.guard), number, depth + 1, reasons))
     return hollow
+
+
+def parted(low: Expr, high: Expr, guard: Expr, column: Column, program: Program) -> bool:
+    """Whether an inequality may leave a variable several intervals: its guard reads it, or it is not linear in it."""
+    alone = reader_of(column, program)
+    return alone.reads(guard) or alone.form(E.sub(low, high)) is None
+
 
 def last_drawn(reader: Linear, order: dict[Column, int], scope: Scope, *nodes: Expr) -> Column | None:
     """Of all that a requirement names, the choices that its table stands under included, what is drawn last."""

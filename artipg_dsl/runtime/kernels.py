@@ -278,7 +278,7 @@ def _near(
     first = np.minimum(np.maximum(old - kept.reach[at], low), high)
     last = np.minimum(np.maximum(old + kept.reach[at], low), high)
     if gaps is not None:
-        near = spread_between(unit, first, last, gaps, "uniform", ())
+        near = clear(spread_between(unit, first, last, gaps, "uniform", ()), low, high, gaps)
         return np.where(known, np.where(first < last, near, clear(first, low, high, gaps)), fresh)
     return np.where(known, np.minimum(first + unit * (last - first), last), fresh)
 

@@ -46,7 +46,8 @@ def narrowing(program: Program) -> Iterator[Wanted]:
     for draw in program.draws:
         ends = (end for end in (draw.low, draw.high) if end is not None)
         bounds = (e for bound in draw.bounds for e in (bound.value, bound.guard))
-        yield from each(draw.column.scope, ends, bounds, (limit.allowed for limit in draw.limits))
+        unions = (e for union in draw.unions for e in (union.guard, *(end for pair in union.intervals for end in pair)))
+        yield from each(draw.column.scope, ends, bounds, unions, (limit.allowed for limit in draw.limits))
 
 
 def each(scope: Scope, *groups: Iterable[Expr]) -> Iterator[Wanted]:
