@@ -7,10 +7,11 @@ from .robot import Robot
 
 def adjacent(robot: Robot) -> list[tuple[str, str]]:
     """Names of pairs of links that a joint or a loop's closing holds together. Links that fixed joints hold together count as one."""
+    fixed_to = {joint.child: joint.parent for joint in robot.joints if joint.kind == "fixed"}
     welded = list(range(len(robot.links)))
-    for joint in robot.joints:  # parents come before their children
-        if joint.kind == "fixed":
-            welded[joint.child] = welded[joint.parent]
+    for link in welded:
+        while welded[link] in fixed_to:
+            welded[link] = fixed_to[welded[link]]
     groups: dict[int, list[int]] = {}
     for link, group in enumerate(welded):
         groups.setdefault(group, []).append(link)

@@ -16,6 +16,7 @@ BANDWIDTH = 150.0  # 1/s of the drives; gains are scaled to the inertia that a j
 
 def settle(spec: mujoco.MjSpec, srdf: Path) -> None:
     """What URDF cannot state and MuJoCo's defaults are too soft for: docs/formats.md, URDF."""
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     for joint in spec.joints:
         joint.armature = 0.01 if joint.type == mujoco.mjtJoint.mjJNT_SLIDE else 1e-4
         joint.solref_limit = joint.solref_friction = [0.004, 1]

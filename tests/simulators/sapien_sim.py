@@ -6,6 +6,7 @@ Its loader drops a joint's friction and effort; both are given to the drives her
 from __future__ import annotations
 
 import warnings
+from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
@@ -24,6 +25,19 @@ BANDWIDTH = 30.0  # 1/s of the drives
 BRISTLE = 1e-4  # rad or m by which a joint gives before its friction slips: P. R. Dahl, A Solid Friction Model, 1968
 
 
+def without_visuals(path: Path) -> Path:
+    """A copy beside the file without what is to be seen, and with the same SRDF, which SAPIEN looks for by its name."""
+    tree = ElementTree.parse(path)
+    for link in tree.getroot().iter("link"):
+        for visual in link.findall("visual"):
+            link.remove(visual)
+    copy = path.with_name(f"{path.stem}_physics.urdf")
+    tree.write(copy)
+    if path.with_suffix(".srdf").exists():
+        copy.with_suffix(".srdf").write_bytes(path.with_suffix(".srdf").read_bytes())
+    return copy
+
+
 class SapienSim:
     name = "SAPIEN"
     forms = ("urdf",)
@@ -37,7 +51,7 @@ class SapienSim:
             self.scene.add_ground(0.0, render=False)
         loader = self.scene.create_urdf_loader()
         loader.fix_root_link = not free
-        articulations, actors = loader.load_multiple(str(self._without_visuals()))
+        articulations, actors = loader.load_multiple(str(without_visuals(subject.folder / "object.urdf")))
         self.articulation = articulations[0] if articulations else None  # an object without joints is an actor
         self.actor = actors[0] if actors else None
         found = self.articulation.active_joints if self.articulation else []
@@ -46,15 +60,6 @@ class SapienSim:
         self.held: dict[str, float] = {}
         if self.actor and not free:
             self.actor.find_component_by_type(physx.PhysxRigidDynamicComponent).kinematic = True
-
-    def _without_visuals(self):  # type: ignore[no-untyped-def]
-        path = self.subject.folder / "object.urdf"  # object.srdf, which it reads too, has to lie beside
-        tree = ElementTree.parse(path)
-        for link in tree.getroot().iter("link"):
-            for visual in link.findall("visual"):
-                link.remove(visual)
-        tree.write(path)
-        return path
 
     def links(self) -> set[str]:
         return {link.name for link in self.articulation.links} if self.articulation else {self.actor.name}

@@ -62,10 +62,10 @@ class Subject:
 
     def carried(self, joint: RobotJoint) -> list[int]:
         """The links that a joint moves."""
-        found = {joint.child}
-        for other in self.robot.joints:  # parents come before their children
-            if other.parent in found:
-                found.add(other.child)
+        found, count = {joint.child}, 0
+        while len(found) > count:
+            count = len(found)
+            found |= {other.child for other in self.robot.joints if other.parent in found}
         return sorted(found)
 
     def inertia(self, joint: RobotJoint, values: dict[str, float]) -> float:
