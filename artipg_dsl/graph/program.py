@@ -297,12 +297,24 @@ class Material:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Allowed:
-    """``allow overlap`` and ``free``: pairs of links, with the reason given."""
+    """``allow overlap`` and ``free``: pairs of links, with the reason given; ``allow floating``: nodes of the part tree."""
 
-    kind: str  # "overlap" | "free" | "clear"
+    kind: str  # "overlap" | "free" | "floating"
     first: tuple[int, ...]
     second: tuple[int, ...]
     reason: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Clear:
+    """``clear a from b by distance`` where ``scope`` has rows: two sets of nodes of the part tree."""
+
+    scope: Scope
+    first: tuple[int, ...]
+    second: tuple[int, ...]
+    distance: Expr
+    text: str
+    where: Where | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -362,5 +374,6 @@ class Program:
     allowed: list[Allowed] = field(default_factory=list)
     closures: list[Closure] = field(default_factory=list)
     slots: list[Slot] = field(default_factory=list)
+    clear: list[Clear] = field(default_factory=list)
     stable: list[Stable] = field(default_factory=list)
     hash: str = ""

@@ -22,12 +22,12 @@ RECORDS = {
     cls.__name__: cls
     for cls in (
         P.Where, P.Pose, P.Bound, P.Limit, P.Union, P.Draw, P.Requirement, P.Preference, P.Part, P.Site, P.Link, P.Joint,
-        P.Target, P.Label, P.Grasp, P.Keypoint, P.Material, P.Allowed, P.Closure, P.Slot, P.Stable, Primitive, Patch, Piece,
+        P.Target, P.Label, P.Grasp, P.Keypoint, P.Material, P.Allowed, P.Closure, P.Slot, P.Clear, P.Stable, Primitive, Patch, Piece,
     )
 }  # fmt: skip
 LISTS = (
     "requirements", "preferences", "parts", "links", "joints", "sites", "labels", "grasps", "keypoints", "allowed", "closures", "slots",
-    "stable",
+    "clear", "stable",
 )  # fmt: skip
 
 

@@ -10,7 +10,7 @@ from ..graph import expr as E
 from ..graph.depend import draws_behind
 from ..graph.expr import Expr, Scope, ScopeError
 from ..graph.linear import Circle
-from ..graph.program import Allowed, Link, Preference, Program, Requirement, Stable
+from ..graph.program import Allowed, Clear, Link, Preference, Program, Requirement, Stable
 from ..graph.text import digest
 from ..semantics.symbols import Symbol
 from ..syntax import ast
@@ -137,10 +137,9 @@ def conditions(links: Links, env: Env) -> None:
                 case ast.PreferStmt():
                     prefer(env, statement)
                 case ast.AllowStmt():
-                    pair(links, env, statement.subject, statement.other, statement.kind, statement.reason or "")
+                    allow(links, env, statement)
                 case ast.ClearStmt():
-                    Evaluator(env).scalar(statement.distance)
-                    pair(links, env, statement.subject, statement.other, "clear", text_of(statement.span))
+                    clear(links, env, statement)
                 case _:
                     pass
         except (Abort, ScopeError) as error:
@@ -240,12 +239,27 @@ def walk(node: ast.Node) -> list[ast.Node]:
     return found
 
 
-def pair(links: Links, env: Env, first: ast.Expr, second: ast.Expr, kind: str, reason: str) -> None:
-    sides = []
-    for node in (first, second):
-        found = [links.carrier(p) for v, _ in labels.walk(env, node) for p in carriers(v)]
-        sides.append(tuple(dict.fromkeys(k for group in found for k in group)))
-    links.context.program.allowed.append(Allowed(kind, sides[0], sides[1], reason))
+def allow(links: Links, env: Env, statement: ast.AllowStmt) -> None:
+    sides: list[tuple[int, ...]] = [nodes(links, env, statement.subject), ()]
+    if statement.other is not None:
+        for k, node in enumerate((statement.subject, statement.other)):
+            found = [links.carrier(p) for v, _ in labels.walk(env, node) for p in carriers(v)]
+            sides[k] = tuple(dict.fromkeys(k for group in found for k in group))
+    links.context.program.allowed.append(Allowed(statement.kind, sides[0], sides[1], statement.reason or ""))
+
+
+def clear(links: Links, env: Env, statement: ast.ClearStmt) -> None:
+    first, second = (nodes(links, env, node) for node in (statement.subject, statement.other))
+    distance = Evaluator(env).scalar(statement.distance)
+    links.context.program.clear.append(
+        Clear(env.scope, first, second, distance, text_of(statement.span), where(statement.span))
+    )
+
+
+def nodes(links: Links, env: Env, node: ast.Expr) -> tuple[int, ...]:
+    """The nodes of the part tree that a path of names means."""
+    parts = {part for value, _ in labels.walk(env, node) for part in carriers(value)}
+    return tuple(sorted(number for (part, _), number in links.nodes.items() if part in parts))
 
 
 def vocabularies(env: Env) -> None:

@@ -23,8 +23,9 @@ class Pieces:
     """N pieces sorted by link (links by object): corners by class and slot, box, object, link (a row of the link table).
 
     ``corners`` holds (n, P, 3) per class, P a power of two; a piece with fewer corners repeats its last. ``shape`` is
-    the index of its faces in ``faces``. Only pieces that come near others are inset, in place, by ``ready``. ``source``
-    tells where a piece stood before it was sorted, ``met`` which pieces have been found to meet another.
+    the index of its faces in ``faces``. ``solid`` is the row of its primitive in the tables of sites, one after the
+    other. Only pieces that come near others are inset, in place, by ``ready``; ``done`` tells which, by class and slot.
+    ``source`` tells where a piece stood before it was sorted, ``met`` which pieces have been found to meet another.
     """
 
     corners: list[np.ndarray]
@@ -36,18 +37,19 @@ class Pieces:
     owner: np.ndarray
     link: np.ndarray
     shape: np.ndarray
-    done: np.ndarray
+    solid: np.ndarray
     met: np.ndarray
     source: np.ndarray
+    done: list[np.ndarray]
 
     def __len__(self) -> int:
         return len(self.owner)
 
-    def part(self, rows: slice) -> Pieces:
+    def part(self, rows: slice | np.ndarray) -> Pieces:
         """Some of the pieces; they share the corners."""
-        names = ("kind", "slot", "low", "high", "owner", "link", "shape", "done", "met", "source")
+        names = ("kind", "slot", "low", "high", "owner", "link", "shape", "solid", "met", "source")
         columns = (getattr(self, name) for name in names)
-        return Pieces(self.corners, self.faces, *(column[rows] for column in columns))
+        return Pieces(self.corners, self.faces, *(column[rows] for column in columns), self.done)
 
     def boxes(self) -> Pieces:
         """The boxes of the pieces at rest in place of the pieces."""
@@ -62,8 +64,11 @@ class Pieces:
         piece = np.zeros(len(self), dtype=bool)
         for rows in chosen:
             piece[rows] = True
-        rows = np.flatnonzero(piece & ~self.done)
-        self.done[rows] = True
+        for number, known in enumerate(self.done):
+            at = np.flatnonzero(piece & (self.kind == number))
+            piece[at] = ~known[self.slot[at]]
+            known[self.slot[at]] = True
+        rows = np.flatnonzero(piece)
         rows = rows[np.argsort(self.shape[rows], kind="stable")]
         for group in np.split(rows, np.flatnonzero(np.diff(self.shape[rows])) + 1) if len(rows) else ():
             faces, corners = self.faces[self.shape[group[0]]], self.corners[self.kind[group[0]]]
@@ -127,21 +132,21 @@ class Alike:
     faces: np.ndarray
     owner: np.ndarray
     link: np.ndarray
+    solid: np.ndarray | None = None  # rows of their primitives in the tables of sites, one after the other
 
 
 def gather(batch: Batch, first: np.ndarray, turn: np.ndarray, shift: np.ndarray) -> Pieces:
     """All pieces of a batch; ``first`` (B,) is each object's first link, ``turn`` and ``shift`` carry links to rest."""
-    groups = []
+    groups, start = [], 0
     for table in batch.sites():
-        if not len(table):
-            continue
-        for group in pieces.build(table.primitive, table.params):
+        for group in pieces.build(table.primitive, table.params) if len(table) else ():
             rows = group.rows
             sign = np.stack([np.ones(len(rows)), table.mirror[rows], np.ones(len(rows))], axis=-1)
             link = first[table.owner[rows]] + table.link[rows]
             placed = turned(table.rotation[rows], group.vertices * sign[:, None])
             placed = turned(turn[link], placed + table.translation[rows][:, None]) + shift[link][:, None]
-            groups.append(Alike(placed, group.faces, table.owner[rows], link))
+            groups.append(Alike(placed, group.faces, table.owner[rows], link, start + rows))
+        start += len(table)
     return packed(groups)
 
 
@@ -160,7 +165,7 @@ def packed(groups: list[Alike]) -> Pieces:
         known.append(np.concatenate([group.corners, fill], axis=1))
     if not groups:
         none, flags = np.zeros(0, dtype=np.int64), np.zeros(0, dtype=bool)
-        return Pieces([], [], none, none, np.zeros((0, 3)), np.zeros((0, 3)), none, none, none, flags, flags, none)
+        return Pieces([], [], none, none, np.zeros((0, 3)), np.zeros((0, 3)), none, none, none, none, flags, none, [])
     sizes = sorted(by_size)
     corners = [np.concatenate(by_size[size]) for size in sizes]
     owner, link = (np.concatenate([getattr(group, name) for group in groups]) for name in ("owner", "link"))
@@ -170,9 +175,11 @@ def packed(groups: list[Alike]) -> Pieces:
         at = kind == number
         low[at], high[at] = points.min(axis=1)[slot[at]], points.max(axis=1)[slot[at]]
     order = np.argsort(link, kind="stable")
-    done, met = np.zeros(len(owner), dtype=bool), np.zeros(len(owner), dtype=bool)
-    columns = (kind, slot, low + DEPTH / 2, high - DEPTH / 2, owner, link, np.concatenate(shapes), done, met, np.arange(len(owner)))
-    return Pieces(corners, [group.faces for group in groups], *(column[order] for column in columns))
+    solid = np.concatenate([np.full(len(group.owner), -1) if group.solid is None else group.solid for group in groups])
+    shape, met, source = np.concatenate(shapes), np.zeros(len(owner), dtype=bool), np.arange(len(owner))
+    columns = (kind, slot, low + DEPTH / 2, high - DEPTH / 2, owner, link, shape, solid, met, source)
+    done = [np.zeros(len(points), dtype=bool) for points in corners]
+    return Pieces(corners, [group.faces for group in groups], *(column[order] for column in columns), done)
 
 
 def turned(rotation: np.ndarray, points: np.ndarray) -> np.ndarray:

@@ -8,6 +8,7 @@ import numpy as np
 
 from .batch import Batch
 from .bodies import gather
+from .floating import Solids, inverted
 from .stance import falling
 from .tree import Tree
 from .validate import Collisions, collisions
@@ -38,7 +39,8 @@ def faults(batch: Batch) -> Faults:
     """Everything that is wrong with the objects of a batch."""
     tree = Tree(batch)
     body = gather(batch, tree.first, tree.turn, tree.shift)
-    others = []
+    solids = Solids(tree, body)
+    others = [Fault(*wrong) for wrong in (*solids.degenerate(), *solids.floating(), *solids.unheld(), *inverted(tree))]
     for statement, objects in zip(batch.program.stable, falling(tree, body), strict=False):
         others.append(Fault(f"{statement.where}: {statement.message}", objects))
     return Faults(tree, collisions(batch, tree, body), tuple(fault for fault in others if len(fault.objects)))

@@ -106,7 +106,7 @@ def _statement(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
             _parts(ck, ctx, subject, other, "clear")
             ck.expect(ctx, distance, LENGTH, "the distance")
         case ast.AllowStmt(subject=subject, other=other, kind=word):
-            _parts(ck, ctx, subject, other, "allow overlap" if word == "overlap" else word)
+            _parts(ck, ctx, subject, other, word if word == "free" else f"allow {word}")
         case ast.LimitStmt(joint=joint, range=interval):
             kind, inside = placing.subject(ck, ctx, joint)
             if not isinstance(kind, Joint) and kind != UNKNOWN:
@@ -259,8 +259,8 @@ def _condition(ck: Checker, ctx: Context, stmt: ast.RequireStmt | ast.PreferStmt
             ck.error("wrong-type", stmt.repair.span, f"`repair` names what should give way, but this is {kind}")
 
 
-def _parts(ck: Checker, ctx: Context, subject: ast.Expr, other: ast.Expr, word: str) -> None:
-    for expr in (subject, other):
+def _parts(ck: Checker, ctx: Context, subject: ast.Expr, other: ast.Expr | None, word: str) -> None:
+    for expr in (subject,) if other is None else (subject, other):
         kind = ck.infer(ctx.but(lenient=[], many=True, subject=True), expr)
         if not isinstance(kind, Part | Slot | Element) and kind not in (UNKNOWN, PLANE):
             ck.error("wrong-type", expr.span, f"`{word}` names parts, but this is {kind}")

@@ -363,11 +363,12 @@ class ClearStmt(Stmt):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AllowStmt(Stmt):
-    """``allow overlap a, b because "reason"`` (kind "overlap") and ``free a, b`` (kind "free", reason may be None)."""
+    """``allow overlap a, b because "reason"`` (kind "overlap"), ``allow floating a because "reason"`` (kind "floating", no
+    ``other``) and ``free a, b`` (kind "free", reason may be None)."""
 
     kind: str
     subject: Expr
-    other: Expr
+    other: Expr | None
     reason: str | None = None
 
 

@@ -192,8 +192,8 @@ class StatementBuilder(ExpressionBuilder):
         return ast.ClearStmt(**self.stmt(c), subject=c[1], other=c[3], distance=c[5])
 
     def allow(self, c: Children) -> ast.Stmt:
-        reason = unquote(c[6].value)
-        return ast.AllowStmt(**self.stmt(c), kind="overlap", subject=c[2], other=c[4], reason=reason)
+        word, reason = c[1].value, unquote(c[-1].value)
+        return ast.AllowStmt(**self.stmt(c), kind=word, subject=c[2], other=c[4] if word == "overlap" else None, reason=reason)
 
     def free(self, c: Children) -> ast.Stmt:
         reason = unquote(c[5].value) if len(c) > 4 else None

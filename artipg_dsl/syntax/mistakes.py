@@ -79,7 +79,7 @@ MISTAKES = (
             ("require a else b", "require a else 5", "require a else\n}", "require stable else b")),
     Mistake("an overlap needs its reason", "`allow overlap a, b because \"the post is glued into the wall\"`",
             ("allow overlap a, b\n", "allow overlap a, b }")),
-    Mistake("`allow` is followed by `overlap`", "`allow overlap a, b because \"...\"`", ("allow a, b", "allow a")),
+    Mistake("`allow` is followed by `overlap` or `floating`", "`allow overlap a, b because \"...\"`", ("allow a, b", "allow a")),
     Mistake("`from` is missing", "`clear a from b by 1mm`", ("clear a, b by 1mm", "clear a by 1mm", "clear a\n")),
     Mistake("`by` is missing", "`clear a from b by 1mm`", ("clear a from b\n", "clear a from b, c")),
     Mistake("`on` is missing before `{}`", "a label, keypoint, grasp or material says on what it is",

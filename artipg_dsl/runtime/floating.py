@@ -1,0 +1,280 @@
+"""Parts that nothing holds, solids without thickness, and ranges of joints that are none.
+
+Within a link, primitives that touch or overlap hang together; all of them must, with the one declared first. A link must
+come near what holds it: their pieces (those of a slide anywhere on its way) within 2 cm, or the axis of a hinge, as long
+as what turns about it, within 2 cm of both.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..geometry.collide import Bodies, dot, examine
+from .bodies import Pieces, Placed
+from .tree import Tree, spread
+
+TOUCH = 1e-4  # metres: what is farther apart does not touch
+ROUND = 5e-3  # of the middle extent: round solids are polyhedra here, a little smaller than they are
+HOLD = 2e-2  # metres: a link this near to another can be held by it
+THIN = 1e-6  # metres
+FIRST = 4  # pairs of pieces of a link that are looked at first
+
+Wrong = list[tuple[str, np.ndarray]]  # in words, and the objects
+
+
+class Solids:
+    """The primitives of a batch, by row of their tables, one table after the other."""
+
+    def __init__(self, tree: Tree, body: Pieces):
+        tables = tree.batch.sites()
+        self.tree, self.body = tree, body
+        self.site = np.concatenate([np.full(len(t), t.number) for t in tables]) if tables else np.zeros(0, dtype=np.int64)
+        self.owner = np.concatenate([t.owner for t in tables]) if tables else self.site
+        self.link = tree.first[self.owner] + np.concatenate([t.link for t in tables]) if tables else self.site
+        self.order = np.argsort(body.solid, kind="stable")  # pieces by primitive
+        self.begin = np.searchsorted(body.solid[self.order], np.arange(len(self.site)))
+        self.count = np.searchsorted(body.solid[self.order], np.arange(len(self.site)), side="right") - self.begin
+        self.low, self.high = np.full((len(self.site), 3), np.inf), np.full((len(self.site), 3), -np.inf)
+        full = np.flatnonzero(self.count)
+        if len(full):
+            self.low[full] = np.minimum.reduceat(body.low[self.order], self.begin[full])
+            self.high[full] = np.maximum.reduceat(body.high[self.order], self.begin[full])
+
+    def path(self, solid: int) -> str:
+        program = self.tree.batch.program
+        return program.parts[program.sites[self.site[solid]].part].path
+
+    def told(self, wrong: np.ndarray, words: str) -> Wrong:
+        """``wrong`` (S,) bool by path, in words with the path."""
+        found: dict[str, list[int]] = {}
+        for solid in np.flatnonzero(wrong).tolist():
+            found.setdefault(self.path(solid), []).append(int(self.owner[solid]))
+        return [(words.format(path), np.unique(objects)) for path, objects in found.items()]
+
+    def degenerate(self) -> Wrong:
+        """Primitives without pieces, without thickness, or with sizes that are no numbers."""
+        extent = self.high - self.low
+        return self.told(~((extent > THIN).all(axis=1) & np.isfinite(extent).all(axis=1)), "`{}` has no thickness")
+
+    def margin(self) -> np.ndarray:
+        """By how much (S,) the pieces of each primitive may lie within it."""
+        middle = np.sort(np.where(np.isfinite(self.high - self.low), self.high - self.low, 0.0), axis=1)[:, 1]
+        corners = np.array([len(points[0]) for points in self.body.corners] or [0])
+        boxy = corners[self.body.kind[self.order[np.minimum(self.begin, len(self.order) - 1)]]] == 8 if len(self.order) else True
+        return TOUCH + np.where((self.count == 1) & boxy, 0.0, ROUND * middle)
+
+    # ------------------------------------------------------------ within a link
+
+    def floating(self) -> Wrong:
+        """Primitives that hang together with the first of their link by no chain of contacts."""
+        group, margin = np.arange(len(self.site)), self.margin()
+        first, second = self._candidates(margin)
+        most, least = np.maximum(self.low[first], self.low[second]), np.minimum(self.high[first], self.high[second])
+        shared = (least - most).min(axis=1)  # the deeper boxes overlap, the sooner a pair is asked
+        while True:
+            apart = group[first] != group[second]
+            first, second, shared = first[apart], second[apart], shared[apart]
+            if not len(first):
+                break
+            best = np.unique(np.concatenate([_best(group[side], shared) for side in (first, second)]))
+            met = self._touch(first[best], second[best], margin)
+            group = _joined(group, first[best[met]], second[best[met]])
+            left = np.ones(len(first), dtype=bool)
+            left[best] = False
+            first, second, shared = first[left], second[left], shared[left]
+        head = np.full(len(self.tree.links.owner), len(self.site))
+        np.minimum.at(head, self.link, np.arange(len(self.site)))
+        loose = group != group[head[self.link]]
+        excused = np.zeros(len(self.site), dtype=bool)
+        excused[group[self._allowed()]] = True
+        return self.told(loose & ~excused[group], "`{}` touches nothing of the link that it is part of")
+
+    def _allowed(self) -> np.ndarray:
+        """Primitives within parts that may float."""
+        program = self.tree.batch.program
+        named = {node for allowed in program.allowed if allowed.kind == "floating" for node in allowed.first}
+        return np.flatnonzero(np.isin(self.site, sites_within(program, named)))
+
+    def _candidates(self, margin: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Pairs of primitives of one link whose boxes, made larger, overlap."""
+        sort = np.argsort(self.link, kind="stable")
+        stop = np.searchsorted(self.link[sort], self.link[sort], side="right")
+        place = np.arange(len(sort))
+        i, j = spread(place + 1, stop - place - 1)
+        first, second = sort[i], sort[j]
+        room = np.maximum(margin[first], margin[second])
+        for k in range(3):
+            near = (self.low[first, k] < self.high[second, k] + room) & (self.low[second, k] < self.high[first, k] + room)
+            first, second, room = first[near], second[near], room[near]
+        return first, second
+
+    def _touch(self, first: np.ndarray, second: np.ndarray, margin: np.ndarray) -> np.ndarray:
+        """Indices of the pairs of primitives that touch."""
+        k, one = spread(self.begin[first], self.count[first])
+        room = np.maximum(margin[first], margin[second])
+        i, j = self.order[one], second[k]
+        near = np.ones(len(k), dtype=bool)
+        for axis in range(3):
+            near &= (self.body.low[i, axis] < self.high[j, axis] + room[k]) & (self.low[j, axis] < self.body.high[i, axis] + room[k])
+        k, i = k[near], i[near]
+        n, other = spread(self.begin[second[k]], self.count[second[k]])
+        k, i, j = k[n], i[n], self.order[other]
+        for axis in range(3):
+            near = (self.body.low[i, axis] < self.body.high[j, axis] + room[k]) & (
+                self.body.low[j, axis] < self.body.high[i, axis] + room[k]
+            )
+            k, i, j = k[near], i[near], j[near]
+        return np.unique(k[within(Placed(self.body, i), Placed(self.body, j), room[k])])
+
+    # ------------------------------------------------------------ between links
+
+    def unheld(self) -> Wrong:
+        """Links that nothing of what holds them comes near."""
+        tree, body = self.tree, self.body
+        count = len(tree.links.owner)
+        begin, end = np.searchsorted(body.link, np.arange(count)), np.searchsorted(body.link, np.arange(count), side="right")
+        solid = end > begin
+        holder = tree.above.copy()
+        while True:  # links without solids hold nothing themselves
+            empty = (holder >= 0) & ~solid[np.maximum(holder, 0)]
+            if not empty.any():
+                break
+            holder[empty] = tree.above[holder[empty]]
+        asked = np.flatnonzero(solid & (holder >= 0) & ~np.isin(np.arange(count), self._links_allowed()))
+        joint = tree.joint[asked]
+        far = asked[~self._axis_holds(asked, holder[asked], joint, begin, end)]
+        far = far[~self._near(far, holder[far], begin, end)]
+        found: dict[str, list[int]] = {}
+        for link in far.tolist():
+            name = tree.batch.program.links[tree.links.definition[link]].path
+            found.setdefault(name, []).append(int(tree.links.owner[link]))
+        return [(f"nothing holds `{name}`: what carries it is more than 2 cm away", np.unique(o)) for name, o in found.items()]
+
+    def _links_allowed(self) -> np.ndarray:
+        return np.unique(self.link[self._allowed()])
+
+    def _axis_holds(
+        self, link: np.ndarray, holder: np.ndarray, joint: np.ndarray, begin: np.ndarray, end: np.ndarray
+    ) -> np.ndarray:
+        """Whether the axis of a hinge, as long as what turns about it, comes near both."""
+        tree, body = self.tree, self.body
+        axis, origin = tree.axis[joint], tree.origin[joint]
+        low, high = self._boxes(link)
+        middle, half = (low + high) / 2, (high - low) / 2
+        along, reach = dot(middle - origin, axis), dot(half, np.abs(axis))
+        ends = origin + axis * (along - reach - HOLD)[:, None], origin + axis * (along + reach + HOLD)[:, None]
+        held = tree.turns[joint].copy()
+        for side in (link, holder):
+            rows = np.flatnonzero(held)
+            k, piece = spread(begin[side[rows]], (end - begin)[side[rows]])
+            at = rows[k]
+            near = np.ones(len(at), dtype=bool)
+            for axis_ in range(3):
+                one, two = ends[0][at, axis_], ends[1][at, axis_]
+                near &= (np.minimum(one, two) < body.high[piece, axis_] + HOLD) & (body.low[piece, axis_] - HOLD < np.maximum(one, two))
+            at, piece = at[near], piece[near]
+            met = np.zeros(len(link), dtype=bool)
+            met[at[within(Placed(body, piece), _Segments(ends[0][at], ends[1][at]), np.full(len(at), HOLD))]] = True
+            held &= met
+        return held
+
+    def _boxes(self, link: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        low, high = np.full((len(self.tree.links.owner), 3), np.inf), np.full((len(self.tree.links.owner), 3), -np.inf)
+        np.minimum.at(low, self.body.link, self.body.low)
+        np.maximum.at(high, self.body.link, self.body.high)
+        return low[link], high[link]
+
+    def _near(self, link: np.ndarray, holder: np.ndarray, begin: np.ndarray, end: np.ndarray) -> np.ndarray:
+        """Whether any pieces of two links come near one another; those of a slide anywhere on its way."""
+        tree, body = self.tree, self.body
+        joint = tree.joint[link]
+        shift = [
+            tree.axis[joint] * np.where(tree.slides[joint], end_[joint] - tree.joints.rest[joint], 0.0)[:, None]
+            for end_ in (tree.low, tree.high)
+        ]
+        k, i = spread(begin[link], (end - begin)[link])
+        n, j = spread(begin[holder[k]], (end - begin)[holder[k]])
+        k, i = k[n], i[n]
+        low, high = body.low[i] + np.minimum(*shift)[k], body.high[i] + np.maximum(*shift)[k]
+        gap = np.maximum(np.maximum(low - body.high[j], body.low[j] - high), 0.0)
+        gap = dot(gap, gap)
+        near = np.flatnonzero(gap < HOLD * HOLD)
+        order = near[np.lexsort((gap[near], k[near]))]
+        rank = np.arange(len(order)) - np.searchsorted(k[order], k[order])
+        met, start, stop = np.zeros(len(link), dtype=bool), 0, FIRST
+        while (rank >= start).any():  # the nearest boxes first
+            at = order[(rank >= start) & (rank < stop) & ~met[k[order]]]
+            moved = Placed(body, i[at], ends=(shift[0][k[at]], shift[1][k[at]]))
+            met[k[at[within(moved, Placed(body, j[at]), np.full(len(at), HOLD))]]] = True
+            start, stop = stop, 4 * stop
+        return met
+
+
+class _Segments:
+    """Straight lines between points (k, 3)."""
+
+    def __init__(self, first: np.ndarray, last: np.ndarray):
+        self.ends = first, last
+
+    def __len__(self) -> int:
+        return len(self.ends[0])
+
+    def center(self) -> np.ndarray:
+        return (self.ends[0] + self.ends[1]) / 2
+
+    def support(self, rows: np.ndarray, direction: np.ndarray) -> np.ndarray:
+        one, two = self.ends[0][rows], self.ends[1][rows]
+        return np.where((dot(one, direction) >= dot(two, direction))[:, None], one, two)
+
+
+def within(first: Bodies, second: Bodies, distance: np.ndarray) -> np.ndarray:
+    """Which pairs of convex bodies overlap or are nearer than ``distance`` (k,)."""
+    if not len(distance):
+        return np.zeros(0, dtype=bool)
+    hit, away = examine(first, second, near=0.99)
+    return hit | (dot(away, away) < distance * distance)
+
+
+def sites_within(program, nodes: set[int]) -> list[int]:  # noqa: ANN001 - graph.program.Program
+    """The sites that lie in parts (nodes of the part tree)."""
+    found = []
+    for number, site in enumerate(program.sites):
+        at = site.part
+        while at >= 0 and at not in nodes:
+            at = program.parts[at].parent
+        if at >= 0:
+            found.append(number)
+    return found
+
+
+def _best(group: np.ndarray, value: np.ndarray) -> np.ndarray:
+    """The index of the highest value of each group, the first of equals."""
+    order = np.lexsort((-value, group))
+    return order[np.diff(group[order], prepend=-1) != 0]
+
+
+def _joined(group: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Groups (S,), each known by its lowest member, with those of the pairs put together."""
+    while True:
+        before = group
+        group = group.copy()
+        least = np.minimum(group[first], group[second])
+        np.minimum.at(group, before[first], least)
+        np.minimum.at(group, before[second], least)
+        while not np.array_equal(group, group[group]):
+            group = group[group]
+        if np.array_equal(group, before):
+            return group
+
+
+def inverted(tree: Tree) -> Wrong:
+    """Joints whose range is none, or does not hold their rest value."""
+    joints, found = tree.joints, {}
+    low, high = np.where(np.isnan(joints.low), -np.inf, joints.low), np.where(np.isnan(joints.high), np.inf, joints.high)
+    upside, outside = low > high + 1e-9, (joints.rest < low - 1e-9) | (joints.rest > high + 1e-9)
+    outside |= ~np.isfinite(joints.rest)
+    for row in np.flatnonzero(upside | outside).tolist():
+        joint = tree.batch.program.joints[joints.definition[row]]
+        what = "ends below where it begins" if upside[row] else "does not hold its rest value"
+        found.setdefault(f"{joint.where}: the range of `{joint.path}` {what}", []).append(int(joints.owner[row]))
+    return [(words, np.unique(objects)) for words, objects in found.items()]

@@ -1,0 +1,116 @@
+"""Parts that nothing holds, solids without thickness, ranges that are none: small programs whose answer is plain."""
+
+import numpy as np
+import pytest
+
+from artipg_dsl.graph.text import from_text, to_text
+from artipg_dsl.runtime.faults import faults
+from artipg_dsl.runtime.sample import Sampler, Statistics
+from artipg_dsl.session import Session
+
+HEAD = "apg 1\nuse primitives { Cuboid, Cylinder, RoundedCuboid }\ncategory Case {\n"
+BODY = "root part body : Cuboid(size = [20cm, 20cm, 20cm])\n"
+
+
+def program(body: str) -> Sampler:
+    return Session.of_text(HEAD + body + "\n}\n").sampler
+
+
+def found(body: str) -> list[str]:
+    return [fault.words for fault in faults(program(body).batch(np.arange(1), 0)).others]
+
+
+SHELF = BODY + """
+  part shelf : Cuboid(size = [20cm, 20cm, 1cm])
+  connect shelf to body
+  align shelf.bottom = body.top + {gap}
+"""
+
+
+@pytest.mark.parametrize(("gap", "floats"), [("0mm", False), ("0.09mm", False), ("0.12mm", True), ("-1cm", False), ("5cm", True)])
+def test_a_part_above_what_it_is_connected_to(gap: str, floats: bool) -> None:
+    assert found(SHELF.format(gap=gap)) == ["`shelf` touches nothing of the link that it is part of"] * floats
+
+
+def test_a_chain_of_contacts_holds_and_an_island_of_two_does_not() -> None:
+    text = BODY + """
+  repeat step[k] in 0 ..< 4 {{
+    part block : Cuboid(size = [5cm, 5cm, 5cm])
+    connect block to body
+    align block.bottom = body.top + {start} + k * 5cm
+  }}
+"""
+    assert found(text.format(start="0mm")) == []
+    assert found(text.format(start="1mm")) == ["`step.block` touches nothing of the link that it is part of"]
+
+
+@pytest.mark.parametrize(("sink", "floats"), [("0mm", False), ("1mm", False), ("-2mm", True)])
+def test_a_ball_that_touches_in_a_point(sink: str, floats: bool) -> None:
+    text = BODY + f"part knob : RoundedCuboid(size = [6cm, 6cm, 6cm], radius = 28mm)\nconnect knob to body\nalign knob.bottom = body.top - {sink}\n"
+    text = text.replace("- -", "+ ")
+    assert bool(found(text)) == floats
+
+
+def test_allow_floating_is_silent_and_survives_compilation() -> None:
+    text = SHELF.format(gap="1cm") + 'allow floating shelf because "it hangs on threads"\n'
+    sampler = program(text)
+    assert not faults(sampler.batch(np.arange(1), 0)).others
+    again = from_text(to_text(sampler.program))
+    assert [(a.kind, a.reason) for a in again.allowed] == [("floating", "it hangs on threads")]
+
+
+JOINTED = BODY + """
+  part lid : Cuboid(size = [20cm, 20cm, 1cm])
+  align lid.bottom = body.top + {gap}
+  align lid.back = body.back
+  joint {joint}
+"""
+
+
+@pytest.mark.parametrize(
+    ("joint", "gap", "floats"),
+    [
+        ("open : revolute body -> lid about lid.back.bottom range 0deg .. 90deg", "5mm", False),
+        ("open : revolute body -> lid about lid.back.bottom range 0deg .. 90deg", "6cm", True),
+        ("turn : revolute body -> lid about line(at = body.center, along = z) range 0deg .. 90deg", "6cm", True),
+        ("pull : prismatic body -> lid along z range 0cm .. 5cm", "1cm", False),
+        ("pull : prismatic body -> lid along z range 0cm .. 5cm", "6cm", True),
+        ("pull : prismatic body -> lid along z range -5cm .. 0cm", "6cm", False),
+    ],
+)
+def test_links_must_come_near_what_holds_them(joint: str, gap: str, floats: bool) -> None:
+    words = ["nothing holds `lid`: what carries it is more than 2 cm away"] * floats
+    assert found(JOINTED.format(joint=joint, gap=gap)) == words
+
+
+def test_a_wheel_far_from_its_body_is_held_by_an_axle_that_reaches_both() -> None:
+    text = BODY + """
+  part wheel : Cylinder(radius = 5cm, height = 6cm) along y
+  align wheel.right = body.left + {gap}
+  joint roll : continuous body -> wheel about line(at = wheel.center, along = y)
+"""
+    assert found(text.format(gap="15mm")) == []
+    assert found(text.format(gap="50mm")) == ["nothing holds `wheel`: what carries it is more than 2 cm away"]
+
+
+def test_a_range_upside_down_is_told_with_its_line() -> None:
+    text = "param far : length in 1cm .. 9cm\n" + JOINTED.format(joint="pull : prismatic body -> lid along z range 5cm .. far", gap="1mm")
+    batch = program(text).batch(np.arange(40), 0)
+    upside = np.flatnonzero(batch.values()["far"] < 0.05)
+    (fault,) = [f for f in faults(batch).others if "below" in f.words]
+    assert np.array_equal(fault.objects, upside) and 0 < len(upside) < 40
+    assert fault.words.startswith("<text>:10: the range of `pull`")
+
+
+def test_floating_objects_are_drawn_again() -> None:
+    sampler = program("param up : length in -5mm .. 5mm\n" + SHELF.format(gap="up"))
+    statistics = Statistics()
+    batch = sampler.batch(np.arange(30), 0, checked=True, statistics=statistics)
+    assert (batch.values()["up"] <= 1.1e-4).all() and 0 < statistics.first_valid < 30
+    assert list(statistics.unsound) == ["`shelf` touches nothing of the link that it is part of"]
+
+
+def test_the_same_whatever_else_is_in_the_batch() -> None:
+    sampler = program("param up : length in -5mm .. 5mm\n" + SHELF.format(gap="up"))
+    (whole,) = faults(sampler.batch(np.arange(30), 2)).others
+    assert [n for n in range(30) if faults(sampler.batch(np.array([n]), 2)).others] == whole.objects.tolist()
