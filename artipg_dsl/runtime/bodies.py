@@ -30,6 +30,7 @@ class Pieces:
 
     corners: list[np.ndarray]
     faces: list[np.ndarray]
+    done: list[np.ndarray]
     kind: np.ndarray
     slot: np.ndarray
     low: np.ndarray
@@ -40,7 +41,6 @@ class Pieces:
     solid: np.ndarray
     met: np.ndarray
     source: np.ndarray
-    done: list[np.ndarray]
 
     def __len__(self) -> int:
         return len(self.owner)
@@ -49,7 +49,7 @@ class Pieces:
         """Some of the pieces; they share the corners."""
         names = ("kind", "slot", "low", "high", "owner", "link", "shape", "solid", "met", "source")
         columns = (getattr(self, name) for name in names)
-        return Pieces(self.corners, self.faces, *(column[rows] for column in columns), self.done)
+        return Pieces(self.corners, self.faces, self.done, *(column[rows] for column in columns))
 
     def boxes(self) -> Pieces:
         """The boxes of the pieces at rest in place of the pieces."""
@@ -165,7 +165,7 @@ def packed(groups: list[Alike]) -> Pieces:
         known.append(np.concatenate([group.corners, fill], axis=1))
     if not groups:
         none, flags = np.zeros(0, dtype=np.int64), np.zeros(0, dtype=bool)
-        return Pieces([], [], none, none, np.zeros((0, 3)), np.zeros((0, 3)), none, none, none, none, flags, none, [])
+        return Pieces([], [], [], none, none, np.zeros((0, 3)), np.zeros((0, 3)), none, none, none, none, flags, none)
     sizes = sorted(by_size)
     corners = [np.concatenate(by_size[size]) for size in sizes]
     owner, link = (np.concatenate([getattr(group, name) for group in groups]) for name in ("owner", "link"))
@@ -179,7 +179,7 @@ def packed(groups: list[Alike]) -> Pieces:
     shape, met, source = np.concatenate(shapes), np.zeros(len(owner), dtype=bool), np.arange(len(owner))
     columns = (kind, slot, low + DEPTH / 2, high - DEPTH / 2, owner, link, shape, solid, met, source)
     done = [np.zeros(len(points), dtype=bool) for points in corners]
-    return Pieces(corners, [group.faces for group in groups], *(column[order] for column in columns), done)
+    return Pieces(corners, [group.faces for group in groups], done, *(column[order] for column in columns))
 
 
 def turned(rotation: np.ndarray, points: np.ndarray) -> np.ndarray:

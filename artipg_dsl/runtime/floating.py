@@ -269,7 +269,8 @@ def _joined(group: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndar
 
 def inverted(tree: Tree) -> Wrong:
     """Joints whose range is none, or does not hold their rest value."""
-    joints, found = tree.joints, {}
+    joints = tree.joints
+    found: dict[str, list[int]] = {}
     low, high = np.where(np.isnan(joints.low), -np.inf, joints.low), np.where(np.isnan(joints.high), np.inf, joints.high)
     upside, outside = low > high + 1e-9, (joints.rest < low - 1e-9) | (joints.rest > high + 1e-9)
     outside |= ~np.isfinite(joints.rest)
