@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..graph.program import MEASURES
 from .frames import rotate
 from .grasps import GraspTable, KeypointTable, sample_grasps, sample_keypoints
 from .gripper import REASONS, STANDARD, Gripper, judge
@@ -229,9 +230,15 @@ def _grasps(batch: Batch, grasps: GraspTable, reached: np.ndarray) -> list[list[
         **_grasp_frames(batch, grasps, None),
         "opening": tidy(grasps.opening),
         "quality": tidy(grasps.quality),
+        "gripper": [_stated(row) for row in tidy(grasps.hand)],
         "reachable": reached[0].tolist(),
     }
     return grouped(grasps.owner, n, columns)
+
+
+def _stated(hand: list[float]) -> dict[str, float] | None:
+    """The measures that a grasp states of the gripper it is meant for, by name; None for none."""
+    return {name: value for name, value in zip(MEASURES, hand, strict=True) if value == value} or None
 
 
 def _grasp_frames(batch: Batch, grasps: GraspTable, states: np.ndarray | None) -> dict[str, list[Any]]:

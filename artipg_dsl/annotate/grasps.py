@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..graph.program import MEASURES, Grasp
 from .fields import Field, Reader, read_pose, read_triples
 from .frames import quaternion, reflect, rotate
 
@@ -16,7 +17,8 @@ class GraspTable:
     """One row per grasp and value of ``t``, sorted by owner; frames at joint values 0 until they are moved.
 
     ``point`` (G, 3) between the fingers; the frame's axes: z ``approach`` (into the object), y ``close`` (the fingers
-    move along it), x = y cross z; ``rotation`` (G, 3, 3) has them as columns; ``opening`` (G,) metres.
+    move along it), x = y cross z; ``rotation`` (G, 3, 3) has them as columns; ``opening`` (G,) metres. ``hand`` (G, 8): the
+    measures of the gripper that a grasp is meant for, in the order of ``MEASURES``, nan where it states none.
     """
 
     owner: np.ndarray
@@ -28,6 +30,7 @@ class GraspTable:
     rotation: np.ndarray
     opening: np.ndarray
     quality: np.ndarray
+    hand: np.ndarray
 
     def take(self, at: np.ndarray) -> GraspTable:
         """The rows ``at``, ascending."""
@@ -65,7 +68,7 @@ def sample_grasps(reader: Reader, values: int = 5) -> GraspTable:
         low, high = (np.asarray(v, dtype=np.float64) for v in reader.read([grasp.low, grasp.high], grasp.scope))
         rotation, translation, mirror = read_pose(reader, grasp.frame, grasp.scope)
         size, center = read_triples(reader, [grasp.size, grasp.center], grasp.scope)
-        field = Field([*grasp.at, *grasp.approach, *grasp.close, grasp.opening, grasp.quality])
+        field = Field(grasp.formulas)
         inputs = [np.asarray(v)[:, None] for v in reader.read(field.inputs, grasp.scope)] if field.inputs else []
         share = np.arange(values) / (values - 1) if values > 1 else np.array([0.5])
         t = low[:, None] + (high - low)[:, None] * share
@@ -85,16 +88,25 @@ def sample_grasps(reader: Reader, values: int = 5) -> GraspTable:
                 "rotation": grasp_frame(approach, close).reshape(-1, 3, 3),
                 "opening": raw[9].ravel(),
                 "quality": raw[10].ravel(),
+                "hand": _hand(grasp, raw[11:], t.size),
             }
         )
         names += [grasp.name] * t.size
     if not columns:
         none = np.zeros(0)
         count = np.zeros(0, dtype=np.int64)
-        return GraspTable(count, count, count, [], none, np.zeros((0, 3)), np.zeros((0, 3, 3)), none, none)
+        return GraspTable(count, count, count, [], none, np.zeros((0, 3)), np.zeros((0, 3, 3)), none, none, np.zeros((0, len(MEASURES))))
     joined = {key: np.concatenate([column[key] for column in columns]) for key in columns[0]}
     order = np.argsort(joined["owner"], kind="stable")
     return GraspTable(name=[names[i] for i in order], **{key: value[order] for key, value in joined.items()})
+
+
+def _hand(grasp: Grasp, values: list[np.ndarray], count: int) -> np.ndarray:
+    """The measures that a family states, (count, 8)."""
+    out = np.full((count, len(MEASURES)), np.nan)
+    for (name, _), value in zip(grasp.hand, values, strict=True):
+        out[:, MEASURES.index(name)] = value.ravel()
+    return out
 
 
 def grasp_frame(approach: np.ndarray, close: np.ndarray) -> np.ndarray:

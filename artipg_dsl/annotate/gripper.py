@@ -15,6 +15,7 @@ import numpy as np
 
 from ..errors import UsageError
 from ..geometry.collide import DEPTH, Corners, overlap
+from ..graph.program import MEASURES
 from ..runtime.bodies import Pieces, Placed, gather
 from .frames import rotate
 
@@ -51,18 +52,21 @@ class Gripper:
             if isinstance(value, bool) or not isinstance(value, int | float) or not 0 < value < 10:
                 raise UsageError(f"the gripper's {name} is {value!r}", "give a length in metres, above 0 and below 10")
 
-    def boxes(self, opening: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Low and high corners (G, 4, 3) of left and right finger, palm, and the space between the pads."""
-        half, wide = opening / 2, np.full_like(opening, self.width / 2)
-        back, tip = np.full_like(opening, self.pad - self.length), np.full_like(opening, self.pad)
-        palm, flat = np.full_like(opening, self.palm / 2), np.full_like(opening, self.palm_width / 2)
-        low = [
-            [-wide, half, back],
-            [-wide, -half - self.thickness, back],
-            [-flat, -palm, back - self.palm_depth],
-            [-wide, -half, -tip],
-        ]
-        high = [[wide, half + self.thickness, tip], [wide, -half, tip], [flat, palm, back], [wide, half, tip]]
+    def measures(self, stated: np.ndarray) -> np.ndarray:
+        """(G, 8) measures in the order of ``MEASURES``: this gripper's, or, of the standard one, those that grasps state
+        (G, 8), nan where they state none."""
+        own = np.array([getattr(self, name) for name in MEASURES])
+        return np.where(np.isnan(stated) | (self != STANDARD), own, stated)
+
+    @staticmethod
+    def boxes(opening: np.ndarray, measures: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Low and high corners (G, 4, 3) of left and right finger, palm, and the space between the pads of grippers of
+        the ``measures`` (G, 8)."""
+        _, length, width, thickness, tip, palm, flat, depth = measures.T
+        half, wide, palm, flat = opening / 2, width / 2, palm / 2, flat / 2
+        back = tip - length
+        low = [[-wide, half, back], [-wide, -half - thickness, back], [-flat, -palm, back - depth], [-wide, -half, -tip]]
+        high = [[wide, half + thickness, tip], [wide, -half, tip], [flat, palm, back], [wide, half, tip]]
         made = (np.stack([np.stack(row, axis=-1) for row in rows], axis=1) for rows in (low, high))
         least, most = made
         return least + DEPTH / 2, most - DEPTH / 2  # what touches does not hit
@@ -92,7 +96,10 @@ def read_gripper(text: str) -> Gripper | None:
 
 
 def judge(batch: Batch, grasps: GraspTable, gripper: Gripper, states: np.ndarray | None = None) -> np.ndarray:
-    """What becomes of each grasp with the joints at ``states`` (J,), rest by default: (G,) numbers of ``REASONS``."""
+    """What becomes of each grasp with the joints at ``states`` (J,), rest by default: (G,) numbers of ``REASONS``.
+
+    The standard gripper gives way to the measures that a grasp states; any other is the same for all grasps.
+    """
     verdict = np.zeros(len(grasps.owner), dtype=np.int64)
     if not len(verdict):
         return verdict
@@ -100,10 +107,11 @@ def judge(batch: Batch, grasps: GraspTable, gripper: Gripper, states: np.ndarray
     turn, shift = batch.pose(states)
     body = gather(batch, first, turn, shift)
     point, rotation, _ = grasps.moved(first, turn, shift)
-    hit = _meets(body, grasps.owner, point, rotation, *gripper.boxes(grasps.opening))
+    measures = gripper.measures(grasps.hand)
+    hit = _meets(body, grasps.owner, point, rotation, *gripper.boxes(grasps.opening, measures))
     verdict[~hit[:, 3]] = REASONS.index("empty")
     verdict[hit[:, :3].any(axis=1)] = REASONS.index("blocked")
-    verdict[grasps.opening > gripper.stroke * (1 + 1e-9)] = REASONS.index("wide")
+    verdict[grasps.opening > measures[:, MEASURES.index("stroke")] * (1 + 1e-9)] = REASONS.index("wide")
     return verdict
 
 

@@ -246,11 +246,15 @@ class Label:
         return (self.guard, *(self.vector or (self.value,)))
 
 
+MEASURES = ("stroke", "length", "width", "thickness", "pad", "palm", "palm_width", "palm_depth")  # of a gripper
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Grasp:
     """A family of grasps over the parameter (variable ``t``) in ``low .. high``, in the frame of ``target``.
 
     ``at`` a point, ``approach`` and ``close`` unit directions, ``opening`` a width, formulas over t, size.x ... and columns.
+    ``hand``: the measures of the gripper that it is meant for, as far as it states them: names of ``MEASURES`` and lengths.
     """
 
     name: str
@@ -267,6 +271,12 @@ class Grasp:
     opening: Expr
     quality: Expr
     where: Where | None = None
+    hand: tuple[tuple[str, Expr], ...] = ()
+
+    @property
+    def formulas(self) -> tuple[Expr, ...]:
+        """What is evaluated for each value of t: place, directions, opening, quality, then the measures of the hand."""
+        return (*self.at, *self.approach, *self.close, self.opening, self.quality, *(value for _, value in self.hand))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ..graph import expr as E
 from ..graph.expr import ONE, Expr, Scope, ScopeError
-from ..graph.program import Grasp, Keypoint, Label, Pose, Target
+from ..graph.program import MEASURES, Grasp, Keypoint, Label, Pose, Target
 from ..syntax import ast
 from .carry import moved
 from .context import Abort, where
@@ -301,12 +301,13 @@ def grasp(links: Links, env: Env, statement: ast.GraspStmt) -> None:
         plain = Evaluator(env, own, ev.pose)
         directions = [Evaluator(env, {**own, **axes()}).direction(words[w].values[0]) for w in ("approach", "close")]
         quality = plain.scalar(words["quality"].values[0]) if "quality" in words else ONE
+        hand = tuple((word, plain.scalar(words[word].values[0])) for word in MEASURES if word in words)
         scope = env.context.guard(aim.scope, standing(env, aim), f"{env.path}{statement.name}")
         links.context.program.grasps.append(
             Grasp(
                 statement.name, scope, links.of(aim.parts[0]), aim.frame, aim.box.size, aim.box.center, low, high,
                 plain.vector(words["at"].values[0]), directions[0], directions[1],
-                plain.scalar(words["opening"].values[0]), quality, where(statement.span),
+                plain.scalar(words["opening"].values[0]), quality, where(statement.span), hand,
             )  # fmt: skip
         )
 

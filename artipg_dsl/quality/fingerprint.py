@@ -76,7 +76,7 @@ class _Observer:
 
     def hands(self) -> None:
         for grasp in self.program.grasps:
-            formulas = [*grasp.at, *grasp.approach, *grasp.close, grasp.opening, grasp.quality]
+            formulas = list(grasp.formulas)
             cells = [*pose_cells(grasp.frame), *grasp.size, *grasp.center, grasp.low, grasp.high, *row_values(formulas)]
             self.read(f"grasp {grasp.name} {' '.join(map(shape_of, formulas))}", grasp.scope, cells)
         for keypoint in self.program.keypoints:

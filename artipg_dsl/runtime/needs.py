@@ -33,10 +33,8 @@ def wanted(program: Program) -> Iterator[Wanted]:
             scope = program.sites[target.site].scope
             yield from each(scope, pose_cells(target.frame), target.size, target.center, inputs)
     for grasp in program.grasps:
-        formulas = [*grasp.at, *grasp.approach, *grasp.close, grasp.opening, grasp.quality]
-        yield from each(
-            grasp.scope, pose_cells(grasp.frame), grasp.size, grasp.center, (grasp.low, grasp.high), row_values(formulas)
-        )
+        inputs = row_values(grasp.formulas)
+        yield from each(grasp.scope, pose_cells(grasp.frame), grasp.size, grasp.center, (grasp.low, grasp.high), inputs)
     for keypoint in program.keypoints:
         yield from each(keypoint.scope, keypoint.point)
 

@@ -7,6 +7,7 @@ from dataclasses import fields
 from typing import TYPE_CHECKING
 
 from ..diagnostics.suggest import did_you_mean
+from ..graph.program import MEASURES
 from ..syntax import ast
 from .calls import range_type
 from .declarations import unknown_material
@@ -174,6 +175,7 @@ def _inside(node: object) -> Iterator[ast.Node]:
 
 
 _GRASP: dict[str, Type] = {"at": POINT, "approach": DIRECTION, "close": DIRECTION, "opening": LENGTH, "quality": RATIO}
+_GRASP |= dict.fromkeys(MEASURES, LENGTH)
 
 
 def _grasp(ck: Checker, ctx: Context, stmt: ast.GraspStmt) -> None:

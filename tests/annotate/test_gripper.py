@@ -56,6 +56,17 @@ def test_an_opening_has_to_fit() -> None:
     assert verdicts(batch(opening="9cm"), Gripper(stroke=0.1, palm_width=0.02)) == ["reachable"] * 5
 
 
+def test_a_grasp_may_state_the_hand_it_is_meant_for() -> None:
+    stated = batch(opening="9cm  stroke 10cm  palm_width 2cm")
+    assert verdicts(stated) == ["reachable"] * 5
+    assert verdicts(stated, Gripper(stroke=0.11)) == ["blocked"] + ["reachable"] * 4  # a hand of one's own counts alone
+    assert verdicts(stated, Gripper(palm_width=0.02)) == ["wide"] * 5
+    by_size = batch(opening="size.y + 1mm  stroke size.y + t * 1cm")
+    assert verdicts(by_size) == ["wide"] * 3 + ["reachable"] * 2
+    told = describe(stated)[0]["grasps"][0]
+    assert told["gripper"] == {"stroke": 0.1, "palm_width": 0.02} and describe(batch())[0]["grasps"][0]["gripper"] is None
+
+
 @pytest.mark.parametrize("near, found", [(9.0, "blocked"), (11.0, "reachable")])
 def test_a_finger_is_as_thick_as_it_is(near: float, found: str) -> None:
     assert verdicts(batch(near=near), Gripper(palm=0.04, palm_width=0.02)) == [found] * 5
