@@ -259,6 +259,11 @@ def standing(env: Env, aim: Aim) -> Expr:
     return found
 
 
+def present(env: Env, aim: Aim) -> Expr:
+    """Where a statement about a part as a whole holds: where that part is, too, which may have `none` for an alternative."""
+    return E.both(standing(env, aim), aim.parts[0].exists)
+
+
 def condition(ev: Evaluator, node: ast.Expr | None) -> Expr:
     return E.TRUE if node is None else ev.truth(ev.value(node), node.span)
 
@@ -302,7 +307,7 @@ def grasp(links: Links, env: Env, statement: ast.GraspStmt) -> None:
         directions = [Evaluator(env, {**own, **axes()}).direction(words[w].values[0]) for w in ("approach", "close")]
         quality = plain.scalar(words["quality"].values[0]) if "quality" in words else ONE
         hand = tuple((word, plain.scalar(words[word].values[0])) for word in MEASURES if word in words)
-        scope = env.context.guard(aim.scope, standing(env, aim), f"{env.path}{statement.name}")
+        scope = env.context.guard(aim.scope, present(env, aim), f"{env.path}{statement.name}")
         links.context.program.grasps.append(
             Grasp(
                 statement.name, scope, links.of(aim.parts[0]), aim.frame, aim.box.size, aim.box.center, low, high,
@@ -330,7 +335,7 @@ def keypoint(links: Links, env: Env, statement: ast.KeypointStmt) -> None:
                 own.local.update({"size": Vec(aim.box.size)})
                 origin = Pose(aim.frame.rotation, point, aim.frame.mirror)
                 point = place(origin, Evaluator(env, own.local).vector(statement.at))
-            scope = env.context.guard(aim.scope, standing(env, aim), f"{env.path}{statement.name}")
+            scope = env.context.guard(aim.scope, present(env, aim), f"{env.path}{statement.name}")
             program.keypoints.append(Keypoint(statement.name, scope, links.of(aim.parts[0]), point))
         return
     value = Evaluator(env).value(statement.target)

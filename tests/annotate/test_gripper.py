@@ -117,3 +117,27 @@ def test_the_page_lists_the_measures() -> None:
     rows = [r.split("|")[1:3] for r in page.split("<!-- gripper -->")[1].split("<!-- end -->")[0].splitlines() if r.startswith("| `")]
     listed = {name.strip(" `"): float(default.replace("mm", "")) / 1000 for name, default in rows}
     assert listed == asdict(STANDARD)
+
+
+def test_no_grasp_and_no_keypoint_on_what_is_none() -> None:
+    text = POST.format(near=80, opening="3cm").replace(
+        "category Post {",
+        """role Knob { inherit radius : length = 1cm }
+template Ball : Knob { part body : Cylinder(radius = radius, height = 3cm) }
+category Post {
+  part knob : Knob = Ball | none
+  connect knob.bottom on post.top
+  when knob {
+    align knob.center.x = post.center.x
+    align knob.center.y = post.center.y
+  }
+  grasp top on knob { at [0, 0, 0]  approach -z  close y  opening size.y }
+  keypoint middle on knob
+""",
+    )
+    found = describe(Session.of_text(text).sampler.batch(np.arange(12), 1), gripper=None)
+    with_knob = [any(p["path"] == "knob" for p in a["parts"]) for a in found]
+    assert 0 < sum(with_knob) < 12
+    for there, told in zip(with_knob, found, strict=True):
+        assert ("top" in {g["name"] for g in told["grasps"]}) is there
+        assert [k["name"] for k in told["keypoints"]] == (["middle"] if there else [])
