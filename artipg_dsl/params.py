@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import math
+import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,7 +15,7 @@ from .runtime.values import Values
 from .settings import read
 
 if TYPE_CHECKING:
-    from .graph.program import Program
+    from .graph.program import Draw, Program
 
 FORM = 'write {"width": 0.5, "handle": "BarHandle"}, one object a line; annotations of samples do, too'
 
@@ -45,7 +47,8 @@ def entries(text: str, name: str) -> list[Mapping[str, Any]]:
 def values_of(found: Sequence[Mapping[str, Any]], program: Program, name: str) -> Values:
     """The values by draw, as the runtime takes them; text carries its unit, bare numbers are in SI units.
 
-    Numbers may lie outside their domain: the runtime moves them to where they fit. Raises UserError, SettingError.
+    Numbers may lie outside their domain: the runtime moves them to where they fit. What is no number at all (null, nan) is
+    drawn. Raises UserError, SettingError.
     """
     names = list(dict.fromkeys(d.column.name for d in program.draws))
     records: list[dict[int, tuple[float, ...]]] = []
@@ -59,10 +62,25 @@ def values_of(found: Sequence[Mapping[str, Any]], program: Program, name: str) -
             refused = None
             for k, draw in draws:
                 try:
-                    record[k] = tuple(read(draw, item, anywhere=True)[0] for item in items)
+                    record[k] = tuple(stated(draw, item) for item in items)
                 except UserError as error:  # alternatives that share the name may differ in their domains
                     refused = error
             if refused is not None and not any(k in record for k, _ in draws):
                 raise refused
         records.append(record)
-    return Values(tuple(records), tuple(dict(entry) for entry in found))
+    return Values(tuple(records), tuple({key: finite(value) for key, value in entry.items()} for entry in found))
+
+
+def stated(draw: Draw, item: Any) -> float:
+    """A value as the runtime takes it; nan where there is none. Raises SettingError."""
+    item = finite(item)
+    return math.nan if item is None else read(draw, item, anywhere=True)[0]
+
+
+def finite(value: Any) -> Any:
+    """A value as JSON knows it: null for what is no number, the largest one for what is without end."""
+    if isinstance(value, list):
+        return [finite(item) for item in value]
+    if not isinstance(value, float) or math.isfinite(value):
+        return value
+    return None if math.isnan(value) else math.copysign(sys.float_info.max, value)

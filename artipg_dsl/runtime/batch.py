@@ -16,13 +16,15 @@ from .kernels import State
 from .loops import Loops, loops_of
 from .needs import pose_cells
 from .plan import Plan, make_plan
+from .repairs import Repairs
 from .tables import Instances, JointTable, LinkTable, PartTable, Rowmap, whichever
 
 
 class Batch:
     """Objects of one program as columns. ``numbers`` (B,) are the object numbers, ``seed`` what they were drawn with.
 
-    ``history``: the operations that made them from others (``runtime.mutate.Stage``), the first first.
+    ``history``: the operations that made them from others (``runtime.mutate.Stage``), the first first. ``repairs``: what was
+    moved to make them valid.
     """
 
     def __init__(
@@ -32,6 +34,7 @@ class Batch:
         self.seed = state.seed
         self.numbers = (state.objects if numbers is None else np.asarray(numbers)).astype(np.int64)
         self.history: tuple[Any, ...] = ()
+        self.repairs: Repairs = Repairs.none()
         self._tables, self._values = tables, values
         self.rowmap = Rowmap(plan.scopes, tables)
 

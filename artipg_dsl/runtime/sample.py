@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,6 +15,10 @@ from .kernels import State, preferred
 from .needs import narrowing, wanted
 from .plan import Plan, make_plan
 from .prior import BLOCK, Resampling
+from .repairs import Cause
+
+if TYPE_CHECKING:
+    from .repair import Mended
 
 ATTEMPTS = 100
 COLLIDING = 25  # attempts that end in a collision, until it is the program's fault
@@ -25,7 +30,8 @@ class Statistics:
     """How often what failed: ``missed`` draws without room and ``broken`` requirements, in objects, over all attempts.
 
     ``collided`` counts objects per pair of links, by path, and the joint that makes them meet ("" at rest); ``unsound``
-    those whose solids are at fault otherwise, by what is wrong.
+    those whose solids are at fault otherwise, by what is wrong. ``outside`` counts values that were asked for out of their
+    domain, per draw; ``repaired`` how many of all these failures were put right, by cause.
     ``declined`` are valid objects that preferences passed over, ``unkept`` objects per preference, over all attempts.
     ``candidates``: how many attempts each object considered, where they were resampled; ``candidates_valid`` of all of
     them, ``effective`` the effective number of candidates, summed over the objects.
@@ -43,6 +49,22 @@ class Statistics:
     candidates: int = 0
     candidates_valid: int = 0
     effective: float = 0.0
+    outside: dict[int, int] = field(default_factory=dict)
+    repaired: dict[Cause, int] = field(default_factory=dict)
+
+    def _tables(self) -> dict[str, dict[Any, int]]:
+        return {
+            "requirement": self.broken, "domain": self.outside, "draw": self.missed, "collision": self.collided, "solid": self.unsound
+        }  # fmt: skip
+
+    def fail(self, cause: Cause, count: int) -> None:
+        """Count what failed in so many objects."""
+        table = self._tables()[cause[0]]
+        table[cause[1]] = table.get(cause[1], 0) + count
+
+    def failures(self) -> dict[Cause, int]:
+        """In how many attempts what failed, by cause."""
+        return {(kind, about): count for kind, table in self._tables().items() for about, count in table.items()}
 
     def add(self, state: State, first: bool, bad: np.ndarray | None = None) -> None:
         """Count one attempt of some objects; ``bad`` says which of them failed, where that is more than the state knows."""
@@ -78,12 +100,13 @@ class Sampler:
 
     def batch(
         self, numbers: np.ndarray, seed: int, *, given: dict[int, float] | None = None, defaults: bool = False,
-        statistics: Statistics | None = None, checked: bool = False, candidates: int = 0,
+        statistics: Statistics | None = None, checked: bool = False, candidates: int = 0, mend: bool = False,
     ) -> Batch:  # fmt: skip
         """The objects of the given numbers; each is the same whatever else is in the batch. Raises Exhausted.
 
         ``checked``: only objects whose links do not penetrate one another, at rest and while each joint moves.
         ``candidates``: above 0, each object is one of so many attempts, resampled to the declared distributions.
+        ``mend``: what fails is repaired, and drawn again only where that cannot be.
         """
         numbers = np.asarray(numbers, dtype=np.int64)
         trials = _Trials(self, seed, dict(given or {}), defaults, checked, statistics if statistics is not None else Statistics())
@@ -93,6 +116,7 @@ class Sampler:
         bad, batch = trials.run(numbers, attempt, True)
         if not bad.any():
             return batch
+        mended = trials.mended(batch, bad) if mend else None
         failed = np.flatnonzero(bad)
         if bad.all() and hopeless(self.program, trials.given):
             raise Exhausted(numbers, trials.statistics, 1, hopeless=True)
@@ -108,7 +132,8 @@ class Sampler:
                     without = group[lost] if lost.any() else group
                     raise Exhausted(numbers[without], trials.statistics, int(attempt[without].max()))
                 group = group[trials.run(numbers[group], attempt[group], False)[0]]
-        return trials.made(numbers, attempt)[1]
+        made = trials.made(numbers, attempt)[1]
+        return made if mended is None else mended.within(made)
 
 
 def hopeless(program: Program, given: dict[int, float]) -> bool:
@@ -153,6 +178,15 @@ class _Trials:
         for number, tried in zip(numbers[declined].tolist(), attempt[declined].tolist(), strict=True):
             self.spare.setdefault(number, tried)
         return bad | declined, batch
+
+    def mended(self, batch: Batch, bad: np.ndarray) -> Mended:
+        """The objects of first attempts that a repair puts right; they are no longer ``bad``."""
+        from .repair import mended  # late: the repair evaluates samplers
+
+        declined = np.isin(batch.numbers, np.array(list(self.spare), dtype=np.int64))
+        found = mended(self.sampler, batch, np.flatnonzero(bad & ~declined), self.statistics, self.checked)
+        bad[found.places] = False
+        return found
 
     def resampled(self, numbers: np.ndarray, candidates: int) -> Batch:
         """Objects that are each one of several attempts. Raises Exhausted."""

@@ -54,11 +54,12 @@ def kept(
 
 def again(
     batch: Batch, objects: np.ndarray, *, numbers: np.ndarray | None = None, attempt: np.ndarray | None = None,
-    lane: np.ndarray | None = None, salt: str | None = None, values: Sequence[Kept] | None = None,
+    lane: np.ndarray | None = None, salt: str | None = None, values: Sequence[Kept] | None = None, plan: Plan | None = None,
 ) -> Batch:  # fmt: skip
     """The objects at the given places of a batch with all the values they have, or with ``values`` (one per draw).
 
-    ``numbers`` are their new numbers; ``attempt``, ``lane`` and ``salt`` what they are said to be drawn with.
+    ``numbers`` are their new numbers; ``attempt``, ``lane`` and ``salt`` what they are said to be drawn with; ``plan``
+    another one of the program.
     """
     old = batch.state
     state = State(
@@ -67,7 +68,7 @@ def again(
     )  # fmt: skip
     draws = range(len(batch.program.draws))
     state.kept = dict(enumerate(values)) if values is not None else {k: kept(batch, k, objects) for k in draws}
-    return made(batch.program, batch.plan, state, batch.numbers[objects] if numbers is None else numbers)
+    return made(batch.program, plan or batch.plan, state, batch.numbers[objects] if numbers is None else numbers)
 
 
 def made(program: Program, plan: Plan, state: State, numbers: np.ndarray | None = None) -> Batch:

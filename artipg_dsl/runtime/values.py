@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,16 +10,22 @@ import numpy as np
 
 from ..errors import UserError
 from .batch import Batch
+from .clips import Asked, Blame, logged
 from .kernels import Kept, State
-from .sample import Exhausted, Sampler, Statistics, colliding
+from .repair import Handler, Outcome, causes, joined, repair
+from .repairs import Repairs
+from .sample import Exhausted, Sampler, Statistics
 from .settled import again, chosen, made
 
-TRIALS = 25  # attempts at what is not given
+TRIALS = 25  # attempts where a repair finds nothing
+DRAWN = 5  # of these, so many draw what is not given alone; then what failed gives way, at last everything
+EVERYTHING = 15
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Values:
-    """``records``: for each object, its values by the index of their draw: one, or one per row in the order of the rows.
+    """``records``: for each object, its values by the index of their draw: one, or one per row in the order of the rows;
+    nan for one that is to be drawn.
 
     ``plain`` is what the file said, as a manifest keeps it.
     """
@@ -28,24 +34,67 @@ class Values:
     plain: tuple[Mapping[str, Any], ...]
 
     def batch(self, sampler: Sampler, numbers: np.ndarray, seed: int, statistics: Statistics, checked: bool) -> Batch:
-        """The objects of the given numbers, which index the records. Raises Exhausted, UserError."""
-        attempt = np.zeros(len(numbers), dtype=np.int64)
-        left, first = np.arange(len(numbers)), True
-        while len(left):
-            trial = self.tried(sampler, numbers[left], seed, attempt[left])
-            bad = trial.state.failed.copy()
-            sound = np.flatnonzero(~bad)
-            if checked and len(sound):
-                bad[sound[colliding(trial if len(sound) == len(trial) else again(trial, sound), statistics)]] = True
-            statistics.add(trial.state, first, bad)
-            left, first = left[bad], False
-            attempt[left] += 1
-            if len(left) and attempt.max() >= TRIALS:
-                raise Exhausted(numbers[left], statistics, TRIALS)
-        return self.tried(sampler, numbers, seed, attempt)
+        """The objects of the given numbers, which index the records, repaired. Raises Exhausted, UserError."""
+        trial = self.tried(sampler, numbers, seed, np.zeros(len(numbers), dtype=np.int64))
+        asked = self.asked(trial)
+        found = repair(sampler, trial, asked, statistics=statistics, checked=checked)
+        return self.redrawn(sampler, trial, asked, found, statistics, checked) if len(found.failed) else found.batch
 
-    def tried(self, sampler: Sampler, numbers: np.ndarray, seed: int, attempt: np.ndarray) -> Batch:
-        """One attempt. How many rows there are follows from the values of the tables above: those are known first."""
+    def redrawn(
+        self, sampler: Sampler, trial: Batch, asked: Asked, found: Outcome, statistics: Statistics, checked: bool
+    ) -> Batch:
+        """Objects that a repair could not put right: more and more of their values are drawn again."""
+        handler = Handler(sampler, frozenset(), checked)
+        behind: dict[int, set[int]] = {n: set() for n in found.failed.tolist()}
+        for cause, objects in found.failing.items():
+            for place in objects.tolist():
+                if place in behind:
+                    behind[place].update(handler.behind(cause))
+        left, solved = found.failed, []
+        for attempt in range(1, TRIALS):
+            released = [
+                set() if attempt <= DRAWN else behind[p] if attempt <= EVERYTHING else set(range(len(sampler.program.draws)))
+                for p in left.tolist()
+            ]
+            trying = self.tried(sampler, trial.numbers[left], trial.seed, np.full(len(left), attempt), released)
+            bad = np.zeros(len(left), dtype=bool)
+            for objects in causes(trying, checked, statistics).values():
+                bad[objects] = True
+            statistics.add(trying.state, False, bad)
+            good = np.flatnonzero(~bad)
+            if len(good):
+                solved.append((again(trying, good), left[good]))
+            left = left[bad]
+            if not len(left):
+                break
+        else:
+            raise Exhausted(trial.numbers[left], statistics, TRIALS)
+        whole = joined(found.batch, solved)
+        drawn = np.zeros(len(whole), dtype=bool)
+        drawn[found.failed] = True
+        more = logged(sampler, trial, asked, whole, Blame(handler.behind, found.failing), drawn).without(~drawn)
+        whole.repairs = Repairs.joined([found.repairs, more])
+        return whole
+
+    def asked(self, batch: Batch) -> Asked:
+        """The values given for the rows of a batch, and what was drawn where none is."""
+        values, stated = [], []
+        for number in range(len(batch.program.draws)):
+            value, said = self.given(batch, number)
+            rows = chosen(batch, number, np.arange(len(batch))).row
+            asked, known = batch.state.values[number].copy(), np.zeros(len(batch.state.values[number]), dtype=bool)
+            asked[rows[said]], known[rows[said]] = value[said], True
+            values.append(asked)
+            stated.append(known)
+        return Asked(values, stated)
+
+    def tried(
+        self, sampler: Sampler, numbers: np.ndarray, seed: int, attempt: np.ndarray, released: Sequence[set[int]] | None = None
+    ) -> Batch:
+        """One attempt, without the values of the draws that are ``released`` for each object.
+
+        How many rows there are follows from the values of the tables above: those are known first.
+        """
         kept: dict[int, Kept] = {}
         known = -1
         while True:
@@ -53,33 +102,52 @@ class Values:
             if sum(len(k.address) for k in kept.values()) == known:
                 break
             known = sum(len(k.address) for k in kept.values())
-            kept = {k: found for k in range(len(sampler.program.draws)) if (found := self.held(batch, k)) is not None}
+            kept = {k: found for k in range(len(sampler.program.draws)) if (found := self.held(batch, k, released)) is not None}
         self.refuse(batch)
         return batch
 
-    def held(self, batch: Batch, number: int) -> Kept | None:
+    def held(self, batch: Batch, number: int, released: Sequence[set[int]] | None) -> Kept | None:
         """The values given of a draw, for the rows that there are."""
         rows = chosen(batch, number, np.arange(len(batch)))
-        count = np.bincount(rows.owner, minlength=len(batch))
-        value = np.full(len(rows.row), np.nan)
-        for place, record in enumerate(self.records[n] for n in batch.numbers.tolist()):
-            given = record.get(number)
-            if given is not None and len(given) in (1, count[place]) and count[place]:
-                value[rows.owner == place] = given
-        said = ~np.isnan(value)
+        value, said = self.given(batch, number)
+        said &= ~np.isnan(value)
+        if released is not None:
+            said &= ~np.array([number in r for r in released], dtype=bool)[rows.owner]
         if not said.any():
             return None
         order = np.argsort(rows.key[said], kind="stable")
         still = np.zeros(len(order))
         return Kept(rows.key[said][order], value[said][order], still, still.astype(bool))
 
+    def given(self, batch: Batch, number: int) -> tuple[np.ndarray, np.ndarray]:
+        """The value given for each row of a draw, object by object, and whether there is one."""
+        rows = chosen(batch, number, np.arange(len(batch)))
+        count = np.bincount(rows.owner, minlength=len(batch))
+        value, said = np.zeros(len(rows.row)), np.zeros(len(rows.row), dtype=bool)
+        start = np.cumsum(count) - count
+        for place, record in enumerate(self.records[n] for n in batch.numbers.tolist()):
+            values = record.get(number)
+            if values is not None and count[place]:
+                some = len(values) if len(values) > 1 else count[place]  # one for all, or one each as far as there are rows
+                mine = slice(start[place], start[place] + min(some, count[place]))
+                value[mine] = values[: count[place]] if len(values) > 1 else values[0]
+                said[mine] = True
+        return value, said
+
     def refuse(self, batch: Batch) -> None:
-        """Lists must have a value for each row."""
+        """Lists must have a value for each row, where the counts that make the rows stand as they were given."""
+        moved = np.zeros(len(batch), dtype=bool)
+        for number, draw in enumerate(batch.program.draws):
+            if draw.kind != "real":
+                value, said = self.given(batch, number)
+                rows = chosen(batch, number, np.arange(len(batch)))
+                apart = said & ~(value == batch.state.values[number][rows.row])
+                moved[rows.owner[apart]] = True
         for number, draw in enumerate(batch.program.draws):
             count = np.bincount(batch.owner(draw.column.scope), minlength=len(batch))
             for place, name in enumerate(batch.numbers.tolist()):
                 given = self.records[name].get(number)
-                if given is not None and count[place] and len(given) not in (1, count[place]):
+                if given is not None and count[place] and len(given) not in (1, count[place]) and not moved[place]:
                     raise UserError(
                         f"object {name} gives {len(given)} values of `{draw.column.name}`, but has {count[place]}",
                         "give one for all, or one for each",

@@ -1,0 +1,139 @@
+"""What a repair did: which requirement failed, and which parameter moved from what to what, as columns and in words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..graph.program import Draw, Program
+
+HOW = ("clipped", "hint", "search", "redrawn")
+
+# why a value could not stay: ("domain", draw), ("draw", draw without room), ("requirement", number),
+# ("collision", (link, link, joint)) or ("solid", what is wrong with the solids, in words)
+Cause = tuple[str, Any]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Repairs:
+    """One row per value that a repair moved, sorted by object.
+
+    ``owner`` (R,) index of the object in its batch, ``draw`` (R,) index among the draws of the program, ``name`` the value
+    (``cell[1].share``), ``before`` and ``after`` (R,) in metres, radians, counts or indices of options (nan: no value),
+    ``how`` (R,) index into ``HOW``, and ``cause``, what was wrong.
+    """
+
+    owner: np.ndarray
+    draw: np.ndarray
+    name: list[str]
+    before: np.ndarray
+    after: np.ndarray
+    how: np.ndarray
+    cause: list[Cause]
+
+    def __len__(self) -> int:
+        return len(self.owner)
+
+    @staticmethod
+    def none() -> Repairs:
+        whole, real = np.zeros(0, dtype=np.int64), np.zeros(0)
+        return Repairs(whole, whole, [], real, real, whole, [])
+
+    @staticmethod
+    def joined(parts: Sequence[Repairs]) -> Repairs:
+        """Rows of several, sorted by object."""
+        if not parts:
+            return Repairs.none()
+        owner, draw, before, after, how = (
+            np.concatenate([getattr(p, n) for p in parts]) for n in ("owner", "draw", "before", "after", "how")
+        )
+        name, cause = [n for p in parts for n in p.name], [c for p in parts for c in p.cause]
+        order = np.lexsort((np.arange(len(owner)), owner))
+        return Repairs(
+            owner[order], draw[order], [name[k] for k in order], before[order], after[order], how[order], [cause[k] for k in order]
+        )
+
+    def without(self, objects: np.ndarray) -> Repairs:
+        """The same without the objects for which a mask is set."""
+        keep = np.flatnonzero(~objects[self.owner])
+        name, cause = [self.name[k] for k in keep], [self.cause[k] for k in keep]
+        return Repairs(self.owner[keep], self.draw[keep], name, self.before[keep], self.after[keep], self.how[keep], cause)
+
+    def of(self, objects: np.ndarray) -> Repairs:
+        """Those of some objects, which are numbered as they stand in ``objects``; an object may stand there often."""
+        parts = []
+        for place, index in enumerate(objects.tolist()):
+            rows = np.flatnonzero(self.owner == index)
+            if len(rows):
+                name, cause = [self.name[k] for k in rows], [self.cause[k] for k in rows]
+                parts.append(
+                    Repairs(np.full(len(rows), place), self.draw[rows], name, self.before[rows], self.after[rows], self.how[rows], cause)
+                )
+        return Repairs.joined(parts)
+
+    def objects(self) -> np.ndarray:
+        return np.unique(self.owner)
+
+    def plain(self, program: Program) -> list[dict[str, Any]]:
+        """A row each as plain data: ``path``, ``from``, ``to``, ``how``, ``because`` and ``where`` in the text."""
+        found = []
+        for k, cause in enumerate(self.cause):
+            draw = program.draws[self.draw[k]]
+            because, where = explained(program, cause)
+            if np.isnan(self.before[k]):
+                because = f"`{draw.column.name}` has no value"
+            found.append(
+                {
+                    "path": self.name[k], "from": shown(draw, self.before[k]), "to": shown(draw, self.after[k]),
+                    "how": HOW[self.how[k]], "because": because, "where": where,
+                }
+            )  # fmt: skip
+        return found
+
+
+def giving(program: Program, cause: Cause) -> tuple[int, ...]:
+    """The draws that the text says should give way when something is wrong."""
+    kind, about = cause
+    if kind == "requirement":
+        return program.requirements[about].repair
+    stated = dict.fromkeys(b.requirement for b in program.draws[about].bounds) if kind == "draw" else ()
+    return tuple(dict.fromkeys(k for r in stated for k in program.requirements[r].repair))
+
+
+def shown(draw: Draw, value: float) -> Any:
+    """A value as files know it; None where there is none."""
+    if np.isnan(value):
+        return None
+    if draw.kind == "choice":
+        return draw.options[int(value)]
+    if draw.kind == "count" and np.isfinite(value):
+        return int(value)
+    return float(value) if np.isfinite(value) else str(float(value))
+
+
+def explained(program: Program, cause: Cause) -> tuple[str, str | None]:
+    """A cause in words, and its place in the text as ``file:line:column``."""
+    kind, about = cause
+    where = None
+    if kind == "requirement":
+        requirement = program.requirements[about]
+        where, words = requirement.where, requirement.message
+        if requirement.text and requirement.text not in words:
+            words = f"{words} ({' '.join(requirement.text.split())})"
+    elif kind == "domain":
+        where, words = program.draws[about].where, f"`{program.draws[about].column.name}` lies outside its domain"
+    elif kind == "draw":
+        draw = program.draws[about]
+        lines = list(dict.fromkeys(str(program.requirements[b.requirement].where) for b in draw.bounds))
+        by = f" by {', '.join(lines[:3])}" if lines else ""
+        where, words = draw.where, f"no room is left for `{draw.column.name}`{by}"
+    elif kind == "collision":
+        first, second, joint = about
+        where = next((j.where for j in program.joints if j.path == joint), None)
+        words = f"{first} and {second} collide {f'while {joint} moves' if joint else 'at rest'}"
+    else:
+        words = str(about)
+    return words, None if where is None else f"{where.file}:{where.line}:{where.column}"
