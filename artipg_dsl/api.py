@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from html import escape
 from pathlib import Path
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from .annotate.views import Views
     from .geometry.resolution import Resolution
     from .runtime.correspondence import Correspondence
+    from .runtime.repairs import Repairs
     from .runtime.tables import JointTable, LinkTable, PartTable
     from .runtime.trace import Step
 
@@ -41,6 +43,8 @@ def sample(
     set: Mapping[str, Value] | None = None,
     checked: bool = True,
     sampling: str = "sequential",
+    repair: bool = False,
+    values: str | Path | Iterable[Mapping[str, Any]] | None = None,
 ) -> Samples:
     """Objects of a category, by the name of a shipped one or by file.
 
@@ -48,10 +52,24 @@ def sample(
     any set of one seed. ``set`` fixes parameters: text with a unit, ``{"width": "45cm", "handle": "none"}``, or
     numbers in metres and radians. Objects whose links collide, at rest or while a joint moves, are drawn again unless
     ``checked`` is false. ``sampling="prior"`` resamples to the declared distributions (``"prior:128"``: among 128
-    attempts for each object) where drawing in sequence shifts them. Raises CompileError, SettingError, NoObject.
+    attempts for each object) where drawing in sequence shifts them. With ``repair`` what fails is put right by the least
+    change instead of drawn again, and so are objects given by their ``values``: a file, or a dictionary for each,
+    ``[{"width": 0.52, "handle": "BowHandle"}]`` (what they leave out is drawn); ``repairs`` tells what was moved.
+    Raises CompileError, SettingError, NoObject, UserError.
     """
-    wanted = _numbers(n, numbers)
-    return Samples(open_job(category, seed, set, checked=checked, sampling=sampling), wanted)
+    if values is None:
+        return Samples(open_job(category, seed, set, checked=checked, sampling=sampling, repair=repair), _numbers(n, numbers))
+    if set or n is not None or sampling != "sequential":
+        raise UsageError("objects given by values have their number and values from there", "leave n, set and sampling out")
+    from .params import read_params, values_of
+
+    job = open_job(category, seed, checked=checked)
+    program = job.sampler.program
+    found = read_params(values, program) if isinstance(values, str | Path) else values_of([dict(v) for v in values], program, "values")
+    beyond = [k for k in ([] if numbers is None else np.asarray(numbers).tolist()) if not 0 <= k < len(found.records)]
+    if beyond:
+        raise UsageError(f"there is no object {beyond[0]}: {len(found.records)} are given, numbered from 0")
+    return Samples(replace(job, values=found), _numbers(None if numbers is not None else len(found.records), numbers))
 
 
 def load(
@@ -186,6 +204,10 @@ class Samples:
 
         made = {int(record["object"]): record for record in records}
         return Samples(self.job.mutated(Replay(made)), np.array(sorted(made), dtype=np.int64))
+
+    def repairs(self) -> Repairs:
+        """Which values were moved to make these objects valid, from what to what, and which requirement asked for it."""
+        return self.batch.repairs
 
     def correspondence(self) -> Correspondence:
         """Which elementary primitive of the objects before became which of these, a row for each of these."""

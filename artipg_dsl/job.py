@@ -15,6 +15,7 @@ from .errors import NoObject, UsageError, UserError
 from .graph.text import TextError, digest, from_text, to_text
 from .runtime.mutate import Mutation, Names
 from .runtime.prior import CANDIDATES
+from .runtime.repairs import Cause, in_short
 from .runtime.sample import Exhausted, Sampler, Statistics
 from .runtime.settled import again
 from .runtime.trace import Replay, read_traces
@@ -34,6 +35,7 @@ MOST_CANDIDATES = 4096
 UNCHECKED = "unchecked"  # likewise
 VALUES = "values"  # likewise
 SAMPLING = "sampling"  # likewise
+REPAIR = "repair"  # likewise
 
 
 @dataclass(slots=True)
@@ -50,6 +52,7 @@ class Job:
     checked: bool = True  # only objects without collisions
     candidates: int = 0  # above 0: each object is one of so many attempts, resampled to the declared distributions
     values: Values | None = None  # objects given by their values, numbered from 0, instead of drawn ones
+    repair: bool = False  # what fails at first is repaired rather than drawn again
 
     def batch(self, numbers: Sequence[int] | np.ndarray) -> Batch:
         """The objects of the given numbers, or what the mutations make of them. Raises NoObject."""
@@ -64,7 +67,7 @@ class Job:
         if not mutations:
             return self.sampler.batch(
                 numbers, self.seed, given=self.given, statistics=self.statistics, checked=self.checked,
-                candidates=self.candidates,
+                candidates=self.candidates, mend=self.repair,
             )  # fmt: skip
         *before, step = mutations
         sources, variants = step.origins(numbers)
@@ -88,6 +91,8 @@ class Job:
         marks: dict[str, Any] = ({MUTATIONS: steps} if steps else {}) | ({} if self.checked else {UNCHECKED: True})
         if self.candidates:
             marks[SAMPLING] = f"prior:{self.candidates}"
+        if self.repair:
+            marks[REPAIR] = True
         if self.values is not None:
             marks[VALUES] = [dict(entry) for entry in self.values.plain]
         return {**self.settings, **marks}
@@ -110,17 +115,14 @@ class Job:
 
     def failures(self) -> dict[str, int]:
         """In words what failed, with its place in the text, and in how many attempts; the worst first."""
-        program, found = self.sampler.program, {}
-        for k, count in self.statistics.broken.items():
-            requirement = program.requirements[k]
-            found[f"{requirement.where}: {requirement.message}"] = count
-        for k, count in self.statistics.missed.items():
-            draw = program.draws[k]
-            found[f"{draw.where}: no room is left for `{draw.column.name}`"] = count
-        for (first, second, joint), count in self.statistics.collided.items():
-            when = f"while {joint} moves" if joint else "at rest"
-            found[f"{first} and {second} collide {when}"] = count
-        found |= self.statistics.unsound
+        return self.told(self.statistics.failures())
+
+    def told(self, counted: Mapping[Cause, int]) -> dict[str, int]:
+        """Counts of causes in words, the most frequent first."""
+        found: dict[str, int] = {}
+        for cause, count in counted.items():
+            words = in_short(self.sampler.program, cause)
+            found[words] = found.get(words, 0) + count
         return dict(sorted(found.items(), key=lambda item: (-item[1], item[0])))
 
     def counts(self) -> dict[str, Any]:
@@ -128,6 +130,8 @@ class Job:
         made = self.statistics
         found: dict[str, Any] = {"checked": self.checked, "objects": made.objects, "first_valid": made.first_valid, "attempts": made.attempts}
         found["failed"] = self.failures()
+        if made.repaired:
+            found["repaired"] = self.told(made.repaired)
         program = self.sampler.program
         if program.preferences and not made.candidates:  # else they are part of the weights
             found["declined"] = made.declined
@@ -165,31 +169,35 @@ class Job:
 
 
 def open_job(
-    name: str | Path, seed: int = 0, settings: Mapping[str, Value] | None = None, *, checked: bool = True, sampling: str = SEQUENTIAL
-) -> Job:
+    name: str | Path, seed: int = 0, settings: Mapping[str, Value] | None = None, *, checked: bool = True,
+    sampling: str = SEQUENTIAL, repair: bool = False,
+) -> Job:  # fmt: skip
     """The job of a category given by name or file; a compiled one (.apgc) is read without the parser.
 
     ``checked``: only objects whose links do not penetrate one another, at rest and while each joint moves.
     ``sampling`` is "sequential" or "prior", perhaps with a number of candidates: "prior:128".
+    ``repair``: what fails is put right with the least change, not drawn again.
     Raises CompileError, SettingError, and UserError for a compiled program that cannot be read.
     """
     if Path(name).suffix == COMPILED:
-        return make_job(Sampler(read_compiled(name)), str(name), seed, settings, checked=checked, sampling=sampling)
+        return make_job(Sampler(read_compiled(name)), str(name), seed, settings, checked=checked, sampling=sampling, repair=repair)
     from .session import Session
 
     session = Session.of(name)
     sampler = session.sampler
     source = str(name) if session.path is None or is_file(name) else sampler.program.name
-    return make_job(sampler, source, seed, settings, checked=checked, sampling=sampling)
+    return make_job(sampler, source, seed, settings, checked=checked, sampling=sampling, repair=repair)
 
 
 def make_job(
     sampler: Sampler, source: str, seed: int, settings: Mapping[str, Value] | None = None, *, checked: bool = True,
-    sampling: str = SEQUENTIAL,
+    sampling: str = SEQUENTIAL, repair: bool = False,
 ) -> Job:  # fmt: skip
     candidates = read_sampling(sampling)
+    if candidates and repair:
+        raise UsageError("objects that are repaired cannot follow the declared distributions", "leave --repair out, or --sampling prior")
     given, plain = resolve(sampler.program, settings or {})
-    return Job(sampler, source, int(seed), plain, given, checked=checked, candidates=candidates)
+    return Job(sampler, source, int(seed), plain, given, checked=checked, candidates=candidates, repair=repair)
 
 
 def read_sampling(text: str) -> int:
@@ -275,8 +283,8 @@ def reopen(folder: Path | str) -> tuple[Job, np.ndarray]:
     steps = settings.pop(MUTATIONS, [])
     unchecked = bool(settings.pop(UNCHECKED, False))
     given = settings.pop(VALUES, None)
-    sampling = settings.pop(SAMPLING, SEQUENTIAL)
-    job = open_job(source, identity["seed"], settings, checked=not unchecked, sampling=sampling)
+    sampling, mended = settings.pop(SAMPLING, SEQUENTIAL), bool(settings.pop(REPAIR, False))
+    job = open_job(source, identity["seed"], settings, checked=not unchecked, sampling=sampling, repair=mended)
     if given is not None:
         from .params import values_of
 

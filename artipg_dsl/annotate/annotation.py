@@ -48,6 +48,7 @@ def describe(
     }
     if states is not None:
         columns["states"] = _states(batch, states, grasps, reached)
+    repaired = _repairs(batch)
     made = []
     for i in range(n):
         drawn = batch.drawn(i)
@@ -59,10 +60,20 @@ def describe(
                 **{name: column[i] for name, column in columns.items()},
                 "drawn": {key: plain(drawn[key]) for key in sorted(drawn)},
                 "rejected": int(batch.state.attempt[i]),  # draws before this one that broke a requirement
+                "repairs": repaired[i],
                 "version": VERSION,
             }
         )
     return made
+
+
+def _repairs(batch: Batch) -> list[list[dict[str, Any]]]:
+    """What was moved to make each object valid."""
+    found: list[list[dict[str, Any]]] = [[] for _ in range(len(batch))]
+    log = batch.repairs
+    for owner, entry in zip(log.owner.tolist(), log.plain(batch.program), strict=True):
+        found[owner].append({key: plain(value) for key, value in entry.items()})
+    return found
 
 
 def line(annotation: dict[str, Any]) -> str:

@@ -99,6 +99,10 @@ def parser() -> argparse.ArgumentParser:
         "--sampling", default="sequential", metavar="HOW",
         help="sequential (default), or prior: resampled to the declared distributions; prior:N among N attempts each (32)",
     )  # fmt: skip
+    sample.add_argument("--params", metavar="FILE", help="objects given by their values (JSON), repaired where they are not valid")
+    sample.add_argument(
+        "--repair", action="store_true", help="put what fails right by the least change, instead of drawing it again"
+    )
     sample.add_argument("--unchecked", action="store_true", help="take objects whose links collide, too")
     sample.add_argument("--stats", action="store_true", help="tell how many first attempts were valid, and what failed")
     sample.add_argument("--force", action="store_true", help="replace samples made with other options")

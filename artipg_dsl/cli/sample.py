@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -76,7 +77,6 @@ def mutation(options: argparse.Namespace) -> Mutation:
 def run(options: argparse.Namespace) -> int:
     from ..export.registry import choose
     from ..export.write import ExportError
-    from ..job import open_job
 
     begun = time.monotonic()
     settings = split(options.set)
@@ -94,10 +94,10 @@ def run(options: argparse.Namespace) -> int:
     in_the_way(Path(options.out))
     if content.cameras is not None:
         tell_engine()
-    job = open_job(options.program, options.seed or 0, settings, checked=not options.unchecked, sampling=options.sampling)
+    job = opened(options, settings)
     if options.mutate:
         job = job.mutated(mutation(options))
-    numbers = chosen(options)
+    numbers = chosen(options) if job.values is None else among(options, len(job.values.records))
     with Progress(job.sampler.program.name) as progress:
         progress(0, len(numbers))
         manifest = job.write(
@@ -115,6 +115,32 @@ def run(options: argparse.Namespace) -> int:
     share = "" if options.shard[1] == 1 else f", part {options.shard[0]} of {options.shard[1]}"
     say(f"{done} in {options.out}{share} ({time.monotonic() - begun:.1f} s)")
     return 0
+
+
+def opened(options: argparse.Namespace, settings: dict[str, str]) -> Job:
+    """The job: objects that are drawn, or those of a file of values. Raises UsageError, UserError."""
+    from ..job import SEQUENTIAL, open_job
+
+    sampling = options.sampling
+    if options.params is None:
+        job = open_job(
+            options.program, options.seed or 0, settings, checked=not options.unchecked, sampling=sampling, repair=options.repair
+        )
+        return job
+    from ..params import read_params
+
+    if settings or sampling != SEQUENTIAL:
+        raise UsageError("--params gives the values: --set and --sampling have no meaning beside it")
+    job = open_job(options.program, options.seed or 0, checked=not options.unchecked)
+    return replace(job, values=read_params(options.params, job.sampler.program))
+
+
+def among(options: argparse.Namespace, count: int) -> np.ndarray:
+    """The numbers of the objects asked for, of those that a file gives. Raises UsageError."""
+    beyond = [n for n in options.only or () if n >= count]
+    if beyond:
+        raise UsageError(f"there is no object {beyond[0]}: {options.params} gives {count}, numbered from 0")
+    return np.array(options.only, dtype=np.int64) if options.only is not None else np.arange(min(options.number or count, count))
 
 
 def tell_engine() -> None:
@@ -142,8 +168,12 @@ def statistics(job: Job, manifest: dict[str, Any]) -> str:
         )
     if "declined" in counts:
         lines.append(f"{counts['declined']} valid objects passed over by preference")
+    if counts["failed"]:
+        lines.append("  failed  repaired  rejected")
+    repaired = counts.get("repaired", {})
     for reason, count in counts["failed"].items():
-        lines.append(f"{count:>8} failed  {reason}")
+        good = min(repaired.get(reason, 0), count)
+        lines.append(f"{count:>8}  {good:>8}  {count - good:>8}  {reason}")
     for reason, count in counts.get("not_preferred", {}).items():
         lines.append(f"{count:>8} not preferred  {reason}")
     return "\n".join(lines)

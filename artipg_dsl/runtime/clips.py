@@ -131,7 +131,8 @@ def logged(
         how = np.where(legal, CLIPPED, SEARCH)
         how[np.isnan(wanted) | (legal & (draw.kind == "choice"))] = REDRAWN
         causes: list[Cause] = []
-        for k, (place, cause) in enumerate(zip(owner.tolist(), why, strict=True)):
+        for k, (place, bound) in enumerate(zip(owner.tolist(), why, strict=True)):
+            cause = bound
             if cause is None:
                 cause, hinted = _blamed(blame, wrong.get(place, []), number, program)
                 how[k] = HINT if hinted else REDRAWN if redrawn is not None and redrawn[place] else SEARCH

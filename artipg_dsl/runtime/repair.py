@@ -21,7 +21,7 @@ from .batch import Batch
 from .clips import Asked, Blame, Clips, clipped, logged
 from .kernels import Kept
 from .needs import pose_cells
-from .repairs import Cause, Repairs
+from .repairs import Cause, Repairs, giving
 from .sample import Sampler, Statistics
 from .search import AGAIN, Search, Spots, at_fault, domain
 from .settled import again, chosen, matched
@@ -58,11 +58,11 @@ def repair(
     bad = np.zeros(len(batch), dtype=bool)
     for objects in failing.values():
         bad[objects] = True
-    counts.add(batch.state, True, bad)
     lean = again(batch, np.arange(len(batch)), plan=sampler.lean)
+    moved = clipped(lean, asked)
+    counts.add(batch.state, True, bad | np.isin(np.arange(len(batch)), moved.owner))
     target = [_target(lean, k, values) for k, values in enumerate(asked.values)]
     handler = Handler(sampler, frozenset(fixed) | set(batch.state.given), checked)
-    moved = clipped(lean, asked)
     asides = handler.asides(moved, bad)
     solved: list[Solved] = []
     if bad.any() or asides:
@@ -205,7 +205,7 @@ class Handler:
 
     def spots(self, batch: Batch, failing: dict[Cause, np.ndarray], objects: np.ndarray, hints: bool) -> Spots:
         """The rows behind what fails in some objects, or those that the text says should give way."""
-        found = []
+        found: list[tuple[np.ndarray, np.ndarray | int, np.ndarray]] = []
         for cause, owners in failing.items():
             draws, sideways = self._known(cause)
             if hints:
@@ -218,7 +218,7 @@ class Handler:
                 mine = self.beside(batch, cause, rows, self.program.draws[number])
                 owner = batch.owner(self.program.draws[number].column.scope)
                 row = np.flatnonzero(mine & np.isin(owner, some))
-                found.append((owner[row], np.full(len(row), number), row))
+                found.append((owner[row], number, row))
         return Spots.of(found)
 
     def beside(self, batch: Batch, cause: Cause, rows: np.ndarray | None, draw: Draw) -> np.ndarray:

@@ -94,6 +94,15 @@ class Repairs:
         return found
 
 
+def in_short(program: Program, cause: Cause) -> str:
+    """A cause in a line of statistics: its place in the text, then what is wrong."""
+    kind, about = cause
+    words, place = explained(program, cause)
+    if kind == "requirement":
+        words = program.requirements[about].message
+    return words if place is None else f"{place.rpartition(':')[0]}: {words}"
+
+
 def giving(program: Program, cause: Cause) -> tuple[int, ...]:
     """The draws that the text says should give way when something is wrong."""
     kind, about = cause

@@ -39,7 +39,7 @@ class Spots:
     row: np.ndarray
 
     @staticmethod
-    def of(found: Sequence[tuple[np.ndarray, int, np.ndarray]]) -> Spots:
+    def of(found: Sequence[tuple[np.ndarray, np.ndarray | int, np.ndarray]]) -> Spots:
         """From (owners, draw, rows), each row once, by object, draw and row."""
         columns = [np.concatenate([np.zeros(0, dtype=np.int64), *(np.broadcast_to(f[k], len(f[2])) for f in found)]) for k in range(3)]
         table = np.unique(np.stack(columns, axis=1).astype(np.int64), axis=0)

@@ -134,7 +134,7 @@ def record(batch: Batch, index: int, made: Sequence[Step], sources: np.ndarray) 
         "object": int(batch.numbers[index]), "source": int(sources[index]), "rejected": int(batch.state.attempt[index]),
         "salt": batch.state.salt, "lane": int(batch.state.lanes()[index]), "program": batch.program.hash,
         "steps": [s.plain() for s in made],
-    }  # fmt: skip
+    } | ({"repairs": found} if (found := batch.repairs.of(np.array([index])).plain(batch.program)) else {})  # fmt: skip
 
 
 def trace_lines(batch: Batch) -> bytes:

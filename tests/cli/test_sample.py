@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -222,3 +223,45 @@ def test_wrong_render(apgc: Apgc, tmp_path: Path) -> None:
     assert code == 1 and "there is no object 9" in err
     assert apgc("render", tmp_path / "o", "--seed", "9", "-o", tmp_path / "s.png")[0] == 2
     assert apgc("render", CHEST, "-o", "/proc/s.png", "-n", 1, "--tile", 16)[0] == 1
+
+
+def test_wild_values_are_repaired_and_told(apgc: Apgc, tmp_path: Path) -> None:
+    program = tmp_path / "pair.apg"
+    program.write_text(
+        "apg 1\nuse primitives { Cuboid }\ncategory Pair {\n  param a : length in 1cm .. 9cm = 2cm\n"
+        '  param b : length in 1cm .. 9cm = 2cm\n  require b <= a + 2cm else "b is too long"\n'
+        "  root part body : Cuboid(size = [a, b, 4cm])\n}\n"
+    )
+    wild = tmp_path / "wild.json"
+    wild.write_text('[{"a": 1e300, "b": NaN}, {"a": "2cm", "b": -Infinity}, {"a": 0.03, "b": 0.08}]')
+    code, out, _ = apgc("sample", program, "--params", wild, "-o", tmp_path / "o", *SMALL, "--stats")
+    assert code == 0 and "failed  repaired  rejected" in out
+    assert re.search(rf"1 +1 +0  {re.escape(str(program))}:6: b is too long", out)
+    repairs = [a["repairs"] for a in annotations(tmp_path / "o")]
+    assert [[(r["path"], r["from"], r["how"]) for r in found] for found in repairs] == [
+        [("a", 1e300, "clipped"), ("b", None, "redrawn")], [("b", -1.7976931348623157e308, "clipped")], [("b", 0.08, "clipped")]
+    ]  # fmt: skip
+    assert repairs[2][0] | {"where": None} == {
+        "path": "b", "from": 0.08, "to": 0.05, "how": "clipped", "because": "b is too long (b <= a + 2cm)", "where": None
+    }  # fmt: skip
+    assert repairs[2][0]["where"] == f"{program}:6:3"
+    assert apgc("export", tmp_path / "o", "--format", "obj")[0] == 0  # from its manifest
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('{"a": "wide"}', "`a` cannot be `wide`"), ('{"lid": "Cubiod"}', "`lid` cannot be `Cubiod`"), ('{"a": {"b": 1}}', "a number is needed"),
+        ('{"q": 1}', "draws no `q`"), ('{"n": 2.5}', "not a whole number"), ("{", "is no JSON"), ('{"a": "5kg"}', "wrong unit"),
+    ],
+)  # fmt: skip
+def test_values_of_a_wrong_kind_are_errors(apgc: Apgc, tmp_path: Path, text: str, message: str) -> None:
+    program = tmp_path / "p.apg"
+    program.write_text(
+        "apg 1\nuse primitives { Cuboid }\ncategory P {\n  param a : length in 1cm .. 9cm = 2cm\n  count n in 1 .. 3\n"
+        "  root part body : Cuboid(size = [a, a, n * 1cm])\n"
+        "  part lid : Cuboid(size = [a, a, 1cm]) | none\n  connect lid.bottom on body.top\n}\n"
+    )
+    (tmp_path / "v.json").write_text(text)
+    code, _, err = apgc("sample", program, "--params", tmp_path / "v.json", "-o", tmp_path / "o", *SMALL)
+    assert code in (1, 2) and message in err and not (tmp_path / "o").exists()

@@ -17,6 +17,7 @@ from artipg_dsl.graph import expr as e
 from artipg_dsl.graph.primitive import Patch, Primitive
 from artipg_dsl.graph.program import Grasp, Joint, Keypoint, Label, Link, Material, Part, Pose, Program, Site, Target
 from artipg_dsl.runtime.motion import follow
+from artipg_dsl.runtime.repairs import Repairs
 
 U, V, HALF, ONE, ZERO = e.var("u"), e.var("v"), e.const(0.5), e.ONE, e.ZERO
 IDENTITY = Pose(((ONE, ZERO, ZERO), (ZERO, ONE, ZERO), (ZERO, ZERO, ONE)), (ZERO, ZERO, ZERO), ONE)
@@ -139,6 +140,7 @@ class FakeBatch:
     def __post_init__(self) -> None:
         self.program = program()
         self.numbers = np.arange(self.first, self.first + self.n)
+        self.repairs = Repairs.none()
         self.state = SimpleNamespace(attempt=self.numbers % 3, objects=self.numbers)
         f = self.numbers % 7 / 7.0
         self.depth, self.width, self.height = 0.3 + 0.1 * f, 0.4 + 0.1 * f, 0.3 + 0.2 * f
