@@ -132,10 +132,11 @@ def logged(
         how[np.isnan(wanted) | (legal & (draw.kind == "choice"))] = REDRAWN
         causes: list[Cause] = []
         for k, (place, bound) in enumerate(zip(owner.tolist(), why, strict=True)):
-            cause = bound
-            if cause is None:
-                cause, hinted = _blamed(blame, wrong.get(place, []), number, program)
-                how[k] = HINT if hinted else REDRAWN if redrawn is not None and redrawn[place] else SEARCH
+            if bound is not None:
+                causes.append(bound)
+                continue
+            cause, hinted = _blamed(blame, wrong.get(place, []), number, program)
+            how[k] = HINT if hinted else REDRAWN if redrawn is not None and redrawn[place] else SEARCH
             causes.append(cause)
         parts.append(
             Repairs(owner, np.full(len(rows), number), [names[k] for k in rows], wanted, lean.state.values[number][rows], how, causes)
