@@ -13,7 +13,7 @@ import numpy as np
 
 from ..graph import random
 from ..graph.primitive import Primitive
-from . import mesh, pieces, surface
+from . import mesh, pieces, quadrature, surface
 from .box import bounds
 from .errors import PrimitiveError
 from .hidden import inside_split
@@ -23,6 +23,7 @@ from .trial import trial
 ON_SURFACE = 1e-9  # how far the inside function may be from 0 on a surface, relative to the diagonal
 OFF_SURFACE = 1e-6  # how far off a surface its sides are asked
 LOOSE = 2e-3  # how much of its greatest side a box may exceed the mesh by
+MOMENTS = 5e-3  # relative difference of volume, centre and inertia by quadrature and by a fine mesh
 AREA = 5e-3  # relative difference of areas by formula and by a fine mesh
 WITHIN = 1e-6  # how far out of the solid a piece may reach, relative to the diagonal
 FILL = 0.5  # what pieces leave out may lie this deep, relative to the greatest depth: a quarter of a wall
@@ -217,13 +218,13 @@ def _areas(seen: _Inspection) -> Report:
 
 
 def _volume(seen: _Inspection) -> Report:
-    """The share of the box that the inside function fills is that of the mesh."""
+    """The share of the box that the inside function fills is that of the mesh; moments by quadrature are those of the mesh."""
     row, points = seen.in_boxes()
     filled = (seen.inside(row, points) < 0).reshape(seen.count, -1).mean(axis=1)
     box = np.prod(1.1 * (seen.mesh_high - seen.mesh_low), axis=1)
-    expected = np.empty(seen.count)
+    expected, centre, inertia = np.empty(seen.count), np.empty((seen.count, 3)), np.empty((seen.count, 3, 3))
     for group in seen.fine:
-        expected[group.rows] = mesh.moments(group.vertices, group.faces)[0]
+        expected[group.rows], centre[group.rows], inertia[group.rows] = mesh.moments(group.vertices, group.faces)
     if (expected <= 0).any():
         yield "volume", None, f"the inside function has the wrong sign ({seen.at(int(np.argmin(expected)))})"
         return
@@ -233,6 +234,18 @@ def _volume(seen: _Inspection) -> Report:
     if error[worst] > 0:
         shares = f"{100 * share[worst]:.3g} % of the space, the inside function {100 * filled[worst]:.3g} %"
         yield "volume", None, f"the mesh fills {shares} ({seen.at(worst)})"
+    exact = quadrature.volume_inertia(seen.primitive, seen.params)
+    far = np.sqrt(((exact[1] - centre) ** 2).sum(axis=1)) / seen.diagonal
+    off = {
+        "volume": np.abs(exact[0] / expected - 1),
+        "centre of mass": np.where(exact[0] > 0, far, np.inf),
+        "inertia": np.abs(exact[2] - inertia).max(axis=(1, 2)) / np.abs(inertia).max(axis=(1, 2)),
+    }
+    for what, error in off.items():
+        worst = int(np.argmax(error))
+        if error[worst] > MOMENTS:
+            yield "volume", None, f"its {what} by quadrature differs from the mesh by {100 * error[worst]:.3g} % ({seen.at(worst)})"
+            return
 
 
 def _pieces(seen: _Inspection) -> Report:

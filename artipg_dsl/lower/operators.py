@@ -28,6 +28,7 @@ from .env import Env
 from .evaluate import Evaluator
 from .loft import loft, swept
 from .made import FULL, Made, U, clause
+from .parity import signed
 from .probe import SMALL, Probe
 from .profiles import (
     Loop,
@@ -79,7 +80,8 @@ def lathe(env: Env, solid: ast.SolidDecl) -> Made:
         place = turned(axis, (E.mul(radius, E.call("cos", U)), E.mul(radius, E.call("sin", U))), height)
         patches.append(Patch(side.span.name, place, FULL, (side.span.low, side.span.high)))
     point = turned_back(axis)
-    inside = distance(probe, [(loop, False)], (E.call("hypot", point[0], point[1]), point[2]))
+    flat = (E.call("hypot", point[0], point[1]), point[2])
+    inside = signed(probe, [(loop, False)], flat) or distance(probe, [(loop, False)], flat)
     spans = [side.span for side in loop]
     wide = extreme(probe, spans, 0, 1)
     low = turned(axis, (E.neg(wide), E.neg(wide)), extreme(probe, spans, 1, -1))
@@ -231,7 +233,7 @@ def extrude(env: Env, solid: ast.SolidDecl) -> Made:
             across = tuple(E.add(b, E.mul(U, E.sub(a, b))) for a, b in zip(one.position, other.position, strict=True))
             patches.append(Patch(name, turned(axis, across, height), (ZERO, ONE), (one.low, one.high)))  # type: ignore[arg-type]
     point = turned_back(axis)
-    flat = distance(probe, loops, (point[0], point[1]))
+    flat = signed(probe, loops, (point[0], point[1])) or distance(probe, loops, (point[0], point[1]))
     inside = E.maximum(flat, E.sub(low, point[2]), E.sub(point[2], high))
     spans = [side.span for loop, _ in loops for side in loop]
     bounds = [

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..geometry import mesh
 from ..geometry.block import block
 from ..geometry.overlap import overlaps
+from ..geometry.quadrature import volume_inertia
 from .materials import catalogue, drawn, material_rows
 from .motion import apply, product
 
@@ -78,7 +78,7 @@ Portion = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]  # link, mass, c
 
 def _whole(table: SiteTable, density: np.ndarray, link_start: np.ndarray) -> Portion:
     """The primitives of a site."""
-    volume, center, inertia = mesh.volume_inertia(table.primitive, table.params)
+    volume, center, inertia = volume_inertia(table.primitive, table.params)
     center = center * np.stack([np.ones_like(table.mirror), table.mirror, np.ones_like(table.mirror)], axis=-1)
     center = apply(table.rotation, center) + table.translation
     about = turned_inertia(table, inertia * density[:, None, None])

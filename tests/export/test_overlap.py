@@ -8,6 +8,7 @@ import trimesh
 
 from artipg_dsl.export.robot import RobotLink, Robots
 from artipg_dsl.geometry.overlap import sequence
+from artipg_dsl.geometry.resolution import Resolution
 from artipg_dsl.session import Session
 
 HEAD = """apg 1
@@ -90,7 +91,7 @@ def test_shipped_objects_weigh_what_booleans_of_their_meshes_say(name: str) -> N
     """
     manifold = pytest.importorskip("manifold3d")
     batch = Session.of(name).sampler.batch(np.arange(4), 5)
-    robots, double = Robots(batch), 0.0
+    robots, double = Robots(batch, resolution=Resolution(96), collision=False), 0.0  # meshes near the true shapes
     for i in range(len(batch)):
         robot, totals = robots.robot(i), np.zeros(3)
         for link in robot.links:

@@ -15,6 +15,7 @@ from artipg_dsl.export.solids import as_box
 from artipg_dsl.export.substitute import simple_joints
 from artipg_dsl.export.urdf import urdf_files
 from artipg_dsl.export.write import ExportError
+from artipg_dsl.geometry.resolution import Resolution
 
 from .fake_batch import FakeBatch
 
@@ -51,13 +52,13 @@ def test_obj_reads_back_as_closed_groups(files: dict[str, bytes]) -> None:
 
 def test_masses_are_volume_times_density_and_centres_those_of_the_solid() -> None:
     batch = FakeBatch(2)
-    robot = Robots(batch).robot(1)
+    robot = Robots(batch, resolution=Resolution(192)).robot(1)
     door = robot.links[1]
     slab = np.prod(batch._boxes()[1][5][1]) * 2500
     bar = trimesh.Trimesh(door.visuals[1].shape.vertices, door.visuals[1].shape.faces).volume * 7850
-    assert door.mass == pytest.approx(slab + bar, rel=1e-9)
+    assert door.mass == pytest.approx(slab + bar, rel=1e-3)
     center = batch._boxes()[0][5:7, 1] - door.origin
-    assert door.center == pytest.approx((slab * center[0] + bar * center[1]) / (slab + bar), abs=1e-9)
+    assert door.center == pytest.approx((slab * center[0] + bar * center[1]) / (slab + bar), abs=1e-5)
 
 
 def test_inertia_agrees_with_an_independent_computation(robot: Robot) -> None:

@@ -1,9 +1,5 @@
-"""The shipped primitives, lowered from their text, pass the self-test; leaks in declarations are findings in words.
+"""The shipped primitives, lowered from their text, pass the self-test; leaks in declarations are findings in words."""
 
-Some lathes and outlines of free curves take up to a minute each; they run with ``ARTIPG_EVERY=1``.
-"""
-
-import os
 from pathlib import Path
 
 import numpy as np
@@ -20,11 +16,8 @@ from artipg_dsl.source import Source
 
 from .shipped import SHIPPED
 
-LONG = ("PotShell", "ShoulderedVessel", "WavedVessel", "EggRing", "HalfRing", "Bowl", "ArchBar")
-EVERY = os.environ.get("ARTIPG_EVERY") == "1"
 
-
-@pytest.mark.parametrize("name", [name for name in SHIPPED if EVERY or name not in LONG])
+@pytest.mark.parametrize("name", SHIPPED)
 def test_a_shipped_primitive_agrees_with_itself(name):
     found = check_primitive(SHIPPED[name])
     assert not found, "\n".join(map(str, found))
