@@ -61,6 +61,17 @@ class Narrowed(Intervals):
 
 def conflicts(program: Program, given: Mapping[int, float] | None = None) -> list[Conflict]:
     """Everything that can never be met, given the values of some draws (by index), in the order of the text."""
+    found, box = _narrow(program, given)
+    return [*found.values(), *_broken(program, Narrowed(program, box if not found else {}), found)]
+
+
+def ranges(program: Program) -> dict[int, Interval]:
+    """The intervals of the draws (by index) that the requirements narrow, whatever else is drawn."""
+    return _narrow(program, None)[1]
+
+
+def _narrow(program: Program, given: Mapping[int, float] | None) -> tuple[dict[object, Conflict], dict[int, Interval]]:
+    """The draws without room, if any, and the intervals of those that have less than their domain."""
     box = {k: (v, v) for k, v in (given or {}).items() if math.isfinite(v)}
     reader = Linear(lambda c: c not in program.definitions, program.definitions, through=True)
     numbers = {d.column: k for k, d in enumerate(program.draws)}
@@ -89,7 +100,7 @@ def conflicts(program: Program, given: Mapping[int, float] | None = None) -> lis
                 moved = True
         if found or not moved:
             break
-    return [*found.values(), *_broken(program, Narrowed(program, box if not found else {}), found)]
+    return found, box
 
 
 def _range(draw: Draw, intervals: Intervals, reader: Linear) -> tuple[float, float, list[int], list]:
@@ -171,4 +182,4 @@ def certain(scope: Scope, intervals: Intervals) -> bool:
     return all(s.count is None or s.count is TRUE or intervals.of(s.count)[0] >= 1.0 for s in scope.ancestors())
 
 
-__all__ = ["Conflict", "certain", "conflicts", "idle"]
+__all__ = ["Conflict", "certain", "conflicts", "idle", "ranges"]

@@ -15,7 +15,7 @@ from ..graph.depend import needed
 from ..graph.expr import Column, Expr, Scope
 from ..graph.inequality import Half, bounds_of, least_of
 from ..graph.interval import Intervals
-from ..graph.linear import Linear
+from ..graph.linear import Form, Linear
 from ..graph.program import Bound, Draw, Limit, Program
 from .systems import inline
 from .unions import unite
@@ -51,6 +51,7 @@ def attach_bounds(program: Program) -> list[tuple[Scope, tuple[int, ...]]]:
         if rest is not None:
             pending.append((requirement.scope, *rest, E.TRUE, number, 1, ()))
     made = {False: 0, True: 0}  # derived from linear bounds, and from others
+    told: dict[object, float] = {}
     while pending:
         scope, low, high, guard, number, depth, also = pending.pop(0)
         if intervals.of(E.call("le", low, high))[0] >= 1.0:
@@ -61,12 +62,13 @@ def attach_bounds(program: Program) -> list[tuple[Scope, tuple[int, ...]]]:
         if draws[last].kind == "choice":
             limit_choice(program, reader, draws[last], scope, E.call("le", low, high), guard, number)
             continue
-        if depth and guard is E.TRUE:
-            form = reader.form(E.sub(low, high))
-            if form is not None and not form[0] and form[1].constant is not None:
-                if form[1].constant > 1e-9:
-                    hollow.append((scope, (number, *also)))
-                continue
+        form = reader.form(E.sub(low, high))
+        if depth and guard is E.TRUE and form is not None and not form[0] and form[1].constant is not None:
+            if form[1].constant > 1e-9:
+                hollow.append((scope, (number, *also)))
+            continue
+        if form is not None and weaker(form, scope, guard, last, told) and depth:
+            continue
         if parted(low, high, guard, last, program):
             rest = unite(program, order, draws[last], scope, E.either(E.negate(guard), E.call("le", low, high)), number, also)
             if rest is not None and depth < DEPTH and made[True] < MOST_DERIVED:
@@ -87,6 +89,24 @@ def attach_bounds(program: Program) -> list[tuple[Scope, tuple[int, ...]]]:
                 reasons = tuple(dict.fromkeys((*also, *other.also, *(() if other.requirement == number else (other.requirement,)))))
                 pending.append((inner, lower.value, upper.value, E.both(lower.guard, upper.guard), number, depth + 1, reasons))
     return hollow
+
+
+def weaker(form: Form, scope: Scope, guard: Expr, last: Column, told: dict[object, float]) -> bool:
+    """Whether ``form <= 0`` says no more than a multiple of it that was told before; else it is noted.
+
+    Elimination comes to the same sum on many ways: without this their number would grow with the power of the variables.
+    """
+    factors = {column: factor.constant for column, factor in form[0].items()}
+    rest = form[1].constant
+    if rest is None or None in factors.values() or not factors.get(last):
+        return False
+    scale = abs(float(factors[last]))  # type: ignore[arg-type]
+    shape = frozenset((column, round(float(f) / scale, 9)) for column, f in factors.items() if f)
+    before = told.get((scope, guard, shape))
+    if before is not None and before >= float(rest) / scale - 1e-12:
+        return True
+    told[scope, guard, shape] = float(rest) / scale
+    return False
 
 
 def parted(low: Expr, high: Expr, guard: Expr, column: Column, program: Program) -> bool:
