@@ -443,6 +443,14 @@ class Samples:
         """OpenUSD with a physics articulation per object; returns the paths of ``object.usda``."""
         return self._objects(folder, "usd", force)
 
+    def to_mjcf(self, folder: str | Path, *, force: bool = False) -> list[Path]:
+        """MuJoCo's own format per object; returns the paths of ``object.xml``."""
+        return self._objects(folder, "mjcf", force)
+
+    def to_sdf(self, folder: str | Path, *, force: bool = False) -> list[Path]:
+        """SDFormat per object; returns the paths of ``model.sdf``."""
+        return self._objects(folder, "sdf", force)
+
     def to_obj(self, folder: str | Path, *, force: bool = False) -> list[Path]:
         """A Wavefront OBJ per link with the object's materials; returns the paths of ``obj/object.mtl``."""
         return self._objects(folder, "obj", force)

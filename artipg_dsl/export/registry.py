@@ -68,6 +68,7 @@ FORMATS: dict[str, Format] = {
         Format("correspondence", "which primitive became which, NumPy", ".npz", shard="mutants:correspondence_shard"),
         Format("urdf", "robot description with OBJ meshes", robot="urdf:urdf_files", file="object.urdf"),
         Format("mjcf", "MuJoCo's own, with a scene to look at", robot="mjcf:mjcf_files", file="object.xml"),
+        Format("sdf", "SDFormat with OBJ meshes, for Gazebo", robot="sdf:sdf_files", file="model.sdf"),
         Format("usd", "OpenUSD with a physics articulation", member="usd:usd_files", file="object.usda"),
         Format("glb", "binary glTF with an opening animation", robot="glb:glb_files", file="object.glb"),
         Format("obj", "Wavefront OBJ per link with materials", robot="mesh_obj:obj_files", file="obj/object.mtl"),

@@ -1,0 +1,143 @@
+"""SDFormat 1.11 with OBJ meshes, as Gazebo and Drake read it: every kind of joint as it is, followers and loops too."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..annotate.frames import euler
+from .mesh_obj import Shape, link_meshes, obj_bytes
+from .pose import link_poses
+from .robot import Collider, Robot, RobotJoint, RobotLink
+from .write import ExportError
+
+if TYPE_CHECKING:
+    from jinja2 import Template
+
+KINDS = ("revolute", "continuous", "prismatic", "screw", "ball", "fixed")
+APART = 1e-6  # metres: points of a loop that are farther apart do not meet
+
+
+def sdf_files(robot: Robot) -> dict[str, bytes]:
+    """``model.sdf``, ``model.config`` (which Gazebo finds models by) and the meshes of both in ``meshes/``.
+
+    Raises ExportError for a joint that SDFormat does not have, and for loops that are not closed with all joints at 0,
+    where SDFormat has its joints begin.
+    """
+    files: dict[str, bytes] = {}
+    pieces: dict[bytes, str] = {}
+    links = [_link(link, files, pieces) for link in robot.links]
+    joints = [*(_joint(joint, robot) for joint in robot.joints), *_closures(robot)]
+    text = _template("model.sdf.j2").render(name=robot.name, links=links, joints=joints)
+    files["model.sdf"] = (text + "\n").encode("utf-8")
+    files["model.config"] = (_template("model.config.j2").render(name=robot.name) + "\n").encode("utf-8")
+    return files
+
+
+def _link(link: RobotLink, files: dict[str, bytes], pieces: dict[bytes, str]) -> dict[str, Any]:
+    visuals = []
+    for name, look, data in link_meshes(link):
+        files[f"meshes/{name}.obj"] = data
+        entry = {"name": name, "file": f"meshes/{name}.obj", "colour": numbers([*look.colour, look.opacity])}
+        entry |= {"metalness": f"{look.metalness:.6g}", "roughness": f"{look.roughness:.6g}"}
+        visuals.append(entry | {"transparency": f"{1.0 - look.opacity:.6g}"})
+    noise = 1e-12 * (link.inertia[0, 0] + link.inertia[1, 1] + link.inertia[2, 2])
+    tensor = np.where(np.abs(link.inertia) > noise, link.inertia, 0.0)
+    cells = [("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2)]
+    return {
+        "name": link.name,
+        "pose": numbers(link.origin),
+        "center": numbers(link.center),
+        "mass": f"{link.mass:.9g}",
+        "inertia": {name: f"{tensor[i, j]:.9g}" for name, i, j in cells},
+        "visuals": visuals,
+        "colliders": [_collider(link, collider, files, pieces) for collider in link.colliders],
+    }
+
+
+def _collider(link: RobotLink, collider: Collider, files: dict[str, bytes], pieces: dict[bytes, str]) -> dict[str, Any]:
+    material, name = collider.material, f"{link.name}_{collider.name}"
+    entry: dict[str, Any] = {
+        "name": f"{name}_collision",
+        "pose": f"{numbers(collider.center)} {numbers(euler(collider.rotation))}",
+        "friction": f"{sum(material.friction_dynamic) / 2:.6g}",
+        "restitution": f"{sum(material.restitution) / 2:.6g}",
+    }
+    if collider.size is not None:
+        return entry | {"shape": "box", "sizes": {"size": numbers(collider.size)}}
+    if collider.bar is not None:
+        sizes = {"radius": numbers([collider.bar.radius])}
+        if collider.bar.kind != "sphere":
+            sizes["length"] = numbers([collider.bar.length])
+        return entry | {"shape": collider.bar.kind, "sizes": sizes}
+    assert collider.hull is not None
+    data = obj_bytes([Shape("piece", collider.hull.vertices, collider.hull.faces)])
+    file = pieces.setdefault(data, f"meshes/{name}.collision.obj")  # equal pieces share a file
+    files[file] = data
+    return entry | {"pose": "0 0 0 0 0 0", "shape": "mesh", "sizes": {"uri": file}}
+
+
+def _joint(joint: RobotJoint, robot: Robot) -> dict[str, Any]:
+    """A joint; its frame is that of its child, whose axes are those of the object with all joints at 0."""
+    if joint.kind not in KINDS:
+        raise ExportError(
+            f"{robot.name}: joint {joint.name} is a {joint.kind} joint, which SDFormat cannot state",
+            f"it has {', '.join(KINDS)}; leave sdf out of --format",
+        )
+    limited = joint.low is not None and joint.high is not None
+    kind = "continuous" if joint.kind == "revolute" and not limited else joint.kind
+    entry: dict[str, Any] = {
+        "name": joint.name,
+        "kind": kind,
+        "parent": robot.links[joint.parent].name,
+        "child": robot.links[joint.child].name,
+        "pose": "",
+        "pitch": f"{joint.pitch:.9g}" if kind == "screw" else "",
+        "axis": None,
+    }
+    if kind in ("fixed", "ball"):
+        return entry
+    limit = {"effort": f"{joint.effort:.9g}", "velocity": f"{joint.velocity:.9g}"}
+    if limited and kind != "continuous":
+        limit = {"lower": f"{joint.low:.9g}", "upper": f"{joint.high:.9g}"} | limit
+    dynamics = {"damping": f"{joint.damping:.9g}", "friction": f"{joint.friction:.9g}"}
+    mimic = None
+    if joint.mimic is not None:  # q = multiplier * (q of the leader - reference) + offset
+        leader, multiplier, offset = joint.mimic
+        mimic = {"joint": leader, "multiplier": f"{multiplier:.9g}", "offset": f"{offset:.9g}"}
+    return entry | {"axis": {"xyz": numbers(joint.axis), "limit": limit, "dynamics": dynamics, "mimic": mimic}}
+
+
+def _closures(robot: Robot) -> list[dict[str, Any]]:
+    """A ball joint where a loop closes, at its point of the second link."""
+    poses = link_poses(robot, {joint.name: 0.0 for joint in robot.joints}) if robot.closures else []
+    found = []
+    for n, closure in enumerate(robot.closures):
+        one, other = (poses[k][1] + point for k, point in zip(closure.links, closure.points, strict=True))
+        if np.abs(one - other).max() > APART:
+            raise ExportError(
+                f"{robot.name}: a loop through {robot.links[closure.links[0]].name} is not closed with all joints at 0",
+                "SDFormat has its joints begin there: let the loop close at 0, or leave sdf out of --format",
+            )
+        ends = {key: robot.links[k].name for key, k in zip(("parent", "child"), closure.links, strict=True)}
+        entry: dict[str, Any] = {"name": f"closure_{n}", "kind": "ball", "pose": numbers(closure.points[1]), "pitch": "", "axis": None}
+        found.append(entry | ends)
+    return found
+
+
+def numbers(values: Any) -> str:
+    """Numbers with ten significant digits and a blank between, rounding noise below 1e-12 dropped."""
+    rounded = np.round(np.asarray(values, dtype=np.float64), 12) + 0.0
+    return " ".join(f"{value:.10g}" for value in rounded.tolist())
+
+
+@lru_cache(maxsize=2)
+def _template(name: str) -> Template:
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    environment = Environment(
+        loader=PackageLoader("artipg_dsl.export"), undefined=StrictUndefined, autoescape=True, auto_reload=False
+    )
+    return environment.get_template(name)
