@@ -9,6 +9,7 @@ from artipg_dsl import load
 from artipg_dsl.export.materials import settled
 from artipg_dsl.export.robot import Robots
 from artipg_dsl.resources import library_dir
+from artipg_dsl.runtime.mass import masses
 from artipg_dsl.runtime.materials import RANGES, drawn
 from artipg_dsl.session import Session
 
@@ -104,3 +105,18 @@ def test_shipped_materials_have_real_values() -> None:
             values = getattr(material, field)
             assert 0 <= values[0] <= values[1] <= 1, (name, field)
         assert all(0 <= c <= 1 for colour in material.colour for c in colour)
+
+
+# kg: what shops and makers state of such things, with some room
+MASSES = {
+    "Bottle": (0.02, 0.7), "Chair": (3, 45), "Faucet": (0.7, 4.5), "Foldingrack": (1.5, 10), "Kettle": (0.3, 4.5),
+    "Laptop": (0.9, 4.5), "Microwave": (9, 27), "Scissors": (0.02, 0.13), "USB": (0.003, 0.03), "WashingMachine": (25, 100),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", MASSES)
+def test_shipped_objects_weigh_about_what_real_ones_do(name: str) -> None:
+    batch = Session.of(name).sampler.batch(np.arange(24), 2)
+    total = np.bincount(batch.links().owner, masses(batch).mass, len(batch))
+    low, high = MASSES[name]
+    assert low <= np.median(total) <= high and (total > low / 1.5).all() and (total < high * 1.3).all(), total

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
@@ -149,9 +148,9 @@ def test_gazebo_finds_the_model() -> None:
 
 
 def test_python_writes_it(tmp_path) -> None:  # type: ignore[no-untyped-def]
-    from artipg_dsl import load
+    from artipg_dsl import sample
 
-    batch = load(Path(__file__).parents[2] / "categories" / "usb.apg", n=2, seed=1)
+    batch = sample("USB", 2, seed=1)
     assert [path.relative_to(tmp_path).as_posix() for path in batch.to_sdf(tmp_path)] == [
         "objects/000000/model.sdf", "objects/000001/model.sdf"
     ]  # fmt: skip
