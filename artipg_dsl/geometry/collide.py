@@ -149,6 +149,14 @@ def examine(first: Bodies, second: Bodies, near: float = 0.5) -> tuple[np.ndarra
     return result & ~apart, nearest
 
 
+def within(first: Bodies, second: Bodies, distance: np.ndarray, near: float = 0.99) -> np.ndarray:
+    """Which pairs overlap or are nearer than ``distance`` (k,); those between ``near`` of it and all of it may be left out."""
+    if not len(distance):
+        return np.zeros(0, dtype=bool)
+    hit, away = examine(first, second, near)
+    return hit | (dot(away, away) < distance * distance)
+
+
 def closest(simplex: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The point of tetrahedra (k, 4, 3) nearest the origin, and its weights (k, 4); all positive: the origin lies within."""
     best = np.full(len(simplex), np.inf)

@@ -317,13 +317,17 @@ class Allowed:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Clear:
-    """``clear a from b by distance`` where ``scope`` has rows: two sets of nodes of the part tree."""
+    """``clear a from b by distance`` where ``scope`` has rows: two sets of nodes of the part tree.
+
+    ``ranks``: of either, the elements of repeats that are meant, (name of the repeat, rank).
+    """
 
     scope: Scope
     first: tuple[int, ...]
     second: tuple[int, ...]
     distance: Expr
     text: str
+    ranks: tuple[tuple[tuple[str, int], ...], ...] = ((), ())
     where: Where | None = None
 
 

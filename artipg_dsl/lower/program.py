@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from ..diagnostics import Report
@@ -251,9 +252,21 @@ def allow(links: Links, env: Env, statement: ast.AllowStmt) -> None:
 def clear(links: Links, env: Env, statement: ast.ClearStmt) -> None:
     first, second = (nodes(links, env, node) for node in (statement.subject, statement.other))
     distance = Evaluator(env).scalar(statement.distance)
+    ranks = tuple(tuple(indices(env, node)) for node in (statement.subject, statement.other))
     links.context.program.clear.append(
-        Clear(env.scope, first, second, distance, text_of(statement.span), where(statement.span))
+        Clear(env.scope, first, second, distance, text_of(statement.span), ranks, where(statement.span))
     )
+
+
+def indices(env: Env, node: ast.Expr) -> Iterator[tuple[str, int]]:
+    """The repeats of a path that have a number behind them: their names and that rank."""
+    if isinstance(node, ast.MemberExpr | ast.IndexExpr):
+        yield from indices(env, node.obj)
+    if isinstance(node, ast.IndexExpr):
+        rank = Evaluator(env).scalar(node.index).constant
+        if rank is not None:
+            obj = node.obj
+            yield text_of(obj.span) if isinstance(obj, ast.NameExpr) else getattr(obj, "name", ""), int(rank)
 
 
 def nodes(links: Links, env: Env, node: ast.Expr) -> tuple[int, ...]:

@@ -41,6 +41,8 @@ class Pieces:
     solid: np.ndarray
     met: np.ndarray
     source: np.ndarray
+    gap: np.ndarray | None = None  # metres: pieces that are nearer than this meet; their boxes are larger by half of it
+    side: np.ndarray | None = None  # 1, 2 or 3, of two sides: pieces of one meet only those of the other
 
     def __len__(self) -> int:
         return len(self.owner)
@@ -48,8 +50,10 @@ class Pieces:
     def part(self, rows: slice | np.ndarray) -> Pieces:
         """Some of the pieces; they share the corners."""
         names = ("kind", "slot", "low", "high", "owner", "link", "shape", "solid", "met", "source")
-        columns = (getattr(self, name) for name in names)
-        return Pieces(self.corners, self.faces, self.done, *(column[rows] for column in columns))
+        columns = (getattr(self, name)[rows] for name in names)
+        found = Pieces(self.corners, self.faces, self.done, *columns)
+        found.gap, found.side = (None if column is None else column[rows] for column in (self.gap, self.side))
+        return found
 
     def boxes(self) -> Pieces:
         """The boxes of the pieces at rest in place of the pieces."""
@@ -57,7 +61,7 @@ class Pieces:
         pick = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
         corners = np.stack([ends[:, pick[:, axis], axis] for axis in range(3)], axis=-1)
         count = np.arange(len(self))
-        return replace(self, corners=[corners], kind=np.zeros(len(self), dtype=np.int64), slot=count)
+        return replace(self, corners=[corners], kind=np.zeros(len(self), dtype=np.int64), slot=count, gap=None)
 
     def ready(self, *chosen: np.ndarray) -> None:
         """Inset the pieces of some numbers (repeated ones too)."""
@@ -199,6 +203,17 @@ class Rings:
     height: np.ndarray  # (k, 2)
     reach: np.ndarray  # (k, 2)
     angle: np.ndarray  # (k, 2)
+
+    def grow(self, gap: np.ndarray) -> None:
+        """The bounds of all that is nearer than ``gap`` (k,) to the pieces."""
+        whole = self.reach[:, 0] <= gap
+        wide = np.arcsin(np.minimum(gap / np.where(whole, 1.0, self.reach[:, 0]), 1.0))
+        self.height += np.stack([-gap, gap], axis=-1)
+        self.reach = np.stack([np.maximum(self.reach[:, 0] - gap, 0.0), self.reach[:, 1] + gap], axis=-1)
+        middle = (self.angle[:, 0] + self.angle[:, 1]) / 2
+        self.angle = np.where(
+            whole[:, None], np.stack([middle - np.pi, middle + np.pi], axis=-1), self.angle + np.stack([-wide, wide], axis=-1)
+        )
 
 
 def rings(body: Pieces, piece: np.ndarray, axis: np.ndarray, origin: np.ndarray) -> Rings:

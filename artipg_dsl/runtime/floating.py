@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry.collide import Bodies, dot, examine
+from ..geometry.collide import dot, within
 from .bodies import Pieces, Placed
 from .tree import Tree, spread
 
@@ -225,14 +225,6 @@ class _Segments:
     def support(self, rows: np.ndarray, direction: np.ndarray) -> np.ndarray:
         one, two = self.ends[0][rows], self.ends[1][rows]
         return np.where((dot(one, direction) >= dot(two, direction))[:, None], one, two)
-
-
-def within(first: Bodies, second: Bodies, distance: np.ndarray) -> np.ndarray:
-    """Which pairs of convex bodies overlap or are nearer than ``distance`` (k,)."""
-    if not len(distance):
-        return np.zeros(0, dtype=bool)
-    hit, away = examine(first, second, near=0.99)
-    return hit | (dot(away, away) < distance * distance)
 
 
 def sites_within(program, nodes: set[int]) -> list[int]:  # noqa: ANN001 - graph.program.Program

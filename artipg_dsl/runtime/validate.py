@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..geometry.collide import dot, examine, overlap
+from ..geometry.collide import dot, examine, overlap, within
 from .batch import Batch
 from .bodies import FULL, Pieces, Placed, gather, rings, swept_extent
 from .motion import apply, rotation_about
@@ -22,6 +22,7 @@ from .tree import Tree, led, spread
 
 BLOCK = 20_000  # pieces at a time
 HALVINGS = 16  # of an interval of angles; what is not decided then is nearer than a turn by 0.005 degrees
+EXACT = 1 - 1e-6  # of the distance: how well it is known where a gap is asked for
 COARSE = 12  # halvings for which boxes stand for the pieces
 SHARES = np.unique(np.concatenate([[0.002, 0.005, 0.01, 0.02, 0.035], np.linspace(0.0, 1.0, 41), [0.98, 0.995]]))
 Pairs = tuple[np.ndarray, np.ndarray]
@@ -55,7 +56,12 @@ def collisions(batch: Batch, tree: Tree | None = None, body: Pieces | None = Non
     """
     tree = tree or Tree(batch)
     body = body or gather(batch, tree.first, tree.turn, tree.shift)
-    return told(tree, np.concatenate([_nothing(), *(_block(tree, part) for part in blocks(body))]))
+    return told(tree, checked(tree, body))
+
+
+def checked(tree: Tree, body: Pieces) -> np.ndarray:
+    """Rows (link, link, joint, value) of all pieces that meet: rows of the tables of links and joints, -1 at rest."""
+    return np.concatenate([_nothing(), *(_block(tree, part) for part in blocks(body))])
 
 
 def told(tree: Tree, rows: np.ndarray) -> Collisions:
@@ -125,7 +131,7 @@ def _near(
     """
     first, stop = tree.start[body.owner[piece]], tree.start[body.owner[piece] + 1]
     if joint is None:
-        first = body.link[piece] + 1
+        first = body.link[piece] + (1 if body.side is None else 0)
     i, link = spread(first, stop - first)
     lows, highs, begin, end = _link_boxes(body, len(tree.links.owner))
     if joint is not None:  # what hangs on the joint's link moves along
@@ -134,7 +140,20 @@ def _near(
         i, link = i[stays], link[stays]
     i, link = _touching(i, link, low, high, lows, highs)
     k, other = spread(begin[link], (end - begin)[link])
-    return _touching(i[k], other, low, high, body.low, body.high)
+    i, other = _touching(i[k], other, low, high, body.low, body.high)
+    if body.side is None:
+        return i, other
+    one, two = body.side[piece[i]], body.side[other]
+    apart = (body.link[piece[i]] != body.link[other]) | (body.solid[piece[i]] < body.solid[other])
+    keep = (((one & 1) * (two >> 1)) | ((one >> 1) * (two & 1))).astype(bool) & apart
+    return i[keep], other[keep]
+
+
+def meeting(body: Pieces, first: Placed, second: Placed) -> np.ndarray:
+    """Which pairs of placed pieces meet: penetrate one another, or are nearer than their gap."""
+    if body.gap is None:
+        return overlap(first, second)
+    return within(first, second, body.gap[first.piece], EXACT)
 
 
 def _link_boxes(body: Pieces, links: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -164,7 +183,7 @@ def _resting(tree: Tree, body: Pieces) -> np.ndarray:
     piece = np.arange(len(body))
     i, j = _near(tree, body, piece, body.low, body.high, None)
     body.ready(i, j)
-    hit = overlap(Placed(body, i), Placed(body, j))
+    hit = meeting(body, Placed(body, i), Placed(body, j))
     links = tree.blame(body, i[hit], j[hit])
     return Hits(*links, np.full(len(links[0]), -1), np.zeros(len(links[0]))).rows()
 
@@ -176,7 +195,7 @@ def _sliding(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> 
     high = body.high[piece] + np.maximum(*ends)
     i, j = _near(tree, body, piece, low, high, joint)
     body.ready(piece[i], j)
-    hit = overlap(Placed(body, piece[i], ends=(ends[0][i], ends[1][i])), Placed(body, j))
+    hit = meeting(body, Placed(body, piece[i], ends=(ends[0][i], ends[1][i])), Placed(body, j))
     i, j = i[hit], j[hit]
     return Hits(*tree.blame(body, piece[i], j), joint[i], tree.high[joint[i]]).rows()
 
@@ -186,6 +205,8 @@ def _turning(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> 
     own = rings(body, piece, axis, origin)
     ends = [tree.advance[joint] * (end[joint] - tree.joints.rest[joint]) for end in (tree.low, tree.high)]
     own.height += np.stack([np.minimum(*ends), np.maximum(*ends)], axis=-1)
+    if body.gap is not None:
+        own.grow(body.gap[piece])
     middle = origin + axis * ((own.height[:, 0] + own.height[:, 1]) / 2)[:, None]
     wide = own.reach[:, 1][:, None] * np.sqrt(np.maximum(1.0 - axis * axis, 0.0))
     wide += np.abs(axis) * ((own.height[:, 1] - own.height[:, 0]) / 2)[:, None]
@@ -251,12 +272,17 @@ class Turns:
         along = self.axis * (self.advance * middle)[:, None]
         moved = Placed(body, self.piece, turn, self.origin - apply(turn, self.origin) + along)
         still = Placed(body, self.other)
-        hit, away = examine(moved, still)
+        gap = None if body.gap is None else body.gap[self.piece]
+        hit, away = examine(moved, still, 0.5 if gap is None else EXACT)
         # moved lies beyond still along ``away``: does it while it turns by half the interval either way?
         least = -swept_extent(moved, self.axis, self.origin, np.minimum(half, np.pi), -away)
         least -= np.abs(dot(self.axis, away) * self.advance * half)
         most = dot(still.support(np.arange(len(self.row)), away), away)
-        return hit, ~hit & (least >= most)
+        if gap is None:
+            return hit, ~hit & (least >= most)
+        length = np.sqrt(dot(away, away))
+        hit |= length < gap
+        return hit, ~hit & (least - most >= gap * length)
 
 
 def _decide(body: Pieces, turns: Turns) -> tuple[np.ndarray, np.ndarray]:
@@ -304,5 +330,5 @@ def posed(tree: Tree, body: Pieces, states: np.ndarray) -> tuple[np.ndarray, np.
     placed = replace(body, low=middle - half, high=middle + half)
     i, j = _near(tree, placed, np.arange(len(body)), placed.low, placed.high, None)
     body.ready(i, j)
-    hit = overlap(Placed(body, i, turn[i], shift[i]), Placed(body, j, turn[j], shift[j]))
+    hit = meeting(body, Placed(body, i, turn[i], shift[i]), Placed(body, j, turn[j], shift[j]))
     return tree.blame(body, i[hit], j[hit])

@@ -213,3 +213,49 @@ def test_a_screw_advances_into_what_lies_ahead() -> None:
 """
     assert found(text.format(turns="5.7")) == []  # 1 mm + 2 cm + 28.5 mm
     assert found(text.format(turns="5.9")) == [("body", "bolt", "drive")]
+
+
+# ------------------------------------------------------------------ clear a from b by d
+
+
+def nearer(body: str, n: int = 1) -> list[str]:
+    from artipg_dsl.runtime.faults import faults
+
+    return [fault.words for fault in faults(program(body).batch(np.arange(n), 0)).others]
+
+
+@pytest.mark.parametrize(("gap", "near"), [("+ 0.9mm", True), ("+ 1mm", False), ("+ 1.1mm", False)])
+def test_clear_is_measured_at_rest(gap: str, near: bool) -> None:
+    text = SLIDE.format(wall="- 5cm", gap=gap, travel="10cm") + "clear crate from body by 1mm\n"
+    said = [f"<text>:{text.count(chr(10)) + 3}: `clear crate from body by 1mm` does not hold {when}" for when in ("at rest", "while pull moves")]
+    assert nearer(text) == said * near
+
+
+@pytest.mark.parametrize(("travel", "near"), [("18.5cm", False), ("19.5cm", True)])
+def test_clear_holds_on_the_way_of_a_slide(travel: str, near: bool) -> None:
+    """From 15 cm the crate slides to a wall whose near side is at 34.9 cm: 19.9 cm later they touch."""
+    text = SLIDE.format(wall="- 5cm", gap="+ 9mm", travel=travel) + "clear crate from wall by 8mm\n"
+    assert [w.partition("hold ")[2] for w in nearer(text)] == ["while pull moves"] * near
+
+
+@pytest.mark.parametrize(("gap", "near"), [("4.9mm", False), ("5.1mm", True)])
+def test_clear_holds_while_a_joint_turns(gap: str, near: bool) -> None:
+    """The corner of an arm, 10.0499 cm from its axis, passes a post 10.5499 cm from it at 5 mm."""
+    text = f"""
+  root part body : Cuboid(size = [40cm, 40cm, 2cm])
+  part post : Cuboid(size = [2cm, 2cm, 10cm])
+  align post.back = 105.4988mm
+  connect post.bottom on body.top
+  part arm : Cuboid(size = [20cm, 2cm, 1cm])
+  align arm.bottom = body.top + 2cm
+  joint spin : revolute body -> arm about line(at = body.center, along = z) range 3deg .. 90deg rest 90deg
+  clear arm from post by {gap}
+"""
+    assert bool(nearer(text)) == near
+
+
+def test_clear_asks_parts_and_not_their_links() -> None:
+    text = SLIDE.format(wall="- 5cm", gap="+ 1mm", travel="5cm")
+    assert nearer(text + "clear crate from wall by 5cm\n") == []
+    assert len(nearer(text + "clear crate from wall by 25cm\n")) == 2
+    assert len(nearer(text + "clear body from wall by 1mm\n")) >= 1  # one link: they touch
