@@ -227,8 +227,8 @@ def nearer(body: str, n: int = 1) -> list[str]:
 @pytest.mark.parametrize(("gap", "near"), [("+ 0.9mm", True), ("+ 1mm", False), ("+ 1.1mm", False)])
 def test_clear_is_measured_at_rest(gap: str, near: bool) -> None:
     text = SLIDE.format(wall="- 5cm", gap=gap, travel="10cm") + "clear crate from body by 1mm\n"
-    said = [f"<text>:{text.count(chr(10)) + 3}: `clear crate from body by 1mm` does not hold {when}" for when in ("at rest", "while pull moves")]
-    assert nearer(text) == said * near
+    place = f"<text>:{text.count(chr(10)) + 3}: `clear crate from body by 1mm` does not hold "
+    assert nearer(text) == [place + "at rest", place + "while pull moves"] * near
 
 
 @pytest.mark.parametrize(("travel", "near"), [("18.5cm", False), ("19.5cm", True)])
