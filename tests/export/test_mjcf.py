@@ -166,6 +166,19 @@ def test_links_that_are_welded_count_as_one() -> None:
     assert set(adjacent(on_door)) == {(names[0], names[1]), (names[0], names[2]), (names[1], names[2])}
 
 
+def test_the_halves_of_scissors_and_what_a_ring_carries_count_as_held() -> None:
+    robot = fake()
+    names = [link.name for link in robot.links]
+    door, button = robot.joints
+    halves = replace(button, kind="revolute", axis=-door.axis, origin=door.origin + 0.01 * door.axis, mimic=("open", 1.0, 0.0))
+    assert (names[1], names[2]) in adjacent(replace(robot, joints=(door, halves)))
+    assert (names[1], names[2]) not in adjacent(replace(robot, joints=(door, replace(halves, mimic=None))))
+    carried = replace(robot, joints=(door, replace(button, parent=1)))
+    assert (names[0], names[2]) not in adjacent(carried)
+    ring = replace(robot.links[1], mass=0.01 * robot.links[2].mass)
+    assert (names[0], names[2]) in adjacent(replace(carried, links=(robot.links[0], ring, robot.links[2])))
+
+
 def test_a_follower_is_tied_by_an_equality_and_follows() -> None:
     robot = Robots(FakeBatch(1, mimic=True)).robot(0)
     model = load(mjcf_files(robot))
