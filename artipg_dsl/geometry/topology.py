@@ -77,7 +77,7 @@ def seams(primitive: Primitive, variant: tuple[bool, ...]) -> Seams:
     count, scale = curves.shape[0], _extent(curves)
     curves = curves.reshape(count, 4 * len(patches), len(_ALONG), 3) / scale[:, None, None, None]
     points = (np.abs(curves - curves[:, :, :1]).max(axis=(0, 2, 3))) < TOLERANCE
-    pairs = tuple(_match(primitive, patches, params, curves, points))
+    pairs = tuple(_match(primitive, patches, params, curves, points, scale))
     closed = np.abs(curves[:, :, 0] - curves[:, :, -1]).max(axis=(0, 2)) < TOLERANCE
     return Seams(patches, pairs, points, closed, params, scale)
 
@@ -126,7 +126,12 @@ def _extent(curves: np.ndarray) -> np.ndarray:
 
 
 def _match(
-    primitive: Primitive, patches: tuple[int, ...], params: Params, curves: np.ndarray, points: np.ndarray
+    primitive: Primitive,
+    patches: tuple[int, ...],
+    params: Params,
+    curves: np.ndarray,
+    points: np.ndarray,
+    scale: np.ndarray,
 ) -> list[tuple[int, int, bool]]:
     """Pairs of edges that are the same curve, the second perhaps reversed; every edge has exactly one partner."""
     pairs = []
@@ -145,21 +150,24 @@ def _match(
             continue
         names = [f"{EDGES[e % 4]} of {surfaces(primitive)[patches[e // 4]].name}" for e in (edge, *partners)]
         name = surfaces(primitive)[patches[edge // 4]].name
+        place = _where(params, curves[0, edge, len(_ALONG) // 2] * scale[0])
         if len(partners):
-            message = f"its edge {names[0]} is shared by {len(partners) + 1} surfaces: {', '.join(names)}"
+            message = f"its edge {names[0]} is shared by {len(partners) + 1} surfaces: {', '.join(names)} ({place})"
             raise PrimitiveError(primitive, name, message)
         near = int(np.argmin(gap[edge]))
         hint = ""
         if np.isfinite(gap[edge, near]):
             other_name = surfaces(primitive)[patches[near // 4]].name
             hint = f"; the nearest is {EDGES[near % 4]} of {other_name}, {100 * gap[edge, near]:.3g} % of its size away"
-        message = f"its edge {EDGES[edge % 4]} meets no other edge: the surface leaks there{hint} ({_where(params)})"
+        message = f"its edge {EDGES[edge % 4]} meets no other edge: the surface leaks there{hint} ({place})"
         raise PrimitiveError(primitive, name, message)
     return pairs
 
 
-def _where(params: Params) -> str:
-    return "test value " + ", ".join(f"{n} = {float(v[0]):.4g}" for n, v in params.items() if n)
+def _where(params: Params, point: np.ndarray) -> str:
+    """A place (3,) in metres and the first test value, for messages."""
+    at = ", ".join(f"{1000 * float(c):.4g}" for c in point)
+    return f"about [{at}] mm, test value " + ", ".join(f"{n} = {float(v[0]):.4g}" for n, v in params.items() if n)
 
 
 def _classes(count: int, pairs: Sequence[tuple[int, int, bool]]) -> np.ndarray:
@@ -257,6 +265,7 @@ def orientation(primitive: Primitive) -> np.ndarray:
             fault = "both sides are" if (votes[0] & votes[1]).mean() > 0.5 else "neither side is"
             if min(outward, inward) > 0.125:
                 fault = "now one side, now the other is"
-            raise PrimitiveError(primitive, surface.name, f"the inside function does not agree with it: {fault} inside")
+            place = _where(chosen, point[0, point.shape[1] // 2])
+            raise PrimitiveError(primitive, surface.name, f"the inside function does not agree with it: {fault} inside ({place})")
         out[patch] = 1 if outward > inward else -1
     return out

@@ -111,3 +111,40 @@ def test_a_missing_surface_leaks():
     lines = [line for line in PLATE.splitlines() if not line.startswith("  surface top")]
     (finding,) = findings("\n".join(lines) + "\n" + CATEGORY)
     assert finding.code == "leaky-primitive" and "leaks" in finding.message
+
+
+ROD = """apg 1
+primitive Rod {
+  param radius : length > 0  test 1cm .. 10cm
+  param height : length > 0  test 1cm .. 1m
+  param span : angle > 0 = 360deg  test 30deg .. 360deg
+  let half = span / 2
+  surface side   (u in -half .. half, v in 0 .. 1) = [radius * cos(u), radius * sin(u), (v - 1/2) * height]
+  surface top    (u in 0 .. 1, v in -half .. half) = [u * radius * cos(v), u * radius * sin(v), height / 2]
+  surface bottom (u in -half .. half, v in 0 .. 1) = [v * radius * cos(u), v * radius * sin(u), -height / 2]
+  surface start  (u in 0 .. 1, v in 0 .. 1) = [u * radius * cos(half), -u * radius * sin(half), (v - 1/2) * height] when span < 1turn
+  surface end    (u in 0 .. 1, v in 0 .. 1) = [(1 - u) * radius * cos(half), (1 - u) * radius * sin(half), (v - 1/2) * height] when span < 1turn
+  let cut(q) = -radius if span >= 1turn else abs(q.y) * cos(half) - q.x * sin(half)
+  inside (p) = max(hypot(p.x, p.y) - radius, abs(p.z) - height / 2, cut(p))
+  box = [-radius, -radius, -height / 2] .. [radius, radius, height / 2]
+}
+"""
+WRONG = {
+    "a cut face that is always there": ("(1 - u) * radius * sin(half), (v - 1/2) * height] when span < 1turn",
+        "(1 - u) * radius * sin(half), (v - 1/2) * height]", ("`side`", "u start of side, u end of side, u start of end", "about [")),
+    "a bottom that spans less": ("bottom (u in -half ..", "bottom (u in -half / 2 ..", ("`side`", "v end of bottom", "about [")),
+    "a top too high": ("sin(v), height / 2]", "sin(v), height / 2 + 1mm]", ("`side`", "edge v end", "u end of top", "% of its size away")),
+    "another radius": ("hypot(p.x, p.y) - radius,", "hypot(p.x, p.y) - 0.9 * radius,", ("`side`", "neither side is inside", "about [")),
+}  # fmt: skip
+
+
+def test_a_sound_rod_has_no_findings():
+    assert findings(ROD) == []
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_wrong_declarations_say_which_surface_leaks_and_where(name):
+    old, new, told = WRONG[name]
+    assert old in ROD
+    (finding,) = findings(ROD.replace(old, new))
+    assert finding.code == "leaky-primitive" and all(word in finding.message for word in told), finding.message
