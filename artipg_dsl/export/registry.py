@@ -38,6 +38,7 @@ class Format:
     member: str = ""
     file: str = ""
     needs: tuple[str, str, str] | None = None
+    seen: bool = False  # it has what is seen alone, nothing that collides
 
     @property
     def per_object(self) -> bool:
@@ -70,8 +71,8 @@ FORMATS: dict[str, Format] = {
         Format("mjcf", "MuJoCo's own, with a scene to look at", robot="mjcf:mjcf_files", file="object.xml"),
         Format("sdf", "SDFormat with OBJ meshes, for Gazebo", robot="sdf:sdf_files", file="model.sdf"),
         Format("usd", "OpenUSD with a physics articulation", member="usd:usd_files", file="object.usda"),
-        Format("glb", "binary glTF with an opening animation", robot="glb:glb_files", file="object.glb"),
-        Format("obj", "Wavefront OBJ per link with materials", robot="mesh_obj:obj_files", file="obj/object.mtl"),
+        Format("glb", "binary glTF with an opening animation", robot="glb:glb_files", file="object.glb", seen=True),
+        Format("obj", "Wavefront OBJ per link with materials", robot="mesh_obj:obj_files", file="obj/object.mtl", seen=True),
         Format(
             "partnet-mobility", "the folder of PartNet-Mobility", member="partnet_mobility:partnet_files",
             file="mobility.urdf",

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -35,18 +36,31 @@ class Convex:
     source: Any = None
 
 
+Cluster = tuple[Convex, ...]
+
+
 def gap(pieces: Sequence[Convex]) -> float:
     """How far the hull of pieces reaches from them, at the points looked at; metres."""
-    if len(pieces) == 1:
-        return 0.0
+    return 0.0 if len(pieces) == 1 else _gap(tuple(pieces))
+
+
+@lru_cache(maxsize=1024)  # several tolerances ask for the same
+def _gap(pieces: Cluster) -> float:
     points = _extreme(np.concatenate([piece.points for piece in pieces]))
-    i, j = np.triu_indices(len(points), 1)
+    i, j = _pairs(len(points))
     x, y, z = ((points[i] + points[j]) / 2).T
     normals = np.concatenate([piece.normals for piece in pieces])
     offsets = np.concatenate([piece.offsets for piece in pieces])
     away = normals[:, 0, None] * x + normals[:, 1, None] * y + normals[:, 2, None] * z - offsets[:, None]
     start = np.cumsum([0, *(len(piece.offsets) for piece in pieces[:-1])])
     return float(np.maximum.reduceat(away, start, axis=0).min(axis=0).max())
+
+
+@lru_cache(maxsize=64)
+def _pairs(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """All pairs of numbers below ``count``."""
+    first, second = np.triu_indices(count, 1)
+    return first, second
 
 
 def _extreme(points: np.ndarray) -> np.ndarray:
@@ -56,9 +70,6 @@ def _extreme(points: np.ndarray) -> np.ndarray:
     ways = _WAYS + _SKEW
     reach = scaled[:, 0, None] * ways[:, 0] + scaled[:, 1, None] * ways[:, 1] + scaled[:, 2, None] * ways[:, 2]
     return points[np.unique(np.argmax(reach, axis=0))]
-
-
-Cluster = tuple[Convex, ...]
 
 
 def clusters(pieces: Sequence[Convex], tolerance: float) -> list[Cluster]:
