@@ -75,6 +75,8 @@ def align(env: Env, statement: ast.AlignStmt) -> None:
     equate(ev, ev.value(left), ev.value(right), left.span, right.span, statement.span)
     for equation in env.equations[stated:]:
         equation.near = starts
+    if statement.near is not None:
+        env.context.near.setdefault(statement.span, False)
 
 
 def equate(ev: Evaluator, a: Value, b: Value, left: Span, right: Span, span: Span) -> None:

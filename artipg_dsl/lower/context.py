@@ -83,6 +83,7 @@ class Context:
     labels: list = field(default_factory=list)  # (depth of the target, Label)
     materials: dict = field(default_factory=dict)  # site -> [(depth, ((material, predicate), ...))]
     semantic_groups: list = field(default_factory=list)
+    near: dict[Span, bool] = field(default_factory=dict)  # statements with `near` -> whether a search began there
     clearances: list[Span] = field(default_factory=list)  # limits that only collision checking can give
     trace: list[tuple[Span, str]] = field(default_factory=list)
 

@@ -181,6 +181,12 @@ class Evaluator:
         return Evaluator(home).value(declaration.value)
 
     def unknown(self, node: ast.NameExpr) -> Exception:
+        symbol = self.env.module.find(node.name)
+        if symbol is not None and symbol.kind in ("template", "primitive", "role"):
+            return self.env.context.error(
+                "wrong-arguments", node.span, f"`{node.name}` is a {symbol.kind}: it cannot be handed in as a value",
+                hint=f"a parameter `style` takes a style: declare `style chosen : Role = {node.name}` and hand in `chosen`",
+            )  # fmt: skip
         return self.env.context.error("unknown-name", node.span, f"`{node.name}` is not known here")
 
     def builtin(self, name: str) -> Value | None:

@@ -86,6 +86,12 @@ def finish(links: Links, env: Env) -> None:
     conditions(links, env)
     slots(links, env)
     vocabularies(env)
+    for span, searched in context.near.items():
+        if not searched and span.source is env.module.source:
+            context.report.warning(
+                "idle-near", span, "`near` says nothing here: the equation is solved without a search",
+                hint="drop it; which value is drawn is said by a range, a default or a requirement",
+            )  # fmt: skip
     judge(context, attach_bounds(program), env.module.source.name)
     program.hash = digest(program)
 

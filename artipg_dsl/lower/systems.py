@@ -40,6 +40,7 @@ def solve_system(
             if solution is None and any(row is None for row in rows):
                 solution = numeric(env, [unknowns[u] for u in group], sides, differences, guard)
                 searched = solution is not None
+                env.context.near.update((q.span, True) for q in sides if searched and q.near)
         if solution is None:
             raise unsolved(env, [unknowns[u] for u in group], [equations[matching.equation_of[u]] for u in group], rows)
         for u, column in zip(group, columns, strict=True):

@@ -114,6 +114,20 @@ VALUES = (
           require width >= 20cm
         }
         """),
+    Code("idle-near", "`near` has nothing to choose", """
+        `near` says where the search for the values of an equation begins, which chooses among several solutions. This
+        equation is solved in closed form and has one solution, so `near` changes nothing. Drop it. To keep a value
+        close to another, draw it in a range, or state a requirement or a preference.
+        """, """
+        apg 1
+        use primitives { Cuboid }
+        category Stool {
+          param width : length in 30cm .. 50cm
+          param depth : length derived in 10cm .. 60cm
+          root part seat : Cuboid(size = [depth, width, 3cm])
+          align depth = width - 5cm near depth = 40cm
+        }
+        """),
     Code("impossible", "a requirement can never hold", """
         The ranges of what it names leave no way to keep this requirement, so nothing could ever be drawn. For
         a primitive it is the ranges after `test` that are tried. Where requirements contradict one another, all of
