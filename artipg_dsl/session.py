@@ -116,10 +116,10 @@ class Session:
         if lowering is None and not self.report.failed:
             what = self.path or "the text"
             self.report.error("no-category", None, f"{what} declares no category: there is nothing to sample")
-        for span in () if lowering is None else lowering.context.clearances:
+        for span in () if lowering is None else lowering.context.unclear:
             self.report.error(
-                "needs-clearance", span, "the clearance of this joint needs collision checking: it cannot be sampled yet",
-                hint="write the limit as a number or a formula",
+                "needs-clearance", span, "this clearance is not solved for",
+                hint="the high end of a revolute or prismatic joint that moves by itself can be; write a number or a formula",
             )  # fmt: skip
         if lowering is None or self.report.failed:
             raise CompileError(self.report)

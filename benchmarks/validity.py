@@ -55,7 +55,7 @@ class Exact:
         import fcl
 
         self.fcl, self.batch, self.tree = fcl, batch, Tree(batch)
-        self.solids: dict[int, list] = {}
+        solids, links, boxes = [], [], []
         for site in batch.sites():
             for group in pieces.build(site.primitive, site.params) if len(site) else ():
                 rows = group.rows
@@ -64,34 +64,32 @@ class Exact:
                 faces = np.concatenate([np.full((len(group.faces), 1), 3), group.faces], axis=1).flatten()
                 for corners, link in zip(points, site.link[rows].tolist(), strict=True):
                     shape = fcl.Convex(np.ascontiguousarray(corners), len(group.faces), faces)
-                    self.solids.setdefault(link, []).append(fcl.CollisionObject(shape, fcl.Transform()))
-        self.link = {id(solid.collision_geometry): link for link, solids in self.solids.items() for solid in solids}
+                    solids.append(fcl.CollisionObject(shape, fcl.Transform()))
+                    links.append(link)
+                    boxes.append((corners.min(axis=0), corners.max(axis=0)))
+        self.solids, self.link, ends = solids, np.array(links), np.array(boxes)
+        self.middle, self.half = (ends[:, 0] + ends[:, 1]) / 2, (ends[:, 1] - ends[:, 0]) / 2
 
     def deepest(self, states: np.ndarray, moving: np.ndarray, found: dict[tuple[int, int], float]) -> None:
         """Note in ``found`` how deep links of ``moving`` penetrate others with the joints at ``states``."""
         fcl = self.fcl
         turn, shift = self.batch.pose(states)
-        sides = fcl.DynamicAABBTreeCollisionManager(), fcl.DynamicAABBTreeCollisionManager()
-        groups: list[list] = [[], []]
-        for link, solids in self.solids.items():
-            placed = fcl.Transform(turn[link], shift[link])
-            for solid in solids:
-                solid.setTransform(placed)
-            groups[0 if link in moving else 1].extend(solids)
-        for side, solids in zip(sides, groups, strict=True):
-            side.registerObjects(solids)
-            side.setup()
+        own = turn[self.link]
+        middle = (own * self.middle[:, None]).sum(axis=2) + shift[self.link]
+        half = (np.abs(own) * self.half[:, None]).sum(axis=2)
+        moves = np.isin(self.link, moving)
+        one, two = np.flatnonzero(moves), np.flatnonzero(~moves)
+        near = (np.abs(middle[one][:, None] - middle[two]) < half[one][:, None] + half[two]).all(axis=2)
         request = fcl.CollisionRequest(num_max_contacts=4, enable_contact=True)
-
-        def meet(one, two, _) -> bool:  # noqa: ANN001
+        for i, j in np.argwhere(near).tolist():
+            a, b = one[i], two[j]
+            for k in (a, b):
+                self.solids[k].setTransform(fcl.Transform(turn[self.link[k]], shift[self.link[k]]))
             result = fcl.CollisionResult()
-            if fcl.collide(one, two, request, result):
+            if fcl.collide(self.solids[a], self.solids[b], request, result):
                 depth = max(abs(contact.penetration_depth) for contact in result.contacts)
-                a, b = sorted((self.link[id(one.collision_geometry)], self.link[id(two.collision_geometry)]))
-                found[a, b] = max(found.get((a, b), 0.0), depth)
-            return False
-
-        sides[0].collide(sides[1], None, meet)
+                pair = tuple(sorted((int(self.link[a]), int(self.link[b]))))
+                found[pair] = max(found.get(pair, 0.0), depth)
 
 
 def sweep(name: str, n: int) -> tuple[int, int, int, int, int]:

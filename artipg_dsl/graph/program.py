@@ -181,7 +181,8 @@ class Joint:
     """``kind``: revolute, prismatic, continuous, screw, ball or fixed; origin and axis in the object's frame at value 0.
 
     ``low``, ``high``, ``rest`` in radians or metres (None: no limit; of a ball, how far it tilts). ``mimic`` is (joint
-    index, multiplier, offset). One instance per row of ``scope``.
+    index, multiplier, offset). One instance per row of ``scope``. ``clearance``: from its rest value it goes on as far as
+    nothing is in the way, at most to ``high``.
     """
 
     path: str
@@ -202,6 +203,7 @@ class Joint:
     velocity: Expr | None = None
     pitch: Expr | None = None
     where: Where | None = None
+    clearance: bool = False
     before: Scope | None = None  # the parent is the link in the row before of this repeat
 
 

@@ -84,7 +84,8 @@ class Context:
     materials: dict = field(default_factory=dict)  # site -> [(depth, ((material, predicate), ...))]
     semantic_groups: list = field(default_factory=list)
     near: dict[Span, bool] = field(default_factory=dict)  # statements with `near` -> whether a search began there
-    clearances: list[Span] = field(default_factory=list)  # limits that only collision checking can give
+    clearances: dict[int, Span] = field(default_factory=dict)  # joints whose high end is as far as nothing is in the way
+    unclear: list[Span] = field(default_factory=list)  # such ends that are not solved for
     trace: list[tuple[Span, str]] = field(default_factory=list)
 
     def error(self, code: str, span: Span, message: str, **more: object) -> Abort:

@@ -6,8 +6,10 @@ alternatives of a part may bring links of their own.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 from ..graph import expr as E
 from ..graph.expr import Expr, ScopeError
@@ -218,7 +220,7 @@ class Links:
         words = {c.word: c for c in statement.clauses}
         low = high = None
         if "range" in words and kind != "continuous":
-            low, high = (self.limit(ev, node) for node in words["range"].values)
+            low, high = self.ends(ev, words["range"].values[0], words["range"].values[1], kind, len(program.joints))
         elif kind in ("revolute", "prismatic", "screw"):
             raise self.context.error(
                 "missing-clause", statement.span, f"the {kind} joint `{statement.name}` has no range",
@@ -226,7 +228,7 @@ class Links:
             )  # fmt: skip
         rest = self.rest(ev, words, low, high)
         mimic = self.mimic(ev, words)
-        physics = {w: ev.scalar(words[w].values[0]) for w in ("damping", "friction", "effort", "velocity", "pitch") if w in words}
+        physics: dict[str, Any] = {w: ev.scalar(words[w].values[0]) for w in ("damping", "friction", "effort", "velocity", "pitch") if w in words}
         name = part.path if statement.name in ("motion", "") else joint_name(env, statement)
         joint = Joint(
             joint_name(env, statement), name, program.links[child].scope, kind, parents, child,
@@ -236,11 +238,19 @@ class Links:
         self.joints[child] = len(program.joints)
         program.joints.append(joint)
 
-    def limit(self, ev: Evaluator, node: ast.Expr) -> Expr:
-        if isinstance(node, ast.NameExpr) and node.name == "clearance" and ev.env.find("clearance") is None:
-            self.context.clearances.append(node.span)
-            return E.const(1.5)
+    def limit(self, ev: Evaluator, node: ast.Expr, kind: str) -> Expr:
+        """An end of a range; ``clearance`` stands for a whole turn or ten metres, which is narrowed when objects are made."""
+        if clears(ev, node):
+            return E.const(2 * math.pi if kind == "revolute" else 10.0)
         return ev.scalar(node)
+
+    def ends(self, ev: Evaluator, low: ast.Expr, high: ast.Expr, kind: str, joint: int) -> tuple[Expr, Expr]:
+        """Both ends of the range of a joint, by its number."""
+        if clears(ev, low) or clears(ev, high) and kind not in ("revolute", "prismatic"):
+            self.context.unclear.append((low if clears(ev, low) else high).span)
+        elif clears(ev, high):
+            self.context.clearances[joint] = high.span
+        return self.limit(ev, low, kind), self.limit(ev, high, kind)
 
     def rest(self, ev: Evaluator, words: dict[str, ast.Clause], low: Expr | None, high: Expr | None) -> Expr:
         """The given rest value, else the value of the range nearest 0."""
@@ -294,6 +304,11 @@ class Links:
         raise self.context.error(
             "bad-axis", clause.span, "this is no axis", hint="an edge (door.left.back), a port of kind line, line(...), or a direction"
         )
+
+
+def clears(ev: Evaluator, node: ast.Expr) -> bool:
+    """Whether an end of a range is as far as nothing is in the way."""
+    return isinstance(node, ast.NameExpr) and node.name == "clearance" and ev.env.find("clearance") is None
 
 
 def carried_axis(outer: Pose, axis: Triple, kind: str) -> Triple:

@@ -48,7 +48,8 @@ def limit(links: Links, env: Env, statement: ast.LimitStmt) -> None:
         joint = program.joints[number]
         if joint.low is None or joint.high is None:
             raise links.context.error("wrong-kind", statement.joint.span, f"a {joint.kind} joint has no range to limit")
-        low, high = (lifted(links.limit(ev, node), joint.scope) for node in (statement.range.low, statement.range.high))
+        ends = links.ends(ev, statement.range.low, statement.range.high, joint.kind, number)
+        low, high = (lifted(end, joint.scope) for end in ends)
         low, high = E.maximum(joint.low, low), E.minimum(joint.high, high)
         rest = E.minimum(E.maximum(joint.rest, low), high)
         program.joints[number] = replace(joint, low=low, high=high, rest=rest)

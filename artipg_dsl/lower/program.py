@@ -77,6 +77,7 @@ def finish(links: Links, env: Env) -> None:
     links.build(env, -1)
     resolve_mimics(links)
     motions(links, env)
+    clearances(links)
     number_links(links)
     links.hold()
     program.draws = context.draws
@@ -94,6 +95,16 @@ def finish(links: Links, env: Env) -> None:
             )  # fmt: skip
     judge(context, attach_bounds(program), env.module.source.name)
     program.hash = digest(program)
+
+
+def clearances(links: Links) -> None:
+    """Mark the joints that turn or slide as far as nothing is in the way; refuse those that do not move by themselves."""
+    program = links.context.program
+    followed = {joint.mimic[0] for joint in program.joints if joint.mimic is not None}
+    for number, span in links.context.clearances.items():
+        if number in followed or program.joints[number].mimic is not None or program.closures:
+            links.context.unclear.append(span)
+        program.joints[number] = replace(program.joints[number], clearance=True)
 
 
 def root_path(env: Env) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from functools import cached_property
 from typing import Any
 
@@ -162,7 +163,18 @@ class Batch:
 
     def joints(self) -> JointTable:
         """The joints, each the one above its child link."""
-        return self._joints
+        return self._limited
+
+    @cached_property
+    def _limited(self) -> JointTable:
+        """The joints, those that go on as far as nothing is in the way with the ends that they have."""
+        if not any(joint.clearance for joint in self.program.joints):
+            return self._joints
+        from .clearance import limited  # late: it needs the solids
+
+        wide = copy(self)
+        wide.__dict__["_limited"] = self._joints
+        return limited(wide)
 
     @cached_property
     def _joints(self) -> JointTable:

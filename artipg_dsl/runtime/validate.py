@@ -122,7 +122,7 @@ def _block(tree: Tree, body: Pieces) -> np.ndarray:
 # ---------------------------------------------------------------- which pairs of pieces come near one another
 
 
-def _near(
+def near(
     tree: Tree, body: Pieces, piece: np.ndarray, low: np.ndarray, high: np.ndarray, joint: np.ndarray | None
 ) -> Pairs:
     """Pairs (index into ``piece``, other piece) whose boxes overlap: the links' first, then the pieces' own.
@@ -171,8 +171,8 @@ def _touching(
 ) -> Pairs:
     """The pairs (i, j) whose boxes overlap."""
     for k in range(3):
-        near = (low[i, k] < highs[j, k]) & (lows[j, k] < high[i, k])
-        i, j = i[near], j[near]
+        close = (low[i, k] < highs[j, k]) & (lows[j, k] < high[i, k])
+        i, j = i[close], j[close]
     return i, j
 
 
@@ -181,7 +181,7 @@ def _touching(
 
 def _resting(tree: Tree, body: Pieces) -> np.ndarray:
     piece = np.arange(len(body))
-    i, j = _near(tree, body, piece, body.low, body.high, None)
+    i, j = near(tree, body, piece, body.low, body.high, None)
     body.ready(i, j)
     hit = meeting(body, Placed(body, i), Placed(body, j))
     links = tree.blame(body, i[hit], j[hit])
@@ -193,7 +193,7 @@ def _sliding(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> 
     ends = tuple(axis * (end[joint] - rest)[:, None] for end in (tree.low, tree.high))
     low = body.low[piece] + np.minimum(*ends)
     high = body.high[piece] + np.maximum(*ends)
-    i, j = _near(tree, body, piece, low, high, joint)
+    i, j = near(tree, body, piece, low, high, joint)
     body.ready(piece[i], j)
     hit = meeting(body, Placed(body, piece[i], ends=(ends[0][i], ends[1][i])), Placed(body, j))
     i, j = i[hit], j[hit]
@@ -201,6 +201,14 @@ def _sliding(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> 
 
 
 def _turning(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> np.ndarray:
+    i, turns = turnings(tree, body, piece, joint)
+    hit, value = _decide(body, turns)
+    i, j = i[hit], turns.other[hit]
+    return Hits(*tree.blame(body, piece[i], j), joint[i], value + tree.joints.rest[joint[i]]).rows()
+
+
+def turnings(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> tuple[np.ndarray, Turns]:
+    """The turns by which pieces could meet others: (index into ``piece``, the turn, less the joint's rest value)."""
     axis, origin = tree.axis[joint], tree.origin[joint]
     own = rings(body, piece, axis, origin)
     ends = [tree.advance[joint] * (end[joint] - tree.joints.rest[joint]) for end in (tree.low, tree.high)]
@@ -210,7 +218,7 @@ def _turning(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> 
     middle = origin + axis * ((own.height[:, 0] + own.height[:, 1]) / 2)[:, None]
     wide = own.reach[:, 1][:, None] * np.sqrt(np.maximum(1.0 - axis * axis, 0.0))
     wide += np.abs(axis) * ((own.height[:, 1] - own.height[:, 0]) / 2)[:, None]
-    i, j = _near(tree, body, piece, middle - wide, middle + wide, joint)
+    i, j = near(tree, body, piece, middle - wide, middle + wide, joint)
     # the others' bounds about the same axes, each once
     pair, back = np.unique(joint[i] * len(body) + j, return_inverse=True)
     other = rings(body, pair % max(len(body), 1), tree.axis[pair // max(len(body), 1)], tree.origin[pair // max(len(body), 1)])
@@ -221,9 +229,7 @@ def _turning(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> 
     rest = tree.joints.rest[joint[i]]
     at, start, stop = _angles(own.angle[i], other.angle[back], tree.low[joint[i]] - rest, tree.high[joint[i]] - rest)
     i, j = i[at], j[at]
-    hit, value = _decide(body, Turns(piece[i], j, axis[i], origin[i], start, stop, tree.advance[joint[i]], np.arange(len(i))))
-    i, j = i[hit], j[hit]
-    return Hits(*tree.blame(body, piece[i], j), joint[i], value + tree.joints.rest[joint[i]]).rows()
+    return i, Turns(piece[i], j, axis[i], origin[i], start, stop, tree.advance[joint[i]], np.arange(len(i)))
 
 
 def _angles(own: np.ndarray, other: np.ndarray, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -328,7 +334,7 @@ def posed(tree: Tree, body: Pieces, states: np.ndarray) -> tuple[np.ndarray, np.
     middle = apply(turn, (body.low + body.high) / 2) + shift
     half = apply(np.abs(turn), (body.high - body.low) / 2)
     placed = replace(body, low=middle - half, high=middle + half)
-    i, j = _near(tree, placed, np.arange(len(body)), placed.low, placed.high, None)
+    i, j = near(tree, placed, np.arange(len(body)), placed.low, placed.high, None)
     body.ready(i, j)
     hit = meeting(body, Placed(body, i, turn[i], shift[i]), Placed(body, j, turn[j], shift[j]))
     return tree.blame(body, i[hit], j[hit])

@@ -341,10 +341,10 @@ def test_limit_narrows_a_motion() -> None:
     np.testing.assert_allclose(joints.rest, np.radians(5.0))
 
 
-def test_clearance_is_checked_but_not_sampled() -> None:
+def test_a_clearance_at_the_low_end_is_checked_but_not_sampled() -> None:
     from artipg_dsl.diagnostics import CompileError
 
-    session = compiled(LID + category(SEATED + "  limit lid.motion 0deg .. clearance"))
+    session = compiled(LID + category(SEATED + "  limit lid.motion clearance .. 5deg"))
     with pytest.raises(CompileError):
         _ = session.sampler
     (found,) = [d for d in session.report.diagnostics if d.severity == "error"]

@@ -140,10 +140,11 @@ STRUCTURE = (
           joint open : revolute post -> leaf about z range 0deg .. 90deg
         }
         """),
-    Code("needs-clearance", "a limit needs collision checking", """
-        `clearance` as the end of a range asks for the largest value without a collision, which only checking
-        the whole range for collisions can give. The program is legal and can be checked, but not sampled. Give
-        the end as a formula of the sizes, or as a plain angle or length.
+    Code("needs-clearance", "a clearance that is not solved for", """
+        `clearance` as the high end of a range asks for the largest value without a collision. It is solved for
+        where a revolute or prismatic joint moves by itself: not for the low end, nor for joints that follow others,
+        are followed, or lie in programs that close loops. The program is legal and can be checked, but not sampled.
+        Turn the axis round, or give the end as a formula of the sizes, or as a plain angle or length.
         """, """
         apg 1
         use primitives { Cuboid }
@@ -151,7 +152,7 @@ STRUCTURE = (
           root part body : Cuboid(size = [30cm, 60cm, 40cm])
           part lid : Cuboid(size = [30cm, 60cm, 2cm])
           align lid.bottom = body.top + 1mm
-          joint open : revolute body -> lid about lid.back.bottom range 0deg .. clearance
+          joint open : revolute body -> lid about lid.back.bottom range clearance .. 90deg
         }
         """),
     Code("incomplete-primitive", "a primitive lacks surfaces, inside or box", """
