@@ -228,7 +228,8 @@ class Links:
             )  # fmt: skip
         rest = self.rest(ev, words, low, high)
         mimic = self.mimic(ev, words)
-        physics: dict[str, Any] = {w: ev.scalar(words[w].values[0]) for w in ("damping", "friction", "effort", "velocity", "pitch") if w in words}
+        given = ("damping", "friction", "effort", "velocity", "pitch")
+        physics: dict[str, Any] = {w: ev.scalar(words[w].values[0]) for w in given if w in words}
         name = part.path if statement.name in ("motion", "") else joint_name(env, statement)
         joint = Joint(
             joint_name(env, statement), name, program.links[child].scope, kind, parents, child,
