@@ -70,9 +70,11 @@ class Coverage:
 
 
 def factors(batch: Batch) -> list[Factor]:
-    """The choices and counts of a program with their levels."""
+    """The choices and counts of a program with their levels; not those that were given a value."""
     found = []
     for number, draw in enumerate(batch.program.draws):
+        if number in batch.state.given:
+            continue
         levels = _levels(draw, batch.state.values[number])
         if len(levels) > 1:
             found.append(Factor(number, draw.column.name, draw.column.scope, levels))
@@ -102,7 +104,7 @@ def coverage(sampler: Sampler, batch: Batch) -> Coverage:
     seen = 0
     missed: list[Pair] = []
     excluded: list[Pair] = []
-    trials = _Trials(sampler, batch.seed)
+    trials = _Trials(sampler, batch.state)
     for first, second in combinations(factors(batch), 2):
         table = together(batch, first, second)
         seen += int(table.sum())
@@ -136,8 +138,8 @@ def shown(batch: Batch, factor: Factor, table: Scope) -> np.ndarray:
 class _Trials:
     """Objects with values given on purpose, evaluated for their draws and requirements alone, and kept."""
 
-    def __init__(self, sampler: Sampler, seed: int):
-        self.program, self.seed = sampler.program, seed
+    def __init__(self, sampler: Sampler, like: State):
+        self.program, self.seed, self.fixed = sampler.program, like.seed, like.given
         self.plan = make_plan(sampler.program, ())
         self.made: dict[tuple[tuple[int, float], ...], Batch] = {}
 
@@ -150,7 +152,7 @@ class _Trials:
 
     def evaluate(self, values: tuple[tuple[int, float], ...]) -> Batch:
         numbers = np.arange(TRIED)
-        state = State(self.seed, numbers, np.zeros(len(numbers), dtype=np.int64), dict(values))
+        state = State(self.seed, numbers, np.zeros(len(numbers), dtype=np.int64), {**self.fixed, **dict(values)})
         return made(self.program, self.plan, state)
 
     def possible(self, first: Factor, i: int, second: Factor, j: int) -> bool:

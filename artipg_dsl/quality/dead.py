@@ -36,7 +36,7 @@ def dead_parameters(batch: Batch) -> list[Dead]:
     """Numbers that are drawn and change nothing that can be observed."""
     found = []
     for number, draw in enumerate(batch.program.draws):
-        if draw.kind == "choice":
+        if draw.kind == "choice" or number in batch.state.given:
             continue
         having = np.unique(batch.owner(draw.column.scope))
         why = _effect(batch, number, having) if len(having) else "is never drawn"
@@ -91,7 +91,7 @@ def dead_alternatives(sampler: Sampler, batch: Batch) -> list[Dead]:
     found = []
     numbers = batch.numbers[:FEW]
     for number, draw in enumerate(batch.program.draws):
-        if draw.kind != "choice":
+        if draw.kind != "choice" or number in batch.state.given:
             continue
         count = np.bincount(batch.state.values[number].astype(np.int64), minlength=len(draw.options))
         for option in np.flatnonzero(count == 0).tolist():
@@ -113,7 +113,8 @@ def _taken(
     sampler: Sampler, batch: Batch, number: int, option: int, numbers: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """The fingerprints of some objects in which a choice is given, and which of them are valid and have the choice."""
-    state = State(batch.seed, numbers, np.zeros(len(numbers), dtype=np.int64), {number: float(option)})
+    given = {**batch.state.given, number: float(option)}
+    state = State(batch.seed, numbers, np.zeros(len(numbers), dtype=np.int64), given)
     taken = made(sampler.program, sampler.plan, state)
     there = np.zeros(len(numbers), dtype=bool)
     there[taken.owner(batch.program.draws[number].column.scope)] = True

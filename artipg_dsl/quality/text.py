@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 from .card import Card
 from .coverage import Pair
@@ -14,7 +14,8 @@ FEW = 8  # of a list that are told
 def text(card: Card) -> str:
     """A card in lines: each figure, its goal, whether it is met, and below it what explains it."""
     goals = {goal.figure: goal for goal in card.goals}
-    lines = [f"{card.category}: {card.objects} objects, seed {card.seed}" + ("" if card.checked else ", collisions not checked")]
+    counted = "1 object" if card.objects == 1 else f"{card.objects} objects"
+    lines = [f"{card.category}: {counted}, seed {card.seed}" + ("" if card.checked else ", collisions not checked")]
     for figure, value, remarks in rows(card):
         goal = goals.get(figure)
         verdict = "" if goal is None else f"  goal {goal.goal}: {'met' if goal.met else 'NOT MET'}"
@@ -79,19 +80,25 @@ HEAD = (
 )  # fmt: skip
 
 
-def markdown(cards: Iterable[Card]) -> str:
-    """A table with a row per category."""
+def markdown(cards: Sequence[Card]) -> str:
+    """A table with a row per category, the goals that are not met, and why a category has as many graphs as it should."""
     lines = ["| " + " | ".join(HEAD) + " |", "|---|" + "---:|" * (len(HEAD) - 1)]
-    for card in cards:
-        variety, pairs = card.variety, card.pairs
-        goal = "" if card.real is None or card.real.graphs is None else f" ({card.real.graphs})"
-        within = [f"{100 * e.within:.0f}" for e in card.sizes if e.within is not None]
-        cells = [
-            card.category, f"{100 * card.valid.first / card.objects:.1f}%", f"{variety.distinct}{goal}", f"{variety.perplexity:.1f}",
-            f"{variety.distance:.2f}", f"{variety.joints_mean:.1f}, {variety.joints_variance:.1f}",
-            f"{100 * card.duplicates / card.objects:.1f}%", f"{pairs.seen} of {pairs.possible}",
-            f"{', '.join(within)}%" if within else "-", str(len(card.dead_parameters) + len(card.dead_alternatives)),
-            "-" if card.lines is None else str(card.lines),
-        ]  # fmt: skip
-        lines.append("| " + " | ".join(cells) + " |")
-    return "\n".join(lines) + "\n"
+    lines += ["| " + " | ".join(cells(card)) + " |" for card in cards]
+    missed = [f"{card.category}, {goal.figure} ({goal.goal})" for card in cards for goal in card.goals if not goal.met]
+    lines += ["", f"Goals not met: {'; '.join(missed)}." if missed else "All goals are met.", ""]
+    lines += [f"* {card.category}: {card.real.why}." for card in cards if card.real is not None and card.real.why]
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def cells(card: Card) -> list[str]:
+    """The row of a card."""
+    variety, pairs = card.variety, card.pairs
+    goal = "" if card.real is None or card.real.graphs is None else f" ({card.real.graphs})"
+    within = [f"{100 * e.within:.0f}" for e in card.sizes if e.within is not None]
+    return [
+        card.category, f"{100 * card.valid.first / card.objects:.1f}%", f"{variety.distinct}{goal}", f"{variety.perplexity:.1f}",
+        f"{variety.distance:.2f}", f"{variety.joints_mean:.1f}, {variety.joints_variance:.1f}",
+        f"{100 * card.duplicates / card.objects:.1f}%", f"{pairs.seen} of {pairs.possible}",
+        f"{', '.join(within)}%" if within else "-", str(len(card.dead_parameters) + len(card.dead_alternatives)),
+        "-" if card.lines is None else str(card.lines),
+    ]  # fmt: skip

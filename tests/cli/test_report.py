@@ -8,7 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from .helpers import CHEST, Apgc, spawn
+from artipg_dsl.quality.text import HEAD
+from artipg_dsl.session import categories
+
+from .helpers import CHEST, ROOT, Apgc, spawn
 
 
 def test_the_card_in_words(apgc: Apgc) -> None:
@@ -46,9 +49,18 @@ def test_goals_decide_the_exit_code_where_that_is_asked_for(apgc: Apgc, tmp_path
 def test_a_table_of_several(apgc: Apgc) -> None:
     code, out, _ = apgc("report", CHEST, CHEST, "-n", 5, "--markdown", "--unchecked")
     assert code == 0
-    head, line, *rows = out.splitlines()
-    assert head.count("|") == line.count("|") == rows[0].count("|") and len(rows) == 2
-    assert rows[0].startswith("| Chest | 100.0% |")
+    head, line, first, second, *rest = out.splitlines()
+    assert head.count("|") == line.count("|") == first.count("|") and first == second
+    assert first.startswith("| Chest | 100.0% |")
+    assert rest == ["", "All goals are met."] or rest[1].startswith("Goals not met: Chest, ")
+
+
+def test_the_page_of_the_categories_has_a_row_and_a_picture_of_each() -> None:
+    page = (ROOT / "docs" / "categories.md").read_text()
+    rows = [line.split("|")[1].strip() for line in page.splitlines() if line.startswith("| ")]
+    assert rows == ["category", *categories()]
+    assert "| " + " | ".join(HEAD) + " |" in page
+    assert all(f"gallery/{path.stem}.png" in page for path in categories().values())
 
 
 class Page(HTMLParser):

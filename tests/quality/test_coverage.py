@@ -25,6 +25,15 @@ def test_what_few_objects_do_not_show_is_missed() -> None:
     assert found.share == 1 / 6
 
 
+def test_what_is_given_is_no_choice() -> None:
+    sampler, _ = sampled(CHEST)
+    given = {k: 1.0 for k, draw in enumerate(sampler.program.draws) if draw.column.name == "lid"}
+    batch = sampler.batch(np.arange(40), 0, given=given)
+    found = coverage(sampler, batch)
+    assert (found.possible, found.excluded) == (0, ()) and found.share == 1.0
+    assert not dead_alternatives(sampler, batch)
+
+
 GUARDED = """
 category Guarded {
   count n in 1 .. 3
