@@ -93,7 +93,8 @@ def _lines(pieces: list[_Piece]) -> list[str]:
             out.append(_space(before, token, piece.gap))
         out.append(token.value.rstrip())
         if token.type == "LBRACE":
-            open_.append(at + 1 < len(pieces) and pieces[at + 1].breaks > 0)
+            behind = next((p for p in pieces[at + 1 :] if p.breaks or p.token.type not in COMMENTS), piece)
+            open_.append(behind.breaks > 0)
     return [*out, "\n"]
 
 

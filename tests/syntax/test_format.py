@@ -69,6 +69,10 @@ CASES = {
         "let f(a) = a*2 + -a/4 - 1/2turn\n",
         "let f(a) = a*2 + -a/4 - 1/2turn\n",
     ),
+    "a comment behind a brace": (
+        "category A {  # what\nwhen x {  # why\nlet a = 1\n}\n}\n",
+        "category A {  # what\n  when x {  # why\n    let a = 1\n  }\n}\n",
+    ),
     "empty braces": ("category A{}\n", "category A { }\n"),
     "hanging braces": (
         "material m { density 1kg/m3\n               friction 0.5 }\n",
