@@ -3,14 +3,15 @@
 Each operation is the sampler's own evaluation with most draws kept, and takes the object that the one before has made:
 the inputs of a role outlive a swap, elements of a repeat keep their values by rank, new rows and new templates are drawn
 in their conditional range, determined parameters follow, and what no longer fits is moved as little as possible. An
-object that fails a requirement or collides is tried again; after several attempts what is kept may give way, too.
+object that fails a requirement or collides is repaired, or tried again where that finds nothing; after several attempts what
+is kept may give way, too.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,10 @@ from ..graph.expr import leaves
 from ..graph.program import Draw, Program
 from ..graph.random import key, uniform
 from .batch import Batch
+from .clips import CLIPPED, Asked, Blame, logged
 from .kernels import Kept, State, full
+from .repair import Mended, joined, mended, tally
+from .repairs import Repairs
 from .sample import ATTEMPTS, Exhausted, Sampler, Statistics, colliding
 from .settled import again, chosen, differing, kept, made
 
@@ -128,18 +132,29 @@ def mutate(
     statistics = statistics if statistics is not None else Statistics()
     history: list[Stage] = []
     rejected = np.zeros(len(batch), dtype=np.int64)
+    repairs: list[Repairs] = []
     now = batch
     for operation in [o for o in OPERATIONS if o in operations]:
         step = _Step(sampler, now, operation, f"{salt} by {operation}", lane, variants >= 0, strength, share, Names(only))
         after, tries = step.one(statistics, checked) if one else step.run(statistics, checked)
         rejected += tries
+        logs = [moved(sampler, now, after, step.purpose()), *step.logs()]
+        tally(statistics, logs[0], {}, np.zeros(len(batch), dtype=bool))
+        repairs += logs
         history.append(Stage(operation, now, after, step.purpose()))
         now = after
         if one and any(w.any() for w in step.swaps):
             break
     found = again(now, np.arange(len(batch)), attempt=rejected, lane=lane, salt=salt)
     found.history = tuple(history)
+    found.repairs = Repairs.joined(repairs)
     return found
+
+
+def moved(sampler: Sampler, before: Batch, after: Batch, meant: Sequence[np.ndarray]) -> Repairs:
+    """What an operation has moved without meaning to: kept values that no longer fitted, each with what forbids it."""
+    asked = Asked(Asked.all(before).values, [~rows for rows in meant])
+    return logged(sampler, before, asked, after, Blame(lambda _: [], {})).only(CLIPPED)
 
 
 class Names:
@@ -188,6 +203,7 @@ class _Step:
             if draw.kind == KIND[operation] and (draw.kind != "choice" or number in parts or not names.everything):
                 self.meant[number] = names.of(batch, draw) & self.can_change(draw) & able[self.owner(draw)]
         self.reaches = [self.reach(number) for number in range(len(draws))]
+        self.mended: list[Mended] = []  # attempts that were put right, by their places in the batch
 
     def owner(self, draw: Draw) -> np.ndarray:
         return self.batch.rowmap.rows(draw.column.scope).owner
@@ -251,13 +267,27 @@ class _Step:
         while len(left):
             trial = self.trial(left, attempt, self.giving)
             bad = self.failing(trial, left, statistics, checked, first)
+            if first and bad.any():
+                self.mend(trial, left, bad, statistics, checked)
             left, first = left[bad], False
             attempt[left] += 1
             if len(left) and attempt.max() >= ATTEMPTS:
                 raise Exhausted(self.batch.numbers[left], statistics, ATTEMPTS)
         if not len(touched):
             return self.batch, attempt
-        return self.trial(np.arange(len(self.batch)), attempt, self.giving), attempt
+        found = self.trial(np.arange(len(self.batch)), attempt, self.giving)
+        return joined(found, [(m.batch, m.places) for m in self.mended]), attempt
+
+    def mend(self, trial: Batch, objects: np.ndarray, bad: np.ndarray, statistics: Statistics, checked: bool) -> None:
+        """Put attempts right that failed, by their numbers: templates and counts are what the operation is about."""
+        fixed = [number for number, draw in enumerate(trial.program.draws) if draw.kind != "real"]
+        found = mended(self.sampler, trial, np.flatnonzero(bad), statistics, checked, fixed)
+        bad[found.places] = False
+        self.mended.append(replace(found, places=objects[found.places]))
+
+    def logs(self) -> list[Repairs]:
+        """What was moved to put attempts right, by the places of the objects in the batch."""
+        return [replace(m.batch.repairs, owner=m.places[m.batch.repairs.owner]) for m in self.mended]
 
     def one(self, statistics: Statistics, checked: bool) -> tuple[Batch, np.ndarray]:
         """One value of each object changed and no other that both have; unchanged where that cannot be."""

@@ -100,9 +100,11 @@ class Mended:
         return found
 
 
-def mended(sampler: Sampler, batch: Batch, objects: np.ndarray, statistics: Statistics, checked: bool) -> Mended:
-    """What can be put right of some objects of a batch, whose failures have been counted."""
-    outcome = repair(sampler, again(batch, objects), statistics=statistics, checked=checked, counted=True)
+def mended(
+    sampler: Sampler, batch: Batch, objects: np.ndarray, statistics: Statistics, checked: bool, fixed: Iterable[int] = ()
+) -> Mended:
+    """What can be put right of some objects of a batch, whose failures have been counted; draws ``fixed`` do not move."""
+    outcome = repair(sampler, again(batch, objects), statistics=statistics, checked=checked, counted=True, fixed=fixed)
     good = np.setdiff1d(np.arange(len(objects)), outcome.failed)
     found = again(outcome.batch, good)
     found.repairs = outcome.repairs.of(good)

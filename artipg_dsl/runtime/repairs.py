@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from ..graph.program import Draw, Program
 HOW = ("clipped", "hint", "search", "redrawn")
 
 # why a value could not stay: ("domain", draw), ("draw", draw without room), ("requirement", number),
-# ("collision", (link, link, joint)) or ("solid", what is wrong with the solids, in words)
+# ("collision", (link, link, joint)), ("solid", what is wrong with the solids, in words) or ("told", (why, where)) by a file
 Cause = tuple[str, Any]
 
 
@@ -58,7 +59,9 @@ class Repairs:
 
     def without(self, objects: np.ndarray) -> Repairs:
         """The same without the objects for which a mask is set."""
-        keep = np.flatnonzero(~objects[self.owner])
+        return self._rows(np.flatnonzero(~objects[self.owner]))
+
+    def _rows(self, keep: np.ndarray) -> Repairs:
         name, cause = [self.name[k] for k in keep], [self.cause[k] for k in keep]
         return Repairs(self.owner[keep], self.draw[keep], name, self.before[keep], self.after[keep], self.how[keep], cause)
 
@@ -68,11 +71,12 @@ class Repairs:
         for place, index in enumerate(objects.tolist()):
             rows = np.flatnonzero(self.owner == index)
             if len(rows):
-                name, cause = [self.name[k] for k in rows], [self.cause[k] for k in rows]
-                parts.append(
-                    Repairs(np.full(len(rows), place), self.draw[rows], name, self.before[rows], self.after[rows], self.how[rows], cause)
-                )
+                parts.append(replace(self._rows(rows), owner=np.full(len(rows), place)))
         return Repairs.joined(parts)
+
+    def only(self, how: int) -> Repairs:
+        """The rows that were moved in one way (an index into ``HOW``)."""
+        return self._rows(np.flatnonzero(self.how == how))
 
     def objects(self) -> np.ndarray:
         return np.unique(self.owner)
@@ -112,6 +116,28 @@ def giving(program: Program, cause: Cause) -> tuple[int, ...]:
     return tuple(dict.fromkeys(k for r in stated for k in program.requirements[r].repair))
 
 
+def read(program: Program, owner: int, entries: Sequence[Mapping[str, Any]]) -> Repairs:
+    """The rows of one object as ``plain`` has told them. Raises KeyError and ValueError for what it has not."""
+    parts = []
+    for entry in entries:
+        path, ends = re.sub(r"\[\d+\]", "", entry["path"]), (entry["from"], entry["to"])
+        draws = [k for k, d in enumerate(program.draws) if d.column.name == path]
+        fitting = [k for k in draws if all(not isinstance(e, str) or e in program.draws[k].options or unending(e) for e in ends)]
+        if not fitting:
+            raise ValueError(f"nothing draws `{entry['path']}`")
+        options = program.draws[fitting[0]].options
+        values = [np.nan if e is None else options.index(e) if e in options else float(e) for e in ends]
+        cause: Cause = "told", (entry["because"], entry["where"])
+        before, after = (np.array([value], dtype=np.float64) for value in values)
+        how = np.array([HOW.index(entry["how"])])
+        parts.append(Repairs(np.array([owner]), np.array(fitting[:1]), [entry["path"]], before, after, how, [cause]))
+    return Repairs.joined(parts)
+
+
+def unending(text: str) -> bool:
+    return text in ("inf", "-inf")
+
+
 def shown(draw: Draw, value: float) -> Any:
     """A value as files know it; None where there is none."""
     if np.isnan(value):
@@ -127,6 +153,8 @@ def explained(program: Program, cause: Cause) -> tuple[str, str | None]:
     """A cause in words, and its place in the text as ``file:line:column``."""
     kind, about = cause
     where = None
+    if kind == "told":
+        return about
     if kind == "requirement":
         requirement = program.requirements[about]
         where, words = requirement.where, requirement.message

@@ -23,7 +23,8 @@ from .settled import made
 STEPS = 2.0 ** -np.arange(6, -1, -1)  # of the width of a domain, for a value that moves alone
 TOGETHER = 48  # candidates in which several values move
 HALVINGS = 8  # of the way back towards the old values
-WAVES = 6  # how often solids are examined: of the cheapest candidate, of two more, four more, ...
+WAVES = ((0.05, 0.2), (0.2, 0.7), (0.7, np.inf), (-1.0, 0.05))  # in what order candidates are examined for solids, by cost
+EXAMINED = 40  # of them of an object at a time, evenly over the wave
 BLOCK = 2048  # candidates evaluated at a time
 AGAIN = 2  # searches from what was better and not yet valid
 DRAWN = 0.05  # how much less it costs to move a value that nobody asked for
@@ -228,18 +229,18 @@ class Search:
             top = order[first]
             return top[judged.faults[top] == 0], top[judged.faults[top] > 0]
         valid = order[judged.faults[order] == 0]
-        _, start = np.unique(moves.place[valid], return_index=True)
-        start = np.append(start, len(valid))
-        index = np.repeat(np.arange(len(start) - 1), np.diff(start))
-        rank = np.arange(len(valid)) - start[index]
-        winner = np.full(len(start) - 1, -1, dtype=np.int64)
-        for wave in range(WAVES):
-            asked = np.flatnonzero((winner[index] < 0) & (rank + 1 >= 2**wave) & (rank + 1 < 2 ** (wave + 1)))
-            if not len(asked):
-                break
-            good = asked[self.examined(moves.part(valid[asked]))]
-            places, first = np.unique(index[good], return_index=True)
-            winner[places] = valid[good[first]]
+        places, index = np.unique(moves.place[valid], return_inverse=True)
+        winner = np.full(len(places), -1, dtype=np.int64)
+        cost = judged.cost[valid]
+        for above, upto in WAVES:
+            asked = np.flatnonzero((winner[index] < 0) & (cost > above) & (cost <= upto))
+            count = np.bincount(index[asked], minlength=len(places))
+            rank = np.arange(len(asked)) - (np.cumsum(count) - count)[index[asked]]
+            share = np.maximum(count[index[asked]], EXAMINED)
+            asked = asked[rank * EXAMINED // share != (rank - 1) * EXAMINED // share]
+            good = asked[self.examined(moves.part(valid[asked]))] if len(asked) else asked
+            found, first = np.unique(index[good], return_index=True)
+            winner[found] = valid[good[first]]
         winner = winner[winner >= 0]
         rest = order[judged.faults[order] > 0]
         _, first = np.unique(moves.place[rest], return_index=True)

@@ -21,9 +21,11 @@ from ..graph import expr as E
 from ..graph.expr import Scope
 from ..graph.program import Draw
 from ..graph.random import mix
+from . import repairs
 from .batch import Batch
 from .kernels import Kept
 from .mutate import OPERATIONS, Stage
+from .repairs import HOW, Repairs
 from .sample import Exhausted, Sampler, Statistics, colliding
 from .settled import again, chosen
 
@@ -153,6 +155,7 @@ def read_traces(text: str, name: str) -> dict[int, dict[str, Any]]:
         try:
             entry = json.loads(line)
             found[int(entry["object"])] = entry
+            _ = [(r["path"], r["from"], r["to"], r["because"], r["where"], HOW.index(r["how"])) for r in entry.get("repairs", ())]
             _ = int(entry["source"]), [(s["op"], s["how"], s["path"], s["from"], s["to"]) for s in entry["steps"]]
         except (ValueError, KeyError, TypeError) as error:
             raise UserError(
@@ -193,6 +196,8 @@ class Replay:
         if bad.any():
             raise Exhausted(numbers[bad], statistics, 1)
         found.numbers = numbers
+        told = [repairs.read(batch.program, i, self.records[n].get("repairs", ())) for i, n in enumerate(numbers.tolist())]
+        found.repairs = Repairs.joined(told)
         return found
 
 

@@ -12,9 +12,11 @@ from artipg_dsl.params import values_of
 from artipg_dsl.runtime.clips import Asked
 from artipg_dsl.runtime.faults import faults
 from artipg_dsl.runtime.kernels import Kept, State
+from artipg_dsl.runtime.mutate import mutate
 from artipg_dsl.runtime.repair import repair
 from artipg_dsl.runtime.sample import Sampler, Statistics
-from artipg_dsl.runtime.settled import chosen, made
+from artipg_dsl.runtime.settled import again, chosen, made
+from artipg_dsl.runtime.trace import Replay, read_traces, trace_lines
 from artipg_dsl.runtime.values import Values
 from artipg_dsl.session import Session
 
@@ -220,3 +222,28 @@ def test_sampling_repairs_instead_of_drawing_again_where_it_is_asked_to() -> Non
     assert sum(statistics.repaired.values()) == (~valid).sum()
     one = sampler.batch(np.flatnonzero(~valid)[:1], 1, checked=True, mend=True)
     assert log(one) == mended.repairs.of(np.flatnonzero(~valid)[:1]).plain(sampler.program)
+
+
+def test_mutants_are_repaired_and_tell_it_again_when_replayed() -> None:
+    sampler = Session.of_text(CRATE.replace("reach : length in 5cm .. 40cm", "reach : length in 5cm .. 40cm vary 20cm")).sampler
+    batch = sampler.batch(np.arange(24), 1, checked=True)
+    statistics = Statistics()
+    mutant = mutate(sampler, batch, operations=("cpa",), checked=True, statistics=statistics)
+    assert statistics.first_valid < 24 == statistics.attempts  # none was drawn again
+    assert not len(faults(mutant).objects()) and "search" in {entry["how"] for entry in log(mutant)}
+    assert sum(statistics.repaired.values()) == len(mutant.repairs.objects())
+    records = read_traces(trace_lines(mutant).decode(), "trace")
+    same = Replay(records).apply(sampler, batch, mutant.numbers, np.zeros(24, dtype=np.int64), Statistics(), True)
+    assert log(same) == log(mutant) and trace_lines(same) == trace_lines(mutant)
+    assert all(np.array_equal(v, mutant.values()[k]) for k, v in same.values().items())
+    alone = mutate(sampler, again(batch, mutant.repairs.objects()[:1]), operations=("cpa",), checked=True)
+    assert log(alone) == mutant.repairs.of(mutant.repairs.objects()[:1]).plain(sampler.program)
+
+
+def test_what_mutation_clips_is_told_with_its_requirement() -> None:
+    sampler = sampler_of("count n in 1 .. 4", "param a : length in 1cm .. 10cm", 'require a * n <= 12cm else "too many for their width"')
+    batch = sampler.batch(np.arange(40), 0)
+    mutant = mutate(sampler, batch, operations=("dpa",))
+    entries = log(mutant)
+    assert entries and {(e["path"], e["how"], e["where"]) for e in entries} == {("a", "clipped", "box.apg:6:3")}
+    assert {e["because"] for e in entries} == {"too many for their width (a * n <= 12cm)"}
