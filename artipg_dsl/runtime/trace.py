@@ -196,8 +196,6 @@ class Replay:
         if bad.any():
             raise Exhausted(numbers[bad], statistics, 1)
         found.numbers = numbers
-        told = [repairs.read(batch.program, i, self.records[n].get("repairs", ())) for i, n in enumerate(numbers.tolist())]
-        found.repairs = Repairs.joined(told)
         return found
 
 
@@ -215,6 +213,8 @@ def replay(batch: Batch, records: Sequence[Mapping[str, Any]]) -> Batch:
             history.append(Stage(operation, now, after, wanted))
             now = after
     found = again(now, everything, attempt=attempt, lane=lane, salt=salt)
+    told = [repairs.read(batch.program, place, entry.get("repairs", ())) for place, entry in enumerate(records)]
+    found.repairs = Repairs.joined(told)
     found.history = tuple(history) or (Stage(OPERATIONS[0], batch, found, _asked(batch, "", [])[1]),)
     return found
 
