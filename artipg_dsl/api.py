@@ -58,14 +58,22 @@ def sample(
     Raises CompileError, SettingError, NoObject, UserError.
     """
     if values is None:
-        return Samples(open_job(category, seed, set, checked=checked, sampling=sampling, repair=repair), _numbers(n, numbers))
+        return Samples(
+            open_job(category, seed, set, checked=checked, sampling=sampling, repair=repair), _numbers(n, numbers)
+        )
     if set or n is not None or sampling != "sequential":
-        raise UsageError("objects given by values have their number and values from there", "leave n, set and sampling out")
+        raise UsageError(
+            "objects given by values have their number and values from there", "leave n, set and sampling out"
+        )
     from .params import read_params, values_of
 
     job = open_job(category, seed, checked=checked)
     program = job.sampler.program
-    found = read_params(values, program) if isinstance(values, str | Path) else values_of([dict(v) for v in values], program, "values")
+    found = (
+        read_params(values, program)
+        if isinstance(values, str | Path)
+        else values_of([dict(v) for v in values], program, "values")
+    )
     beyond = [k for k in ([] if numbers is None else np.asarray(numbers).tolist()) if not 0 <= k < len(found.records)]
     if beyond:
         raise UsageError(f"there is no object {beyond[0]}: {len(found.records)} are given, numbered from 0")

@@ -82,7 +82,10 @@ class Job:
         program = self.sampler.program
         for name in Names.unknown(step.only, program) if isinstance(step, Mutation) else ():
             names = dict.fromkeys(d.column.name for d in program.draws)
-            raise UsageError(f"{program.name} draws no `{name}`", did_you_mean(name, names) or f"it draws {', '.join(list(names)[:8])}, ...")
+            raise UsageError(
+                f"{program.name} draws no `{name}`",
+                did_you_mean(name, names) or f"it draws {', '.join(list(names)[:8])}, ...",
+            )
         return replace(self, mutations=(*self.mutations, step), statistics=Statistics())
 
     def recorded(self) -> dict[str, Any]:
@@ -109,7 +112,8 @@ class Job:
                 if error.hopeless
                 else f"no valid {self.sampler.program.name} in {error.attempts} attempts{fixed} for {counted} {shown}; "
             )
-            + "what failed most:\n" + "\n".join(lines),
+            + "what failed most:\n"
+            + "\n".join(lines),
             "set other values" if self.settings else "widen the ranges, or state what one value leaves to the next",
         )
 
@@ -128,7 +132,12 @@ class Job:
     def counts(self) -> dict[str, Any]:
         """The statistics as the manifest keeps them."""
         made = self.statistics
-        found: dict[str, Any] = {"checked": self.checked, "objects": made.objects, "first_valid": made.first_valid, "attempts": made.attempts}
+        found: dict[str, Any] = {
+            "checked": self.checked,
+            "objects": made.objects,
+            "first_valid": made.first_valid,
+            "attempts": made.attempts,
+        }
         found["failed"] = self.failures()
         if made.repaired:
             found["repaired"] = self.told(made.repaired)
@@ -180,7 +189,9 @@ def open_job(
     Raises CompileError, SettingError, and UserError for a compiled program that cannot be read.
     """
     if Path(name).suffix == COMPILED:
-        return make_job(Sampler(read_compiled(name)), str(name), seed, settings, checked=checked, sampling=sampling, repair=repair)
+        return make_job(
+            Sampler(read_compiled(name)), str(name), seed, settings, checked=checked, sampling=sampling, repair=repair
+        )
     from .session import Session
 
     session = Session.of(name)
@@ -195,7 +206,10 @@ def make_job(
 ) -> Job:  # fmt: skip
     candidates = read_sampling(sampling)
     if candidates and repair:
-        raise UsageError("objects that are repaired cannot follow the declared distributions", "leave --repair out, or --sampling prior")
+        raise UsageError(
+            "objects that are repaired cannot follow the declared distributions",
+            "leave --repair out, or --sampling prior",
+        )
     given, plain = resolve(sampler.program, settings or {})
     return Job(sampler, source, int(seed), plain, given, checked=checked, candidates=candidates, repair=repair)
 
@@ -207,7 +221,8 @@ def read_sampling(text: str) -> int:
     name, _, count = text.partition(":")
     if name != PRIOR or not (count.isdecimal() and 2 <= int(count) <= MOST_CANDIDATES):
         raise UsageError(
-            f"there is no sampling `{text}`", f"it is {SEQUENTIAL}, {PRIOR}, or {PRIOR}:N with 2 to {MOST_CANDIDATES} candidates"
+            f"there is no sampling `{text}`",
+            f"it is {SEQUENTIAL}, {PRIOR}, or {PRIOR}:N with 2 to {MOST_CANDIDATES} candidates",
         )
     return int(count)
 
@@ -263,7 +278,9 @@ def traces_of(place: Path | str) -> dict[int, dict[str, Any]]:
         except (OSError, UnicodeDecodeError) as error:
             raise UserError(f"{file} cannot be read: {getattr(error, 'strerror', None) or error}") from None
     if not found:
-        raise UserError(f"{place} holds no traces", "give a folder that `apgc mutate` has written, or a trace-*.jsonl of it")
+        raise UserError(
+            f"{place} holds no traces", "give a folder that `apgc mutate` has written, or a trace-*.jsonl of it"
+        )
     return found
 
 

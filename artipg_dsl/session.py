@@ -133,7 +133,6 @@ class Session:
             )  # fmt: skip
             raise CompileError(self.report) from None
 
-
     def advise(self) -> None:
         """Report what is legal and perhaps not meant: parts that nothing gives a material, whose mass is a guess."""
         typed, lowering = self.typed, self.lowering

@@ -45,7 +45,10 @@ def main() -> None:
                 spent = time.process_time() - begun
                 files = [path for path in Path(folder).rglob("*") if path.is_file()]
                 size = sum(path.stat().st_size for path in files) / given.n / 1024
-            print(f"| {name} | {format_name} | {given.n / spent:.0f} | {len(files) / given.n:.1f} | {size:.0f} |", flush=True)
+            print(
+                f"| {name} | {format_name} | {given.n / spent:.0f} | {len(files) / given.n:.1f} | {size:.0f} |",
+                flush=True,
+            )
 
 
 if __name__ == "__main__":

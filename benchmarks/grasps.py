@@ -1,6 +1,6 @@
 """Of every family of grasps of every shipped category, how many the gripper can make with all joints at rest.
 
-    python benchmarks/grasps.py [--objects 32] [--gripper standard]
+python benchmarks/grasps.py [--objects 32] [--gripper standard]
 """
 
 from __future__ import annotations

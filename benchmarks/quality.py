@@ -50,7 +50,9 @@ def alone(batch) -> list[tuple[Cells, np.ndarray, points.PointSet]]:
         rows = np.flatnonzero(table.owner < ALONE)
         if not len(rows):
             continue
-        columns = {n: getattr(table, n)[rows] for n in ("rotation", "translation", "mirror", "link", "instance", "semantic")}
+        columns = {
+            n: getattr(table, n)[rows] for n in ("rotation", "translation", "mirror", "link", "instance", "semantic")
+        }
         params = {name: values[rows] for name, values in table.params.items()}
         every = np.arange(len(rows))
         one = replace(table, number=0, params=params, owner=every, rank=0 * every, **columns)
@@ -200,4 +202,3 @@ def bound(sampler) -> tuple[str, str]:
     errors = [float(np.nanmax(np.abs(x.position - made.position))) for x in (back, coarse)]
     text = f"{errors[0]:.1e} m, in single precision {errors[1]:.1e} m ({100 * away.bound.mean():.1f}% still bound)"
     return "binding to a mutant and back, largest error", text
-

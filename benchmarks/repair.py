@@ -68,7 +68,9 @@ def main() -> None:
     parser.add_argument("names", nargs="*", metavar="CATEGORY")
     parser.add_argument("-n", type=int, default=500)
     options = parser.parse_args()
-    print("| category | invalid as disturbed | still after clipping | repaired | values moved of | change of a moved value | ms an object |")
+    print(
+        "| category | invalid as disturbed | still after clipping | repaired | values moved of | change of a moved value | ms an object |"
+    )
     print("|---|---:|---:|---:|---:|---:|---:|")
     shares = []
     for name in options.names or sorted(categories()):

@@ -42,7 +42,9 @@ def main() -> None:
                     for level, text in found.items():
                         tried[adapter.name, form, level] += 1
                         passed[adapter.name, form, level] += not text
-                        print(f"{robot.name} {adapter.name} {form}: {level}: {text[:300]}", flush=True) if text else None
+                        print(
+                            f"{robot.name} {adapter.name} {form}: {level}: {text[:300]}", flush=True
+                        ) if text else None
     print(f"\n| simulator | format | {' | '.join(LEVELS)} | s |\n|---|---|{'---:|' * (len(LEVELS) + 1)}")
     for (name, form), time_taken in seconds.items():
         cells = [f"{passed[name, form, level]} of {tried[name, form, level]}" for level in LEVELS]

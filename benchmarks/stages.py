@@ -203,7 +203,9 @@ class PlainLoop(Loop):
         centre, radius = (low + high) / 2, float(np.linalg.norm(high - low)) / 2
         turns, eyes = VIEW.place(random.key(7, "views"), np.array([0], np.uint64), centre[None], np.array([radius]))
         y, x = np.mgrid[: VIEW.height, : VIEW.width] + 0.5
-        local = np.stack([(x - VIEW.width / 2) / VIEW.focal, (y - VIEW.height / 2) / VIEW.focal, np.ones_like(x)], axis=-1)
+        local = np.stack(
+            [(x - VIEW.width / 2) / VIEW.focal, (y - VIEW.height / 2) / VIEW.focal, np.ones_like(x)], axis=-1
+        )
         classes, made = np.array([t.semantic[r] for _, t, r, _ in placed])[owner], []
         for turn, eye in zip(turns[0], eyes[0], strict=True):
             ways = local.reshape(-1, 3) @ turn

@@ -45,7 +45,9 @@ def table(name: str, n: int, blocking: int) -> str:
     joints = sum(len(batch.joints().owner) for batch in made)
     blocks = evidence(job.batch(np.arange(min(blocking, n)))).blocking
     first = job.statistics.first_valid / job.statistics.objects
-    return f"| {name} | {100 * first:.1f} % | {100 * (1 - invalid / n):.1f} % | {joints:,} | {len(blocks)} | {each:.1f} |"
+    return (
+        f"| {name} | {100 * first:.1f} % | {100 * (1 - invalid / n):.1f} % | {joints:,} | {len(blocks)} | {each:.1f} |"
+    )
 
 
 class Exact:
@@ -135,7 +137,9 @@ def main() -> None:
     options = parser.parse_intermixed_args()
     names = options.categories or sorted(path.stem for path in categories_dir().glob("*.apg"))
     if options.what == "table":
-        print("| category | first attempts valid | delivered valid | joints | blocking pairs | ms an object |\n|---|---|---|---|---|---|")
+        print(
+            "| category | first attempts valid | delivered valid | joints | blocking pairs | ms an object |\n|---|---|---|---|---|---|"
+        )
         for name in names:
             print(table(name, options.n or 1000, options.blocking), flush=True)
         return

@@ -76,7 +76,9 @@ def sample_points(
     except geometry.PointsError as wrong:
         numbers = ", ".join(str(batch.numbers[k]) for k in wrong.objects[:5])
         what = "that can be seen from outside" if how.surface == "outside" else "to put points on"
-        raise UserError(f"{batch.program.name} {numbers} has no surface {what}", "give it a part with a solid") from None
+        raise UserError(
+            f"{batch.program.name} {numbers} has no surface {what}", "give it a part with a solid"
+        ) from None
     return complete(batch, made, owner, states, motion)
 
 

@@ -95,7 +95,18 @@ def sample_grasps(reader: Reader, values: int = 5) -> GraspTable:
     if not columns:
         none = np.zeros(0)
         count = np.zeros(0, dtype=np.int64)
-        return GraspTable(count, count, count, [], none, np.zeros((0, 3)), np.zeros((0, 3, 3)), none, none, np.zeros((0, len(MEASURES))))
+        return GraspTable(
+            count,
+            count,
+            count,
+            [],
+            none,
+            np.zeros((0, 3)),
+            np.zeros((0, 3, 3)),
+            none,
+            none,
+            np.zeros((0, len(MEASURES))),
+        )
     joined = {key: np.concatenate([column[key] for column in columns]) for key in columns[0]}
     order = np.argsort(joined["owner"], kind="stable")
     return GraspTable(name=[names[i] for i in order], **{key: value[order] for key, value in joined.items()})

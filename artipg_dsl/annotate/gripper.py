@@ -65,7 +65,12 @@ class Gripper:
         _, length, width, thickness, tip, palm, flat, depth = measures.T
         half, wide, palm, flat = opening / 2, width / 2, palm / 2, flat / 2
         back = tip - length
-        low = [[-wide, half, back], [-wide, -half - thickness, back], [-flat, -palm, back - depth], [-wide, -half, -tip]]
+        low = [
+            [-wide, half, back],
+            [-wide, -half - thickness, back],
+            [-flat, -palm, back - depth],
+            [-wide, -half, -tip],
+        ]
         high = [[wide, half + thickness, tip], [wide, -half, tip], [flat, palm, back], [wide, half, tip]]
         made = (np.stack([np.stack(row, axis=-1) for row in rows], axis=1) for rows in (low, high))
         least, most = made

@@ -63,4 +63,6 @@ def directions(motion: Twist, link: np.ndarray, points: np.ndarray) -> tuple[np.
     x, y, z = velocity.T
     speed = np.sqrt(x * x + y * y + z * z)
     still = speed < 1e-9
-    return np.where(still, np.nan, 1.0)[:, None] * velocity / np.where(still, 1.0, speed)[:, None], np.where(still, 0.0, speed)
+    return np.where(still, np.nan, 1.0)[:, None] * velocity / np.where(still, 1.0, speed)[:, None], np.where(
+        still, 0.0, speed
+    )

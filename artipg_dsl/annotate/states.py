@@ -114,7 +114,10 @@ def chosen(batch: Batch, text: str) -> np.ndarray:
             elif unit in units:
                 values[row] = float(number) * units[unit]
             else:
-                raise UsageError(f"`{piece.strip()}`: the joint is {joints.kind[row]}", f"write {name}=20% or a unit of {', '.join(units)}")
+                raise UsageError(
+                    f"`{piece.strip()}`: the joint is {joints.kind[row]}",
+                    f"write {name}=20% or a unit of {', '.join(units)}",
+                )
     low, high = (np.where(np.isnan(end), values, end) for end in (joints.low, joints.high))
     return np.clip(values, low, high)
 
@@ -193,14 +196,18 @@ def twist(batch: Batch, states: np.ndarray | None = None) -> Twist:
     rotation, translation = batch.pose(states)
     start = np.searchsorted(links.owner, joints.owner)
     parent, child = start + joints.parent, start + joints.child
-    axis, slide = (rotate(rotation[parent], way) for way in freedoms(joints))  # they move with the link that carries them
+    axis, slide = (
+        rotate(rotation[parent], way) for way in freedoms(joints)
+    )  # they move with the link that carries them
     origin = rotate(rotation[parent], joints.origin) + translation[parent]
     stiff = np.flatnonzero(~((axis != 0.0) | (slide != 0.0)).any(axis=1))
     made = Twist(np.zeros((len(links.owner), 3)), np.zeros((len(links.owner), 3)))
     x, y, z = origin.T
     a, b, c = axis.T
     made.turn[child] = axis
-    made.shift[child] = np.stack([c * y - b * z, a * z - c * x, b * x - a * y], axis=-1) + slide  # slide - axis x origin
+    made.shift[child] = (
+        np.stack([c * y - b * z, a * z - c * x, b * x - a * y], axis=-1) + slide
+    )  # slide - axis x origin
     for _ in range(len(batch.program.joints)):  # what is fixed to a link moves as that link does
         before = made.turn[child[stiff]], made.shift[child[stiff]]
         made.turn[child[stiff]], made.shift[child[stiff]] = made.turn[parent[stiff]], made.shift[parent[stiff]]

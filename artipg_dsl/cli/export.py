@@ -35,7 +35,9 @@ def run(options: argparse.Namespace) -> int:
     job, numbers = wanted(options, every=True)
     with Progress(job.sampler.program.name) as progress:
         if folder.is_dir() and out.resolve() == folder.resolve():
-            add_formats(job.batch, out, numbers, formats, force=options.force, progress=progress, resolution=resolution(options))
+            add_formats(
+                job.batch, out, numbers, formats, force=options.force, progress=progress, resolution=resolution(options)
+            )
         else:
             content = Content(resolution=resolution(options) or STANDARD)
             job.write(out, numbers, formats, content=content, force=options.force, progress=progress)

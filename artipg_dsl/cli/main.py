@@ -48,7 +48,9 @@ def parser() -> argparse.ArgumentParser:
 
     fmt = command("fmt", "lay out programs")
     fmt.add_argument("files", nargs="+", metavar="FILE", help="an .apg file, or - for stdin to stdout")
-    fmt.add_argument("--check", action="store_true", help="change nothing; name the files that would change, exit code 1")
+    fmt.add_argument(
+        "--check", action="store_true", help="change nothing; name the files that would change, exit code 1"
+    )
     fmt.add_argument("--diff", action="store_true", help="change nothing; show what would change")
 
     new = command("new", "write a category to start from")
@@ -82,14 +84,23 @@ def parser() -> argparse.ArgumentParser:
         "--format", metavar="LIST", help=f"{', '.join(FORMATS)}; with commas (default: points,annotation)"
     )
     sample.add_argument(
-        "--states", default="rest", metavar="LIST", help="joint states: rest, open, random:K, joint=45deg, with commas (default: rest)"
+        "--states",
+        default="rest",
+        metavar="LIST",
+        help="joint states: rest, open, random:K, joint=45deg, with commas (default: rest)",
     )
-    sample.add_argument("--motion", action="store_true", help="the velocities of each point by its own joint and by all that drive it, too")
+    sample.add_argument(
+        "--motion",
+        action="store_true",
+        help="the velocities of each point by its own joint and by all that drive it, too",
+    )
     sample.add_argument(
         "--gripper", default="standard", metavar="LIST",
         help="the hand that grasps are made with: any, or measures such as stroke=8cm,width=2cm (default: standard)",
     )  # fmt: skip
-    sample.add_argument("--views", metavar="N|FILE", help="partial views: how many, or a file that describes the cameras")
+    sample.add_argument(
+        "--views", metavar="N|FILE", help="partial views: how many, or a file that describes the cameras"
+    )
     sample.add_argument(
         "--mutate", metavar="LIST", help="make mutants of the objects: apa (templates), dpa (counts), cpa (parameters)"
     )
@@ -99,7 +110,9 @@ def parser() -> argparse.ArgumentParser:
         "--sampling", default="sequential", metavar="HOW",
         help="sequential (default), or prior: resampled to the declared distributions; prior:N among N attempts each (32)",
     )  # fmt: skip
-    sample.add_argument("--params", metavar="FILE", help="objects given by their values (JSON), repaired where they are not valid")
+    sample.add_argument(
+        "--params", metavar="FILE", help="objects given by their values (JSON), repaired where they are not valid"
+    )
     sample.add_argument(
         "--repair", action="store_true", help="put what fails right by the least change, instead of drawing it again"
     )
@@ -135,9 +148,15 @@ def parser() -> argparse.ArgumentParser:
     mutate.add_argument(
         "--parts", default="*", metavar="LIST", help="what may be changed: parts, values, patterns: door,handle*"
     )
-    mutate.add_argument("--strength", type=amount, default=1.0, metavar="X", help="scales the steps of cpa (default: 1)")
     mutate.add_argument(
-        "--share", type=fraction, default=0.5, metavar="X", help="how many of the templates and counts change (default: 0.5)"
+        "--strength", type=amount, default=1.0, metavar="X", help="scales the steps of cpa (default: 1)"
+    )
+    mutate.add_argument(
+        "--share",
+        type=fraction,
+        default=0.5,
+        metavar="X",
+        help="how many of the templates and counts change (default: 0.5)",
     )
     mutate.add_argument(
         "--one", metavar="NAME", help="pairs that differ in this value alone: each object, then its mutants"

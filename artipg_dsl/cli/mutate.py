@@ -82,7 +82,9 @@ def opened(options: argparse.Namespace) -> tuple[Job, np.ndarray, dict[str, Any]
         return replace(job, values=values), np.arange(len(values.records)), {"formats": ["points", "annotation"]}
     folder = Path(options.folder)
     if not folder.is_dir():
-        raise UserError(f"{folder} is no folder of samples", "make one with apgc sample, or give values with --params FILE")
+        raise UserError(
+            f"{folder} is no folder of samples", "make one with apgc sample, or give values with --params FILE"
+        )
     job, numbers = reopen(folder)
     manifest = manifests.read(folder)
     assert manifest is not None
@@ -155,7 +157,11 @@ def mutation(options: argparse.Namespace, numbers: np.ndarray) -> Mutation:
 
 def compare(first: str, second: str, *, everything: bool) -> int:
     """Tell what sets the objects of two folders, or the steps of two traces, apart."""
-    lines = list(folders(first, second, everything)) if all(Path(p).is_dir() for p in (first, second)) else list(files(first, second))
+    lines = (
+        list(folders(first, second, everything))
+        if all(Path(p).is_dir() for p in (first, second))
+        else list(files(first, second))
+    )
     print("\n".join(lines) if lines else "no difference")
     return 0
 
@@ -179,7 +185,9 @@ def folders(first: str, second: str, everything: bool) -> list[str]:
     before = again(a.batch(stock), place)
     units = {draw.address: draw.unit for draw in a.sampler.program.draws}
     lines: list[str] = []
-    for number, source, steps in zip(others[both].tolist(), sources[both].tolist(), difference(before, after), strict=True):
+    for number, source, steps in zip(
+        others[both].tolist(), sources[both].tolist(), difference(before, after), strict=True
+    ):
         if not steps:
             continue
         lines.append(f"object {number}" + (f" of {source}" if number != source else ""))

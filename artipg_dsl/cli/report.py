@@ -78,7 +78,11 @@ def examined(options: argparse.Namespace, name: str, numbers: np.ndarray, known:
     path = Path(name) if Path(name).is_file() else categories().get(category)
     with Progress(category) as progress:
         found = card(
-            job, numbers, real=known.get(category), lines=own_lines(path), progress=lambda _, done, total: progress(done, total)
+            job,
+            numbers,
+            real=known.get(category),
+            lines=own_lines(path),
+            progress=lambda _, done, total: progress(done, total),
         )
     return job, found
 

@@ -90,7 +90,10 @@ def run(options: argparse.Namespace) -> int:
         if value != PLAIN[name] and "points" not in [entry.name for entry in formats]:
             raise UsageError(f"--{name} is about points, which are not among the formats", "add points to --format")
     if resolution(options) and not any(entry.per_object for entry in formats):
-        raise UsageError("--tolerance and --triangles are about meshes, which none of the formats has", "add one such as glb to --format")
+        raise UsageError(
+            "--tolerance and --triangles are about meshes, which none of the formats has",
+            "add one such as glb to --format",
+        )
     in_the_way(Path(options.out))
     if content.cameras is not None:
         tell_engine()
@@ -124,7 +127,12 @@ def opened(options: argparse.Namespace, settings: dict[str, str]) -> Job:
     sampling = options.sampling
     if options.params is None:
         job = open_job(
-            options.program, options.seed or 0, settings, checked=not options.unchecked, sampling=sampling, repair=options.repair
+            options.program,
+            options.seed or 0,
+            settings,
+            checked=not options.unchecked,
+            sampling=sampling,
+            repair=options.repair,
         )
         return job
     from ..params import read_params
@@ -140,7 +148,11 @@ def among(options: argparse.Namespace, count: int) -> np.ndarray:
     beyond = [n for n in options.only or () if n >= count]
     if beyond:
         raise UsageError(f"there is no object {beyond[0]}: {options.params} gives {count}, numbered from 0")
-    return np.array(options.only, dtype=np.int64) if options.only is not None else np.arange(min(options.number or count, count))
+    return (
+        np.array(options.only, dtype=np.int64)
+        if options.only is not None
+        else np.arange(min(options.number or count, count))
+    )
 
 
 def tell_engine() -> None:
@@ -148,7 +160,9 @@ def tell_engine() -> None:
     from ..geometry.rays import best_engine
 
     if best_engine() != "embree":
-        say("views: embree is not installed, so NumPy casts the rays, which is slower; pip install 'artipg_dsl[rays]' brings it")
+        say(
+            "views: embree is not installed, so NumPy casts the rays, which is slower; pip install 'artipg_dsl[rays]' brings it"
+        )
 
 
 def statistics(job: Job, manifest: dict[str, Any]) -> str:

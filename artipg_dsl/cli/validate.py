@@ -85,13 +85,19 @@ def text(found: dict[str, Any]) -> str:
     if delivered is None:
         return "\n".join([*lines, f"nothing delivered: {found['exhausted']}"])
     valid = found["objects"] - delivered["invalid"]
-    lines.append(f"delivered valid       {100 * valid / found['objects']:.1f}%   (at rest and over {delivered['joints']} joints)")
+    lines.append(
+        f"delivered valid       {100 * valid / found['objects']:.1f}%   (at rest and over {delivered['joints']} joints)"
+    )
     for pair in delivered["pairs"]:
         lines.append("    " + collision(Pair(**pair), found["objects"], kinds))
     lines.extend(others(delivered["faults"], found["objects"]))
-    lines.append(f"blocking              {len(delivered['blocking'])} pairs of links in {delivered['states']} random configurations each")
+    lines.append(
+        f"blocking              {len(delivered['blocking'])} pairs of links in {delivered['states']} random configurations each"
+    )
     for pair in delivered["blocking"]:
-        lines.append(f"    {pair['first']} and {pair['second']}: {100 * pair['objects'] / found['objects']:.1f}% of objects")
+        lines.append(
+            f"    {pair['first']} and {pair['second']}: {100 * pair['objects'] / found['objects']:.1f}% of objects"
+        )
     return "\n".join(lines)
 
 

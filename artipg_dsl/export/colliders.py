@@ -71,7 +71,9 @@ class _Object:
                 break
         self.parts = [cluster for unit in found for cluster in unit]
 
-    def _rows(self, found: list[list[Cluster]], tolerance: float, materials: dict[int, np.ndarray]) -> list[list[Cluster]]:
+    def _rows(
+        self, found: list[list[Cluster]], tolerance: float, materials: dict[int, np.ndarray]
+    ) -> list[list[Cluster]]:
         """Primitives of one site, link and material that are a hull each, put together where they stand close."""
         single: dict[tuple[int, int, int], list[Cluster]] = {}
         others = []

@@ -77,9 +77,7 @@ def write_dataset(
                 write_bytes(shard_path(out, entry, first // shard), entry.shard_bytes(batch, content))
             if len(absent):
                 inner = _offset(progress, done, total)
-                write_objects(
-                    batch, out, each, only=absent, add=True, progress=inner, resolution=content.resolution
-                )
+                write_objects(batch, out, each, only=absent, add=True, progress=inner, resolution=content.resolution)
         done += len(chosen)
         if progress:
             progress(done, total)
@@ -178,8 +176,8 @@ def add_formats(
         if len(absent):
             inner = _offset(progress, done, len(numbers))
             write_objects(
-                    sample(absent), out, formats, force=force, add=not force, progress=inner, resolution=resolution
-                )
+                sample(absent), out, formats, force=force, add=not force, progress=inner, resolution=resolution
+            )
         done += len(chosen)
         if progress:
             progress(done, len(numbers))

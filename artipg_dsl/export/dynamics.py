@@ -70,7 +70,9 @@ def dynamics(
     about = _dot(axis, _dot(inertia[child], axis[:, None])) + m * _dot(reach, reach)
     moved = np.where(slides, m, about)
     weight, pitch = m * GRAVITY, np.nan_to_num(joints.pitch) / (2 * np.pi)
-    pull = -weight * np.where(slides, axis[:, 2], reach[:, 2] + pitch * axis[:, 2])  # of gravity at rest, along the value
+    pull = -weight * np.where(
+        slides, axis[:, 2], reach[:, 2] + pitch * axis[:, 2]
+    )  # of gravity at rest, along the value
     tilt = np.sqrt(np.maximum(1.0 - axis[:, 2] ** 2, 0.0))
     most = weight * (np.sqrt(_dot(reach, reach)) * tilt + np.abs(pitch * axis[:, 2]))
     load = np.where(slides, np.abs(pull), np.where(ball, weight * np.sqrt(_dot(arm, arm)), most))
@@ -78,7 +80,9 @@ def dynamics(
     near = 1e-6 + 1e-3 * np.nan_to_num(joints.high - joints.low)
     held = np.where(pull > 0, rest >= joints.high - near, rest <= joints.low + near)
     hangs = np.where(ball, True, pulled & ~held)
-    friction = _given(joints.friction, np.maximum(weight * np.where(slides, SLIDING, PIN), np.where(hangs, HOLD * load, 0.0)))
+    friction = _given(
+        joints.friction, np.maximum(weight * np.where(slides, SLIDING, PIN), np.where(hangs, HOLD * load, 0.0))
+    )
     damping = _given(joints.damping, moved / _by_kind(joints, FADE))
     taken = friction + load
     rows = np.flatnonzero(joints.mimic >= 0)

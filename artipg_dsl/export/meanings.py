@@ -28,7 +28,11 @@ POINTS = {
     "link": Meaning("link, its `number` in the annotation", "objects, points"),
     "material": Meaning("material, an index into vocabularies.materials; 65535: none", "objects, points"),
     "npcs": Meaning(
-        "place in the box of the instance, its diagonal 1 and its centre 0", "objects, points, 3", "part", "1", "float32"
+        "place in the box of the instance, its diagonal 1 and its centre 0",
+        "objects, points, 3",
+        "part",
+        "1",
+        "float32",
     ),
     "primitive": Meaning("index into sites: which primitive of the program", "objects, points"),
     "element": Meaning("which of the object's primitives of that site, from 0", "objects, points"),

@@ -22,7 +22,14 @@ from .write import ExportError
 if TYPE_CHECKING:
     from jinja2 import Template
 
-TYPES = {"revolute": "hinge", "continuous": "hinge", "screw": "hinge", "prismatic": "slide", "ball": "ball", "fixed": ""}
+TYPES = {
+    "revolute": "hinge",
+    "continuous": "hinge",
+    "screw": "hinge",
+    "prismatic": "slide",
+    "ball": "ball",
+    "fixed": "",
+}
 ADVANCE = "_advance"  # a screw's slide is named after the screw
 # kg m2 or kg: what a drive adds to a joint. Without it the light links (a key, a knob) oscillate under limited effort
 ARMATURE = {"slide": 0.01, "hinge": 1e-4, "ball": 1e-4}
@@ -88,7 +95,10 @@ class _Model:
             "hulls": self.hulls,
             "excludes": adjacent(robot),
             "couplings": self.couplings,
-            "closures": [{"name": f"closure_{n}", "site1": f"closure_{n}_a", "site2": f"closure_{n}_b"} for n in range(len(robot.closures))],
+            "closures": [
+                {"name": f"closure_{n}", "site1": f"closure_{n}_a", "site2": f"closure_{n}_b"}
+                for n in range(len(robot.closures))
+            ],
         }
 
     def _body(self, k: int, above: RobotJoint | None, below: dict[int, list[RobotJoint]]) -> dict[str, Any]:

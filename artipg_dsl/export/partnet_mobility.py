@@ -262,14 +262,23 @@ def _mobility(member: Member) -> dict[str, Any]:
             data["limit"] |= {"rotates": True, "noRotationLimit": False, "rotationLimit": turn}
     parts = [{"id": leaf.id, "name": leaf.name, "children": []} for leaf in member.leaves.values()]
     parent = -1 if member.parent is None else member.parent
-    return {"id": member.id, "parent": parent, "joint": member.word, "name": member.label, "parts": parts, "jointData": data}
+    return {
+        "id": member.id,
+        "parent": parent,
+        "joint": member.word,
+        "name": member.label,
+        "parts": parts,
+        "jointData": data,
+    }
 
 
 def _tree(name: str, members: list[Member]) -> dict[str, Any]:
     """The part tree: the object, its links, their leaves with their meshes."""
     links = []
     for member in members:
-        leaves = [{"id": leaf.id, "name": leaf.name, "text": leaf.text, "objs": leaf.stems} for leaf in member.leaves.values()]
+        leaves = [
+            {"id": leaf.id, "name": leaf.name, "text": leaf.text, "objs": leaf.stems} for leaf in member.leaves.values()
+        ]
         links.append({"id": member.node, "name": member.label, "text": member.label, "children": leaves})
     return {"id": 0, "name": snake(name), "text": name, "children": links}
 

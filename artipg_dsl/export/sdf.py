@@ -122,7 +122,13 @@ def _closures(robot: Robot) -> list[dict[str, Any]]:
                 "SDFormat has its joints begin there: let the loop close at 0, or leave sdf out of --format",
             )
         ends = {key: robot.links[k].name for key, k in zip(("parent", "child"), closure.links, strict=True)}
-        entry: dict[str, Any] = {"name": f"closure_{n}", "kind": "ball", "pose": numbers(closure.points[1]), "pitch": "", "axis": None}
+        entry: dict[str, Any] = {
+            "name": f"closure_{n}",
+            "kind": "ball",
+            "pose": numbers(closure.points[1]),
+            "pitch": "",
+            "axis": None,
+        }
         found.append(entry | ends)
     return found
 

@@ -145,7 +145,11 @@ def build_pieces(tables: list[SiteTable]) -> list[PieceGroup]:
                 if len(c):
                     faces = part.faces if sign > 0 else part.faces[:, ::-1]
                     step = int(index[:-1] or 0)
-                    groups.append(PieceGroup(table, number, step, rows[c], vertices[c], faces, is_box[c], size[c], center[c], bulge[c]))
+                    groups.append(
+                        PieceGroup(
+                            table, number, step, rows[c], vertices[c], faces, is_box[c], size[c], center[c], bulge[c]
+                        )
+                    )
     return groups
 
 
@@ -190,7 +194,9 @@ def as_round(vertices: np.ndarray) -> np.ndarray:
     apart = np.abs(np.sqrt(across**2 + beyond**2) - radius[:, None])
     capsule = even & (straight >= -near) & (apart <= near[:, None]).all(axis=1) & ~cylinder
     found[:, 0] = np.where(cylinder | capsule, radius, 0.0)
-    found[:, 1] = np.where(cylinder, 2 * half[:, 2], np.where(capsule, np.where(straight > near, 2 * straight, 0.0), 0.0))
+    found[:, 1] = np.where(
+        cylinder, 2 * half[:, 2], np.where(capsule, np.where(straight > near, 2 * straight, 0.0), 0.0)
+    )
     found[:, 2] = capsule
     return found
 

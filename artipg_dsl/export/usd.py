@@ -64,7 +64,9 @@ def usd_files(robots: Robots, i: int) -> dict[str, bytes]:
     own = Names()
     paths = {joint.name: own(joint.name) for joint in robot.joints}
     joints = [_joint(robot, joint, name, link_names, paths) for joint in robot.joints]
-    joints += [_closure(closure, name, link_names) | {"name": own(f"closure_{n}")} for n, closure in enumerate(robot.closures)]
+    joints += [
+        _closure(closure, name, link_names) | {"name": own(f"closure_{n}")} for n, closure in enumerate(robot.closures)
+    ]
     text = _template().render(name=name, looks=_looks(robot), links=links, joints=joints)
     return {"object.usda": (text + "\n").encode("utf-8")}
 
@@ -77,7 +79,11 @@ def _looks(robot: Robot) -> list[dict[str, str]]:
     for name, look in looks.items():
         material = physical.get(name)
         entry = {"name": identifier(name), "colour": vector(np.round(linear(np.array(look.colour)), 6))}
-        entry |= {"metalness": f"{look.metalness:.6g}", "roughness": f"{look.roughness:.6g}", "opacity": f"{look.opacity:.6g}"}
+        entry |= {
+            "metalness": f"{look.metalness:.6g}",
+            "roughness": f"{look.roughness:.6g}",
+            "opacity": f"{look.opacity:.6g}",
+        }
         for key, pair in {
             "density": material.density if material else (0.0, 0.0),
             "static": material.friction_static if material else (0.5, 0.5),
@@ -172,7 +178,10 @@ def _joint(robot: Robot, joint: RobotJoint, name: str, links: list[str], paths: 
         drive = "drive:angular:physics" if angular else "drive:linear:physics"
         lines.append(f'uniform token physics:axis = "{letter}"')
         if joint.kind != "continuous" and joint.low is not None and joint.high is not None:
-            lines += [f"float physics:lowerLimit = {joint.low * unit:.9g}", f"float physics:upperLimit = {joint.high * unit:.9g}"]
+            lines += [
+                f"float physics:lowerLimit = {joint.low * unit:.9g}",
+                f"float physics:upperLimit = {joint.high * unit:.9g}",
+            ]
         lines += [
             f'uniform token {drive}:type = "force"',
             f"float {drive}:damping = {joint.damping / unit:.9g}",
@@ -187,7 +196,13 @@ def _joint(robot: Robot, joint: RobotJoint, name: str, links: list[str], paths: 
         if joint.mimic is not None:
             lines += _mimic(robot, joint, name, letter, paths, schemas)
     quoted = ", ".join(f'"{schema}"' for schema in schemas)
-    return {"type": TYPES[joint.kind], "name": paths[joint.name], "title": joint.name, "schemas": quoted, "lines": lines}
+    return {
+        "type": TYPES[joint.kind],
+        "name": paths[joint.name],
+        "title": joint.name,
+        "schemas": quoted,
+        "lines": lines,
+    }
 
 
 def _closure(closure: Closure, name: str, links: list[str]) -> dict[str, Any]:

@@ -34,7 +34,9 @@ def explain(error: OSError, path: Path) -> ExportError:
     if error.errno in (errno.ENOSPC, errno.EDQUOT):
         return ExportError(f"no space left while writing {place}", "free some space, then run the same command again")
     if error.errno == errno.EFBIG:
-        return ExportError(f"{place} is larger than files may be here", "raise the limit (ulimit -f) or write elsewhere")
+        return ExportError(
+            f"{place} is larger than files may be here", "raise the limit (ulimit -f) or write elsewhere"
+        )
     if error.errno == errno.ENAMETOOLONG:
         return ExportError(f"the name {place} is too long for this file system", "choose a shorter output folder")
     return ExportError(f"cannot write {place}: {error.strerror or error}", "choose another output folder")

@@ -70,7 +70,9 @@ def _chosen(position: np.ndarray, normal: np.ndarray, area: np.ndarray, n: int) 
     return there
 
 
-def _neighbours(position: np.ndarray, normal: np.ndarray, reach: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _neighbours(
+    position: np.ndarray, normal: np.ndarray, reach: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Pairs of points of one pool within its ``reach`` (P,), each once, and what one adds to the other's crowding."""
     pools, m = position.shape[:2]
     owner = np.repeat(np.arange(pools), m)

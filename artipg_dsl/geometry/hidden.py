@@ -274,7 +274,15 @@ class Occlusion:
         return out
 
     def _ask(
-        self, group: int, asked: np.ndarray, start: np.ndarray, count: np.ndarray, u, v, spots: np.ndarray, out: np.ndarray
+        self,
+        group: int,
+        asked: np.ndarray,
+        start: np.ndarray,
+        count: np.ndarray,
+        u,
+        v,
+        spots: np.ndarray,
+        out: np.ndarray,
     ) -> None:
         """Enter into ``out`` the points that pairs ``asked`` (ascending) hide; each has a run of points."""
         pairs, shelves = self.pairs, len(self.rows.shelves)

@@ -113,7 +113,9 @@ class Outlook:
             half = np.maximum(half * 1.001, 1e-12)
             origin.append(f[0] * middle[0] + f[1] * middle[1] + f[2] * middle[2] - half)
             scale.append(_BINS / (2.0 * half))
-        across, up = (np.clip((point[k] - origin[k][owner]) * scale[k][owner], 0, _BINS - 1).astype(np.int64) for k in (0, 1))
+        across, up = (
+            np.clip((point[k] - origin[k][owner]) * scale[k][owner], 0, _BINS - 1).astype(np.int64) for k in (0, 1)
+        )
         place = (owner * _BINS + up) * _BINS + across
         order = np.argsort(place, kind="stable")
         count = np.bincount(place, minlength=self.low.shape[1] * _BINS * _BINS)

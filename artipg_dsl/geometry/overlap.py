@@ -157,7 +157,9 @@ class _Rows:
                 at = chosen[part]
                 width = int(counts[at].max())
                 # those asked first, as many of each row as of the one with the most
-                pick = np.argsort(~asked[at], axis=1, kind="stable")[:, :width] if width < asked.shape[1] else slice(None)
+                pick = (
+                    np.argsort(~asked[at], axis=1, kind="stable")[:, :width] if width < asked.shape[1] else slice(None)
+                )
                 some = [axis[at[:, None], pick] if width < asked.shape[1] else axis[at] for axis in points]
                 local = to_local(self.poses, row[at, None], some)
                 values = list(self.values[number][:, row[at] - shelf.start, None])
@@ -200,7 +202,9 @@ class _Rows:
                 some = pairs.at(at)
                 points = self.points(some, count)
                 held = self.both(some, points)
-                for back in range(1, int((at - begin[at]).max()) + 1):  # the pairs before it of the same row, one by one
+                for back in range(
+                    1, int((at - begin[at]).max()) + 1
+                ):  # the pairs before it of the same row, one by one
                     more = np.flatnonzero((at - begin[at] >= back) & held.any(axis=1))
                     if len(more):
                         asked = held[more]

@@ -63,7 +63,13 @@ class PointSet:
 
 
 def sample(
-    sites: list[SiteTable], n_objects: int, n_points: int, key: random.Key, address: np.ndarray, *, outside: bool = False
+    sites: list[SiteTable],
+    n_objects: int,
+    n_points: int,
+    key: random.Key,
+    address: np.ndarray,
+    *,
+    outside: bool = False,
 ) -> PointSet:
     """Points of ``n_objects`` objects whose rows ``sites`` hold; ``address`` (n_objects,) uint64 names each to ``key``.
 
@@ -354,7 +360,10 @@ class _LoosePoints:
             placement = Placement(bent.shelf.primitive, bent.patch, params)
             surface = Evaluator(bent.shelf.primitive, bent.patch, params)
             for low in range(0, part.stop - part.start, _CHUNK):
-                some, mine = slice(part.start + low, min(part.start + low + _CHUNK, part.stop)), slice(low, low + _CHUNK)
+                some, mine = (
+                    slice(part.start + low, min(part.start + low + _CHUNK, part.stop)),
+                    slice(low, low + _CHUNK),
+                )
                 u[some], v[some] = placement.place(local[mine], u[some], v[some])
                 at, outward = surface.at(local[mine], u[some], v[some])
                 at, outward = to_object(cells.poses, row[mine], at, outward)

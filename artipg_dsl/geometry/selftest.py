@@ -244,7 +244,11 @@ def _volume(seen: _Inspection) -> Report:
     for what, error in off.items():
         worst = int(np.argmax(error))
         if error[worst] > MOMENTS:
-            yield "volume", None, f"its {what} by quadrature differs from the mesh by {100 * error[worst]:.3g} % ({seen.at(worst)})"
+            yield (
+                "volume",
+                None,
+                f"its {what} by quadrature differs from the mesh by {100 * error[worst]:.3g} % ({seen.at(worst)})",
+            )
             return
 
 

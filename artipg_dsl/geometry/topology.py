@@ -266,6 +266,8 @@ def orientation(primitive: Primitive) -> np.ndarray:
             if min(outward, inward) > 0.125:
                 fault = "now one side, now the other is"
             place = _where(chosen, point[0, point.shape[1] // 2])
-            raise PrimitiveError(primitive, surface.name, f"the inside function does not agree with it: {fault} inside ({place})")
+            raise PrimitiveError(
+                primitive, surface.name, f"the inside function does not agree with it: {fault} inside ({place})"
+            )
         out[patch] = 1 if outward > inward else -1
     return out

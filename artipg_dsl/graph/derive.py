@@ -45,7 +45,9 @@ def derive(root: Expr, by: Expr | str) -> Expr:
             if all(d is ZERO for d in inner):
                 done = ZERO
             elif node.op in CROSSING or node.op in ("solve", "root"):
-                raise ValueError(f"{show(node)} reads {show(target)} through another table, or equations solved together")
+                raise ValueError(
+                    f"{show(node)} reads {show(target)} through another table, or equations solved together"
+                )
             else:
                 done = RULES[node.op](*node.args, *inner)
             memo[id(node)] = done

@@ -401,7 +401,9 @@ def solve(residuals: Sequence[Expr], slopes: Sequence[Expr], knowns: Sequence[Ex
     ``residuals`` (n) and ``slopes`` (n * n, their derivatives) are formulas over ``solve.x0`` ..., the unknowns, which
     begin at ``starts``, and ``solve.p0`` ..., the values ``knowns``.
     """
-    return _make("solve", (*residuals, *slopes, *knowns, *starts), (len(starts), len(knowns)), deepest((*knowns, *starts)))
+    return _make(
+        "solve", (*residuals, *slopes, *knowns, *starts), (len(starts), len(knowns)), deepest((*knowns, *starts))
+    )
 
 
 def root(bundle: Expr, index: int) -> Expr:
@@ -466,7 +468,18 @@ def rebuild(node: Expr, args: tuple[Expr, ...]) -> Expr:
     return _BUILDERS[node.op](*args) if node.op in _BUILDERS else call(node.op, *args)
 
 
-_INFIX = {"add": "+", "sub": "-", "mul": "*", "div": "/", "pow": "^", "lt": "<", "le": "<=", "eq": "==", "and": "and", "or": "or"}
+_INFIX = {
+    "add": "+",
+    "sub": "-",
+    "mul": "*",
+    "div": "/",
+    "pow": "^",
+    "lt": "<",
+    "le": "<=",
+    "eq": "==",
+    "and": "and",
+    "or": "or",
+}
 
 
 def few(node: Expr, most: int) -> bool:

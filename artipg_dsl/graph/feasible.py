@@ -89,9 +89,13 @@ def _narrow(program: Program, given: Mapping[int, float] | None) -> tuple[dict[o
             others = tuple(dict.fromkeys(numbers[c] for c in read if c in numbers and c is not draw.column))
             if low > high + SMALL * max(1.0, abs(low)):
                 reasons = tuple(dict.fromkeys([*why, *(r for o in others for r in causes.get(o, ((), ()))[0])]))
-                chain = tuple(dict.fromkeys([*others, *(d for o in others for d in causes.get(o, ((), ()))[1] if d != k)]))
+                chain = tuple(
+                    dict.fromkeys([*others, *(d for o in others for d in causes.get(o, ((), ()))[1] if d != k)])
+                )
                 scope = draw.column.scope
-                alike = low - high < ALIKE and bool(reasons)  # whole numbers beside one that is left out: no range to tell of
+                alike = low - high < ALIKE and bool(
+                    reasons
+                )  # whole numbers beside one that is left out: no range to tell of
                 one, other = (None, reasons[0]) if alike else (k, None)
                 found[k] = Conflict(one, other, reasons, chain, low, high, scope, certain(scope, intervals))
             elif why and (low, high) != intervals.column(draw.column) and (given is None or k not in given):
@@ -137,7 +141,13 @@ def _hull(
     if not left:
         why["low"], read["low"] = [union.requirement, *union.also, *why["low"]], [*columns, *read["low"]]
         above, below = [one for one, two in ends if one > high], [two for _, two in ends if two < low]
-        return (min(above), high) if above else (low, max(below)) if below else max(ends, key=lambda pair: pair[1] - pair[0])
+        return (
+            (min(above), high)
+            if above
+            else (low, max(below))
+            if below
+            else max(ends, key=lambda pair: pair[1] - pair[0])
+        )
     first, last = min(one for one, _ in left), max(two for _, two in left)
     for side, moved in (("low", first > low), ("high", last < high)):
         if moved:

@@ -31,7 +31,13 @@ class Half:
 
 
 def bounds_of(
-    low: Expr, high: Expr, guard: Expr, scope: Scope, column: Column, intervals: Intervals, definitions: Mapping[Column, Expr]
+    low: Expr,
+    high: Expr,
+    guard: Expr,
+    scope: Scope,
+    column: Column,
+    intervals: Intervals,
+    definitions: Mapping[Column, Expr],
 ) -> list[Half]:
     """What ``low <= high`` (where ``guard`` holds, in the rows of ``scope``) says of a column."""
     alone = Linear(lambda c: c is column, definitions, through=True)
@@ -316,7 +322,6 @@ class _Solver:
         if math.isfinite(end) and self.column.scope.within(child):
             count = E.sub(E.reduce("sum", child, ONE), ONE)
             self.solve(inner, side, E.sub(value, E.mul(count, E.const(end))), guard, child, depth)
-
 
 
 __all__ = ["Half", "bounds_of", "least_of"]

@@ -132,7 +132,9 @@ def to_text(program: P.Program, *, places: bool = True) -> str:
         else:
             assert scope.count is not None
             count = writer.expr(scope.count)
-            writer.emit(f"@{number} = {scope.kind} {json.dumps(scope.name)} in @{writer.scopes[scope.parent]} count {count}")
+            writer.emit(
+                f"@{number} = {scope.kind} {json.dumps(scope.name)} in @{writer.scopes[scope.parent]} count {count}"
+            )
     for draw in program.draws:
         writer.column(draw.column)
     for draw in program.draws:

@@ -71,7 +71,9 @@ def lower_statements(env: Env, body: tuple[ast.Stmt, ...]) -> None:
     settle(env)
 
 
-def own_parameter(env: Env, declaration: ast.ParamDecl, name: str, style: Style | None = None, option: str = "") -> Value:
+def own_parameter(
+    env: Env, declaration: ast.ParamDecl, name: str, style: Style | None = None, option: str = ""
+) -> Value:
     """A parameter of the body itself: drawn, derived, or its default."""
     path = env.path + name
     kind = declaration.type
@@ -83,7 +85,9 @@ def own_parameter(env: Env, declaration: ast.ParamDecl, name: str, style: Style 
     return Vec(tuple(items))
 
 
-def own_scalar(env: Env, declaration: ast.ParamDecl, name: str, component: int | None, style: Style | None, option: str) -> E.Expr:
+def own_scalar(
+    env: Env, declaration: ast.ParamDecl, name: str, component: int | None, style: Style | None, option: str
+) -> E.Expr:
     path = env.path + name
     if declaration.derived:
         column = env.context.column(env.scope, path, "real", declaration.span)
@@ -209,7 +213,12 @@ def port_count(env: Env, name: str) -> int:
     """How many ports ``port name[n]`` of the template or its role promises; 0 where neither says."""
     for owner in lineage(env.symbol) if env.symbol is not None else ():
         for statement in owner.body:
-            if isinstance(statement, ast.PortDecl) and statement.name == name and statement.value is None and statement.index:
+            if (
+                isinstance(statement, ast.PortDecl)
+                and statement.name == name
+                and statement.value is None
+                and statement.index
+            ):
                 return int(Evaluator(env).scalar(statement.index).constant or 0.0)
     return 0
 
@@ -246,4 +255,3 @@ def bind_slots(env: Env, body: tuple[ast.Stmt, ...]) -> None:
     for statement in body:
         if isinstance(statement, ast.SlotDecl) and statement.targets:
             instance.bindings[statement.name] = (env, statement)
-

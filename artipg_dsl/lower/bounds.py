@@ -44,7 +44,9 @@ def attach_bounds(program: Program) -> list[tuple[Scope, tuple[int, ...]]]:
         if last is None:
             continue
         if draws[last].kind == "choice":
-            limit_choice(program, reader, draws[last], requirement.scope, requirement.condition, requirement.guard, number)
+            limit_choice(
+                program, reader, draws[last], requirement.scope, requirement.condition, requirement.guard, number
+            )
             continue
         whole = E.either(E.negate(requirement.guard), requirement.condition)
         rest = unite(program, order, draws[last], requirement.scope, whole, number)
@@ -70,7 +72,9 @@ def attach_bounds(program: Program) -> list[tuple[Scope, tuple[int, ...]]]:
         if form is not None and weaker(form, scope, guard, last, told) and depth:
             continue
         if parted(low, high, guard, last, program):
-            rest = unite(program, order, draws[last], scope, E.either(E.negate(guard), E.call("le", low, high)), number, also)
+            rest = unite(
+                program, order, draws[last], scope, E.either(E.negate(guard), E.call("le", low, high)), number, also
+            )
             if rest is not None and depth < DEPTH and made[True] < MOST_DERIVED:
                 made[True] += 1
                 pending.append((scope, *rest, E.TRUE, number, depth + 1, also))
@@ -86,8 +90,12 @@ def attach_bounds(program: Program) -> list[tuple[Scope, tuple[int, ...]]]:
             for other in opposite(draw, bound):
                 made[bent] += 1
                 lower, upper = (other, stated) if bound.side == "high" else (stated, other)
-                reasons = tuple(dict.fromkeys((*also, *other.also, *(() if other.requirement == number else (other.requirement,)))))
-                pending.append((inner, lower.value, upper.value, E.both(lower.guard, upper.guard), number, depth + 1, reasons))
+                reasons = tuple(
+                    dict.fromkeys((*also, *other.also, *(() if other.requirement == number else (other.requirement,))))
+                )
+                pending.append(
+                    (inner, lower.value, upper.value, E.both(lower.guard, upper.guard), number, depth + 1, reasons)
+                )
     return hollow
 
 

@@ -66,7 +66,9 @@ def pick(ports: Ports, index: Expr, env: Env, span: Span) -> Value:
     if index.constant is not None:
         if int(index.constant) not in values:
             raise env.context.error(
-                "unknown-port", span, f"`{ports.name}` has no index {int(index.constant)}; it has 0 .. {len(values) - 1}"
+                "unknown-port",
+                span,
+                f"`{ports.name}` has no index {int(index.constant)}; it has 0 .. {len(values) - 1}",
             )
         return values[int(index.constant)]
     keys = sorted(values)
@@ -138,7 +140,9 @@ def farthest(box: Box, ev: Evaluator, node: ast.CallExpr, name: str) -> tuple[Ex
 def count(ev: Evaluator, node: ast.CallExpr, expected: int, given: int) -> None:
     if expected != given:
         name = node.function.name
-        raise ev.env.context.error("wrong-arguments", node.span, f"`{name}` takes {expected} arguments, {given} are given")
+        raise ev.env.context.error(
+            "wrong-arguments", node.span, f"`{name}` takes {expected} arguments, {given} are given"
+        )
 
 
 def named(node: ast.CallExpr, *order: str) -> dict[str, ast.Expr]:
@@ -188,7 +192,9 @@ def make_box(ev: Evaluator, node: ast.CallExpr) -> Box:
     on: tuple = ()
     for argument in node.arguments:
         if argument.name not in FACES:
-            raise ev.env.context.error("wrong-arguments", argument.span, "box takes front, back, left, right, top, bottom")
+            raise ev.env.context.error(
+                "wrong-arguments", argument.span, "box takes front, back, left, right, top, bottom"
+            )
         axis, sign = FACES[argument.name]
         value = ev.value(argument.value)
         on += carriers(value)
@@ -240,4 +246,3 @@ def method(ev: Evaluator, node: ast.CallExpr) -> Value:
 
         return frame_on(ev, owner, node)
     raise ev.env.context.error("unknown-member", function.name_span, f"{describe(owner)} has no `{function.name}(...)`")
-

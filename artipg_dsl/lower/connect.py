@@ -96,7 +96,9 @@ def equate(ev: Evaluator, a: Value, b: Value, left: Span, right: Span, span: Spa
     ev.env.equations.append(Equation(x, y, span, text_of(span)))
 
 
-def placing(env: Env, part: Part, subject: ast.Expr, clauses: tuple[ast.Clause, ...], gap_default: E.Expr) -> Value | None:
+def placing(
+    env: Env, part: Part, subject: ast.Expr, clauses: tuple[ast.Clause, ...], gap_default: E.Expr
+) -> Value | None:
     """Equations of ``on``, ``in``, ``fit`` and ``at``; returns what the part is placed on, for its link."""
     ev = Evaluator(env)
     words = {c.word: c for c in clauses}
@@ -211,7 +213,17 @@ def joint(env: Env, statement: ast.JointDecl) -> Part:
         attach(part, Attachment(env, statement.span, (), True, statement))
         return part
     carried = carriers(Evaluator(env).value(statement.parent))
-    attach(part, Attachment(env, statement.span, carried, base=not carried, joint=statement, before=element_before(env, statement.parent)))
+    attach(
+        part,
+        Attachment(
+            env,
+            statement.span,
+            carried,
+            base=not carried,
+            joint=statement,
+            before=element_before(env, statement.parent),
+        ),
+    )
     return part
 
 

@@ -76,7 +76,9 @@ class Context:
     guards: dict[tuple[Scope, Expr], Scope] = field(default_factory=dict)
     draws: list[Draw] = field(default_factory=list)
     spans: dict[Column, Span] = field(default_factory=dict)
-    stated: dict[int, tuple[Span, bool]] = field(default_factory=dict)  # requirement -> its place, whether the category's own
+    stated: dict[int, tuple[Span, bool]] = field(
+        default_factory=dict
+    )  # requirement -> its place, whether the category's own
     ledger: list[tuple[Part | None, Unknown]] = field(default_factory=list)
     parts: list[Part] = field(default_factory=list)
     solids: dict = field(default_factory=dict)  # primitive symbol -> Lowered
@@ -84,7 +86,9 @@ class Context:
     materials: dict = field(default_factory=dict)  # site -> [(depth, ((material, predicate), ...))]
     semantic_groups: list = field(default_factory=list)
     near: dict[Span, bool] = field(default_factory=dict)  # statements with `near` -> whether a search began there
-    clearances: dict[int, Span] = field(default_factory=dict)  # joints whose high end is as far as nothing is in the way
+    clearances: dict[int, Span] = field(
+        default_factory=dict
+    )  # joints whose high end is as far as nothing is in the way
     unclear: list[Span] = field(default_factory=list)  # such ends that are not solved for
     trace: list[tuple[Span, str]] = field(default_factory=list)
 
@@ -104,7 +108,9 @@ class Context:
         message = f"values of {first} and of {second} meet here, and nothing says which belong together"
         hint = "state it inside the one that holds both, or reduce one side with sum, min or max"
         if "guard" in (error.first.kind, error.second.kind):
-            hint = "state it in each `when` or template on its own, or for what all alternatives share: ports and `size`"
+            hint = (
+                "state it in each `when` or template on its own, or for what all alternatives share: ports and `size`"
+            )
         return self.error("unrelated-rows", span, message, hint=hint)
 
     def scope(self, name: str, parent: Scope, kind: str, count: Expr) -> Scope:
@@ -135,7 +141,11 @@ def in_words(scope: Scope) -> str:
     if scope.kind == "guard" and option and "when " not in path:
         return f"the alternative {option} of `{path}`"
     if scope.kind == "guard":
-        return f"the optional part `{scope.name.removesuffix(' exists')}`" if scope.name.endswith(" exists") else "a `when`"
+        return (
+            f"the optional part `{scope.name.removesuffix(' exists')}`"
+            if scope.name.endswith(" exists")
+            else "a `when`"
+        )
     return f"`{scope.name}`"
 
 

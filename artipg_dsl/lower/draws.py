@@ -76,7 +76,12 @@ def make_draw(env: Env, declaration: ast.ParamDecl | ast.CountDecl, path: str, c
 
 
 def draw_choice(
-    env: Env, path: str, names: tuple[str, ...], alternatives: tuple[ast.Alternative, ...], span: Span, declaration: ast.Stmt
+    env: Env,
+    path: str,
+    names: tuple[str, ...],
+    alternatives: tuple[ast.Alternative, ...],
+    span: Span,
+    declaration: ast.Stmt,
 ) -> Choice:
     """A drawn choice among alternatives with weights; a false ``when`` is weight 0."""
     ev = Evaluator(env)
@@ -130,7 +135,9 @@ def open_parameter(
     return Vec(tuple(items))
 
 
-def open_scalar(part: Part, local: Env, declaration: ast.ParamDecl, name: str, span: Span, component: int | None) -> Expr:
+def open_scalar(
+    part: Part, local: Env, declaration: ast.ParamDecl, name: str, span: Span, component: int | None
+) -> Expr:
     path = f"{part.path}.{name}"
     shown = f"`{part.name}.{name}`"
     if declaration.domain is not None:

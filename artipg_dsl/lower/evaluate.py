@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     pass
 
 
-
 class Evaluator:
     """Evaluates in ``env``; ``local`` holds names that outrank everything (formula variables, function arguments)."""
 
@@ -92,8 +91,6 @@ class Evaluator:
     def wrong(self, span: Span, expected: str, value: Value) -> Exception:
         return self.env.context.error("wrong-kind", span, f"this is {describe(value)}, but {expected} is needed here")
 
-
-
     # ------------------------------------------------------------ dispatch
 
     def value(self, node: ast.Expr) -> Value:
@@ -132,15 +129,6 @@ class Evaluator:
                 raise self.wrong(item.span, "a number", value)
             items.append(value)
         return Vec(tuple(items), on)
-
-
-
-
-
-
-
-
-
 
     def _IsExpr(self, node: ast.IsExpr) -> Value:
         from .part import matches
@@ -203,7 +191,6 @@ class Evaluator:
             return self.box_member(own, name)
         return None
 
-
     def nearest_element(self) -> Element | None:
         env: Env | None = self.env
         while env is not None:
@@ -220,17 +207,8 @@ class Evaluator:
             env = env.outer
         return False
 
-
     def _MemberExpr(self, node: ast.MemberExpr) -> Value:
         return self.member(self.value(node.obj), node.name, node.name_span, node)
-
-
-
-
-
-
-
-
 
     def _IndexExpr(self, node: ast.IndexExpr) -> Value:
         value = self.value(node.obj)
@@ -250,13 +228,6 @@ class Evaluator:
         return self.scalar(index)
 
     # ------------------------------------------------------------ parts
-
-
-
-
-
-
-
 
     # ------------------------------------------------------------ calls
 

@@ -90,7 +90,11 @@ def slot_owner(part: Part, home: Env, env: Env) -> Part:
     instance = home.root.instance
     if instance is None or home.root is env.root:
         return part
-    names = {s.name for s in instance.part.role.body if isinstance(s, ast.SlotDecl)} if instance.part.role is not None else set()
+    names = (
+        {s.name for s in instance.part.role.body if isinstance(s, ast.SlotDecl)}
+        if instance.part.role is not None
+        else set()
+    )
     return instance.part if part.name in names or instance.bindings else part
 
 
@@ -185,7 +189,9 @@ def sites_of(links: Links, part: Part) -> list[int]:
 def targets(links: Links, aim: Aim) -> tuple[Target, ...]:
     center = aim.box.center
     return tuple(
-        Target(site, aim.surfaces, aim.frame, aim.box.size, center) for part in aim.parts for site in sites_of(links, part)
+        Target(site, aim.surfaces, aim.frame, aim.box.size, center)
+        for part in aim.parts
+        for site in sites_of(links, part)
     )
 
 
@@ -213,7 +219,12 @@ def label(links: Links, env: Env, statement: ast.LabelStmt) -> None:
             guard, there = condition(ev, statement.where), standing(env, aim)
             if statement.value is None:  # what holds or does not is its condition
                 made = Label(
-                    statement.vocabulary, statement.label, targets(links, aim), guard, where(statement.span), guard=there
+                    statement.vocabulary,
+                    statement.label,
+                    targets(links, aim),
+                    guard,
+                    where(statement.span),
+                    guard=there,
                 )
             else:
                 degree = ev.scalar(statement.value)
@@ -222,7 +233,13 @@ def label(links: Links, env: Env, statement: ast.LabelStmt) -> None:
                     guard=E.both(there, guard),
                 )  # fmt: skip
             links.context.labels.append((aim.depth, made))
-            if statement.vocabulary == "semantic" and guard is E.TRUE and there is E.TRUE and statement.value is None and not aim.surfaces:
+            if (
+                statement.vocabulary == "semantic"
+                and guard is E.TRUE
+                and there is E.TRUE
+                and statement.value is None
+                and not aim.surfaces
+            ):
                 for part in aim.parts:
                     for instance in part.instances:
                         number = links.nodes.get((part, instance.symbol.name))
@@ -278,7 +295,9 @@ def material(links: Links, env: Env, statement: ast.MaterialStmt) -> None:
     else:
         symbol = env.module.find(statement.material)
         if symbol is None or symbol.kind != "material":
-            raise env.context.error("unknown-material", statement.material_span, f"there is no material `{statement.material}`")
+            raise env.context.error(
+                "unknown-material", statement.material_span, f"there is no material `{statement.material}`"
+            )
         lower_material(env.context, symbol)
         pairs = ((symbol.name, E.TRUE),)
     for node in statement.targets:
@@ -310,9 +329,21 @@ def grasp(links: Links, env: Env, statement: ast.GraspStmt) -> None:
         scope = env.context.guard(aim.scope, present(env, aim), f"{env.path}{statement.name}")
         links.context.program.grasps.append(
             Grasp(
-                statement.name, scope, links.of(aim.parts[0]), aim.frame, aim.box.size, aim.box.center, low, high,
-                plain.vector(words["at"].values[0]), directions[0], directions[1],
-                plain.scalar(words["opening"].values[0]), quality, where(statement.span), hand,
+                statement.name,
+                scope,
+                links.of(aim.parts[0]),
+                aim.frame,
+                aim.box.size,
+                aim.box.center,
+                low,
+                high,
+                plain.vector(words["at"].values[0]),
+                directions[0],
+                directions[1],
+                plain.scalar(words["opening"].values[0]),
+                quality,
+                where(statement.span),
+                hand,
             )  # fmt: skip
         )
 
@@ -339,10 +370,18 @@ def keypoint(links: Links, env: Env, statement: ast.KeypointStmt) -> None:
             program.keypoints.append(Keypoint(statement.name, scope, links.of(aim.parts[0]), point))
         return
     value = Evaluator(env).value(statement.target)
-    point = value.origin if isinstance(value, Frame) else value.point if isinstance(value, Line) else Evaluator(env).vector(statement.target)
+    point = (
+        value.origin
+        if isinstance(value, Frame)
+        else value.point
+        if isinstance(value, Line)
+        else Evaluator(env).vector(statement.target)
+    )
     on = getattr(value, "on", ())
     program.keypoints.append(
-        Keypoint(statement.name, env.scope, links.carried(on, statement.span) if on else (0,), place(links.world(env), point))
+        Keypoint(
+            statement.name, env.scope, links.carried(on, statement.span) if on else (0,), place(links.world(env), point)
+        )
     )
 
 
@@ -366,4 +405,3 @@ def symmetry(links: Links, env: Env, statement: ast.SymmetryStmt) -> None:
                 number = links.nodes.get((part, instance.symbol.name))
                 if number is not None:
                     program.parts[number] = replace(program.parts[number], symmetry=(statement.turn or 0, axis))
-

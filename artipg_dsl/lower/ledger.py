@@ -32,7 +32,7 @@ def lines(unknown: Unknown, draws: Iterable[Draw]) -> list[Line]:
         key = how(one), str(one.equation.span if one.equation is not None else unknown.span)
         groups[key] = E.either(groups.get(key, E.FALSE), one.when)
     if len(groups) == 1:
-        (told, place), = groups
+        ((told, place),) = groups
         return [Line("", told, place)]
     return [Line(condition(when, options), told, place) for (told, place), when in groups.items()]
 

@@ -56,7 +56,9 @@ class Bay:
 
     def section(self, blend: Expr) -> Chains:
         """The section between the two."""
-        return [[mixed(a, b, blend) for a, b in zip(*pair, strict=True)] for pair in zip(self.first, self.last, strict=True)]
+        return [
+            [mixed(a, b, blend) for a, b in zip(*pair, strict=True)] for pair in zip(self.first, self.last, strict=True)
+        ]
 
     def place(self, across: Point, v: Expr | float) -> Triple:
         at = tuple(E.substitute(c, {V: E.wrap(v)}) for c in self.rail.place)
@@ -80,7 +82,10 @@ def loft(env: Env, solid: ast.SolidDecl) -> Made:
     """A solid through several sections."""
     if len(solid.arguments) < 2:
         raise env.context.error(
-            "wrong-arguments", solid.span, "`loft` takes two sections or more", hint="loft(base, top) along z from 0 to h"
+            "wrong-arguments",
+            solid.span,
+            "`loft` takes two sections or more",
+            hint="loft(base, top) along z from 0 to h",
         )
     probe = Probe(env, solid.span)
     node = clause(solid, "along")
@@ -133,7 +138,9 @@ def alike(probe: Probe, sections: Chains) -> Chains:
         arcs = []
         for k in range(len(pattern)):
             angle = E.add(E.const(begin + way * k), E.mul(V, E.const(way)))
-            place = (E.add(c, E.mul(arc.radius, E.call(f, angle))) for c, f in zip(arc.center, ("cos", "sin"), strict=True))
+            place = (
+                E.add(c, E.mul(arc.radius, E.call(f, angle))) for c, f in zip(arc.center, ("cos", "sin"), strict=True)
+            )
             arcs.append(Span(section[0].name, tuple(place)))  # type: ignore[arg-type]
         found.append(arcs)
     return found
@@ -166,9 +173,7 @@ def swept(env: Env, solid: ast.SolidDecl) -> Made:
     return along_path(env, probe, solid, path, chains, chains)
 
 
-def along_path(
-    env: Env, probe: Probe, solid: ast.SolidDecl, path: Curve | Handed, first: Chains, last: Chains
-) -> Made:
+def along_path(env: Env, probe: Probe, solid: ast.SolidDecl, path: Curve | Handed, first: Chains, last: Chains) -> Made:
     node = clause(solid, "up")
     up = Evaluator(env).direction(node) if node is not None else unit(2)
     rails = stretches(path.steps if isinstance(path, Handed) else steps_of(path))
@@ -232,7 +237,14 @@ def beside(vector: Triple) -> Callable[[float | Expr], Triple]:
 
 
 def made_of(
-    env: Env, probe: Probe, solid: ast.SolidDecl, bays: list[Bay], low: Triple, high: Triple, ports: dict, requires: tuple
+    env: Env,
+    probe: Probe,
+    solid: ast.SolidDecl,
+    bays: list[Bay],
+    low: Triple,
+    high: Triple,
+    ports: dict,
+    requires: tuple,
 ) -> Made:
     """Surfaces, inside function and pieces of bays one after another."""
     patches, pieces = [], []
@@ -253,7 +265,9 @@ def made_of(
                 within = [E.add(b, E.mul(U, E.sub(a, b))) for a, b in zip(one.position, other.position, strict=True)]
                 place = bay.place(swapped(within, {BLEND: E.const(end)}), end)
                 patches.append(Patch(name, place, (ZERO, ONE), (one.low, one.high)))
-        value = inside_bay(probe, bay, E.div(distance(seen, loops, (X, Y)), slowest), number == 0, number == len(bays) - 1)
+        value = inside_bay(
+            probe, bay, E.div(distance(seen, loops, (X, Y)), slowest), number == 0, number == len(bays) - 1
+        )
         inside = value if inside is None else E.minimum(inside, value)
         solid_section = len(loops) == 1 and convex(seen, loops[0][0], mirrored=False)
         pieces += bay_pieces(seen, probe, bay, f"bay_{number}", polygons(seen, loops, fill, solid_section))
@@ -363,7 +377,10 @@ def inradius(corners: list[Point], middle: Point) -> Expr:
     """How far the edges of a polygon lie from its middle, at least."""
     found = []
     for a, b in zip(corners, [*corners[1:], corners[0]], strict=True):
-        edge, away = [E.sub(q, p) for p, q in zip(a, b, strict=True)], [E.sub(m, p) for m, p in zip(middle, a, strict=True)]
+        edge, away = (
+            [E.sub(q, p) for p, q in zip(a, b, strict=True)],
+            [E.sub(m, p) for m, p in zip(middle, a, strict=True)],
+        )
         area = E.sub(E.mul(edge[0], away[1]), E.mul(edge[1], away[0]))
         found.append(E.div(E.call("abs", area), E.maximum(E.call("hypot", *edge), E.const(1e-300))))
     return E.minimum(*found)
@@ -382,7 +399,11 @@ def change(probe: Probe, corners: list[Point], narrow: Expr, low: float, high: f
     between = (first[:, :, None] + last[:, None]).reshape(len(half), -1, 2) / 2
     edge = np.roll(half, -1, axis=1) - half
     away = between[:, :, None] - half[:, None]
-    turns = np.sign((half[..., 0] * np.roll(half, -1, axis=1)[..., 1] - half[..., 1] * np.roll(half, -1, axis=1)[..., 0]).sum(axis=1))
+    turns = np.sign(
+        (half[..., 0] * np.roll(half, -1, axis=1)[..., 1] - half[..., 1] * np.roll(half, -1, axis=1)[..., 0]).sum(
+            axis=1
+        )
+    )
     reach = (away[..., 0] * edge[:, None, :, 1] - away[..., 1] * edge[:, None, :, 0]) * turns[:, None, None]
     reach = reach / np.sqrt((edge**2).sum(axis=-1))[:, None]
     least = probe(E.substitute(narrow, {BLEND: E.const((low + high) / 2)}))[0]

@@ -40,7 +40,9 @@ def build_look(env: Env, statement: ast.StyleDecl) -> Look:
     for code, alternative in enumerate(statement.alternatives):
         symbol = env.module.find(alternative.name or "")
         if symbol is None or symbol.kind != "material":
-            raise env.context.error("unknown-material", alternative.name_span, f"there is no material `{alternative.name}`")
+            raise env.context.error(
+                "unknown-material", alternative.name_span, f"there is no material `{alternative.name}`"
+            )
         lower_material(env.context, symbol)
         options.append((symbol.name, E.call("eq", choice.code, E.const(float(code)))))
     return Look(tuple(options), choice)
@@ -61,7 +63,9 @@ def lower_material(context: Context, symbol: Symbol) -> Material:
             for node in clause.values:
                 value = ev.value(node)
                 if not isinstance(value, Vec):
-                    raise context.error("wrong-kind", node.span, "a colour is a vector [red, green, blue] of numbers in 0 .. 1")
+                    raise context.error(
+                        "wrong-kind", node.span, "a colour is a vector [red, green, blue] of numbers in 0 .. 1"
+                    )
                 colours.append(tuple(float(c.constant or 0.0) for c in value.items))
             values["colour"] = tuple(colours)
         elif clause.word in RANGES:
@@ -72,7 +76,9 @@ def lower_material(context: Context, symbol: Symbol) -> Material:
             values["friction_static"] = values["friction_dynamic"] = (numbers[0], numbers[-1])
         else:
             known = sorted({*RANGES, "colour", "friction"})
-            raise context.error("unknown-clause", clause.span, f"a material has no `{clause.word}`", hint=f"it has {', '.join(known)}")
+            raise context.error(
+                "unknown-clause", clause.span, f"a material has no `{clause.word}`", hint=f"it has {', '.join(known)}"
+            )
     made = Material(**values)
     context.program.materials[symbol.name] = made
     return made

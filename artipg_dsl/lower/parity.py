@@ -136,5 +136,7 @@ def arc(start: Point, end: Point, quarter: Quarter, point: Point) -> tuple[Expr,
     up, down = between(start[1], end[1], point[1])
     inner, outer = E.call("lt", share, ONE), E.call("lt", ONE, share)
     side = quarter.sign[0]
-    crossed = inner if side is ONE else outer if side is E.const(-1.0) else E.where(E.call("lt", ZERO, side), inner, outer)
+    crossed = (
+        inner if side is ONE else outer if side is E.const(-1.0) else E.where(E.call("lt", ZERO, side), inner, outer)
+    )
     return E.add(dot(before, before), E.mul(beyond, beyond)), E.both(E.either(up, down), crossed)

@@ -253,4 +253,3 @@ def basis(along: Triple, toward: Triple) -> Matrix:
         square = minus(toward, times(along, dot(along, toward)))
     square = normalized(square)
     return columns(along, square, cross(along, square))
-

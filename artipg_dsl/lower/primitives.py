@@ -36,7 +36,9 @@ class Lowered:
     primitive: Primitive
     names: tuple[tuple[str, int], ...]  # parameter, components (0: a scalar)
     ports: dict[str, Value] = field(default_factory=dict)
-    conditions: list[tuple[Expr, tuple[Expr, Expr] | None, str, ast.RequireStmt | ast.ParamDecl, str]] = field(default_factory=list)
+    conditions: list[tuple[Expr, tuple[Expr, Expr] | None, str, ast.RequireStmt | ast.ParamDecl, str]] = field(
+        default_factory=list
+    )
     centred_size: bool = False
 
     def scalars(self, instance: Instance) -> tuple[Expr, ...]:
@@ -58,9 +60,7 @@ class Lowered:
 
     def box(self, instance: Instance) -> Box:
         mapping = self.mapping(instance)
-        low, high = (
-            tuple(E.substitute(c, mapping) for c in end) for end in (self.primitive.low, self.primitive.high)
-        )
+        low, high = (tuple(E.substitute(c, mapping) for c in end) for end in (self.primitive.low, self.primitive.high))
         return Box(low, high)  # type: ignore[arg-type]
 
     def member(self, instance: Instance, name: str) -> Value | None:
@@ -89,7 +89,12 @@ class Lowered:
             sides = None if slack is None else tuple(E.substitute(s, mapping) for s in slack)
             program.requirements.append(
                 Requirement(
-                    instance.scope, here, E.TRUE, f"{instance.part.path}: {message}", where(instance.part.span), sides,  # type: ignore[arg-type]
+                    instance.scope,
+                    here,
+                    E.TRUE,
+                    f"{instance.part.path}: {message}",
+                    where(instance.part.span),
+                    sides,  # type: ignore[arg-type]
                     text=f"{instance.part.path}: {text}",
                 )  # fmt: skip
             )
@@ -226,7 +231,9 @@ def declare_parameter(
         if statement.positive:
             small = E.const(1e-5)
             pair = (small, E.var(component))
-            conditions.append((E.call("le", *pair), pair, f"{component} must be positive", statement, f"{component} > 0"))
+            conditions.append(
+                (E.call("le", *pair), pair, f"{component} must be positive", statement, f"{component} > 0")
+            )
         elif statement.domain is not None:
             low, high = (Evaluator(env).scalar(n) for n in (statement.domain.low, statement.domain.high))
             for pair in ((low, E.var(component)), (E.var(component), high)):

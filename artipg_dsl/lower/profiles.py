@@ -278,7 +278,10 @@ class Arc:
         angle = E.call("atan2", dot(away, onwards), dot(away, self.middle))
         angle = E.minimum(E.maximum(angle, E.neg(self.half)), self.half)
         c, s = E.call("cos", angle), E.call("sin", angle)
-        out = E.add(E.mul(self.middle[0], c), E.mul(onwards[0], s)), E.add(E.mul(self.middle[1], c), E.mul(onwards[1], s))
+        out = (
+            E.add(E.mul(self.middle[0], c), E.mul(onwards[0], s)),
+            E.add(E.mul(self.middle[1], c), E.mul(onwards[1], s)),
+        )
         rest = minus(away, scale(out, self.radius))
         normal = scale(out, E.mul(self.left, outward))
         return dot(rest, rest), side_of(rest, normal, angle, ends, E.neg(self.half), self.half)

@@ -150,8 +150,12 @@ def conditions(links: Links, env: Env) -> None:
                 case ast.RequireStmt() if statement.condition is not None:
                     require(env, statement)
                 case ast.RequireStmt():
-                    message = statement.message or ("it tips over when open" if statement.stable == "open" else "it tips over")
-                    context.program.stable.append(Stable(env.scope, statement.stable == "open", message, where(statement.span)))
+                    message = statement.message or (
+                        "it tips over when open" if statement.stable == "open" else "it tips over"
+                    )
+                    context.program.stable.append(
+                        Stable(env.scope, statement.stable == "open", message, where(statement.span))
+                    )
                 case ast.PreferStmt():
                     prefer(env, statement)
                 case ast.AllowStmt():
@@ -310,4 +314,3 @@ def vocabularies(env: Env) -> None:
                 visit(symbol.module)
 
     visit(env.module)
-

@@ -135,7 +135,9 @@ def brackets(probe: Probe, rail: Stretch) -> list[tuple[float, float]]:
     return halved(np.arccos(np.clip(cosine, -1.0, 1.0)).T, np.radians(25.0))
 
 
-def reach(probe: Probe, rails: list[tuple[Stretch, Across]], wide: Sequence[Sequence[Expr]], axis: int, sign: int) -> Expr:
+def reach(
+    probe: Probe, rails: list[tuple[Stretch, Across]], wide: Sequence[Sequence[Expr]], axis: int, sign: int
+) -> Expr:
     """The greatest (``sign`` 1) or least (-1) coordinate of lines beside stretches, at distances that change from
     ``wide[k][0]`` to ``wide[k][1]``.
     """

@@ -71,7 +71,9 @@ def axis_of(ev: Evaluator, statement: ast.RepeatStmt) -> int:
     """The axis of ``along``; for ``pitch`` too."""
     found = clause(statement, "along")
     if found is None:
-        raise ev.env.context.error("wrong-arguments", statement.span, f"`{statement.form}` needs `along x`, `along y` or `along z`")
+        raise ev.env.context.error(
+            "wrong-arguments", statement.span, f"`{statement.form}` needs `along x`, `along y` or `along z`"
+        )
     axis = signed_axis(ev.direction(found.values[0]))
     if axis is None:
         raise ev.env.context.error("bad-axis", found.span, "a repeat runs along x, y or z")
@@ -91,7 +93,9 @@ def filled(ev: Evaluator, statement: ast.RepeatStmt, box: Box) -> Expr:
     return E.maximum(E.ONE, E.add(E.call("floor", E.add(E.div(length, step), E.const(1e-9))), E.ONE))
 
 
-def spaced(ev: Evaluator, inner: Evaluator, statement: ast.RepeatStmt, box: Box | None, count: Expr, scope: Scope) -> Box:
+def spaced(
+    ev: Evaluator, inner: Evaluator, statement: ast.RepeatStmt, box: Box | None, count: Expr, scope: Scope
+) -> Box:
     """Elements without extent along the axis: evenly spread, at a pitch, or as many as fit."""
     axis = axis_of(ev, statement)
     if box is None:
@@ -150,4 +154,3 @@ def mirrored(ev: Evaluator, statement: ast.RepeatStmt, scope: Scope) -> Pose:
     diagonal[other] = E.ONE
     rows = tuple(tuple(diagonal[i] if i == j else E.ZERO for j in range(3)) for i in range(3))
     return Pose(rows, ORIGIN, sign)  # type: ignore[arg-type]
-

@@ -96,11 +96,20 @@ def demand(
     for equation in equations:
         from .systems import inline
 
-        sides = [E.substitute(inline(side, list(solution), definitions), mapping) for side in (equation.left, equation.right)]
+        sides = [
+            E.substitute(inline(side, list(solution), definitions), mapping) for side in (equation.left, equation.right)
+        ]
         apart = E.call("abs", E.sub(*sides))
         size = E.add(E.call("abs", sides[0]), E.call("abs", sides[1]))
         holds = E.call("le", apart, E.add(E.mul(RELATIVE, size), ABSOLUTE))
         scope = E.deepest([holds, guard]) or env.scope
         env.context.program.requirements.append(
-            Requirement(scope, holds, guard, f"no values of {named} were found that solve this", where(equation.span), text=equation.text)
+            Requirement(
+                scope,
+                holds,
+                guard,
+                f"no values of {named} were found that solve this",
+                where(equation.span),
+                text=equation.text,
+            )
         )

@@ -15,7 +15,9 @@ from .vectors import turn
 SMALL = E.const(1e-4)  # the least size of something that equations determine, in metres
 
 
-def default(env: Env, unknown: Unknown, near: list[tuple[Equation, str]], *, fresh: bool, guard: str = "") -> tuple[Expr, str]:
+def default(
+    env: Env, unknown: Unknown, near: list[tuple[Equation, str]], *, fresh: bool, guard: str = ""
+) -> tuple[Expr, str]:
     """The value where no equation determines an unknown, and why; with ``fresh``, where only some cases do.
 
     ``near`` are the equations that name it, each with what it determines instead; ``guard`` says in words where.
@@ -108,14 +110,24 @@ def determined(env: Env, unknown: Unknown, guard: Expr) -> None:
         for a, b, side in ((draw.low, value, "below"), (value, draw.high, "above")):
             context.program.requirements.append(
                 Requirement(
-                    unknown.column.scope, E.call("le", a, b), guard, f"{name} would lie {side} its domain", where(unknown.span), (a, b),
+                    unknown.column.scope,
+                    E.call("le", a, b),
+                    guard,
+                    f"{name} would lie {side} its domain",
+                    where(unknown.span),
+                    (a, b),
                     text=f"{name} in its domain",
                 )  # fmt: skip
             )
     elif unknown.positive or unknown.kind == "size" and unknown.part is not None and ".size." in unknown.column.name:
         context.program.requirements.append(
             Requirement(
-                unknown.column.scope, E.call("le", SMALL, value), guard, f"{name} would not be positive", where(unknown.span), (SMALL, value),
+                unknown.column.scope,
+                E.call("le", SMALL, value),
+                guard,
+                f"{name} would not be positive",
+                where(unknown.span),
+                (SMALL, value),
                 text=f"{name} > 0",
             )  # fmt: skip
         )

@@ -62,7 +62,9 @@ def bound_count(inner: Env, element: Element, statement: ast.RepeatStmt, room: E
         holds = E.call("le", *sides)
         if holds is not E.TRUE:
             outer.context.program.requirements.append(
-                Requirement(outer.scope, holds, E.TRUE, message, where(statement.span), sides, text=f"each of {element.name}")
+                Requirement(
+                    outer.scope, holds, E.TRUE, message, where(statement.span), sides, text=f"each of {element.name}"
+                )
             )
 
 

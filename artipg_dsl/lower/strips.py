@@ -130,4 +130,6 @@ def round_about(probe: Probe, corners: Sequence[Point]) -> bool:
     size = np.sqrt(((points.max(axis=1) - points.min(axis=1)) ** 2).sum(axis=-1))
     ring = np.concatenate([points, points[:, :2]], axis=1) / size[:, None, None]
     turns = turning(ring)
-    return bool(((turns > -1e-9).all(axis=1) | (turns < 1e-9).all(axis=1)).all() and (np.abs(turns.sum(axis=1)) < 6.3).all())
+    return bool(
+        ((turns > -1e-9).all(axis=1) | (turns < 1e-9).all(axis=1)).all() and (np.abs(turns.sum(axis=1)) < 6.3).all()
+    )

@@ -42,7 +42,14 @@ class Style:
     def scope(self, option: str) -> Scope:
         return self.env.context.guard(self.env.scope, self.guard(option), f"{self.declaration.name}={option}")
 
-    def shared(self, option: str | None, name: str, declaration: ast.ParamDecl | ast.CountDecl, component: int | None, local: Env) -> Expr:
+    def shared(
+        self,
+        option: str | None,
+        name: str,
+        declaration: ast.ParamDecl | ast.CountDecl,
+        component: int | None,
+        local: Env,
+    ) -> Expr:
         """The style's own draw of a parameter: of the role (``option`` None) or of one alternative."""
         key = (option or "", name)
         if key not in self.drawn:

@@ -32,7 +32,11 @@ def frame_on(ev: Evaluator, surface: Surface, node: ast.CallExpr) -> Frame:
     found: list[tuple[Expr, Frame]] = []
     for _, part, outer, name in surface.branches:
         for instance in part.instances:
-            patch = None if instance.solid is None else next((p for p in instance.solid.primitive.patches if p.name == name), None)
+            patch = (
+                None
+                if instance.solid is None
+                else next((p for p in instance.solid.primitive.patches if p.name == name), None)
+            )
             if patch is None or instance.solid is None:
                 continue
             mapping = {k: lifted(e, scope) for k, e in instance.solid.mapping(instance).items()}
@@ -66,7 +70,9 @@ def solve_v(ev: Evaluator, node: ast.CallExpr, arguments: dict, patch, mapping: 
     """The v at which a coordinate of the surface takes the given value."""
     axis = next((a for a in AXES if a in arguments), None)
     if axis is None:
-        raise ev.env.context.error("wrong-arguments", node.span, "`at` takes u and v, or u and one coordinate (z = ...)")
+        raise ev.env.context.error(
+            "wrong-arguments", node.span, "`at` takes u and v, or u and one coordinate (z = ...)"
+        )
     coordinate = E.substitute(patch.position[AXES.index(axis)], {**mapping, E.var("u"): u})
     from ..graph.expr import Column, Scope
 

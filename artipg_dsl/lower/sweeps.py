@@ -73,7 +73,8 @@ def round_sections(solid: ast.SolidDecl) -> bool:
     """Whether all sections are circles; others are swept by ``loft``."""
     calls = [a.value for a in solid.arguments]
     return all(
-        isinstance(c, ast.CallExpr) and isinstance(c.function, ast.NameExpr) and c.function.name == "circle" for c in calls
+        isinstance(c, ast.CallExpr) and isinstance(c.function, ast.NameExpr) and c.function.name == "circle"
+        for c in calls
     )
 
 

@@ -12,7 +12,12 @@ from .roots import numeric, start
 
 
 def solve_system(
-    env: Env, unknowns: list[Unknown], equations: list[Equation], forms: list[Form | None], matching: Matching, guard: Expr
+    env: Env,
+    unknowns: list[Unknown],
+    equations: list[Equation],
+    forms: list[Form | None],
+    matching: Matching,
+    guard: Expr,
 ) -> tuple[dict[Column, Expr], dict[Column, Settled]]:
     """A value for each matched unknown (it may read others that are matched before it) where ``guard`` holds, and how."""
     definitions = env.context.program.definitions
@@ -24,7 +29,9 @@ def solve_system(
     for u in matched:
         e = matching.equation_of[u]
         form = forms[e]
-        names = set(form[0]) if form is not None else linear.columns(equations[e].left) | linear.columns(equations[e].right)
+        names = (
+            set(form[0]) if form is not None else linear.columns(equations[e].left) | linear.columns(equations[e].right)
+        )
         reads[u] = {places[c] for c in names if c in places and places[c] != u and places[c] in chosen}
     values: dict[Column, Expr] = {}
     told: dict[Column, Settled] = {}
@@ -46,7 +53,11 @@ def solve_system(
         for u, column in zip(group, columns, strict=True):
             values[column] = solution[column] if searched else tidy(solution[column])
             others = tuple(unknowns[v].name for v in group if v != u)
-            begun = E.show(start(env, unknowns[u], columns, [equations[matching.equation_of[v]] for v in group])) if searched else ""
+            begun = (
+                E.show(start(env, unknowns[u], columns, [equations[matching.equation_of[v]] for v in group]))
+                if searched
+                else ""
+            )
             told[column] = Settled(guard, equations[matching.equation_of[u]], others, columns[0], begun)
     return values, told
 
@@ -96,9 +107,7 @@ def inline(node: Expr, columns: list[Column], definitions: dict[Column, Expr], *
     """An expression with every defined column that depends on one of ``columns`` written out."""
     reader = Linear(lambda c: c in columns, definitions, through=through)
     while True:
-        hidden = [
-            c for c in E.leaves(node) if c not in columns and c in definitions and reader.reads(E.col(c))
-        ]
+        hidden = [c for c in E.leaves(node) if c not in columns and c in definitions and reader.reads(E.col(c))]
         if not hidden:
             return node
         node = E.substitute(node, {E.col(c): definitions[c] for c in hidden})

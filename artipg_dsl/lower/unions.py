@@ -11,7 +11,13 @@ from ..graph.union import LEAST, MOST_OF_ALL, Region, region_of
 
 
 def unite(
-    program: Program, order: dict[Column, int], draw: Draw, scope: Scope, condition: Expr, number: int, also: tuple[int, ...] = ()
+    program: Program,
+    order: dict[Column, int],
+    draw: Draw,
+    scope: Scope,
+    condition: Expr,
+    number: int,
+    also: tuple[int, ...] = (),
 ) -> tuple[Expr, Expr] | None:
     """Turn a condition into a union of intervals of the variable that is drawn last, where it can be solved for it.
 

@@ -114,11 +114,15 @@ class Card:
             "graphs": {**variety, "kinds": kinds},
             "duplicates": {"objects": self.duplicates, "share": self.duplicates / self.objects, "within": CLOSE},
             "pairs": {
-                "seen": pairs.seen, "possible": pairs.possible, "share": pairs.share,
-                "missed": [asdict(p) for p in pairs.missed], "excluded": [asdict(p) for p in pairs.excluded],
+                "seen": pairs.seen,
+                "possible": pairs.possible,
+                "share": pairs.share,
+                "missed": [asdict(p) for p in pairs.missed],
+                "excluded": [asdict(p) for p in pairs.excluded],
             },  # fmt: skip
             "sizes": {
-                "axes": [asdict(e) for e in self.sizes], "source": self.real.source if self.real is not None else "",
+                "axes": [asdict(e) for e in self.sizes],
+                "source": self.real.source if self.real is not None else "",
             },  # fmt: skip
             "dead": {
                 "parameters": [asdict(d) for d in self.dead_parameters],

@@ -91,7 +91,9 @@ def _levels(draw: Draw, drawn: np.ndarray) -> tuple[Level, ...]:
     low, high = float(drawn.min()), float(drawn.max())
     for end, pick in ((draw.low, min), (draw.high, max)):
         if end is not None and end.constant is not None:
-            low, high = (min(low, np.ceil(end.constant)), high) if pick is min else (low, max(high, np.floor(end.constant)))
+            low, high = (
+                (min(low, np.ceil(end.constant)), high) if pick is min else (low, max(high, np.floor(end.constant)))
+            )
     values = range(int(low), int(high) + 1)
     if len(values) <= LEVELS:
         return tuple(Level(str(v), v, v) for v in values)
@@ -159,7 +161,10 @@ class _Trials:
         """Whether a valid object shows both levels when it is asked to."""
         table = common(first, second)
         for one, two in _ends(first.levels[i], second.levels[j]):
-            alone = [(first, i, second, self.given((first.number, one))), (second, j, first, self.given((second.number, two)))]
+            alone = [
+                (first, i, second, self.given((first.number, one))),
+                (second, j, first, self.given((second.number, two))),
+            ]
             meet = True
             for factor, level, other, batch in alone:
                 has, around = shown(batch, factor, table)[:, level], shown(batch, other, table)

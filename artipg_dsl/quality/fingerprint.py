@@ -56,7 +56,16 @@ class _Observer:
 
     def joints(self) -> None:
         for joint in self.program.joints:
-            given = (joint.low, joint.high, joint.rest, joint.damping, joint.friction, joint.effort, joint.velocity, joint.pitch)
+            given = (
+                joint.low,
+                joint.high,
+                joint.rest,
+                joint.damping,
+                joint.friction,
+                joint.effort,
+                joint.velocity,
+                joint.pitch,
+            )
             there = [e for e in given if e is not None]
             absent = "".join("-" if e is None else "+" for e in given)
             cells = [*joint.origin, *joint.axis, *there, *(joint.mimic[1:] if joint.mimic is not None else ())]

@@ -38,7 +38,11 @@ def rows(card: Card) -> Iterator[tuple[str, str, list[str]]]:
     yield "duplicates", f"{card.duplicates} ({100 * card.duplicates / card.objects:.1f}%)", []
     seen = f"{pairs.seen} of {pairs.possible} ({percent(pairs.share)}), {len(pairs.excluded)} more excluded by guards"
     yield "pairs", seen, few([f"not seen: {say(pair)}" for pair in pairs.missed])
-    yield "sizes", sizes(card), [extent_text(e) for e in card.sizes] + ([card.real.source] if card.real is not None else [])
+    yield (
+        "sizes",
+        sizes(card),
+        [extent_text(e) for e in card.sizes] + ([card.real.source] if card.real is not None else []),
+    )
     for name, dead in (("dead parameters", card.dead_parameters), ("dead alternatives", card.dead_alternatives)):
         told = [f"{d.where}: {d.name}{f' = {d.option}' if d.option else ''} {d.why}" for d in dead]
         yield name, str(len(dead)) if dead else "none", few(told)
@@ -54,7 +58,9 @@ def sizes(card: Card) -> str:
     within = [e.within for e in card.sizes if e.within is not None]
     if not within:
         return "nothing is known of real ones"
-    return "in the range of real ones " + ", ".join(f"{e.axis} {100 * e.within:.0f}%" for e in card.sizes if e.within is not None)
+    return "in the range of real ones " + ", ".join(
+        f"{e.axis} {100 * e.within:.0f}%" for e in card.sizes if e.within is not None
+    )
 
 
 def extent_text(extent: Extent) -> str:

@@ -26,7 +26,9 @@ def too_near(tree: Tree, body: Pieces) -> list[tuple[str, np.ndarray]]:
         for link, joint in zip(rows[:, 0].astype(int).tolist(), rows[:, 2].astype(int).tolist(), strict=True):
             when = "at rest" if joint < 0 else f"while {program.joints[tree.joints.definition[joint]].path} moves"
             names.setdefault(when, []).append(int(tree.links.owner[link]))
-        found += [(f"{statement.where}: `{statement.text}` does not hold {when}", np.unique(o)) for when, o in names.items()]
+        found += [
+            (f"{statement.where}: `{statement.text}` does not hold {when}", np.unique(o)) for when, o in names.items()
+        ]
     return found
 
 

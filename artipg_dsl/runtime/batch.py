@@ -62,7 +62,13 @@ class Batch:
             extra = {e: values[plan.outputs[e, scope]] for e in missing}
         found = []
         for expr in exprs:
-            value = expr.value if expr.op == "const" else extra[expr] if expr in extra else self._values[self.plan.outputs[expr, scope]]
+            value = (
+                expr.value
+                if expr.op == "const"
+                else extra[expr]
+                if expr in extra
+                else self._values[self.plan.outputs[expr, scope]]
+            )
             array = np.asarray(value)
             found.append(array if array.shape == (size,) else np.full(size, array))
         return found
@@ -131,9 +137,18 @@ class Batch:
             rank = np.arange(len(owner)) - first[owner]
             found.append(
                 SiteTable(
-                    number, site.path, primitive, params, owner, rotation, translation, mirror,
-                    self.link_numbers(site.scope, site.link), instance,
-                    np.full(len(owner), self.semantic_id(part.semantic), dtype=np.int64), rank,
+                    number,
+                    site.path,
+                    primitive,
+                    params,
+                    owner,
+                    rotation,
+                    translation,
+                    mirror,
+                    self.link_numbers(site.scope, site.link),
+                    instance,
+                    np.full(len(owner), self.semantic_id(part.semantic), dtype=np.int64),
+                    rank,
                 )  # fmt: skip
             )
         return found
@@ -211,7 +226,9 @@ class Batch:
             )
             for name, values in columns.items()
         }  # fmt: skip
-        return JointTable(made.owner, made.number, [tag(n) for n in made.sort_names(names)], made.definition, kinds, **sorted_columns)
+        return JointTable(
+            made.owner, made.number, [tag(n) for n in made.sort_names(names)], made.definition, kinds, **sorted_columns
+        )
 
     def _parents(self, joint: Joint) -> np.ndarray:
         """The parent link of each row of a joint: of the same row, or of the row before in a chain."""

@@ -189,7 +189,9 @@ def packed(groups: list[Alike]) -> Pieces:
 def turned(rotation: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Matrices (k, 3, 3) times points (k, P, 3), written out."""
     r = rotation[:, None]
-    cells = [r[..., i, 0] * points[..., 0] + r[..., i, 1] * points[..., 1] + r[..., i, 2] * points[..., 2] for i in range(3)]
+    cells = [
+        r[..., i, 0] * points[..., 0] + r[..., i, 1] * points[..., 1] + r[..., i, 2] * points[..., 2] for i in range(3)
+    ]
     return np.stack(cells, axis=-1)
 
 
@@ -212,7 +214,9 @@ class Rings:
         self.reach = np.stack([np.maximum(self.reach[:, 0] - gap, 0.0), self.reach[:, 1] + gap], axis=-1)
         middle = (self.angle[:, 0] + self.angle[:, 1]) / 2
         self.angle = np.where(
-            whole[:, None], np.stack([middle - np.pi, middle + np.pi], axis=-1), self.angle + np.stack([-wide, wide], axis=-1)
+            whole[:, None],
+            np.stack([middle - np.pi, middle + np.pi], axis=-1),
+            self.angle + np.stack([-wide, wide], axis=-1),
         )
 
 
@@ -249,7 +253,9 @@ def frame(axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return along, cross(axis, along)
 
 
-def swept_extent(moved: Placed, axis: np.ndarray, origin: np.ndarray, half: np.ndarray, direction: np.ndarray) -> np.ndarray:
+def swept_extent(
+    moved: Placed, axis: np.ndarray, origin: np.ndarray, half: np.ndarray, direction: np.ndarray
+) -> np.ndarray:
     """How far (k,) placed pieces reach along ``direction`` (k, 3) while they turn by up to ``half`` (k,) either way.
 
     Exact for the corners: each runs along an arc.

@@ -31,7 +31,9 @@ def limited(batch: Batch) -> JointTable:
     np.minimum.at(low, body.owner, body.low)
     np.maximum.at(high, body.owner, body.high)
     size = high - low
-    across = np.sqrt(size[:, 0] ** 2 + size[:, 1] ** 2 + size[:, 2] ** 2)[joints.owner]  # farther off nothing is in the way
+    across = np.sqrt(size[:, 0] ** 2 + size[:, 1] ** 2 + size[:, 2] ** 2)[
+        joints.owner
+    ]  # farther off nothing is in the way
     tree.low = joints.rest.copy()
     tree.high = np.where(tree.slides, np.minimum(tree.high, joints.rest + across), tree.high)
     most = np.where(goes_on, tree.high - joints.rest, np.inf)
@@ -51,7 +53,9 @@ def limited(batch: Batch) -> JointTable:
 def sliding(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray, room: np.ndarray) -> None:
     """Lower ``room`` (J,) to how far pieces slide along the axes of joints before they meet others."""
     way = tree.axis[joint] * (tree.high - tree.joints.rest)[joint][:, None]
-    i, j = near(tree, body, piece, body.low[piece] + np.minimum(way, 0.0), body.high[piece] + np.maximum(way, 0.0), joint)
+    i, j = near(
+        tree, body, piece, body.low[piece] + np.minimum(way, 0.0), body.high[piece] + np.maximum(way, 0.0), joint
+    )
     keep = ~tree.permitted(body.link[piece[i]], body.link[j])
     i, j = i[keep], j[keep]
     body.ready(piece[i], j)

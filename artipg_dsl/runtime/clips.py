@@ -48,7 +48,12 @@ class Clips:
 
 def clipped(lean: Batch, asked: Asked) -> Clips:
     """What an evaluation has made of the values asked; ``lean`` is one of the sampler's lean plan."""
-    owner, draw, row, why = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)], []
+    owner, draw, row, why = (
+        [np.zeros(0, dtype=np.int64)],
+        [np.zeros(0, dtype=np.int64)],
+        [np.zeros(0, dtype=np.int64)],
+        [],
+    )
     for number, values in enumerate(asked.values):
         rows = np.flatnonzero(~(values == lean.state.values[number]) & asked.stated[number])
         if len(rows):
@@ -139,7 +144,15 @@ def logged(
             how[k] = HINT if hinted else REDRAWN if redrawn is not None and redrawn[place] else SEARCH
             causes.append(cause)
         parts.append(
-            Repairs(owner, np.full(len(rows), number), [names[k] for k in rows], wanted, lean.state.values[number][rows], how, causes)
+            Repairs(
+                owner,
+                np.full(len(rows), number),
+                [names[k] for k in rows],
+                wanted,
+                lean.state.values[number][rows],
+                how,
+                causes,
+            )
         )
     return Repairs.joined(parts)
 

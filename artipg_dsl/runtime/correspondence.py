@@ -103,8 +103,16 @@ class _Slots:
         found = []
         for home, sites in self.members.get(number, ()):
             base, _ = _nearest(self.before, self.after, home)
-            place = self._order(self.after, home, [s for s in sites if _alternative(self.after.program, s, home) is
-                                                   _alternative(self.after.program, number, home)], number)
+            place = self._order(
+                self.after,
+                home,
+                [
+                    s
+                    for s in sites
+                    if _alternative(self.after.program, s, home) is _alternative(self.after.program, number, home)
+                ],
+                number,
+            )
             up = self.after.rowmap.up(self.after.program.sites[number].scope, home)
             others: dict[Scope | None, list[int]] = {}
             for site in sites:
@@ -126,7 +134,9 @@ class _Slots:
             starts += np.bincount(up, minlength=len(starts))
         return starts
 
-    def _paired(self, home: Scope, sites: list[int], base: np.ndarray, place: np.ndarray) -> list[tuple[int, np.ndarray]]:
+    def _paired(
+        self, home: Scope, sites: list[int], base: np.ndarray, place: np.ndarray
+    ) -> list[tuple[int, np.ndarray]]:
         """The k-th, or the last, of what the slot bound before in the row ``base`` of its home."""
         batch = self.before
         size = batch.rowmap.rows(home).size

@@ -41,7 +41,16 @@ def faults(batch: Batch) -> Faults:
     tree = Tree(batch)
     body = gather(batch, tree.first, tree.turn, tree.shift)
     solids = Solids(tree, body)
-    others = [Fault(*wrong) for wrong in (*solids.degenerate(), *solids.floating(), *solids.unheld(), *inverted(tree), *too_near(tree, body))]
+    others = [
+        Fault(*wrong)
+        for wrong in (
+            *solids.degenerate(),
+            *solids.floating(),
+            *solids.unheld(),
+            *inverted(tree),
+            *too_near(tree, body),
+        )
+    ]
     for statement, objects in zip(batch.program.stable, falling(tree, body), strict=False):
         others.append(Fault(f"{statement.where}: {statement.message}", objects))
     return Faults(tree, collisions(batch, tree, body), tuple(fault for fault in others if len(fault.objects)))

@@ -28,7 +28,9 @@ class Solids:
     def __init__(self, tree: Tree, body: Pieces):
         tables = tree.batch.sites()
         self.tree, self.body = tree, body
-        self.site = np.concatenate([np.full(len(t), t.number) for t in tables]) if tables else np.zeros(0, dtype=np.int64)
+        self.site = (
+            np.concatenate([np.full(len(t), t.number) for t in tables]) if tables else np.zeros(0, dtype=np.int64)
+        )
         self.owner = np.concatenate([t.owner for t in tables]) if tables else self.site
         self.link = tree.first[self.owner] + np.concatenate([t.link for t in tables]) if tables else self.site
         self.order = np.argsort(body.solid, kind="stable")  # pieces by primitive
@@ -60,7 +62,11 @@ class Solids:
         """By how much (S,) the pieces of each primitive may lie within it."""
         middle = np.sort(np.where(np.isfinite(self.high - self.low), self.high - self.low, 0.0), axis=1)[:, 1]
         corners = np.array([len(points[0]) for points in self.body.corners] or [0])
-        boxy = corners[self.body.kind[self.order[np.minimum(self.begin, len(self.order) - 1)]]] == 8 if len(self.order) else True
+        boxy = (
+            corners[self.body.kind[self.order[np.minimum(self.begin, len(self.order) - 1)]]] == 8
+            if len(self.order)
+            else True
+        )
         return TOUCH + np.where((self.count == 1) & boxy, 0.0, ROUND * middle)
 
     # ------------------------------------------------------------ within a link
@@ -104,7 +110,9 @@ class Solids:
         first, second = sort[i], sort[j]
         room = np.maximum(margin[first], margin[second])
         for k in range(3):
-            near = (self.low[first, k] < self.high[second, k] + room) & (self.low[second, k] < self.high[first, k] + room)
+            near = (self.low[first, k] < self.high[second, k] + room) & (
+                self.low[second, k] < self.high[first, k] + room
+            )
             first, second, room = first[near], second[near], room[near]
         return first, second
 
@@ -115,7 +123,9 @@ class Solids:
         i, j = self.order[one], second[k]
         near = np.ones(len(k), dtype=bool)
         for axis in range(3):
-            near &= (self.body.low[i, axis] < self.high[j, axis] + room[k]) & (self.low[j, axis] < self.body.high[i, axis] + room[k])
+            near &= (self.body.low[i, axis] < self.high[j, axis] + room[k]) & (
+                self.low[j, axis] < self.body.high[i, axis] + room[k]
+            )
         k, i = k[near], i[near]
         n, other = spread(self.begin[second[k]], self.count[second[k]])
         k, i, j = k[n], i[n], self.order[other]
@@ -132,7 +142,10 @@ class Solids:
         """Links that nothing of what holds them comes near."""
         tree, body = self.tree, self.body
         count = len(tree.links.owner)
-        begin, end = np.searchsorted(body.link, np.arange(count)), np.searchsorted(body.link, np.arange(count), side="right")
+        begin, end = (
+            np.searchsorted(body.link, np.arange(count)),
+            np.searchsorted(body.link, np.arange(count), side="right"),
+        )
         solid = end > begin
         holder = tree.above.copy()
         while True:  # links without solids hold nothing themselves
@@ -148,7 +161,10 @@ class Solids:
         for link in far.tolist():
             name = tree.batch.program.links[tree.links.definition[link]].path
             found.setdefault(name, []).append(int(tree.links.owner[link]))
-        return [(f"nothing holds `{name}`: what carries it is more than 2 cm away", np.unique(o)) for name, o in found.items()]
+        return [
+            (f"nothing holds `{name}`: what carries it is more than 2 cm away", np.unique(o))
+            for name, o in found.items()
+        ]
 
     def _links_allowed(self) -> np.ndarray:
         return np.unique(self.link[self._allowed()])
@@ -171,7 +187,9 @@ class Solids:
             near = np.ones(len(at), dtype=bool)
             for axis_ in range(3):
                 one, two = ends[0][at, axis_], ends[1][at, axis_]
-                near &= (np.minimum(one, two) < body.high[piece, axis_] + HOLD) & (body.low[piece, axis_] - HOLD < np.maximum(one, two))
+                near &= (np.minimum(one, two) < body.high[piece, axis_] + HOLD) & (
+                    body.low[piece, axis_] - HOLD < np.maximum(one, two)
+                )
             at, piece = at[near], piece[near]
             met = np.zeros(len(link), dtype=bool)
             met[at[within(Placed(body, piece), _Segments(ends[0][at], ends[1][at]), np.full(len(at), HOLD))]] = True
@@ -263,7 +281,10 @@ def inverted(tree: Tree) -> Wrong:
     """Joints whose range is none, or does not hold their rest value."""
     joints = tree.joints
     found: dict[str, list[int]] = {}
-    low, high = np.where(np.isnan(joints.low), -np.inf, joints.low), np.where(np.isnan(joints.high), np.inf, joints.high)
+    low, high = (
+        np.where(np.isnan(joints.low), -np.inf, joints.low),
+        np.where(np.isnan(joints.high), np.inf, joints.high),
+    )
     upside, outside = low > high + 1e-9, (joints.rest < low - 1e-9) | (joints.rest > high + 1e-9)
     outside |= ~np.isfinite(joints.rest)
     for row in np.flatnonzero(upside | outside).tolist():

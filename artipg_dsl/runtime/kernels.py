@@ -245,7 +245,9 @@ def draw_real(
     return found
 
 
-def _spread(unit: np.ndarray, low: np.ndarray, high: np.ndarray, gaps: Gaps | None, distribution: str, arguments: tuple) -> np.ndarray:
+def _spread(
+    unit: np.ndarray, low: np.ndarray, high: np.ndarray, gaps: Gaps | None, distribution: str, arguments: tuple
+) -> np.ndarray:
     if gaps is None:
         return spread(unit, low, high, distribution, arguments)
     return spread_between(unit, low, high, gaps, distribution, arguments)
@@ -256,8 +258,18 @@ def _weigh(
     arguments: tuple,
 ) -> None:  # fmt: skip
     """Note how much of the declared law lies in the range that was left of it, or how likely a value given is by it."""
-    whole = held(full(rows, domain[0]).astype(np.float64), full(rows, domain[1]).astype(np.float64), None, distribution, arguments)
-    part = density(value, distribution, arguments) if number in state.given else held(ends[0], ends[1], gaps, distribution, arguments)
+    whole = held(
+        full(rows, domain[0]).astype(np.float64),
+        full(rows, domain[1]).astype(np.float64),
+        None,
+        distribution,
+        arguments,
+    )
+    part = (
+        density(value, distribution, arguments)
+        if number in state.given
+        else held(ends[0], ends[1], gaps, distribution, arguments)
+    )
     _note(state, rows, part, whole, number in state.given)
 
 
@@ -309,7 +321,9 @@ def draw_count(
         if number in state.kept:
             found = _other_count(state.kept[number], rows, _lot(state, rows, address), first, last, found)
         if gaps is not None:
-            found = np.floor(clear(found, first - 0.5, last + 0.5, gaps) + 0.5) if state.defaults or state.kept else found
+            found = (
+                np.floor(clear(found, first - 0.5, last + 0.5, gaps) + 0.5) if state.defaults or state.kept else found
+            )
             _no_room(state, rows, number, inside(found, gaps) & ~bad)
     if state.weigh and domain is not None:
         one, two = _whole(first, last, distribution, arguments)
@@ -329,7 +343,9 @@ def _whole(first: np.ndarray, last: np.ndarray, distribution: str, arguments: tu
     return np.ceil(first - TOLERANCE), np.floor(last + TOLERANCE)
 
 
-def _other_count(kept: Kept, rows: Rows, unit: np.ndarray, first: np.ndarray, last: np.ndarray, fresh: np.ndarray) -> np.ndarray:
+def _other_count(
+    kept: Kept, rows: Rows, unit: np.ndarray, first: np.ndarray, last: np.ndarray, fresh: np.ndarray
+) -> np.ndarray:
     """The count kept, moved into the range; another one where that is asked for and there is one."""
     known, at = kept.find(rows)
     if not known.any():
@@ -340,7 +356,9 @@ def _other_count(kept: Kept, rows: Rows, unit: np.ndarray, first: np.ndarray, la
     return np.where(known, np.where(kept.swap[at] & (last > first), other, old), fresh)
 
 
-def draw_choice(state: State, rows: Rows, number: int, address: str, weights: tuple, declared: tuple | None = None) -> np.ndarray:
+def draw_choice(
+    state: State, rows: Rows, number: int, address: str, weights: tuple, declared: tuple | None = None
+) -> np.ndarray:
     """The index of one of the options, by weight; ``declared`` are the weights before requirements removed some."""
     table = np.stack([np.broadcast_to(np.asarray(w, dtype=np.float64), (rows.size,)) for w in weights])
     found = _given(state, rows, number, 0.0, len(weights) - 1.0)
@@ -357,7 +375,11 @@ def draw_choice(state: State, rows: Rows, number: int, address: str, weights: tu
             found = np.minimum((total <= mark).sum(axis=0), len(weights) - 1).astype(np.float64)
     if state.weigh and (declared is not None or number in state.given):
         prior = table if declared is None else np.stack([full(rows, w).astype(np.float64) for w in declared])
-        part = prior[found.astype(np.int64), np.arange(rows.size)] if number in state.given else np.cumsum(np.maximum(table, 0.0), axis=0)[-1]
+        part = (
+            prior[found.astype(np.int64), np.arange(rows.size)]
+            if number in state.given
+            else np.cumsum(np.maximum(table, 0.0), axis=0)[-1]
+        )
         _note(state, rows, part, np.cumsum(np.maximum(prior, 0.0), axis=0)[-1])
     state.values[number] = found
     return found

@@ -40,7 +40,9 @@ def _grid() -> np.ndarray:
 _CDF = _grid()
 
 
-def _truncated(unit: np.ndarray, low: np.ndarray, high: np.ndarray, mean: np.ndarray | float, deviation: np.ndarray | float) -> np.ndarray:
+def _truncated(
+    unit: np.ndarray, low: np.ndarray, high: np.ndarray, mean: np.ndarray | float, deviation: np.ndarray | float
+) -> np.ndarray:
     """Inverse distribution function of the normal law between two values."""
     a, b = (low - mean) / deviation, (high - mean) / deviation
     below, above = np.interp(a, _Z, _CDF), np.interp(b, _Z, _CDF)
@@ -62,7 +64,11 @@ def _among(
 
 
 def _nearest(
-    unit: np.ndarray, low: np.ndarray, high: np.ndarray, values: tuple, gaps: tuple[np.ndarray, np.ndarray] | None = None
+    unit: np.ndarray,
+    low: np.ndarray,
+    high: np.ndarray,
+    values: tuple,
+    gaps: tuple[np.ndarray, np.ndarray] | None = None,
 ) -> np.ndarray:
     """One of the values that lie within the bounds, equally likely; the nearest bound when none does."""
     table, within = _among(low, high, values, gaps)
@@ -122,7 +128,12 @@ def clear(value: np.ndarray, low: np.ndarray, high: np.ndarray, gaps: tuple[np.n
 
 
 def spread_between(
-    unit: np.ndarray, low: np.ndarray, high: np.ndarray, gaps: tuple[np.ndarray, np.ndarray], distribution: str, arguments: tuple
+    unit: np.ndarray,
+    low: np.ndarray,
+    high: np.ndarray,
+    gaps: tuple[np.ndarray, np.ndarray],
+    distribution: str,
+    arguments: tuple,
 ) -> np.ndarray:
     """Uniform numbers to a distribution truncated to ``low .. high`` without the gaps."""
     if distribution == "values":

@@ -47,13 +47,17 @@ class Loops:
     def apart(self, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The links (rows of the table) of loops that do not close with the driving joints at ``states`` (J,)."""
         turn, shift = link_motion(self.batch.links(), self.batch.joints(), self.settle(states))
-        first, second = (apply(turn[link], point) + shift[link] for link, point in zip(self.link, self.point, strict=True))
+        first, second = (
+            apply(turn[link], point) + shift[link] for link, point in zip(self.link, self.point, strict=True)
+        )
         wide = np.abs(first - second).max(axis=1) > APART
         return self.link[0, wide], self.link[1, wide]
 
     def driven(self, leader: np.ndarray) -> np.ndarray:
         """The joint that each joint follows, ``leader`` for what mimics, where loops determine it the first that drives them."""
-        drives = np.where(self.follows | (self.variable < 0), len(leader), self.variable).min(axis=1, initial=len(leader))
+        drives = np.where(self.follows | (self.variable < 0), len(leader), self.variable).min(
+            axis=1, initial=len(leader)
+        )
         instead = np.arange(len(leader))
         owner, slot = np.nonzero(self.follows & (drives < len(leader))[:, None])
         instead[self.variable[owner, slot]] = drives[owner]
@@ -63,7 +67,9 @@ class Loops:
         """Gaps (B, M) and their derivatives by the leading joints (B, M, V), 0 where an object has fewer of either."""
         links, joints = self.batch.links(), self.batch.joints()
         turn, shift = link_motion(links, joints, values)
-        places = np.stack([apply(turn[link], point) + shift[link] for link, point in zip(self.link, self.point, strict=True)])
+        places = np.stack(
+            [apply(turn[link], point) + shift[link] for link, point in zip(self.link, self.point, strict=True)]
+        )
         holder = np.searchsorted(links.owner, joints.owner) + joints.parent
         axis, slide = (apply(turn[holder], way) for way in freedoms(joints))
         origin = apply(turn[holder], joints.origin) + shift[holder]
@@ -123,7 +129,9 @@ def loops_of(batch: Batch) -> Loops | None:
         owner = batch.owner(closure.scope)
         owners.append(owner)
         rows.append(np.stack([start[owner] + batch.link_numbers(closure.scope, side) for side in closure.links]))
-        points.append(np.stack([np.stack(batch.read(list(p), closure.scope), axis=-1).reshape(-1, 3) for p in closure.points]))
+        points.append(
+            np.stack([np.stack(batch.read(list(p), closure.scope), axis=-1).reshape(-1, 3) for p in closure.points])
+        )
     order = np.argsort(np.concatenate(owners), kind="stable")
     owner, link = np.concatenate(owners)[order], np.concatenate(rows, axis=1)[:, order]
     point = np.concatenate(points, axis=1)[:, order]
@@ -136,7 +144,17 @@ def loops_of(batch: Batch) -> Loops | None:
     variable = np.full((len(batch), int(slot_of[used].max(initial=0)) + 1), -1, dtype=np.int64)
     variable[joints.owner[used], slot_of[used]] = used
     made = Loops(
-        batch, owner, link, point, at, side, joint, rate[joint], slot_of[leader[joint]], variable, np.zeros_like(variable, dtype=bool)
+        batch,
+        owner,
+        link,
+        point,
+        at,
+        side,
+        joint,
+        rate[joint],
+        slot_of[leader[joint]],
+        variable,
+        np.zeros_like(variable, dtype=bool),
     )
     made.follows[...] = determined(made.slopes(follow(joints, batch.rest()))[1])
     return made

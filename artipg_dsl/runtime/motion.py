@@ -22,7 +22,10 @@ def rotation_about(axis: np.ndarray, angle: np.ndarray) -> np.ndarray:
 
 def apply(rotation: np.ndarray, vector: np.ndarray) -> np.ndarray:
     """Matrices (k, 3, 3) times vectors (k, 3), written out."""
-    columns = [rotation[:, i, 0] * vector[:, 0] + rotation[:, i, 1] * vector[:, 1] + rotation[:, i, 2] * vector[:, 2] for i in range(3)]
+    columns = [
+        rotation[:, i, 0] * vector[:, 0] + rotation[:, i, 1] * vector[:, 1] + rotation[:, i, 2] * vector[:, 2]
+        for i in range(3)
+    ]
     return np.stack(columns, axis=-1)
 
 

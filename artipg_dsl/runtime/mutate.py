@@ -135,7 +135,9 @@ def mutate(
     repairs: list[Repairs] = []
     now = batch
     for operation in [o for o in OPERATIONS if o in operations]:
-        step = _Step(sampler, now, operation, f"{salt} by {operation}", lane, variants >= 0, strength, share, Names(only))
+        step = _Step(
+            sampler, now, operation, f"{salt} by {operation}", lane, variants >= 0, strength, share, Names(only)
+        )
         after, tries = step.one(statistics, checked) if one else step.run(statistics, checked)
         rejected += tries
         logs = [moved(sampler, now, after, step.purpose()), *step.logs()]
@@ -173,7 +175,9 @@ class Names:
         pieces = [p.strip() for p in only.split(",")]
         drawn = {d.column.name for d in program.draws}
         plain = {p: Names(re.sub(r"\[\d+\]", "", p)) for p in pieces}
-        return [p for p, names in plain.items() if not any(names.everything or names.pattern.fullmatch(n) for n in drawn)]
+        return [
+            p for p, names in plain.items() if not any(names.everything or names.pattern.fullmatch(n) for n in drawn)
+        ]
 
     def of(self, batch: Batch, draw: Draw) -> np.ndarray:
         """The rows of a draw that are meant, as a mask."""
@@ -293,7 +297,9 @@ class _Step:
         """One value of each object changed and no other that both have; unchanged where that cannot be."""
         lots = self.lots()
         lowest = self.lowest(lots)
-        single = [(lot < 1.0) & (lot == lowest[self.owner(d)]) for d, lot in zip(self.batch.program.draws, lots, strict=True)]
+        single = [
+            (lot < 1.0) & (lot == lowest[self.owner(d)]) for d, lot in zip(self.batch.program.draws, lots, strict=True)
+        ]
         if self.operation == "cpa":
             self.reaches = [np.where(s, r, 0.0) for s, r in zip(single, self.reaches, strict=True)]
         else:
@@ -321,12 +327,12 @@ class _Step:
             found[self.owner(draw)[wanted]] = True
         return np.flatnonzero(found)
 
-    def trial(
-        self, objects: np.ndarray, attempt: np.ndarray, how: Callable[[int, np.ndarray], np.ndarray]
-    ) -> Batch:
+    def trial(self, objects: np.ndarray, attempt: np.ndarray, how: Callable[[int, np.ndarray], np.ndarray]) -> Batch:
         """An attempt at the objects at some places of the batch, what is kept reaching as far as ``how`` says."""
         old = self.batch.state
-        state = State(old.seed, old.objects[objects], attempt[objects], dict(old.given), salt=self.salt, lane=self.lane[objects])
+        state = State(
+            old.seed, old.objects[objects], attempt[objects], dict(old.given), salt=self.salt, lane=self.lane[objects]
+        )
         for number in range(len(self.batch.program.draws)):
             state.kept[number] = self.held(number, objects, how(number, attempt))
         return made(self.batch.program, self.batch.plan, state, self.batch.numbers[objects])

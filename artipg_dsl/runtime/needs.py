@@ -23,7 +23,16 @@ def wanted(program: Program) -> Iterator[Wanted]:
     for part in program.parts:
         yield from each(part.scope, pose_cells(part.pose), part.low, part.high)
     for joint in program.joints:
-        physics = (joint.low, joint.high, joint.rest, joint.damping, joint.friction, joint.effort, joint.velocity, joint.pitch)
+        physics = (
+            joint.low,
+            joint.high,
+            joint.rest,
+            joint.damping,
+            joint.friction,
+            joint.effort,
+            joint.velocity,
+            joint.pitch,
+        )
         yield from each(joint.scope, joint.origin, joint.axis, (p for p in physics if p is not None))
         if joint.mimic is not None:
             yield from each(joint.scope, joint.mimic[1:])

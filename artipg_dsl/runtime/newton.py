@@ -17,7 +17,9 @@ SHORTEST = 2.0**-12  # of a full step
 
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")
-def newton(system: Callable[..., tuple], starts: Sequence[np.ndarray | float], knowns: Sequence[np.ndarray | float]) -> np.ndarray:
+def newton(
+    system: Callable[..., tuple], starts: Sequence[np.ndarray | float], knowns: Sequence[np.ndarray | float]
+) -> np.ndarray:
     """The unknowns (n, rows) or, all being scalars, (n,) where ``system`` is 0, looked for from ``starts``.
 
     ``system(*unknowns, *knowns)`` gives n residuals, then their n * n derivatives, one residual after the other.
@@ -42,7 +44,9 @@ def newton(system: Callable[..., tuple], starts: Sequence[np.ndarray | float], k
     return x.reshape(len(starts), *shape)
 
 
-def _at(system: Callable[..., tuple], x: np.ndarray, given: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _at(
+    system: Callable[..., tuple], x: np.ndarray, given: list[np.ndarray]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Residuals (n, rows), derivatives (n, n, rows), and the largest residual of each row (inf where there is none)."""
     n, rows = x.shape
     found = np.stack([np.broadcast_to(np.asarray(v, dtype=np.float64), (rows,)) for v in system(*x, *given)])

@@ -26,7 +26,9 @@ class Plan:
     source: str
     outputs: dict[tuple[Expr, Scope], int]
     scopes: dict[Scope, int]
-    loose: tuple[tuple[int, Bound], ...]  # bounds that would have needed a later draw: left to the check of requirements
+    loose: tuple[
+        tuple[int, Bound], ...
+    ]  # bounds that would have needed a later draw: left to the check of requirements
     _function: Callable | None = None
     _bare: Plan | None = None
 
@@ -170,7 +172,9 @@ class _Emitter:
         function = f"f{self.counter}"
         for line in source(formulas, names, function).split("\n"):
             self.line(line)
-        call = f"newton({function}, ({', '.join(arguments[known:])},), ({''.join(a + ', ' for a in arguments[:known])}))"
+        call = (
+            f"newton({function}, ({', '.join(arguments[known:])},), ({''.join(a + ', ' for a in arguments[:known])}))"
+        )
         name = self.fresh(call)
         if all(map(self.scalar, arguments)):
             self.scalars.add(name)
@@ -218,7 +222,9 @@ class _Emitter:
             plain = [self.value(w, scope) for w in draw.weights]
             left = [self.limited(draw, k, w) for k, w in enumerate(plain)]
             declared = f", ({', '.join(plain)},)" if left != plain else ""
-            name = self.fresh(f"draw_choice(state, {table}, {number}, {draw.address!r}, ({', '.join(left)},){declared})")
+            name = self.fresh(
+                f"draw_choice(state, {table}, {number}, {draw.address!r}, ({', '.join(left)},){declared})"
+            )
         else:
             assert draw.low is not None and draw.high is not None
             least, most = self.value(draw.low, scope), self.value(draw.high, scope)
@@ -251,7 +257,12 @@ class _Emitter:
         """A value if it is known before what is being drawn; None (and nothing emitted) if it is not."""
         before = len(self.lines)
         kept = (
-            dict(self.names), dict(self.gathered), dict(self.tables), dict(self.routes), dict(self.drawn), list(self.running)
+            dict(self.names),
+            dict(self.gathered),
+            dict(self.tables),
+            dict(self.routes),
+            dict(self.drawn),
+            list(self.running),
         )
         try:
             return self.value(node, scope)
@@ -296,7 +307,9 @@ def make_plan(program: Program, wanted: Iterable[tuple[Expr, Scope]]) -> Plan:
             holds = call("le", requirement.slack[0], requirement.slack[1] + 1e-9)
         holds = negate(both(requirement.guard, negate(holds)))
         value = emitter.value(holds, requirement.scope)
-        emitter.line(f"demand(state, {emitter.table(requirement.scope)}, {number}, {value})" + remark(str(requirement.where)))
+        emitter.line(
+            f"demand(state, {emitter.table(requirement.scope)}, {number}, {value})" + remark(str(requirement.where))
+        )
     for number, preference in enumerate(program.preferences):
         scope = preference.scope
         holds = negate(both(preference.guard, negate(preference.condition)))

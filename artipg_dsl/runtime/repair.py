@@ -101,7 +101,12 @@ class Mended:
 
 
 def mended(
-    sampler: Sampler, batch: Batch, objects: np.ndarray, statistics: Statistics, checked: bool, fixed: Iterable[int] = ()
+    sampler: Sampler,
+    batch: Batch,
+    objects: np.ndarray,
+    statistics: Statistics,
+    checked: bool,
+    fixed: Iterable[int] = (),
 ) -> Mended:
     """What can be put right of some objects of a batch, whose failures have been counted; draws ``fixed`` do not move."""
     outcome = repair(sampler, again(batch, objects), statistics=statistics, checked=checked, counted=True, fixed=fixed)
@@ -113,7 +118,9 @@ def mended(
 
 def tally(statistics: Statistics, log: Repairs, failing: dict[Cause, np.ndarray], still: np.ndarray) -> None:
     """Count what was repaired; a value that was clipped in time is a failure that was repaired."""
-    mended: dict[Cause, set[int]] = {cause: set(objects[~still[objects]].tolist()) for cause, objects in failing.items()}
+    mended: dict[Cause, set[int]] = {
+        cause: set(objects[~still[objects]].tolist()) for cause, objects in failing.items()
+    }
     for owner, cause in zip(log.owner.tolist(), log.cause, strict=True):
         if owner not in mended.setdefault(cause, set()) and not (cause in failing and owner in failing[cause]):
             statistics.fail(cause, 1)
@@ -183,7 +190,10 @@ class Handler:
         if cause not in self._behind:
             roots = self.roots(cause)
             draws = range(len(self.program.draws)) if roots is None else draws_behind(self.program, roots)
-            self._behind[cause] = [k for k in draws if k not in self.fixed], roots is None or crosses(self.program, roots)
+            self._behind[cause] = (
+                [k for k in draws if k not in self.fixed],
+                roots is None or crosses(self.program, roots),
+            )
         return self._behind[cause]
 
     def roots(self, cause: Cause) -> list[Expr] | None:
@@ -197,7 +207,11 @@ class Handler:
         if kind in ("draw", "domain"):
             draw = program.draws[about]
             ends = [e for e in (draw.low, draw.high, *draw.weights) if e is not None]
-            return [*ends, *(e for b in draw.bounds for e in (b.value, b.guard)), *(limit.allowed for limit in draw.limits)]
+            return [
+                *ends,
+                *(e for b in draw.bounds for e in (b.value, b.guard)),
+                *(limit.allowed for limit in draw.limits),
+            ]
         if kind == "collision":
             links = {k for k, link in enumerate(program.links) if link.path in about[:2]}
             sites = [e for s in program.sites if links & set(s.link) for e in (*s.parameters, *pose_cells(s.pose))]
@@ -228,14 +242,20 @@ class Handler:
         scope = draw.column.scope
         if rows is None:
             return np.ones(batch.rowmap.rows(scope).size, dtype=bool)
-        own = self.program.draws[cause[1]].column.scope if cause[0] == "draw" else self.program.requirements[cause[1]].scope
+        own = (
+            self.program.draws[cause[1]].column.scope
+            if cause[0] == "draw"
+            else self.program.requirements[cause[1]].scope
+        )
         common = next(s for s in own.ancestors() if scope.within(s))
         marked = np.unique(batch.rowmap.up(own, common)[rows])
         return np.isin(batch.rowmap.up(scope, common), marked)
 
     # ------------------------------------------------------------ stages
 
-    def solve(self, search: Search, failing: dict[Cause, np.ndarray], objects: np.ndarray, depth: int = 0) -> list[Solved]:
+    def solve(
+        self, search: Search, failing: dict[Cause, np.ndarray], objects: np.ndarray, depth: int = 0
+    ) -> list[Solved]:
         """Put objects right as far as that goes: by the hints, by one value alone, by several together."""
         found: list[Solved] = []
         left = objects
@@ -345,4 +365,3 @@ def joined(batch: Batch, solved: Sequence[Solved]) -> Batch:
         still = np.zeros(len(key))
         values.append(Kept(key[order], value[order], still, still.astype(bool)))
     return again(batch, np.arange(len(batch)), values=values)
-

@@ -54,7 +54,13 @@ class Repairs:
         name, cause = [n for p in parts for n in p.name], [c for p in parts for c in p.cause]
         order = np.lexsort((np.arange(len(owner)), owner))
         return Repairs(
-            owner[order], draw[order], [name[k] for k in order], before[order], after[order], how[order], [cause[k] for k in order]
+            owner[order],
+            draw[order],
+            [name[k] for k in order],
+            before[order],
+            after[order],
+            how[order],
+            [cause[k] for k in order],
         )
 
     def without(self, objects: np.ndarray) -> Repairs:
@@ -63,7 +69,9 @@ class Repairs:
 
     def _rows(self, keep: np.ndarray) -> Repairs:
         name, cause = [self.name[k] for k in keep], [self.cause[k] for k in keep]
-        return Repairs(self.owner[keep], self.draw[keep], name, self.before[keep], self.after[keep], self.how[keep], cause)
+        return Repairs(
+            self.owner[keep], self.draw[keep], name, self.before[keep], self.after[keep], self.how[keep], cause
+        )
 
     def of(self, objects: np.ndarray) -> Repairs:
         """Those of some objects, which are numbered as they stand in ``objects``; an object may stand there often."""
@@ -122,7 +130,11 @@ def read(program: Program, owner: int, entries: Sequence[Mapping[str, Any]]) -> 
     for entry in entries:
         path, ends = re.sub(r"\[\d+\]", "", entry["path"]), (entry["from"], entry["to"])
         draws = [k for k, d in enumerate(program.draws) if d.column.name == path]
-        fitting = [k for k in draws if all(not isinstance(e, str) or e in program.draws[k].options or unending(e) for e in ends)]
+        fitting = [
+            k
+            for k in draws
+            if all(not isinstance(e, str) or e in program.draws[k].options or unending(e) for e in ends)
+        ]
         if not fitting:
             raise ValueError(f"nothing draws `{entry['path']}`")
         options = program.draws[fitting[0]].options

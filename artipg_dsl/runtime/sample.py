@@ -109,7 +109,9 @@ class Sampler:
         ``mend``: what fails is repaired, and drawn again only where that cannot be.
         """
         numbers = np.asarray(numbers, dtype=np.int64)
-        trials = _Trials(self, seed, dict(given or {}), defaults, checked, statistics if statistics is not None else Statistics())
+        trials = _Trials(
+            self, seed, dict(given or {}), defaults, checked, statistics if statistics is not None else Statistics()
+        )
         if candidates and not defaults:
             return trials.resampled(numbers, candidates)
         attempt = np.zeros(len(numbers), dtype=np.int64)
@@ -146,7 +148,13 @@ class _Trials:
     """Attempts at objects, and how many of each one's ended in a collision."""
 
     def __init__(
-        self, sampler: Sampler, seed: int, given: dict[int, float], defaults: bool, checked: bool, statistics: Statistics
+        self,
+        sampler: Sampler,
+        seed: int,
+        given: dict[int, float],
+        defaults: bool,
+        checked: bool,
+        statistics: Statistics,
     ):
         self.sampler, self.seed, self.given, self.defaults = sampler, seed, given, defaults
         self.checked, self.statistics = checked, statistics
@@ -208,7 +216,9 @@ class _Trials:
             self.statistics.first_valid += int((~first.failed[::candidates]).sum())
             lost = numbers[part][attempt[part] < 0]
             if len(lost):
-                raise Exhausted(lost, self.statistics, len(choice.states) * candidates, hopeless(self.sampler.program, self.given))
+                raise Exhausted(
+                    lost, self.statistics, len(choice.states) * candidates, hopeless(self.sampler.program, self.given)
+                )
         return self.made(numbers, attempt)[1]
 
 

@@ -23,7 +23,12 @@ from .settled import made
 STEPS = 2.0 ** -np.arange(6, -1, -1)  # of the width of a domain, for a value that moves alone
 TOGETHER = 48  # candidates in which several values move
 HALVINGS = 8  # of the way back towards the old values
-WAVES = ((0.05, 0.2), (0.2, 0.7), (0.7, np.inf), (-1.0, 0.05))  # in what order candidates are examined for solids, by cost
+WAVES = (
+    (0.05, 0.2),
+    (0.2, 0.7),
+    (0.7, np.inf),
+    (-1.0, 0.05),
+)  # in what order candidates are examined for solids, by cost
 EXAMINED = 40  # of them of an object at a time, evenly over the wave
 BLOCK = 2048  # candidates evaluated at a time
 AGAIN = 2  # searches from what was better and not yet valid
@@ -42,7 +47,10 @@ class Spots:
     @staticmethod
     def of(found: Sequence[tuple[np.ndarray, np.ndarray | int, np.ndarray]]) -> Spots:
         """From (owners, draw, rows), each row once, by object, draw and row."""
-        columns = [np.concatenate([np.zeros(0, dtype=np.int64), *(np.broadcast_to(f[k], len(f[2])) for f in found)]) for k in range(3)]
+        columns = [
+            np.concatenate([np.zeros(0, dtype=np.int64), *(np.broadcast_to(f[k], len(f[2])) for f in found)])
+            for k in range(3)
+        ]
         table = np.unique(np.stack(columns, axis=1).astype(np.int64), axis=0)
         return Spots(table[:, 0], table[:, 1], table[:, 2])
 
@@ -67,7 +75,6 @@ class Moves:
         where[chosen] = np.arange(len(chosen))
         keep = where[self.candidate] >= 0
         return Moves(self.place[chosen], where[self.candidate[keep]], self.draw[keep], self.row[keep], self.value[keep])
-
 
     def over(self, chosen: np.ndarray, others: Moves) -> Moves:
         """With other values for some candidates, which ``others`` has in the order of ``chosen``."""
@@ -97,7 +104,13 @@ class Search:
         self, sampler: Sampler, batch: Batch, target: Sequence[np.ndarray], stated: Sequence[np.ndarray],
         sound: Callable[[Batch], np.ndarray] | None,
     ):  # fmt: skip
-        self.sampler, self.batch, self.target, self.stated, self.sound = sampler, batch, list(target), list(stated), sound
+        self.sampler, self.batch, self.target, self.stated, self.sound = (
+            sampler,
+            batch,
+            list(target),
+            list(stated),
+            sound,
+        )
         self.rows = [batch.rowmap.rows(d.column.scope) for d in batch.program.draws]
         self.low, self.high, self.width = [], [], []
         for number, draw in enumerate(batch.program.draws):
@@ -132,7 +145,11 @@ class Search:
         owner, draw_, row, value = (np.concatenate([np.zeros(0), *(f[k] for f in found)]) for k in range(4))
         order = np.argsort(owner, kind="stable")
         return Moves(
-            owner[order].astype(np.int64), np.arange(len(order)), draw_[order].astype(np.int64), row[order].astype(np.int64), value[order]
+            owner[order].astype(np.int64),
+            np.arange(len(order)),
+            draw_[order].astype(np.int64),
+            row[order].astype(np.int64),
+            value[order],
         )
 
     def together(self, spots: Spots) -> Moves:
@@ -149,7 +166,9 @@ class Search:
             address = self.rows[k].address[row][:, None]
             lane = state.lanes()[real.owner[here]][:, None]
             names = (self.batch.program.draws[k].address, f"repair of {state.salt}")
-            unit = uniform(key(state.seed, *names), address, lane, state.attempt[real.owner[here]][:, None] * TOGETHER + number)
+            unit = uniform(
+                key(state.seed, *names), address, lane, state.attempt[real.owner[here]][:, None] * TOGETHER + number
+            )
             wide = self.width[k][row][:, None] * reach
             moved = self.target[k][row][:, None] + wide * (2.0 * unit - 1.0)
             values[here] = np.minimum(np.maximum(moved, self.low[k][row][:, None]), self.high[k][row][:, None])
@@ -263,7 +282,9 @@ class Search:
 
     def _halved(self, moves: Moves, spots: Spots | None, solids: bool) -> Moves:
         kinds = np.array([d.kind == "real" for d in self.batch.program.draws])
-        old = np.array([self.target[d][r] for d, r in zip(moves.draw.tolist(), moves.row.tolist(), strict=True)], dtype=np.float64)
+        old = np.array(
+            [self.target[d][r] for d, r in zip(moves.draw.tolist(), moves.row.tolist(), strict=True)], dtype=np.float64
+        )
         low, high = np.zeros(len(moves.place)), np.ones(len(moves.place))
 
         def at(share: np.ndarray) -> Moves:

@@ -180,7 +180,9 @@ class Instances:
         return [joined[k] for k in self.order]
 
 
-def whichever(rowmap: Rowmap, instances: Instances, links: Sequence[Scope], scope: Scope, definitions: Sequence[int]) -> np.ndarray:
+def whichever(
+    rowmap: Rowmap, instances: Instances, links: Sequence[Scope], scope: Scope, definitions: Sequence[int]
+) -> np.ndarray:
     """The number of the one of several definitions that has a row, for each row of ``scope``."""
     found = np.full(rowmap.rows(scope).size, -1, dtype=np.int64)
     for definition in definitions:

@@ -87,14 +87,22 @@ def _drawn(stage: Stage) -> Iterable[tuple[int, Step]]:
         for i, j in zip(here[apart].tolist(), there[apart].tolist(), strict=True):
             p, q = int(old.row[i]), int(new.row[j])
             how = "changed" if stage.wanted[number][p] else "clipped"
-            step = Step(stage.operation, how, names[1][q], plain(draw, a[p]), plain(draw, b[q]), draw.address, ranks[1][q])
+            step = Step(
+                stage.operation, how, names[1][q], plain(draw, a[p]), plain(draw, b[q]), draw.address, ranks[1][q]
+            )
             yield int(new.owner[j]), step
         for j in there_new.tolist():
             q = int(new.row[j])
-            yield int(new.owner[j]), Step(stage.operation, "new", names[1][q], None, plain(draw, b[q]), draw.address, ranks[1][q])
+            yield (
+                int(new.owner[j]),
+                Step(stage.operation, "new", names[1][q], None, plain(draw, b[q]), draw.address, ranks[1][q]),
+            )
         for i in here_gone.tolist():
             p = int(old.row[i])
-            yield int(old.owner[i]), Step(stage.operation, "gone", names[0][p], plain(draw, a[p]), None, draw.address, ranks[0][p])
+            yield (
+                int(old.owner[i]),
+                Step(stage.operation, "gone", names[0][p], plain(draw, a[p]), None, draw.address, ranks[0][p]),
+            )
 
 
 def _ranks(batch: Batch, scope: Scope) -> list[tuple[int, ...]]:
@@ -155,11 +163,15 @@ def read_traces(text: str, name: str) -> dict[int, dict[str, Any]]:
         try:
             entry = json.loads(line)
             found[int(entry["object"])] = entry
-            _ = [(r["path"], r["from"], r["to"], r["because"], r["where"], HOW.index(r["how"])) for r in entry.get("repairs", ())]
+            _ = [
+                (r["path"], r["from"], r["to"], r["because"], r["where"], HOW.index(r["how"]))
+                for r in entry.get("repairs", ())
+            ]
             _ = int(entry["source"]), [(s["op"], s["how"], s["path"], s["from"], s["to"]) for s in entry["steps"]]
         except (ValueError, KeyError, TypeError) as error:
             raise UserError(
-                f"{name}:{number} is no trace of a mutation: {error}", "give a trace-*.jsonl that `apgc mutate` has written"
+                f"{name}:{number} is no trace of a mutation: {error}",
+                "give a trace-*.jsonl that `apgc mutate` has written",
             ) from None
     return found
 
@@ -181,7 +193,9 @@ class Replay:
         missing = [n for n in numbers.tolist() if n not in self.records]
         if missing:
             raise UserError(f"the trace says nothing of object {missing[0]}", "give all its files, trace-*.jsonl")
-        return np.array([self.records[n]["source"] for n in numbers.tolist()], dtype=np.int64), np.zeros(len(numbers), dtype=np.int64)
+        return np.array([self.records[n]["source"] for n in numbers.tolist()], dtype=np.int64), np.zeros(
+            len(numbers), dtype=np.int64
+        )
 
     def apply(
         self, sampler: Sampler, batch: Batch, numbers: np.ndarray, variants: np.ndarray, statistics: Statistics, checked: bool
@@ -233,7 +247,9 @@ def _asked(
                 continue
             number = known.get(step["draw"])
             if number is None:
-                raise UserError(f"{program.name} draws no `{step['path']}`", "replay a trace with the program it was made with")
+                raise UserError(
+                    f"{program.name} draws no `{step['path']}`", "replay a trace with the program it was made with"
+                )
             draw = program.draws[number]
             found = int(mix(_address(draw, int(batch.state.objects[owner]), step), owner).item())
             changed.setdefault(number, {})[found] = _number(draw, step)

@@ -158,7 +158,10 @@ def meeting(body: Pieces, first: Placed, second: Placed) -> np.ndarray:
 
 def _link_boxes(body: Pieces, links: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Box (L, 3) and range of pieces of every link; those without pieces here have none."""
-    begin, end = np.searchsorted(body.link, np.arange(links)), np.searchsorted(body.link, np.arange(links), side="right")
+    begin, end = (
+        np.searchsorted(body.link, np.arange(links)),
+        np.searchsorted(body.link, np.arange(links), side="right"),
+    )
     low, high = np.full((links, 3), np.inf), np.full((links, 3), -np.inf)
     full = np.flatnonzero(end > begin)
     if len(full):
@@ -221,7 +224,9 @@ def turnings(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> 
     i, j = near(tree, body, piece, middle - wide, middle + wide, joint)
     # the others' bounds about the same axes, each once
     pair, back = np.unique(joint[i] * len(body) + j, return_inverse=True)
-    other = rings(body, pair % max(len(body), 1), tree.axis[pair // max(len(body), 1)], tree.origin[pair // max(len(body), 1)])
+    other = rings(
+        body, pair % max(len(body), 1), tree.axis[pair // max(len(body), 1)], tree.origin[pair // max(len(body), 1)]
+    )
     meet = np.ones(len(i), dtype=bool)
     for mine, theirs in ((own.height, other.height), (own.reach, other.reach)):
         meet &= (mine[i, 0] < theirs[back, 1]) & (theirs[back, 0] < mine[i, 1])
@@ -232,7 +237,9 @@ def turnings(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> 
     return i, Turns(piece[i], j, axis[i], origin[i], start, stop, tree.advance[joint[i]], np.arange(len(i)))
 
 
-def _angles(own: np.ndarray, other: np.ndarray, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _angles(
+    own: np.ndarray, other: np.ndarray, low: np.ndarray, high: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """By how much pieces with angles ``own`` (k, 2) can turn within ``low .. high`` and meet others: (index, start, stop)."""
     whole = (own[:, 1] - own[:, 0]) + (other[:, 1] - other[:, 0]) >= FULL - 1e-9
     index, starts, stops = [np.flatnonzero(whole)], [low[whole]], [high[whole]]

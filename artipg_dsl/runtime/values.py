@@ -53,7 +53,11 @@ class Values:
         left, solved = found.failed, []
         for attempt in range(1, TRIALS):
             released = [
-                set() if attempt <= DRAWN else behind[p] if attempt <= EVERYTHING else set(range(len(sampler.program.draws)))
+                set()
+                if attempt <= DRAWN
+                else behind[p]
+                if attempt <= EVERYTHING
+                else set(range(len(sampler.program.draws)))
                 for p in left.tolist()
             ]
             trying = self.tried(sampler, trial.numbers[left], trial.seed, np.full(len(left), attempt), released)
@@ -89,7 +93,12 @@ class Values:
         return Asked(values, stated)
 
     def tried(
-        self, sampler: Sampler, numbers: np.ndarray, seed: int, attempt: np.ndarray, released: Sequence[set[int]] | None = None
+        self,
+        sampler: Sampler,
+        numbers: np.ndarray,
+        seed: int,
+        attempt: np.ndarray,
+        released: Sequence[set[int]] | None = None,
     ) -> Batch:
         """One attempt, without the values of the draws that are ``released`` for each object.
 
@@ -102,7 +111,11 @@ class Values:
             if sum(len(k.address) for k in kept.values()) == known:
                 break
             known = sum(len(k.address) for k in kept.values())
-            kept = {k: found for k in range(len(sampler.program.draws)) if (found := self.held(batch, k, released)) is not None}
+            kept = {
+                k: found
+                for k in range(len(sampler.program.draws))
+                if (found := self.held(batch, k, released)) is not None
+            }
         self.refuse(batch)
         return batch
 
@@ -128,7 +141,9 @@ class Values:
         for place, record in enumerate(self.records[n] for n in batch.numbers.tolist()):
             values = record.get(number)
             if values is not None and count[place]:
-                some = len(values) if len(values) > 1 else count[place]  # one for all, or one each as far as there are rows
+                some = (
+                    len(values) if len(values) > 1 else count[place]
+                )  # one for all, or one each as far as there are rows
                 mine = slice(start[place], start[place] + min(some, count[place]))
                 value[mine] = values[: count[place]] if len(values) > 1 else values[0]
                 said[mine] = True

@@ -248,7 +248,11 @@ def axis_value(ck: Checker, word: str, value: ast.Expr, kind: Type) -> None:
         )  # fmt: skip
     else:
         need = "a direction" if word == "along" else "an edge or a line"
-        hint = "write `line(at = ..., along = ...)` for an axis through it" if word == "about" else "write x, -y or a vector"
+        hint = (
+            "write `line(at = ..., along = ...)` for an axis through it"
+            if word == "about"
+            else "write x, -y or a vector"
+        )
         ck.error("bad-axis", value.span, f"an axis is {need}, but this is {kind}", hint=hint)
 
 

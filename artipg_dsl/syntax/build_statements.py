@@ -193,7 +193,9 @@ class StatementBuilder(ExpressionBuilder):
 
     def allow(self, c: Children) -> ast.Stmt:
         word, reason = c[1].value, unquote(c[-1].value)
-        return ast.AllowStmt(**self.stmt(c), kind=word, subject=c[2], other=c[4] if word == "overlap" else None, reason=reason)
+        return ast.AllowStmt(
+            **self.stmt(c), kind=word, subject=c[2], other=c[4] if word == "overlap" else None, reason=reason
+        )
 
     def free(self, c: Children) -> ast.Stmt:
         reason = unquote(c[5].value) if len(c) > 4 else None
@@ -260,9 +262,7 @@ class StatementBuilder(ExpressionBuilder):
     def field(self, c: Children) -> ast.Stmt:
         targets, where, value = self.formula(c)
         assert value is not None
-        return ast.FieldStmt(
-            **self.stmt(c), **self.named(c[1]), type=c[3], targets=targets, where=where, value=value
-        )
+        return ast.FieldStmt(**self.stmt(c), **self.named(c[1]), type=c[3], targets=targets, where=where, value=value)
 
     def formula(self, c: Children) -> tuple[tuple[ast.Expr, ...], ast.Expr | None, ast.Expr | None]:
         """What stands behind ``on``: the targets, the condition and the value."""

@@ -16,7 +16,9 @@ from .grammar import machine
 from .parse import parse
 
 STEP = 2
-APART = frozenset("EQUAL ARROW UPTO UNTIL BAR TILDE EQUALS UNEQUAL LESS AT_MOST MORE AT_LEAST LBRACE RBRACE COLON".split())
+APART = frozenset(
+    "EQUAL ARROW UPTO UNTIL BAR TILDE EQUALS UNEQUAL LESS AT_MOST MORE AT_LEAST LBRACE RBRACE COLON".split()
+)
 """Tokens with a space on both sides."""
 COMMENTS = frozenset(("COMMENT", "DOC"))
 CLOSING = frozenset(("RPAR", "RSQB", "RBRACE"))

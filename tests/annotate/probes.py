@@ -13,7 +13,14 @@ from artipg_dsl.session import Session
 from artipg_dsl.solids import own
 from artipg_dsl.syntax import ast
 
-SIZES = ("[4cm, 30cm, 40cm]", "[40cm, 50cm, 60cm]", "[5cm, 12mm, 20cm]", "[5cm, 85cm, 200cm]", "[3cm, 9cm, 25cm]", "[12cm, 12cm, 6cm]")
+SIZES = (
+    "[4cm, 30cm, 40cm]",
+    "[40cm, 50cm, 60cm]",
+    "[5cm, 12mm, 20cm]",
+    "[5cm, 85cm, 200cm]",
+    "[3cm, 9cm, 25cm]",
+    "[12cm, 12cm, 6cm]",
+)
 LENGTHS = ("12mm", "3mm", "4cm", "30cm")
 UNITS = {"length": "m", "angle": "rad", "ratio": ""}
 
@@ -55,16 +62,27 @@ class Shipped:
         for module, name in ((self.module, self.name), *self.uses):
             if (module, name) != ("primitives", "Cuboid"):
                 named.setdefault(module, set()).add(name)
-        uses = "\n".join(f"use {module} {{ {', '.join(sorted(names))} }}" for module, names in sorted(named.items()) if module != "primitives")
+        uses = "\n".join(
+            f"use {module} {{ {', '.join(sorted(names))} }}"
+            for module, names in sorted(named.items())
+            if module != "primitives"
+        )
         more = ", ".join(sorted(named.get("primitives", set())))
         for chosen in product(*self.arguments):
             arguments = f"({', '.join(chosen)})" if chosen else ""
             both = [
-                PROBE.format(uses=uses, styles=self.styles, name=self.name, arguments=arguments, turned=turned, shift=shift)
-                for turned, shift in (("", " + [5m, 0, 0]"), (" turned 1.1rad about [0.36, 0.48, 0.8]", " + [5.7m, -0.4m, 0.2m]"))
+                PROBE.format(
+                    uses=uses, styles=self.styles, name=self.name, arguments=arguments, turned=turned, shift=shift
+                )
+                for turned, shift in (
+                    ("", " + [5m, 0, 0]"),
+                    (" turned 1.1rad about [0.36, 0.48, 0.8]", " + [5.7m, -0.4m, 0.2m]"),
+                )
             ]
             if more:
-                both = [text.replace("use primitives { Cuboid }", f"use primitives {{ Cuboid, {more} }}") for text in both]
+                both = [
+                    text.replace("use primitives { Cuboid }", f"use primitives {{ Cuboid, {more} }}") for text in both
+                ]
             yield both[0], both[1]
 
 
@@ -91,7 +109,9 @@ def primitive(module: str, name: str, made, node: ast.PrimitiveDecl) -> Shipped:
     for row in range(1, 4):
         texts = {n: f"{float(values[n][row])!r}" + UNITS.get(types[n.split(".")[0]], "") for n in made.parameters}
         scalars = [f"{n} = {texts[n]}" for n in made.parameters if "." not in n]
-        scalars += [f"{v} = [{', '.join(texts[f'{v}.{a}'] for a in 'xyz' if f'{v}.{a}' in texts)}]" for v in sorted(vectors)]
+        scalars += [
+            f"{v} = [{', '.join(texts[f'{v}.{a}'] for a in 'xyz' if f'{v}.{a}' in texts)}]" for v in sorted(vectors)
+        ]
         given.append(", ".join(scalars))
     return Shipped(module, name, (tuple(given),))
 
@@ -119,8 +139,10 @@ def template(module: str, node: ast.TemplateDecl, declared: dict) -> Shipped:
             kind = statement.type
             if kind.style:
                 role = kind.name
-                choice = role if isinstance(declared[role][1], ast.TemplateDecl) else next(
-                    n for n, (_, d) in declared.items() if isinstance(d, ast.TemplateDecl) and d.role == role
+                choice = (
+                    role
+                    if isinstance(declared[role][1], ast.TemplateDecl)
+                    else next(n for n, (_, d) in declared.items() if isinstance(d, ast.TemplateDecl) and d.role == role)
                 )
                 uses += [(declared[choice][0], choice), *([(declared[role][0], role)] if choice != role else [])]
                 styles += f"style given_{name} : {role} = {choice}\n  "

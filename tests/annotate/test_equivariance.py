@@ -39,7 +39,8 @@ def moved(program: Program, motion: Pose) -> Program:
     made.grasps = [replace(g, frame=compose(motion, g.frame)) for g in program.grasps]
     made.keypoints = [replace(k, point=place(motion, k.point)) for k in program.keypoints]
     made.labels = [
-        replace(label, targets=tuple(replace(t, frame=compose(motion, t.frame)) for t in label.targets)) for label in program.labels
+        replace(label, targets=tuple(replace(t, frame=compose(motion, t.frame)) for t in label.targets))
+        for label in program.labels
     ]
     return made
 

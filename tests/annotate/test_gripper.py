@@ -64,7 +64,9 @@ def test_a_grasp_may_state_the_hand_it_is_meant_for() -> None:
     by_size = batch(opening="size.y + 1mm  stroke size.y + t * 1cm")
     assert verdicts(by_size) == ["wide"] * 3 + ["reachable"] * 2
     told = describe(stated)[0]["grasps"][0]
-    assert told["gripper"] == {"stroke": 0.1, "palm_width": 0.02} and describe(batch())[0]["grasps"][0]["gripper"] is None
+    assert (
+        told["gripper"] == {"stroke": 0.1, "palm_width": 0.02} and describe(batch())[0]["grasps"][0]["gripper"] is None
+    )
 
 
 @pytest.mark.parametrize("near, found", [(9.0, "blocked"), (11.0, "reachable")])
@@ -101,7 +103,10 @@ def test_an_object_is_judged_the_same_in_any_batch() -> None:
     sampler = Session.of("Chair").sampler
     several, alone = sampler.batch(np.arange(6), 3), sampler.batch(np.array([4]), 3)
     found = sample_grasps(several)
-    assert judge(several, found, STANDARD)[found.owner == 4].tolist() == judge(alone, sample_grasps(alone), STANDARD).tolist()
+    assert (
+        judge(several, found, STANDARD)[found.owner == 4].tolist()
+        == judge(alone, sample_grasps(alone), STANDARD).tolist()
+    )
 
 
 def test_measures_are_read_from_text() -> None:
@@ -114,7 +119,11 @@ def test_measures_are_read_from_text() -> None:
 
 def test_the_page_lists_the_measures() -> None:
     page = (Path(__file__).parents[2] / "docs" / "labels.md").read_text(encoding="utf-8")
-    rows = [r.split("|")[1:3] for r in page.split("<!-- gripper -->")[1].split("<!-- end -->")[0].splitlines() if r.startswith("| `")]
+    rows = [
+        r.split("|")[1:3]
+        for r in page.split("<!-- gripper -->")[1].split("<!-- end -->")[0].splitlines()
+        if r.startswith("| `")
+    ]
     listed = {name.strip(" `"): float(default.replace("mm", "")) / 1000 for name, default in rows}
     assert listed == asdict(STANDARD)
 

@@ -42,7 +42,9 @@ def test_only_where_the_condition_holds() -> None:
     assert (points.labels["affordance.turn"] == (knob & turned[:, None])).all()
     assert (points.labels["affordance.press"] == (knob & ~turned[:, None])).all()
     materials = [m.name for m in batch.program.materials.values()]
-    assert (points.material[knob] == np.where(turned, materials.index("steel"), materials.index("oak"))[np.nonzero(knob)[0]]).all()
+    assert (
+        points.material[knob] == np.where(turned, materials.index("steel"), materials.index("oak"))[np.nonzero(knob)[0]]
+    ).all()
     for one, held in zip(told, turned, strict=True):
         assert [k["name"] for k in one["keypoints"]] == (["rim"] if held else [])
         assert bool(one["grasps"]) == held

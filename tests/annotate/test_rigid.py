@@ -104,7 +104,9 @@ def follows(name: str) -> None:
         assert q.center[here] == pytest.approx(carried(whose, p.center[here]), abs=1e-9)
         assert q.rotation[here] == pytest.approx(compose(turn[whose], p.rotation[here]), abs=1e-9)
         moves = [batch.pose(values) for batch in (first, second)]
-        (point, frame, _), (carried_point, carried_frame, _) = (g.moved(links, *m) for g, m in zip(grasps, moves, strict=True))
+        (point, frame, _), (carried_point, carried_frame, _) = (
+            g.moved(links, *m) for g, m in zip(grasps, moves, strict=True)
+        )
         assert carried_point == pytest.approx(carried(grasps[0].owner, point), abs=1e-9)
         assert carried_frame == pytest.approx(compose(turn[grasps[0].owner], frame), abs=1e-9)
         tips, shown = (
@@ -113,7 +115,8 @@ def follows(name: str) -> None:
         )
         assert shown == pytest.approx(carried(keys[0].owner, tips), abs=1e-9)
         before, after = (
-            rotate(m[0][link], places[at]) + m[1][link] for m, places in zip(moves, (made.position, position), strict=True)
+            rotate(m[0][link], places[at]) + m[1][link]
+            for m, places in zip(moves, (made.position, position), strict=True)
         )
         assert after == pytest.approx(carried(owner, before), abs=1e-9)
 

@@ -211,7 +211,9 @@ def test_an_object_without_surface_is_told_in_words(samples: apg.Samples, monkey
     """Every program has a root part with a solid, so what is buried whole is made up here: all candidates are hidden."""
     from artipg_dsl.geometry import hidden
 
-    monkeypatch.setattr(hidden.Occlusion, "flat_hidden", lambda self, g, first, start, count, u, v: np.ones(len(u), bool))
+    monkeypatch.setattr(
+        hidden.Occlusion, "flat_hidden", lambda self, g, first, start, count, u, v: np.ones(len(u), bool)
+    )
     monkeypatch.setattr(hidden.Occlusion, "loose_hidden", lambda self, cell, *where: np.ones(len(cell), bool))
     with pytest.raises(UserError, match="Microwave 2 has no surface"):
         samples.object(2).points(10)

@@ -98,7 +98,9 @@ def test_an_unknown_format_lists_the_known_ones(apgc: Apgc, made: Path) -> None:
 
 
 def test_a_missing_package_is_named_with_its_extra(apgc: Apgc, made: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    entry = registry.Format("ply", "a test", robot="urdf:urdf_files", file="x", needs=("no_such_module", "ply-io", "ply"))
+    entry = registry.Format(
+        "ply", "a test", robot="urdf:urdf_files", file="x", needs=("no_such_module", "ply-io", "ply")
+    )
     monkeypatch.setitem(registry.FORMATS, "ply", entry)
     before = tree(made)
     for arguments in (("export", made), ("sample", CHEST, "-n", 1, "-o", made.parent / "p")):
@@ -202,6 +204,8 @@ def test_meshes_as_fine_as_asked(apgc: Apgc, tmp_path: Path) -> None:
     (("--tolerance", "0.001mm"), "does not lie between 0.01mm and 10m"), (("--triangles", "0"), "from 1 to"),
     (("--tolerance", "1mm"), "--tolerance and --triangles are about meshes"),
 ])  # fmt: skip
-def test_wishes_about_meshes_that_make_no_sense(apgc: Apgc, tmp_path: Path, wish: tuple[str, ...], message: str) -> None:
+def test_wishes_about_meshes_that_make_no_sense(
+    apgc: Apgc, tmp_path: Path, wish: tuple[str, ...], message: str
+) -> None:
     code, _, err = apgc("sample", "Faucet", *wish, "-o", tmp_path / "out")
     assert code == 2 and message in err

@@ -14,7 +14,11 @@ from .helpers import CHEST, tree
 
 def test_mutants_are_written_and_made_again(apgc, tmp_path):
     first, second, plain = tmp_path / "first", tmp_path / "second", tmp_path / "plain"
-    for folder, more in ((first, ("--mutate", "apa,cpa")), (second, ("--mutate", "apa,cpa", "--variant", 1)), (plain, ())):
+    for folder, more in (
+        (first, ("--mutate", "apa,cpa")),
+        (second, ("--mutate", "apa,cpa", "--variant", 1)),
+        (plain, ()),
+    ):
         code, _, err = apgc("sample", CHEST, "-n", 6, "--seed", 3, "-o", folder, "--points", 64, *more)
         assert code == 0, err
     assert len({tree(f)["points-00000.npz"] for f in (first, second, plain)}) == 3
@@ -66,7 +70,9 @@ def test_a_folder_of_mutants(apgc, chest, tmp_path):
     assert [(line["object"], line["source"]) for line in lines] == [(k, k // 3) for k in range(15)]
     assert len({json.dumps(line["steps"]) for line in lines}) == 15
     table = np.load(out / "correspondence-00000.npz")
-    assert set(np.unique(table["source"])) == set(range(5)) and set(json.loads(files["manifest.json"])["correspondence"]) == set(table.files)
+    assert set(np.unique(table["source"])) == set(range(5)) and set(
+        json.loads(files["manifest.json"])["correspondence"]
+    ) == set(table.files)
     code, _, err = apgc("mutate", chest, "--ops", "apa,dpa,cpa", "-n", 3, "-o", out)  # nothing is missing
     assert code == 0 and tree(out) == files
     (out / "trace-00000.jsonl").unlink()

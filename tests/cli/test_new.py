@@ -21,7 +21,9 @@ def test_starting_point_is_sound() -> None:
     assert batch.program.name == "DeskLamp"
 
 
-@pytest.mark.parametrize("name, file", [("DeskLamp", "desk_lamp"), ("USB", "usb"), ("USBStick", "usb_stick"), ("Lamp2", "lamp2")])
+@pytest.mark.parametrize(
+    "name, file", [("DeskLamp", "desk_lamp"), ("USB", "usb"), ("USBStick", "usb_stick"), ("Lamp2", "lamp2")]
+)
 def test_file_names(name: str, file: str) -> None:
     assert snake(name) == file
 
@@ -49,7 +51,9 @@ def test_writes_once(apgc: Apgc, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
         (("Lamp", "-o", "lamp.txt"), "write lamp.apg"),
     ],
 )
-def test_bad_names(apgc: Apgc, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...], said: str) -> None:
+def test_bad_names(
+    apgc: Apgc, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...], said: str
+) -> None:
     monkeypatch.chdir(tmp_path)
     code, _, err = apgc("new", *arguments)
     assert code == 2 and said in err

@@ -10,7 +10,19 @@ import pytest
 
 from .helpers import CHEST, ROOT, Apgc, spawn, tree
 
-WISHES = ("--points", 300, "--per", "link", "--spread", "blue", "--surface", "outside", "--states", "rest,open", "--motion")
+WISHES = (
+    "--points",
+    300,
+    "--per",
+    "link",
+    "--spread",
+    "blue",
+    "--surface",
+    "outside",
+    "--states",
+    "rest,open",
+    "--motion",
+)
 
 
 def test_points_per_link_are_written_with_their_meaning(apgc: Apgc, tmp_path: Path) -> None:

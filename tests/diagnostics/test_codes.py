@@ -124,4 +124,3 @@ def test_explain() -> None:
     assert text is not None and text.startswith("missing-brace: a brace is never closed\n\n")
     assert "    category Stool {\n" in text and max(map(len, text.splitlines())) <= 100
     assert explain("no-such-code") is None
-

@@ -114,9 +114,7 @@ def test_a_long_trace_shows_its_innermost_parts() -> None:
 
 
 @pytest.mark.parametrize("tty, quiet, painted", [(True, False, True), (True, True, False), (False, False, False)])
-def test_colours_only_on_a_terminal(
-    tty: bool, quiet: bool, painted: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_colours_only_on_a_terminal(tty: bool, quiet: bool, painted: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     stream = io.StringIO()
     stream.isatty = lambda: tty  # type: ignore[method-assign]
     monkeypatch.delenv("NO_COLOR", raising=False)

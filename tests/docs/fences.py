@@ -65,9 +65,7 @@ class Fence:
 def fences(page: Path) -> list[Fence]:
     """The examples of a page, in order."""
     text = page.read_text(encoding="utf-8")
-    return [
-        Fence(text.count("\n", 0, m.start()) + 1, m["mark"].strip(), m["text"]) for m in _FENCE.finditer(text)
-    ]
+    return [Fence(text.count("\n", 0, m.start()) + 1, m["mark"].strip(), m["text"]) for m in _FENCE.finditer(text)]
 
 
 def imports(text: str) -> str:

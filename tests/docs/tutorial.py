@@ -29,7 +29,8 @@ class Step:
 def steps(page: Path) -> list[Step]:
     text = page.read_text(encoding="utf-8")
     return [
-        Step(text.count("\n", 0, m.start()) + 1, (m["how"].strip() or m["mark"]), m["text"]) for m in _FENCE.finditer(text)
+        Step(text.count("\n", 0, m.start()) + 1, (m["how"].strip() or m["mark"]), m["text"])
+        for m in _FENCE.finditer(text)
     ]
 
 

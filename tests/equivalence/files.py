@@ -85,12 +85,18 @@ def usd(folder: Path, robot: Robot) -> Reading:
                 axis = np.eye(3)["XYZ".index(prim.GetAttribute("physics:axis").Get())]
                 if prim.IsA(UsdPhysics.PrismaticJoint):
                     motion[:3, 3] = axis * value
-                elif prim.IsA(UsdPhysics.SphericalJoint):  # any direction will do for the reader: ours is the model's tilt
+                elif prim.IsA(
+                    UsdPhysics.SphericalJoint
+                ):  # any direction will do for the reader: ours is the model's tilt
                     motion = np.linalg.inv(first) @ _tilt(robot, name, value) @ first
                     motion[:3, 3] = 0.0
                 else:
                     motion[:3, :3] = axis_angle(axis, np.float64(value))
-                    pitch = prim.GetAttribute("artipg:screw:pitch").Get() if prim.HasAttribute("artipg:screw:pitch") else 0.0
+                    pitch = (
+                        prim.GetAttribute("artipg:screw:pitch").Get()
+                        if prim.HasAttribute("artipg:screw:pitch")
+                        else 0.0
+                    )
                     motion[:3, 3] = axis * value * pitch / (2 * np.pi)
             places[child] = places[parent] @ first @ motion @ np.linalg.inv(second)
         return places
@@ -111,7 +117,11 @@ def usd(folder: Path, robot: Robot) -> Reading:
         unit = 1.0 if prim.IsA(UsdPhysics.PrismaticJoint) else np.pi / 180
         limited = low and low.HasAuthoredValue()
         limits[name] = (low.Get() * unit, high.Get() * unit) if limited else None
-    box = UsdGeom.BBoxCache(Usd.TimeCode.Default(), [UsdGeom.Tokens.default_]).ComputeWorldBound(root).ComputeAlignedRange()
+    box = (
+        UsdGeom.BBoxCache(Usd.TimeCode.Default(), [UsdGeom.Tokens.default_])
+        .ComputeWorldBound(root)
+        .ComputeAlignedRange()
+    )
     # its boxes are those of turned boxes: compare where nothing is turned
     straight = all(np.allclose(pose[:3, :3], np.eye(3)) for pose in poses(rest_values(robot)).values())
     bounds = np.array([box.GetMin(), box.GetMax()]) if straight else None
@@ -132,7 +142,9 @@ def glb(folder: Path, robot: Robot) -> Reading:
     document = json.loads(data[20 : 20 + size])
     nodes = document["nodes"]
     links = {node["name"]: node for node in nodes[1 : 1 + len(robot.links)]}
-    joints = {n["extras"]["joint"]["name"]: n["extras"]["joint"] for n in links.values() if "joint" in n.get("extras", {})}
+    joints = {
+        n["extras"]["joint"]["name"]: n["extras"]["joint"] for n in links.values() if "joint" in n.get("extras", {})
+    }
     above = {nodes[child]["name"]: node["name"] for node in nodes[1:] for child in node.get("children", [])}
 
     def poses(values: Values) -> dict[str, Matrix]:

@@ -89,7 +89,9 @@ def links(found: Reading, robot: Robot, form: str, share: float) -> None:
         if body.center is not None:
             assert body.center == pytest.approx(link.center, abs=1e-6), link.name
         if body.inertia is not None:
-            assert body.inertia == pytest.approx(link.inertia, abs=10 * share * float(np.trace(link.inertia))), link.name
+            assert body.inertia == pytest.approx(link.inertia, abs=10 * share * float(np.trace(link.inertia))), (
+                link.name
+            )
         if body.colliders is not None:
             assert body.colliders == len(link.colliders), link.name
 
@@ -126,4 +128,3 @@ def poses(found: Reading, robot: Robot, form: str, near: float) -> None:
         for name, place in wanted.items():
             assert there[name][:3, 3] == pytest.approx(place[:3, 3], abs=near), (name, values)
             assert there[name][:3, :3] == pytest.approx(place[:3, :3], abs=2e-6), (name, values)
-

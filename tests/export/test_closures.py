@@ -56,7 +56,9 @@ def test_the_points_of_a_closure_meet_at_rest_and_in_settled_states(robots: Robo
 def test_mujoco_turns_the_crank_and_the_block_follows(robots: Robots) -> None:
     mujoco = pytest.importorskip("mujoco")
     files = mjcf_files(robots.robot(0))
-    spec = mujoco.MjSpec.from_string(files["object.xml"].decode(), assets={k: v for k, v in files.items() if k.endswith(".obj")})
+    spec = mujoco.MjSpec.from_string(
+        files["object.xml"].decode(), assets={k: v for k, v in files.items() if k.endswith(".obj")}
+    )
     spec.option.gravity = [0, 0, 0]
     spec.add_actuator(name="turn", target="turn", trntype=mujoco.mjtTrn.mjTRN_JOINT).set_to_position(kp=20.0, kv=2.0)
     model = spec.compile()
@@ -76,7 +78,9 @@ def test_a_rack_hangs_together_in_mujoco() -> None:
     mujoco = pytest.importorskip("mujoco")
     robot = Robots(Session.of("Foldingrack").sampler.batch(np.arange(1), 1)).robot(0)
     files = mjcf_files(robot)
-    model = mujoco.MjModel.from_xml_string(files["object.xml"].decode(), {k: v for k, v in files.items() if k.endswith(".obj")})
+    model = mujoco.MjModel.from_xml_string(
+        files["object.xml"].decode(), {k: v for k, v in files.items() if k.endswith(".obj")}
+    )
     order = [model.joint(k).name for k in range(model.njnt)]
     assert robot.closures and model.key("rest").qpos == pytest.approx(qpos(robot, rest_values(robot), order), abs=1e-9)
     data = mujoco.MjData(model)

@@ -30,7 +30,9 @@ def ring(count: int, radius: float = 1.0, bore: float = 0.9, level: float = 0.0,
     found = []
     for i in range(count):
         ends = 2 * np.pi * np.array([i, i + 1]) / count
-        corners = [(r * np.cos(a), r * np.sin(a), h) for a in ends for r in (radius, bore) for h in (level, level + 0.3)]
+        corners = [
+            (r * np.cos(a), r * np.sin(a), h) for a in ends for r in (radius, bore) for h in (level, level + 0.3)
+        ]
         found.append(convex(np.array(corners), name=name, index=i))
     return found
 
@@ -78,7 +80,12 @@ def test_cylinders_balls_and_capsules_are_known() -> None:
     cone = np.concatenate([circle - [0, 0, 0.05], 0.9 * circle + [0, 0, 0.05]])
     assert as_round(np.stack([cylinder, cone])).tolist() == [[pytest.approx(0.02), pytest.approx(0.1), 0], [0, 0, 0]]
     tilt = np.linspace(-np.pi / 2, np.pi / 2, 9)
-    ball = np.stack(np.broadcast_arrays(np.cos(tilt)[:, None] * np.cos(turn), np.cos(tilt)[:, None] * np.sin(turn), np.sin(tilt)[:, None]), -1)
+    ball = np.stack(
+        np.broadcast_arrays(
+            np.cos(tilt)[:, None] * np.cos(turn), np.cos(tilt)[:, None] * np.sin(turn), np.sin(tilt)[:, None]
+        ),
+        -1,
+    )
     ball = 0.03 * ball.reshape(-1, 3)
     capsule = ball + np.sign(ball[:, 2:]) * [0, 0, 0.04]
     assert as_round(np.stack([ball, capsule])).tolist() == [
@@ -113,11 +120,21 @@ def rounds() -> Robots:
 
 def test_round_pieces_are_written_as_what_they_are(rounds: Robots) -> None:
     robot = rounds.robot(0)
-    assert [c.bar.kind if c.bar else "box" for c in robot.links[0].colliders] == ["box", "cylinder", "sphere", "capsule"]
+    assert [c.bar.kind if c.bar else "box" for c in robot.links[0].colliders] == [
+        "box",
+        "cylinder",
+        "sphere",
+        "capsule",
+    ]
     urdf = ElementTree.fromstring(urdf_files(robot)["object.urdf"])
     assert [next(iter(g)).tag for g in urdf.findall("link/collision/geometry")] == ["box", "cylinder", "sphere", "mesh"]
     mjcf = ElementTree.fromstring(mjcf_files(robot)["object.xml"])
-    assert [g.get("type") for g in mjcf.iter("geom") if g.get("class") == "collision"] == ["box", "cylinder", "sphere", "capsule"]
+    assert [g.get("type") for g in mjcf.iter("geom") if g.get("class") == "collision"] == [
+        "box",
+        "cylinder",
+        "sphere",
+        "capsule",
+    ]
     usd = usd_files(rounds, 0)["object.usda"].decode()
     assert [usd.count(f"def {kind} ") for kind in ("Cube", "Cylinder", "Sphere", "Capsule")] == [1, 1, 1, 1]
 
@@ -128,7 +145,9 @@ def test_readers_place_round_pieces_alike(rounds: Robots) -> None:
     assets = {name: data for name, data in files.items() if name.endswith(".obj")}
     one = mujoco.MjModel.from_xml_string(files["object.urdf"].decode(), assets)
     files = mjcf_files(rounds.robot(0))
-    two = mujoco.MjModel.from_xml_string(files["object.xml"].decode(), {k: v for k, v in files.items() if k.endswith(".obj")})
+    two = mujoco.MjModel.from_xml_string(
+        files["object.xml"].decode(), {k: v for k, v in files.items() if k.endswith(".obj")}
+    )
     found = []
     for model in (one, two):
         data = mujoco.MjData(model)
@@ -165,7 +184,9 @@ CASES = [
 
 
 @pytest.mark.parametrize("name, most, cavity", CASES)
-def test_shipped_objects_have_few_colliders_and_open_cavities(name: str, most: int, cavity: tuple[float, ...] | None) -> None:
+def test_shipped_objects_have_few_colliders_and_open_cavities(
+    name: str, most: int, cavity: tuple[float, ...] | None
+) -> None:
     robots = Robots(Session.of(name).sampler.batch(np.arange(40, 42), 5))
     counts = []
     for i in range(2):
@@ -181,7 +202,9 @@ def test_shipped_objects_have_few_colliders_and_open_cavities(name: str, most: i
 def test_hulls_reach_hardly_farther_than_the_pieces_and_hold_them_all() -> None:
     robots = Robots(Session.of("WashingMachine").sampler.batch(np.arange(2), 5))
     for i, hulls in enumerate(robots.colliders):
-        size = max(float(np.ptp(v.shape.vertices, axis=0).max()) for link in robots.robot(i).links for v in link.visuals)
+        size = max(
+            float(np.ptp(v.shape.vertices, axis=0).max()) for link in robots.robot(i).links for v in link.visuals
+        )
         kept = sum(len(hull.pieces) for hull in hulls)
         assert kept == sum(len(group.rows[group.table.owner[group.rows] == i]) for group in robots.pieces)
         for hull in hulls:
@@ -205,12 +228,16 @@ def test_hulls_of_different_links_stay_apart(name: str) -> None:
         states = [rest_values(robot)]
         for joint in robot.joints:
             if joint.low is not None and joint.high is not None and joint.mimic is None:
-                states += [rest_values(robot) | {joint.name: joint.low + t * (joint.high - joint.low)} for t in (0.5, 1.0)]
+                states += [
+                    rest_values(robot) | {joint.name: joint.low + t * (joint.high - joint.low)} for t in (0.5, 1.0)
+                ]
         for values in states:
             shapes = []
             for number, (link, (turn, shift)) in enumerate(zip(robot.links, link_poses(robot, values), strict=True)):
                 for c in link.colliders:
-                    points = c.hull.vertices if c.hull is not None else (BOX * np.array(c.size)) @ c.rotation.T + c.center
+                    points = (
+                        c.hull.vertices if c.hull is not None else (BOX * np.array(c.size)) @ c.rotation.T + c.center
+                    )
                     shapes.append((number, manifold.Manifold.hull_points(points @ turn.T + shift)))
             boxes = np.array([s.bounding_box() for _, s in shapes])
             for a in range(len(shapes)):
@@ -219,7 +246,11 @@ def test_hulls_of_different_links_stay_apart(name: str) -> None:
                     if b > a and shapes[a][0] != shapes[b][0]:
                         checked += 1
                         shared = shapes[a][1] ^ shapes[b][1]
-                        assert shared.volume() < 1e-9, (robot.links[shapes[a][0]].name, robot.links[shapes[b][0]].name, values)
+                        assert shared.volume() < 1e-9, (
+                            robot.links[shapes[a][0]].name,
+                            robot.links[shapes[b][0]].name,
+                            values,
+                        )
         assert checked > 0
 
 

@@ -31,7 +31,9 @@ def sampler() -> Sampler:
     return Session.of("Microwave").sampler
 
 
-def write(sampler: Sampler, out: Path, content: Content = CONTENT, formats: str = FORMATS, n: int = 5) -> dict[str, Any]:
+def write(
+    sampler: Sampler, out: Path, content: Content = CONTENT, formats: str = FORMATS, n: int = 5
+) -> dict[str, Any]:
     return write_dataset(
         sampler.program, lambda numbers: sampler.batch(numbers, seed=1), out, seed=1, numbers=np.arange(n),
         formats=choose(formats), content=content, shard=3,

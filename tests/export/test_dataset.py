@@ -36,7 +36,13 @@ def sample(numbers: np.ndarray) -> FakeBatch:
 
 
 def write(out: Path, n: int = 5, formats: str = "points,urdf,glb", **options) -> dict:  # type: ignore[no-untyped-def]
-    settings = {"seed": 7, "numbers": np.arange(n), "formats": choose(formats), "content": Content(64), "shard": 2} | options
+    settings = {
+        "seed": 7,
+        "numbers": np.arange(n),
+        "formats": choose(formats),
+        "content": Content(64),
+        "shard": 2,
+    } | options
     make = settings.pop("sample", sample)
     return write_dataset(FakeBatch(1).program, make, out, **settings)
 

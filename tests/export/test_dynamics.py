@@ -13,7 +13,16 @@ from artipg_dsl.export.dynamics import FADE, GRAVITY, HAND, HOLD, PIN, SLIDING, 
 def one(kind: str, axis: list[float], **given: float) -> Dynamics:
     """A rod of 2 kg, 0.6 m long along x, held at its end by one joint."""
     nan = np.full(1, np.nan)
-    plain = {"low": 0.0, "high": 1.0, "rest": 0.5, "mimic": -1, "multiplier": 1.0, "pitch": np.nan, "parent": 0, "child": 1}
+    plain = {
+        "low": 0.0,
+        "high": 1.0,
+        "rest": 0.5,
+        "mimic": -1,
+        "multiplier": 1.0,
+        "pitch": np.nan,
+        "parent": 0,
+        "child": 1,
+    }
     fields = {name: np.array([value]) for name, value in (plain | given).items()}
     table = SimpleNamespace(
         owner=np.zeros(1, int), number=np.zeros(1, int), kind=[kind], origin=np.zeros((1, 3)), axis=np.array([axis]),

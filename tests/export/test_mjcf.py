@@ -170,7 +170,9 @@ def test_the_halves_of_scissors_and_what_a_ring_carries_count_as_held() -> None:
     robot = fake()
     names = [link.name for link in robot.links]
     door, button = robot.joints
-    halves = replace(button, kind="revolute", axis=-door.axis, origin=door.origin + 0.01 * door.axis, mimic=("open", 1.0, 0.0))
+    halves = replace(
+        button, kind="revolute", axis=-door.axis, origin=door.origin + 0.01 * door.axis, mimic=("open", 1.0, 0.0)
+    )
     assert (names[1], names[2]) in adjacent(replace(robot, joints=(door, halves)))
     assert (names[1], names[2]) not in adjacent(replace(robot, joints=(door, replace(halves, mimic=None))))
     carried = replace(robot, joints=(door, replace(button, parent=1)))

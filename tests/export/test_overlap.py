@@ -50,7 +50,9 @@ def test_what_is_shared_weighs_as_the_denser_of_the_two(body: str, bar: str, mas
 
 
 def test_what_three_share_counts_once() -> None:
-    third = "\n  part third : Cuboid(size = [4cm, 4cm, 4cm])\n  align third.center = body.center\n  connect third to body\n"
+    third = (
+        "\n  part third : Cuboid(size = [4cm, 4cm, 4cm])\n  align third.center = body.center\n  connect third to body\n"
+    )
     (link,) = links(BAR + third + "material light on body, bar, third")
     assert link.mass == pytest.approx(100 * (WHOLE + SUNK), rel=1e-12)
     (link,) = links(BAR + third + "material light on body, bar\nmaterial heavy on third")
@@ -68,7 +70,9 @@ def test_a_turned_and_a_round_one_come_near_their_closed_forms() -> None:
 
 def test_links_that_are_fixed_together_share_as_one_link_does_and_moving_ones_do_not() -> None:
     def mass(joint: str) -> float:
-        return sum(link.mass for link in links(BAR.replace("connect bar to body", joint) + "material light on body, bar"))
+        return sum(
+            link.mass for link in links(BAR.replace("connect bar to body", joint) + "material light on body, bar")
+        )
 
     assert mass("joint held : fixed body -> bar") == pytest.approx(100 * (WHOLE + SUNK), rel=1e-9)
     moved = "joint slide : prismatic body -> bar along x range 0 .. 1cm"
@@ -108,7 +112,10 @@ def test_shipped_objects_weigh_what_booleans_of_their_meshes_say(name: str) -> N
                     parts.append((density[k] * own.volume, own.center_mass, density[k] * own.moment_inertia))
             mass = sum(m for m, _, _ in parts)
             center = sum(m * c for m, c, _ in parts) / mass
-            inertia = sum(j + m * ((c - center) @ (c - center) * np.eye(3) - np.outer(c - center, c - center)) for m, c, j in parts)
+            inertia = sum(
+                j + m * ((c - center) @ (c - center) * np.eye(3) - np.outer(c - center, c - center))
+                for m, c, j in parts
+            )
             assert link.mass == pytest.approx(mass, rel=0.01), link.name
             points = np.concatenate([v.shape.vertices for v in link.visuals])
             size = float(np.ptp(points, axis=0).max())

@@ -190,7 +190,11 @@ def test_the_urdf_is_as_the_data_set_writes_it(folder: Folder) -> None:
 def test_handles_are_found_by_name(tmp_path: Path) -> None:
     made = Folder(sample("StorageFurniture", numbers=[0], seed=7), tmp_path)
     urdf = ElementTree.parse(made.path / "mobility.urdf").getroot()
-    held = [link.attrib["name"] for link in urdf.findall("link") if any("handle" in v.attrib["name"] for v in link.iter("visual"))]
+    held = [
+        link.attrib["name"]
+        for link in urdf.findall("link")
+        if any("handle" in v.attrib["name"] for v in link.iter("visual"))
+    ]
     moving = [f"link_{e['id']}" for e in made.mobility if e["name"] in ("drawer", "rotation_door")]
     assert moving and set(moving) & set(held)
 
@@ -230,7 +234,9 @@ def test_sapien_loads_and_moves_it(folder: Folder, tmp_path: Path) -> None:
         data = folder.mobility[int(joint.name.split("_")[1])]
         limit = data["jointData"]["limit"]
         ends = np.array([limit["a"], limit["b"]])
-        expected = np.array([-np.inf, np.inf]) if limit["noLimit"] else np.radians(ends) if data["joint"] == "hinge" else ends
+        expected = (
+            np.array([-np.inf, np.inf]) if limit["noLimit"] else np.radians(ends) if data["joint"] == "hinge" else ends
+        )
         assert joint.get_limits()[0] == pytest.approx(expected, abs=1e-5)
     robot.set_qpos(np.array([theirs[name] for name in active]))
     poses = {link.name: link.get_entity_pose().to_transformation_matrix() for link in robot.get_links()}
@@ -260,7 +266,11 @@ def test_screws_advance_and_balls_keep_still(monkeypatch: pytest.MonkeyPatch) ->
     unit = float(json.loads(files["meta.json"])["metres_per_unit"])
     entry = json.loads(files["mobility_v2.json"])[0]
     limit = entry["jointData"]["limit"]
-    assert entry["joint"] == "slider+" and limit["rotates"] and limit["rotationLimit"] == pytest.approx(np.degrees(door.high))
+    assert (
+        entry["joint"] == "slider+"
+        and limit["rotates"]
+        and limit["rotationLimit"] == pytest.approx(np.degrees(door.high))
+    )
     assert limit["b"] * unit == pytest.approx(0.02 * door.high / (2 * np.pi), abs=1e-8)
     joint = ElementTree.fromstring(files["mobility.urdf"]).find("joint[@name='joint_0']")
     assert joint is not None and joint.attrib["type"] == "prismatic" and joint.find("limit") is not None

@@ -78,18 +78,25 @@ def check(robot: Robot, seed: int = 0) -> Model:
         values = follow(robot, values)
         read = model.poses(values)
         for link, (turn, shift) in zip(robot.links, link_poses(robot, values), strict=True):
-            assert read[link.name][0] == pytest.approx(turn, abs=1e-8) and read[link.name][1] == pytest.approx(shift, abs=1e-8)
+            assert read[link.name][0] == pytest.approx(turn, abs=1e-8) and read[link.name][1] == pytest.approx(
+                shift, abs=1e-8
+            )
     for joint in robot.joints:
         element = model.joints[joint.name]
         limit, mimic = element.find("axis/limit"), element.find("axis/mimic")
         if limit is not None:
-            assert [float(limit.findtext(word, "nan")) for word in ("effort", "velocity")] == pytest.approx([joint.effort, joint.velocity])
+            assert [float(limit.findtext(word, "nan")) for word in ("effort", "velocity")] == pytest.approx(
+                [joint.effort, joint.velocity]
+            )
             if element.get("type") != "continuous" and joint.low is not None:
                 ends = [float(limit.findtext(word, "nan")) for word in ("lower", "upper")]
                 assert ends == pytest.approx([joint.low, joint.high], rel=1e-8, abs=1e-9)
         assert (mimic is None) == (joint.mimic is None)
         if mimic is not None and joint.mimic is not None:
-            read_mimic = (mimic.get("joint"), *(float(mimic.findtext(word, "nan")) for word in ("multiplier", "offset")))
+            read_mimic = (
+                mimic.get("joint"),
+                *(float(mimic.findtext(word, "nan")) for word in ("multiplier", "offset")),
+            )
             assert read_mimic == (joint.mimic[0], pytest.approx(joint.mimic[1]), pytest.approx(joint.mimic[2]))
     for link in robot.links:
         element = model.links[link.name]
@@ -105,7 +112,9 @@ def check(robot: Robot, seed: int = 0) -> Model:
             mu = float(read_piece.findtext("surface/friction/ode/mu", "nan"))
             assert mu == pytest.approx(collider.material.friction_dynamic[0], abs=1e-5)
             if kind == "mesh":
-                mesh = trimesh.load(trimesh.util.wrap_as_stream(model.files[shape.findtext("uri")].decode()), file_type="obj")
+                mesh = trimesh.load(
+                    trimesh.util.wrap_as_stream(model.files[shape.findtext("uri")].decode()), file_type="obj"
+                )
                 corners = collider.hull.vertices
                 assert mesh.bounds == pytest.approx(np.stack([corners.min(axis=0), corners.max(axis=0)]), abs=1e-7)
         for uri in element.iterfind("visual/geometry/mesh/uri"):
@@ -128,7 +137,9 @@ def test_a_loop_is_a_ball_joint_where_it_closes() -> None:
         assert joint.get("type") == "ball"
         ends = [robot.links[k].name for k in closure.links]
         assert [joint.findtext("parent"), joint.findtext("child")] == ends
-        assert floats(joint.find("pose"))[:3] + model.at_zero(ends[1]) == pytest.approx(model.at_zero(ends[0]) + closure.points[0], abs=1e-8)
+        assert floats(joint.find("pose"))[:3] + model.at_zero(ends[1]) == pytest.approx(
+            model.at_zero(ends[0]) + closure.points[0], abs=1e-8
+        )
     assert robot.closures
     apart = replace(robot.closures[0], points=(robot.closures[0].points[0] + 0.01, robot.closures[0].points[1]))
     with pytest.raises(ExportError, match="not closed with all joints at 0"):

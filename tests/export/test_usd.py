@@ -205,7 +205,9 @@ def test_colours_are_linear_and_glass_is_clear() -> None:
     opened = Opened(Robots(FakeBatch(2)), 1)
     surface = UsdShade.Shader(opened.stage.GetPrimAtPath(f"{opened.root.GetPath()}/Looks/glass/Surface"))
     assert surface.GetIdAttr().Get() == "UsdPreviewSurface"
-    assert np.array(surface.GetInput("diffuseColor").Get())[0] == pytest.approx(((0.6 + 0.055) / 1.055) ** 2.4, abs=1e-5)
+    assert np.array(surface.GetInput("diffuseColor").Get())[0] == pytest.approx(
+        ((0.6 + 0.055) / 1.055) ** 2.4, abs=1e-5
+    )
     assert surface.GetInput("opacity").Get() == pytest.approx(0.4)
 
 
@@ -244,7 +246,9 @@ def test_joints_of_other_kinds(monkeypatch: pytest.MonkeyPatch) -> None:
     assert opened.joints[name].IsA(UsdPhysics.FixedJoint)
     opened = Opened(with_kind("screw"), 0)
     screw = opened.joints[name]
-    assert screw.IsA(UsdPhysics.RevoluteJoint) and screw.GetAttribute("artipg:screw:pitch").Get() == robot.joints[0].pitch
+    assert (
+        screw.IsA(UsdPhysics.RevoluteJoint) and screw.GetAttribute("artipg:screw:pitch").Get() == robot.joints[0].pitch
+    )
     with pytest.raises(ExportError, match="gear joint, which UsdPhysics cannot state"):
         usd_files(with_kind("gear"), 0)
 

@@ -35,7 +35,13 @@ def test_the_page_lists_every_shipped_primitive():
 
 def test_a_prism_has_the_sides_that_each_instance_asks_for():
     prism, sides = SHIPPED["Prism"], np.array([3.0, 12.0, 4.0, 7.0])
-    params = {"": np.zeros(4), "sides": sides, "radius": np.full(4, 0.1), "top_radius": np.full(4, 0.1), "height": np.full(4, 0.2)}
+    params = {
+        "": np.zeros(4),
+        "sides": sides,
+        "radius": np.full(4, 0.1),
+        "top_radius": np.full(4, 0.1),
+        "height": np.full(4, 0.2),
+    }
     assert set(trial(prism)["sides"]) == set(range(3, 13))
     assert existing(prism, params).sum(axis=1).tolist() == (3 * sides).tolist()
     for group in mesh.build(prism, params):

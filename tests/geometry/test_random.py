@@ -58,7 +58,9 @@ def test_child_addresses_do_not_meet():
 def test_coarse_numbers_are_those_of_splitmix64_and_of_their_lanes_alone():
     stream = np.array([1234567], dtype=np.uint64)
     # the first outputs of splitmix64 from the seed 1234567, as published with the generator
-    known = np.array([6457827717110365317, 3203168211198807973, 9817491932198370423, 4593380528125082431], dtype=np.uint64)
+    known = np.array(
+        [6457827717110365317, 3203168211198807973, 9817491932198370423, 4593380528125082431], dtype=np.uint64
+    )
     u, v = random.coarse(np.repeat(stream, 4), np.arange(4))
     assert np.array_equal((u * 2.0**32).astype(np.uint64), known >> np.uint64(32))
     assert np.array_equal((v * 2.0**32).astype(np.uint64), known & np.uint64(0xFFFFFFFF))

@@ -41,7 +41,9 @@ def test_chords_keep_within_the_tolerance_and_are_not_finer_than_that():
             size = radius[group.rows][:, None]
             depth = size - np.sqrt((apart(corners) ** 2).sum(axis=-1))
             edges = (corners + np.roll(corners, 1, axis=2)) / 2
-            deepest = np.maximum(depth.max(axis=1), (size[..., None] - np.sqrt((edges**2).sum(axis=-1))).max(axis=(1, 2)))
+            deepest = np.maximum(
+                depth.max(axis=1), (size[..., None] - np.sqrt((edges**2).sum(axis=-1))).max(axis=(1, 2))
+            )
             assert (deepest <= tolerance).all()
             assert (deepest > 0.3 * tolerance).all() or len(group.faces) <= 8
 
@@ -50,7 +52,11 @@ def test_a_cylinder_takes_the_steps_of_its_own_radius_and_flat_things_take_none(
     params = {"": np.zeros(3), "radius": np.array([0.01, 0.1, 1.0]), "top_radius": np.array([0.01, 0.1, 1.0]),
               "height": np.full(3, 0.5)}  # fmt: skip
     tolerance = 5e-4
-    steps = {int(r): len(g.faces) // 4 for g in mesh.build(SHIPPED["Cylinder"], params, np.full(3, tolerance)) for r in g.rows}
+    steps = {
+        int(r): len(g.faces) // 4
+        for g in mesh.build(SHIPPED["Cylinder"], params, np.full(3, tolerance))
+        for r in g.rows
+    }
     for row, radius in enumerate(params["radius"]):
         needed = np.pi / np.arccos(1 - tolerance / radius)
         assert needed <= steps[row] <= 1.35 * needed

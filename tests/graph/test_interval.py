@@ -10,14 +10,19 @@ from artipg_dsl.graph.program import Draw
 
 ROOT = Scope("root")
 COLUMNS = [Column(ROOT, n) for n in "ab"]
-DRAWS = [Draw(c, c.name, "real", E.const(low), E.const(high)) for c, (low, high) in zip(COLUMNS, [(-2.0, 3.0), (0.5, 4.0)], strict=True)]
+DRAWS = [
+    Draw(c, c.name, "real", E.const(low), E.const(high))
+    for c, (low, high) in zip(COLUMNS, [(-2.0, 3.0), (0.5, 4.0)], strict=True)
+]
 A, B = (E.col(c) for c in COLUMNS)
 
 LEAVES = st.sampled_from([A, B, E.const(0.5), E.const(-1.5)])
 
 
 def grow(inner):
-    binary = st.tuples(st.sampled_from(["add", "sub", "mul", "min", "max", "hypot"]), inner, inner).map(lambda t: E.call(*t))
+    binary = st.tuples(st.sampled_from(["add", "sub", "mul", "min", "max", "hypot"]), inner, inner).map(
+        lambda t: E.call(*t)
+    )
     unary = st.tuples(st.sampled_from(["neg", "abs", "sin", "cos"]), inner).map(lambda t: E.call(*t))
     return binary | unary
 

@@ -38,7 +38,9 @@ def test_the_hash_is_of_what_is_computed_not_of_comments():
     assert hashes["plain"] == hashes["comment"] != hashes["other"]
 
 
-@pytest.mark.parametrize("broken", ["", "apgc 99\n", "apgc 1\n%0 = const\n", "apgc 1\nnonsense 3\n", "apgc 1\nprogram \"x\"\n", "\x00"])
+@pytest.mark.parametrize(
+    "broken", ["", "apgc 99\n", "apgc 1\n%0 = const\n", "apgc 1\nnonsense 3\n", 'apgc 1\nprogram "x"\n', "\x00"]
+)
 def test_what_is_no_program_is_refused(broken):
     with pytest.raises(TextError):
         from_text(broken)

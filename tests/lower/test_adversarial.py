@@ -16,7 +16,6 @@ SUM = " + ".join(NAMES)
 ALL = ", ".join(NAMES)
 
 
-
 def counts(names: str, most: int) -> str:
     return "".join(f"count {name} in 1 .. {most} = 1\n" for name in names)
 
@@ -27,7 +26,8 @@ VALID = {
         ALL, "\n".join(f"require {p} <= {q}" for p, q in zip(NAMES, NAMES[1:], strict=False))
     ),
     "everything beside everything": "param {} : length in 0cm .. 100cm = 1cm\n{}".format(
-        ", ".join(NAMES[:6]), "\n".join(f"require {q} >= {p} + 15cm" for k, p in enumerate(NAMES[:6]) for q in NAMES[k + 1 : 6])
+        ", ".join(NAMES[:6]),
+        "\n".join(f"require {q} >= {p} + 15cm" for k, p in enumerate(NAMES[:6]) for q in NAMES[k + 1 : 6]),
     ),
     "keeping away from one another": "param a, b, c : length in 0cm .. 10cm = 1cm\n"
     "require abs(a - b) >= 3cm and abs(b - c) >= 3cm and abs(a - c) >= 3cm",
@@ -43,16 +43,25 @@ VALID = {
 }
 
 REFUSED = {
-    "a circle of orders": ("impossible", "param a, b, c : length in 0cm .. 9cm = 1cm\nrequire a >= b + 1mm and b >= c + 1mm and c >= a + 1mm"),
+    "a circle of orders": (
+        "impossible",
+        "param a, b, c : length in 0cm .. 9cm = 1cm\nrequire a >= b + 1mm and b >= c + 1mm and c >= a + 1mm",
+    ),
     "more than there is": ("impossible", f"param {ALL} : length in 1cm .. 12cm = 1cm\nrequire {SUM} >= 145cm"),
     "nothing beside the gap": ("impossible", "param a : length in 2cm .. 8cm = 3cm\nrequire a <= 1cm or a >= 9cm"),
-    "a square below nothing": ("impossible", "param a, b : length in 1cm .. 2cm = 1cm\nrequire a * a + b * b <= 1cm * 1cm"),
+    "a square below nothing": (
+        "impossible",
+        "param a, b : length in 1cm .. 2cm = 1cm\nrequire a * a + b * b <= 1cm * 1cm",
+    ),
     "four in three places": (
         "No valid",
         counts("ijkl", 3) + "require i != j and i != k and i != l and j != k and j != l and k != l",
     ),
     "by a hair": ("No valid", "param a, b : ratio in 0.1 .. 1 = 0.5\nrequire sin(a * 1rad) * sin(b * 1rad) >= 0.7081"),
-    "turned against itself": ("No valid", "param a : angle in 0deg .. 360deg = 10deg\nrequire sin(a) >= 0.5 and cos(a) >= 0.9"),
+    "turned against itself": (
+        "No valid",
+        "param a : angle in 0deg .. 360deg = 10deg\nrequire sin(a) >= 0.5 and cos(a) >= 0.9",
+    ),
     "an equation without a root": (
         "impossible",
         "param a : length in 1cm .. 2cm = 1cm\npart rod : Cuboid(size = [_, 1cm, 1cm])\nconnect rod to body\n"
@@ -63,7 +72,9 @@ REFUSED = {
 
 def program(body: str) -> Session:
     return Session.of_text(
-        "apg 1\nuse primitives { Cuboid }\ncategory C {\n" + body + "\nroot part body : Cuboid(size = [5cm, 5cm, 1cm])\n}\n"
+        "apg 1\nuse primitives { Cuboid }\ncategory C {\n"
+        + body
+        + "\nroot part body : Cuboid(size = [5cm, 5cm, 1cm])\n}\n"
     )
 
 

@@ -41,7 +41,8 @@ def test_also_from_within_another_repeat():
 def test_also_under_a_guard_and_in_an_alternative():
     roles = "role Top { }\n" + LID.replace("Lid", "Lid : Top") + LID.replace("Lid", "Board : Top")
     found, total, count = reach(
-        "when n >= 3 { part lid : Top = Lid(reach = sum(s.w)) | Board(reach = sum(s.w))  connect lid.bottom on body.top }", roles
+        "when n >= 3 { part lid : Top = Lid(reach = sum(s.w)) | Board(reach = sum(s.w))  connect lid.bottom on body.top }",
+        roles,
     )
     assert set(count.tolist()) == {3, 4}
     np.testing.assert_allclose(found, total)
@@ -65,4 +66,8 @@ category C {
     session = Session.of_text(HEAD + text)
     assert session.lowering is None
     (found,) = session.report.diagnostics
-    assert found.code == "wrong-arguments" and "`Bar` is a template" in found.message and "declare `style" in (found.hint or "")
+    assert (
+        found.code == "wrong-arguments"
+        and "`Bar` is a template" in found.message
+        and "declare `style" in (found.hint or "")
+    )

@@ -65,7 +65,9 @@ def test_large_coupled_blocks_end_in_an_answer_or_an_error(count: int) -> None:
     body = "".join(f"  param {n} : length in 1cm .. 90cm derived\n" for n in names)
     for n, m in zip(names, [*names[1:], names[0]], strict=True):
         body += f"  align {n} + 2cm * sin({n} * 10rad / 1m + {m} * 3rad / 1m) = w + {m} * {m} / 10m\n"
-    session = Session.of_text(HEAD + category(body + "  part p : Cuboid(size = [x0, x1, x2])\n  connect p.back on body.front"))
+    session = Session.of_text(
+        HEAD + category(body + "  part p : Cuboid(size = [x0, x1, x2])\n  connect p.back on body.front")
+    )
     if count > 8:
         assert session.lowering is None and [d.code for d in session.report.diagnostics] == ["not-solvable"]
     else:

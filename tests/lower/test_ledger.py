@@ -32,7 +32,10 @@ def ledger(text: str, part: str | None = None) -> list[str]:
 
 def test_each_case_of_a_guard_has_its_line() -> None:
     found = ledger(TEXT, "p")
-    assert "size.y where k = one: align p.left = body.left, together with the position of `p` along y <text>:16:19" in found
+    assert (
+        "size.y where k = one: align p.left = body.left, together with the position of `p` along y <text>:16:19"
+        in found
+    )
     assert "where k is not one: align p.size.y = w / 3 <text>:16:53" in found
     assert "along z nothing: centred <text>:12:8" in found
 
@@ -73,7 +76,9 @@ def reasons(text: str) -> dict[str, list[str]]:
     assert lowering is not None
     found = {}
     for _, unknown in lowering.context.ledger:
-        found[unknown.column.name] = [one.reason if one.equation is None else one.equation.text for one in unknown.settled]
+        found[unknown.column.name] = [
+            one.reason if one.equation is None else one.equation.text for one in unknown.settled
+        ]
     return found
 
 

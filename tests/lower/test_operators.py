@@ -176,8 +176,18 @@ def test_a_circle_between_rectangles_is_cut_into_arcs_that_close():
     ("old", "new", "code", "words"),
     [
         ("sweep(rectangle(a, b))", "loft(rectangle(a, b))", "wrong-arguments", "two sections or more"),
-        ("sweep(rectangle(a, b)) along way up y", "loft(circle(a), circle(b)) along z", "wrong-arguments", "the levels"),
-        ("sweep(rectangle(a, b))", "loft(rectangle(a, b), polygon([0, 0], [a, 0], [0, b]))", "broken-chain", "this one 3"),
+        (
+            "sweep(rectangle(a, b)) along way up y",
+            "loft(circle(a), circle(b)) along z",
+            "wrong-arguments",
+            "the levels",
+        ),
+        (
+            "sweep(rectangle(a, b))",
+            "loft(rectangle(a, b), polygon([0, 0], [a, 0], [0, b]))",
+            "broken-chain",
+            "this one 3",
+        ),
         ("up y", "up z", "bad-curve", "the axis across that plane"),
         ("sweep(rectangle(a, b))", "sweep(rectangle(a, b), circle(a))", "broken-chain", "do not fit"),
     ],

@@ -24,7 +24,11 @@ def sampled(text: str, n: int = 20) -> Batch:
 
 
 def category(body: str) -> str:
-    return "category C {\n  param w : length in 20cm .. 40cm\n  root part body : Cuboid(size = [w, w, w])\n" + body + "\n}\n"
+    return (
+        "category C {\n  param w : length in 20cm .. 40cm\n  root part body : Cuboid(size = [w, w, w])\n"
+        + body
+        + "\n}\n"
+    )
 
 
 def codes(text: str) -> list[str]:
@@ -118,14 +122,19 @@ def test_of_two_positions_the_later_part_yields() -> None:
 def test_an_unrelated_equation_changes_nobody_else() -> None:
     first = "  part a : Cuboid(size = [1cm, 1cm, 1cm])\n  part b : Cuboid(size = [1cm, 1cm, 1cm])\n  connect a to body\n  connect b to body\n"
     text = first + "  align a.center.x = b.center.x + 1cm\n"
-    more = text + "  part c : Cuboid(size = [1cm, _, 1cm])\n  connect c to body\n  align c.left = body.left\n  align c.right = body.right\n"
+    more = (
+        text
+        + "  part c : Cuboid(size = [1cm, _, 1cm])\n  connect c to body\n  align c.left = body.left\n  align c.right = body.right\n"
+    )
     plain = {u.column.name: u.reason for _, u in compiled(category(text)).lowering.context.ledger}  # type: ignore[union-attr]
     wider = {u.column.name: u.reason for _, u in compiled(category(more)).lowering.context.ledger}  # type: ignore[union-attr]
     assert plain and all(wider[name] == reason for name, reason in plain.items())
 
 
 def test_domain_of_a_determined_parameter_is_required() -> None:
-    batch = sampled(PAIR + category("  part a : Pair(wide = 1cm)\n  connect a to body\n  align a.long = w / 5 - 2cm"), 60)
+    batch = sampled(
+        PAIR + category("  part a : Pair(wide = 1cm)\n  connect a to body\n  align a.long = w / 5 - 2cm"), 60
+    )
     long = value(batch, "a.long")
     assert (long >= 0.01 - 1e-9).all() and (long <= 0.05 + 1e-9).all()
     np.testing.assert_allclose(long, value(batch, "w") / 5 - 0.02)
@@ -268,7 +277,9 @@ def test_mount_opposes_out_and_aligns_up() -> None:
     )  # fmt: skip
     parts = batch.parts()
     at = np.array([p == "k" for p in parts.path])
-    np.testing.assert_allclose(parts.rotation[at][:, :, 2], [[1, 0, 0]] * 20, atol=1e-12)  # its z points out of the front
+    np.testing.assert_allclose(
+        parts.rotation[at][:, :, 2], [[1, 0, 0]] * 20, atol=1e-12
+    )  # its z points out of the front
     np.testing.assert_allclose(parts.rotation[at][:, :, 0], [[0, 0, 1]] * 20, atol=1e-12)  # its x points up
     np.testing.assert_allclose(parts.translation[at][:, 1], 0.03)
 

@@ -136,7 +136,9 @@ category Never {
 }"""
     sampler, batch = sampled(text)
     assert [(d.name, d.why) for d in dead_parameters(batch)] == [("w", "is never drawn")]
-    assert [(d.name, d.option, d.why) for d in dead_alternatives(sampler, batch)] == [("top", "Cuboid", "is never taken")]
+    assert [(d.name, d.option, d.why) for d in dead_alternatives(sampler, batch)] == [
+        ("top", "Cuboid", "is never taken")
+    ]
 
 
 def test_alternatives_that_cannot_be_told_apart() -> None:

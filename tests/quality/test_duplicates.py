@@ -99,7 +99,9 @@ def test_a_reference_that_is_none_is_told(text: str, word: str, tmp_path: Path) 
 
 def test_a_reference_of_ones_own(tmp_path: Path) -> None:
     file = tmp_path / "sizes.json"
-    file.write_text(json.dumps({"categories": {"Lamp": {"height": [0.2, 0.3, 0.5], "graphs": 3, "why": "they say so"}}}))
+    file.write_text(
+        json.dumps({"categories": {"Lamp": {"height": [0.2, 0.3, 0.5], "graphs": 3, "why": "they say so"}}})
+    )
     assert reference(file) == {"Lamp": Real(height=(0.2, 0.3, 0.5), graphs=3, why="they say so")}
 
 

@@ -86,7 +86,9 @@ def test_what_is_given_is_kept_and_the_rest_adapts(microwave):
     batch = microwave.batch(np.arange(200), seed=3, given={number: 0.45})
     assert (batch.values()["width"] == 0.45).all()
     free = microwave.batch(np.arange(200), seed=3)
-    assert np.array_equal(batch.values()["wall"], free.values()["wall"])  # what the width does not bound stays as it was
+    assert np.array_equal(
+        batch.values()["wall"], free.values()["wall"]
+    )  # what the width does not bound stays as it was
     assert (batch.values()["height"] <= 0.66 * 0.45 + 1e-9).all()
 
 

@@ -16,11 +16,29 @@ def rows_of(batch, index):
     found = {}
     for table in batch.sites():
         at = table.owner == index
-        cells = [*table.params.values(), table.rotation, table.translation, table.mirror, table.link, table.instance, table.semantic]
+        cells = [
+            *table.params.values(),
+            table.rotation,
+            table.translation,
+            table.mirror,
+            table.link,
+            table.instance,
+            table.semantic,
+        ]
         found[f"site {table.number}"] = b"".join(np.ascontiguousarray(c[at]).tobytes() for c in cells)
     joints = batch.joints()
     at = joints.owner == index
-    cells = [joints.number, joints.parent, joints.child, joints.origin, joints.axis, joints.low, joints.high, joints.rest, joints.mimic]
+    cells = [
+        joints.number,
+        joints.parent,
+        joints.child,
+        joints.origin,
+        joints.axis,
+        joints.low,
+        joints.high,
+        joints.rest,
+        joints.mimic,
+    ]
     found["joints"] = b"".join(np.ascontiguousarray(c[at]).tobytes() for c in cells)
     found["drawn"] = repr(batch.drawn(index)).encode()
     return found
@@ -37,7 +55,12 @@ def test_points_are_the_same_alone_and_in_any_batch(microwave):
     def points_of(numbers, index):
         batch = microwave.batch(np.array(numbers), seed=7)
         made = points.sample(batch.sites(), len(batch), 512, random.key(7, "points"), batch.numbers.astype(np.uint64))
-        return made.position[index].tobytes(), made.normal[index].tobytes(), made.u[index].tobytes(), made.site[index].tobytes()
+        return (
+            made.position[index].tobytes(),
+            made.normal[index].tobytes(),
+            made.u[index].tobytes(),
+            made.site[index].tobytes(),
+        )
 
     assert points_of([37], 0) == points_of(range(30, 60), 7)
 
@@ -65,7 +88,9 @@ print(digest.hexdigest())
 def test_the_hash_seed_of_the_process_does_not_matter(first, second):
     def run(hash_seed):
         environment = {**__import__("os").environ, "PYTHONHASHSEED": hash_seed}
-        done = subprocess.run([sys.executable, "-c", SCRIPT], env=environment, capture_output=True, text=True, check=True)
+        done = subprocess.run(
+            [sys.executable, "-c", SCRIPT], env=environment, capture_output=True, text=True, check=True
+        )
         return done.stdout.strip()
 
     assert run(first) == run(second)

@@ -20,37 +20,48 @@ def found(body: str) -> list[str]:
     return [fault.words for fault in faults(program(body).batch(np.arange(1), 0)).others]
 
 
-SHELF = BODY + """
+SHELF = (
+    BODY
+    + """
   part shelf : Cuboid(size = [20cm, 20cm, 1cm])
   connect shelf to body
   align shelf.bottom = body.top + {gap}
 """
+)
 
 
-@pytest.mark.parametrize(("gap", "floats"), [("0mm", False), ("0.09mm", False), ("0.12mm", True), ("-1cm", False), ("5cm", True)])
+@pytest.mark.parametrize(
+    ("gap", "floats"), [("0mm", False), ("0.09mm", False), ("0.12mm", True), ("-1cm", False), ("5cm", True)]
+)
 def test_a_part_above_what_it_is_connected_to(gap: str, floats: bool) -> None:
     assert found(SHELF.format(gap=gap)) == ["`shelf` touches nothing of the link that it is part of"] * floats
 
 
 def test_a_chain_of_contacts_holds_and_an_island_of_two_does_not() -> None:
-    text = BODY + """
+    text = (
+        BODY
+        + """
   repeat step[k] in 0 ..< 4 {{
     part block : Cuboid(size = [5cm, 5cm, 5cm])
     connect block to body
     align block.bottom = body.top + {start} + k * 5cm
   }}
 """
+    )
     assert found(text.format(start="0mm")) == []
     assert found(text.format(start="1mm")) == ["`step.block` touches nothing of the link that it is part of"]
 
 
 @pytest.mark.parametrize(("sink", "floats"), [("0mm", False), ("-1mm", False), ("2mm", True)])
 def test_a_ball_that_touches_in_a_point(sink: str, floats: bool) -> None:
-    text = BODY + f"""
+    text = (
+        BODY
+        + f"""
   part knob : RoundedCuboid(size = [6cm, 6cm, 6cm], radius = 28mm)
   connect knob to body
   align knob.bottom = body.top + {sink}
 """
+    )
     assert bool(found(text)) == floats
 
 
@@ -62,12 +73,15 @@ def test_allow_floating_is_silent_and_survives_compilation() -> None:
     assert [(a.kind, a.reason) for a in again.allowed] == [("floating", "it hangs on threads")]
 
 
-JOINTED = BODY + """
+JOINTED = (
+    BODY
+    + """
   part lid : Cuboid(size = [20cm, 20cm, 1cm])
   align lid.bottom = body.top + {gap}
   align lid.back = body.back
   joint {joint}
 """
+)
 
 
 @pytest.mark.parametrize(
@@ -87,17 +101,22 @@ def test_links_must_come_near_what_holds_them(joint: str, gap: str, floats: bool
 
 
 def test_a_wheel_far_from_its_body_is_held_by_an_axle_that_reaches_both() -> None:
-    text = BODY + """
+    text = (
+        BODY
+        + """
   part wheel : Cylinder(radius = 5cm, height = 6cm) along y
   align wheel.right = body.left + {gap}
   joint roll : continuous body -> wheel about line(at = wheel.center, along = y)
 """
+    )
     assert found(text.format(gap="15mm")) == []
     assert found(text.format(gap="50mm")) == ["nothing holds `wheel`: what carries it is more than 2 cm away"]
 
 
 def test_a_range_upside_down_is_told_with_its_line() -> None:
-    text = "param far : length in 1cm .. 9cm\n" + JOINTED.format(joint="pull : prismatic body -> lid along z range 5cm .. far", gap="1mm")
+    text = "param far : length in 1cm .. 9cm\n" + JOINTED.format(
+        joint="pull : prismatic body -> lid along z range 5cm .. far", gap="1mm"
+    )
     batch = program(text).batch(np.arange(40), 0)
     upside = np.flatnonzero(batch.values()["far"] < 0.05)
     (fault,) = [f for f in faults(batch).others if "below" in f.words]

@@ -26,7 +26,9 @@ def test_door_turns_about_its_edge_and_takes_the_handle_along(microwave):
     batch = microwave.batch(np.arange(40), seed=1)
     turn, shift = batch.pose(states_at(batch, open=np.pi / 2))
     links, joints = batch.links(), batch.joints()
-    hinge = {int(o): (joints.origin[k], joints.axis[k][2]) for k, o in enumerate(joints.owner) if joints.name[k] == "open"}
+    hinge = {
+        int(o): (joints.origin[k], joints.axis[k][2]) for k, o in enumerate(joints.owner) if joints.name[k] == "open"
+    }
     first = np.searchsorted(links.owner, np.arange(len(batch)))
     checked = 0
     for table in batch.sites():

@@ -185,7 +185,9 @@ def test_variants_side_by_side_are_those_made_alone(microwave, batch):
 
 
 def test_a_mutant_has_the_colours_of_its_original(microwave, batch):
-    mutant = mutate(microwave, again(batch, np.array([7, 7, 9]), numbers=np.array([0, 1, 2])), variant=np.array([-1, 0, 0]))
+    mutant = mutate(
+        microwave, again(batch, np.array([7, 7, 9]), numbers=np.array([0, 1, 2])), variant=np.array([-1, 0, 0])
+    )
     for material in microwave.program.materials.values():
         np.testing.assert_array_equal(colours(mutant, material), colours(batch, material)[[7, 7, 9]])
 
@@ -195,7 +197,11 @@ def test_a_mutant_has_the_colours_of_its_original(microwave, batch):
 
 def test_every_primitive_is_its_own_match(batch):
     table = correspondence(batch, batch)
-    assert (table.how == SAME).all() and (table.site == table.before_site).all() and (table.rank == table.before_rank).all()
+    assert (
+        (table.how == SAME).all()
+        and (table.site == table.before_site).all()
+        and (table.rank == table.before_rank).all()
+    )
     np.testing.assert_array_equal(table.position, table.before_position)
 
 
@@ -221,7 +227,9 @@ def test_the_nearest_of_a_single_row_of_knobs_is_the_last():
     table = correspondence(batch, mutant)
     site = next(k for k, s in enumerate(sampler.program.sites) if s.path == "knob.cap")
     mine = table.site == site
-    np.testing.assert_array_equal(table.before_rank[mine], np.minimum(table.rank[mine], knobs[0][table.source[mine]] - 1))
+    np.testing.assert_array_equal(
+        table.before_rank[mine], np.minimum(table.rank[mine], knobs[0][table.source[mine]] - 1)
+    )
     assert set(table.how[mine].tolist()) == {SAME, REPLICA}
 
 

@@ -43,7 +43,16 @@ def by_rejection(count: int) -> dict[str, np.ndarray]:
     b = rng.normal(0.05, 0.02, count)
     c = 0.04 * np.exp(0.5 * rng.normal(size=count))
     d, n, kind = rng.choice([0.02, 0.04, 0.06, 0.08], count), rng.integers(1, 7, count), rng.integers(0, 2, count)
-    ok = (b >= 0.01) & (b <= 0.1) & (c >= 0.01) & (c <= 0.1) & (a + b <= 0.09) & (n * a <= 0.2) & (c <= 2 * a) & (d <= a + b)
+    ok = (
+        (b >= 0.01)
+        & (b <= 0.1)
+        & (c >= 0.01)
+        & (c <= 0.1)
+        & (a + b <= 0.09)
+        & (n * a <= 0.2)
+        & (c <= 2 * a)
+        & (d <= a + b)
+    )
     ok &= (kind == 0) | (n * c >= 0.06)
     return {name: value[ok] for name, value in zip("a b c d n kind".split(), (a, b, c, d, n, kind), strict=True)}
 
@@ -81,12 +90,16 @@ def test_the_weight_of_given_values_is_their_likelihood():
     a, b = rng.uniform(0.01, 0.1, 400_000), rng.normal(0.05, 0.02, 400_000)
     d = rng.choice([0.02, 0.04, 0.06, 0.08], 400_000)
     ok = (b >= 0.01) & (a + b <= 0.09) & (a >= 0.025) & (d <= a + b)
-    assert distance(found["a"], a[ok]) < 0.05 and distance(found["b"], b[ok]) < 0.05 and distance(found["d"], d[ok]) < 0.05
+    assert (
+        distance(found["a"], a[ok]) < 0.05 and distance(found["b"], b[ok]) < 0.05 and distance(found["d"], d[ok]) < 0.05
+    )
     assert set(found["c"]) == {0.05} and set(found["n"]) == {2.0}
 
 
 def test_a_program_without_requirements_weighs_nothing():
-    batch = sampler("param a : length in 1cm .. 10cm = 2cm ~ normal(5cm, 2cm)\n count n in 1 .. 3 = 2").batch(np.arange(20), 0)
+    batch = sampler("param a : length in 1cm .. 10cm = 2cm ~ normal(5cm, 2cm)\n count n in 1 .. 3 = 2").batch(
+        np.arange(20), 0
+    )
     assert not batch.log_weight.any()
 
 
@@ -107,7 +120,9 @@ def test_statistics_tell_the_effective_number_of_candidates():
     sampler(COUPLED).batch(np.arange(50), 0, statistics=counted, candidates=CANDIDATES)
     assert counted.candidates == CANDIDATES and counted.objects == 50 and counted.attempts >= 50 * CANDIDATES
     assert 50 < counted.effective < counted.candidates_valid <= counted.attempts
-    assert np.allclose(effective(np.array([[0.0, 0.0, -np.inf], [-np.inf] * 3, [0.0, -800.0, -900.0]])), [2.0, 0.0, 1.0])
+    assert np.allclose(
+        effective(np.array([[0.0, 0.0, -np.inf], [-np.inf] * 3, [0.0, -800.0, -900.0]])), [2.0, 0.0, 1.0]
+    )
 
 
 @pytest.mark.parametrize("text", ["", "before", "prior:", "prior:1", "prior:x", "sequential:3", "prior:100000"])

@@ -124,7 +124,12 @@ category Crate {
 def test_links_that_collide_are_kept_apart_by_the_values_behind_them() -> None:
     sampler = Session.of_text(CRATE, "crate.apg").sampler
     statistics = Statistics()
-    batch = put_right(sampler, {"wide": 0.2, "reach": 0.3, "far": 0.25}, {"wide": 0.2, "reach": 0.2, "far": 0.25}, statistics=statistics)
+    batch = put_right(
+        sampler,
+        {"wide": 0.2, "reach": 0.3, "far": 0.25},
+        {"wide": 0.2, "reach": 0.2, "far": 0.25},
+        statistics=statistics,
+    )
     assert not len(faults(batch).objects()) and batch.drawn(1) == {"wide": 0.2, "reach": 0.2, "far": 0.25}
     (entry,) = log(batch)
     assert entry["path"] in ("reach", "far") and entry["how"] == "search"
@@ -142,7 +147,9 @@ def test_two_faults_at_once() -> None:
     records = [{"a": 0.045 + 0.001 * k, "b": 0.045, "c": 0.03, "d": 0.033 + 0.001 * k} for k in range(12)]
     batch = put_right(sampler, *records)
     assert not batch.state.failed.any()
-    assert {entry["because"].split(" (")[0] for entry in log(batch)} <= {"first", "second"} | {w["because"] for w in log(batch)}
+    assert {entry["because"].split(" (")[0] for entry in log(batch)} <= {"first", "second"} | {
+        w["because"] for w in log(batch)
+    }
 
 
 def test_nan_and_null_are_drawn_and_infinity_is_the_end() -> None:
@@ -156,13 +163,15 @@ def test_nan_and_null_are_drawn_and_infinity_is_the_end() -> None:
 
 
 def test_a_count_that_is_too_large_takes_its_list_along() -> None:
-    sampler = sampler_of("count n in 1 .. 3", "repeat e[i] in 0 ..< n pitch 2cm along x { param s : length in 1cm .. 2cm }")
+    sampler = sampler_of(
+        "count n in 1 .. 3", "repeat e[i] in 0 ..< n pitch 2cm along x { param s : length in 1cm .. 2cm }"
+    )
     batch = put_right(sampler, {"n": 50, "e.s": [0.011, 0.012, 0.013, 0.014, 9.0]})
     assert batch.drawn(0) == {"n": 3, "e.s": [0.011, 0.012, 0.013]}
 
 
 def test_what_nothing_puts_right_ends_with_the_three_worst() -> None:
-    never = "require sin({0} / 1cm * 40deg) * cos({0} / 1cm * 40deg) >= 0.6 else \"never {0}\""
+    never = 'require sin({0} / 1cm * 40deg) * cos({0} / 1cm * 40deg) >= 0.6 else "never {0}"'
     sampler = sampler_of(*LENGTHS, "param d : length in 1cm .. 10cm", *(never.format(name) for name in "abcd"))
     job = make_job(sampler, "box.apg", 0)
     job.values = given(sampler, {"a": 0.05, "b": 0.05, "c": 0.05})
@@ -174,7 +183,9 @@ def test_what_nothing_puts_right_ends_with_the_three_worst() -> None:
 
 def test_objects_are_the_same_in_any_batch() -> None:
     sampler = sampler_of(
-        *LENGTHS, 'require a + b <= 12cm repair a', 'require a * sin(b / 1cm * 40deg) + 0.05 * c * (b / 1cm) >= 2cm else "odd"'
+        *LENGTHS,
+        "require a + b <= 12cm repair a",
+        'require a * sin(b / 1cm * 40deg) + 0.05 * c * (b / 1cm) >= 2cm else "odd"',
     )
     records = [{"a": 0.01 + 0.007 * k, "b": 0.12 - 0.008 * k, "c": 0.003 * k} for k in range(14)]
     whole = put_right(sampler, *records)
@@ -225,7 +236,9 @@ def test_sampling_repairs_instead_of_drawing_again_where_it_is_asked_to() -> Non
 
 
 def test_mutants_are_repaired_and_tell_it_again_when_replayed() -> None:
-    sampler = Session.of_text(CRATE.replace("reach : length in 5cm .. 40cm", "reach : length in 5cm .. 40cm vary 20cm")).sampler
+    sampler = Session.of_text(
+        CRATE.replace("reach : length in 5cm .. 40cm", "reach : length in 5cm .. 40cm vary 20cm")
+    ).sampler
     batch = sampler.batch(np.arange(24), 1, checked=True)
     statistics = Statistics()
     mutant = mutate(sampler, batch, operations=("cpa",), checked=True, statistics=statistics)
@@ -241,7 +254,9 @@ def test_mutants_are_repaired_and_tell_it_again_when_replayed() -> None:
 
 
 def test_what_mutation_clips_is_told_with_its_requirement() -> None:
-    sampler = sampler_of("count n in 1 .. 4", "param a : length in 1cm .. 10cm", 'require a * n <= 12cm else "too many for their width"')
+    sampler = sampler_of(
+        "count n in 1 .. 4", "param a : length in 1cm .. 10cm", 'require a * n <= 12cm else "too many for their width"'
+    )
     batch = sampler.batch(np.arange(40), 0)
     mutant = mutate(sampler, batch, operations=("dpa",))
     entries = log(mutant)

@@ -134,7 +134,9 @@ def test_what_tips_over_is_drawn_again_and_told_with_its_line() -> None:
 
 
 def test_it_holds_only_where_it_is_stated() -> None:
-    text = "param fixed : choice yes | no\n" + LEANING.format(off="30cm").replace("require stable", "when fixed == no { require stable }")
+    text = "param fixed : choice yes | no\n" + LEANING.format(off="30cm").replace(
+        "require stable", "when fixed == no { require stable }"
+    )
     batch = program(text).batch(np.arange(30), 0)
     (fault,) = faults(batch).others
     assert np.array_equal(fault.objects, np.flatnonzero(batch.values()["fixed"] == 1))

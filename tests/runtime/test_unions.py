@@ -16,7 +16,9 @@ COUNTS = "count i in 1 .. 4 = 1\ncount j in 1 .. 4 = 2\n"
 
 def session(body: str) -> Session:
     return Session.of_text(
-        "apg 1\nuse primitives { Cuboid }\ncategory C {\n" + body + "\nroot part body : Cuboid(size = [5cm, 5cm, 1cm])\n}\n"
+        "apg 1\nuse primitives { Cuboid }\ncategory C {\n"
+        + body
+        + "\nroot part body : Cuboid(size = [5cm, 5cm, 1cm])\n}\n"
     )
 
 
@@ -28,7 +30,10 @@ PROGRAMS = [
     ("hypot(a - 5cm, b - 5cm) >= 6cm", lambda a, b: np.hypot(a - 0.05, b - 0.05) >= 0.06),
     ("(b - 5cm) * (b - 5cm) >= a * a", lambda a, b: (b - 0.05) ** 2 >= a**2),
     ("(a - 5cm) * (b - 5cm) >= 20cm * 1cm", None),
-    ("b <= 2cm or b >= 3cm and b <= 4cm or b >= 9cm", lambda a, b: (b <= 0.02) | (b >= 0.03) & (b <= 0.04) | (b >= 0.09)),
+    (
+        "b <= 2cm or b >= 3cm and b <= 4cm or b >= 9cm",
+        lambda a, b: (b <= 0.02) | (b >= 0.03) & (b <= 0.04) | (b >= 0.09),
+    ),
     ("not (b > 1cm and b < 9.5cm)", lambda a, b: (b <= 0.01) | (b >= 0.095)),
     ("max(a, b) >= 9cm", lambda a, b: np.maximum(a, b) >= 0.09),
     ("a <= 9cm or abs(b - a) >= 8cm", lambda a, b: (a <= 0.09) | (abs(b - a) >= 0.08)),
@@ -60,7 +65,9 @@ def test_the_law_holds_beside_the_gap():
 
 
 def test_uniform_over_the_union_and_weighed_by_it():
-    batch = session("param b : length in 0cm .. 10cm = 2cm\nrequire b <= 1cm or b >= 8cm").sampler.batch(np.arange(6000), 0)
+    batch = session("param b : length in 0cm .. 10cm = 2cm\nrequire b <= 1cm or b >= 8cm").sampler.batch(
+        np.arange(6000), 0
+    )
     found = batch.state.values[0]
     assert abs((found <= 0.01).mean() - 1 / 3) < 0.02 and np.allclose(batch.log_weight, np.log(0.3))
 
@@ -146,7 +153,11 @@ def test_gaps_of_unions_overlap_and_nest():
     for row, allowed in ((0, [(0, 1), (6, 10)]), (1, [(0, 1), (4, 10)])):
         mine = gaps[0][:, row : row + 1], gaps[1][:, row : row + 1]
         found = laws.spread_between(unit, np.zeros(4000), np.full(4000, 10.0), mine, "uniform", ())
-        assert ((found[:, None] >= np.array(allowed)[:, 0]) & (found[:, None] <= np.array(allowed)[:, 1])).any(axis=1).all()
+        assert (
+            ((found[:, None] >= np.array(allowed)[:, 0]) & (found[:, None] <= np.array(allowed)[:, 1]))
+            .any(axis=1)
+            .all()
+        )
         share = (found <= 1).mean()
         assert abs(share - 1 / sum(b - a for a, b in allowed)) < 1e-3
         assert np.allclose(laws.held(low[:1], low[:1] + 10, mine, "uniform", ()), sum(b - a for a, b in allowed))

@@ -19,7 +19,10 @@ category Thing {{
     "statement, hint",
     [
         ("part leg : Cylinder(radius = 1cm, height = 1cm)", "bring it in: `use primitives { Cylinder }`"),
-        ("part leg : Cylindre(radius = 1cm, height = 1cm)", "did you mean `Cylinder`? bring it in: `use primitives { Cylinder }`"),
+        (
+            "part leg : Cylindre(radius = 1cm, height = 1cm)",
+            "did you mean `Cylinder`? bring it in: `use primitives { Cylinder }`",
+        ),
         ("part leg : Cubiod(size = [1cm, 1cm, 1cm])", "did you mean `Cuboid`?"),
         ("part pull : Handle = Cuboid", "bring it in: `use handles { Handle }`"),
         ("style pull : Handle = Cuboid", "bring it in: `use handles { Handle }`"),

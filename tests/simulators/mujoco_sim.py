@@ -36,7 +36,9 @@ class MujocoSim:
     def __init__(self, subject: Subject, free: bool = False):
         self.subject, self.free = subject, free
         if subject.form == "mjcf":
-            self.model = mujoco.MjModel.from_xml_path(str(subject.folder / ("scene_free.xml" if free else "object.xml")))
+            self.model = mujoco.MjModel.from_xml_path(
+                str(subject.folder / ("scene_free.xml" if free else "object.xml"))
+            )
         else:
             spec = mujoco.MjSpec.from_file(str(subject.folder / "object.urdf"))
             settle(spec, subject.folder / "object.srdf")

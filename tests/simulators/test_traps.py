@@ -151,7 +151,11 @@ def test_a_knob_under_a_limited_effort_comes_to_rest_in_mujoco() -> None:
 def test_mujoco_4_ties_followers_of_urdf() -> None:
     mujoco = pytest.importorskip("mujoco", minversion="4.0")
     files = urdf_files(Robots(FakeBatch(1, mimic=True)).robot(0))
-    tied = {name: mujoco.MjModel.from_xml_string(files[name].decode(), files).neq for name in files if name.endswith(".urdf")}
+    tied = {
+        name: mujoco.MjModel.from_xml_string(files[name].decode(), files).neq
+        for name in files
+        if name.endswith(".urdf")
+    }
     assert tied == {"object.urdf": 1, "object_fixed.urdf": 1, "object_independent.urdf": 0}
 
 
@@ -192,7 +196,9 @@ def test_the_fixed_variant_hangs_in_the_air_wherever_the_reader_would_let_it_fal
             pybullet.setGravity(0, 0, -9.81, physicsClientId=client)
             ends = []
             for name in ("object", "object_fixed"):
-                body = pybullet.loadURDF(str(subject.folder / f"{name}.urdf"), [3.0 * len(ends), 0, 1], physicsClientId=client)
+                body = pybullet.loadURDF(
+                    str(subject.folder / f"{name}.urdf"), [3.0 * len(ends), 0, 1], physicsClientId=client
+                )
                 ends.append(body)
             for _ in range(120):
                 pybullet.stepSimulation(physicsClientId=client)
