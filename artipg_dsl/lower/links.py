@@ -176,12 +176,22 @@ class Links:
             first = first_part(instance)
             carried = links if first is None else self.of(first)
             program.parts.append(
-                PartNode(part.path, part.name, instance.scope, parent, instance.symbol.name, pose, box.low, box.high, carried)
+                PartNode(
+                    part.path, part.name, instance.scope, parent, instance.symbol.name, pose, box.low, box.high, carried
+                )
             )
             if instance.solid is not None:
                 self.sites.setdefault(part, []).append(len(program.sites))
                 program.sites.append(
-                    Site(part.path, instance.scope, instance.symbol.name, instance.solid.scalars(instance), pose, links, number)
+                    Site(
+                        part.path,
+                        instance.scope,
+                        instance.symbol.name,
+                        instance.solid.scalars(instance),
+                        pose,
+                        links,
+                        number,
+                    )
                 )
             elif instance.env is not None:
                 self.build(instance.env, number)
@@ -211,7 +221,10 @@ class Links:
         kind = statement.kind or "fixed"
         if kind not in KINDS:
             raise self.context.error(
-                "wrong-kind", statement.kind_span or statement.span, f"there is no joint kind `{kind}`", hint=f"one of {', '.join(KINDS)}"
+                "wrong-kind",
+                statement.kind_span or statement.span,
+                f"there is no joint kind `{kind}`",
+                hint=f"one of {', '.join(KINDS)}",
             )
         child = self.own_link(part, attachment)
         parents = self.base(env) if attachment.base else self.carried(attachment.to, statement.span)
@@ -291,10 +304,19 @@ class Links:
                 hint="say `about` an edge or a line (door.left.back), or `along` a direction for a prismatic joint",
             )  # fmt: skip
         value = ev.value(clause.values[0])
-        if clause.word == "about" and kind == "prismatic" or clause.word == "along" and kind in MOVING_ABOUT and isinstance(value, Vec):
+        if (
+            clause.word == "about"
+            and kind == "prismatic"
+            or clause.word == "along"
+            and kind in MOVING_ABOUT
+            and isinstance(value, Vec)
+        ):
             right = "along x" if kind == "prismatic" else "about door.left.back"
             raise self.context.error(
-                "bad-axis", clause.span, f"a {kind} joint does not move {clause.word} this", hint=f"write for example `{right}`"
+                "bad-axis",
+                clause.span,
+                f"a {kind} joint does not move {clause.word} this",
+                hint=f"write for example `{right}`",
             )
         if isinstance(value, Edge | Line):
             return value.point, value.direction
@@ -303,7 +325,10 @@ class Links:
         if isinstance(value, Vec) and not value.point and len(value.items) == 3:
             return center, value.items
         raise self.context.error(
-            "bad-axis", clause.span, "this is no axis", hint="an edge (door.left.back), a port of kind line, line(...), or a direction"
+            "bad-axis",
+            clause.span,
+            "this is no axis",
+            hint="an edge (door.left.back), a port of kind line, line(...), or a direction",
         )
 
 
@@ -374,4 +399,3 @@ def leader_of(links: Links, names: dict[str, int], node: ast.Expr, env: Env) -> 
             return names[at.path + text]
         at = at.outer
     return next((k for path, k in names.items() if path.endswith("." + text)), None)
-
