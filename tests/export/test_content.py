@@ -52,10 +52,11 @@ def test_arrays_are_as_the_manifest_says(written: Path, shard: str, key: str) ->
     described = json.loads((written / "manifest.json").read_text())[key]
     with np.load(written / f"{shard}-00000.npz") as arrays:
         assert set(arrays.files) == set(described)
-        joints = arrays["state"].shape[2]
+        drivers = arrays["drivers"].shape[2] if "drivers" in arrays else 0
+        sizes = {"objects": 3, "joints": arrays["state"].shape[2], "drivers": drivers}
         for name, array in arrays.items():
-            shape = described[name]["shape"].replace("objects", "3").replace("joints", str(joints)).split(", ")
-            assert (str(array.dtype), array.shape) == (described[name]["dtype"], tuple(map(int, shape))), name
+            shape = tuple(int(sizes.get(word, word)) for word in described[name]["shape"].split(", "))
+            assert (str(array.dtype), array.shape) == (described[name]["dtype"], shape), name
             assert described[name]["text"]
 
 
