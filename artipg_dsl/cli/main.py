@@ -183,7 +183,11 @@ def parser() -> argparse.ArgumentParser:
     _drawing(render, 30)
     render.add_argument("-o", "--out", default="sheet.png", metavar="FILE", help="the picture (default: sheet.png)")
     render.add_argument(
-        "--colour", "--color", choices=("part", "material"), default="part", help="what colours mean (default: part)"
+        "--colour",
+        "--color",
+        choices=("part", "material", "affordance"),
+        default="part",
+        help="what colours mean (default: part)",
     )
     render.add_argument("--open", action="store_true", help="open all joints; otherwise those of every other object")
     render.add_argument(

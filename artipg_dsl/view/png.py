@@ -1,4 +1,4 @@
-"""A PNG writer and a small font for numbers: pictures need no imaging library."""
+"""A PNG writer and a small font for numbers and words: pictures need no imaging library."""
 
 from __future__ import annotations
 
@@ -7,12 +7,21 @@ import zlib
 
 import numpy as np
 
-# 5 x 7 dots, one row per number, most significant bit on the left
+# 5 x 7 dots, one row per number, most significant bit on the left; letters are small capitals
 GLYPHS = {
     "0": (14, 17, 17, 17, 17, 17, 14), "1": (4, 12, 4, 4, 4, 4, 14), "2": (14, 17, 1, 6, 8, 16, 31),
     "3": (14, 17, 1, 6, 1, 17, 14), "4": (2, 6, 10, 18, 31, 2, 2), "5": (31, 16, 30, 1, 1, 17, 14),
     "6": (6, 8, 16, 30, 17, 17, 14), "7": (31, 1, 2, 4, 8, 8, 8), "8": (14, 17, 17, 14, 17, 17, 14),
-    "9": (14, 17, 17, 15, 1, 2, 12), "-": (0, 0, 0, 14, 0, 0, 0),
+    "9": (14, 17, 17, 15, 1, 2, 12), "-": (0, 0, 0, 14, 0, 0, 0), "_": (0, 0, 0, 0, 0, 0, 31),
+    "a": (14, 17, 17, 31, 17, 17, 17), "b": (30, 17, 17, 30, 17, 17, 30), "c": (14, 17, 16, 16, 16, 17, 14),
+    "d": (30, 17, 17, 17, 17, 17, 30), "e": (31, 16, 16, 30, 16, 16, 31), "f": (31, 16, 16, 30, 16, 16, 16),
+    "g": (14, 17, 16, 23, 17, 17, 15), "h": (17, 17, 17, 31, 17, 17, 17), "i": (14, 4, 4, 4, 4, 4, 14),
+    "j": (7, 2, 2, 2, 2, 18, 12), "k": (17, 18, 20, 24, 20, 18, 17), "l": (16, 16, 16, 16, 16, 16, 31),
+    "m": (17, 27, 21, 21, 17, 17, 17), "n": (17, 25, 21, 19, 17, 17, 17), "o": (14, 17, 17, 17, 17, 17, 14),
+    "p": (30, 17, 17, 30, 16, 16, 16), "q": (14, 17, 17, 17, 21, 18, 13), "r": (30, 17, 17, 30, 20, 18, 17),
+    "s": (15, 16, 16, 14, 1, 1, 30), "t": (31, 4, 4, 4, 4, 4, 4), "u": (17, 17, 17, 17, 17, 17, 14),
+    "v": (17, 17, 17, 17, 17, 10, 4), "w": (17, 17, 17, 21, 21, 27, 17), "x": (17, 17, 10, 4, 10, 17, 17),
+    "y": (17, 17, 10, 4, 4, 4, 4), "z": (31, 1, 2, 4, 8, 16, 31),
 }  # fmt: skip
 
 
@@ -33,14 +42,16 @@ def _chunk(kind: bytes, data: bytes) -> bytes:
 
 def write_number(image: np.ndarray, number: int, colour: tuple[int, int, int], size: int = 1, margin: int = 6) -> None:
     """Draw a number into the lower left corner of ``image`` (height, width, 3), each dot ``size`` pixels wide."""
-    left = margin
-    for character in str(number):
-        rows = np.array(GLYPHS[character], dtype=np.uint8)[:, None]
+    write_text(image[: image.shape[0] - margin, margin:], str(number), colour, size)
+
+
+def write_text(image: np.ndarray, text: str, colour: tuple[int, int, int], size: int = 1) -> None:
+    """Draw digits and letters along the lower border of ``image``, from its left; other characters are left blank."""
+    for k, character in enumerate(text.lower()):
+        rows = np.array(GLYPHS.get(character, (0,) * 7), dtype=np.uint8)[:, None]
         dots = ((rows >> np.arange(4, -1, -1)) & 1).astype(bool).repeat(size, axis=0).repeat(size, axis=1)
-        bottom = image.shape[0] - margin
-        place = image[bottom - dots.shape[0] : bottom, left : left + dots.shape[1]]
+        place = image[image.shape[0] - dots.shape[0] :, 6 * size * k : 6 * size * k + dots.shape[1]]
         place[dots[:, : place.shape[1]]] = colour
-        left += 6 * size
 
 
 def srgb(light: np.ndarray) -> np.ndarray:

@@ -11,7 +11,7 @@ from ..annotate.states import opened
 from ..export.materials import linear
 from ..export.robot import Robots
 
-COLOURINGS = ("part", "material")
+COLOURINGS = ("part", "material", "affordance")
 # one colour per semantic class in the order of the vocabulary; the first, as a rule the body, is neutral
 PALETTE = (
     "c4ccd5", "4a86cf", "e8603c", "62a87c", "f2a93b", "8e6bb0", "2fa5a8", "d8648f", "9a7256", "5f6f7a", "b3c151",

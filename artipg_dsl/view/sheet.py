@@ -13,7 +13,8 @@ from ..export.robot import Robots
 from ..export.write import ExportError, write_bytes
 from ..geometry.resolution import STANDARD, Resolution
 from .camera import lights, look_at
-from .png import png_bytes, srgb, write_number
+from .png import png_bytes, srgb, write_number, write_text
+from .regions import colours, regions, words
 from .scene import COLOURINGS, hex_colour, opened, scene
 
 if TYPE_CHECKING:
@@ -65,13 +66,18 @@ def sheet(
 ) -> np.ndarray:
     """The picture (height, width, 3) uint8 of all objects of a batch, ``tile`` pixels each.
 
-    ``states``: "rest", "open", or "alternate": even tiles at rest, odd ones opened. ``resolution`` of the meshes.
+    ``colour``: "part", "material" or "affordance", which has a row below with the words that hold somewhere.
+    ``states``: "rest", "open", or "alternate": even tiles at rest, odd ones opened. ``resolution`` of the meshes, but
+    for those of affordances.
     """
     if colour not in COLOURINGS:
         raise ExportError(f"unknown colouring {colour!r}", f"the colourings are {', '.join(COLOURINGS)}")
     if not len(batch):
         raise ExportError("there is no object to draw", "sample at least one")
-    draw = renderer(which, tile)
+    acting = colour == "affordance"
+    if acting and not words(batch, colour):
+        raise ExportError(f"{batch.program.name} has no label of `affordance`", "say where one acts: see `label`")
+    draw, said = renderer(which, tile), set[str]()
     robots = Robots(batch, resolution=resolution, collision=False)
     poses = {"rest": batch.pose(), "open": batch.pose(opened(batch))}
     azimuth = AZIMUTH * side(robots, poses["open"])
@@ -81,7 +87,11 @@ def sheet(
     image[:] = srgb(hex_colour(BACKDROP))
     for i, number in enumerate(batch.numbers.tolist()):
         state = states if states != "alternate" else ("rest", "open")[(i + i // columns * (columns % 2 == 0)) % 2]
-        shown = scene(robots, i, poses[state], colour)
+        if acting:
+            shown, found = regions(batch, robots, i, poses[state], colour)
+            said |= found
+        else:
+            shown = scene(robots, i, poses[state], colour)
         camera = look_at(shown.vertices, azimuth)
         floor = float(shown.vertices[:, 2].min())
         light = draw.render(shown, camera, lights(camera, *draw.light_counts), floor)
@@ -91,7 +101,23 @@ def sheet(
         write_number(cell, number, (120, 126, 134), size=max(1, tile // 160))
         if progress:
             progress(i + 1, len(batch))
+    if acting:
+        tints = {word: srgb(tint) for word, tint in colours(batch, colour).items() if word in said}
+        image = np.concatenate([image, legend(tints, image.shape[1])])
     return image
+
+
+def legend(tints: dict[str, np.ndarray], width: int, size: int = 2) -> np.ndarray:
+    """Rows of words beside their colours (3,) uint8, for below a picture of some width; a dot is ``size`` pixels."""
+    wide, high = 6 * size * (max(map(len, tints), default=0) + 3), 14 * size
+    columns = max(1, width // wide)
+    strip = np.empty((-(-len(tints) // columns) * high, width, 3), dtype=np.uint8)
+    strip[:] = srgb(hex_colour(BACKDROP))
+    for k, (word, tint) in enumerate(tints.items()):
+        y, x = k // columns * high, k % columns * wide
+        strip[y + 2 * size : y + 11 * size, x + 3 * size : x + 12 * size] = tint
+        write_text(strip[y : y + 10 * size, x + 14 * size :], word, (60, 66, 74), size)
+    return strip
 
 
 def side(robots: Robots, pose: tuple[np.ndarray, np.ndarray]) -> float:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 import numpy as np
 import pytest
 
@@ -10,7 +12,9 @@ from artipg_dsl.annotate.interactions import directions, interactions
 from artipg_dsl.annotate.states import joint_values, opened, read_states, twist
 from artipg_dsl.errors import UsageError
 from artipg_dsl.runtime.batch import Batch
-from artipg_dsl.session import Session
+from artipg_dsl.session import Session, categories
+
+EVERY = os.environ.get("ARTIPG_EVERY") == "1"  # all categories, not only a few
 
 
 @pytest.fixture(scope="module")
@@ -56,6 +60,21 @@ def test_directions_are_those_of_the_joint(batch: Batch) -> None:
         turned, shifted = (array[found.link[row]] for array in batch.pose(nudged))
         moved = (turned @ found.point[row] + shifted - place[row]) / step
         assert moved == pytest.approx(np.nan_to_num(direction[row]) * speed[row], abs=1e-5)
+
+
+@pytest.mark.parametrize("category", sorted(categories()) if EVERY else ["Faucet", "Foldingrack", "Window"])
+def test_one_can_act_on_all_that_moves(category: str) -> None:
+    """Every moving link bears an affordance, or carries one that does."""
+    idle = set()
+    for annotation in describe(Session.of(category).sampler.batch(np.arange(12), seed=5), gripper=None):
+        above = {joint["child"]: joint["parent"] for joint in annotation["joints"]}
+        reached = set()
+        for link in {entry["link"] for entry in annotation["interactions"]}:
+            while link in above:
+                reached.add(link)
+                link = above[link]
+        idle |= set(above) - reached
+    assert not idle
 
 
 def test_a_shut_door_is_pulled_and_an_open_one_pushed(batch: Batch) -> None:

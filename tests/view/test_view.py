@@ -12,6 +12,8 @@ from export.fake_batch import FakeBatch
 
 from artipg_dsl.export.robot import Robots
 from artipg_dsl.export.write import ExportError
+from artipg_dsl.session import Session
+from artipg_dsl.view import regions
 from artipg_dsl.view import sheet as sheets
 from artipg_dsl.view.camera import lights, look_at
 from artipg_dsl.view.deferred import camera_rays
@@ -103,6 +105,47 @@ def test_colour_by_part_and_by_material_differ() -> None:
     part, material = (scene(robots, 0, batch.pose(), colouring) for colouring in ("part", "material"))
     assert (part.vertices == material.vertices).all() and np.abs(part.colour - material.colour).max() > 0.1
     assert sorted(set(material.colour[:, 3].tolist())) == pytest.approx([0.4, 1.0])
+
+
+def test_regions_lie_where_labels_say() -> None:
+    batch = Session.of("Microwave").sampler.batch(np.arange(2), 0)
+    robots = Robots(batch, collision=False)
+    shown, said = regions.regions(batch, robots, 1, batch.pose(), "affordance")
+    assert {"press", "turn", "contain", "support"} <= said <= set(regions.words(batch, "affordance"))
+    whole = np.linalg.norm(np.cross(*np.diff(shown.vertices[shown.faces], axis=1).transpose(1, 0, 2)), axis=1).sum() / 2
+    plain = scene(robots, 1, batch.pose(), "material")
+    every = np.linalg.norm(np.cross(*np.diff(plain.vertices[plain.faces], axis=1).transpose(1, 0, 2)), axis=1).sum() / 2
+    assert whole == pytest.approx(every, rel=0.005), "cutting and joining leaves the surface whole"
+    assert np.linalg.norm(shown.normals, axis=1) == pytest.approx(1.0)
+    yellow = regions.colours(batch, "affordance")["press"]
+    at = np.flatnonzero((np.abs(shown.colour[:, :3] - yellow) < 1e-9).all(axis=1))
+    front = shown.vertices[:, 0].max()
+    assert shown.vertices[at, 0].min() > front - 0.06 and shown.normals[at, 0].min() > 0.0, (
+        "keys are pressed from the front"
+    )
+
+
+def test_stripes_share_out_what_several_words_say() -> None:
+    place = np.stack([np.linspace(0, 1, 1000)] * 3, axis=1)
+    red, blue = np.array([1.0, 0, 0]), np.array([0, 0, 1.0])
+    shares = {"pull": np.ones(1000), "open": np.where(place[:, 0] < 0.5, 1.0, 0.0)}
+    tint, painted = regions.paint([red, blue], shares, place, np.full(1000, 0.02))
+    assert painted.all() and (tint[500:] == red).all()
+    assert 0.35 < (tint[:500] == blue).all(axis=1).mean() < 0.65
+    assert not regions.paint([], {}, place, np.full(1000, 0.02))[1].any()
+
+
+def test_a_triangle_is_cut_into_squares_of_a_number() -> None:
+    for n in (1, 2, 8):
+        made = regions.pattern(n)
+        area = np.linalg.det(made)
+        assert made.shape == (n * n, 3, 3) and area == pytest.approx(np.full(n * n, 1 / n**2))
+
+
+def test_a_legend_names_what_is_shown() -> None:
+    strip = sheets.legend({"pull": np.array([255, 0, 0]), "press": np.array([0, 0, 255])}, 200)
+    assert (strip == (255, 0, 0)).all(axis=2).sum() == (strip == (0, 0, 255)).all(axis=2).sum() == 18 * 18
+    assert (strip[:, :, 0] == 60).any()
 
 
 def test_opened_goes_most_of_the_way() -> None:
