@@ -193,7 +193,7 @@ def parser() -> argparse.ArgumentParser:
     render.add_argument(
         "--tile", type=positive, default=256, metavar="PIXELS", help="width of one object (default: 256)"
     )
-    _meshes(render)
+    _meshes(render, steps=64)
 
     explain = command("explain", "explain an error code")
     explain.add_argument("code", nargs="?", metavar="CODE", help="such as missing-unit; without it, all codes")
@@ -233,10 +233,10 @@ def _program(to: argparse.ArgumentParser) -> None:
     to.add_argument("program", metavar="NAME|FILE", help="a shipped category or an .apg file")
 
 
-def _meshes(to: argparse.ArgumentParser) -> None:
+def _meshes(to: argparse.ArgumentParser, steps: int = 24) -> None:
     to.add_argument(
         "--tolerance", type=tolerance, metavar="LENGTH",
-        help="how far meshes may lie off the true surfaces, such as 0.5mm (default: 24 steps per full turn)",
+        help=f"how far meshes may lie off the true surfaces, such as 0.5mm (default: {steps} steps per full turn)",
     )  # fmt: skip
     to.add_argument(
         "--triangles", type=positive, metavar="N", help="at most so many triangles per object, spread by curvature"

@@ -16,7 +16,7 @@ from .sample import chosen, resolution
 
 
 def run(options: argparse.Namespace) -> int:
-    from ..geometry.resolution import STANDARD
+    from ..geometry.resolution import SMOOTH
     from ..view.sheet import write_sheet
 
     if Path(options.out).suffix.lower() != ".png":
@@ -25,7 +25,7 @@ def run(options: argparse.Namespace) -> int:
     with Progress("drawing") as progress:
         write_sheet(
             job.batch(numbers), options.out, force=True, colour=options.colour, tile=options.tile, progress=progress,
-            states="open" if options.open else "alternate", resolution=resolution(options) or STANDARD,
+            states="open" if options.open else "alternate", resolution=resolution(options) or SMOOTH,
         )  # fmt: skip
     say(f"drew {len(numbers)} of {job.sampler.program.name} to {options.out}")
     return 0

@@ -11,7 +11,7 @@ import numpy as np
 from ..annotate.frames import rotate
 from ..export.robot import Robots
 from ..export.write import ExportError, write_bytes
-from ..geometry.resolution import STANDARD, Resolution
+from ..geometry.resolution import SMOOTH, Resolution
 from .camera import lights, look_at
 from .png import png_bytes, srgb, write_number, write_text
 from .regions import colours, regions, words
@@ -61,7 +61,7 @@ def sheet(
     colour: str = "part",
     which: str = "auto",
     states: str = "alternate",
-    resolution: Resolution = STANDARD,
+    resolution: Resolution = SMOOTH,
     progress: Callable[[int, int], None] | None = None,
 ) -> np.ndarray:
     """The picture (height, width, 3) uint8 of all objects of a batch, ``tile`` pixels each.
