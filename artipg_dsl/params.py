@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .diagnostics.suggest import did_you_mean
-from .errors import UserError
+from .errors import SettingError, UserError
 from .runtime.values import Values
 from .settings import read
 
@@ -23,7 +23,7 @@ FORM = 'write {"width": 0.5, "handle": "BarHandle"}, one object a line; annotati
 def read_params(path: str | Path, program: Program) -> Values:
     """The values in a file, checked by the domains of the program. Raises UserError, SettingError."""
     try:
-        text = Path(path).read_text(encoding="utf-8")
+        text = Path(path).read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         raise UserError(f"{path} cannot be read: {getattr(error, 'strerror', None) or 'it is no text'}") from None
     return values_of(entries(text, str(path)), program, str(path))
@@ -41,7 +41,7 @@ def entries(text: str, name: str) -> list[Mapping[str, Any]]:
         raise UserError(f"{name}:{error.lineno} is no JSON: {error.msg}", FORM) from None
     if not found or not all(isinstance(entry, dict) for entry in found):
         raise UserError(f"{name} holds no objects", FORM)
-    return [entry["drawn"] if isinstance(entry.get("drawn"), dict) else entry for entry in found]
+    return found
 
 
 def values_of(found: Sequence[Mapping[str, Any]], program: Program, name: str) -> Values:
@@ -50,25 +50,39 @@ def values_of(found: Sequence[Mapping[str, Any]], program: Program, name: str) -
     Numbers may lie outside their domain: the runtime moves them to where they fit. What is no number at all (null, nan) is
     drawn. Raises UserError, SettingError.
     """
-    names = list(dict.fromkeys(d.column.name for d in program.draws))
-    records: list[dict[int, tuple[float, ...]]] = []
-    for entry in found:
-        record: dict[int, tuple[float, ...]] = {}
-        for key, value in entry.items():
-            draws = [(k, d) for k, d in enumerate(program.draws) if d.column.name == key]
-            if not draws:
-                raise UserError(f"{name}: {program.name} draws no `{key}`", did_you_mean(key, names))
-            items = value if isinstance(value, list) else [value]
-            refused = None
-            for k, draw in draws:
+    said = [entry["drawn"] if isinstance(entry.get("drawn"), Mapping) else entry for entry in found]
+    records = []
+    for place, entry in enumerate(said):
+        try:
+            records.append(record_of(entry, program))
+        except UserError as error:
+            raise type(error)(f"{name}, object {place}: {error.message}", error.hint) from None
+    return Values(tuple(records), tuple({key: finite(value) for key, value in entry.items()} for entry in said))
+
+
+def record_of(entry: Mapping[str, Any], program: Program) -> dict[int, tuple[float, ...]]:
+    """The values of one object by draw. Raises UserError, SettingError."""
+    record: dict[int, tuple[float, ...]] = {}
+    for key, value in entry.items():
+        draws = [(k, d) for k, d in enumerate(program.draws) if d.column.name == key]
+        if not draws:
+            names = list(dict.fromkeys(d.column.name for d in program.draws))
+            raise UserError(f"{program.name} draws no `{key}`", did_you_mean(key, names))
+        items = value if isinstance(value, list) else [value]
+        taken, refused = [False] * len(items), None
+        for k, draw in draws:  # alternatives that share the name may differ in their options and kinds
+            numbers = []
+            for place, item in enumerate(items):
                 try:
-                    record[k] = tuple(stated(draw, item) for item in items)
-                except UserError as error:  # alternatives that share the name may differ in their domains
+                    numbers.append(stated(draw, item))
+                    taken[place] = True
+                except SettingError as error:
+                    numbers.append(math.nan)
                     refused = error
-            if refused is not None and not any(k in record for k, _ in draws):
-                raise refused
-        records.append(record)
-    return Values(tuple(records), tuple({key: finite(value) for key, value in entry.items()} for entry in found))
+            record[k] = tuple(numbers)
+        if refused is not None and not all(taken):
+            raise refused
+    return record
 
 
 def stated(draw: Draw, item: Any) -> float:

@@ -78,7 +78,7 @@ def make_choice(part: Part, alternatives: tuple[ast.Alternative, ...]) -> None:
     if part.style is not None:
         part.choice = part.style.choice
     else:
-        part.choice = draw_choice(part.env, part.path, names, alternatives, part.span, part.declaration)
+        part.choice = draw_choice(part.env, part.path, names, [(a,) for a in alternatives], part.span, part.declaration)
     absent = [k for k, a in enumerate(alternatives) if a.name is None]
     for code in absent:
         part.exists = E.both(part.exists, E.negate(E.call("eq", part.choice.code, E.const(float(code)))))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from functools import reduce
 from typing import TYPE_CHECKING
 
 from ..graph import expr as E
@@ -79,25 +81,41 @@ def draw_choice(
     env: Env,
     path: str,
     names: tuple[str, ...],
-    alternatives: tuple[ast.Alternative, ...],
+    alternatives: Sequence[tuple[ast.Alternative, ...]],
     span: Span,
     declaration: ast.Stmt,
 ) -> Choice:
-    """A drawn choice among alternatives with weights; a false ``when`` is weight 0."""
-    ev = Evaluator(env)
-    weights = []
-    for alternative in alternatives:
-        weight = E.ONE if alternative.weight is None else ev.scalar(alternative.weight)
-        if alternative.guard is not None:
-            weight = E.where(ev.truth(ev.value(alternative.guard), alternative.guard.span), weight, E.ZERO)
-        weights.append(weight)
+    """A drawn choice among options of which each has one alternative or several, whose weights add up.
+
+    A false ``when`` is weight 0. ``names`` may repeat, of templates with different arguments; what is drawn is told apart as
+    ``BarHandle`` and ``BarHandle#2`` then.
+    """
+    weights = [reduce(E.add, [weight_of(env, alternative) for alternative in same]) for same in alternatives]
     column = env.context.column(env.scope, path, "choice", span)
     draw = Draw(
-        column, address(env, path, getattr(declaration, "was", None)), "choice", options=names, weights=tuple(weights),
-        where=where(span), doc=declaration.doc,
+        column, address(env, path, getattr(declaration, "was", None)), "choice", options=told_apart(names),
+        weights=tuple(weights), where=where(span), doc=declaration.doc,
     )  # fmt: skip
     env.context.draws.append(draw)
     return Choice(E.col(column), names)
+
+
+def weight_of(env: Env, alternative: ast.Alternative) -> Expr:
+    ev = Evaluator(env)
+    weight = E.ONE if alternative.weight is None else ev.scalar(alternative.weight)
+    if alternative.guard is None:
+        return weight
+    return E.where(ev.truth(ev.value(alternative.guard), alternative.guard.span), weight, E.ZERO)
+
+
+def told_apart(names: Sequence[str]) -> tuple[str, ...]:
+    """Names with a number behind those that stand further up, too: a, b, a#2."""
+    seen: dict[str, int] = {}
+    found = []
+    for name in names:
+        seen[name] = seen.get(name, 0) + 1
+        found.append(name if seen[name] == 1 else f"{name}#{seen[name]}")
+    return tuple(found)
 
 
 def draw_option(env: Env, declaration: ast.ParamDecl, path: str) -> Choice:

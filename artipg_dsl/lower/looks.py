@@ -34,10 +34,13 @@ class Look:
 
 
 def build_look(env: Env, statement: ast.StyleDecl) -> Look:
-    names = tuple(a.name or "none" for a in statement.alternatives)
-    choice = draw_choice(env, env.path + statement.name, names, statement.alternatives, statement.name_span, statement)
+    several: dict[str, list[ast.Alternative]] = {}
+    for alternative in statement.alternatives:
+        several.setdefault(alternative.name or "none", []).append(alternative)
+    same = tuple(tuple(found) for found in several.values())
+    choice = draw_choice(env, env.path + statement.name, tuple(several), same, statement.name_span, statement)
     options = []
-    for code, alternative in enumerate(statement.alternatives):
+    for code, (alternative, *_) in enumerate(same):
         symbol = env.module.find(alternative.name or "")
         if symbol is None or symbol.kind != "material":
             raise env.context.error(

@@ -70,5 +70,7 @@ def build_style(env: Env, declaration: ast.StyleDecl) -> Style:
     if len(names) == 1:
         choice = Choice(E.ZERO, names)
     else:
-        choice = draw_choice(env, path, names, declaration.alternatives, declaration.name_span, declaration)
+        choice = draw_choice(
+            env, path, names, [(a,) for a in declaration.alternatives], declaration.name_span, declaration
+        )
     return Style(env, declaration, role, choice)

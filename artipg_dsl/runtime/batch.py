@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from copy import copy
 from functools import cached_property
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
 
 from ..geometry.sites import SiteTable
 from ..graph.expr import Expr, Scope
-from ..graph.program import Joint, Program
+from ..graph.program import Draw, Joint, Program
 from . import motion
 from .kernels import State
 from .loops import Loops, loops_of
@@ -315,25 +316,36 @@ class Batch:
         return state.log_weight
 
     def drawn(self, index: int) -> dict[str, Any]:
-        """The drawn parameters, counts and choices of the object at ``index``: lists where a repeat draws several."""
-        found: dict[str, Any] = {}
+        """The drawn parameters, counts and choices of the object at ``index``: lists where a repeat draws several.
+
+        A list has the values of all elements in their order, also where alternatives of a part share the name.
+        """
+        found: dict[str, list[tuple[tuple[int, ...], Any]]] = {}
+        repeats: set[str] = set()
         for number, draw in enumerate(self.program.draws):
-            rows = np.flatnonzero(self.owner(draw.column.scope) == index)
-            values = self.state.values[number][rows]
-            if draw.kind == "choice":
-                plain: list[Any] = [draw.options[int(v)] for v in values]
-            elif draw.kind == "count":
-                plain = [int(v) for v in values]
-            else:
-                plain = [float(v) for v in values]
-            if plain:
-                repeated = any(s.kind == "repeat" for s in draw.column.scope.ancestors())
-                found[draw.column.name] = plain if repeated else plain[0]
-        return found
+            scope, name = draw.column.scope, draw.column.name
+            rows = np.flatnonzero(self.owner(scope) == index)
+            if not len(rows):
+                continue
+            ranks = [rank[rows].tolist() for _, rank in self.rowmap.ranks(scope)]
+            if ranks:
+                repeats.add(name)
+            places = list(zip(*ranks, strict=True)) if ranks else [()] * len(rows)
+            told = [plain(draw, value) for value in self.state.values[number][rows].tolist()]
+            found.setdefault(name, []).extend(zip(places, told, strict=True))
+        return {
+            name: [value for _, value in sorted(several, key=itemgetter(0))] if name in repeats else several[0][1]
+            for name, several in found.items()
+        }
 
     def values(self) -> dict[str, np.ndarray]:
         """Each drawn column by its address: one value per row of its table (choices as indices)."""
         return {draw.address: self.state.values[k] for k, draw in enumerate(self.program.draws)}
+
+
+def plain(draw: Draw, value: float) -> Any:
+    """A value as people and files know it."""
+    return draw.options[int(value)] if draw.kind == "choice" else int(value) if draw.kind == "count" else float(value)
 
 
 _JOINT_COLUMNS = (

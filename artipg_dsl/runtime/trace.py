@@ -22,7 +22,7 @@ from ..graph.expr import Scope
 from ..graph.program import Draw
 from ..graph.random import mix
 from . import repairs
-from .batch import Batch
+from .batch import Batch, plain
 from .kernels import Kept
 from .mutate import OPERATIONS, Stage
 from .repairs import HOW, Repairs
@@ -128,11 +128,6 @@ def _determined(stage: Stage) -> Iterable[tuple[int, Step]]:
         names = after.rowmap.names(scope, column.name)
         for i, j in zip(here[apart].tolist(), there[apart].tolist(), strict=True):
             yield int(rows[1].owner[j]), Step(stage.operation, "determined", names[j], float(a[i]), float(b[j]))
-
-
-def plain(draw: Draw, value: float) -> Any:
-    """A value as people and files know it."""
-    return draw.options[int(value)] if draw.kind == "choice" else int(value) if draw.kind == "count" else float(value)
 
 
 # ---------------------------------------------------------------- files

@@ -134,19 +134,19 @@ class Values:
 
     def given(self, batch: Batch, number: int) -> tuple[np.ndarray, np.ndarray]:
         """The value given for each row of a draw, object by object, and whether there is one."""
-        rows = chosen(batch, number, np.arange(len(batch)))
-        count = np.bincount(rows.owner, minlength=len(batch))
-        value, said = np.zeros(len(rows.row)), np.zeros(len(rows.row), dtype=bool)
-        start = np.cumsum(count) - count
-        for place, record in enumerate(self.records[n] for n in batch.numbers.tolist()):
-            values = record.get(number)
-            if values is not None and count[place]:
-                some = (
-                    len(values) if len(values) > 1 else count[place]
-                )  # one for all, or one each as far as there are rows
-                mine = slice(start[place], start[place] + min(some, count[place]))
-                value[mine] = values[: count[place]] if len(values) > 1 else values[0]
-                said[mine] = True
+        owner, place, _ = listed(batch, number)
+        value, said = np.zeros(len(owner)), np.zeros(len(owner), dtype=bool)
+        ends = np.searchsorted(owner, np.arange(len(batch) + 1))
+        for first, last, name in zip(ends[:-1].tolist(), ends[1:].tolist(), batch.numbers.tolist(), strict=True):
+            values = self.records[name].get(number)
+            if values is None or first == last:
+                continue
+            if len(values) == 1:  # one for all
+                value[first:last], said[first:last] = values[0], True
+            else:  # one each, as far as they go
+                there = place[first:last] < len(values)
+                value[first:last] = np.asarray(values)[np.where(there, place[first:last], 0)]
+                said[first:last] = there
         return value, said
 
     def refuse(self, batch: Batch) -> None:
@@ -159,7 +159,7 @@ class Values:
                 apart = said & ~(value == batch.state.values[number][rows.row])
                 moved[rows.owner[apart]] = True
         for number, draw in enumerate(batch.program.draws):
-            count = np.bincount(batch.owner(draw.column.scope), minlength=len(batch))
+            count = listed(batch, number)[2]
             for place, name in enumerate(batch.numbers.tolist()):
                 given = self.records[name].get(number)
                 if given is not None and count[place] and len(given) not in (1, count[place]) and not moved[place]:
@@ -167,3 +167,31 @@ class Values:
                         f"object {name} gives {len(given)} values of `{draw.column.name}`, but has {count[place]}",
                         "give one for all, or one for each",
                     )
+
+
+def listed(batch: Batch, number: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Where the rows of a draw stand in the list that ``Batch.drawn`` gives of its name: owner and place of each row.
+
+    Alternatives of a part may share the name: their rows make one list in the order of the elements. ``count`` (B,) is how
+    long the list of each object is.
+    """
+    draws = batch.program.draws
+    mine = chosen(batch, number, np.arange(len(batch))).owner
+    shared = [k for k, draw in enumerate(draws) if draw.column.name == draws[number].column.name]
+    ranks = {k: [rank for _, rank in batch.rowmap.ranks(draws[k].column.scope)] for k in shared}
+    depth = max(len(found) for found in ranks.values())
+    if len(shared) == 1 or depth == 0:
+        count = np.bincount(mine, minlength=len(batch))
+        return mine, np.arange(len(mine)) - (np.cumsum(count) - count)[mine], count
+    owners = {k: batch.owner(draws[k].column.scope) for k in shared}
+    owner = np.concatenate(list(owners.values()))
+    source = np.concatenate([np.full(len(found), k) for k, found in owners.items()])
+    levels = [
+        np.concatenate([ranks[k][level] if level < len(ranks[k]) else np.full(len(owners[k]), -1) for k in shared])
+        for level in range(depth)
+    ]
+    order = np.lexsort((source, *reversed(levels), owner))
+    count = np.bincount(owner, minlength=len(batch))
+    place = np.empty(len(owner), dtype=np.int64)
+    place[order] = np.arange(len(owner)) - (np.cumsum(count) - count)[owner[order]]
+    return mine, place[source == number], count

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from artipg_dsl.errors import NoObject
+from artipg_dsl.errors import NoObject, UserError
 from artipg_dsl.graph.text import from_text, to_text
 from artipg_dsl.job import make_job
 from artipg_dsl.params import values_of
@@ -262,3 +262,57 @@ def test_what_mutation_clips_is_told_with_its_requirement() -> None:
     entries = log(mutant)
     assert entries and {(e["path"], e["how"], e["where"]) for e in entries} == {("a", "clipped", "box.apg:6:3")}
     assert {e["because"] for e in entries} == {"too many for their width (a * n <= 12cm)"}
+
+
+# ---------------------------------------------------------------- what was drawn, given again
+
+
+SHARED = """apg 1
+use primitives { Cuboid }
+use materials { oak, pine }
+role Knob { inherit size : length[3] in [1cm, 1cm, 1cm] .. [2cm, 2cm, 2cm]  slot grip }
+template Plain : Knob { param rim : length in 1mm .. 4mm  part grip : Cuboid(size = [size.x + rim, size.y, size.z]) }
+template Fancy : Knob { param rim : length in 5mm .. 9mm  part grip : Cuboid(size = [size.x + rim, size.y, size.z]) }
+category Box {
+  param look_at : choice left | right
+  root part body : Cuboid(size = [10cm, 60cm, 10cm])
+  repeat place[i] in 0 ..< 6 split body.box along y {
+    part knob : Knob = Plain | Fancy
+    connect knob.grip.bottom on body.top
+    align knob.grip.center.y = place.center.y
+  }
+  style skin : material = oak when look_at == left | pine | oak weight 2 when look_at == right
+  material skin on body
+}
+"""
+
+
+def test_what_was_drawn_is_the_object_again_also_where_alternatives_share_names():
+    sampler = Session.of_text(SHARED, "box.apg").sampler
+    drawn = sampler.batch(np.arange(12), 0)
+    told = [drawn.drawn(i) for i in range(12)]
+    assert all(len(entry["place.knob.rim"]) == len(entry["place.knob"]) == 6 for entry in told)
+    assert all(
+        (rim < 4.5e-3) == (kind == "Plain")
+        for entry in told
+        for rim, kind in zip(entry["place.knob.rim"], entry["place.knob"], strict=True)
+    )
+    again = put_right(sampler, *told)
+    assert [again.drawn(i) for i in range(12)] == told and not again.repairs.plain(sampler.program)
+    assert {(entry["look_at"], entry["skin"]) for entry in told} >= {("left", "oak"), ("right", "oak")}
+
+
+def test_an_error_in_values_names_the_file_and_the_object():
+    sampler = sampler_of("param width : length in 1cm .. 2cm")
+    with pytest.raises(UserError, match=r"values, object 1: width=9 has no unit"):
+        given(sampler, {"width": "1cm"}, {"width": "9"})
+
+
+def test_alternatives_of_one_template_are_told_apart():
+    sampler = Session.of_text(
+        SHARED.replace("Knob = Plain | Fancy", "Knob = Plain(rim = 1mm) | Plain(rim = 3mm)"), "box.apg"
+    ).sampler
+    told = [sampler.batch(np.arange(3), 0).drawn(i) for i in range(3)]
+    assert {name for entry in told for name in entry["place.knob"]} == {"Plain", "Plain#2"}
+    again = put_right(sampler, *told)
+    assert [again.drawn(i) for i in range(3)] == told
