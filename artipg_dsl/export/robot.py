@@ -19,8 +19,9 @@ from ..graph.program import Material
 from ..runtime.mass import Mass, masses
 from ..runtime.materials import catalogue, material_rows
 from . import materials, solids
-from .colliders import Hull, colliders
+from .colliders import colliders
 from .dynamics import Dynamics, dynamics
+from .hulls import Hull
 from .mesh_obj import Shape
 
 if TYPE_CHECKING:
@@ -263,7 +264,7 @@ class Robots:
         group, name = item.group, f"{self._name(i, item)}_{index}"
         origin, material = self._origin(i, item), self.materials[self.material(item)][i]
         center, rotation = group.center[item.k] - origin, group.table.rotation[item.row]
-        if piece.vertices is not None and piece.faces is not None:
+        if piece.corners is not None:
             middle = (piece.vertices.min(axis=0) + piece.vertices.max(axis=0)) / 2 - origin
             return Collider(name, material, middle, np.eye(3), hull=Shape(name, piece.vertices - origin, piece.faces))
         if group.is_box[item.k]:

@@ -1,12 +1,14 @@
 """Fewer convex pieces: the hulls of neighbours in place of the pieces, where hardly more than the pieces fill them.
 
 How much a hull adds is told by how far points of it lie from the nearest piece: points half way between corners that
-reach far in some direction. So the walls of a vessel become staves of few sides, while a hole stays a hole. Pieces know
-where they stand: which primitive they belong to, which step around or along it (``index``), which of its names.
+reach far in some direction. So the walls of a vessel become staves of few sides, while a hole stays a hole. What a hull
+adds to the side of the hollow can be cut off along the face of a piece there. Pieces know where they stand: which
+primitive they belong to, which step around or along it (``index``), which of its names.
 """
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -14,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+LEFT = 0.05  # of the depth of a piece: one that keeps less when it is cut is lost
 SECTORS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 40, 48, 60)
 _WAYS = np.array(
     [(x, y, z) for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1) if (x, y, z) != (0, 0, 0)], float
@@ -43,19 +46,35 @@ Cluster = tuple[Convex, ...]
 
 def gap(pieces: Sequence[Convex]) -> float:
     """How far the hull of pieces reaches from them, at the points looked at; metres."""
-    return 0.0 if len(pieces) == 1 else _gap(tuple(pieces))
+    return 0.0 if len(pieces) == 1 else _deepest(tuple(pieces))[0]
 
 
-@lru_cache(maxsize=1024)  # several tolerances ask for the same
-def _gap(pieces: Cluster) -> float:
+def hollow(pieces: Sequence[Convex]) -> tuple[np.ndarray, float]:
+    """The plane (normal (3,), offset) of the face beyond which the hull of several pieces reaches farthest from them."""
+    _, face = _deepest(tuple(pieces))
+    for piece in pieces:
+        if face < len(piece.offsets):
+            return piece.normals[face], float(piece.offsets[face])
+        face -= len(piece.offsets)
+    raise ValueError("no pieces")
+
+
+@lru_cache(maxsize=4096)  # several tolerances ask for the same
+def _deepest(pieces: Cluster) -> tuple[float, int]:
+    """How far the hull reaches from its pieces where it does most, and the nearest face there, counted over all pieces."""
     points = _extreme(np.concatenate([piece.points for piece in pieces]))
     i, j = _pairs(len(points))
     x, y, z = ((points[i] + points[j]) / 2).T
     normals = np.concatenate([piece.normals for piece in pieces])
     offsets = np.concatenate([piece.offsets for piece in pieces])
     away = normals[:, 0, None] * x + normals[:, 1, None] * y + normals[:, 2, None] * z - offsets[:, None]
-    start = np.cumsum([0, *(len(piece.offsets) for piece in pieces[:-1])])
-    return float(np.maximum.reduceat(away, start, axis=0).min(axis=0).max())
+    start = np.cumsum([0, *(len(piece.offsets) for piece in pieces)])
+    apart = np.maximum.reduceat(away, start[:-1], axis=0)
+    depth = apart.min(axis=0)
+    point = int(depth.argmax())
+    nearest = int(apart[:, point].argmin())
+    face = start[nearest] + away[start[nearest] : start[nearest + 1], point].argmax()
+    return float(depth[point]), int(face)
 
 
 @lru_cache(maxsize=64)
@@ -94,11 +113,15 @@ def clusters(pieces: Sequence[Convex], tolerance: float) -> list[Cluster]:
 def _grid(run: list[list[Convex]], tolerance: float) -> list[Cluster]:
     """Names with several steps each: as few sectors of steps as do, then names in a row put together in all sectors alike."""
     most = max(len(steps) for steps in run)
-    for count in (*(c for c in SECTORS if c < most), most):
-        sectors = [_sectors(steps, count) for steps in run]
+    counts = [c for c in SECTORS if c < most]
+
+    def fits(count: int) -> bool:
         looked_at = range(count) if len(run) == 1 else (0, count // 4)  # steps around an axis are alike
-        if count == most or all(gap(parts[k]) <= tolerance for parts in sectors for k in looked_at if parts[k]):
-            break
+        sectors = (_sectors(steps, count) for steps in run)
+        return all(gap(parts[k]) <= tolerance for parts in sectors for k in looked_at if parts[k])
+
+    count = [*counts, most][bisect_left(counts, True, key=fits)]  # with more sectors gaps are less
+    sectors = [_sectors(steps, count) for steps in run]
     if len(run) == 1:
         return [part for part in sectors[0] if part]
     first = _chained([parts[0] for parts in sectors], tolerance)
@@ -138,14 +161,38 @@ def gathered(parts: list[Cluster], tolerance: float) -> list[Cluster]:
         parts = fewer
 
 
+def cut(pieces: Cluster, tolerance: float, small: float) -> tuple[np.ndarray, float] | None:
+    """The plane (normal, offset) along which the hull of pieces of one primitive can be cut off, to clear what they surround.
+
+    It is that of their face that the hull reaches farthest beyond: a stave of a ring so cut touches the bore. None where
+    a piece would fall short by more than ``tolerance``, or, unless all are within a box of ``small``, one would be lost.
+    """
+    if len({piece.unit for piece in pieces}) > 1:
+        return None
+    normal, offset = hollow(pieces)
+    points = np.concatenate([piece.points for piece in pieces])
+    beyond = points[:, 0] * normal[0] + points[:, 1] * normal[1] + points[:, 2] * normal[2] - offset
+    start = np.cumsum([0, *(len(piece.points) for piece in pieces[:-1])])
+    high, low = np.maximum.reduceat(beyond, start), np.minimum.reduceat(beyond, start)
+    if high.max() > tolerance or low.min() > -LEFT * (high.max() - low.min()):
+        return None
+    lost = low > -LEFT * (high - low)
+    return None if lost.any() and np.ptp(points, axis=0).max() > small else (normal, offset)
+
+
 def halves(cluster: Cluster) -> tuple[Cluster, Cluster]:
-    """A cluster of several pieces in two: of primitives, else of steps, else of names."""
+    """A cluster of several pieces in two: of primitives, else of steps, or of names where that fills clearly less."""
+    ways = []
     for key in ("unit", "index", "name"):
         values = sorted({getattr(piece, key) for piece in cluster})
         if len(values) > 1:
             middle = values[len(values) // 2]
-            return (
-                tuple(p for p in cluster if getattr(p, key) < middle),
-                tuple(p for p in cluster if getattr(p, key) >= middle),
-            )
-    raise ValueError("a single piece")
+            one = tuple(p for p in cluster if getattr(p, key) < middle)
+            other = tuple(p for p in cluster if getattr(p, key) >= middle)
+            if key == "unit":
+                return one, other
+            ways.append((one, other))
+    if not ways:
+        raise ValueError("a single piece")
+    first, last = (max(gap(one), gap(other)) for one, other in (ways[0], ways[-1]))
+    return ways[-1] if last < 0.9 * first else ways[0]

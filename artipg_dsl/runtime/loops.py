@@ -44,9 +44,8 @@ class Loops:
     variable: np.ndarray  # (B, V): the leading joint of each slot, -1 for none
     follows: np.ndarray
 
-    def apart(self, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The links (rows of the table) of loops that do not close with the driving joints at ``states`` (J,)."""
-        turn, shift = link_motion(self.batch.links(), self.batch.joints(), self.settle(states))
+    def apart(self, turn: np.ndarray, shift: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The links (rows of the table) of loops that do not close with the links posed by ``turn`` and ``shift``."""
         first, second = (
             apply(turn[link], point) + shift[link] for link, point in zip(self.link, self.point, strict=True)
         )

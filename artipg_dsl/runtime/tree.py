@@ -74,9 +74,9 @@ class Tree:
             if len(self.links.owner) > KEPT:
                 self._states.clear()
             turn, shift = self.batch.pose(states)
-            turn = product(turn, self.turn.transpose(0, 2, 1))
             none = np.zeros(0, dtype=np.int64)
-            apart = (none, none) if self.batch.loops is None else self.batch.loops.apart(states)
+            apart = (none, none) if self.batch.loops is None else self.batch.loops.apart(turn, shift)
+            turn = product(turn, self.turn.transpose(0, 2, 1))
             self._states[key] = turn, shift - apply(turn, self.shift), apart
         return self._states[key]
 

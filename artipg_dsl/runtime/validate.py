@@ -64,6 +64,11 @@ def checked(tree: Tree, body: Pieces) -> np.ndarray:
     return np.concatenate([_nothing(), *(_block(tree, part) for part in blocks(body))])
 
 
+def at_rest(tree: Tree, body: Pieces) -> np.ndarray:
+    """As ``checked``, of what meets at rest."""
+    return np.concatenate([_nothing(), *(_resting(tree, part) for part in blocks(body))])
+
+
 def told(tree: Tree, rows: np.ndarray) -> Collisions:
     """Hits as tables number things, without those that the text allows."""
     first, second, joint = (rows[:, k].astype(np.int64) for k in range(3))

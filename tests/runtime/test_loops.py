@@ -52,7 +52,7 @@ def test_a_rack_stays_together_as_it_folds() -> None:
     for share in (0.0, 0.4, 1.0):
         states = batch.rest().copy()
         states[slide] = joints.low[slide] + share * (joints.high[slide] - joints.low[slide])
-        assert not len(loops.apart(states)[0])
+        assert not len(loops.apart(*batch.pose(states))[0])
         gap, _ = loops.slopes(batch.settled(states))
         assert np.abs(gap).max() < APART
         values = batch.settled(states)
