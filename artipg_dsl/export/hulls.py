@@ -9,6 +9,7 @@ from functools import cache
 
 import numpy as np
 
+from ..geometry.collide import cross, dot
 from ..geometry.merge import Cluster, Convex, clusters, cut, gathered, halves
 from . import solids
 
@@ -142,6 +143,6 @@ def _wrapped(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     used, faces = np.unique(found.simplices, return_inverse=True)
     faces = faces.reshape(-1, 3)
     a, b, c = (scaled[used][faces[:, n]] for n in range(3))
-    inward = (np.cross(b - a, c - a) * found.equations[:, :3]).sum(axis=1) < 0
+    inward = dot(cross(b - a, c - a), found.equations[:, :3]) < 0
     faces[inward] = faces[inward][:, ::-1]
     return points[used], faces.astype(np.int32)
