@@ -55,11 +55,19 @@ class Pieces:
         found.gap, found.side = (None if column is None else column[rows] for column in (self.gap, self.side))
         return found
 
-    def boxes(self) -> Pieces:
-        """The boxes of the pieces at rest in place of the pieces."""
+    def boxes(self, turn: np.ndarray | None = None, chosen: np.ndarray | None = None) -> Pieces:
+        """The boxes of the pieces at rest in place of the pieces; with the turns (L, 3, 3) of the links from joint values 0
+        to rest, boxes along the axes that the links had there, right for the pieces ``chosen`` alone."""
         ends = np.stack([self.low, self.high], axis=1)  # (N, 2, 3)
+        if turn is not None and chosen is not None:
+            back = turn[self.link[chosen]].transpose(0, 2, 1)
+            for at, corners in self.classes(chosen):
+                straight = turned(back[at], corners)
+                ends[chosen[at]] = np.stack([straight.min(axis=1), straight.max(axis=1)], axis=1)
         pick = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
         corners = np.stack([ends[:, pick[:, axis], axis] for axis in range(3)], axis=-1)
+        if turn is not None and chosen is not None:
+            corners[chosen] = turned(back.transpose(0, 2, 1), corners[chosen])
         count = np.arange(len(self))
         return replace(self, corners=[corners], kind=np.zeros(len(self), dtype=np.int64), slot=count, gap=None)
 

@@ -24,6 +24,7 @@ BLOCK = 20_000  # pieces at a time
 HALVINGS = 16  # of an interval of angles; what is not decided then is nearer than a turn by 0.005 degrees
 EXACT = 1 - 1e-6  # of the distance: how well it is known where a gap is asked for
 COARSE = 12  # halvings for which boxes stand for the pieces
+TILTED = 8  # and for which the boxes of tilted links do
 SHARES = np.unique(np.concatenate([[0.002, 0.005, 0.01, 0.02, 0.035], np.linspace(0.0, 1.0, 41), [0.98, 0.995]]))
 Pairs = tuple[np.ndarray, np.ndarray]
 
@@ -210,7 +211,7 @@ def _sliding(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> 
 
 def _turning(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> np.ndarray:
     i, turns = turnings(tree, body, piece, joint)
-    hit, value = _decide(body, turns)
+    hit, value = _decide(tree, body, turns)
     i, j = i[hit], turns.other[hit]
     return Hits(*tree.blame(body, piece[i], j), joint[i], value + tree.joints.rest[joint[i]]).rows()
 
@@ -303,7 +304,7 @@ class Turns:
         return hit, ~hit & (least - most >= gap * length)
 
 
-def _decide(body: Pieces, turns: Turns) -> tuple[np.ndarray, np.ndarray]:
+def _decide(tree: Tree, body: Pieces, turns: Turns) -> tuple[np.ndarray, np.ndarray]:
     """Rows that meet while they turn, and an angle at which they do."""
     boxes, open_ones = body.boxes(), []
     for _ in range(COARSE):  # the boxes alone tell most pairs apart
@@ -313,6 +314,7 @@ def _decide(body: Pieces, turns: Turns) -> tuple[np.ndarray, np.ndarray]:
     left = [turns, *open_ones]
     turns = Turns(*(np.concatenate([getattr(part, name) for part in left]) for name in Turns.__slots__))
     body.ready(turns.piece, turns.other)
+    turns = turns.at(_possible(tree, body, turns))
     hits, values = [np.zeros(0, dtype=np.int64)], [np.zeros(0)]
     for _ in range(HALVINGS):
         if not len(turns.row):
@@ -322,6 +324,22 @@ def _decide(body: Pieces, turns: Turns) -> tuple[np.ndarray, np.ndarray]:
         values.append(((turns.start + turns.stop) / 2)[hit])
         turns = turns.at(np.flatnonzero(~hit & ~apart)).halved()
     return np.concatenate(hits), np.concatenate(values)
+
+
+def _possible(tree: Tree, body: Pieces, turns: Turns) -> np.ndarray:
+    """The turns that boxes do not rule out which lie straight in the frames of their links, tilted where these rest tilted."""
+    tilted = (np.abs(tree.turn - np.eye(3)) > 1e-9).any(axis=(1, 2))[body.link]
+    possible = ~(tilted[turns.piece] | tilted[turns.other])
+    rest = turns.at(np.flatnonzero(~possible))
+    if len(rest.row):
+        rest.row = np.flatnonzero(~possible)
+        boxes = body.boxes(tree.turn, np.union1d(rest.piece, rest.other))
+        for _ in range(TILTED):
+            hit, apart = rest.examined(boxes)
+            possible[rest.row[hit]] = True
+            rest = rest.at(np.flatnonzero(~apart & ~possible[rest.row])).halved()
+        possible[rest.row] = True
+    return np.flatnonzero(possible)
 
 
 # ---------------------------------------------------------------- states of several joints
