@@ -63,7 +63,8 @@ class Pieces:
             back = turn[self.link[chosen]].transpose(0, 2, 1)
             for at, corners in self.classes(chosen):
                 straight = turned(back[at], corners)
-                ends[chosen[at]] = np.stack([straight.min(axis=1), straight.max(axis=1)], axis=1)
+                half = 0.0 if self.gap is None else self.gap[chosen[at], None] / 2
+                ends[chosen[at]] = np.stack([straight.min(axis=1) - half, straight.max(axis=1) + half], axis=1)
         pick = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
         corners = np.stack([ends[:, pick[:, axis], axis] for axis in range(3)], axis=-1)
         if turn is not None and chosen is not None:
