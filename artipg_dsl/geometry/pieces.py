@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from .weld import plan, step_counts
 
 STEPS = (24, 16, 12, 8)  # per full turn: a hull takes the finest of these that has few corners
 FEW = 200  # what collision checks and simulators take well; a ball of 16 steps lies within 2 % of its radius
+CHUNK = 20_000  # faces that are looked at together, so that they stay in the cache
 FLAT = 1e-7  # how far, relative to the piece's extent, a vertex may stand out of the plane of a face
 
 
@@ -36,12 +37,33 @@ class PieceGroup:
     faces: np.ndarray
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Hull:
     """``used`` (P,) indexes the points that are corners; ``faces`` (F, 3) indexes ``used``."""
 
     used: np.ndarray
     faces: np.ndarray
+
+    @cached_property
+    def told(self) -> np.ndarray:
+        """``faces`` as groups have them, one array for all."""
+        return self.faces.astype(np.int32)
+
+    @cached_property
+    def across(self) -> np.ndarray:
+        """(F, 3): the corner of the neighbouring face across each edge of a face, as an index into ``used``."""
+        count = len(self.used)
+        start, end = self.faces, np.roll(self.faces, -1, axis=1)
+        opposite = np.roll(self.faces, -2, axis=1).ravel()
+        forward, back = (start * count + end).ravel(), (end * count + start).ravel()
+        order = np.argsort(forward)
+        return opposite[order[np.searchsorted(forward[order], back)]].reshape(-1, 3)
+
+
+@lru_cache(maxsize=4096)
+def _shared(used: bytes, faces: bytes) -> Hull:
+    """One hull for all pieces with the same corners and faces."""
+    return Hull(np.frombuffer(used, dtype=np.int64), np.frombuffer(faces, dtype=np.int64).reshape(-1, 3))
 
 
 def build(primitive: Primitive, params: Params) -> list[PieceGroup]:
@@ -51,17 +73,30 @@ def build(primitive: Primitive, params: Params) -> list[PieceGroup]:
         for variant, rows in mesh.group_rows(primitive, params):
             known = _mesh_hulls(primitive, variant)
             (made,) = mesh.build(primitive, mesh.take(params, rows), _hull_steps(primitive, variant))
-            groups.extend(_grouped(primitive, "hull", rows, made.vertices, known))
+            groups.extend(_grouped(primitive, "hull", rows, made.vertices, known, _fitting(made.vertices, known)))
         return groups
-    groups = []
-    for number, piece in enumerate(primitive.pieces):
-        counts = _counts(primitive, piece, params)
-        for index in range(int(counts.max(initial=0))):
-            rows = np.flatnonzero(counts > index)
-            points = _points(primitive, piece, index, mesh.take(params, rows))
+    return [group for number in range(len(primitive.pieces)) for group in _declared(primitive, number, params)]
+
+
+def _declared(primitive: Primitive, number: int, params: Params) -> list[PieceGroup]:
+    """The groups of a declared piece, index by index; those indices that have the same hulls are made together."""
+    piece = primitive.pieces[number]
+    counts = _counts(primitive, piece, params)
+    alike: dict[tuple[Hull, ...], list[int]] = {}
+    for index in range(int(counts.max(initial=0))):
+        alike.setdefault(_known(primitive, number, index), []).append(index)
+    made: dict[int, list[PieceGroup]] = {}
+    for known, indices in alike.items():
+        rows = [np.flatnonzero(counts > index) for index in indices]
+        which = np.repeat(indices, [len(own) for own in rows])
+        points = _points(primitive, piece, which, mesh.take(params, np.concatenate(rows)))
+        hulls, start = _fitting(points, known), 0
+        for index, own in zip(indices, rows, strict=True):
+            part = slice(start, start + len(own))
+            start += len(own)
             name = piece.name if piece.count is None else f"{piece.name}[{index}]"
-            groups.extend(_grouped(primitive, name, rows, points, _known(primitive, number, index)))
-    return groups
+            made[index] = _grouped(primitive, name, own, points[part], known, hulls[part])
+    return [group for index in sorted(made) for group in made[index]]
 
 
 def _counts(primitive: Primitive, piece: Piece, params: Params) -> np.ndarray:
@@ -81,10 +116,10 @@ def _corners(primitive: Primitive, piece: Piece) -> Callable[..., tuple]:
     return compile_formula(coordinates, (*primitive.parameters, "i"))
 
 
-def _points(primitive: Primitive, piece: Piece, index: int, params: Params) -> np.ndarray:
-    """(k, points, 3): the declared points."""
+def _points(primitive: Primitive, piece: Piece, index: np.ndarray, params: Params) -> np.ndarray:
+    """(k, points, 3): the declared points of the pieces of each instance's ``index`` (k,)."""
     count = rows_of(params)
-    values = _corners(primitive, piece)(*(params[n] for n in primitive.parameters), np.full(count, float(index)))
+    values = _corners(primitive, piece)(*(params[n] for n in primitive.parameters), index.astype(np.float64))
     out = np.empty((count, 3 * len(piece.points)))
     for column, value in enumerate(values):
         out[:, column] = value
@@ -96,7 +131,7 @@ def _known(primitive: Primitive, number: int, index: int) -> tuple[Hull, ...]:
     """The sets of faces that the test values show for a declared piece."""
     piece, params = primitive.pieces[number], trial(primitive)
     rows = np.flatnonzero(_counts(primitive, piece, params) > index)
-    points = _points(primitive, piece, index, mesh.take(params, rows))
+    points = _points(primitive, piece, np.full(len(rows), index), mesh.take(params, rows))
     return _distinct(primitive, piece.name, points)
 
 
@@ -155,7 +190,7 @@ def _hull(primitive: Primitive, name: str, points: np.ndarray) -> Hull:
     faces = np.take_along_axis(faces, (start[:, None] + np.arange(3)) % 3, axis=1)
     faces = faces[np.lexsort(faces.T[::-1])]
     used, number = np.unique(faces, return_inverse=True)
-    return Hull(used, number.reshape(-1, 3))
+    return _shared(used.astype(np.int64).tobytes(), number.astype(np.int64).tobytes())
 
 
 def _fits(points: np.ndarray, hull: Hull) -> np.ndarray:
@@ -166,11 +201,12 @@ def _fits(points: np.ndarray, hull: Hull) -> np.ndarray:
     low = points.min(axis=1, keepdims=True)
     extent = np.maximum((points.max(axis=1, keepdims=True) - low).max(axis=2, keepdims=True), 1e-300)
     scaled = np.ascontiguousarray(((points - low) / extent).transpose(2, 0, 1))
-    faces, across = hull.used[hull.faces], hull.used[_across(hull)]
+    faces, across = hull.used[hull.faces], hull.used[hull.across]
     others = np.setdiff1d(np.arange(points.shape[1]), hull.used)
     fits = np.ones(len(points), dtype=bool)
-    for part in range(0, len(points), 64):
-        chunk = scaled[:, part : part + 64]
+    size = max(64, CHUNK // len(faces))
+    for part in range(0, len(points), size):
+        chunk = scaled[:, part : part + size]
         a, b, c = ([axis[:, faces[:, n]] for axis in chunk] for n in range(3))
         e, f = [q - p for p, q in zip(a, b, strict=True)], [q - p for p, q in zip(a, c, strict=True)]
         normal = [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]]
@@ -180,36 +216,32 @@ def _fits(points: np.ndarray, hull: Hull) -> np.ndarray:
         for corner in (*across.T, *(np.full(len(faces), p) for p in others)):
             x, y, z = (axis[:, corner] for axis in chunk)
             np.maximum(worst, normal[0] * x + normal[1] * y + normal[2] * z, out=worst)
-        fits[part : part + 64] = (worst <= reach).all(axis=1)
+        fits[part : part + size] = (worst <= reach).all(axis=1)
     return fits
 
 
-def _across(hull: Hull) -> np.ndarray:
-    """(F, 3): the corner of the neighbouring face across each edge of a face, as an index into ``used``."""
-    count = len(hull.used)
-    start, end = hull.faces, np.roll(hull.faces, -1, axis=1)
-    opposite = np.roll(hull.faces, -2, axis=1).ravel()
-    forward, back = (start * count + end).ravel(), (end * count + start).ravel()
-    order = np.argsort(forward)
-    return opposite[order[np.searchsorted(forward[order], back)]].reshape(-1, 3)
+def _fitting(points: np.ndarray, known: tuple[Hull, ...]) -> np.ndarray:
+    """(k,) the first of the hulls that fits each of the instances (k, P, 3), their number where none does."""
+    found = np.full(len(points), len(known))
+    for number, hull in enumerate(known):
+        left = np.flatnonzero(found == len(known))
+        if not len(left):
+            break
+        found[left[_fits(points[left], hull)]] = number
+    return found
 
 
 def _grouped(
-    primitive: Primitive, name: str, rows: np.ndarray, points: np.ndarray, known: tuple[Hull, ...]
+    primitive: Primitive, name: str, rows: np.ndarray, points: np.ndarray, known: tuple[Hull, ...], fitting: np.ndarray
 ) -> list[PieceGroup]:
-    """Instances (k', P, 3) sorted by the first hull that fits; those that fit none by a hull of their own."""
+    """Instances (k', P, 3) sorted by the hull that fits; those that fit none by a hull of their own."""
     groups = []
-    remaining = np.arange(len(rows))
-    for hull in known:
-        if len(remaining) == 0:
-            break
-        fits = _fits(points[remaining], hull)
-        chosen = remaining[fits]
+    for number, hull in enumerate(known):
+        chosen = np.flatnonzero(fitting == number)
         if len(chosen):
-            groups.append(PieceGroup(name, rows[chosen], points[chosen][:, hull.used], hull.faces.astype(np.int32)))
-        remaining = remaining[~fits]
-    for row in remaining.tolist():
+            groups.append(PieceGroup(name, rows[chosen], points[chosen][:, hull.used], hull.told))
+    for row in np.flatnonzero(fitting == len(known)).tolist():
         hull = _hull(primitive, name, points[row])
         own = slice(row, row + 1)
-        groups.append(PieceGroup(name, rows[own], points[own][:, hull.used], hull.faces.astype(np.int32)))
+        groups.append(PieceGroup(name, rows[own], points[own][:, hull.used], hull.told))
     return groups

@@ -167,14 +167,17 @@ def packed(groups: list[Alike]) -> Pieces:
     """Pieces group by group, sorted by link."""
     by_size: dict[int, list[np.ndarray]] = {}
     kinds, slots, shapes = [], [], []
-    for number, group in enumerate(groups):
+    filled: dict[int, int] = {}  # pieces of each size so far
+    alike: dict[int, int] = {}  # by the identity of their faces: what has the same is inset together
+    for group in groups:
         count, corners = group.corners.shape[:2]
         size = max(8, 1 << (corners - 1).bit_length())
         fill = np.repeat(group.corners[:, -1:], size - corners, axis=1)
         known = by_size.setdefault(size, [])
-        shapes.append(np.full(count, number))
+        shapes.append(np.full(count, alike.setdefault(id(group.faces), len(alike))))
         kinds.append(np.full(count, size))
-        slots.append(np.arange(count) + sum(map(len, known)))
+        slots.append(np.arange(count) + filled.get(size, 0))
+        filled[size] = filled.get(size, 0) + count
         known.append(np.concatenate([group.corners, fill], axis=1))
     if not groups:
         none, flags = np.zeros(0, dtype=np.int64), np.zeros(0, dtype=bool)
@@ -192,7 +195,8 @@ def packed(groups: list[Alike]) -> Pieces:
     shape, met, source = np.concatenate(shapes), np.zeros(len(owner), dtype=bool), np.arange(len(owner))
     columns = (kind, slot, low + DEPTH / 2, high - DEPTH / 2, owner, link, shape, solid, met, source)
     done = [np.zeros(len(points), dtype=bool) for points in corners]
-    return Pieces(corners, [group.faces for group in groups], done, *(column[order] for column in columns))
+    faces = list({id(group.faces): group.faces for group in groups}.values())  # in the order of ``alike``
+    return Pieces(corners, faces, done, *(column[order] for column in columns))
 
 
 def turned(rotation: np.ndarray, points: np.ndarray) -> np.ndarray:

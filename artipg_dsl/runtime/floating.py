@@ -210,22 +210,39 @@ class Solids:
             tree.axis[joint] * np.where(tree.slides[joint], end_[joint] - tree.joints.rest[joint], 0.0)[:, None]
             for end_ in (tree.low, tree.high)
         ]
+        first, last = np.minimum(*shift), np.maximum(*shift)
         k, i = spread(begin[link], (end - begin)[link])
-        n, j = spread(begin[holder[k]], (end - begin)[holder[k]])
-        k, i = k[n], i[n]
-        low, high = body.low[i] + np.minimum(*shift)[k], body.high[i] + np.maximum(*shift)[k]
+        lows, highs = self._boxes(holder)
+        close = _within(body.low[i] + first[k], body.high[i] + last[k], lows[k], highs[k])
+        k, i = k[close], i[close]
+        n, j = spread(begin[holder], (end - begin)[holder])
+        lows, highs = self._boxes(link)
+        close = _within(body.low[j], body.high[j], (lows + first)[n], (highs + last)[n])
+        n, j = n[close], j[close]
+        start = np.searchsorted(n, np.arange(len(link)))
+        n, at = spread(start[k], (np.searchsorted(n, np.arange(len(link)), side="right") - start)[k])
+        k, i, j = k[n], i[n], j[at]
+        low, high = body.low[i] + first[k], body.high[i] + last[k]
         gap = np.maximum(np.maximum(low - body.high[j], body.low[j] - high), 0.0)
         gap = dot(gap, gap)
         near = np.flatnonzero(gap < HOLD * HOLD)
         order = near[np.lexsort((gap[near], k[near]))]
         rank = np.arange(len(order)) - np.searchsorted(k[order], k[order])
-        met, start, stop = np.zeros(len(link), dtype=bool), 0, FIRST
-        while (rank >= start).any():  # the nearest boxes first
-            at = order[(rank >= start) & (rank < stop) & ~met[k[order]]]
+        met, begun, stop = np.zeros(len(link), dtype=bool), 0, FIRST
+        while (rank >= begun).any():  # the nearest boxes first
+            at = order[(rank >= begun) & (rank < stop) & ~met[k[order]]]
             moved = Placed(body, i[at], ends=(shift[0][k[at]], shift[1][k[at]]))
             met[k[at[within(moved, Placed(body, j[at]), np.full(len(at), HOLD))]]] = True
-            start, stop = stop, 4 * stop
+            begun, stop = stop, 4 * stop
         return met
+
+
+def _within(low: np.ndarray, high: np.ndarray, lows: np.ndarray, highs: np.ndarray) -> np.ndarray:
+    """Which boxes come within reach of others along every axis; a micrometre more, so that rounding loses none."""
+    near = np.ones(len(low), dtype=bool)
+    for axis in range(3):
+        near &= (low[:, axis] < highs[:, axis] + HOLD + 1e-6) & (lows[:, axis] < high[:, axis] + HOLD + 1e-6)
+    return near
 
 
 class _Segments:

@@ -328,7 +328,8 @@ def _decide(tree: Tree, body: Pieces, turns: Turns) -> tuple[np.ndarray, np.ndar
 
 def _possible(tree: Tree, body: Pieces, turns: Turns) -> np.ndarray:
     """The turns that boxes do not rule out which lie straight in the frames of their links, tilted where these rest tilted."""
-    tilted = (np.abs(tree.turn - np.eye(3)) > 1e-9).any(axis=(1, 2))[body.link]
+    away = np.abs(tree.turn - np.eye(3)).reshape(-1, 9).max(axis=1)
+    tilted = away[body.link] > 1e-9
     possible = ~(tilted[turns.piece] | tilted[turns.other])
     rest = turns.at(np.flatnonzero(~possible))
     if len(rest.row):
