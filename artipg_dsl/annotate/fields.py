@@ -13,6 +13,7 @@ from ..runtime.needs import pose_cells, row_values
 
 if TYPE_CHECKING:
     from ..graph.program import Pose, Program
+from ..graph.reference import Reference
 
 
 class Reader(Protocol):
@@ -31,7 +32,7 @@ class Reader(Protocol):
         """The object (0 .. B - 1) of each row of ``scope``, ascending."""
         ...
 
-    def link_numbers(self, scope: Scope, links: Sequence[int]) -> np.ndarray:
+    def link_numbers(self, scope: Scope, links: Reference) -> np.ndarray:
         """The link number within its object of each row of ``scope``, given a reference to links of the program."""
         ...
 

@@ -382,6 +382,8 @@ def reduce(kind: str, child: Scope, value: Expr) -> Expr:
 
 def element(child: Scope, value: Expr, index: Expr) -> Expr:
     """The value of the row of ``child`` with rank ``index`` (an expression of the parent), for each row of its parent."""
+    if child.parent is not None and index.scope is not None and not child.parent.within(index.scope):
+        raise ScopeError(child, index.scope)
     return _make("element", (value, index), child, child.parent)
 
 

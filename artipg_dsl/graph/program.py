@@ -2,7 +2,7 @@
 
 Everything here is data about scopes and expressions; nothing knows syntax, nothing holds numbers of a sample. Poses
 are in the frame of the object (x front, y left, z up, metres), at joint values 0 unless said otherwise. A reference to a
-link is a tuple of link numbers of which exactly one has a row there (alternatives may bring links of their own).
+link is a ``Reference``: alternatives of which exactly one exists there (see ``reference``).
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 
 from .expr import TRUE, Column, Expr, Scope
 from .primitive import Primitive
+from .reference import Reference
 
 Triple = tuple[Expr, Expr, Expr]
 
@@ -147,10 +148,10 @@ class Part:
     pose: Pose
     low: Triple
     high: Triple
-    link: tuple[int, ...]
+    link: Reference
     semantic: str = ""  # innermost semantic label of the whole part, "" where none
     symmetry: tuple[int, int] = (1, 2)  # (turns, axis 0..2); turns 0: any angle
-    holder: tuple[int, ...] = ()  # parts that it is rigidly connected to, of which one at most has a row there
+    holder: Reference = ()  # the part that it is rigidly connected to, if there is one
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -162,7 +163,7 @@ class Site:
     primitive: str
     parameters: tuple[Expr, ...]
     pose: Pose
-    link: tuple[int, ...]
+    link: Reference
     part: int  # index into Program.parts: the part that this primitive is
     materials: tuple[tuple[str, Expr], ...] = ()  # (name, predicate), the last that holds counts
 
@@ -189,7 +190,7 @@ class Joint:
     name: str
     scope: Scope
     kind: str
-    parent: tuple[int, ...]  # link
+    parent: Reference  # link
     child: int  # link
     origin: Triple
     axis: Triple
@@ -204,7 +205,6 @@ class Joint:
     pitch: Expr | None = None
     where: Where | None = None
     clearance: bool = False
-    before: Scope | None = None  # the parent is the link in the row before of this repeat
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -261,7 +261,7 @@ class Grasp:
 
     name: str
     scope: Scope
-    link: tuple[int, ...]
+    link: Reference
     frame: Pose
     size: Triple
     center: Triple
@@ -285,7 +285,7 @@ class Grasp:
 class Keypoint:
     name: str
     scope: Scope
-    link: tuple[int, ...]
+    link: Reference
     point: Triple  # in the object's frame
 
 
@@ -348,7 +348,7 @@ class Closure:
     """``close a on b``: two points (in the object's frame at joint values 0) on two links that stay together."""
 
     scope: Scope
-    links: tuple[tuple[int, ...], tuple[int, ...]]
+    links: tuple[Reference, Reference]
     points: tuple[Triple, Triple]
     where: Where | None = None
 

@@ -16,6 +16,7 @@ from typing import Any
 from . import program as P
 from .expr import CROSSING, Column, Expr, Scope, raw, show
 from .primitive import Patch, Piece, Primitive
+from .reference import Elsewhere, Onward, Under
 
 VERSION = 1
 RECORDS = {
@@ -23,6 +24,7 @@ RECORDS = {
     for cls in (
         P.Where, P.Pose, P.Bound, P.Limit, P.Union, P.Draw, P.Requirement, P.Preference, P.Part, P.Site, P.Link, P.Joint,
         P.Target, P.Label, P.Grasp, P.Keypoint, P.Material, P.Allowed, P.Closure, P.Slot, P.Clear, P.Stable, Primitive, Patch, Piece,
+        Under, Elsewhere, Onward,
     )
 }  # fmt: skip
 LISTS = (

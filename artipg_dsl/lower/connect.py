@@ -13,12 +13,14 @@ from .context import Abort, Equation, text_of
 from .env import Env
 from .evaluate import Evaluator
 from .faces import FACES, squared
+from .members import At, in_element
 from .place import mount_of, root_name
 from .values import Box, Frame, Plane, Ref, Value, Vec
 from .vectors import AXES, sole_axis
 
 if TYPE_CHECKING:
     from .part import Part
+    from .values import Carrier
 
 
 @dataclass(slots=True, eq=False)
@@ -27,10 +29,9 @@ class Attachment:
 
     env: Env
     span: Span
-    to: tuple[Part, ...]
+    to: tuple[Carrier, ...]
     base: bool
     joint: ast.JointDecl | None = None
-    before: Scope | None = None  # the repeat in whose element before ``to`` lies (``previous``)
 
 
 def statements(env: Env) -> None:
@@ -198,10 +199,8 @@ def connect(env: Env, statement: ast.ConnectStmt) -> Part:
         target = ev.value(words["between"].values[0])
     else:
         target = ev.value(words["to"].values[0])
-    carried = carriers(target)
-    to = words["to"] if "to" in words else words.get("on") or words.get("between")
-    before = element_before(env, to.values[0] if to is not None else None)
-    attach(part, Attachment(env, statement.span, carried, base=not carried, before=before))
+    carried = carriers(target, env.scope)
+    attach(part, Attachment(env, statement.span, carried, base=not carried))
     return part
 
 
@@ -212,27 +211,9 @@ def joint(env: Env, statement: ast.JointDecl) -> Part:
     if isinstance(statement.parent, ast.NameExpr) and statement.parent.name == "base" and env.find("base") is None:
         attach(part, Attachment(env, statement.span, (), True, statement))
         return part
-    carried = carriers(Evaluator(env).value(statement.parent))
-    attach(
-        part,
-        Attachment(
-            env,
-            statement.span,
-            carried,
-            base=not carried,
-            joint=statement,
-            before=element_before(env, statement.parent),
-        ),
-    )
+    carried = carriers(Evaluator(env).value(statement.parent), env.scope)
+    attach(part, Attachment(env, statement.span, carried, base=not carried, joint=statement))
     return part
-
-
-def element_before(env: Env, node: ast.Expr | None) -> Scope | None:
-    """The repeat that ``previous`` at the root of a path goes through."""
-    if root_name(node) != "previous" or env.find("previous") is not None:
-        return None
-    element = Evaluator(env).nearest_element()
-    return None if element is None else element.scope
 
 
 def joint_placing(statement: ast.JointDecl) -> tuple[ast.Clause, ...]:
@@ -248,7 +229,10 @@ def part_of(env: Env, node: ast.Expr) -> Part:
     return value.branches[0].members[0][0]
 
 
-def carriers(value: Value) -> tuple[Part, ...]:
+def carriers(value: Value, scope: Scope) -> tuple[Carrier, ...]:
+    """The parts on which a value lies that is named from the rows of ``scope``."""
+    if isinstance(value, At):
+        return in_element(value, carriers(value.inner, value.element.scope), scope)
     if isinstance(value, Ref):
         return tuple(p for b in value.branches for p, _ in b.members)
     box = getattr(value, "box", None)

@@ -1,30 +1,34 @@
 """Attachments to links and joints, sites and the part tree, once every pose is known.
 
-A reference to a link is a tuple of link numbers, of which exactly one has a row wherever the reference does: the
-alternatives of a part may bring links of their own.
+What carries a part is a reference (``graph.reference``): alternatives of a part and branches of ``when`` may bring links of
+their own, and what lies on an element of a repeat rides on the link of that element.
 """
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from ..graph import expr as E
-from ..graph.expr import Expr, ScopeError
+from ..graph.expr import Expr, Scope, ScopeError
 from ..graph.program import Joint, Link, Pose, Site
 from ..graph.program import Part as PartNode
+from ..graph.reference import Elsewhere, Onward, Reference, Under
 from ..source import Span
 from ..syntax import ast
+from .cases import TooManyCases, combinations
 from .connect import Attachment
 from .context import Abort, Context, where
 from .env import Env, exists_in
 from .evaluate import Evaluator
 from .extents import union_of
+from .mimic import followed
 from .part import Instance, Part
-from .place import bare, root_name
-from .values import Edge, Frame, Line, Vec
+from .place import bare
+from .values import Carrier, Edge, Frame, InElement, Line, Vec, part_of
 from .vectors import HERE, IDENTITY, Triple, compose, direct, normalized, place
 
 KINDS = ("revolute", "prismatic", "continuous", "screw", "ball", "fixed")
@@ -39,7 +43,7 @@ class Links:
     worlds: dict[Env, Pose] = field(default_factory=dict)
     own: dict[Attachment, int] = field(default_factory=dict)  # link that a joint moves
     owners: dict[int, Part] = field(default_factory=dict)  # whose frame such a link takes
-    known: dict[Part, tuple[int, ...]] = field(default_factory=dict)
+    known: dict[Part, Reference] = field(default_factory=dict)
     nodes: dict[tuple[Part, str], int] = field(default_factory=dict)
     sites: dict[Part, list[int]] = field(default_factory=dict)
     joints: dict[int, int] = field(default_factory=dict)  # link -> its joint
@@ -71,8 +75,8 @@ class Links:
         found = part.attachment if isinstance(part.attachment, list) else []
         return sorted(found, key=lambda a: a.joint is None)
 
-    def of(self, part: Part) -> tuple[int, ...]:
-        """The link that carries a part: the first of these that has a row."""
+    def of(self, part: Part) -> Reference:
+        """The link that carries a part."""
         if part in self.known:
             return self.known[part]
         if part in self.resolving:
@@ -90,25 +94,66 @@ class Links:
             self.resolving.discard(part)
         return self.known[part]
 
-    def find(self, part: Part) -> tuple[int, ...]:
+    def find(self, part: Part) -> Reference:
         attachments = self.attachments(part)
-        found: list[int] = []
+        found: list[tuple[Scope, Reference]] = []
+        onward: list[Scope] = []
+        repeat = None
         for attachment in attachments:
+            before = next((to for to in attachment.to if isinstance(to, InElement) and to.part is part), None)
             if attachment.joint is not None:
-                found.append(self.own_link(part, attachment))
+                links: Reference = (self.own_link(part, attachment),)
             elif attachment.base:
-                found.extend(self.base(part.env))
-            elif attachment.before is not None and part in attachment.to:
-                continue  # rigid on the element before: on the link of the first
+                links = self.base(part.env)
+            elif before is not None and before.rank is None:  # rigid on the element before
+                repeat = before.repeat
+                onward.append(attachment.env.scope)
+                continue
             else:
-                found.extend(self.carried(attachment.to, attachment.span))
-        if not any(a.env is part.env for a in attachments):  # none, or under some guards only
+                links = self.carried(attachment.to, attachment.span)
+            found.append((attachment.env.scope, links))
+        if not self.everywhere(part, attachments):
             owner = part.env.root.instance
             first = None if owner is None else first_part(owner)
-            found.extend(self.base(part.env) if first is None or first is part else self.of(first))
-        return tuple(dict.fromkeys(found))
+            found.append((part.env.scope, self.base(part.env) if first is None or first is part else self.of(first)))
+        links = self.whichever(found)
+        return links if repeat is None or self.outside(links, repeat) else (Onward(repeat, tuple(onward), links),)
 
-    def base(self, env: Env) -> tuple[int, ...]:
+    def everywhere(self, part: Part, attachments: list[Attachment]) -> bool:
+        """Whether one of the attachments of a part holds wherever it exists."""
+        if any(a.env.scope is part.env.scope for a in attachments):
+            return True
+        if (
+            not attachments or part.env.root.instance is None
+        ):  # in a category each part is attached: it has been checked
+            return bool(attachments)
+        guards = [part.exists]
+        for attachment in attachments:
+            within = (
+                s for s in attachment.env.scope.ancestors() if s is not part.env.scope and s.within(part.env.scope)
+            )
+            guards.append(functools.reduce(E.both, (s.count for s in within if s.count is not None), E.TRUE))
+        try:
+            return all(any(held) for exists, *held in combinations(guards, self.context.draws) if exists)
+        except TooManyCases:
+            return False
+
+    def whichever(self, found: list[tuple[Scope, Reference]]) -> Reference:
+        """One reference out of those that hold in exclusive scopes, the last of them in all that is left."""
+        if all(links == found[-1][1] for _, links in found):
+            return found[-1][1] if found else ()
+        made: list[int | Under | Elsewhere | Onward] = []
+        for scope, links in found[:-1]:
+            own = all(isinstance(k, int) and self.context.program.links[k].scope.within(scope) for k in links)
+            made.extend(links if own else (Under(scope, links),))
+        return tuple(dict.fromkeys((*made, *found[-1][1])))
+
+    def outside(self, reference: Reference, repeat: Scope) -> bool:
+        """Whether a reference comes to the same link in all elements of a repeat."""
+        scopes = (self.context.program.links[k].scope if isinstance(k, int) else None for k in reference)
+        return all(scope is not None and repeat.within(scope) and repeat is not scope for scope in scopes)
+
+    def base(self, env: Env) -> Reference:
         """What carries a template as a whole; the object's root link in a category."""
         owner = env.root.instance
         return (0,) if owner is None else self.of(owner.part)
@@ -125,29 +170,34 @@ class Links:
             program.links.append(Link(part.path, scope, -1))
         return self.own[attachment]
 
-    def carried(self, parts: tuple[Part, ...], span: Span) -> tuple[int, ...]:
+    def carried(self, parts: tuple[Carrier, ...], span: Span) -> Reference:
         """The link on which values of these parts lie; alternatives of one part give several."""
-        found: list[tuple[int, ...]] = []
+        found: list[Reference] = []
         for part in parts:
             links = self.carrier(part)
             if links not in found:
                 found.append(links)
         if len(found) > 1 and not exclusive(parts):
             raise self.context.error(
-                "two-links", span, "this lies on two links: " + " and ".join(f"`{p.name}`" for p in parts[:2]),
+                "two-links", span, "this lies on two links: " + " and ".join(f"`{part_of(p).name}`" for p in parts[:2]),
                 hint="joints may move them apart: name a face or a port of one of them alone",
-                notes=tuple((p.span, f"`{p.name}`") for p in parts[:2]),
+                notes=tuple((part_of(p).span, f"`{part_of(p).name}`") for p in parts[:2]),
             )  # fmt: skip
         return self.ordered(k for links in found for k in links)
 
-    def ordered(self, links: Iterable[int]) -> tuple[int, ...]:
+    def ordered(self, links: Iterable[int | Under | Elsewhere | Onward]) -> Reference:
         """Links of several alternatives, those that exist seldom first: what carries one of them otherwise comes after all."""
-        scopes = {k: self.context.program.links[k].scope for k in links}
+        scopes = {k: self.context.program.links[k].scope if isinstance(k, int) else k.scope for k in links}
         return tuple(sorted(scopes, key=lambda k: -sum(1 for _ in scopes[k].ancestors())))
 
-    def carrier(self, part: Part) -> tuple[int, ...]:
+    def carrier(self, part: Carrier) -> Reference:
         """The link of a part's box and of ports that name no inner part: its first link."""
-        found: list[int] = []
+        if isinstance(part, InElement):
+            links = self.carrier(part.part)
+            return (
+                links if self.outside(links, part.repeat) else (Elsewhere(part.scope, part.repeat, part.rank, links),)
+            )
+        found: list[int | Under | Elsewhere | Onward] = []
         for instance in part.instances:
             first = first_part(instance)
             found.extend(self.of(part) if first is None else self.of(first))
@@ -200,14 +250,21 @@ class Links:
                 self.build_joint(part, attachment)
 
     def hold(self) -> None:
-        """Note for every part which parts carry it rigidly."""
+        """Note for every part which part carries it rigidly."""
         program = self.context.program
         numbers: dict[Part, list[int]] = {}
+
+        def held(by: Carrier) -> Reference:
+            if isinstance(by, InElement):
+                inner = held(by.part)
+                return (Elsewhere(by.scope, by.repeat, by.rank, inner),) if inner else ()
+            return tuple(numbers.get(by, ()))
+
         for (part, _), number in self.nodes.items():
             numbers.setdefault(part, []).append(number)
         for part, nodes in numbers.items():
-            rigid = [a for a in self.attachments(part) if a.joint is None and not a.base and a.before is None]
-            holders = dict.fromkeys(n for a in rigid for p in a.to if p is not part for n in numbers.get(p, ()))
+            rigid = [a for a in self.attachments(part) if a.joint is None and not a.base]
+            holders = dict.fromkeys(n for a in rigid for p in a.to if p is not part for n in held(p))
             for number in nodes if holders else ():
                 program.parts[number] = replace(program.parts[number], holder=tuple(holders))
 
@@ -247,7 +304,7 @@ class Links:
         joint = Joint(
             joint_name(env, statement), name, program.links[child].scope, kind, parents, child,
             place(outer, origin), carried_axis(outer, axis, kind), low, high, rest, mimic, where=where(statement.span),
-            before=attachment.before, **physics,
+            **physics,
         )  # fmt: skip
         self.joints[child] = len(program.joints)
         program.joints.append(joint)
@@ -353,49 +410,9 @@ def first_part(instance: Instance) -> Part | None:
     return parts[0] if parts else None
 
 
-def exclusive(parts: tuple[Part, ...]) -> bool:
+def exclusive(parts: tuple[Carrier, ...]) -> bool:
     """Whether parts live in tables whose rows exclude one another (alternatives), or belong to one another."""
-    if len({p.env.root.instance for p in parts}) > 1:
+    if len({part_of(p).env.root.instance for p in parts}) > 1:
         return True
-    scopes = {p.env.scope for p in parts}
+    scopes = {p.scope if isinstance(p, InElement) else p.env.scope for p in parts}
     return len(scopes) > 1
-
-
-def resolve_mimics(links: Links) -> None:
-    """Fill in which joint each ``mimic`` follows."""
-    program = links.context.program
-    names = {j.path: k for k, j in enumerate(program.joints)}
-    for k, joint in enumerate(program.joints):
-        if joint.mimic is None or len(joint.mimic) == 3:
-            continue
-        node, multiplier, offset, env = joint.mimic
-        leader = k if root_name(node) == "previous" else leader_of(links, names, node, env)
-        if leader is None:
-            links.context.error("unknown-name", node.span, "there is no such joint to follow")
-            continue
-        program.joints[k] = replace(joint, mimic=(leader, multiplier, offset))
-
-
-def followed(ev: Evaluator, node: ast.Expr) -> tuple[ast.Expr, Expr]:
-    """The joint and the factor of ``mimic fold``, ``mimic -fold``, ``mimic 2 * fold``, ``mimic fold / 3``."""
-    if isinstance(node, ast.UnaryExpr) and node.op in ("-", "+"):
-        leader, factor = followed(ev, node.operand)
-        return leader, E.neg(factor) if node.op == "-" else factor
-    if isinstance(node, ast.BinaryExpr) and node.op == "*":
-        constant = node.left if isinstance(node.left, ast.NumberExpr | ast.UnaryExpr) else node.right
-        leader, factor = followed(ev, node.right if constant is node.left else node.left)
-        return leader, E.mul(factor, ev.scalar(constant))
-    if isinstance(node, ast.BinaryExpr) and node.op == "/":
-        leader, factor = followed(ev, node.left)
-        return leader, E.div(factor, ev.scalar(node.right))
-    return node, E.ONE
-
-
-def leader_of(links: Links, names: dict[str, int], node: ast.Expr, env: Env) -> int | None:
-    text = node.span.source.text[node.span.start : node.span.end]
-    at: Env | None = env
-    while at is not None:
-        if at.path + text in names:
-            return names[at.path + text]
-        at = at.outer
-    return next((k for path, k in names.items() if path.endswith("." + text)), None)

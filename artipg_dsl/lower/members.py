@@ -13,12 +13,13 @@ from ..syntax import ast
 from .carry import baked, mapped, merged, moved
 from .env import Element, Env, Function
 from .faces import FACES, corner_of, edge_of, extent, face_of, squared
-from .values import Box, Choice, Edge, Face, Frame, Line, Plane, Ref, Surface, Value, Vec
+from .values import Box, Choice, Edge, Face, Frame, InElement, Line, Plane, Ref, Surface, Value, Vec
 from .vectors import AXES, HERE, compose, place
 
 if TYPE_CHECKING:
     from .evaluate import Evaluator
     from .part import Part
+    from .values import Carrier
 
 
 class At:
@@ -162,6 +163,8 @@ def fetch(ev: Evaluator, at: At, inner: Value) -> Value:
     if isinstance(inner, Ref | Element | At):
         return At(at.element, at.index, inner)
     scope = at.element.scope
+    if hasattr(inner, "on"):
+        inner = replace(inner, on=in_element(at, inner.on, ev.env.scope))
     if at.index is None:
         return mapped(inner, lambda e: E.previous(scope, e, E.ZERO) if e.scope is not None else e)
     value = mapped(inner, lambda e: E.element(scope, e, at.index) if _deep(e, scope) else e)  # type: ignore[arg-type]
@@ -172,6 +175,13 @@ def fetch(ev: Evaluator, at: At, inner: Value) -> Value:
         outer = mapped_pose(frame, lambda e: E.element(scope, e, at.index) if _deep(e, scope) else e)  # type: ignore[arg-type]
         value = moved(value, outer)
     return moved(value, ev.pose)
+
+
+def in_element(at: At, on: tuple[Carrier, ...], scope: Scope) -> tuple[Carrier, ...]:
+    """Parts that a value of an element lies on, as they are named from the rows of ``scope``."""
+    repeat = at.element.scope
+    inside = ((p, p.scope if isinstance(p, InElement) else p.env.scope) for p in on)
+    return tuple(InElement(p, scope, repeat, at.index) if home.within(repeat) else p for p, home in inside)
 
 
 def lift(ev: Evaluator, value: Value, scope: Scope | None) -> Value:

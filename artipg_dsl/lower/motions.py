@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from ..graph import expr as E
 from ..graph.program import Closure
+from ..graph.reference import Reference
 from ..source import Span
 from ..syntax import ast
 from .connect import carriers
@@ -57,7 +58,7 @@ def limit(links: Links, env: Env, statement: ast.LimitStmt) -> None:
 
 def close(links: Links, env: Env, statement: ast.CloseStmt) -> None:
     """Record a loop: the two points, in the object's frame at joint values 0, and the links they lie on."""
-    sides: list[tuple[tuple[int, ...], Triple]] = []
+    sides: list[tuple[Reference, Triple]] = []
     along: Triple | None = None
     for node in (statement.subject, statement.other):
         value = Evaluator(env).value(node)
@@ -69,7 +70,7 @@ def close(links: Links, env: Env, statement: ast.CloseStmt) -> None:
             point = value.items  # type: ignore[assignment]
         else:
             raise Evaluator(env).wrong(node.span, "a port or a point", value)
-        on = carriers(value)
+        on = carriers(value, env.scope)
         sides.append((links.carried(on, node.span) if on else links.base(env), place(links.world(env), point)))
     (first, a), (second, b) = sides
     if along is not None:

@@ -12,10 +12,11 @@ from ..graph.depend import draws_behind
 from ..graph.expr import Expr, Scope, ScopeError
 from ..graph.linear import Circle
 from ..graph.program import Allowed, Clear, Link, Preference, Program, Requirement, Stable
+from ..graph.reference import definitions
 from ..graph.text import digest
 from ..semantics.symbols import Symbol
 from ..syntax import ast
-from . import labels
+from . import labels, mimic
 from .body import lower_statements
 from .bounds import attach_bounds
 from .connect import carriers
@@ -23,7 +24,7 @@ from .context import Abort, Context, text_of, where
 from .env import Env
 from .evaluate import Evaluator
 from .feasible import judge
-from .links import Links, resolve_mimics
+from .links import Links
 from .motions import motions
 from .part import Part
 from .primitives import comparison
@@ -75,7 +76,7 @@ def finish(links: Links, env: Env) -> None:
     program = context.program
     program.links.append(Link(root_path(env), program.scopes[0], -1))
     links.build(env, -1)
-    resolve_mimics(links)
+    mimic.resolve(links)
     motions(links, env)
     clearances(links)
     number_links(links)
@@ -265,8 +266,8 @@ def allow(links: Links, env: Env, statement: ast.AllowStmt) -> None:
     sides: list[tuple[int, ...]] = [nodes(links, env, statement.subject), ()]
     if statement.other is not None:
         for k, node in enumerate((statement.subject, statement.other)):
-            found = [links.carrier(p) for v, _ in labels.walk(env, node) for p in carriers(v)]
-            sides[k] = tuple(dict.fromkeys(k for group in found for k in group))
+            found = [links.carrier(p) for v, home in labels.walk(env, node) for p in carriers(v, home.scope)]
+            sides[k] = definitions(tuple(k for group in found for k in group))
     links.context.program.allowed.append(Allowed(statement.kind, sides[0], sides[1], statement.reason or ""))
 
 
@@ -292,7 +293,7 @@ def indices(env: Env, node: ast.Expr) -> Iterator[tuple[str, int]]:
 
 def nodes(links: Links, env: Env, node: ast.Expr) -> tuple[int, ...]:
     """The nodes of the part tree that a path of names means."""
-    parts = {part for value, _ in labels.walk(env, node) for part in carriers(value)}
+    parts = {part for value, home in labels.walk(env, node) for part in carriers(value, home.scope)}
     return tuple(sorted(number for (part, _), number in links.nodes.items() if part in parts))
 
 

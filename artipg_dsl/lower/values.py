@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ..graph import expr as E
 from ..graph.expr import Expr, Scope
@@ -27,12 +27,15 @@ if TYPE_CHECKING:
     from .part import Part
 
 
+Carrier: TypeAlias = "Part | InElement"  # what a value lies on
+
+
 @dataclass(frozen=True, slots=True)
 class Vec:
     """Two or three scalars: a size or displacement, or (``point``) a place, which moves with its frame."""
 
     items: tuple[Expr, ...]
-    on: tuple[Part, ...] = ()
+    on: tuple[Carrier, ...] = ()
     point: bool = False
 
 
@@ -42,7 +45,7 @@ class Frame:
 
     origin: Triple
     rotation: Matrix
-    on: tuple[Part, ...] = ()
+    on: tuple[Carrier, ...] = ()
     face: bool = False
 
     @property
@@ -60,7 +63,7 @@ class Plane:
 
     axis: int | None
     coordinate: Expr
-    on: tuple[Part, ...] = ()
+    on: tuple[Carrier, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +73,7 @@ class Line:
     point: Triple
     direction: Triple
     to: Triple | None = None
-    on: tuple[Part, ...] = ()
+    on: tuple[Carrier, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +83,7 @@ class Box:
     low: Triple
     high: Triple
     pose: Pose = HERE
-    on: tuple[Part, ...] = ()
+    on: tuple[Carrier, ...] = ()
     exists: Expr = E.TRUE
 
     @property
@@ -156,6 +159,24 @@ class Ports:
 
     def settled(self) -> dict[int, Any]:
         return self.values
+
+
+@dataclass(frozen=True, slots=True)
+class InElement:
+    """A part of an element of ``repeat`` that is named from the rows of ``scope``: of the element of ``rank``, or (None) of the
+    one before."""
+
+    part: Carrier
+    scope: Scope
+    repeat: Scope
+    rank: Expr | None
+
+
+def part_of(carrier: Carrier) -> Part:
+    """The part that a value lies on, whichever element it is of."""
+    while isinstance(carrier, InElement):
+        carrier = carrier.part
+    return carrier
 
 
 Value = Any  # one of the above: the checker has made sure which

@@ -12,6 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ..graph.reference import definitions
 from ..runtime.batch import Batch
 
 ROOT = "root"  # in place of the joint above the root
@@ -66,7 +67,7 @@ def part_words(batch: Batch) -> list[str]:
     named = {part.path: number for number, part in reversed(list(enumerate(program.parts)))}
     carried: dict[int, str] = {}
     for part in program.parts:
-        for carrier in part.link if part.semantic else ():
+        for carrier in definitions(part.link) if part.semantic else ():
             carried.setdefault(carrier, part.semantic)
     found = []
     for number, link in enumerate(program.links):

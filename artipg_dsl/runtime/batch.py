@@ -12,14 +12,16 @@ import numpy as np
 
 from ..geometry.sites import SiteTable
 from ..graph.expr import Expr, Scope
-from ..graph.program import Draw, Joint, Program
+from ..graph.program import Draw, Program
+from ..graph.reference import Reference
 from . import motion
 from .kernels import State
 from .loops import Loops, loops_of
 from .needs import pose_cells
 from .plan import Plan, make_plan
+from .referred import Referred
 from .repairs import Repairs
-from .tables import Instances, JointTable, LinkTable, PartTable, Rowmap, whichever
+from .tables import Instances, JointTable, LinkTable, PartTable, Rowmap
 
 
 class Batch:
@@ -96,10 +98,13 @@ class Batch:
     def _joint_instances(self) -> Instances:
         return Instances.of([self.owner(joint.scope) for joint in self.program.joints], len(self))
 
-    def link_numbers(self, scope: Scope, links: Sequence[int]) -> np.ndarray:
+    def link_numbers(self, scope: Scope, links: Reference) -> np.ndarray:
         """The link number within its object for each row of a scope, given a reference to links."""
-        scopes = [link.scope for link in self.program.links]
-        return whichever(self.rowmap, self._link_instances, scopes, scope, links)
+        return np.maximum(self._links_referred.numbers(scope, links), 0)
+
+    @cached_property
+    def _links_referred(self) -> Referred:
+        return Referred(self.rowmap, self._link_instances, [link.scope for link in self.program.links], self.read)
 
     @cached_property
     def _semantic_parts(self) -> list[int]:
@@ -199,7 +204,7 @@ class Batch:
         names: list[list[str]] = []
         for number, joint in enumerate(program.joints):
             scope, size = joint.scope, self.rowmap.rows(joint.scope).size
-            columns["parent"].append(self._parents(joint))
+            columns["parent"].append(self.link_numbers(scope, joint.parent))
             columns["child"].append(self.link_numbers(scope, (joint.child,)))
             columns["origin"].append(self._vectors(joint.origin, scope))
             columns["axis"].append(self._vectors(joint.axis, scope))
@@ -231,13 +236,6 @@ class Batch:
             made.owner, made.number, [tag(n) for n in made.sort_names(names)], made.definition, kinds, **sorted_columns
         )
 
-    def _parents(self, joint: Joint) -> np.ndarray:
-        """The parent link of each row of a joint: of the same row, or of the row before in a chain."""
-        if joint.before is None:
-            return self.link_numbers(joint.scope, joint.parent)
-        rows = self.rowmap.up(joint.scope, joint.before)
-        return self.link_numbers(joint.before, joint.parent)[np.maximum(rows - 1, 0)]
-
     def parts(self) -> PartTable:
         """The parts, elementary ones too."""
         return self._parts
@@ -247,6 +245,7 @@ class Batch:
         made, program = self._part_instances, self.program
         rotations, translations, lows, highs, parents, links, semantics, symmetries, holders = ([] for _ in range(9))
         names = []
+        referred = Referred(self.rowmap, made, [part.scope for part in program.parts], self.read)
         for part in program.parts:
             size = self.rowmap.rows(part.scope).size
             rotation, translation, _ = self._poses(part.pose, part.scope)
@@ -262,11 +261,7 @@ class Batch:
             links.append(self.link_numbers(part.scope, part.link))
             known = part.semantic in program.vocabularies.get("semantic", ())
             semantics.append(np.full(size, self.semantic_id(part.semantic) if known else -1))
-            holder = np.full(size, -1)
-            for other in part.holder:
-                number = made.numbers(other, self.rowmap.across(part.scope, program.parts[other].scope))
-                holder = np.where(holder < 0, number, holder)
-            holders.append(holder)
+            holders.append(referred.numbers(part.scope, part.holder))
             symmetries.append(np.broadcast_to(np.array(part.symmetry), (size, 2)))
             names.append(self.rowmap.names(part.scope, part.path))
         return PartTable(

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 from ..graph.expr import Expr, Scope
 from ..graph.formula import free_variables
 from ..graph.program import Pose, Program
+from ..graph.reference import ranks
 
 Wanted = tuple[Expr, Scope]
 
@@ -22,6 +23,8 @@ def wanted(program: Program) -> Iterator[Wanted]:
         yield from each(site.scope, site.parameters, pose_cells(site.pose), (p for _, p in site.materials))
     for part in program.parts:
         yield from each(part.scope, pose_cells(part.pose), part.low, part.high)
+        yield from ranks(part.link)
+        yield from ranks(part.holder)
     for joint in program.joints:
         physics = (
             joint.low,
@@ -34,6 +37,7 @@ def wanted(program: Program) -> Iterator[Wanted]:
             joint.pitch,
         )
         yield from each(joint.scope, joint.origin, joint.axis, (p for p in physics if p is not None))
+        yield from ranks(joint.parent)
         if joint.mimic is not None:
             yield from each(joint.scope, joint.mimic[1:])
     for label in program.labels:
@@ -44,8 +48,10 @@ def wanted(program: Program) -> Iterator[Wanted]:
     for grasp in program.grasps:
         inputs = row_values(grasp.formulas)
         yield from each(grasp.scope, pose_cells(grasp.frame), grasp.size, grasp.center, (grasp.low, grasp.high), inputs)
+        yield from ranks(grasp.link)
     for keypoint in program.keypoints:
         yield from each(keypoint.scope, keypoint.point)
+        yield from ranks(keypoint.link)
 
 
 def narrowing(program: Program) -> Iterator[Wanted]:

@@ -17,6 +17,7 @@ from ..graph.depend import crosses, draws_behind
 from ..graph.expr import Expr
 from ..graph.program import Draw
 from ..graph.random import mix
+from ..graph.reference import definitions
 from .batch import Batch
 from .clips import Asked, Blame, Clips, clipped, logged
 from .kernels import Kept
@@ -214,7 +215,8 @@ class Handler:
             ]
         if kind == "collision":
             links = {k for k, link in enumerate(program.links) if link.path in about[:2]}
-            sites = [e for s in program.sites if links & set(s.link) for e in (*s.parameters, *pose_cells(s.pose))]
+            held = [s for s in program.sites if links & set(definitions(s.link))]
+            sites = [e for s in held for e in (*s.parameters, *pose_cells(s.pose))]
             joints = [j for j in program.joints if j.path == about[2]]
             return sites + [e for j in joints for e in (*j.origin, *j.axis, j.low, j.high) if e is not None]
         return None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -178,18 +178,3 @@ class Instances:
     def sort_names(self, columns: Sequence[list[str]]) -> list[str]:
         joined = [name for column in columns for name in column]
         return [joined[k] for k in self.order]
-
-
-def whichever(
-    rowmap: Rowmap, instances: Instances, links: Sequence[Scope], scope: Scope, definitions: Sequence[int]
-) -> np.ndarray:
-    """The number of the one of several definitions that has a row, for each row of ``scope``."""
-    found = np.full(rowmap.rows(scope).size, -1, dtype=np.int64)
-    for definition in definitions:
-        row = rowmap.across(scope, links[definition])
-        number = instances.numbers(definition, row)
-        found = np.where(found < 0, number, found)
-    return np.maximum(found, 0)
-
-
-Read = Callable[..., list[np.ndarray]]

@@ -1,9 +1,10 @@
-"""What is fixed to a port of one of several alternatives rides on that alternative's own link."""
+"""Which link carries what: ports of alternatives, chains of links in a repeat, elements named from outside, guards."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from artipg_dsl.graph.text import from_text, to_text
 from artipg_dsl.session import Session
 from artipg_dsl.source import Source
 
@@ -48,3 +49,185 @@ def test_rides_on_the_leaf_of_every_alternative() -> None:
     assert len(np.unique(joints.definition)) == 3  # both hands and the tilting one were drawn
     assert (np.sort(joints.owner) == np.arange(40)).all()
     np.testing.assert_array_equal(knob.link[np.argsort(knob.owner)], joints.child[np.argsort(joints.owner)])
+
+
+HEAD = """apg 1
+use primitives { Cuboid }
+"""
+BEND = "joint bend : revolute previous.bar -> bar about line(at = previous.bar.top.center, along = y) range -30deg .. 30deg"
+
+
+def chain(base: str, rest: str, more: str = "") -> str:
+    """Segments one on the other: the first turns on ``base``, the others are attached as ``rest`` says."""
+    return f"""
+  repeat seg[i] in 0 ..< segments {{
+    part bar : Cuboid(size = [2cm, 2cm, 10cm])
+    when i == 0 {{
+      align bar.bottom = {base}.top + 1mm
+      joint first : revolute {base} -> bar about line(at = {base}.top.center, along = y) range -30deg .. 30deg
+    }} else {{
+      align bar.bottom = previous.bar.top + 1mm
+      {rest}
+    }}
+    {more}
+  }}
+"""
+
+
+def arm(rest: str, more: str = "", after: str = "") -> str:
+    return f"""{HEAD}category Arm {{
+  count segments in 3 .. 5 = 4
+  root part foot : Cuboid(size = [10cm, 10cm, 4cm])
+{chain("foot", rest, more)}
+  part tip : Cuboid(size = [4cm, 4cm, 2cm])
+  connect tip.bottom on seg[last].bar.top at center
+  part clip : Cuboid(size = [1cm, 1cm, 1cm])
+  connect clip.back on seg[1].bar.front at center
+  keypoint end on seg[last].bar.top
+  {after}
+}}
+"""
+
+
+def held(text: str, objects: int = 1) -> list[tuple[dict[str, str], dict[str, str]]]:
+    """Of each object: the link that carries each part, and the parent of each link that has one."""
+    batch = Session(Source("links.apg", text), None).sampler.batch(np.arange(objects), seed=1)
+    links, joints, parts = batch.links(), batch.joints(), batch.parts()
+    found = []
+    for k in range(objects):
+        names = [links.name[row] for row in np.flatnonzero(links.owner == k)]
+        carried = {parts.name[row]: names[parts.link[row]] for row in np.flatnonzero(parts.owner == k)}
+        above = {names[joints.child[row]]: names[joints.parent[row]] for row in np.flatnonzero(joints.owner == k)}
+        found.append((carried, above))
+    return found
+
+
+def test_a_chain_bends_at_every_joint_and_what_is_on_its_end_moves_with_its_end() -> None:
+    counts = set()
+    for parts, above in held(arm(BEND), 6):
+        last = len(above) - 1
+        counts.add(last)
+        assert above == {f"seg_{k}.bar": f"seg_{k - 1}.bar" if k else "foot" for k in range(last + 1)}
+        assert parts["tip"] == f"seg_{last}.bar"
+        assert parts["clip"] == "seg_1.bar"
+    assert len(counts) > 1
+
+
+def test_elements_that_are_rigid_on_the_one_before_ride_on_the_first() -> None:
+    for parts, above in held(arm("connect bar to previous.bar"), 3):
+        assert above == {"seg_0.bar": "foot"}
+        assert {link for path, link in parts.items() if path != "foot"} == {"seg_0.bar"}
+
+
+def test_elements_that_are_rigid_on_the_one_before_ride_on_the_last_that_moves() -> None:
+    for parts, above in held(arm(f"when i == 2 {{ {BEND} }} else {{ connect bar to previous.bar }}"), 6):
+        assert above == {"seg_0.bar": "foot", "seg_2.bar": "seg_0.bar"}
+        bars = [link for path, link in parts.items() if path.endswith("bar")]
+        assert bars == ["seg_0.bar"] * 2 + ["seg_2.bar"] * (len(bars) - 2)
+        assert parts["clip"] == "seg_0.bar"
+        assert parts["tip"] == "seg_2.bar"
+
+
+def test_another_part_of_a_repeat_lies_on_the_element_before() -> None:
+    cap = """part cap : Cuboid(size = [3cm, 3cm, 1mm])
+    when i > 0 { connect cap.bottom on previous.bar.top at center } else { connect cap.bottom on foot.top at center }"""
+    [(parts, above)] = held(arm(BEND, cap))
+    assert len(above) >= 3
+    for k in range(len(above)):
+        assert parts[f"seg[{k}].cap"] == above[f"seg_{k}.bar"]
+
+
+def test_chains_in_templates_in_a_repeat() -> None:
+    text = f"""{HEAD}template Arm {{
+  count segments in 3 .. 3 = 3
+  part sole : Cuboid(size = [6cm, 6cm, 1cm])
+{chain("sole", BEND)}
+  port end = frame(at = seg[last].bar.top.center, out = z, up = x)
+  port mount = frame(at = sole.bottom.center, out = -z, up = x)
+}}
+template Grip {{
+  part knob : Cuboid(size = [3cm, 3cm, 3cm])
+  port mount = frame(at = knob.bottom.center, out = -z, up = x)
+}}
+category Robot {{
+  root part foot : Cuboid(size = [10cm, 40cm, 4cm])
+  repeat half[k] in 0 ..< 2 spread foot along y margin 10cm {{
+    part arm : Arm
+    connect arm.mount to frame(at = half.top.center, out = z, up = x)
+    part grip : Grip
+    connect grip.mount to arm.end
+  }}
+  part flag : Grip
+  connect flag.mount to half[last].arm.end
+  part badge : Grip
+  connect badge.mount to half[0].grip.knob.front
+}}
+"""
+    [(parts, above)] = held(text)
+    for k in range(2):
+        assert above[f"half_{k}.arm.seg_0.bar"] == "foot"
+        assert above[f"half_{k}.arm.seg_2.bar"] == f"half_{k}.arm.seg_1.bar"
+        assert parts[f"half[{k}].grip"] == f"half_{k}.arm.seg_2.bar"
+    assert parts["flag"] == "half_1.arm.seg_2.bar"
+    assert parts["badge"] == "half_0.arm.seg_2.bar"
+
+
+def test_branches_that_fix_a_part_to_different_links() -> None:
+    text = f"""{HEAD}category Desk {{
+  param side : choice left | right | middle
+  root part foot : Cuboid(size = [10cm, 40cm, 4cm])
+  repeat flap[k] in 0 ..< 2 spread foot along y margin 5cm {{
+    part leaf : Cuboid(size = [9cm, 9cm, 1cm])
+    align leaf.bottom = foot.top + 1mm
+    align leaf.center.y = flap.center.y
+    joint lift : prismatic foot -> leaf along z range 0 .. 5cm
+  }}
+  part lamp : Cuboid(size = [1cm, 1cm, 1cm])
+  when side == left {{ connect lamp.bottom on flap[1].leaf.top at center }}
+  when side == right {{ connect lamp.bottom on flap[0].leaf.top at center }}
+  when side == middle {{ connect lamp.bottom on foot.top at center }}
+}}
+"""
+    assert {parts["lamp"] for parts, _ in held(text, 20)} == {"flap_0.leaf", "flap_1.leaf", "foot"}
+
+
+def test_what_no_guard_attaches_stays_with_the_template() -> None:
+    text = f"""{HEAD}template Box {{
+  count rows in 0 .. 1 = 0
+  part case : Cuboid(size = [9cm, 9cm, 9cm])
+  part lid : Cuboid(size = [9cm, 9cm, 1cm])
+  align lid.bottom = case.top + 1mm
+  when rows == 1 {{ joint lift : prismatic case -> lid along z range 0 .. 5cm }}
+  port mount = frame(at = case.bottom.center, out = -z, up = x)
+}}
+category Desk {{
+  root part foot : Cuboid(size = [10cm, 40cm, 4cm])
+  part chest : Box
+  connect chest.mount to foot.top
+}}
+"""
+    assert {parts["chest.lid"] for parts, _ in held(text, 12)} == {"foot", "chest.lid"}
+
+
+def test_the_part_that_holds_another_is_the_element_that_was_named() -> None:
+    parts = Session(Source("arm.apg", arm(BEND)), None).sampler.batch(np.arange(1), seed=1).parts()
+    bars = [name for name in parts.name if name.endswith(".bar")]
+    assert parts.name[parts.holder[parts.name.index("tip")]] == bars[-1]
+    assert parts.name[parts.holder[parts.name.index("clip")]] == bars[1]
+
+
+def test_references_to_elements_survive_the_text_form() -> None:
+    rigid = Session(Source("arm.apg", arm(f"when i == 2 {{ {BEND} }} else {{ connect bar to previous.bar }}")), None)
+    text = to_text(rigid.lowering.program)
+    assert "(Onward " in text and "(Elsewhere " in text
+    assert to_text(from_text(text)) == text
+
+
+def test_an_element_by_the_rank_of_another_repeat_is_a_mistake_with_words() -> None:
+    pins = """repeat key[k] in 0 ..< 2 {
+    part pin : Cuboid(size = [1cm, 1cm, 1cm])
+    connect pin.back on seg[k].bar.front at center
+  }"""
+    session = Session(Source("arm.apg", arm(BEND, after=pins)), None)
+    assert session.lowering is None
+    assert {d.code for d in session.report.diagnostics} == {"unrelated-rows"}
