@@ -112,7 +112,8 @@ class Renderer:
         import moderngl
 
         self.gl = moderngl
-        self.context: Any = moderngl.create_context(standalone=True, backend="egl")  # type: ignore[arg-type]
+        headless: dict[str, Any] = {"backend": "egl"}
+        self.context: Any = moderngl.create_context(standalone=True, **headless)
         self.size, self.backdrop = size, backdrop
         count = sum(self.light_counts)
         self.columns = int(np.ceil(np.sqrt(count)))
