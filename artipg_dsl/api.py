@@ -429,7 +429,7 @@ class Samples:
         Formats are those of ``apgc export``, ``tolerance`` and ``triangles`` as in ``meshes``. What is there is refused
         unless ``force``. Raises ExportError.
         """
-        from .export.dataset import object_folder, write_objects
+        from .export.chunk import object_folder, write_objects
         from .export.registry import named, per_object
 
         chosen = named(formats if isinstance(formats, str) else list(formats))

@@ -10,6 +10,9 @@ class UserError(Exception):
         super().__init__(f"{message} ({hint})" if hint else message)
         self.message, self.hint = message, hint
 
+    def __reduce__(self) -> tuple[type[UserError], tuple[str, str | None]]:  # what another process raises arrives whole
+        return type(self), (self.message, self.hint)
+
 
 class UsageError(UserError, ValueError):
     """A wrong argument."""

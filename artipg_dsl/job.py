@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +25,9 @@ from .settings import Settings, Value, resolve
 
 if TYPE_CHECKING:
     from .export.content import Content
+    from .export.dataset import Run
     from .export.registry import Format
+    from .geometry.resolution import Resolution
     from .graph.program import Program
     from .runtime.batch import Batch
 
@@ -164,8 +167,12 @@ class Job:
         force: bool = False,
         part: tuple[int, int] = (1, 1),
         progress: Callable[[int, int], None] | None = None,
+        workers: int = 1,
     ) -> dict[str, Any]:
-        """Write objects to a folder, or the k-th of n parts of its shards; returns the manifest. Raises ExportError."""
+        """Write objects to a folder, or the k-th of n parts of its shards; returns the manifest. Raises ExportError.
+
+        ``workers``: how many processes share the work.
+        """
         from .export.content import STANDARD
         from .export.dataset import write_dataset
 
@@ -173,8 +180,34 @@ class Job:
             self.sampler.program, self.batch, out, seed=self.seed, numbers=numbers, formats=formats,
             content=content or STANDARD, settings=self.recorded(), source=relative(self.source, out), part=part,
             force=force, progress=progress,
-            counts=self.counts,
+            counts=self.counts, run=self._run(workers),
         )  # fmt: skip
+
+    def add(
+        self,
+        out: Path | str,
+        numbers: np.ndarray,
+        formats: Sequence[Format],
+        *,
+        resolution: Resolution | None = None,
+        force: bool = False,
+        progress: Callable[[int, int], None] | None = None,
+        workers: int = 1,
+    ) -> None:
+        """Write further files for the objects of a folder of samples. Raises ExportError."""
+        from .export.dataset import add_formats
+
+        add_formats(
+            self.batch, Path(out), numbers, formats, force=force, progress=progress, resolution=resolution,
+            run=self._run(workers),
+        )  # fmt: skip
+
+    def _run(self, workers: int) -> Run | None:
+        if workers == 1:
+            return None
+        from .workers import share
+
+        return partial(share, self, workers)
 
 
 def open_job(

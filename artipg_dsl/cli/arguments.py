@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import re
 from argparse import ArgumentTypeError
 
 MOST = 100_000_000
+CROWD = 512  # processes
 
 
 def positive(text: str) -> int:
@@ -78,3 +80,13 @@ def part(text: str) -> tuple[int, int]:
     if match is None or not 1 <= int(match.group(1)) <= int(match.group(2)):
         raise ArgumentTypeError(f"{text!r} is no part of a run: write 2/8 for the second of eight")
     return int(match.group(1)), int(match.group(2))
+
+
+def workers(text: str) -> int:
+    """``4`` processes, or ``auto``: one per processor that this process may use."""
+    if text.strip() == "auto":
+        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    number = whole(text)
+    if not 0 < number <= CROWD:
+        raise ArgumentTypeError(f"{text} is not a number from 1 to {CROWD}, nor `auto`")
+    return number

@@ -15,7 +15,6 @@ from .sample import in_the_way, resolution
 
 def run(options: argparse.Namespace) -> int:
     from ..export.content import Content
-    from ..export.dataset import add_formats
     from ..export.registry import named, per_object
     from ..export.write import ExportError
     from ..geometry.resolution import STANDARD
@@ -35,12 +34,15 @@ def run(options: argparse.Namespace) -> int:
     job, numbers = wanted(options, every=True)
     with Progress(job.sampler.program.name) as progress:
         if folder.is_dir() and out.resolve() == folder.resolve():
-            add_formats(
-                job.batch, out, numbers, formats, force=options.force, progress=progress, resolution=resolution(options)
-            )
+            job.add(
+                out, numbers, formats, resolution=resolution(options), force=options.force, progress=progress,
+                workers=options.workers,
+            )  # fmt: skip
         else:
             content = Content(resolution=resolution(options) or STANDARD)
-            job.write(out, numbers, formats, content=content, force=options.force, progress=progress)
+            job.write(
+                out, numbers, formats, content=content, force=options.force, progress=progress, workers=options.workers
+            )
     done = "1 object" if len(numbers) == 1 else f"{len(numbers)} objects"
     names = ", ".join(entry.name for entry in formats)
     say(f"{done} as {names} in {out} ({time.monotonic() - begun:.1f} s)")

@@ -9,7 +9,7 @@ import sys
 from collections.abc import Sequence
 
 from ..export.registry import FORMATS, per_object
-from .arguments import amount, fraction, numbers, part, positive, tolerance, whole
+from .arguments import amount, fraction, numbers, part, positive, tolerance, whole, workers
 from .messages import error, findings, say
 
 OK, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
@@ -119,6 +119,7 @@ def parser() -> argparse.ArgumentParser:
     sample.add_argument("--unchecked", action="store_true", help="take objects whose links collide, too")
     sample.add_argument("--stats", action="store_true", help="tell how many first attempts were valid, and what failed")
     sample.add_argument("--force", action="store_true", help="replace samples made with other options")
+    _sharing(sample)
     sample.add_argument(
         "--shard", type=part, default=(1, 1), metavar="K/N", help="write the K-th of N parts, to share the work"
     )
@@ -134,6 +135,7 @@ def parser() -> argparse.ArgumentParser:
     export.add_argument("--format", metavar="LIST", required=True, help=f"{', '.join(per_object())}; with commas")
     _meshes(export)
     export.add_argument("--force", action="store_true", help="replace what is there")
+    _sharing(export)
 
     mutate = command("mutate", "make new objects from those of a folder")
     mutate.add_argument(
@@ -172,6 +174,7 @@ def parser() -> argparse.ArgumentParser:
     mutate.add_argument("--unchecked", action="store_true", help="take objects whose links collide, too")
     mutate.add_argument("--stats", action="store_true", help="tell how many first attempts were valid, and what failed")
     mutate.add_argument("--force", action="store_true", help="replace what was made with other options")
+    _sharing(mutate)
     mutate.add_argument(
         "--shard", type=part, default=(1, 1), metavar="K/N", help="write the K-th of N parts, to share the work"
     )
@@ -241,6 +244,13 @@ def _meshes(to: argparse.ArgumentParser, steps: int = 24) -> None:
     to.add_argument(
         "--triangles", type=positive, metavar="N", help="at most so many triangles per object, spread by curvature"
     )
+
+
+def _sharing(to: argparse.ArgumentParser) -> None:
+    to.add_argument(
+        "--workers", type=workers, default=1, metavar="N",
+        help="how many processes share the work, or auto: one per processor (default: 1)",
+    )  # fmt: skip
 
 
 def _drawing(to: argparse.ArgumentParser, n: int) -> None:

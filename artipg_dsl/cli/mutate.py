@@ -60,8 +60,9 @@ def write(options: argparse.Namespace) -> int:
     with Progress(job.sampler.program.name) as progress:
         progress(0, len(numbers))
         made = job.write(
-            out, numbers, formats, content=content, force=options.force, part=options.shard, progress=progress
-        )
+            out, numbers, formats, content=content, force=options.force, part=options.shard, progress=progress,
+            workers=options.workers,
+        )  # fmt: skip
     if options.stats:
         print(statistics(job, made))
     done = "1 object" if len(numbers) == 1 else f"{len(numbers)} objects"

@@ -111,6 +111,7 @@ def run(options: argparse.Namespace) -> int:
             force=options.force,
             part=options.shard,
             progress=progress,
+            workers=options.workers,
         )
     if options.stats:
         print(statistics(job, manifest))

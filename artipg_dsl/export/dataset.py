@@ -6,27 +6,25 @@ missing and touches nothing else; with other options it refuses, or starts anew 
 
 from __future__ import annotations
 
-import os
 import shutil
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..geometry.resolution import STANDARD as STANDARD_RESOLUTION
 from ..geometry.resolution import Resolution
 from . import manifest as manifests
+from .chunk import OBJECTS, Chunk, Progress, lacking, object_folder
 from .content import SHARD, STANDARD, Content
 from .registry import FORMATS, Format
-from .robot import Robots
-from .write import ExportError, ensure_folder, explain, refuse_existing, replacing_folder, sweep, write_bytes
+from .write import ExportError, ensure_folder, explain, sweep, write_bytes
 
 if TYPE_CHECKING:
     from ..graph.program import Program
     from ..runtime.batch import Batch
 
-OBJECTS = "objects"
+Run = Callable[[list[Chunk]], Iterable[Chunk]]  # writes chunks, and gives each back when it is done
 
 
 def write_dataset(
@@ -43,8 +41,9 @@ def write_dataset(
     source: str = "",
     part: tuple[int, int] = (1, 1),
     force: bool = False,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
     counts: Callable[[], dict[str, Any]] | None = None,
+    run: Run | None = None,
 ) -> dict[str, Any]:
     """Write the objects ``numbers`` (ascending) to ``out`` and return the manifest.
 
@@ -53,7 +52,8 @@ def write_dataset(
     ``content`` says what the shards hold; ``shard`` how many objects, by default what is handy.
     ``source`` names the program for whoever reads the folder. ``part`` (k, n) writes every n-th shard from the k-th on,
     so that n runs share the work; the counts are then left out. ``progress(done, total)`` hears of objects as they are
-    finished; ``counts()`` is asked once all objects have been sampled.
+    finished; ``counts()`` is asked once all objects have been sampled. ``run`` writes the chunks elsewhere: it has its own way
+    to sample.
     """
     out, numbers = Path(out), np.asarray(numbers, dtype=np.int64)
     names = [f.name for f in formats]
@@ -63,24 +63,13 @@ def write_dataset(
     make |= {"shard": shard, "settings": settings, "source": source}
     manifest = prepare(out, manifests.build(program, **make), force)
     counting = counts is not None and "counts" not in manifest and part[1] == 1
-    done = 0
-    mine = range((part[0] - 1) * shard, len(numbers), part[1] * shard)
-    total = sum(len(numbers[first : first + shard]) for first in mine)
-    for first in mine:
-        chosen = numbers[first : first + shard]
-        missing = [f for f in formats if f.shard and not shard_path(out, f, first // shard).exists()]
-        each = [f for f in formats if f.per_object]
-        absent = np.array([n for n in chosen.tolist() if lacking(object_folder(out, n), each)], dtype=np.int64)
-        batch = sample(chosen) if counting or missing or len(absent) else None
-        if batch is not None:
-            for entry in missing:
-                write_bytes(shard_path(out, entry, first // shard), entry.shard_bytes(batch, content))
-            if len(absent):
-                inner = _offset(progress, done, total)
-                write_objects(batch, out, each, only=absent, add=True, progress=inner, resolution=content.resolution)
-        done += len(chosen)
-        if progress:
-            progress(done, total)
+    first, step = (part[0] - 1) * shard, part[1] * shard
+    every = tuple(formats)
+    chunks = [
+        Chunk(out, numbers[at : at + shard], every, content, at // shard, always=counting)
+        for at in range(first, len(numbers), step)
+    ]
+    carry_out(chunks, sample, run, progress)
     if counting:
         assert counts is not None
         manifest = manifests.build(program, **make, counts=counts())
@@ -88,7 +77,25 @@ def write_dataset(
     return manifest
 
 
-def _offset(progress: Callable[[int, int], None] | None, done: int, total: int) -> Callable[[int, int], None] | None:
+def carry_out(
+    chunks: list[Chunk], sample: Callable[[np.ndarray], Batch], run: Run | None, progress: Progress | None
+) -> None:
+    """Write all chunks, here or by ``run`` in smaller pieces."""
+    total, done = sum(len(chunk.numbers) for chunk in chunks), 0
+    if run is not None:
+        for piece in run([piece for chunk in chunks for piece in chunk.split()]):
+            done += len(piece.numbers) if piece.each or not chunks[0].each else 0
+            if progress:
+                progress(done, total)
+        return
+    for chunk in chunks:
+        chunk.write(sample, _offset(progress, done, total))
+        done += len(chunk.numbers)
+        if progress:
+            progress(done, total)
+
+
+def _offset(progress: Progress | None, done: int, total: int) -> Progress | None:
     return (lambda finished, _: progress(done + finished, total)) if progress else None
 
 
@@ -135,14 +142,6 @@ def clear(out: Path, old: dict[str, Any]) -> None:
         raise explain(error, out) from error
 
 
-def shard_path(out: Path, entry: Format, index: int) -> Path:
-    return out / f"{entry.name}-{index:05d}{entry.suffix}"
-
-
-def object_folder(out: Path, number: int) -> Path:
-    return out / OBJECTS / f"{number:06d}"
-
-
 def add_formats(
     sample: Callable[[np.ndarray], Batch],
     out: Path,
@@ -150,8 +149,9 @@ def add_formats(
     formats: Sequence[Format],
     *,
     force: bool = False,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
     resolution: Resolution | None = None,
+    run: Run | None = None,
 ) -> None:
     """Further files for objects of a folder of samples; formats that it has are refused, or written again by ``force``.
 
@@ -169,75 +169,14 @@ def add_formats(
     sweep(out)
     if (out / OBJECTS).is_dir():
         sweep(out / OBJECTS)
-    done = 0
-    for first in range(0, len(numbers), SHARD):
-        chosen = numbers[first : first + SHARD]
-        absent = chosen if force else np.array([n for n in chosen.tolist() if n not in there], dtype=np.int64)
-        if len(absent):
-            inner = _offset(progress, done, len(numbers))
-            write_objects(
-                sample(absent), out, formats, force=force, add=not force, progress=inner, resolution=resolution
-            )
-        done += len(chosen)
-        if progress:
-            progress(done, len(numbers))
+    content = Content(resolution=resolution)
+    chunks = [
+        Chunk(out, numbers[first : first + SHARD], tuple(formats), content, force=force)
+        for first in range(0, len(numbers), SHARD)
+    ]
+    carry_out(chunks, sample, run, progress)
     every = [n for first, last in manifest["identity"]["numbers"] for n in range(first, last + 1)]
     new = [entry.name for entry in formats if entry.name not in listed]
     if new and not any(lacking(object_folder(out, n), formats) for n in every):
         manifest["identity"]["formats"] = [name for name in FORMATS if name in {*listed, *new}]
         write_bytes(out / manifests.NAME, manifests.text(manifest), force=True)
-
-
-def lacking(folder: Path, formats: Sequence[Format]) -> list[Format]:
-    """Those of the formats whose files an object's folder does not hold. Folders appear whole, so one file tells."""
-    return [entry for entry in formats if not (folder / entry.file).exists()]
-
-
-def write_objects(
-    batch: Batch,
-    out: Path,
-    formats: Sequence[Format],
-    *,
-    only: np.ndarray | None = None,
-    force: bool = False,
-    add: bool = False,
-    progress: Callable[[int, int], None] | None = None,
-    resolution: Resolution = STANDARD_RESOLUTION,
-) -> None:
-    """A folder ``objects/<number>`` with the files of all formats for every object of the batch (or of ``only``).
-
-    ``force``: write what is there again. ``add``: write what is missing and leave the rest alone. ``resolution`` of the meshes.
-    """
-    robots = Robots(batch, resolution=resolution, collision=not all(entry.seen for entry in formats))
-    wanted = set(batch.numbers.tolist() if only is None else only.tolist())
-    for i, number in enumerate(batch.numbers.tolist()):
-        if number in wanted:
-            folder = object_folder(out, number)
-            write_object(robots, i, folder, lacking(folder, formats) if add else formats, force=force)
-        if progress:
-            progress(i + 1, len(batch))
-
-
-def write_object(robots: Robots, i: int, folder: Path, formats: Sequence[Format], *, force: bool = False) -> None:
-    """The files of all formats into the folder of object ``i``, all at once or not at all. Its other files stay."""
-    for entry in formats:
-        refuse_existing(folder / entry.file, force)
-    files = {name: data for entry in formats for name, data in entry.files(robots, i).items()}
-    with replacing_folder(folder, force=True) as partial:
-        known = folder.is_dir()
-        if known:
-            shutil.copytree(folder, partial, copy_function=link_or_copy, dirs_exist_ok=True)
-        for parent in dict.fromkeys(Path(name).parent for name in files):
-            (partial / parent).mkdir(parents=True, exist_ok=True)
-        for name, data in files.items():
-            if known:  # never write into a file that the old folder shares
-                (partial / name).unlink(missing_ok=True)
-            (partial / name).write_bytes(data)
-
-
-def link_or_copy(old: str, new: str) -> None:
-    """The same file under another name; a copy on file systems without links."""
-    try:
-        os.link(old, new)
-    except OSError:
-        shutil.copy2(old, new)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -10,6 +11,7 @@ import numpy as np
 
 from ..graph.feasible import conflicts
 from ..graph.program import Program
+from ..graph.text import from_text, to_text
 from .batch import Batch
 from .kernels import State, preferred
 from .needs import narrowing, wanted
@@ -73,8 +75,26 @@ class Statistics:
             self.objects += len(state.objects)
             self.first_valid += int((~(state.failed if bad is None else bad)).sum())
         for total, new in ((self.missed, state.missed), (self.broken, state.broken), (self.unkept, state.unkept)):
-            for key, value in new.items():
-                total[key] = total.get(key, 0) + value
+            _sum(total, new)
+
+    def take(self, other: Statistics) -> None:
+        """Add what was counted elsewhere."""
+        self.objects += other.objects
+        self.first_valid += other.first_valid
+        self.attempts += other.attempts
+        self.declined += other.declined
+        self.candidates = max(self.candidates, other.candidates)
+        self.candidates_valid += other.candidates_valid
+        self.effective += other.effective
+        for total, new in zip(self._tables().values(), other._tables().values(), strict=True):
+            _sum(total, new)
+        _sum(self.unkept, other.unkept)
+        _sum(self.repaired, other.repaired)
+
+
+def _sum(total: dict[Any, int], new: Mapping[Any, int]) -> None:
+    for key, value in new.items():
+        total[key] = total.get(key, 0) + value
 
 
 class Exhausted(Exception):
@@ -86,12 +106,22 @@ class Exhausted(Exception):
         self.hopeless = hopeless  # the values given leave nothing, whatever else is drawn
 
 
+def _planned(text: str, digest: str) -> Sampler:
+    program = from_text(text)
+    program.hash = digest
+    return Sampler(program)
+
+
 class Sampler:
     """A program ready to be sampled: planned once, evaluated for any object numbers."""
 
     def __init__(self, program: Program, plan: Plan | None = None):
         self.program = program
         self.plan = plan or make_plan(program, wanted(program))
+
+    def __reduce__(self) -> tuple[Callable[[str, str], Sampler], tuple[str, str]]:
+        """To another process goes the artefact, which plans anew: nodes of expressions are known by identity."""
+        return _planned, (to_text(self.program), self.program.hash)
 
     @cached_property
     def lean(self) -> Plan:

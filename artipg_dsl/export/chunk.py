@@ -1,0 +1,146 @@
+"""Objects that are made together: the files of a shard, a folder for each object, or both.
+
+Every file of a shard and every object's folder exists whole or not at all. A chunk writes what is missing, so that it can be
+repeated, and holds nothing but plain data, so that it can be done by another process.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..geometry.resolution import STANDARD as STANDARD_RESOLUTION
+from ..geometry.resolution import Resolution
+from .content import Content
+from .registry import Format
+from .robot import Robots
+from .write import refuse_existing, replacing_folder, write_bytes
+
+if TYPE_CHECKING:
+    from ..runtime.batch import Batch
+
+OBJECTS = "objects"
+FEW = 32  # objects in a chunk without shards, where several processes share the work
+
+Progress = Callable[[int, int], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Chunk:
+    """``formats`` of some objects; those of shards only where ``shard`` numbers one.
+
+    ``always``: the objects are made even where no file is missing, because they are counted. ``force``: what is there is
+    written again.
+    """
+
+    out: Path
+    numbers: np.ndarray
+    formats: tuple[Format, ...]
+    content: Content
+    shard: int = 0
+    always: bool = False
+    force: bool = False
+    counted: bool = True  # no other chunk has the same objects, or this is the one that speaks for them
+
+    @property
+    def each(self) -> list[Format]:
+        """The formats that write files per object."""
+        return [entry for entry in self.formats if entry.per_object]
+
+    def write(self, sample: Callable[[np.ndarray], Batch], progress: Progress | None = None) -> None:
+        """Write what is missing; ``sample(numbers)`` makes the batch, ``progress(done, of)`` hears of objects with files."""
+        missing = [e for e in self.formats if e.shard and not shard_path(self.out, e, self.shard).exists()]
+        absent = self.numbers if self.force and self.each else self.absent()
+        if not (self.always or missing or len(absent)):
+            return
+        batch = sample(self.numbers if self.always or missing else absent)
+        for entry in missing:
+            write_bytes(shard_path(self.out, entry, self.shard), entry.shard_bytes(batch, self.content))
+        if len(absent):
+            write_objects(
+                batch, self.out, self.each, only=absent, force=self.force, add=not self.force, progress=progress,
+                resolution=self.content.resolution,
+            )  # fmt: skip
+
+    def absent(self) -> np.ndarray:
+        """The objects whose folders lack some of their files."""
+        found = [n for n in self.numbers.tolist() if lacking(object_folder(self.out, n), self.each)]
+        return np.array(found, dtype=np.int64)
+
+    def split(self) -> list[Chunk]:
+        """The same work in smaller pieces: the shard, and few objects at a time."""
+        shared, each = tuple(entry for entry in self.formats if entry.shard), tuple(self.each)
+        parts = [replace(self, formats=shared)] if shared else []
+        whole = replace(self, formats=each, always=self.always and not shared, counted=not shared)
+        for first in range(0, len(self.numbers) if each else 0, FEW):
+            parts.append(replace(whole, numbers=self.numbers[first : first + FEW]))
+        return parts
+
+
+def shard_path(out: Path, entry: Format, index: int) -> Path:
+    return out / f"{entry.name}-{index:05d}{entry.suffix}"
+
+
+def object_folder(out: Path, number: int) -> Path:
+    return out / OBJECTS / f"{number:06d}"
+
+
+def lacking(folder: Path, formats: Sequence[Format]) -> list[Format]:
+    """Those of the formats whose files an object's folder does not hold. Folders appear whole, so one file tells."""
+    return [entry for entry in formats if not (folder / entry.file).exists()]
+
+
+def write_objects(
+    batch: Batch,
+    out: Path,
+    formats: Sequence[Format],
+    *,
+    only: np.ndarray | None = None,
+    force: bool = False,
+    add: bool = False,
+    progress: Callable[[int, int], None] | None = None,
+    resolution: Resolution = STANDARD_RESOLUTION,
+) -> None:
+    """A folder ``objects/<number>`` with the files of all formats for every object of the batch (or of ``only``).
+
+    ``force``: write what is there again. ``add``: write what is missing and leave the rest alone. ``resolution`` of the meshes.
+    """
+    robots = Robots(batch, resolution=resolution, collision=not all(entry.seen for entry in formats))
+    wanted = set(batch.numbers.tolist() if only is None else only.tolist())
+    for i, number in enumerate(batch.numbers.tolist()):
+        if number in wanted:
+            folder = object_folder(out, number)
+            write_object(robots, i, folder, lacking(folder, formats) if add else formats, force=force)
+        if progress:
+            progress(i + 1, len(batch))
+
+
+def write_object(robots: Robots, i: int, folder: Path, formats: Sequence[Format], *, force: bool = False) -> None:
+    """The files of all formats into the folder of object ``i``, all at once or not at all. Its other files stay."""
+    for entry in formats:
+        refuse_existing(folder / entry.file, force)
+    files = {name: data for entry in formats for name, data in entry.files(robots, i).items()}
+    with replacing_folder(folder, force=True) as partial:
+        known = folder.is_dir()
+        if known:
+            shutil.copytree(folder, partial, copy_function=link_or_copy, dirs_exist_ok=True)
+        for parent in dict.fromkeys(Path(name).parent for name in files):
+            (partial / parent).mkdir(parents=True, exist_ok=True)
+        for name, data in files.items():
+            if known:  # never write into a file that the old folder shares
+                (partial / name).unlink(missing_ok=True)
+            (partial / name).write_bytes(data)
+
+
+def link_or_copy(old: str, new: str) -> None:
+    """The same file under another name; a copy on file systems without links."""
+    try:
+        os.link(old, new)
+    except OSError:
+        shutil.copy2(old, new)

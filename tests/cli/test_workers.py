@@ -1,0 +1,91 @@
+"""Several processes write what one does; what goes wrong in them is told as ever, and they end with the run."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+
+from artipg_dsl.errors import NoObject, SettingError, UserError
+from artipg_dsl.export.write import ExportError
+
+from .helpers import CHEST, Apgc, command, environment, tree
+
+STUCK = """apg 1
+use primitives { Cuboid }
+category Box {
+  root part body : Cuboid(size = [4cm, 4cm, 4cm])
+  part lid : Cuboid(size = [1cm, 1cm, 1cm])
+  align lid.bottom = body.top - 5mm
+  joint slide : prismatic body -> lid along x range 0cm .. 1cm
+}
+"""
+
+
+def test_the_same_files_as_by_one(apgc: Apgc, tmp_path: Path) -> None:
+    """Shards and counts are one piece, the folders of objects are shared in smaller ones."""
+    arguments = ["sample", CHEST, "-n", 300, "--points", 8, "--format", "points,urdf", "--stats", "-o"]
+    code, out, err = apgc(*arguments, tmp_path / "one")
+    assert code == 0, err
+    code, shared, err = apgc(*arguments, tmp_path / "two", "--workers", 2)
+    assert code == 0, err
+    assert tree(tmp_path / "one") == tree(tmp_path / "two")
+    assert out == shared
+    for folder, more in ((tmp_path / "one", []), (tmp_path / "two", ["--workers", "2"])):
+        assert apgc("mutate", folder, "--only", "0..40", "--format", "glb", "-o", f"{folder}-mutants", *more)[0] == 0
+        assert apgc("export", f"{folder}-mutants", "--format", "obj", *more)[0] == 0
+    assert tree(tmp_path / "one-mutants") == tree(tmp_path / "two-mutants")
+
+
+def test_what_a_worker_meets_is_told_in_words(apgc: Apgc, tmp_path: Path) -> None:
+    text = tmp_path / "box.apg"
+    text.write_text(STUCK)
+    told = [apgc("sample", text, "-n", 300, "-o", tmp_path / n, "--workers", n) for n in ("1", "2")]
+    assert told[0][0] == told[1][0] == 1
+    assert "no valid Box" in told[1][2] and "body and lid collide" in told[1][2]
+
+
+@pytest.mark.parametrize("kind", [UserError, ExportError, NoObject, SettingError])
+def test_errors_travel_whole(kind: type[UserError]) -> None:
+    there = pickle.loads(pickle.dumps(kind("no room", "make some")))
+    assert (type(there), there.message, there.hint, str(there)) == (kind, "no room", "make some", "no room (make some)")
+
+
+@pytest.mark.parametrize("count", ["0", "-1", "many", "100000"])
+def test_wrong_counts(apgc: Apgc, tmp_path: Path, count: str) -> None:
+    code, _, err = apgc("sample", CHEST, "-o", tmp_path / "o", "--workers", count)
+    assert code == 2 and "--workers" in err
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="tells children by /proc, which Linux alone has")
+@pytest.mark.parametrize("kill", [signal.SIGINT, signal.SIGKILL])
+def test_workers_end_with_the_run(tmp_path: Path, kill: signal.Signals) -> None:
+    arguments = ["sample", CHEST, "-n", "4000", "--points", "16", "--format", "urdf", "--workers", "2"]
+    with subprocess.Popen(
+        command(*arguments, "-o", tmp_path / "o"), env=environment(), stderr=subprocess.PIPE, start_new_session=True
+    ) as run:
+        deadline = time.monotonic() + 60
+        while not any((tmp_path / "o").glob("objects/*/object.urdf")) and time.monotonic() < deadline:
+            time.sleep(0.05)
+        children = Path(f"/proc/{run.pid}/task/{run.pid}/children").read_text().split()
+        assert len(children) >= 2
+        run.send_signal(kill)
+        told = run.communicate(timeout=60)[1].decode()
+    assert run.returncode == (130 if kill == signal.SIGINT else -kill)
+    assert "Traceback" not in told
+    while any(alive(int(child)) for child in children) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert not [child for child in children if alive(int(child))]
+
+
+def alive(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
