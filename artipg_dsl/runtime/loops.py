@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .motion import apply, follow, freedoms, link_motion
+from .motion import Chains, apply, follow
 from .newton import solved
 
 if TYPE_CHECKING:
     from .batch import Batch
 
 APART = 1e-6  # metres: farther than this, two points are not together
+CLOSED = 1e-13  # and nearer than this, no step brings them closer
 STAGES = 6  # on the way from rest
 ROUNDS = 8  # steps for each
 INDEPENDENT = 1e-6  # of a column that the columns before do not make up
@@ -33,6 +34,7 @@ class Loops:
     """
 
     batch: Batch
+    chains: Chains
     owner: np.ndarray
     link: np.ndarray
     point: np.ndarray  # (2, C, 3), at joint values 0
@@ -64,16 +66,16 @@ class Loops:
 
     def slopes(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Gaps (B, M) and their derivatives by the leading joints (B, M, V), 0 where an object has fewer of either."""
-        links, joints = self.batch.links(), self.batch.joints()
-        turn, shift = link_motion(links, joints, values)
+        chains = self.chains
+        turn, shift = chains.motion(values)
         places = np.stack(
             [apply(turn[link], point) + shift[link] for link, point in zip(self.link, self.point, strict=True)]
         )
-        holder = np.searchsorted(links.owner, joints.owner) + joints.parent
-        axis, slide = (apply(turn[holder], way) for way in freedoms(joints))
-        origin = apply(turn[holder], joints.origin) + shift[holder]
         k = self.joint
-        speed = np.cross(axis[k], places[self.side, self.at] - origin[k]) + slide[k]
+        holder = chains.parent[k]
+        axis, slide = (apply(turn[holder], way[k]) for way in (chains.axis, chains.slide))
+        origin = apply(turn[holder], chains.joints.origin[k]) + shift[holder]
+        speed = np.cross(axis, places[self.side, self.at] - origin) + slide
         speed = speed * (self.rate * np.where(self.side == 0, 1.0, -1.0))[:, None]
         rank = np.arange(len(self.owner)) - np.searchsorted(self.owner, self.owner)
         count, most = len(self.batch), int(rank.max(initial=0)) + 1
@@ -95,12 +97,16 @@ class Loops:
             values = follow(joints, np.where(driven, values, rest + share * (wanted - rest)))
             for _ in range(ROUNDS):
                 gap, slope = self.slopes(values)
-                if np.abs(gap).max(initial=0.0) < 1e-13:
+                going = np.abs(gap).max(axis=1, initial=0.0) >= CLOSED  # each object stops by itself
+                if not going.any():
                     break
-                values = self._stepped(joints, values, gap, slope)
+                values = self._stepped(joints, values, gap, slope, going)
         return values
 
-    def _stepped(self, joints, values: np.ndarray, gap: np.ndarray, slope: np.ndarray) -> np.ndarray:  # noqa: ANN001
+    def _stepped(  # noqa: ANN001
+        self, joints, values: np.ndarray, gap: np.ndarray, slope: np.ndarray, going: np.ndarray
+    ) -> np.ndarray:
+        """A step of the objects that are ``going`` (B,)."""
         held = np.where(self.follows[:, None], slope, 0.0)
         size = held.shape[2]
         matrix, right = np.zeros((size, size, len(held))), np.zeros((size, len(held)))
@@ -111,8 +117,8 @@ class Loops:
                     matrix[i, j] += held[:, m, i] * held[:, m, j]
             matrix[i, i] += np.where(self.follows[:, i], 1e-15, 1.0)
         step = solved(matrix, right).T
-        moved = values.copy()
-        moved[self.variable[self.follows]] -= step[self.follows]
+        moved, chosen = values.copy(), self.follows & going[:, None]
+        moved[self.variable[chosen]] -= step[chosen]
         return follow(joints, moved)
 
 
@@ -144,6 +150,7 @@ def loops_of(batch: Batch) -> Loops | None:
     variable[joints.owner[used], slot_of[used]] = used
     made = Loops(
         batch,
+        Chains(links, joints),
         owner,
         link,
         point,

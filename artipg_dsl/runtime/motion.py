@@ -68,25 +68,32 @@ def square(axis: np.ndarray) -> np.ndarray:
     return rest / np.sqrt(rest[:, 0] ** 2 + rest[:, 1] ** 2 + rest[:, 2] ** 2)[:, None]
 
 
+class Chains:
+    """The joints between the links of a batch, with all that does not change when they move."""
+
+    def __init__(self, links: LinkTable, joints: JointTable):
+        self.joints, self.count = joints, len(links.owner)
+        first = np.searchsorted(links.owner, np.arange(int(links.owner[-1]) + 1)) if self.count else np.zeros(0, int)
+        self.parent, self.child = first[joints.owner] + joints.parent, first[joints.owner] + joints.child
+        self.axis, self.slide = freedoms(joints)
+        self.turning, self.sliding = (self.axis != 0.0).any(axis=1), (self.slide != 0.0).any(axis=1)
+        self.levels = [(at, self.parent[at], self.child[at]) for at in levels(self.count, self.parent, self.child)]
+
+    def motion(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Rotation (L, 3, 3) and translation (L, 3) that carry each link from joint values 0 to ``values`` (J,), mimics obeyed."""
+        rotation, translation = np.tile(np.eye(3), (self.count, 1, 1)), np.zeros((self.count, 3))
+        turn = rotation_about(self.axis, np.where(self.turning, values, 0.0))
+        shift = self.joints.origin - apply(turn, self.joints.origin)
+        shift = shift + self.slide * np.where(self.sliding, values, 0.0)[:, None]
+        for at, p, c in self.levels:
+            rotation[c] = product(rotation[p], turn[at])
+            translation[c] = apply(rotation[p], shift[at]) + translation[p]
+        return rotation, translation
+
+
 def link_motion(links: LinkTable, joints: JointTable, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Rotation (L, 3, 3) and translation (L, 3) that carry each link from joint values 0 to ``states`` (J,)."""
-    count = len(links.owner)
-    rotation = np.tile(np.eye(3), (count, 1, 1))
-    translation = np.zeros((count, 3))
-    if not len(joints.owner):
-        return rotation, translation
-    values = follow(joints, states)
-    first = np.searchsorted(links.owner, np.arange(int(links.owner[-1]) + 1))
-    parent, child = first[joints.owner] + joints.parent, first[joints.owner] + joints.child
-    axis, slide = freedoms(joints)
-    turning, sliding = (axis != 0.0).any(axis=1), (slide != 0.0).any(axis=1)
-    turn = rotation_about(axis, np.where(turning, values, 0.0))
-    shift = joints.origin - apply(turn, joints.origin) + slide * np.where(sliding, values, 0.0)[:, None]
-    for at in levels(count, parent, child):
-        p, c = parent[at], child[at]
-        rotation[c] = product(rotation[p], turn[at])
-        translation[c] = apply(rotation[p], shift[at]) + translation[p]
-    return rotation, translation
+    return Chains(links, joints).motion(follow(joints, states))
 
 
 def levels(count: int, parent: np.ndarray, child: np.ndarray) -> list[np.ndarray]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from artipg_dsl.runtime.evidence import random_states
 from artipg_dsl.runtime.loops import APART
 from artipg_dsl.session import Session
 from artipg_dsl.source import Source
@@ -64,3 +65,6 @@ def test_the_same_in_any_batch() -> None:
     whole, one = sampler.batch(np.arange(6), seed=1), sampler.batch(np.array([4]), seed=1)
     halfway = [b.settled(b.rest() + 0.5 * (np.nan_to_num(b.joints().high) - b.rest())) for b in (whole, one)]
     assert halfway[0][whole.joints().owner == 4].tobytes() == halfway[1].tobytes()
+    for number in range(6):  # an object stops where it has arrived, whatever others still have to do
+        anywhere = [b.settled(random_states(b, number)) for b in (whole, one)]
+        assert anywhere[0][whole.joints().owner == 4].tobytes() == anywhere[1].tobytes()
