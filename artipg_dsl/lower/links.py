@@ -236,7 +236,7 @@ class Links:
                     Site(
                         part.path,
                         instance.scope,
-                        instance.symbol.name,
+                        instance.solid.primitive.name,
                         instance.solid.scalars(instance),
                         pose,
                         links,

@@ -13,6 +13,7 @@ from artipg_dsl.lower.curves import Curve
 from artipg_dsl.lower.env import Env
 from artipg_dsl.lower.primitives import lower_primitive
 from artipg_dsl.semantics.modules import Workspace
+from artipg_dsl.session import Session
 from artipg_dsl.source import Source
 from artipg_dsl.syntax import ast
 
@@ -261,3 +262,29 @@ def test_what_cannot_be_made_is_said_in_words(old, new, code, words):
         lower_primitive(Context(report, Program("test")), module.find("Flask"))
     (found,) = report.diagnostics
     assert found.code == code and words in found.message
+
+
+def test_two_shapes_of_path_are_two_primitives():
+    """A straight bar and a bent one in one object: each site has the formulas of its own."""
+    text = """
+    use bars { Tube }
+    category Bent {
+      root part one : Half
+      part other : Whole
+      connect other to one
+    }
+    template Half {
+      curve way = from([0, 0, 0], x) line(10cm) arc(radius = 5cm, angle = 90deg, towards = z)
+      part bar : Tube(path = way, radius = 1cm)
+    }
+    template Whole {
+      param long : length in 20cm .. 30cm = 25cm
+      param rise : length in 10cm .. 20cm = 15cm
+      curve way = from([0, 0, 0], x) line(long) arc(radius = 5cm, angle = 90deg, towards = z) line(rise)
+      part bar : Tube(path = way, radius = 1cm)
+    }
+    """
+    batch = Session.of_text("apg 1\n" + text).sampler.batch(range(2), 0)
+    half, whole = batch.sites()
+    assert half.primitive.name != whole.primitive.name
+    assert len(half.params) == len(half.primitive.parameters) < len(whole.params) == len(whole.primitive.parameters)
