@@ -115,6 +115,12 @@ class Placed:
     def __len__(self) -> int:
         return len(self.piece)
 
+    def at(self, rows: np.ndarray) -> Placed:
+        """Some of them."""
+        turn, shift = (None if column is None else column[rows] for column in (self.turn, self.shift))
+        ends = None if self.ends is None else (self.ends[0][rows], self.ends[1][rows])
+        return Placed(self.pieces, self.piece[rows], turn, shift, ends)
+
     def center(self) -> np.ndarray:
         middle = (self.pieces.low[self.piece] + self.pieces.high[self.piece]) / 2
         if self.ends is not None:

@@ -14,6 +14,7 @@ from ..graph.random import key, mix, uniform
 from .batch import Batch
 from .bodies import gather
 from .faults import faults
+from .parting import Parting
 from .tree import Tree
 from .validate import blocks, posed
 
@@ -86,8 +87,9 @@ def _blocking(tree: Tree, states: int, known: np.ndarray) -> list[Pair]:
     body = gather(batch, tree.first, tree.turn, tree.shift)
     met: list[np.ndarray] = [np.zeros(0, dtype=np.int64)]
     for part in blocks(body):
+        parting = Parting()
         for number in range(states if len(tree.joints.owner) else 0):
-            first, second = posed(tree, part, random_states(batch, number))
+            first, second = posed(tree, part, random_states(batch, number), parting)
             keep = ~tree.permitted(first, second)
             met.append(np.unique(np.minimum(first, second)[keep] * count + np.maximum(first, second)[keep]))
     pair = np.setdiff1d(np.concatenate(met), known)

@@ -18,6 +18,7 @@ from ..geometry.collide import dot, examine, overlap, within
 from .batch import Batch
 from .bodies import FULL, Pieces, Placed, gather, rings, swept_extent
 from .motion import apply, rotation_about
+from .parting import Parting
 from .tree import Tree, led, spread
 
 BLOCK = 20_000  # pieces at a time
@@ -348,8 +349,9 @@ def _possible(tree: Tree, body: Pieces, turns: Turns) -> np.ndarray:
 
 def _following(tree: Tree, body: Pieces) -> Iterator[np.ndarray]:
     """Joints that others follow, in many states."""
+    parting = Parting()
     for lead, states, _ in led(tree, ~tree.alone, SHARES):
-        pairs = [posed(tree, body, states)]
+        pairs = [posed(tree, body, states, parting)]
         if tree.batch.loops is not None:
             pairs.append(tree.at(states)[2])
         for first, second in pairs:
@@ -358,8 +360,10 @@ def _following(tree: Tree, body: Pieces) -> Iterator[np.ndarray]:
             yield Hits(first[keep], second[keep], at[keep], states[at[keep]]).rows()
 
 
-def posed(tree: Tree, body: Pieces, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs of links that meet with the joints at ``states`` (J,)."""
+def posed(
+    tree: Tree, body: Pieces, states: np.ndarray, parting: Parting | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of links that meet with the joints at ``states`` (J,); ``parting`` knows the state before."""
     turn, shift, _ = tree.at(states)
     turn, shift = turn[body.link], shift[body.link]
     middle = apply(turn, (body.low + body.high) / 2) + shift
@@ -367,5 +371,9 @@ def posed(tree: Tree, body: Pieces, states: np.ndarray) -> tuple[np.ndarray, np.
     placed = replace(body, low=middle - half, high=middle + half)
     i, j = near(tree, placed, np.arange(len(body)), placed.low, placed.high, None)
     body.ready(i, j)
-    hit = meeting(body, Placed(body, i, turn[i], shift[i]), Placed(body, j, turn[j], shift[j]))
+    first, second = Placed(body, i, turn[i], shift[i]), Placed(body, j, turn[j], shift[j])
+    if parting is None or body.gap is not None:
+        hit = meeting(body, first, second)
+    else:
+        hit = parting.meeting(body, first, second)
     return tree.blame(body, i[hit], j[hit])
