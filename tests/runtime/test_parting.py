@@ -12,7 +12,7 @@ from artipg_dsl.session import Session
 
 
 def test_states_in_any_order_meet_as_they_do_alone() -> None:
-    tree = Tree(Session.of("chair").sampler.batch(np.arange(8), 2))
+    tree = Tree(Session.of("door").sampler.batch(np.arange(6), 2))
     body = gather(tree.batch, tree.first, tree.turn, tree.shift)
     parting, met, lot = Parting(), 0, np.random.default_rng(3)
     for _ in range(12):
