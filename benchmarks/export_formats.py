@@ -2,9 +2,9 @@
 
 All formats of one category in one run on the same objects, which are sampled before the clock starts: objects per second
 of CPU time, one thread. The model of links and joints, which formats written together share, is measured apart. Files
-go to a temporary folder.
+go to a temporary folder. Two tables: objects per second, then KiB and files of an object.
 
-    python benchmarks/export_formats.py [-n 32] [Microwave ...]
+    python benchmarks/export_formats.py [-n 16] [Microwave ...]
 """
 
 from __future__ import annotations
@@ -19,36 +19,38 @@ import numpy as np
 from artipg_dsl.export.chunk import write_objects
 from artipg_dsl.export.registry import FORMATS, per_object
 from artipg_dsl.export.robot import Robots
+from artipg_dsl.resources import categories_dir
 from artipg_dsl.session import Session
 
 
 def main() -> None:
-    options = argparse.ArgumentParser()
-    options.add_argument("categories", nargs="*", default=["Microwave", "StorageFurniture", "Chair"])
-    options.add_argument("-n", type=int, default=32, help="objects of each category")
+    options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    options.add_argument("categories", nargs="*", default=sorted(categories_dir().glob("*.apg")))
+    options.add_argument("-n", type=int, default=16, help="objects of each category")
     given = options.parse_args()
-    print("| category | format | objects/s | files/object | KiB/object |\n|---|---|---:|---:|---:|")
-    for name in given.categories:
-        batch = Session.of(name).sampler.batch(np.arange(given.n), 7)
+    names, sizes = per_object(), []
+    print(f"| category | (the model) | {' | '.join(names)} |\n|---|{'---:|' * (len(names) + 1)}")
+    for category in given.categories:
+        batch = Session.of(str(category)).sampler.batch(np.arange(given.n), 7)
         with tempfile.TemporaryDirectory() as folder:  # what is computed once per program is not of interest
-            write_objects(batch, Path(folder), [FORMATS["glb"]], only=batch.numbers[:1])
+            write_objects(batch, Path(folder), [FORMATS[name] for name in names], only=batch.numbers[:1])
         begun = time.process_time()
         robots = Robots(batch)
         for i in range(given.n):
             robots.robot(i)
-        print(f"| {name} | (the model alone) | {given.n / (time.process_time() - begun):.0f} | | |")
-        for format_name in per_object():
-            entry = FORMATS[format_name]
+        row, size = [f"{given.n / (time.process_time() - begun):.0f}"], []
+        for name in names:
             with tempfile.TemporaryDirectory() as folder:
                 begun = time.process_time()
-                write_objects(batch, Path(folder), [entry])
-                spent = time.process_time() - begun
+                write_objects(batch, Path(folder), [FORMATS[name]])
+                row.append(f"{given.n / (time.process_time() - begun):.0f}")
                 files = [path for path in Path(folder).rglob("*") if path.is_file()]
-                size = sum(path.stat().st_size for path in files) / given.n / 1024
-            print(
-                f"| {name} | {format_name} | {given.n / spent:.0f} | {len(files) / given.n:.1f} | {size:.0f} |",
-                flush=True,
-            )
+                bytes_each = sum(path.stat().st_size for path in files) / given.n
+                size.append(f"{bytes_each / 1024:.0f} in {len(files) / given.n:.0f}")
+        print(f"| {batch.program.name} | {' | '.join(row)} |", flush=True)
+        sizes.append(f"| {batch.program.name} | {' | '.join(size)} |")
+    print(f"\n| category | {' | '.join(names)} |\n|---|{'---:|' * len(names)}")
+    print("\n".join(sizes))
 
 
 if __name__ == "__main__":

@@ -111,7 +111,7 @@ def write_objects(
 
     ``force``: write what is there again. ``add``: write what is missing and leave the rest alone. ``resolution`` of the meshes.
     """
-    robots = Robots(batch, resolution=resolution, collision=not all(entry.seen for entry in formats))
+    robots = Robots(batch, resolution=resolution, physics=not all(entry.seen for entry in formats))
     wanted = set(batch.numbers.tolist() if only is None else only.tolist())
     for i, number in enumerate(batch.numbers.tolist()):
         if number in wanted:

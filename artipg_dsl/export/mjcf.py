@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..annotate.frames import quaternion
 from ..runtime.motion import square
 from .adjacent import adjacent
 from .mesh_obj import link_meshes
@@ -161,8 +160,7 @@ class _Model:
         name = f"{link.name}_{collider.name}"
         dynamic = sum(collider.material.friction_dynamic) / 2
         entry = {"name": f"{name}_collision", "class": "collision", "friction": f"{dynamic:.6g} 0.005 0.0001"}
-        turn = numbers(np.ravel(quaternion(collider.rotation)))
-        placed = {"pos": numbers(collider.center), "quat": turn}
+        placed = {"pos": numbers(collider.center), "quat": numbers(collider.turn)}
         if collider.size is not None:
             return entry | {"type": "box", "size": numbers(np.array(collider.size) / 2)} | placed
         if collider.bar is not None:
@@ -214,7 +212,7 @@ def _bounds(robot: Robot) -> tuple[np.ndarray, np.ndarray]:
 def numbers(values: Any) -> str:
     """Numbers with ten significant digits and a blank between, rounding noise below 1e-12 dropped."""
     rounded = np.round(np.asarray(values, dtype=np.float64), 12) + 0.0
-    return " ".join(f"{value:.10g}" for value in rounded.tolist())
+    return ("%.10g " * len(rounded) % tuple(rounded.tolist()))[:-1]
 
 
 @lru_cache(maxsize=2)

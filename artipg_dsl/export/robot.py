@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..annotate.frames import quaternion
 from ..geometry.resolution import STANDARD, Resolution
 from ..graph.program import Material
 from ..runtime.mass import Mass, masses
@@ -71,13 +72,14 @@ class Bar:
 class Collider:
     """A convex piece in the link's frame: a box of ``size``, a ``bar`` or a ``hull``, which bars have, too.
 
-    Boxes and bars stand about ``center``, turned by ``rotation``.
+    Boxes and bars stand about ``center``, turned by ``rotation``, which is ``turn`` as a quaternion w x y z.
     """
 
     name: str
     material: Material
     center: np.ndarray
     rotation: np.ndarray
+    turn: np.ndarray
     size: tuple[float, float, float] | None = None
     bar: Bar | None = None
     hull: Shape | None = None
@@ -140,14 +142,18 @@ class Robot:
 
 
 class Robots:
-    """The robots of a batch; the numbers of all of them are computed together."""
+    """The robots of a batch; the numbers of all of them are computed together.
 
-    def __init__(self, batch: Batch, *, resolution: Resolution = STANDARD, collision: bool = True):
+    ``physics`` False: what is seen and how it moves alone, without colliders, and masses and what follows from them 0.
+    """
+
+    def __init__(self, batch: Batch, *, resolution: Resolution = STANDARD, physics: bool = True):
         self.batch = batch
         self.tables = batch.sites()
         self.links, self.joints, self.parts = batch.links(), batch.joints(), batch.parts()
         self.meshes = solids.build_meshes(self.tables, resolution)
-        self.pieces = solids.build_pieces(self.tables) if collision else []
+        self.physics = physics
+        self.pieces = solids.build_pieces(self.tables) if physics else []
         self.catalogue = catalogue(batch)
         self.material_rows = {t.number: material_rows(batch, t) for t in self.tables}
         self.visuals = solids.by_object(self.meshes, len(batch))
@@ -172,6 +178,9 @@ class Robots:
     @cached_property
     def mass(self) -> Mass:
         """Mass, centre and inertia in link frames, safe to print with few digits and for links of next to nothing."""
+        if not self.physics:
+            count = len(self.links.owner)
+            return Mass(np.zeros(count), np.zeros((count, 3)), np.zeros((count, 3, 3)))
         mass = masses(self.batch)
         trace = mass.inertia[:, 0, 0] + mass.inertia[:, 1, 1] + mass.inertia[:, 2, 2]
         # a little on the diagonal keeps the tensor positive and within the triangle inequality after rounding
@@ -183,9 +192,16 @@ class Robots:
     @cached_property
     def dynamics(self) -> Dynamics:
         """Friction, damping, effort and velocity of all joints, as given or as their kind and what they move ask for."""
+        if not self.physics:
+            return Dynamics(*(np.zeros(len(self.joints.owner)) for _ in fields(Dynamics)))
         first, rest = self.link_start[self.joints.owner], self.batch.settled(self.joints.rest)
         center = self.mass.center + self.origins
         return dynamics(self.joints, rest, first, self.mass.mass, center, self.mass.inertia, self.batch.pose())
+
+    @cached_property
+    def turns(self) -> dict[int, np.ndarray]:
+        """By site, the rotation of each row as a quaternion w x y z."""
+        return {table.number: quaternion(table.rotation) for table in self.tables}
 
     @cached_property
     def materials(self) -> list[list[Material]]:
@@ -263,17 +279,19 @@ class Robots:
         item = piece.item
         group, name = item.group, f"{self._name(i, item)}_{index}"
         origin, material = self._origin(i, item), self.materials[self.material(item)][i]
-        center, rotation = group.center[item.k] - origin, group.table.rotation[item.row]
+        center = group.center[item.k] - origin
         if piece.corners is not None:
             middle = (piece.vertices.min(axis=0) + piece.vertices.max(axis=0)) / 2 - origin
-            return Collider(name, material, middle, np.eye(3), hull=Shape(name, piece.vertices - origin, piece.faces))
+            shape = Shape(name, piece.vertices - origin, piece.faces)
+            return Collider(name, material, middle, np.eye(3), np.array([1.0, 0.0, 0.0, 0.0]), hull=shape)
+        rotation, turn = group.table.rotation[item.row], self.turns[group.table.number][item.row]
         if group.is_box[item.k]:
-            return Collider(name, material, center, rotation, size=tuple(group.size[item.k].tolist()))
+            return Collider(name, material, center, rotation, turn, size=tuple(group.size[item.k].tolist()))
         radius, length, capped = group.round[item.k].tolist()
         hull = Shape(name, group.vertices[item.k] - origin, group.faces)
         if radius > 0.0:
-            return Collider(name, material, center, rotation, bar=Bar(radius, length, bool(capped)), hull=hull)
-        return Collider(name, material, center, rotation, hull=hull)
+            return Collider(name, material, center, rotation, turn, bar=Bar(radius, length, bool(capped)), hull=hull)
+        return Collider(name, material, center, rotation, turn, hull=hull)
 
     def _closures(self, i: int) -> Iterator[Closure]:
         loops, first = self.batch.loops, int(self.link_start[i])

@@ -22,7 +22,7 @@ def scenes(batch: Batch, states: np.ndarray | None = None, resolution: Resolutio
     Metres, the object's frame; a mesh is named after its part (``feet``, ``feet.2``, ... where that has several
     primitives), its metadata tells link and material.
     """
-    robots = Robots(batch, resolution=resolution, collision=False)
+    robots = Robots(batch, resolution=resolution, physics=False)
     turn, shift = batch.pose(states)
     made = []
     for i, number in enumerate(batch.numbers.tolist()):

@@ -147,4 +147,4 @@ def _joint(joint: RobotJoint, robot: Robot) -> dict[str, Any]:
 def numbers(values: Any) -> str:
     """Numbers with nine significant digits and a blank between, rounding noise below 1e-12 dropped."""
     rounded = np.round(np.asarray(values, dtype=np.float64), 12) + 0.0
-    return " ".join(f"{value:.9g}" for value in rounded.tolist())
+    return ("%.9g " * len(rounded) % tuple(rounded.tolist()))[:-1]

@@ -127,7 +127,7 @@ def _mesh(visual: Visual, origin: np.ndarray, words: tuple[str, ...]) -> dict[st
 
 def _piece(collider: Collider) -> dict[str, Any]:
     look = {"look": identifier(collider.material.name)}
-    place = {"turn": quat(quaternion(collider.rotation)), "shift": vector(collider.center)}
+    place = {"turn": quat(collider.turn), "shift": vector(collider.center)}
     if collider.size is not None:
         return look | place | {"type": "Cube", "scale": vector(np.array(collider.size))}
     if collider.bar is not None:

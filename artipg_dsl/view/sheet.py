@@ -78,7 +78,7 @@ def sheet(
     if acting and not words(batch, colour):
         raise ExportError(f"{batch.program.name} has no label of `affordance`", "say where one acts: see `label`")
     draw, said = renderer(which, tile), set[str]()
-    robots = Robots(batch, resolution=resolution, collision=False)
+    robots = Robots(batch, resolution=resolution, physics=False)
     poses = {"rest": batch.pose(), "open": batch.pose(opened(batch))}
     azimuth = AZIMUTH * side(robots, poses["open"])
     columns = columns or default_columns(len(batch))

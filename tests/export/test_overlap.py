@@ -95,7 +95,7 @@ def test_shipped_objects_weigh_what_booleans_of_their_meshes_say(name: str) -> N
     """
     manifold = pytest.importorskip("manifold3d")
     batch = Session.of(name).sampler.batch(np.arange(4), 5)
-    robots, double = Robots(batch, resolution=Resolution(96), collision=False), 0.0  # meshes near the true shapes
+    robots, double = Robots(batch, resolution=Resolution(96)), 0.0  # meshes near the true shapes
     for i in range(len(batch)):
         robot, totals = robots.robot(i), np.zeros(3)
         for link in robot.links:

@@ -101,7 +101,7 @@ def test_renderers_agree() -> None:
 
 def test_colour_by_part_and_by_material_differ() -> None:
     batch = FakeBatch(1)
-    robots = Robots(batch, collision=False)
+    robots = Robots(batch, physics=False)
     part, material = (scene(robots, 0, batch.pose(), colouring) for colouring in ("part", "material"))
     assert (part.vertices == material.vertices).all() and np.abs(part.colour - material.colour).max() > 0.1
     assert sorted(set(material.colour[:, 3].tolist())) == pytest.approx([0.4, 1.0])
@@ -109,7 +109,7 @@ def test_colour_by_part_and_by_material_differ() -> None:
 
 def test_regions_lie_where_labels_say() -> None:
     batch = Session.of("Microwave").sampler.batch(np.arange(2), 0)
-    robots = Robots(batch, collision=False)
+    robots = Robots(batch, physics=False)
     shown, said = regions.regions(batch, robots, 1, batch.pose(), "affordance")
     assert {"press", "turn", "contain", "support"} <= said <= set(regions.words(batch, "affordance"))
     whole = np.linalg.norm(np.cross(*np.diff(shown.vertices[shown.faces], axis=1).transpose(1, 0, 2)), axis=1).sum() / 2
@@ -154,7 +154,7 @@ def test_opened_goes_most_of_the_way() -> None:
 
 def test_an_opened_door_is_elsewhere() -> None:
     batch = FakeBatch(1)
-    robots = Robots(batch, collision=False)
+    robots = Robots(batch, physics=False)
     rest, swung = (scene(robots, 0, batch.pose(states)).vertices for states in (None, opened(batch)))
     assert rest.shape == swung.shape and swung[:, 0].max() > rest[:, 0].max() + 0.2
 
