@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .diagnostics.suggest import did_you_mean
 from .errors import UsageError
 from .job import Job, make_job, open_job, reopen
 from .session import Session, categories
@@ -283,8 +284,11 @@ class Samples:
         for name, value in values.items():
             rows = [i for i, (own, kind) in enumerate(zip(joints.name, names, strict=True)) if name in (own, kind)]
             if not rows:
-                known = ", ".join(dict.fromkeys(names))
-                raise UsageError(f"{self.category} has no joint `{name}`", f"its joints are {known}")
+                known = list(dict.fromkeys(names))
+                raise UsageError(
+                    f"{self.category} has no joint `{name}`",
+                    did_you_mean(name, known) or f"its joints are {', '.join(known)}",
+                )
             found[rows] = value
         return found
 

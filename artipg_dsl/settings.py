@@ -100,7 +100,11 @@ def _number(draw: Draw, text: str) -> float:
         raise SettingError(f"`{name}` cannot be `{text}`: a number is needed", f"for example {name}={example}")
     number, written = float(match.group(1)), match.group(2)
     if written not in UNITS and written:
-        raise SettingError(f"`{written}` in {name}={text} is no unit", did_you_mean(written, (u for u in UNITS if u)))
+        fitting = [u for u, (_, dimension) in UNITS.items() if u and dimension == UNITS[unit or "%"][1]]
+        raise SettingError(
+            f"`{written}` in {name}={text} is no unit",
+            did_you_mean(written, (u for u in UNITS if u)) or f"write {', '.join(fitting)} behind the number",
+        )
     if not math.isfinite(number):
         raise SettingError(f"`{name}` cannot be {text}: the number is too large")
     wanted = UNITS[unit][1] if unit else UNITS["%"][1]

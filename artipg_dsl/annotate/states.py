@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -54,6 +55,8 @@ def read_states(text: str) -> States:
             continue
         match = re.fullmatch(r"(rest|open|random)(?::(\d{1,9}))?", piece)
         if match is None:
+            if re.fullmatch(r"[\w.\[\]]+\s*=\s*[-+.\d]+", piece):
+                raise UsageError(f"`{piece}` has no unit", "write mm, cm, m, deg, rad, turn or % behind the number")
             raise UsageError(f"`{piece}` is no joint state", f"write {FORMS}")
         name, count = match.group(1), match.group(2)
         if name != "random" and count is not None:
@@ -106,7 +109,11 @@ def chosen(batch: Batch, text: str) -> np.ndarray:
     for piece in text.split("+"):
         name, number, unit = CHOSEN.fullmatch(piece.strip()).groups()  # type: ignore[union-attr]
         if name not in defined:
-            raise UsageError(f"{batch.program.name} has no joint `{name}`", f"its joints are {', '.join(every)}")
+            close = get_close_matches(name, every, n=1)
+            raise UsageError(
+                f"{batch.program.name} has no joint `{name}`",
+                f"did you mean `{close[0]}`?" if close else f"its joints are {', '.join(every)}",
+            )
         for row in [k for k, names in enumerate(zip(joints.name, own, strict=True)) if name in names]:
             units = {"prismatic": LENGTHS}.get(joints.kind[row], ANGLES)
             if unit == "%":

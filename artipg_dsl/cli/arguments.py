@@ -74,6 +74,13 @@ def numbers(text: str) -> list[int]:
     return sorted(found)
 
 
+def place(text: str) -> str:
+    """Where to write: a name that is not empty, as that of a variable that is not set would be."""
+    if not text.strip():
+        raise ArgumentTypeError("an empty name is no place to write to")
+    return text
+
+
 def part(text: str) -> tuple[int, int]:
     """``2/8``: the second of eight parts."""
     match = re.fullmatch(r"(\d+)/(\d+)", text.strip())

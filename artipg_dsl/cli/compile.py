@@ -72,6 +72,11 @@ EMITTERS: dict[str, Callable[[Session], str | None]] = {
 
 def run(options: argparse.Namespace) -> int:
     session = of_text(options.program)
+    if options.out is not None and Path(options.out).suffix == ".apg":
+        raise UsageError(
+            f"{options.out} would be a program: what is compiled goes elsewhere",
+            f"write {Path(options.out).with_suffix(COMPILED)}",
+        )
     try:
         text = EMITTERS[options.emit](session)
     except CompileError:

@@ -5,11 +5,14 @@ from __future__ import annotations
 import argparse
 import importlib
 import os
+import re
 import sys
 from collections.abc import Sequence
+from difflib import get_close_matches
+from typing import NoReturn
 
 from ..export.registry import FORMATS, per_object
-from .arguments import amount, fraction, numbers, part, positive, tolerance, whole, workers
+from .arguments import amount, fraction, numbers, part, place, positive, tolerance, whole, workers
 from .messages import error, findings, say
 
 OK, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
@@ -32,10 +35,42 @@ class Version(argparse.Action):
         parser.exit()
 
 
-def parser() -> argparse.ArgumentParser:
-    top = argparse.ArgumentParser("apgc", description=DESCRIPTION, epilog=EPILOG, allow_abbrev=False)
+class Parser(argparse.ArgumentParser):
+    """Errors as those of the commands: what is wrong, and what to try, without pages of usage."""
+
+    commands: dict[str, argparse.ArgumentParser]
+
+    def error(self, message: str) -> NoReturn:
+        from ..diagnostics.suggest import did_you_mean
+
+        hint = f"{self.prog} --help tells what it takes"
+        choice = re.search(r"invalid choice: '(.*)' \(choose from (.*)\)", message)
+        if choice is not None:
+            known = [name.strip(" '") for name in choice.group(2).split(",")]
+            hint = did_you_mean(choice.group(1), known) or f"there are {', '.join(known)}"
+            where = message.partition(":")[0].removeprefix("argument ")
+            message = f"there is no {'command' if where == 'COMMAND' else where} `{choice.group(1)}`"
+        error(message, hint)
+        self.exit(USAGE)
+
+    def parse(self, arguments: Sequence[str] | None) -> argparse.Namespace:
+        """The options; leaves with what resembles an option that no command knows."""
+        options, unknown = self.parse_known_args(arguments)
+        if unknown:
+            command = self.commands[options.command]
+            close = get_close_matches(unknown[0], re.findall(r"--?[a-z]+", command.format_usage()), n=1)
+            if close:
+                error(f"apgc {options.command} has no option {unknown[0]}", f"did you mean {close[0]}?")
+                self.exit(USAGE)
+            command.error(f"{unknown[0]} means nothing here")
+        return options
+
+
+def parser() -> Parser:
+    top = Parser("apgc", description=DESCRIPTION, epilog=EPILOG, allow_abbrev=False)
     top.add_argument("--version", action=Version, nargs=0, help="show the version and leave")
     commands = top.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    top.commands = commands.choices
 
     def command(name: str, help: str) -> argparse.ArgumentParser:
         return commands.add_parser(name, help=help, description=help[0].upper() + help[1:] + ".", allow_abbrev=False)
@@ -55,19 +90,21 @@ def parser() -> argparse.ArgumentParser:
 
     new = command("new", "write a category to start from")
     new.add_argument("name", metavar="NAME", help="what the category is called, such as DeskLamp")
-    new.add_argument("-o", "--out", metavar="FILE", help="the file (default: desk_lamp.apg for DeskLamp)")
+    new.add_argument("-o", "--out", type=place, metavar="FILE", help="the file (default: desk_lamp.apg for DeskLamp)")
     new.add_argument("--force", action="store_true", help="replace a file that exists")
 
     compile_ = command("compile", "compile a program and show it at one of its stages")
     _program(compile_)
-    compile_.add_argument("-o", "--out", metavar="FILE", help="write to a file instead of the terminal")
+    compile_.add_argument("-o", "--out", type=place, metavar="FILE", help="write to a file instead of the terminal")
     stages = "; ".join(f"{name}: {text}" for name, text in EMITS.items())
     compile_.add_argument("--emit", choices=list(EMITS), default="graph", help=stages)
 
     sample = command("sample", "make annotated objects")
     _program(sample)
     _drawing(sample, 10)
-    sample.add_argument("-o", "--out", default="out", metavar="DIR", help="the folder for the samples (default: out)")
+    sample.add_argument(
+        "-o", "--out", type=place, default="out", metavar="DIR", help="the folder for the samples (default: out)"
+    )
     sample.add_argument("--points", type=positive, default=2048, metavar="N", help="points per object (default: 2048)")
     sample.add_argument(
         "--surface", choices=("boundary", "outside"), default="boundary",
@@ -104,7 +141,7 @@ def parser() -> argparse.ArgumentParser:
     sample.add_argument(
         "--mutate", metavar="LIST", help="make mutants of the objects: apa (templates), dpa (counts), cpa (parameters)"
     )
-    sample.add_argument("--variant", type=whole, default=0, metavar="K", help="another mutant of each (default: 0)")
+    sample.add_argument("--variant", type=whole, metavar="K", help="another mutant of each (default: 0)")
     _meshes(sample)
     sample.add_argument(
         "--sampling", default="sequential", metavar="HOW",
@@ -130,7 +167,7 @@ def parser() -> argparse.ArgumentParser:
     )
     _drawing(export, 10)
     export.add_argument(
-        "-o", "--out", metavar="DIR", help="the folder to write to (default: the folder of samples, or out)"
+        "-o", "--out", type=place, metavar="DIR", help="the folder to write to (default: the folder of samples, or out)"
     )
     export.add_argument("--format", metavar="LIST", required=True, help=f"{', '.join(per_object())}; with commas")
     _meshes(export)
@@ -146,7 +183,9 @@ def parser() -> argparse.ArgumentParser:
         help="apa (templates), dpa (counts), cpa (parameters), in this order (default: apa,dpa,cpa)",
     )  # fmt: skip
     mutate.add_argument("-n", "--number", type=positive, metavar="N", help="mutants of each object (default: 1)")
-    mutate.add_argument("-o", "--out", default="mutants", metavar="DIR", help="the folder for them (default: mutants)")
+    mutate.add_argument(
+        "-o", "--out", type=place, default="mutants", metavar="DIR", help="the folder for them (default: mutants)"
+    )
     mutate.add_argument(
         "--parts", default="*", metavar="LIST", help="what may be changed: parts, values, patterns: door,handle*"
     )
@@ -184,7 +223,9 @@ def parser() -> argparse.ArgumentParser:
         "program", metavar="DIR|NAME|FILE", help="a folder of samples, a shipped category or an .apg file"
     )
     _drawing(render, 30)
-    render.add_argument("-o", "--out", default="sheet.png", metavar="FILE", help="the picture (default: sheet.png)")
+    render.add_argument(
+        "-o", "--out", type=place, default="sheet.png", metavar="FILE", help="the picture (default: sheet.png)"
+    )
     render.add_argument(
         "--colour",
         "--color",
@@ -220,7 +261,7 @@ def parser() -> argparse.ArgumentParser:
     shape = report.add_mutually_exclusive_group()
     shape.add_argument("--json", action="store_true", help="the figures as JSON")
     shape.add_argument("--markdown", action="store_true", help="a table with a row per category")
-    report.add_argument("--html", metavar="FILE", help="write a page with a picture as well")
+    report.add_argument("--html", type=place, metavar="FILE", help="write a page with a picture as well")
     report.add_argument("--reference", metavar="FILE", help="real sizes to compare with (default: those shipped)")
     report.add_argument("--unchecked", action="store_true", help="count objects whose links collide as valid: faster")
     report.add_argument("--strict", action="store_true", help="exit with 1 if a goal is not met")
@@ -268,8 +309,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     from ..errors import UsageError, UserError
 
     try:
-        options = parser().parse_args(arguments)
-    except SystemExit as stop:  # argparse has said why
+        options = parser().parse(arguments)
+    except SystemExit as stop:  # help was asked for, or the parser has said what is wrong
         return int(stop.code or 0)
     try:
         return importlib.import_module(f".{options.command}", __package__).run(options)

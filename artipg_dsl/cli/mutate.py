@@ -158,6 +158,9 @@ def mutation(options: argparse.Namespace, numbers: np.ndarray) -> Mutation:
 
 def compare(first: str, second: str, *, everything: bool) -> int:
     """Tell what sets the objects of two folders, or the steps of two traces, apart."""
+    for place in (first, second):
+        if not Path(place).exists():
+            raise UserError(f"there is no folder and no file {place}")
     lines = (
         list(folders(first, second, everything))
         if all(Path(p).is_dir() for p in (first, second))

@@ -17,8 +17,16 @@ def run(options: argparse.Namespace) -> int:
     name = checked(options.name)
     path = Path(options.out or f"{snake(name)}.apg")
     if path.suffix != ".apg":
-        raise UsageError(f"{path} is no name for a program", f"write {path.with_suffix('.apg')}")
-    write_bytes(path, starting_point(name).encode(), force=options.force)
+        inside = path.is_dir() or not path.name
+        better = path / f"{snake(name)}.apg" if inside else path.with_suffix(".apg")
+        raise UsageError(f"{path} is {'a folder' if inside else 'no name for a program'}", f"write {better}")
+    text = starting_point(name)
+    if re.search(rf"^use .*\b{name}\b", text, re.MULTILINE):
+        raise UsageError(
+            f"a category cannot be called `{name}` here: the file to start from uses the library's `{name}`",
+            "choose another name",
+        )
+    write_bytes(path, text.encode(), force=options.force)
     say(f"wrote {path}, a category that works; make it yours\n  apgc check {path}\n  apgc render {path}")
     return 0
 
@@ -40,8 +48,13 @@ def checked(name: str) -> str:
         raise UsageError(f"a category cannot be called `{name}`: it is {why}", "choose another name")
     if not re.fullmatch(r"[A-Z][A-Za-z0-9]*", name):
         words = [w for w in re.split(r"[^A-Za-z0-9]+", name.removesuffix(".apg")) if w]
-        hint = "".join(w[:1].upper() + w[1:] for w in words).lstrip("0123456789") or "DeskLamp"
-        raise UsageError(f"`{name}` is no name for a category: capital letters begin its words", f"write {hint}")
+        better = "".join(w[:1].upper() + w[1:] for w in words)
+        if not name.isascii() or not re.fullmatch(r"[A-Z][A-Za-z0-9]*", better) or reserved_name(better):
+            better = "a name such as DeskLamp"
+        raise UsageError(
+            f"`{name}` is no name for a category: its words begin with capital letters, a to z and digits alone",
+            f"write {better}",
+        )
     return name
 
 

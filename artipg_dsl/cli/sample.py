@@ -71,7 +71,7 @@ def mutation(options: argparse.Namespace) -> Mutation:
     unknown = [name for name in wanted if name not in OPERATIONS]
     if unknown:
         raise UsageError(f"there is no operation `{unknown[0]}`", f"the operations are {', '.join(OPERATIONS)}")
-    return Mutation(wanted, options.variant)
+    return Mutation(wanted, options.variant or 0)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -94,6 +94,8 @@ def run(options: argparse.Namespace) -> int:
             "--tolerance and --triangles are about meshes, which none of the formats has",
             "add one such as glb to --format",
         )
+    if options.variant is not None and not options.mutate:
+        raise UsageError("--variant is about mutants, which are not asked for", "add --mutate apa,dpa,cpa")
     in_the_way(Path(options.out))
     if content.cameras is not None:
         tell_engine()
@@ -172,7 +174,8 @@ def statistics(job: Job, manifest: dict[str, Any]) -> str:
     made, valid = counts["objects"], counts["first_valid"]
     if not made:
         return "nothing was left to sample"
-    lines = [f"{made} objects, {100 * valid / made:.1f}% valid at first, {counts['attempts']} attempts"]
+    what = "steps of mutation" if job.mutations else "objects"
+    lines = [f"{made} {what}, {100 * valid / made:.1f}% valid at first, {counts['attempts']} attempts"]
     if not counts.get("checked", False):
         lines.append("collisions were not checked")
     if "candidates" in counts:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import sys
 from dataclasses import replace
 from typing import Any
 
@@ -16,7 +18,10 @@ Children = list[Any]
 class ExpressionBuilder(BuilderBase):
     def number(self, c: Children) -> ast.Expr:
         value, unit = split_number(c[0].value)
-        return ast.NumberExpr(span=self.span(c), value=float(value), unit=unit)
+        number = float(value)
+        if math.isinf(number):
+            number = self.too_large(c[0])
+        return ast.NumberExpr(span=self.span(c), value=number, unit=unit)
 
     def fraction(self, c: Children) -> ast.Expr:
         top, _, bottom = c[0].value.partition("/")
@@ -24,7 +29,15 @@ class ExpressionBuilder(BuilderBase):
         if not int(value):
             self.problem(c[0], "this divides by zero")
             value = "1"
-        return ast.NumberExpr(span=self.span(c), value=int(top) / int(value), unit=unit)
+        try:
+            number = int(top) / int(value)
+        except OverflowError:
+            number = self.too_large(c[0])
+        return ast.NumberExpr(span=self.span(c), value=number, unit=unit)
+
+    def too_large(self, token: Token) -> float:
+        self.problem(token, "this number is too large", f"numbers lie below {sys.float_info.max:.2g}")
+        return 1.0
 
     def string(self, c: Children) -> ast.Expr:
         return ast.StringExpr(span=self.span(c), value=unquote(c[0].value))

@@ -45,6 +45,12 @@ _CHARACTERS = {
     "&": "write `and`", "!": "write `not`", "`": "names stand without quotes",
     "\\": "a line that is open in brackets goes on by itself",
     "%": "a percentage is written right behind its number: `8%`; a remainder is `mod(a, b)`",
+    "\u2212": "write the minus of the keyboard: `-`", "\u2013": "write the minus of the keyboard: `-`",
+    "\u2014": "write the minus of the keyboard: `-`", "\u00d7": "write `*`", "\u00b7": "write `*`", "\u00f7": "write `/`",
+    "\u2264": "write `<=`", "\u2265": "write `>=`", "\u2260": "write `!=`", "\u2192": "write `->`", "\u2026": "write `..`",
+    "\u00b0": "write the unit `deg`: `30deg`", "\u201c": 'write the quotes of the keyboard: `"..."`',
+    "\u201d": 'write the quotes of the keyboard: `"..."`', "\u201e": 'write the quotes of the keyboard: `"..."`',
+    "\u00a0": "this is a space that does not break: write a plain one", "\u200b": "this space has no width: remove it",
 }  # fmt: skip
 
 

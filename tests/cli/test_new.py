@@ -46,7 +46,7 @@ def test_writes_once(apgc: Apgc, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     [
         (("desk_lamp",), "write DeskLamp"),
         (("desk-lamp.apg",), "write DeskLamp"),
-        (("3",), "write DeskLamp"),
+        (("3",), "write a name such as DeskLamp"),
         (("param",), "it is a word of the language"),
         (("Lamp", "-o", "lamp.txt"), "write lamp.apg"),
     ],

@@ -1,0 +1,61 @@
+"""Wrong words on the command line: one line that says what is wrong, one that says what to try, exit code 2."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from .helpers import CHEST, Apgc
+
+
+@pytest.mark.parametrize(
+    ("words", "told", "hint"),
+    [
+        ("sampel Microwave", "there is no command `sampel`", "did you mean `sample`?"),
+        ("sample Microwave --formt glb", "apgc sample has no option --formt", "did you mean --format?"),
+        ("sample Microwave more", "more means nothing here", "apgc sample --help"),
+        ("sample Microwave -n 0", "0 is not a number from 1", "apgc sample --help"),
+        ("sample", "required: NAME|FILE", "apgc sample --help"),
+        ("compile Microwave --emit tree", "there is no --emit `tree`", "graph, ast, typed"),
+        (f"sample {CHEST} --variant 3", "--variant is about mutants", "--mutate"),
+        (f"sample {CHEST} --states open=45", "`open=45` has no unit", "deg"),
+        (f"sample {CHEST} --gripper stroke=10", "`stroke=10` has no unit", "stroke=10mm"),
+        (f"sample {CHEST} --gripper stroke=10cm,stroke=9cm", "stroke is given twice", ""),
+        (f"sample {CHEST} --set width=4furlong", "`furlong` in width=4furlong is no unit", "mm, cm, m"),
+        ("new 3D", "`3D` is no name", "a name such as DeskLamp"),
+        ("new Cuboid", "uses the library's `Cuboid`", "another name"),
+        ("new Foo -o .", ". is a folder", "write foo.apg"),
+    ],
+)
+def test_wrong_words(apgc: Apgc, words: str, told: str, hint: str) -> None:
+    code, out, err = apgc(*words.split())
+    assert (code, out) == (2, "")
+    first, *more = err.splitlines()
+    assert first.startswith("error: ") and told in first
+    assert len(more) <= 1 and hint in "".join(more)
+
+
+def test_a_folder_without_a_name_is_refused(apgc: Apgc) -> None:
+    code, _, err = apgc("sample", CHEST, "-o", "")
+    assert code == 2 and "an empty name is no place to write to" in err
+
+
+def test_a_joint_that_is_misspelt(apgc: Apgc, tmp_path: Path) -> None:
+    code, _, err = apgc("sample", CHEST, "-n", 1, "--points", 8, "-o", tmp_path, "--states", "opn=4deg")
+    assert code == 2 and "did you mean `open`?" in err
+
+
+def test_compile_leaves_the_program_alone(apgc: Apgc, tmp_path: Path) -> None:
+    program = tmp_path / "chest.apg"
+    program.write_bytes(Path(CHEST).read_bytes())
+    code, _, err = apgc("compile", program, "-o", program)
+    assert code == 2 and "chest.apgc" in err
+    assert program.read_bytes() == Path(CHEST).read_bytes()
+
+
+def test_numbers_without_end_and_signs_of_word_processors(apgc: Apgc, tmp_path: Path) -> None:
+    program = tmp_path / "signs.apg"
+    program.write_text(f"apg 1\nlet a = 1e999\nlet b = 3 − 2\nlet c = 1{'0' * 400}/3\n", encoding="utf-8")
+    code, out, _ = apgc("check", program)
+    assert code == 1 and out.count("this number is too large") == 2 and "the minus of the keyboard" in out
