@@ -38,7 +38,7 @@ class Version(argparse.Action):
 class Parser(argparse.ArgumentParser):
     """Errors as those of the commands: what is wrong, and what to try, without pages of usage."""
 
-    commands: dict[str, argparse.ArgumentParser]
+    commands: dict[str, Parser]
 
     def error(self, message: str) -> NoReturn:
         from ..diagnostics.suggest import did_you_mean
