@@ -1,7 +1,7 @@
-"""Chunks of a run written by several processes: the same bytes, sooner.
+"""Work shared by several processes: the same bytes, sooner.
 
-A worker gets the job once, plans the program anew, and gives back what it counted. It ends with the run: on Ctrl-C at once, and
-when the process that started it is gone.
+What writes the chunks of a run gets its job once, plans the program anew, and gives back what it counted. A worker ends with the
+run: on Ctrl-C at once, and when the process that started it is gone.
 """
 
 from __future__ import annotations
@@ -10,11 +10,11 @@ import multiprocessing as mp
 import os
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from .errors import UserError
 from .runtime.sample import Statistics
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from .export.chunk import Chunk
     from .job import Job
 
+T = TypeVar("T")
+R = TypeVar("R")
 INTERRUPTED = 130
 _job: Job | None = None  # what this worker works for
 
@@ -32,30 +34,39 @@ def share(job: Job, count: int, chunks: list[Chunk]) -> Iterator[Chunk]:
 
     Raises what the first chunk that fails raises, and UserError where a process dies.
     """
+    for chunk, counted in zip(
+        chunks, each(_write, chunks, count, _take, replace(job, statistics=Statistics())), strict=True
+    ):
+        job.statistics.take(counted)
+        yield chunk
+
+
+def each(
+    function: Callable[[T], R], items: Sequence[T], count: int, begin: Callable[..., None] | None = None, *given: Any
+) -> Iterator[R]:
+    """``function`` of each item, in their order, called in ``count`` processes that called ``begin(*given)`` first.
+
+    Raises what the first call that fails raises, and UserError where a process dies.
+    """
     before = set(mp.active_children())
     # spawned, not forked: libraries that run threads do not outlive a fork, and it is the same on all systems
     pool = ProcessPoolExecutor(
-        max(1, min(count, len(chunks))), mp_context=mp.get_context("spawn"), initializer=_begin,
-        initargs=(replace(job, statistics=Statistics()),),
-    )  # fmt: skip
+        max(1, min(count, len(items))), mp_context=mp.get_context("spawn"), initializer=_begin, initargs=(begin, given)
+    )
     try:
-        for chunk, counted in zip(chunks, pool.map(_write, chunks), strict=True):
-            job.statistics.take(counted)
-            yield chunk
+        yield from pool.map(function, items)
     except BrokenProcessPool:
         raise UserError(
             "a worker process died, perhaps for lack of memory",
-            "use fewer --workers, or fewer --points or --views; the same command completes what is missing",
+            "use fewer --workers, or ask for less at once; the same command completes what is missing",
         ) from None
-    finally:  # after the last chunk nobody works any more; before it, nobody is to go on
+    finally:  # after the last item nobody works any more; before it, nobody is to go on
         pool.shutdown(wait=False, cancel_futures=True)
         for child in set(mp.active_children()) - before:
             child.terminate()
 
 
-def _begin(job: Job) -> None:
-    global _job
-    _job = job
+def _begin(begin: Callable[..., None] | None, given: tuple[Any, ...]) -> None:
     signal.signal(signal.SIGINT, lambda *_: os._exit(INTERRUPTED))
     parent = mp.parent_process()
     assert parent is not None
@@ -65,6 +76,13 @@ def _begin(job: Job) -> None:
         os._exit(1)
 
     threading.Thread(target=outlive_nobody, daemon=True).start()
+    if begin is not None:
+        begin(*given)
+
+
+def _take(job: Job) -> None:
+    global _job
+    _job = job
 
 
 def _write(chunk: Chunk) -> Statistics:

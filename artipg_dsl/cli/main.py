@@ -266,6 +266,7 @@ def parser() -> Parser:
     report.add_argument("--unchecked", action="store_true", help="count objects whose links collide as valid: faster")
     report.add_argument("--strict", action="store_true", help="exit with 1 if a goal is not met")
     report.add_argument("--force", action="store_true", help="replace the page")
+    _sharing(report)
 
     ledger = command("ledger", "tell for each value of a part what determines it")
     _program(ledger)

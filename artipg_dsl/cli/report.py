@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import json
+from contextlib import nullcontext
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -27,18 +29,18 @@ def run(options: argparse.Namespace) -> int:
     from ..export.write import refuse_existing, write_bytes
     from ..quality.sizes import reference
     from ..quality.text import markdown, text
+    from ..workers import each
 
     names = wanted(options)
     numbers = chosen(options)
     known = reference(options.reference)
     if options.html is not None:
         refuse_existing(Path(options.html), options.force)
+    tasks = [Task(options, name, numbers, known, options.workers == 1) for name in names]
     cards, pictures = [], []
-    for name in names:
-        job, card = examined(options, name, numbers, known)
+    for card, seen in each(examined, tasks, options.workers) if options.workers > 1 else map(examined, tasks):
         cards.append(card)
-        if options.html is not None:
-            pictures.append(picture(job, numbers[:PICTURED]))
+        pictures.append(seen)
         if not (options.json or options.markdown):
             print(("\n" if len(cards) > 1 else "") + text(card), flush=True)
     if options.json:
@@ -67,24 +69,36 @@ def wanted(options: argparse.Namespace) -> list[str]:
     return list(categories()) if options.all else options.programs
 
 
-def examined(options: argparse.Namespace, name: str, numbers: np.ndarray, known: dict[str, Real]) -> tuple[Job, Card]:
-    """The card of a category, and the job that made its objects."""
+@dataclass(frozen=True, slots=True)
+class Task:
+    """A category whose card is wanted; ``watched``: somebody may look on."""
+
+    options: argparse.Namespace
+    name: str
+    numbers: np.ndarray
+    known: dict[str, Real]
+    watched: bool
+
+
+def examined(task: Task) -> tuple[Card, bytes]:
+    """The card of a category, and a picture where there is to be a page."""
     from ..job import open_job
     from ..quality.card import card
     from ..session import categories
 
+    options, name = task.options, task.name
     job = open_job(name, options.seed or 0, split(options.set), checked=not options.unchecked)
     category = job.sampler.program.name
     path = Path(name) if Path(name).is_file() else categories().get(category)
-    with Progress(category) as progress:
+    with Progress(category) if task.watched else nullcontext() as progress:
         found = card(
             job,
-            numbers,
-            real=known.get(category),
+            task.numbers,
+            real=task.known.get(category),
             lines=own_lines(path),
-            progress=lambda _, done, total: progress(done, total),
+            progress=(lambda _, done, total: progress(done, total)) if progress else None,
         )
-    return job, found
+    return found, picture(job, task.numbers[:PICTURED]) if options.html is not None else b""
 
 
 def own_lines(path: Path | None) -> int | None:

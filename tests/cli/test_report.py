@@ -47,8 +47,10 @@ def test_goals_decide_the_exit_code_where_that_is_asked_for(apgc: Apgc, tmp_path
 
 
 def test_a_table_of_several(apgc: Apgc) -> None:
-    code, out, _ = apgc("report", CHEST, CHEST, "-n", 5, "--markdown", "--unchecked")
+    arguments = ("report", CHEST, CHEST, "-n", 5, "--markdown", "--unchecked")
+    code, out, _ = apgc(*arguments)
     assert code == 0
+    assert apgc(*arguments, "--workers", 2) == (code, out, "")
     head, line, first, second, *rest = out.splitlines()
     assert head.count("|") == line.count("|") == first.count("|") and first == second
     assert first.startswith("| Chest | 100.0% |")
