@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 R = TypeVar("R")
-INTERRUPTED = 130
 _job: Job | None = None  # what this worker works for
 
 
@@ -53,21 +52,25 @@ def each(
     pool = ProcessPoolExecutor(
         max(1, min(count, len(items))), mp_context=mp.get_context("spawn"), initializer=_begin, initargs=(begin, given)
     )
+    calls = [pool.submit(function, item) for item in items]
+    done = False
     try:
-        yield from pool.map(function, items)
+        for call in calls:
+            yield call.result()
+        done = True
     except BrokenProcessPool:
         raise UserError(
             "a worker process died, perhaps for lack of memory",
             "use fewer --workers, or ask for less at once; the same command completes what is missing",
         ) from None
-    finally:  # after the last item nobody works any more; before it, nobody is to go on
-        pool.shutdown(wait=False, cancel_futures=True)
-        for child in set(mp.active_children()) - before:
+    finally:
+        for child in set() if done else set(mp.active_children()) - before:  # nobody is to go on
             child.terminate()
+        pool.shutdown()
 
 
 def _begin(begin: Callable[..., None] | None, given: tuple[Any, ...]) -> None:
-    signal.signal(signal.SIGINT, lambda *_: os._exit(INTERRUPTED))
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches all of them: who started the run decides
     parent = mp.parent_process()
     assert parent is not None
 

@@ -74,7 +74,10 @@ def test_workers_end_with_the_run(tmp_path: Path, kill: signal.Signals) -> None:
             time.sleep(0.05)
         children = Path(f"/proc/{run.pid}/task/{run.pid}/children").read_text().split()
         assert len(children) >= 2
-        run.send_signal(kill)
+        if kill == signal.SIGINT:
+            os.killpg(run.pid, kill)  # as a terminal does
+        else:
+            run.send_signal(kill)
         told = run.communicate(timeout=60)[1].decode()
     assert run.returncode == (130 if kill == signal.SIGINT else -kill)
     assert "Traceback" not in told
