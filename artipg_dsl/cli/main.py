@@ -314,7 +314,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except SystemExit as stop:  # help was asked for, or the parser has said what is wrong
         return int(stop.code or 0)
     try:
-        return importlib.import_module(f".{options.command}", __package__).run(options)
+        code = importlib.import_module(f".{options.command}", __package__).run(options)
+        sys.stdout.flush()
+        return code
     except UserError as wrong:
         error(wrong.message, wrong.hint)
         return USAGE if isinstance(wrong, UsageError) else FAILED
@@ -322,8 +324,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         say("\ninterrupted; nothing is left half written, and the same command completes what is missing")
         return INTERRUPTED
     except BrokenPipeError:  # the reader of our output has seen enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        drop_output()
         return OK
+    except OSError as wrong:  # files are told of where they are written: what is left is the output itself
+        drop_output()
+        error(f"cannot write {wrong.filename or 'the output'}: {wrong.strerror or wrong}", None)
+        return FAILED
     except RecursionError:
         error("the program is nested too deeply", "split it into templates")
         return FAILED
@@ -334,6 +340,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
             findings(wrong.report.diagnostics, sys.stderr)
             return FAILED
         raise
+
+
+def drop_output() -> None:
+    """What is still buffered for stdout goes nowhere: it cannot be written."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 if __name__ == "__main__":

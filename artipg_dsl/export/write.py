@@ -61,18 +61,33 @@ def refuse_existing(path: Path, force: bool) -> None:
         raise ExportError(f"{path} exists", "remove it, choose another name, or use --force to replace it")
 
 
+def stream_like(path: Path) -> bool:
+    """Whether a path is a device or a pipe, which is written to and cannot be replaced."""
+    return path.exists() and not path.is_file() and not path.is_dir()
+
+
 @contextmanager
 def replacing_file(path: Path | str, *, force: bool = False) -> Iterator[BinaryIO]:
     """A binary file to write to, which takes the name ``path`` only when the block ends without an exception."""
     path = Path(path)
+    if stream_like(path):
+        try:
+            with open(path, "wb") as stream:
+                yield stream
+        except OSError as error:
+            raise explain(error, path) from error
+        return
     refuse_existing(path, force)
     if path.is_dir():
         raise ExportError(f"{path} is a folder, a file was to be written", "choose another output name")
     ensure_folder(path.parent)
+    path = Path(os.path.realpath(path))  # a link stays one: what it points to is replaced
     partial = beside(path)
     try:
         with open(partial, "wb") as stream:
             yield stream
+        if path.exists():
+            shutil.copymode(path, partial)
         os.replace(partial, path)
     except OSError as error:
         raise explain(error, path) from error

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
 from pathlib import Path
 
 import pytest
 
-from .helpers import CHEST, Apgc
+from .helpers import CHEST, Apgc, command, environment
 
 
 @pytest.mark.parametrize(
@@ -59,3 +61,25 @@ def test_numbers_without_end_and_signs_of_word_processors(apgc: Apgc, tmp_path: 
     program.write_text(f"apg 1\nlet a = 1e999\nlet b = 3 − 2\nlet c = 1{'0' * 400}/3\n", encoding="utf-8")
     code, out, _ = apgc("check", program)
     assert code == 1 and out.count("this number is too large") == 2 and "the minus of the keyboard" in out
+
+
+def test_links_devices_and_rights_stay_what_they_are(apgc: Apgc, tmp_path: Path) -> None:
+    program = tmp_path / "real.apg"
+    program.write_text("apg 1\ncategory A {\n\tlet a = 1\n}\n")
+    program.chmod(0o640)
+    (tmp_path / "link.apg").symlink_to("real.apg")
+    assert apgc("fmt", tmp_path / "link.apg")[0] == 0
+    assert (tmp_path / "link.apg").is_symlink() and "\n  let a = 1\n" in program.read_text()
+    assert program.stat().st_mode & 0o777 == 0o640
+    assert apgc("compile", CHEST, "-o", os.devnull)[0] == 0
+    assert not Path(os.devnull).is_file()
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="the system has no device that is full")
+def test_output_that_cannot_be_written(tmp_path: Path) -> None:
+    with open("/dev/full", "w") as full:
+        found = subprocess.run(
+            command("explain"), stdout=full, stderr=subprocess.PIPE, text=True, env=environment(), timeout=60
+        )
+    assert found.returncode == 1
+    assert found.stderr == "error: cannot write the output: No space left on device\n"
