@@ -7,7 +7,8 @@ the curves; what closes them is ``start``, ``end`` or ``rim``:
 * ``lathe(skin, lining) about z``: the ends of the two chains are joined by a ring, ``start`` at their first ends and
   ``rim`` at their last; chains that begin on the axis both need none. So a vessel with a bottom begins both its chains
   on the axis (``lathe([base, side], [floor, lining])``), and one without a bottom is open below.
-* ``extrude(outline[, inner]) along z from a to b``: the ends are ``start`` and ``end``. Two closed curves make a tube;
+* ``extrude(outline[, inner]) along z from a to b``: the ends are ``start`` and ``end``. Two closed curves make a tube,
+  further ones, or one of another number of curves, are holes (``holes``);
   two open ones are the two sides of a strip, joined by ``rim`` at both their ends; one open curve is closed by ``rim``.
 
 Several curves in brackets are one chain, which must meet end to end.
@@ -26,6 +27,7 @@ from ..syntax import ast
 from .curves import TURN
 from .env import Env
 from .evaluate import Evaluator
+from .holes import holed, several
 from .loft import loft, swept
 from .made import FULL, Made, U, clause
 from .parity import signed
@@ -44,7 +46,7 @@ from .profiles import (
     right_of,
     samples,
 )
-from .regions import Strips, axis_of, chains_of, check_values, outline, turned
+from .regions import axis_of, chains_of, check_values, outline, turned
 from .strips import MOST, Quad, chord, convex, parts, strip
 from .sweeps import round_sections, sweep
 
@@ -216,12 +218,15 @@ def extrude(env: Env, solid: ast.SolidDecl) -> Made:
             "wrong-arguments", solid.span, "`extrude` needs both its ends", hint="extrude(edge) along z from 0 to thick"
         )
     low, high = (Evaluator(env).scalar(node) for node in (start, end))
-    chains = chains_of(env, probe, solid)
-    loops, strips = outline(env, probe, solid, chains)
+    chains = chains_of(env, probe, solid, most=len(solid.arguments))
+    region = holed(env, probe, solid, chains) if several(probe, chains) else None
+    if region is None:
+        loops, strips = outline(env, probe, solid, chains)
+        walls = list({id(side.span): side.span for loop, _ in loops for side in loop if not side.span.closing}.values())
+    else:
+        loops, strips, walls = region.loops, region.strips, region.walls
     patches = []
-    for span in {id(side.span): side.span for loop, _ in loops for side in loop}.values():
-        if span.closing:
-            continue
+    for span in walls:
         place = turned(axis, span.position, E.add(low, E.mul(U, E.sub(high, low))))
         patches.append(Patch(span.name, place, (ZERO, ONE), (span.low, span.high)))
     rims = [side.span for loop, _ in loops for side in loop if side.span.closing]
@@ -242,15 +247,13 @@ def extrude(env: Env, solid: ast.SolidDecl) -> Made:
     ]  # fmt: skip
     pieces: tuple[Piece, ...] = ()
     if len(loops) > 1 or not convex(probe, loops[0][0], mirrored=False):
-        pieces = prisms(probe, loops, strips, axis, (low, high))
+        polygons = parts(probe, strips, orientation(probe, loops[0][0])) if region is None else region.polygons
+        pieces = prisms(polygons, axis, (low, high))
     return Made(tuple(patches), pieces, inside, bounds[0], bounds[1], {}, ((low, high, "the prism has no height"),))
 
 
-def prisms(
-    probe: Probe, loops: list[tuple[Loop, bool]], strips: Strips, axis: int, ends: tuple[Expr, Expr]
-) -> tuple[Piece, ...]:
+def prisms(polygons: list[list[Point]], axis: int, ends: tuple[Expr, Expr]) -> tuple[Piece, ...]:
     """Prisms over the convex parts of a region."""
-    polygons = parts(probe, strips, orientation(probe, loops[0][0]))
     return tuple(
         Piece(f"part_{number}", tuple(turned(axis, corner, end) for end in ends for corner in corners))
         for number, corners in enumerate(polygons)

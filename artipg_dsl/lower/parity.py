@@ -134,7 +134,9 @@ def arc(start: Point, end: Point, quarter: Quarter, point: Point) -> tuple[Expr,
     share = E.call("hypot", E.div(within[0], a), E.div(within[1], b))
     beyond = E.mul(E.sub(share, ONE), E.minimum(a, b))
     up, down = between(start[1], end[1], point[1])
-    inner, outer = E.call("lt", share, ONE), E.call("lt", ONE, share)
+    # beside the quarter its x alone tells, so that a ray which touches the tip of an ellipse crosses both quarters or none
+    inner = E.either(E.call("le", x, ZERO), E.call("lt", share, ONE))
+    outer = E.both(E.call("lt", ZERO, x), E.call("lt", ONE, share))
     side = quarter.sign[0]
     crossed = (
         inner if side is ONE else outer if side is E.const(-1.0) else E.where(E.call("lt", ZERO, side), inner, outer)

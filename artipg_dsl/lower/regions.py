@@ -17,9 +17,9 @@ from .profiles import Loop, Point, Side, Span, V, between, samples, straight
 from .vectors import signed_axis
 
 
-def chains_of(env: Env, probe: Probe, solid: ast.SolidDecl) -> list[list[Span]]:
-    """One chain or two; the curves of each meet end to end."""
-    if not 1 <= len(solid.arguments) <= 2:
+def chains_of(env: Env, probe: Probe, solid: ast.SolidDecl, most: int = 2) -> list[list[Span]]:
+    """One chain or two, or up to ``most``; the curves of each meet end to end."""
+    if not 1 <= len(solid.arguments) <= most:
         raise env.context.error(
             "wrong-arguments", solid.span, f"`{solid.operator}` takes one chain of curves, or an outer and an inner one"
         )

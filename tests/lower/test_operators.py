@@ -1,5 +1,6 @@
 """The operators make primitives that pass the self-test, and say in words what they cannot make."""
 
+import numpy as np
 import pytest
 
 from artipg_dsl.diagnostics import Report
@@ -123,6 +124,24 @@ primitive Channel {
   solid = extrude(polygon([0, 0], [a, 0], [a, a], [a - t, a], [a - t, t], [t, t], [t, a], [0, a])) along y from 0 to a
 }
 """
+PLATE = """
+primitive Plate {
+  param a, b : length > 0  test 8cm .. 20cm
+  param r, t : length > 0  test 3mm .. 9mm
+  curve bore (u in 0turn .. 1turn) = [r * cos(u) - a / 4, r * sin(u)]
+  curve arch (v in -1 .. 1) = [a / 4 + r * sin(v * 1/4turn), r * cos(v * 1/4turn)]
+  curve sill (v in -1 .. 1) = [a / 4 - r * v, 0mm]
+  solid = extrude(rectangle(a, b), bore, [arch, sill]) along z from 0 to t
+}
+"""
+DISC = """
+primitive Disc {
+  param radius : length > 0  test 5cm .. 20cm
+  curve edge (u in 0turn .. 1turn) = [radius * cos(u), radius * sin(u)]
+  curve bore (u in 0turn .. 1turn) = [radius / 5 * cos(u) - radius / 2, radius / 5 * sin(u)]
+  solid = extrude(edge, bore, polygon([0, 0], [radius / 2, 0], [radius / 4, radius / 4])) along x from 0 to 1cm
+}
+"""
 SIZES = """
   param a, b : length > 0  test 4mm .. 12mm
   param l : length > 0  test 5cm .. 10cm
@@ -209,6 +228,39 @@ def test_what_sections_cannot_be_is_said_in_words(old, new, code, words):
 )
 def test_the_self_test_finds_nothing(text, path):
     assert check_primitive(lowered(text, path).primitive, samples=2) == []
+
+
+@pytest.mark.parametrize("text", [PLATE, DISC], ids=["plate", "disc"])
+def test_an_outline_has_any_number_of_holes(text):
+    assert check_primitive(lowered(text).primitive, samples=1) == []
+
+
+def test_the_walls_of_holes_bear_the_names_of_their_curves_and_the_holes_are_empty():
+    primitive = lowered(PLATE).primitive
+    assert set(primitive.surfaces) == {"skin", "bore", "arch", "sill", "start", "end"}
+    params = {"a": np.array([0.2]), "b": np.array([0.12]), "r": np.array([0.008]), "t": np.array([0.005])}
+    (group,) = build(primitive, params)
+    volume = moments(group.vertices, group.faces)[0]
+    holes = np.pi * 0.008**2 * 1.5
+    assert volume[0] == pytest.approx((0.2 * 0.12 - holes) * 0.005, rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "code", "words"),
+    [
+        ("- a / 4, r * sin(u)", "- a, r * sin(u)", "bad-curve", "cannot be filled"),
+        ("- a / 4, r * sin(u)", "+ a / 4, r * sin(u)", "bad-curve", "cannot be filled"),
+        ("[arch, sill]", "arch", "broken-chain", "does not end where it begins"),
+    ],
+    ids=["outside", "overlapping", "open"],
+)
+def test_holes_lie_within_the_outline_and_apart(old, new, code, words):
+    report = Report()
+    module = Workspace(report).load_source(Source("test.apg", "apg 1\n" + PLATE.replace(old, new)))
+    with pytest.raises(Abort):
+        lower_primitive(Context(report, Program("test")), module.find("Plate"))
+    (found,) = report.diagnostics
+    assert found.code == code and words in found.message
 
 
 def test_surfaces_bear_the_names_of_the_curves():
