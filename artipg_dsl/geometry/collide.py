@@ -50,7 +50,10 @@ class Corners:
 
 
 def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    return a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2]
+    found = a[..., 0] * b[..., 0]
+    found += a[..., 1] * b[..., 1]  # in place: large temporaries cost more than the sums
+    found += a[..., 2] * b[..., 2]
+    return found
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -161,35 +164,35 @@ def closest(simplex: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The point of tetrahedra (k, 4, 3) nearest the origin, and its weights (k, 4); all positive: the origin lies within."""
     best = np.full(len(simplex), np.inf)
     weights = np.zeros((len(simplex), 4))
+    corners = [np.ascontiguousarray(simplex[:, k]) for k in range(4)]
 
-    def offer(shares: np.ndarray, valid: np.ndarray) -> None:
-        point = mixed(shares, simplex)
+    def offer(which: tuple[int, ...], shares: tuple[np.ndarray, ...], valid: np.ndarray) -> None:
+        point = shares[0][:, None] * corners[which[0]]
+        for k, share in zip(which[1:], shares[1:], strict=True):
+            point += share[:, None] * corners[k]
         square = np.where(valid, dot(point, point), np.inf)
-        better = square < best * (1.0 - 1e-12)
+        better = np.flatnonzero(square < best * (1.0 - 1e-12))
         best[better] = square[better]
-        weights[better] = shares[better]
+        weights[better] = 0.0
+        for k, share in zip(which, shares, strict=True):
+            weights[better, k] = share[better]
 
+    whole, every = np.ones(len(simplex)), np.ones(len(simplex), dtype=bool)
     for i in range(4):
-        shares = np.zeros((len(simplex), 4))
-        shares[:, i] = 1.0
-        offer(shares, np.ones(len(simplex), dtype=bool))
+        offer((i,), (whole,), every)
     for i, j in _PAIRS:
-        edge = simplex[:, j] - simplex[:, i]
+        edge = corners[j] - corners[i]
         square = dot(edge, edge)
-        t = -dot(simplex[:, i], edge) / np.where(square > 0, square, 1.0)
-        shares = np.zeros((len(simplex), 4))
-        shares[:, i], shares[:, j] = 1.0 - t, t
-        offer(shares, (square > 1e-30) & (t > 0) & (t < 1))
+        t = -dot(corners[i], edge) / np.where(square > 0, square, 1.0)
+        offer((i, j), (1.0 - t, t), (square > 1e-30) & (t > 0) & (t < 1))
     for i, j, k in _TRIPLES:
-        a, b = simplex[:, j] - simplex[:, i], simplex[:, k] - simplex[:, i]
+        a, b = corners[j] - corners[i], corners[k] - corners[i]
         aa, ab, bb = dot(a, a), dot(a, b), dot(b, b)
-        pa, pb = -dot(simplex[:, i], a), -dot(simplex[:, i], b)
+        pa, pb = -dot(corners[i], a), -dot(corners[i], b)
         det = aa * bb - ab * ab
         safe = np.where(det > 0, det, 1.0)
         s, t = (bb * pa - ab * pb) / safe, (aa * pb - ab * pa) / safe
-        shares = np.zeros((len(simplex), 4))
-        shares[:, i], shares[:, j], shares[:, k] = 1.0 - s - t, s, t
-        offer(shares, (det > 1e-14 * aa * bb) & (s > 0) & (t > 0) & (s + t < 1))
+        offer((i, j, k), (1.0 - s - t, s, t), (det > 1e-14 * aa * bb) & (s > 0) & (t > 0) & (s + t < 1))
     inside, shares = _tetrahedron(simplex)
     best[inside], weights[inside] = 0.0, shares[inside]
     return mixed(weights, simplex), weights
@@ -212,5 +215,7 @@ def _tetrahedron(simplex: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def mixed(shares: np.ndarray, simplex: np.ndarray) -> np.ndarray:
     """The points (k, 3) of tetrahedra (k, 4, 3) with the weights (k, 4), added up corner by corner."""
-    terms = [shares[:, i, None] * simplex[:, i] for i in range(4)]
-    return terms[0] + terms[1] + terms[2] + terms[3]
+    found = shares[:, 0, None] * simplex[:, 0]
+    for i in range(1, 4):
+        found += shares[:, i, None] * simplex[:, i]
+    return found

@@ -208,9 +208,10 @@ def packed(groups: list[Alike]) -> Pieces:
 def turned(rotation: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Matrices (k, 3, 3) times points (k, P, 3), written out."""
     r = rotation[:, None]
-    cells = [
-        r[..., i, 0] * points[..., 0] + r[..., i, 1] * points[..., 1] + r[..., i, 2] * points[..., 2] for i in range(3)
-    ]
+    cells = [r[..., i, 0] * points[..., 0] for i in range(3)]
+    for i, cell in enumerate(cells):
+        cell += r[..., i, 1] * points[..., 1]
+        cell += r[..., i, 2] * points[..., 2]
     return np.stack(cells, axis=-1)
 
 
