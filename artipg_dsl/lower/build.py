@@ -13,8 +13,8 @@ from .context import Unknown
 from .draws import draw_choice, open_parameter
 from .env import Env
 from .evaluate import Evaluator
-from .style import Style
-from .values import Choice
+from .style import Style, sole_style
+from .values import Choice, Value
 from .vectors import IDENTITY, along, product, rotation_about
 
 if TYPE_CHECKING:
@@ -115,11 +115,7 @@ def make_inputs(part: Part, interface: Symbol, arguments: tuple[ast.Argument, ..
         local.module = symbol.module
         stated = given.get(name)
         if stated is not None and not has_hole(stated.value):
-            value = (
-                Evaluator(env).value(stated.value)
-                if not is_option(declaration, stated)
-                else option_value(declaration, stated)
-            )
+            value = handed_in(part, symbol, declaration, name, stated)
         else:
             value = open_parameter(part, local, declaration, name, span, stated)
         part.inputs[name] = value
@@ -130,19 +126,22 @@ def has_hole(node: ast.Expr) -> bool:
     return isinstance(node, ast.VectorExpr) and any(isinstance(i, ast.HoleExpr) for i in node.items)
 
 
-def is_option(declaration: ast.ParamDecl, argument: ast.Argument) -> bool:
-    """``open = front`` for a ``choice`` parameter."""
-    return isinstance(argument.value, ast.NameExpr) and argument.value.name in declaration.type.values
-
-
-def option_value(declaration: ast.ParamDecl, argument: ast.Argument) -> Choice:
-    options = declaration.type.values
-    return Choice(E.const(float(options.index(argument.value.name))), options)  # type: ignore[attr-defined]
+def handed_in(part: Part, owner: Symbol, declaration: ast.ParamDecl, name: str, argument: ast.Argument) -> Value:
+    """The value of an argument for the parameter ``name`` that ``owner`` declares: an option (``open = front``), a template
+    as a style of its own (``pull = BarHandle``), or whatever else it says."""
+    env, node, kind = part.env, argument.value, declaration.type
+    if isinstance(node, ast.NameExpr):
+        if node.name in kind.values:
+            return Choice(E.const(float(kind.values.index(node.name))), kind.values)
+        symbol = env.module.find(node.name)
+        if kind.style and symbol is not None and symbol.kind == "template" and env.find(node.name) is None:
+            return sole_style(env, f"{part.name}.{name}", owner.module.find(kind.name), node)
+    return Evaluator(env).value(node)
 
 
 def instantiate(part: Part, option: Option) -> Instance:
     """The alternative in its own table (that of the environment when there is nothing to choose)."""
-    from .body import lower_body
+    from .body import lower_body, parameters_of
     from .primitives import lower_primitive
 
     context = part.context
@@ -155,8 +154,13 @@ def instantiate(part: Part, option: Option) -> Instance:
     try:
         own = dict(part.inputs)
         arguments = option.source.arguments if part.role is not None or len(part.options) > 1 else ()
+        declared = {name: (owner, declaration) for owner, declaration, name, _ in parameters_of(option.symbol)}
         for argument in arguments:
-            own[argument.name or ""] = Evaluator(part.env).value(argument.value)
+            name = argument.name or ""
+            if name in declared:
+                own[name] = handed_in(part, *declared[name], name, argument)
+            else:  # a count
+                own[name] = Evaluator(part.env).value(argument.value)
         instance.values = own
         if option.symbol.kind == "primitive":
             complete(instance)

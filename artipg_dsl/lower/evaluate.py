@@ -173,7 +173,7 @@ class Evaluator:
         if symbol is not None and symbol.kind in ("template", "primitive", "role"):
             return self.env.context.error(
                 "wrong-arguments", node.span, f"`{node.name}` is a {symbol.kind}: it cannot be handed in as a value",
-                hint=f"a parameter `style` takes a style: declare `style chosen : Role = {node.name}` and hand in `chosen`",
+                hint="a parameter `style` takes a template's name, or a style: `style chosen : Role = A | B`",
             )  # fmt: skip
         return self.env.context.error("unknown-name", node.span, f"`{node.name}` is not known here")
 

@@ -74,3 +74,17 @@ def build_style(env: Env, declaration: ast.StyleDecl) -> Style:
             env, path, names, [(a,) for a in declaration.alternatives], declaration.name_span, declaration
         )
     return Style(env, declaration, role, choice)
+
+
+def sole_style(env: Env, name: str, role: Symbol | None, node: ast.NameExpr) -> Style:
+    """The style that a template's name stands for where a style is handed in: one alternative, its parameters drawn once."""
+    alternative = ast.Alternative(span=node.span, name=node.name, name_span=node.span)
+    declaration = ast.StyleDecl(
+        span=node.span,
+        name=name,
+        name_span=node.span,
+        role=node.name if role is None else role.name,
+        role_span=node.span,
+        alternatives=(alternative,),
+    )
+    return Style(env, declaration, role, Choice(E.ZERO, (node.name,)))

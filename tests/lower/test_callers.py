@@ -48,26 +48,56 @@ def test_also_under_a_guard_and_in_an_alternative():
     np.testing.assert_allclose(found, total)
 
 
-def test_a_template_is_no_value():
-    text = """role Handle { inherit size : length[3] }
-template Bar : Handle { part rod : Cuboid(size = size) }
-template Door {
+GRIPS = """role Handle { inherit size : length[3] in [1cm, 1cm, 1cm] .. [3cm, 3cm, 12cm] }
+template Bar : Handle {
+  param share : ratio in 0.2 .. 0.9
+  part rod : Cuboid(size = [size.x, size.y, share * size.z])
+}
+template Plate : Handle { part sheet : Cuboid(size = size) }
+role Front { inherit size : length[3] }
+template Door : Front {
   param pull : style Handle
-  part leaf : Cuboid(size = [2cm, 20cm, 20cm])
-  part handle : pull(size = [2cm, 2cm, 10cm])
-  connect handle.back on leaf.front at center
+  param mode : choice wide | slim
+  let broad = 4cm if mode == wide else 1cm
+  part leaf : Cuboid(size = size)
+  repeat k[i] in 0 ..< 2 spread leaf along y margin 5cm {
+    part handle : pull(size = [2cm, broad, 10cm])
+    connect handle.back on leaf.front at y = k.center.y, z = leaf.center.z
+  }
 }
 category C {
   root part body : Cuboid(size = [30cm, 30cm, 30cm])
-  part door : Door(pull = Bar)
+  part door : Front(size = [2cm, 20cm, 20cm]) = HANDED
   connect door.back on body.front
 }
 """
-    session = Session.of_text(HEAD + text)
+
+
+def test_a_template_handed_in_is_a_style_of_its_own() -> None:
+    session = Session.of_text(HEAD + GRIPS.replace("HANDED", "Door(pull = Bar, mode = slim)"))
+    batch = session.sampler.batch(np.arange(20), 1)
+    parts = batch.parts()
+    rods = np.array([path.endswith("rod") for path in parts.path])
+    size = (parts.high - parts.low)[rods].reshape(20, 2, 3)
+    np.testing.assert_array_equal(size[:, 0], size[:, 1])  # its parameters are drawn once
+    assert len(np.unique(size[:, 0, 2])) == 20
+    assert (np.abs(size[:, :, 1] - 0.01) < 1e-12).all()
+
+
+def test_alternatives_hand_in_templates_and_options_too() -> None:
+    text = GRIPS.replace("HANDED", "Door(pull = Bar, mode = slim) | Door(pull = Plate, mode = wide)")
+    batch = Session.of_text(HEAD + text).sampler.batch(np.arange(20), 1)
+    parts = batch.parts()
+    names = {path.rsplit(".")[-1] for path in parts.path}
+    assert {"rod", "sheet"} <= names
+    handles = np.array([path.endswith("handle") for path in parts.path])
+    wide = np.array([template == "Plate" for template in parts.template])[handles]
+    np.testing.assert_allclose((parts.high - parts.low)[handles, 1], np.where(wide, 0.04, 0.01))
+
+
+def test_a_role_cannot_be_handed_in() -> None:
+    session = Session.of_text(HEAD + GRIPS.replace("HANDED", "Door(pull = Handle, mode = slim)"))
     assert session.lowering is None
     (found,) = session.report.diagnostics
-    assert (
-        found.code == "wrong-arguments"
-        and "`Bar` is a template" in found.message
-        and "declare `style" in (found.hint or "")
-    )
+    assert found.code == "wrong-arguments" and "`Handle` is a role" in found.message
+    assert "takes a template's name, or a style" in (found.hint or "")
