@@ -11,7 +11,7 @@ from ..errors import UsageError, UserError
 from ..geometry import points as geometry
 from ..graph import random
 from ..runtime.materials import material_rows
-from .frames import rotate
+from .frames import rotate, rotate_rows
 from .jacobian import jacobian
 from .points import field_kinds, label_points
 from .sampling import Sampling, draw
@@ -134,8 +134,11 @@ def moved(
     """Position and normal (B, n, 3) of points on the link rows ``link`` (B, n); if asked for, their velocity by their own
     joint, and (B, n, D, 3) by each joint that drives them."""
     turn, shift = batch.pose(states)
-    position = rotate(turn[link], made.position) + shift[link]
-    normal = rotate(turn[link], made.normal)
+    row = link.ravel()
+    position, normal = (
+        rotate_rows(turn, row, vectors.reshape(-1, 3), by).reshape(vectors.shape)
+        for vectors, by in ((made.position, shift), (made.normal, None))
+    )
     if not motion:
         return position, normal, None, None
     return position, normal, twist(batch, states).at(link, position), jacobian(batch, states).at(link, position)

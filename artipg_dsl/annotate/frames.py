@@ -22,15 +22,26 @@ def rotate_rows(
 ) -> np.ndarray:
     """Vectors (n, 3) turned by the matrices ``rotation[row]``, of (k, 3, 3), and moved by ``shift[row]``, of (k, 3).
 
-    Column by column: no matrix is gathered for each vector.
+    Column by column: no matrix is gathered for each vector. Most frames are not turned at all: their vectors are taken as they are,
+    which gives the same bits (zeros are positive in the result).
     """
-    columns = np.ascontiguousarray(rotation.reshape(-1, 9).T)
-    x, y, z = (np.ascontiguousarray(vectors[:, k]) for k in range(3))
-    out = np.empty((len(row), 3))
+    row = np.asarray(row)
+    out = np.array(vectors, dtype=float)
+    turned = (rotation != np.eye(3)).any(axis=(1, 2))
+    which = np.flatnonzero(turned[row]) if turned.any() else np.zeros(0, dtype=np.int64)
+    if len(which):
+        columns = np.ascontiguousarray(rotation.reshape(-1, 9).T)
+        some = row[which]
+        x, y, z = (np.ascontiguousarray(out[which, k]) for k in range(3))
+        for i in range(3):
+            a, b, c = (columns[3 * i + j][some] for j in range(3))
+            out[which, i] = a * x + b * y + c * z
+    if shift is None or not shift.any():
+        out += 0.0
+        return out
     for i in range(3):
-        a, b, c = (columns[3 * i + j][row] for j in range(3))
-        turned = a * x + b * y + c * z
-        out[:, i] = turned if shift is None else turned + np.ascontiguousarray(shift[:, i])[row]
+        out[:, i] += np.ascontiguousarray(shift[:, i])[row]
+    out += 0.0
     return out
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import copy
-from functools import cached_property
+from functools import cached_property, lru_cache
 from operator import itemgetter
 from typing import Any
 
@@ -349,6 +349,7 @@ _JOINT_COLUMNS = (
 )  # fmt: skip
 
 
+@lru_cache(maxsize=1 << 16)  # a batch has few names, each in many objects
 def tag(name: str) -> str:
     """A name that every format takes: ``pad.row[1].key[0].cap`` becomes ``pad.row_1.key_0.cap``."""
     return name.replace("[", "_").replace("]", "")
