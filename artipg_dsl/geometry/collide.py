@@ -71,14 +71,15 @@ def inset(vertices: np.ndarray, faces: np.ndarray, margin: float = DEPTH / 2) ->
     turned = dot(normal, corners[:, :, 0] - middle[:, None]).sum(axis=1) < 0.0  # mirrored: the faces run the other way
     normal[turned] = -normal[turned]
     incident = _incident(faces, vertices.shape[1])
-    gram = np.zeros((6, *vertices.shape[:2]))  # N'N of the normals at each corner: xx, yy, zz, yz, zx, xy
+    gram = np.zeros((*vertices.shape[:2], 6))  # N'N of the normals at each corner: xx, yy, zz, yz, zx, xy
     push = np.zeros(vertices.shape)
+    nothing = np.zeros((len(vertices), 1, 3))
+    normal = np.concatenate([normal, nothing], axis=1)  # the last for corners with fewer faces
     for column in incident.T:
-        n = np.where((column >= 0)[:, None], normal[:, np.maximum(column, 0)], 0.0)
-        x, y, z = n[..., 0], n[..., 1], n[..., 2]
-        for cell, value in zip(gram, (x * x, y * y, z * z, y * z, z * x, x * y), strict=True):
-            cell += value
+        n = normal[:, column]
+        gram += n[..., [0, 1, 2, 1, 2, 0]] * n[..., [0, 1, 2, 2, 0, 1]]
         push -= n
+    gram = gram.transpose(2, 0, 1)
     ridge = 1e-6
     a, b, c = gram[0] + ridge, gram[1] + ridge, gram[2] + ridge
     d, e, f = gram[3], gram[4], gram[5]
