@@ -13,6 +13,7 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -52,7 +53,8 @@ def each(
     pool = ProcessPoolExecutor(
         max(1, min(count, len(items))), mp_context=mp.get_context("spawn"), initializer=_begin, initargs=(begin, given)
     )
-    calls = [pool.submit(function, item) for item in items]
+    with _undisturbed():
+        calls = [pool.submit(function, item) for item in items]
     done = False
     try:
         for call in calls:
@@ -67,6 +69,19 @@ def each(
         for child in set() if done else set(mp.active_children()) - before:  # nobody is to go on
             child.terminate()
         pool.shutdown()
+
+
+@contextmanager
+def _undisturbed() -> Iterator[None]:
+    """Processes that are started here do not mind Ctrl-C, from their first step on, and it does not cut short how they start."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _begin(begin: Callable[..., None] | None, given: tuple[Any, ...]) -> None:
