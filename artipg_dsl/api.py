@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from html import escape
@@ -14,7 +14,7 @@ import numpy as np
 
 from .diagnostics.suggest import did_you_mean
 from .errors import UsageError
-from .job import Job, make_job, open_job, reopen
+from .job import Job, make_job, open_job, reopen, whole
 from .session import Session, categories
 from .settings import Value
 
@@ -68,6 +68,7 @@ def sample(
         )
     from .params import read_params, values_of
 
+    values = [values] if isinstance(values, Mapping) else values
     job = open_job(category, seed, checked=checked)
     program = job.sampler.program
     found = (
@@ -75,6 +76,8 @@ def sample(
         if isinstance(values, str | Path)
         else values_of([dict(v) for v in values], program, "values")
     )
+    if not found.records:
+        raise UsageError("no objects are given: values is empty")
     beyond = [k for k in ([] if numbers is None else np.asarray(numbers).tolist()) if not 0 <= k < len(found.records)]
     if beyond:
         raise UsageError(f"there is no object {beyond[0]}: {len(found.records)} are given, numbered from 0")
@@ -85,6 +88,8 @@ def load(
     text: str, n: int = 1, seed: int = 0, *, set: Mapping[str, Value] | None = None, checked: bool = True
 ) -> Samples:
     """Objects of a category whose program is at hand as text. Raises CompileError, SettingError, NoObject."""
+    if text.strip().endswith((".apg", ".apgc")) and "\n" not in text.strip():
+        raise UsageError(f"load takes the text of a program, not its name, {text}", f'write sample("{text}")')
     sampler = Session.of_text(text).sampler
     return Samples(make_job(sampler, sampler.program.name, seed, set, checked=checked), _numbers(n, None))
 
@@ -126,11 +131,14 @@ def _numbers(n: int | None, numbers: Sequence[int] | np.ndarray | None) -> np.nd
     if numbers is not None:
         if n is not None:
             raise UsageError("both n and numbers are given", "n objects are the numbers 0 .. n - 1")
-        found = np.unique(np.asarray(numbers, dtype=np.int64).reshape(-1))
+        asked = np.asarray(numbers).reshape(-1)
+        if len(asked) and asked.dtype.kind not in "iu":
+            raise UsageError(f"the numbers of objects are whole, not {asked[0]!r}")
+        found = np.unique(asked.astype(np.int64))
         if not len(found) or found[0] < 0:
             raise UsageError("the numbers of objects are whole and from 0 on, and there is at least one")
         return found
-    count = 1 if n is None else int(n)
+    count = 1 if n is None else whole("n", n)
     if count < 1:
         raise UsageError(f"n is {n}: there must be at least one object")
     return np.arange(count)
@@ -168,6 +176,10 @@ class Samples:
     def numbers(self) -> np.ndarray:
         """(B,) object numbers, ascending."""
         return self.batch.numbers
+
+    def __iter__(self) -> Iterator[Object]:
+        """The objects one by one, in the order of their numbers."""
+        return (self.object(number) for number in self.numbers.tolist())
 
     def object(self, number: int) -> Object:
         """The object of a number, the same whether it is among these or not."""
@@ -257,7 +269,14 @@ class Samples:
         """
         draws = [(k, d) for k, d in enumerate(self.batch.program.draws) if d.column.name == name]
         if not draws or any(s.kind == "repeat" for _, d in draws for s in d.column.scope.ancestors()):
-            raise KeyError(f"{name}: there is no such value, or an object has several; the annotation lists all")
+            if not isinstance(name, str):
+                raise UsageError(
+                    f"[{name!r}] names no value",
+                    'a value is batch["width"], an object batch.object(37), in turn `for one in batch`',
+                )
+            known = sorted({d.column.name for d in self.batch.program.draws})
+            why = "an object has several; the annotation lists all" if draws else did_you_mean(name, known)
+            raise KeyError(f"{name}: " + (why or "there is no such value; the annotation lists all"))
         words = draws[0][1].kind == "choice"
         found = np.full(len(self), "" if words else np.nan, dtype=object if words else np.float64)
         for k, draw in draws:
@@ -296,6 +315,8 @@ class Samples:
         """Joint values (K, J) in the states named: "rest", "open", "random:K" within the limits, with commas between."""
         from .annotate.states import joint_values, read_states
 
+        if not isinstance(states, str):
+            raise UsageError(f"states are text, not {states!r}", "such as rest, open or random:4")
         return joint_values(self.batch, read_states(states))
 
     # ------------------------------------------------------------ geometry
@@ -482,6 +503,8 @@ class Samples:
         """Draw all objects to a PNG; the options are those of ``view.sheet.sheet`` (colour, tile, columns, states)."""
         from .view.sheet import write_sheet
 
+        if Path(path).suffix.lower() != ".png":
+            raise UsageError(f"the picture is written as PNG, not to {path}", "choose a name that ends in .png")
         write_sheet(self.batch, path, force=True, **options)
         return Path(path)
 

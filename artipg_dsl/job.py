@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from operator import index
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -243,8 +244,20 @@ def make_job(
             "objects that are repaired cannot follow the declared distributions",
             "leave --repair out, or --sampling prior",
         )
+    if settings is not None and not isinstance(settings, Mapping):
+        raise UsageError(f"set is {settings!r}", 'it maps names to values: {"width": "45cm"}')
     given, plain = resolve(sampler.program, settings or {})
-    return Job(sampler, source, int(seed), plain, given, checked=checked, candidates=candidates, repair=repair)
+    return Job(
+        sampler, source, whole("seed", seed), plain, given, checked=checked, candidates=candidates, repair=repair
+    )
+
+
+def whole(name: str, value: Any) -> int:
+    """A whole number, of Python's or NumPy's types. Raises UsageError."""
+    try:
+        return index(value)
+    except TypeError:
+        raise UsageError(f"{name} is {value!r}: a whole number is needed") from None
 
 
 def read_sampling(text: str) -> int:

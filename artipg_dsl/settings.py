@@ -69,7 +69,9 @@ def read(draw: Draw, value: Value, *, anywhere: bool = False) -> tuple[float, Va
     if draw.kind == "choice":
         return _option(draw, value)
     number = value if isinstance(value, int | float) and not isinstance(value, bool) else _number(draw, str(value))
-    if draw.kind == "count" and number != int(number):
+    if math.isnan(number):
+        raise SettingError(f"`{draw.column.name}` cannot be nan: a number is needed")
+    if draw.kind == "count" and math.isfinite(number) and number != int(number):
         raise SettingError(f"`{draw.column.name}` is a count: {value} is not a whole number")
     low = None if draw.low is None else draw.low.constant
     high = None if draw.high is None else draw.high.constant

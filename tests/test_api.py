@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import struct
 from pathlib import Path
 
@@ -144,3 +145,32 @@ def test_points_and_views_in_several_states(chests: apg.Samples, tmp_path: Path)
     with np.load(folder / "points-00000.npz") as arrays:
         assert arrays["motion"].shape == (1, 1, 16, 3)
     assert (folder / "views-00000.npz").exists()
+
+
+@pytest.mark.parametrize(
+    ("wrong", "told"),
+    [
+        (lambda: apg.sample(CHEST, n=2.5), "n is 2.5"),
+        (lambda: apg.sample(CHEST, n="3"), "n is '3'"),
+        (lambda: apg.sample(CHEST, seed="a"), "seed is 'a'"),
+        (lambda: apg.sample(CHEST, numbers=[1.5]), "are whole, not"),
+        (lambda: apg.sample(CHEST, set="width=45cm"), "it maps names to values"),
+        (lambda: apg.sample(CHEST, set={"width": float("nan")}), "cannot be nan"),
+        (lambda: apg.sample(CHEST, values=[]), "no objects are given"),
+        (lambda: apg.load("chest.apg"), "takes the text of a program"),
+        (lambda: apg.sample(CHEST).joint_values(3), "states are text"),
+        (lambda: apg.sample(CHEST)[3], "batch.object"),
+        (lambda: apg.sample(CHEST).sheet("sheet.jpg"), "written as PNG"),
+    ],
+)
+def test_wrong_arguments_are_told_in_words(wrong, told: str) -> None:
+    with pytest.raises(UsageError, match=re.escape(told)):
+        wrong()
+
+
+def test_one_by_one() -> None:
+    batch = apg.sample(CHEST, numbers=[4, 2])
+    assert [(one.number, one["width"][0]) for one in batch] == list(zip([2, 4], batch["width"], strict=True))
+    assert apg.sample(CHEST, values=batch.object(4).drawn)["width"] == batch["width"][1]
+    with pytest.raises(KeyError, match="did you mean `width`"):
+        batch["wdth"]

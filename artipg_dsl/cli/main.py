@@ -326,6 +326,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # the reader of our output has seen enough
         drop_output()
         return OK
+    except ModuleNotFoundError as wrong:
+        package = (wrong.name or "").partition(".")[0]
+        if package in ("", "artipg_dsl"):
+            raise
+        error(f"the package {package} is not installed", "pip install artipg_dsl brings it")
+        return FAILED
     except OSError as wrong:  # files are told of where they are written: what is left is the output itself
         drop_output()
         error(f"cannot write {wrong.filename or 'the output'}: {wrong.strerror or wrong}", None)
