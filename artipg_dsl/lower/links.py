@@ -100,12 +100,12 @@ class Links:
         onward: list[Scope] = []
         repeat = None
         for attachment in attachments:
-            before = next((to for to in attachment.to if isinstance(to, InElement) and to.part is part), None)
+            before = next((to for to in attachment.to if isinstance(to, InElement) and self.rides(to, part)), None)
             if attachment.joint is not None:
                 links: Reference = (self.own_link(part, attachment),)
             elif attachment.base:
                 links = self.base(part.env)
-            elif before is not None and before.rank is None:  # rigid on the element before
+            elif before is not None:  # rigid on the element before
                 repeat = before.repeat
                 onward.append(attachment.env.scope)
                 continue
@@ -118,6 +118,26 @@ class Links:
             found.append((part.env.scope, self.base(part.env) if first is None or first is part else self.of(first)))
         links = self.whichever(found)
         return links if repeat is None or self.outside(links, repeat) else (Onward(repeat, tuple(onward), links),)
+
+    def rides(self, before: InElement, part: Part) -> bool:
+        """Whether what lies in the element before is rigid on ``part`` there, through other parts or not."""
+        at = before.part
+        seen: set[Part] = set()
+        while before.rank is None and not isinstance(at, InElement) and at not in seen:
+            if at is part:
+                return True
+            seen.add(at)
+            owner, attachments = at.env.root.instance, self.attachments(at)
+            if len(attachments) == 1 and attachments[0].env.scope is at.env.scope and len(attachments[0].to) == 1:
+                if attachments[0].joint is not None:
+                    return False
+                at = attachments[0].to[0]
+            elif owner is not None and all(a.base and a.joint is None for a in attachments):
+                first = first_part(owner)
+                at = owner.part if attachments or first is None or first is at else first
+            else:
+                return False
+        return False
 
     def everywhere(self, part: Part, attachments: list[Attachment]) -> bool:
         """Whether one of the attachments of a part holds wherever it exists."""

@@ -128,6 +128,48 @@ def test_elements_that_are_rigid_on_the_one_before_ride_on_the_last_that_moves()
         assert parts["tip"] == "seg_2.bar"
 
 
+def test_tiers_that_stand_on_another_part_of_the_one_before() -> None:
+    text = f"""{HEAD}category Rack {{
+  root part foot : Cuboid(size = [10cm, 10cm, 4cm])
+  repeat tier[i] in 0 ..< 3 {{
+    part post : Cuboid(size = [2cm, 2cm, 10cm])
+    when i == 0 {{
+      align post.bottom = foot.top + 5mm
+      joint turn : continuous foot -> post about line(at = foot.top.center, along = z)
+    }} else {{ connect post.bottom on previous.plate.top at center }}
+    part plate : Cuboid(size = [8cm, 8cm, 1cm])
+    connect plate.bottom on post.top at center
+  }}
+}}
+"""
+    [(parts, above)] = held(text)
+    assert above == {"tier_0.post": "foot"}
+    assert {link for path, link in parts.items() if path != "foot"} == {"tier_0.post"}
+
+
+def test_templates_that_are_rigid_on_a_port_of_the_one_before() -> None:
+    text = f"""{HEAD}template Unit {{
+  part rod : Cuboid(size = [2cm, 2cm, 10cm])
+  part knob : Cuboid(size = [3cm, 3cm, 1cm])
+  align knob.bottom = rod.top
+  port foot = frame(at = rod.bottom.center, out = -z, up = x)
+  port head = frame(at = knob.top.center, out = z, up = x)
+}}
+category Mast {{
+  root part deck : Cuboid(size = [10cm, 10cm, 4cm])
+  part boss : Cuboid(size = [4cm, 4cm, 1cm])
+  joint turn : continuous deck.top -> boss.bottom at center gap 1mm about line(at = deck.top.center, along = z)
+  repeat tier[i] in 0 ..< 4 {{
+    part unit : Unit
+    when i == 0 {{ connect unit.foot to boss.top }} else {{ connect unit.foot to previous.unit.head }}
+  }}
+}}
+"""
+    [(parts, above)] = held(text)
+    assert above == {"boss": "deck"}
+    assert {link for path, link in parts.items() if path != "deck"} == {"boss"}
+
+
 def test_another_part_of_a_repeat_lies_on_the_element_before() -> None:
     cap = """part cap : Cuboid(size = [3cm, 3cm, 1mm])
     when i > 0 { connect cap.bottom on previous.bar.top at center } else { connect cap.bottom on foot.top at center }"""
