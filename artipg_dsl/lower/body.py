@@ -54,6 +54,8 @@ def lower_body(instance: Instance, option: Option, scope: Scope, given: dict[str
         env.names[name] = own_parameter(env, declaration, name, part.style, option.name)
         instance.values[name] = env.names[name]
     env.module = symbol.module
+    if part.style is not None:
+        share_counts(env, symbol, part.style, option.name)
     instance.values.update({k: v for k, v in given.items() if k not in instance.values})
     size = instance.values.get("size")
     if isinstance(size, Vec) and len(size.items) == 3:
@@ -63,6 +65,24 @@ def lower_body(instance: Instance, option: Option, scope: Scope, given: dict[str
         env.box = Box(times(half, E.const(-1.0)), half)
     lower_statements(env, tuple(s for s in symbol.body if not isinstance(s, ast.ParamDecl)))
     return env
+
+
+def share_counts(env: Env, symbol: Symbol, style: Style, option: str) -> None:
+    """Counts of a template that a style stands for are drawn once, as its parameters are; those whose range follows from
+    measures of the part are each part's own."""
+    for statement in symbol.body:
+        if isinstance(statement, ast.CountDecl) and statement.name not in env.names and settled(statement):
+
+            def make(statement: ast.CountDecl = statement) -> E.Expr:
+                return style.shared(option, statement.name, statement, None, env)
+
+            env.names[statement.name] = Thunk(make, statement.name_span)
+
+
+def settled(statement: ast.CountDecl) -> bool:
+    """Whether the range of a count is written out."""
+    domain = statement.domain
+    return all(isinstance(end, ast.NumberExpr) for end in (domain.low, domain.high))
 
 
 def lower_statements(env: Env, body: tuple[ast.Stmt, ...]) -> None:
@@ -78,7 +98,11 @@ def own_parameter(
     path = env.path + name
     kind = declaration.type
     if kind.values:
-        return draw_option(env, declaration, path)
+        return (
+            draw_option(env, declaration, path)
+            if style is None
+            else style.shared_option(option, name, declaration, env)
+        )
     if kind.size is None:
         return own_scalar(env, declaration, name, None, style, option)
     items = (own_scalar(env, declaration, f"{name}.{'xyz'[k]}", k, style, option) for k in range(kind.size))

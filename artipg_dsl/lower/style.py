@@ -8,7 +8,7 @@ from ..graph import expr as E
 from ..graph.expr import Expr, Scope
 from ..semantics.symbols import Symbol, is_a
 from ..syntax import ast
-from .draws import draw_choice, draw_scalar
+from .draws import draw_choice, draw_option, draw_scalar
 from .env import Env
 from .values import Choice
 
@@ -61,6 +61,21 @@ class Style:
                 value = E.phi(self.env.scope, [(scope, value)])
             self.drawn[key] = value
         return self.drawn[key]
+
+    def shared_option(self, option: str, name: str, declaration: ast.ParamDecl, local: Env) -> Choice:
+        """The style's own draw of a parameter that is one of some words, of one alternative."""
+        key = (option, name)
+        if key not in self.drawn:
+            home = Env(
+                local.context,
+                local.module,
+                local.symbol,
+                self.scope(option),
+                f"{self.env.path}{self.declaration.name}.",
+            )
+            code = draw_option(home, declaration, f"{self.env.path}{self.declaration.name}.{name}").code
+            self.drawn[key] = code if home.scope is self.env.scope else E.phi(self.env.scope, [(home.scope, code)])
+        return Choice(self.drawn[key], declaration.type.values)
 
 
 def build_style(env: Env, declaration: ast.StyleDecl) -> Style:

@@ -101,3 +101,22 @@ def test_a_role_cannot_be_handed_in() -> None:
     (found,) = session.report.diagnostics
     assert found.code == "wrong-arguments" and "`Handle` is a role" in found.message
     assert "takes a template's name, or a style" in (found.hint or "")
+
+
+def test_a_style_draws_counts_and_words_once():
+    template = (
+        "role Front { slot face }\n"
+        "template Grid : Front {\n"
+        "  param look : choice wide | tall\n"
+        "  count bars in 1 .. 9\n"
+        "  part face : Cuboid(size = [bars * 1cm, 2cm if look == wide else 1cm, 1cm])\n"
+        "}\n"
+        "template Plain : Front { part face : Cuboid(size = [20cm, 1cm, 1cm]) }\n"
+    )
+    body = "style grid : Front = Grid weight 4 | Plain\nrepeat door[k] in 0 ..< 3 { part leaf : grid  connect leaf to body }"
+    batch = Session.of_text(HEAD + template + ROW + body + "\n}\n").sampler.batch(np.arange(30), 1)
+    parts = batch.parts()
+    faces = np.array([path.endswith("leaf.face") for path in parts.path])
+    sizes = np.round((parts.high - parts.low)[faces][:, :2], 6).reshape(30, 3, 2)
+    assert (sizes == sizes[:, :1]).all(), "all leaves of an object are alike"
+    assert len(np.unique(sizes[:, 0, 0])) > 5 and len(np.unique(sizes[:, 0, 1])) == 2
