@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     from .runtime.batch import Batch
 
 COMPILED = ".apgc"
+NARROW = "widen the ranges, or state what one value leaves to the next"
+TURNED = "leave room where it turns or slides, or turn its axis round: `lid.back.bottom` for `lid.bottom.back`"
 MUTATIONS = "mutations"  # among the settings of a manifest; no parameter is called so
 SEQUENTIAL, PRIOR = "sequential", "prior"
 MOST_CANDIDATES = 4096
@@ -118,7 +120,7 @@ class Job:
             )
             + "what failed most:\n"
             + "\n".join(lines),
-            "set other values" if self.settings else "widen the ranges, or state what one value leaves to the next",
+            "set other values" if self.settings else TURNED if " collide while " in lines[0] else NARROW,
         )
 
     def failures(self) -> dict[str, int]:

@@ -298,7 +298,10 @@ def nodes(links: Links, env: Env, node: ast.Expr) -> tuple[int, ...]:
 
 
 def vocabularies(env: Env) -> None:
-    """The vocabularies in sight of the category and of everything it uses, and the words its labels need."""
+    """The vocabularies in sight of the category and of everything it uses.
+
+    Words of vocabularies of one name add up, those of what a module uses before its own: numbers stay.
+    """
     program = env.context.program
     seen: set[int] = set()
 
@@ -307,11 +310,12 @@ def vocabularies(env: Env) -> None:
             return
         seen.add(id(module))
         for symbol in module.names.values():
+            if symbol.module is not module:
+                visit(symbol.module)
+        for symbol in module.names.values():
             if symbol.kind == "vocabulary":
                 words = program.vocabularies.get(symbol.name, ())
                 extra = tuple(w for w in symbol.decl.words if w not in words)
                 program.vocabularies[symbol.name] = words + extra
-            if symbol.module is not module:
-                visit(symbol.module)
 
     visit(env.module)

@@ -100,6 +100,16 @@ def _targets(ck: Checker, ctx: Context, targets: tuple[ast.Expr, ...], rule: str
     return ctx
 
 
+def _word(ck: Checker, ctx: Context, vocabulary: str, word: str) -> str:
+    """A hint: the nearest word that there is, and how to have this one."""
+    own = f"`vocabulary {vocabulary} {{ {word} }}`"
+    symbol = ctx.module.names.get(vocabulary)
+    brought = symbol is not None and symbol.module is not ctx.module
+    add = f"a word of your own: {own}" + (f", with `{vocabulary}` left out of `use`" if brought else "")
+    near = did_you_mean(word, ck.vocabularies[vocabulary])
+    return f"{near} {add}" if near else add
+
+
 def _label(ck: Checker, ctx: Context, stmt: ast.LabelStmt) -> None:
     words = ck.vocabularies.get(stmt.vocabulary)
     if words is None:
@@ -112,7 +122,7 @@ def _label(ck: Checker, ctx: Context, stmt: ast.LabelStmt) -> None:
     elif stmt.label not in words:
         ck.error(
             "unknown-label", stmt.label_span, f"the vocabulary `{stmt.vocabulary}` has no word `{stmt.label}`",
-            hint=did_you_mean(stmt.label, words) or f"add it: `vocabulary {stmt.vocabulary} {{ {stmt.label} }}`",
+            hint=_word(ck, ctx, stmt.vocabulary, stmt.label),
         )  # fmt: skip
     place = formula(_targets(ck, ctx, stmt.targets, "a label lies on"))
     _condition(ck, place, stmt.where)

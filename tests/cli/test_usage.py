@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 from pathlib import Path
@@ -83,3 +84,20 @@ def test_output_that_cannot_be_written(tmp_path: Path) -> None:
         )
     assert found.returncode == 1
     assert found.stderr == "error: cannot write the output: No space left on device\n"
+
+
+def test_a_word_of_ones_own(apgc: Apgc, tmp_path: Path) -> None:
+    program = tmp_path / "bin.apg"
+    text = (
+        "apg 1\nuse primitives { Cuboid }\nuse vocabularies { semantic }\ncategory Bin {\n"
+        "  root part body : Cuboid(size = [20cm, 20cm, 40cm])\n  label semantic.pedal on body\n}\n"
+    )
+    program.write_text(text)
+    code, out, _ = apgc("check", program)
+    assert code == 1 and "`vocabulary semantic { pedal }`, with `semantic` left out of `use`" in out
+    program.write_text(
+        text.replace("vocabularies { semantic }", "vocabularies { affordance }\nvocabulary semantic { pedal }")
+    )
+    assert apgc("sample", program, "-n", 1, "--points", 8, "-o", tmp_path / "out")[0] == 0
+    words = json.loads((tmp_path / "out" / "manifest.json").read_text())["vocabularies"]["semantic"]
+    assert words[0] == "body" and words[-1] == "pedal"
