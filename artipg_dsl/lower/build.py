@@ -157,6 +157,11 @@ def instantiate(part: Part, option: Option) -> Instance:
         declared = {name: (owner, declaration) for owner, declaration, name, _ in parameters_of(option.symbol)}
         for argument in arguments:
             name = argument.name or ""
+            if has_hole(argument.value):
+                raise context.error(
+                    "misplaced-hole", argument.value.span, f"`{option.name}` is one of several: it leaves nothing open to equations",
+                    hint="what all have open is handed in by a role: `part lid : Lid(size = [_, _, 1cm]) = Flat | Domed`",
+                )  # fmt: skip
             if name in declared:
                 own[name] = handed_in(part, *declared[name], name, argument)
             else:  # a count

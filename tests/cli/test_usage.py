@@ -101,3 +101,13 @@ def test_a_word_of_ones_own(apgc: Apgc, tmp_path: Path) -> None:
     assert apgc("sample", program, "-n", 1, "--points", 8, "-o", tmp_path / "out")[0] == 0
     words = json.loads((tmp_path / "out" / "manifest.json").read_text())["vocabularies"]["semantic"]
     assert words[0] == "body" and words[-1] == "pedal"
+
+
+def test_an_alternative_that_leaves_a_size_open(apgc: Apgc, tmp_path: Path) -> None:
+    program = tmp_path / "box.apg"
+    program.write_text(
+        "apg 1\nuse primitives { Cuboid, Cylinder }\ncategory Box {\n  root part a : Cuboid(size = [9cm, 9cm, 9cm])\n"
+        "  part b : Cuboid(size = [3cm, _, 3cm]) | Cylinder(radius = 1cm, height = 2cm)\n  connect b.bottom on a.top\n}\n"
+    )
+    code, out, _ = apgc("check", program)
+    assert code == 1 and "`Cuboid` is one of several: it leaves nothing open" in out and "handed in by a role" in out
