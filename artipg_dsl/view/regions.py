@@ -21,7 +21,7 @@ NEUTRAL = "d5d9de"
 #: one colour per word of a vocabulary, in its order
 COLOURS = (
     "2f6fd0", "9b59b6", "e4572e", "f2c12e", "f28e1c", "12a594", "7bb32e", "d6409f", "8c6d4f", "5b6b7d", "7d2ae8",
-    "2aa8e0", "b0215a", "a03030", "3f7f5c", "101418",
+    "2aa8e0", "b0215a", "a03030", "3f7f5c", "101418", "1c3f6e", "e58fb0", "8fd0c0", "b58900",
 )  # fmt: skip
 FINE = 24  # pieces along the diagonal of a primitive
 LEAST = 200  # pieces along that of the object, at most

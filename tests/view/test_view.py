@@ -125,6 +125,11 @@ def test_regions_lie_where_labels_say() -> None:
     )
 
 
+def test_every_shipped_affordance_has_a_colour_of_its_own() -> None:
+    said = Session.of("Microwave").sampler.program.vocabularies["affordance"]
+    assert len(set(regions.COLOURS)) == len(regions.COLOURS) >= len(said)
+
+
 def test_stripes_share_out_what_several_words_say() -> None:
     place = np.stack([np.linspace(0, 1, 1000)] * 3, axis=1)
     red, blue = np.array([1.0, 0, 0]), np.array([0, 0, 1.0])
