@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from ..runtime.trace import Step
 
 TOLD = ("trace", "correspondence")
+PLAIN = "apa,dpa,cpa", 1.0, 0.5  # operations, strength and share where nothing is said of them
 SHOWN = 12  # differences of one object that are told without --all
 
 
@@ -147,6 +148,8 @@ def mutation(options: argparse.Namespace, numbers: np.ndarray) -> Mutation:
         raise UsageError(f"there is no operation `{unknown[0]}`", f"the operations are {', '.join(OPERATIONS)}")
     if options.one is not None and options.parts != "*":
         raise UsageError("--one names the value itself: --parts has no meaning beside it")
+    if options.one is not None and (options.ops, options.strength, options.share) != PLAIN:
+        raise UsageError("--one draws its value anew: --ops, --strength and --share have no meaning beside it")
     return Mutation(
         wanted, options.variant, options.strength, options.share, options.one or options.parts, options.one is not None,
         options.number or 1, tuple((first, last) for first, last in spans(numbers)),

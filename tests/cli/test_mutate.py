@@ -129,6 +129,8 @@ def test_objects_given_by_their_values(apgc, chest, tmp_path):
         (("--share", "2"), "between 0 and 1"),
         (("--only", "99"), "holds no object 99"),
         (("--one", "width", "--parts", "lid"), "--parts has no meaning"),
+        (("--one", "width", "--share", "1"), "have no meaning"),
+        (("--one", "width", "--ops", "cpa"), "have no meaning"),
         (("--replay", "nothing.jsonl"), "cannot be read"),
         (("--one", "widht"), "did you mean `width`?"),
         (("--parts", "share,lod"), "Chest draws no `lod`"),
