@@ -21,6 +21,7 @@ from .patches import Params, rows_of, surfaces
 from .trial import trial
 
 ON_SURFACE = 1e-9  # how far the inside function may be from 0 on a surface, relative to the diagonal
+JUMP = 0.005  # of the distance to the solid
 OFF_SURFACE = 1e-6  # how far off a surface its sides are asked
 LOOSE = 2e-3  # how much of its greatest side a box may exceed the mesh by
 MOMENTS = 5e-3  # relative difference of volume, centre and inertia by quadrature and by a fine mesh
@@ -143,13 +144,19 @@ def _surfaces(seen: _Inspection) -> Report:
 
 
 def _slope(seen: _Inspection) -> Report:
-    """The inside function is a length: it changes by no more than the distance."""
+    """The inside function is a length: it changes by no more than the distance, and outside by JUMP of itself more.
+
+    A sweep of a section that is not round is measured from the nearest place of its path. Where two places are as near, far out in
+    the hollow of a bend, the section may lie turned another way at each.
+    """
     row, points = seen.in_boxes()
     first, second = seen.numbers("direction", len(row))
     polar, around = np.arccos(2 * first - 1), 2 * np.pi * second
     direction = np.stack([np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), np.cos(polar)], axis=-1)
     step = 1e-4 * seen.diagonal[row]
-    change = np.abs(seen.inside(row, points + step[:, None] * direction) - seen.inside(row, points)) / step
+    value = seen.inside(row, points)
+    change = np.abs(seen.inside(row, points + step[:, None] * direction) - value)
+    change = (change - JUMP * np.maximum(value, 0.0)) / step
     worst = int(np.argmax(change))
     if change[worst] > 1 + 1e-6:
         yield (
