@@ -20,7 +20,7 @@ TILE, COLUMNS = 190, 7
 #: which objects stand for their category, the second of them with its joints opened
 SHOWN = {
     "Faucet": (0, 17),
-    "Bottle": (14, 29),
+    "Bottle": (14, 4),
     "Chair": (18, 23),
     "Scissors": (4, 13),
     "USB": (7, 15),
@@ -37,7 +37,8 @@ def picture(name: str, numbers: np.ndarray, tile: int, columns: int) -> Image.Im
 
 
 def save(image: Image.Image, path: Path) -> None:
-    image.convert("P", palette=Image.Palette.ADAPTIVE, colors=200).save(path, optimize=True)
+    colours = image.quantize(256)
+    image.quantize(palette=colours, dither=Image.Dither.FLOYDSTEINBERG).save(path, optimize=True)
 
 
 def together(names: list[str]) -> Image.Image:
