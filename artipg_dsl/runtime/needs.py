@@ -18,13 +18,20 @@ def pose_cells(pose: Pose) -> list[Expr]:
 
 
 def wanted(program: Program) -> Iterator[Wanted]:
-    """Everything that tables, labels, grasps and keypoints read."""
+    """Everything that tables, loops, labels, grasps and keypoints read."""
     for site in program.sites:
         yield from each(site.scope, site.parameters, pose_cells(site.pose), (p for _, p in site.materials))
     for part in program.parts:
         yield from each(part.scope, pose_cells(part.pose), part.low, part.high)
         yield from ranks(part.link)
         yield from ranks(part.holder)
+    for link in program.links:
+        if link.part >= 0 and link.scope.within(program.parts[link.part].scope):
+            yield from each(link.scope, pose_cells(program.parts[link.part].pose))
+    for closure in program.closures:
+        yield from each(closure.scope, *closure.points)
+        for side in closure.links:
+            yield from ranks(side)
     for joint in program.joints:
         physics = (
             joint.low,
