@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from ..graph import expr as E
 from ..graph.expr import Expr, Scope, ScopeError
 from ..graph.program import Pose
+from ..semantics import names
 from ..semantics.units import UNITS
 from ..source import Span
 from ..syntax import ast
@@ -21,7 +22,7 @@ from .values import Box, Choice, Frame, Line, Plane, Ports, Ref, Value, Vec
 from .vectors import AXES, HERE, unit
 
 if TYPE_CHECKING:
-    pass
+    from .drives import Drive
 
 
 class Evaluator:
@@ -31,6 +32,8 @@ class Evaluator:
     truth, number, plane, across = arithmetic.truth, arithmetic.number, arithmetic.plane, arithmetic.across
     member, box_member, own_box, here = members.member, members.box_member, members.own_box, members.here
     ref_box = members.ref_box
+
+    drive: Drive | None = None  # in formulas of labels: what a force on the surface does to a joint
 
     def __init__(self, env: Env, local: dict[str, Value] | None = None, pose: Pose = HERE):
         self.env = env
@@ -235,6 +238,8 @@ class Evaluator:
         if isinstance(node.function, ast.MemberExpr):
             return builtins.method(self, node)
         name = node.function.name
+        if self.drive is not None and name in names.DRIVES:
+            return self.drive.truth(node)
         found = self.local.get(name) or self.env.find(name)
         if not isinstance(found, Function):
             symbol = self.env.module.find(name)

@@ -11,6 +11,7 @@ from ..graph.program import MEASURES, Grasp, Keypoint, Label, Pose, Target
 from ..syntax import ast
 from .carry import moved
 from .context import Abort, where
+from .drives import Drive
 from .env import Element, Env
 from .evaluate import Evaluator
 from .faces import extent
@@ -205,7 +206,9 @@ def formula(links: Links, env: Env, aim: Aim) -> Evaluator:
     }  # fmt: skip
     origin = Pose(aim.frame.rotation, place(aim.frame, aim.box.center), aim.frame.mirror)
     carry = compose(inverse(origin), links.world(env))
-    return Evaluator(env, local, carry)
+    made = Evaluator(env, local, carry)
+    made.drive = Drive(links, env, aim, origin)
+    return made
 
 
 # ---------------------------------------------------------------- statements

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 
 from ..diagnostics.suggest import did_you_mean
 from ..syntax import ast
-from .names import CONSTRUCTORS, FACES, FUNCTIONS
+from .names import CONSTRUCTORS, DRIVES, FACES, FUNCTIONS
 from .scope import Entry
 from .types import (
     ANGLE,
+    BOOL,
     BOX,
     COUNT,
     CURVE,
@@ -26,6 +27,7 @@ from .types import (
     SURFACE,
     UNKNOWN,
     Element,
+    Joint,
     Part,
     Scalar,
     Slot,
@@ -354,6 +356,21 @@ def _lowest(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
     return LENGTH
 
 
+def _drive(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
+    """``pushes(open)``: what a force on the surface does to a joint, in the formula of a label."""
+    assert isinstance(expr.function, ast.NameExpr)
+    word = expr.function.name
+    if "n" not in ctx.extra:
+        return ck.error(
+            "wrong-type", expr.span, f"`{word}` asks about a point of a surface: it stands in formulas of labels and fields",
+            hint=f"as in `label affordance.push on door.panel where {word}(open)`",
+        )  # fmt: skip
+    (kind,) = _positional(ck, ctx.but(lenient=[], many=True), expr, 1, word)
+    if not isinstance(kind, Joint) and kind != UNKNOWN:
+        ck.error("wrong-type", expr.arguments[0].span, f"`{word}` takes a joint, but this is {kind}")
+    return BOOL
+
+
 def _method(ck: Checker, ctx: Context, expr: ast.CallExpr, function: ast.MemberExpr) -> Type:
     obj = ck.infer(ctx, function.obj)
     if obj == UNKNOWN:
@@ -398,6 +415,7 @@ _BUILT_IN: dict[str, Callable[[Checker, Context, ast.CallExpr], Type]] = {
     "atan2": _atan2,
     "mod": _mod,
     "lowest": _lowest,
+    **dict.fromkeys(DRIVES, _drive),
     "frame": _named(FRAME, {"at": (POINT, True), "out": (DIRECTION, True), "up": (DIRECTION, True)}),
     "line": _line,
     "box": _box,

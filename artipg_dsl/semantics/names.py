@@ -21,9 +21,12 @@ TYPE_NAMES = (
     "choice", "vec", "point", "frame", "plane", "edge", "line", "curve", "box", "material", "string",
 )  # fmt: skip
 
+DRIVES = ("pushes", "pulls", "pushes_back", "pulls_back")
+"""The functions of a joint at a point of a surface, which stand in formulas of labels and fields."""
+
 FUNCTIONS = (
     "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sqrt", "hypot", "abs", "min", "max", "sum", "floor",
-    "ceil", "round", "exp", "log", "sign", "mod", "number", "lowest",
+    "ceil", "round", "exp", "log", "sign", "mod", "number", "lowest", *DRIVES,
 )  # fmt: skip
 
 RESERVED_TYPES = (
