@@ -212,7 +212,7 @@ def _parts(batch: Batch) -> list[list[dict[str, Any]]]:
     poses = part_poses(batch)
     words = batch.program.vocabularies.get("semantic", ())
     of = semantic_parents(parts)
-    semantic = [words[i] if 0 <= i < len(words) else None for i in np.asarray(parts.semantic).tolist()]
+    semantic = [words[i] if i else None for i in np.asarray(parts.semantic).tolist()]
     columns: dict[str, list[Any]] = {
         "number": np.asarray(parts.number).tolist(),
         "name": list(parts.name),

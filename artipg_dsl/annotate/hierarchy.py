@@ -20,7 +20,7 @@ def semantic_parents(parts: PartTable) -> np.ndarray:
     first = np.searchsorted(parts.owner, parts.owner)
     around = np.append(np.where(parts.parent >= 0, first + parts.parent, count), count)
     carrier = np.append(np.where(parts.holder >= 0, first + parts.holder, around[:count]), count)
-    own = np.append(np.where(parts.semantic >= 0, np.arange(count), -1), count)
+    own = np.append(np.where(parts.semantic > 0, np.arange(count), -1), count)
     inside = climb(around, own)  # the innermost at or around each part, `count` where there is none
     within = inside[around[:count]]
     settled = np.where(inside < count, inside, -1)
@@ -52,4 +52,4 @@ def lineages(parts: PartTable, of: np.ndarray, words: tuple[str, ...], category:
             known[row] = f"{around}/{words[semantic[row]]}"
         return known[row]
 
-    return [name(row) if 0 <= word < len(words) else None for row, word in enumerate(semantic)]
+    return [name(row) if word else None for row, word in enumerate(semantic)]

@@ -23,7 +23,7 @@ STATE = Meaning(
 POINTS = {
     "points": Meaning("points on the visible surface at rest", "objects, points, 3", "object", "m", "float32"),
     "normals": Meaning("outward unit normals of the surface", "objects, points, 3", "object", "1", "float32"),
-    "semantic": Meaning("class of the part, an index into vocabularies.semantic", "objects, points"),
+    "semantic": Meaning("class of the part, an index into vocabularies.semantic; 0: unlabelled", "objects, points"),
     "instance": Meaning("part instance, its `number` in the annotation", "objects, points"),
     "link": Meaning("link, its `number` in the annotation", "objects, points"),
     "material": Meaning("material, an index into vocabularies.materials; 65535: none", "objects, points"),
@@ -67,7 +67,7 @@ VIEWS = {
         "place in the box of the instance, its diagonal 1 and its centre 0; 0: nothing seen", f"{_IMAGE}, 3", "part",
         "1", "float32",
     ),
-    "semantic": Meaning("class, an index into vocabularies.semantic; 65535: nothing seen", _IMAGE),
+    "semantic": Meaning("class, an index into vocabularies.semantic; 0: unlabelled, 65535: nothing seen", _IMAGE),
     "instance": Meaning("part instance, its `number` in the annotation; 65535: nothing seen", _IMAGE),
     "link": Meaning("link, its `number` in the annotation; 65535: nothing seen", _IMAGE),
     "cloud_points": Meaning("points that the camera sees", f"{_CLOUD}, 3", "object", "m", "float32"),

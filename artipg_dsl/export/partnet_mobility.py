@@ -131,7 +131,7 @@ def _members(robots: Robots, i: int, robot: Robot, frame: Frame) -> list[Member]
             word, kind, label = ("heavy" if heavy else "free"), "fixed", root_label(program.name)
         else:
             word, kind = _words(robot, joint)
-            meant = program.parts[link.part].semantic if link.part >= 0 else ""
+            meant = program.parts[link.part].word if link.part >= 0 else ""
             label = link_label(program.name, meant or link.path.split(".")[-1], joint.kind)
         pivot = np.zeros(3) if joint is None else frame.points(robot.links[k].origin)
         parent = None if joint is None else ids[joint.parent]
@@ -173,7 +173,7 @@ def _leaf_name(robots: Robots, i: int, instance: int) -> tuple[str, str]:
     row = int(robots.part_start[i]) + instance
     semantic, text = int(robots.parts.semantic[row]), robots.parts.name[row]
     words = robots.batch.program.vocabularies.get("semantic", ())
-    return snake(words[semantic] if 0 <= semantic < len(words) else text.split(".")[-1]), text
+    return snake(words[semantic] if semantic else text.split(".")[-1]), text
 
 
 def _meshes(

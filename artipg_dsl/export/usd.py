@@ -120,7 +120,7 @@ def _mesh(visual: Visual, origin: np.ndarray, words: tuple[str, ...]) -> dict[st
     return _polygons(points, shading.faces) | {
         "title": visual.name,
         "look": identifier(visual.look.name),
-        "label": words[semantic] if 0 <= semantic < len(words) else "",
+        "label": words[semantic] if semantic else "",
         "normals": vectors(np.round(shading.normals[k], 5)),
     }
 

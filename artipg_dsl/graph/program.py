@@ -15,6 +15,8 @@ from .reference import Reference
 
 Triple = tuple[Expr, Expr, Expr]
 
+UNLABELLED = "unlabelled"  # place 0 of every vocabulary: of a surface no word of it is said
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Where:
@@ -149,9 +151,14 @@ class Part:
     low: Triple
     high: Triple
     link: Reference
-    semantic: str = ""  # innermost semantic label of the whole part, "" where none
+    semantic: tuple[tuple[str, Expr], ...] = ()  # (word for the whole part, predicate), the last that holds counts
     symmetry: tuple[int, int] = (1, 2)  # (turns, axis 0..2); turns 0: any angle
     holder: Reference = ()  # the part that it is rigidly connected to, if there is one
+
+    @property
+    def word(self) -> str:
+        """What a kind of part is called, whatever the object: the last of its semantic words, "" where it has none."""
+        return self.semantic[-1][0] if self.semantic else ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -84,7 +84,6 @@ class Context:
     solids: dict = field(default_factory=dict)  # primitive symbol -> Lowered
     labels: list = field(default_factory=list)  # (depth of the target, Label)
     materials: dict = field(default_factory=dict)  # site -> [(depth, ((material, predicate), ...))]
-    semantic_groups: list = field(default_factory=list)
     near: dict[Span, bool] = field(default_factory=dict)  # statements with `near` -> whether a search began there
     clearances: dict[int, Span] = field(
         default_factory=dict

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from ..graph import expr as E
 from ..graph.expr import ONE, Expr, Scope, ScopeError
+from ..graph.formula import free_variables
 from ..graph.program import MEASURES, Grasp, Keypoint, Label, Pose, Target
 from ..syntax import ast
 from .carry import moved
@@ -236,19 +237,16 @@ def label(links: Links, env: Env, statement: ast.LabelStmt) -> None:
                     guard=E.both(there, guard),
                 )  # fmt: skip
             links.context.labels.append((aim.depth, made))
-            if (
-                statement.vocabulary == "semantic"
-                and guard is E.TRUE
-                and there is E.TRUE
-                and statement.value is None
-                and not aim.surfaces
-            ):
+            holds = E.both(there, guard)
+            whole = statement.vocabulary == "semantic" and statement.value is None and not aim.surfaces
+            if whole and not free_variables([holds]):  # it holds for a part as a whole, or does not
                 for part in aim.parts:
                     for instance in part.instances:
                         number = links.nodes.get((part, instance.symbol.name))
                         if number is not None:
-                            program.parts[number] = replace(program.parts[number], semantic=statement.label)
-                links.context.semantic_groups.append(tuple(aim.parts))
+                            made_of = program.parts[number]
+                            said = (*made_of.semantic, (statement.label, holds))
+                            program.parts[number] = replace(made_of, semantic=said)
 
 
 def field_label(links: Links, env: Env, statement: ast.FieldStmt) -> None:

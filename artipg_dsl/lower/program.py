@@ -11,7 +11,7 @@ from ..graph import expr as E
 from ..graph.depend import draws_behind
 from ..graph.expr import Expr, Scope, ScopeError
 from ..graph.linear import Circle
-from ..graph.program import Allowed, Clear, Link, Preference, Program, Requirement, Stable
+from ..graph.program import UNLABELLED, Allowed, Clear, Link, Preference, Program, Requirement, Stable
 from ..graph.reference import definitions
 from ..graph.text import digest
 from ..semantics.symbols import Symbol
@@ -300,9 +300,11 @@ def nodes(links: Links, env: Env, node: ast.Expr) -> tuple[int, ...]:
 def vocabularies(env: Env) -> None:
     """The vocabularies in sight of the category and of everything it uses.
 
-    Words of vocabularies of one name add up, those of what a module uses before its own: numbers stay.
+    Words of vocabularies of one name add up, those of what a module uses before its own: numbers stay. The first is
+    that of a surface without any.
     """
     program = env.context.program
+    program.vocabularies["semantic"] = (UNLABELLED,)  # points have a class, whether the text has words for it or not
     seen: set[int] = set()
 
     def visit(module) -> None:  # noqa: ANN001
@@ -314,7 +316,7 @@ def vocabularies(env: Env) -> None:
                 visit(symbol.module)
         for symbol in module.names.values():
             if symbol.kind == "vocabulary":
-                words = program.vocabularies.get(symbol.name, ())
+                words = program.vocabularies.get(symbol.name, (UNLABELLED,))
                 extra = tuple(w for w in symbol.decl.words if w not in words)
                 program.vocabularies[symbol.name] = words + extra
 

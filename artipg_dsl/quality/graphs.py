@@ -68,12 +68,12 @@ def part_words(batch: Batch) -> list[str]:
     carried: dict[int, str] = {}
     for part in program.parts:
         for carrier in definitions(part.link) if part.semantic else ():
-            carried.setdefault(carrier, part.semantic)
+            carried.setdefault(carrier, part.word)
     found = []
     for number, link in enumerate(program.links):
         at, word = named.get(link.path, link.part), ""
         while at >= 0 and not word:
-            word, at = program.parts[at].semantic, program.parts[at].parent
+            word, at = program.parts[at].word, program.parts[at].parent
         found.append(word or (carried.get(number, "") if number else "") or link.path.rsplit(".", 1)[-1])
     return found
 

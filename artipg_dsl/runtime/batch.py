@@ -107,21 +107,33 @@ class Batch:
         return Referred(self.rowmap, self._link_instances, [link.scope for link in self.program.links], self.read)
 
     @cached_property
-    def _semantic_parts(self) -> list[int]:
-        """For each part, the nearest part at or above it with a semantic label, or itself."""
+    def _words(self) -> list[np.ndarray]:
+        """For each part (rows of its scope,) the place of its word in the vocabulary ``semantic``, 0 where it has none."""
+        words = self.program.vocabularies.get("semantic", ())
         found = []
-        for number, part in enumerate(self.program.parts):
-            at = number
-            while at >= 0 and not self.program.parts[at].semantic:
-                at = self.program.parts[at].parent
-            found.append(at if at >= 0 else number)
-            del part
+        for part in self.program.parts:
+            said = np.zeros(self.rowmap.rows(part.scope).size, dtype=np.int64)
+            for (word, _), holds in zip(
+                part.semantic, self.read([p for _, p in part.semantic], part.scope), strict=True
+            ):
+                said = np.where(holds, words.index(word), said)
+            found.append(said)
         return found
 
-    def semantic_id(self, word: str) -> int:
-        """The index of a word of the vocabulary ``semantic``."""
-        words = self.program.vocabularies.get("semantic", ())
-        return words.index(word) if word in words else 0
+    def _meant(self, number: int, scope: Scope) -> tuple[np.ndarray, np.ndarray]:
+        """For each row of a scope within that of a part: the number in its object of the nearest part at or above that
+        one which bears a semantic word, or of itself, and the word's place, 0 for none."""
+        parts, at = self.program.parts, number
+        instance = self._part_instances.numbers(at, self.rowmap.across(scope, parts[at].scope))
+        word = np.zeros(len(instance), dtype=np.int64)
+        while at >= 0:
+            if parts[at].semantic:
+                row = self.rowmap.across(scope, parts[at].scope)
+                own = np.where(word == 0, self._words[at][row], 0)
+                instance = np.where(own > 0, self._part_instances.numbers(at, row), instance)
+                word += own
+            at = parts[at].parent
+        return instance, word
 
     def sites(self) -> list[SiteTable]:
         """The elementary primitives, placed at joint values 0."""
@@ -136,9 +148,7 @@ class Batch:
             rotation, translation, mirror = self._poses(site.pose, site.scope)
             values = self.read(site.parameters, site.scope)
             params = {n: np.asarray(v, dtype=np.float64) for n, v in zip(primitive.parameters, values, strict=True)}
-            meant = self._semantic_parts[site.part]
-            part = self.program.parts[meant]
-            instance = self._part_instances.numbers(meant, self.rowmap.across(site.scope, part.scope))
+            instance, word = self._meant(site.part, site.scope)
             first = np.searchsorted(owner, np.arange(len(self)))
             rank = np.arange(len(owner)) - first[owner]
             found.append(
@@ -153,7 +163,7 @@ class Batch:
                     mirror,
                     self.link_numbers(site.scope, site.link),
                     instance,
-                    np.full(len(owner), self.semantic_id(part.semantic), dtype=np.int64),
+                    word,
                     rank,
                 )  # fmt: skip
             )
@@ -246,7 +256,7 @@ class Batch:
         rotations, translations, lows, highs, parents, links, semantics, symmetries, holders = ([] for _ in range(9))
         names = []
         referred = Referred(self.rowmap, made, [part.scope for part in program.parts], self.read)
-        for part in program.parts:
+        for number, part in enumerate(program.parts):
             size = self.rowmap.rows(part.scope).size
             rotation, translation, _ = self._poses(part.pose, part.scope)
             rotations.append(rotation)
@@ -259,8 +269,7 @@ class Batch:
             else:
                 parents.append(np.full(size, -1))
             links.append(self.link_numbers(part.scope, part.link))
-            known = part.semantic in program.vocabularies.get("semantic", ())
-            semantics.append(np.full(size, self.semantic_id(part.semantic) if known else -1))
+            semantics.append(self._words[number])
             holders.append(referred.numbers(part.scope, part.holder))
             symmetries.append(np.broadcast_to(np.array(part.symmetry), (size, 2)))
             names.append(self.rowmap.names(part.scope, part.path))

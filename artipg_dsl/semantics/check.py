@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from ..diagnostics import Report
 from ..diagnostics.suggest import did_you_mean
+from ..graph.program import UNLABELLED
 from ..syntax import ast
 from . import attachments, declarations, primitives, roles, statements
 from .checker import Checker, Context
@@ -60,6 +61,10 @@ def _declaration(ck: Checker, symbol: Symbol) -> None:
         case ast.VocabularyDecl() as decl:
             seen: set[str] = set()
             for word, span in zip(decl.words, decl.word_spans, strict=True):
+                if word == UNLABELLED:
+                    ck.error(
+                        "reserved-name", span, f"`{word}` is what surface without a word of a vocabulary is called"
+                    )
                 if word in seen:
                     ck.error("duplicate-name", span, f"`{word}` stands twice in this vocabulary")
                 seen.add(word)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ..runtime.batch import Batch
 
 NEUTRAL = "d5d9de"
-#: one colour per word of a vocabulary, in its order
+#: one colour per word of a vocabulary, in its order; place 0 is no word
 COLOURS = (
     "2f6fd0", "9b59b6", "e4572e", "f2c12e", "f28e1c", "12a594", "7bb32e", "d6409f", "8c6d4f", "5b6b7d", "7d2ae8",
     "2aa8e0", "b0215a", "a03030", "3f7f5c", "101418", "1c3f6e", "e58fb0", "8fd0c0", "b58900",
@@ -37,7 +37,7 @@ def words(batch: Batch, vocabulary: str) -> list[str]:
 def colours(batch: Batch, vocabulary: str) -> dict[str, np.ndarray]:
     """The colour of each word that is said, linear light (3,)."""
     every = list(batch.program.vocabularies.get(vocabulary, ()))
-    return {word: hex_colour(COLOURS[every.index(word) % len(COLOURS)]) for word in words(batch, vocabulary)}
+    return {word: hex_colour(COLOURS[(every.index(word) - 1) % len(COLOURS)]) for word in words(batch, vocabulary)}
 
 
 def regions(

@@ -12,11 +12,12 @@ from ..export.materials import linear
 from ..export.robot import Robots
 
 COLOURINGS = ("part", "material", "affordance")
-# one colour per semantic class in the order of the vocabulary; the first, as a rule the body, is neutral
+# one colour per semantic class in the order of the vocabulary; the first word, as a rule the body, is neutral
 PALETTE = (
     "c4ccd5", "4a86cf", "e8603c", "62a87c", "f2a93b", "8e6bb0", "2fa5a8", "d8648f", "9a7256", "5f6f7a", "b3c151",
     "e9b59c", "3f5f9e", "c9473a", "3f7f5c", "c98a1b",
 )  # fmt: skip
+UNSAID = "efece6"  # of what has no label
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +64,8 @@ def scene(robots: Robots, i: int, pose: tuple[np.ndarray, np.ndarray], colouring
         look = robots.look(i, item)
         rgb = linear(np.array(look.colour))
         if colouring == "part":
-            rgb = semantic[int(group.table.semantic[item.row]) % len(semantic)]
+            word = int(group.table.semantic[item.row])
+            rgb = semantic[(word - 1) % len(semantic)] if word else hex_colour(UNSAID)
         count = len(vertices)
         parts["vertices"].append(vertices)
         parts["normals"].append(rotate(turn[link], shading.normals[item.k]))

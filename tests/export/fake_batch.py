@@ -66,7 +66,7 @@ def cylinder() -> Primitive:
 
 
 BOARDS = ("back", "left", "right", "top", "bottom")
-SEMANTIC = ("body", "door", "handle", "button", "grip")
+SEMANTIC = ("unlabelled", "body", "door", "handle", "button", "grip")
 
 
 def pose(x: e.Expr, z: e.Expr = ZERO) -> Pose:
@@ -84,7 +84,7 @@ def program() -> Program:
     kinds = ["Cuboid"] * 6 + ["Cylinder", "Cylinder"]
     looks = ["paint"] * 5 + ["glass", "steel", "steel"]
     parts = [
-        Part(p, p.split(".")[-1], root, 5 if p == "handle" else -1, k, IDENTITY, zero3, zero3, (n,), s)
+        Part(p, p.split(".")[-1], root, 5 if p == "handle" else -1, k, IDENTITY, zero3, zero3, (n,), ((s, e.TRUE),))
         for p, k, n, s in zip(paths, kinds, links, semantics, strict=True)
     ]
     sites = [
@@ -180,7 +180,7 @@ class FakeBatch:
                     number=s, path=site.path, primitive=self.program.primitives[site.primitive], params=params,
                     owner=np.arange(self.n), rotation=np.broadcast_to(turn, (self.n, 3, 3)), translation=centers[s],
                     mirror=np.full(self.n, -1.0 if s == 2 else 1.0), link=np.full(self.n, site.link[0]),
-                    instance=np.full(self.n, s), semantic=np.full(self.n, words.index(self.program.parts[s].semantic)),
+                    instance=np.full(self.n, s), semantic=np.full(self.n, words.index(self.program.parts[s].word)),
                     rank=np.zeros(self.n, dtype=np.int64),
                 )
             )  # fmt: skip
@@ -225,7 +225,7 @@ class FakeBatch:
         return SimpleNamespace(
             **self._table([part.path for part in program.parts]), parent=np.tile([p.parent for p in program.parts], n),
             path=[p.path for p in program.parts] * n, template=[p.template for p in program.parts] * n,
-            semantic=np.tile([SEMANTIC.index(p.semantic) for p in program.parts], n),
+            semantic=np.tile([SEMANTIC.index(p.word) for p in program.parts], n),
             link=np.tile([p.link[0] for p in program.parts], n), rotation=rotation,
             translation=centers.transpose(1, 0, 2).reshape(-1, 3), low=-half.transpose(1, 0, 2).reshape(-1, 3),
             high=half.transpose(1, 0, 2).reshape(-1, 3), symmetry=np.tile([[1, 2]] * 6 + [[0, 2]] * 2, (n, 1)),

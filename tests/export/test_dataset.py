@@ -74,7 +74,7 @@ def test_arrays_are_as_the_manifest_says(tmp_path: Path) -> None:
             shape = entry["shape"].replace("objects", "2").split(", ")
             assert array.shape == tuple(map(int, shape)), name
         assert arrays["points"].shape == (2, 64, 3) and arrays["affordance.pull"].any()
-    assert described["vocabularies"]["semantic"] == ["body", "door", "handle", "button", "grip"]
+    assert described["vocabularies"]["semantic"] == ["unlabelled", "body", "door", "handle", "button", "grip"]
     assert described["vocabularies"]["affordance"] == ["pull", "push"]
     assert described["vocabularies"]["joints"] == ["open", "press"]
     assert described["identity"]["program"] == "f" * 64 and described["cpu"] and described["objects"] == 5

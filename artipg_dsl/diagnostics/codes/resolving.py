@@ -185,8 +185,27 @@ RESOLVING = (
         """, """
         apg 1
         use primitives { Cuboid }
+        use vocabularies { semantic }
         category Stool {
           root part seat : Cuboid(size = [30cm, 30cm, 3cm])
+          label semantic.seat on seat
+        }
+        """),
+    Code("missing-label", "surface has no semantic label", """
+        Nothing says what a piece of surface is, in all objects or in some, so that its points are of class 0,
+        `unlabelled`. Write `label semantic.seat on seat`; the parts within take it, too, and labels of their own
+        stand over it. `apgc check` warns of it, the program works.
+        """, """
+        apg 1
+        use primitives { Cuboid }
+        use materials { oak }
+        use vocabularies { semantic }
+        category Stool {
+          root part seat : Cuboid(size = [30cm, 30cm, 3cm])
+          part leg : Cuboid(size = [4cm, 4cm, 40cm])
+          connect leg.top on seat.bottom
+          label semantic.seat on seat
+          material oak on seat, leg
         }
         """),
     Code("duplicate-name", "a name is declared twice", """

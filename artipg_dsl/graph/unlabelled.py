@@ -1,0 +1,126 @@
+"""Which surfaces no semantic label covers in some object that the program can make."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise, product
+
+from .expr import Column, Expr, both
+from .program import Program
+
+_MOST = 4096  # cases that are tried; conditions of more are taken to cover
+_COMPARED = ("lt", "le", "eq")
+Term = tuple[Expr, ...]  # what a condition asks about: a truth, a number, or the difference of two numbers
+
+
+@dataclass(frozen=True, slots=True)
+class Bare:
+    """The site ``number`` has no label on its ``surfaces`` (names; none: on all of it), or with ``partly`` one under a
+    condition that need not hold."""
+
+    number: int
+    surfaces: tuple[str, ...]
+    partly: bool
+
+
+def unlabelled(program: Program) -> list[Bare]:
+    """The sites that semantic labels leave bare.
+
+    Conditions are read as they are written: a comparison may hold or not, a choice takes one of its options. So labels
+    under a condition and under its opposite cover a surface together.
+    """
+    options = {draw.column: len(draw.options) for draw in program.draws if draw.options}
+    said: dict[int, list[tuple[tuple[str, ...], Expr]]] = {}
+    for label in program.labels:
+        if label.vocabulary == "semantic":
+            for target in label.targets:
+                said.setdefault(target.site, []).append((target.surfaces, both(label.guard, label.value)))
+    found = []
+    for number, site in enumerate(program.sites):
+        own = said.get(number, [])
+        there = [s.count for s in site.scope.ancestors() if s.kind == "guard" and s.count is not None]
+        names = program.primitives[site.primitive].surfaces or ("",)
+        on = {name: [holds for named, holds in own if not named or name in named] for name in names}
+        bare = [name for name in names if not _covered(there, on[name], options)]
+        if bare:
+            partly = any(on[name] for name in bare)
+            found.append(Bare(number, () if len(bare) == len(names) else tuple(bare), partly))
+    return found
+
+
+def _covered(there: Sequence[Expr], holding: Sequence[Expr], options: Mapping[Column, int]) -> bool:
+    """Whether one of ``holding`` is true wherever all of ``there`` are."""
+    asked: dict[Term, set[float]] = {}
+    for condition in (*there, *holding):
+        _gather(condition, asked)
+    cases = 1
+    values: list[list[float]] = []
+    for term, limits in asked.items():
+        values.append(_values(term, limits, options))
+        cases *= len(values[-1])
+        if cases > _MOST:
+            return True
+    for combination in product(*values):
+        case = dict(zip(asked, combination, strict=True))
+        if all(_true(e, case) for e in there) and not any(_true(e, case) for e in holding):
+            return False
+    return True
+
+
+def _gather(condition: Expr, asked: dict[Term, set[float]]) -> None:
+    """The terms of a condition, with the constants that they are compared with."""
+    if condition.op in ("and", "or", "not"):
+        for arg in condition.args:
+            _gather(arg, asked)
+    elif condition.op in _COMPARED:
+        term = _term(condition)
+        asked.setdefault(term, set()).update(a.value for a in condition.args if a.op == "const")
+        if len(term) == 2:
+            asked[term].add(0.0)
+    elif condition.op != "const":
+        asked.setdefault((condition,), set())
+
+
+def _term(compared: Expr) -> Term:
+    """What is compared with a constant, or the two that are compared, in an order of their own."""
+    open_ends = [a for a in compared.args if a.op != "const"]
+    return tuple(sorted(open_ends, key=id))
+
+
+def _values(term: Term, limits: set[float], options: Mapping[Column, int]) -> list[float]:
+    """Values of a term that answer every comparison in each way that it can be answered."""
+    if not limits:
+        return [0.0, 1.0]  # false, true
+    if len(term) == 1 and term[0].op == "col" and term[0].value in options:
+        return [float(k) for k in range(options[term[0].value])]
+    ends = sorted(limits)
+    return [ends[0] - 1.0, *ends, *((a + b) / 2 for a, b in pairwise(ends)), ends[-1] + 1.0]
+
+
+def _true(condition: Expr, case: Mapping[Term, float]) -> bool:
+    match condition.op:
+        case "const":
+            return bool(condition.value)
+        case "and":
+            return all(_true(a, case) for a in condition.args)
+        case "or":
+            return any(_true(a, case) for a in condition.args)
+        case "not":
+            return not _true(condition.args[0], case)
+        case "lt" | "le" | "eq":
+            term = _term(condition)
+            left, right = (_side(a, term, case[term]) for a in condition.args)
+            return left < right if condition.op == "lt" else left <= right if condition.op == "le" else left == right
+        case _:
+            return bool(case[condition,])
+
+
+def _side(side: Expr, term: Term, value: float) -> float:
+    """A side of a comparison: a constant, or what the term says of it; of two open sides the second counts as 0."""
+    if side.op == "const":
+        return float(side.value)
+    return value if side is term[0] else 0.0
+
+
+__all__ = ["Bare", "unlabelled"]
