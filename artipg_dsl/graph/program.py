@@ -188,8 +188,8 @@ class Link:
 class Joint:
     """``kind``: revolute, prismatic, continuous, screw, ball or fixed; origin and axis in the object's frame at value 0.
 
-    ``low``, ``high``, ``rest`` in radians or metres (None: no limit; of a ball, how far it tilts). ``mimic`` is (joint
-    index, multiplier, offset). One instance per row of ``scope``. ``clearance``: from its rest value it goes on as far as
+    ``low``, ``high``, ``rest`` in radians or metres (None: no limit; of a ball, how far it tilts). ``mimic`` is (reference
+    to a joint, multiplier, offset). One instance per row of ``scope``. ``clearance``: from its rest value it goes on as far as
     nothing is in the way, at most to ``high``.
     """
 
@@ -204,7 +204,7 @@ class Joint:
     low: Expr | None
     high: Expr | None
     rest: Expr
-    mimic: tuple[int, Expr, Expr] | None = None
+    mimic: tuple[Reference, Expr, Expr] | None = None
     damping: Expr | None = None
     friction: Expr | None = None
     effort: Expr | None = None

@@ -25,7 +25,6 @@ from .context import Abort, Context, where
 from .env import Env, exists_in
 from .evaluate import Evaluator
 from .extents import union_of
-from .mimic import followed
 from .part import Instance, Part
 from .place import bare
 from .values import Carrier, Edge, Frame, InElement, Line, Vec, part_of
@@ -47,6 +46,8 @@ class Links:
     nodes: dict[tuple[Part, str], int] = field(default_factory=dict)
     sites: dict[Part, list[int]] = field(default_factory=dict)
     joints: dict[int, int] = field(default_factory=dict)  # link -> its joint
+    stated: dict[int, Span] = field(default_factory=dict)  # joint -> its statement
+    mimics: dict[int, tuple[Env, ast.Expr]] = field(default_factory=dict)  # joint -> what it follows, as it is written
     resolving: set[Part] = field(default_factory=set)
 
     # ------------------------------------------------------------ poses in the object's frame
@@ -317,16 +318,18 @@ class Links:
                 hint="add `range 0cm .. 30cm`" if kind == "prismatic" else "add `range 0deg .. 90deg`, or make it continuous",
             )  # fmt: skip
         rest = self.rest(ev, words, low, high)
-        mimic = self.mimic(ev, words)
+        if "mimic" in words:
+            self.mimics[len(program.joints)] = (env, words["mimic"].values[0])
         given = ("damping", "friction", "effort", "velocity", "pitch")
         physics: dict[str, Any] = {w: ev.scalar(words[w].values[0]) for w in given if w in words}
         name = part.path if statement.name in ("motion", "") else joint_name(env, statement)
         joint = Joint(
             joint_name(env, statement), name, program.links[child].scope, kind, parents, child,
-            place(outer, origin), carried_axis(outer, axis, kind), low, high, rest, mimic, where=where(statement.span),
+            place(outer, origin), carried_axis(outer, axis, kind), low, high, rest, where=where(statement.span),
             **physics,
         )  # fmt: skip
         self.joints[child] = len(program.joints)
+        self.stated[len(program.joints)] = statement.span
         program.joints.append(joint)
 
     def limit(self, ev: Evaluator, node: ast.Expr, kind: str) -> Expr:
@@ -350,13 +353,6 @@ class Links:
         if low is None or high is None:
             return E.ZERO
         return E.minimum(E.maximum(E.ZERO, low), high)
-
-    def mimic(self, ev: Evaluator, words: dict[str, ast.Clause]) -> tuple | None:
-        clause = words.get("mimic")
-        if clause is None:
-            return None
-        leader, multiplier = followed(ev, clause.values[0])
-        return (leader, multiplier, E.ZERO, ev.env)
 
     def axis(self, ev: Evaluator, part: Part, statement: ast.JointDecl, kind: str) -> tuple[Triple, Triple]:
         """Origin and direction in the frame of the statement."""

@@ -7,28 +7,30 @@ from typing import TYPE_CHECKING
 
 from ..graph import expr as E
 from ..graph.expr import Expr
+from ..graph.reference import Elsewhere, Reference
 from ..syntax import ast
-from .env import Env
+from .context import Abort
+from .env import Element, Env
 from .evaluate import Evaluator
-from .place import root_name
 
 if TYPE_CHECKING:
     from .links import Links
 
 
 def resolve(links: Links) -> None:
-    """Fill in which joint each ``mimic`` follows."""
+    """Fill in which joint each ``mimic`` follows: of the alternatives and branches of ``when`` that bring one of the name,
+    the one that is there."""
     program = links.context.program
-    names = {j.path: k for k, j in enumerate(program.joints)}
-    for k, joint in enumerate(program.joints):
-        if joint.mimic is None or len(joint.mimic) == 3:
+    named: dict[str, list[int]] = {}
+    for number, joint in enumerate(program.joints):
+        named.setdefault(joint.path, []).append(number)
+    for number, (env, node) in links.mimics.items():
+        try:
+            path, factor = followed(Evaluator(env), node)
+            leader = leader_of(links, named, path, env)
+        except Abort:
             continue
-        node, multiplier, offset, env = joint.mimic
-        leader = k if root_name(node) == "previous" else leader_of(links, names, node, env)
-        if leader is None:
-            links.context.error("unknown-name", node.span, "there is no such joint to follow")
-            continue
-        program.joints[k] = replace(joint, mimic=(leader, multiplier, offset))
+        program.joints[number] = replace(program.joints[number], mimic=(leader, factor, E.ZERO))
 
 
 def followed(ev: Evaluator, node: ast.Expr) -> tuple[ast.Expr, Expr]:
@@ -46,11 +48,34 @@ def followed(ev: Evaluator, node: ast.Expr) -> tuple[ast.Expr, Expr]:
     return node, E.ONE
 
 
-def leader_of(links: Links, names: dict[str, int], node: ast.Expr, env: Env) -> int | None:
-    text = node.span.source.text[node.span.start : node.span.end]
-    at: Env | None = env
-    while at is not None:
-        if at.path + text in names:
-            return names[at.path + text]
-        at = at.outer
-    return next((k for path, k in names.items() if path.endswith("." + text)), None)
+def leader_of(links: Links, named: dict[str, list[int]], node: ast.Expr, env: Env) -> Reference:
+    """The joints that a path names, from inside outwards; ``previous`` and ``half[0]`` lead to another element."""
+    names: list[str] = []
+    at = node
+    while isinstance(at, ast.MemberExpr):
+        names.insert(0, at.name)
+        at = at.obj
+    ev = Evaluator(env)
+    if isinstance(at, ast.NameExpr) and at.name == "previous" and env.find("previous") is None:
+        element = ev.nearest_element()
+        if element is not None and (found := named.get(element.env.path + ".".join(names))):
+            return (Elsewhere(env.scope, element.scope, None, ordered(links, found)),)
+    elif isinstance(at, ast.IndexExpr):
+        element = ev.value(at.obj)
+        if isinstance(element, Element) and (found := named.get(element.env.path + ".".join(names))):
+            return (Elsewhere(env.scope, element.scope, ev.position(element, at.index), ordered(links, found)),)
+    elif isinstance(at, ast.NameExpr):
+        path, outer = ".".join([at.name, *names]), env
+        while True:
+            if found := named.get(outer.path + path):
+                return ordered(links, found)
+            if outer.outer is None:
+                break
+            outer = outer.outer
+    raise links.context.error("unknown-name", node.span, "there is no such joint to follow")
+
+
+def ordered(links: Links, joints: list[int]) -> Reference:
+    """Joints of one name, those that exist seldom first."""
+    depth = {k: links.context.program.joints[k].scope.depth for k in joints}
+    return tuple(sorted(joints, key=lambda k: -depth[k]))

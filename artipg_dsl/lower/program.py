@@ -16,7 +16,7 @@ from ..graph.reference import definitions
 from ..graph.text import digest
 from ..semantics.symbols import Symbol
 from ..syntax import ast
-from . import labels, mimic
+from . import labels, mimic, rings
 from .body import lower_statements
 from .bounds import attach_bounds
 from .connect import carriers
@@ -77,6 +77,9 @@ def finish(links: Links, env: Env) -> None:
     program.links.append(Link(root_path(env), program.scopes[0], -1))
     links.build(env, -1)
     mimic.resolve(links)
+    rings.refuse(links)
+    if context.report.failed:
+        return
     motions(links, env)
     clearances(links)
     number_links(links)
@@ -101,7 +104,7 @@ def finish(links: Links, env: Env) -> None:
 def clearances(links: Links) -> None:
     """Mark the joints that turn or slide as far as nothing is in the way; refuse those that do not move by themselves."""
     program = links.context.program
-    followed = {joint.mimic[0] for joint in program.joints if joint.mimic is not None}
+    followed = {k for joint in program.joints if joint.mimic is not None for k in definitions(joint.mimic[0])}
     for number, span in links.context.clearances.items():
         if number in followed or program.joints[number].mimic is not None or program.closures:
             links.context.unclear.append(span)

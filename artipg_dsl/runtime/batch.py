@@ -21,6 +21,7 @@ from .needs import pose_cells
 from .plan import Plan, make_plan
 from .referred import Referred
 from .repairs import Repairs
+from .rooted import led, rooted
 from .tables import Instances, JointTable, LinkTable, PartTable, Rowmap
 
 
@@ -212,7 +213,8 @@ class Batch:
         made, program = self._joint_instances, self.program
         columns: dict[str, list[np.ndarray]] = {name: [] for name in _JOINT_COLUMNS}
         names: list[list[str]] = []
-        for number, joint in enumerate(program.joints):
+        leaders = Referred(self.rowmap, made, [joint.scope for joint in program.joints], self.read)
+        for joint in program.joints:
             scope, size = joint.scope, self.rowmap.rows(joint.scope).size
             columns["parent"].append(self.link_numbers(scope, joint.parent))
             columns["child"].append(self.link_numbers(scope, (joint.child,)))
@@ -224,12 +226,7 @@ class Batch:
             columns["rest"].append(self.read([joint.rest], scope)[0])
             mimic, multiplier, offset = np.full(size, -1), np.ones(size), np.zeros(size)
             if joint.mimic is not None:
-                leader = joint.mimic[0]
-                row = self.rowmap.across(scope, program.joints[leader].scope)
-                if leader == number:  # elements after the first follow the first
-                    rows = self.rowmap.rows(scope)
-                    row = np.where(rows.rank > 0, np.arange(size) - rows.rank, -1)
-                mimic = made.numbers(leader, row)
+                mimic = leaders.numbers(scope, joint.mimic[0])
                 multiplier, offset = self.read(joint.mimic[1:], scope)
             columns["mimic"].append(mimic)
             columns["multiplier"].append(multiplier)
@@ -242,9 +239,10 @@ class Batch:
             )
             for name, values in columns.items()
         }  # fmt: skip
-        return JointTable(
+        table = JointTable(
             made.owner, made.number, [tag(n) for n in made.sort_names(names)], made.definition, kinds, **sorted_columns
         )
+        return rooted(led(table), self.numbers)
 
     def parts(self) -> PartTable:
         """The parts, elementary ones too."""

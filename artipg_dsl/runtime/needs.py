@@ -47,6 +47,7 @@ def wanted(program: Program) -> Iterator[Wanted]:
         yield from ranks(joint.parent)
         if joint.mimic is not None:
             yield from each(joint.scope, joint.mimic[1:])
+            yield from ranks(joint.mimic[0])
     for label in program.labels:
         inputs = row_values(label.formulas)
         for target in label.targets:

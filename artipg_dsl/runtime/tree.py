@@ -33,6 +33,7 @@ class Tree:
         self.joint[self.child] = np.arange(len(self.child))
         chain = [np.arange(count)]
         while (chain[-1] >= 0).any():
+            assert len(chain) <= count, "the links form a ring"
             chain.append(np.where(chain[-1] >= 0, self.above[np.maximum(chain[-1], 0)], -1))
         self.chain = np.stack(chain, axis=1)  # (L, depth): the link itself, its parent, ...
         self.turn, self.shift = batch.pose()
@@ -47,8 +48,7 @@ class Tree:
         self.high = np.where(np.isnan(self.joints.high), np.pi, self.joints.high)
         base = np.searchsorted(self.joints.owner, self.joints.owner)
         self.leader = np.where(self.joints.mimic >= 0, base + self.joints.mimic, np.arange(len(base)))
-        while not np.array_equal(self.leader, self.leader[self.leader]):
-            self.leader = self.leader[self.leader]
+        assert np.array_equal(self.leader, self.leader[self.leader]), "a joint follows one that follows another"
         if batch.loops is not None:  # what the loops of an object determine follows its first driving joint
             self.leader = batch.loops.driven(self.leader)
         self._states: dict[bytes, tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray]]] = {}
