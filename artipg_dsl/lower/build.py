@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from ..graph import expr as E
 from ..graph.expr import Expr
 from ..semantics.symbols import Symbol
+from ..semantics.types import DIMENSIONS
 from ..source import Span
 from ..syntax import ast
 from .context import Unknown
@@ -14,7 +15,7 @@ from .draws import draw_choice, open_parameter
 from .env import Env
 from .evaluate import Evaluator
 from .style import Style, sole_style
-from .values import Choice, Value
+from .values import Choice, Frame, Plane, Value
 from .vectors import IDENTITY, along, product, rotation_about
 
 if TYPE_CHECKING:
@@ -136,7 +137,10 @@ def handed_in(part: Part, owner: Symbol, declaration: ast.ParamDecl, name: str, 
         symbol = env.module.find(node.name)
         if kind.style and symbol is not None and symbol.kind == "template" and env.find(node.name) is None:
             return sole_style(env, f"{part.name}.{name}", owner.module.find(kind.name), node)
-    return Evaluator(env).value(node)
+    value = Evaluator(env).value(node)
+    if isinstance(value, Frame | Plane) and kind.size is None and kind.name in DIMENSIONS:
+        return Evaluator(env).number(value, node.span)  # of a plane, the coordinate that it has here
+    return value
 
 
 def instantiate(part: Part, option: Option) -> Instance:

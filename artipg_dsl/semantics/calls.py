@@ -47,7 +47,13 @@ def call(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
     """The type of a call."""
     if isinstance(expr.function, ast.MemberExpr):
         return _method(ck, ctx, expr, expr.function)
-    assert isinstance(expr.function, ast.NameExpr)
+    if not isinstance(expr.function, ast.NameExpr):
+        for part in (expr.function, *(argument.value for argument in expr.arguments)):
+            ck.infer(ctx, part)
+        return ck.error(
+            "wrong-type", expr.function.span, "only the name of a function can be called",
+            hint="functions give numbers, places or curves, which take no arguments; with `*` one multiplies",
+        )  # fmt: skip
     word = expr.function.name
     for entry in ctx.scope.find(word) if ctx.scope is not None else ():
         if isinstance(entry.node, ast.SurfaceDecl | ast.CurveDecl) or (

@@ -1,0 +1,28 @@
+"""What may be handed in: planes are their coordinate where a number is wanted."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from artipg_dsl.session import Session
+
+HEAD = "apg 1\nuse primitives { Cuboid, Cylinder }\n"
+
+
+@pytest.mark.parametrize(
+    ("given", "height"),
+    [("9cm - a.top", 0.07), ("a.top", 0.02), ("0 - a.bottom", 0.02), ("a.top + a.top", 0.04), ("-a.bottom", 0.02)],
+)
+@pytest.mark.parametrize("template", [False, True], ids=["primitive", "template"])
+def test_a_plane_is_its_coordinate(given: str, height: float, template: bool) -> None:
+    made = f"Post(reach = {given} + 1cm)" if template else f"Cylinder(radius = 1cm, height = {given})"
+    session = Session.of_text(
+        f"{HEAD}template Post {{\n  param reach : length\n  part rod : Cuboid(size = [1cm, 1cm, reach - 1cm])\n}}\n"
+        "category T {\n  root part a : Cuboid(size = [4cm, 4cm, 4cm])\n"
+        f"  part b : {made}\n  connect b.bottom on a.top\n}}\n"
+    )
+    assert session.lowering is not None, session.report.diagnostics
+    parts = session.sampler.batch(np.arange(1), seed=0).parts()
+    place = parts.path.index("b")
+    assert parts.high[place, 2] - parts.low[place, 2] == pytest.approx(height)
