@@ -30,7 +30,8 @@ FIRST = """template Mast {
 }
 """
 DIALS = "".join(
-    f"  part d{k} : Cuboid(size = [1cm, 1cm, 1cm])\n  joint j{k} : continuous body.top -> d{k}.bottom at x = {3 * k}cm, y = 0 gap 1mm mimic {{}}\n"
+    f"  part d{k} : Cuboid(size = [1cm, 1cm, 1cm])\n"
+    f"  joint j{k} : continuous body.top -> d{k}.bottom at x = {3 * k}cm, y = 0 gap 1mm mimic {{}}\n"
     for k in range(3)
 )
 
@@ -57,7 +58,8 @@ def found(text: str) -> list[tuple[str, str, list[int]]]:
         (FIRST + category("  part m : Mast\n  connect m to body\n  align m.grip.bottom = body.top"),
          "`m.lt` hangs on itself: the links form a ring", [8, 5, 6]),
         (category(CHAIN.format(count=3, first="seg[last].lt")), "`seg.lt` hangs on itself: the links form a ring", [9, 10]),
-        (category("  count n in 1 .. 3\n" + CHAIN.format(count="n", first="seg[last].lt")), "`seg.lt` hangs on itself: the links form a ring", [10]),
+        (category("  count n in 1 .. 3\n"
+                  + CHAIN.format(count="n", first="seg[last].lt")), "`seg.lt` hangs on itself: the links form a ring", [10]),
         (category(DIALS.format("j0", "j0", "j0")), "the joint `j0` follows itself", [7]),
         (category(DIALS.format("j1", "j2", "-j0")), "the joint `j0` follows itself, by way of `j1` and `j2`", [7, 9, 11]),
     ],

@@ -232,8 +232,9 @@ RESOLVING = (
         """),
     Code("circular-definition", "something is defined by itself", """
         The chain of definitions shown comes back to its beginning, so that none of them has a value. This
-        holds for `let`, for sizes of parts, for ranges, for places given by `to`, for attachments and joints that hang on or follow one another, for roles
-        and for templates that contain each other. Equations may run in circles (`align` solves them together),
+        holds for `let`, for sizes of parts, for ranges, for places given by `to`, for attachments, for joints that
+        hang on one another or follow one another, for roles and for templates that contain each other.
+        Equations may run in circles (`align` solves them together),
         definitions may not. Give one of them a value of its own, or leave a size open with `_` and state an
         equation.
         """, """
