@@ -65,7 +65,7 @@ def sample_points(
     """Points uniform by area, exactly as many as asked for, with joints at ``states`` (J,) or (K, J), rest by default.
 
     Points lie on the surface that is there with all joints at 0, where objects are closed, and move with their links.
-    The points of an object are the same in any batch. Raises UserError for objects without visible surface,
+    The points of an object are the same in any batch, in the same random order. Raises UserError for objects without visible surface,
     UsageError.
     """
     how = how if isinstance(how, Sampling) else Sampling(how)

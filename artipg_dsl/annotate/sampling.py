@@ -26,6 +26,7 @@ POOLS = {
     "primitive": "each primitive",
 }
 MOST = 1_000_000
+_ORDER = 0xFFFFFFFF  # the attempt whose stream orders points: no draw comes so far
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,10 +58,12 @@ class Sampling:
 def draw(
     sites: list[SiteTable], n_objects: int, how: Sampling, key: random.Key, address: np.ndarray
 ) -> tuple[geometry.PointSet, np.ndarray]:
-    """Points (P, n) and the objects (P,) that they are on. Raises PointsError for objects without such surface."""
+    """Points (P, n) and the objects (P,) that they are on, in a random order. Raises PointsError for objects without
+    such surface."""
     outside, n = how.surface == "outside", int(how.count)
     if how.per == "object" and how.spread == "random":
-        return geometry.sample(sites, n_objects, n, key, address, outside=outside), np.arange(n_objects)
+        whole = geometry.sample(sites, n_objects, n, key, address, outside=outside)
+        return shuffled(whole, key, address), np.arange(n_objects)
     times = blue.TIMES if how.spread == "blue" else 1
     found, pools, area = geometry.sample_pools(
         sites, [_labels(table, how.per) for table in sites], n_objects, n * times, key, address, outside=outside
@@ -68,7 +71,19 @@ def draw(
     bare = np.setdiff1d(np.arange(n_objects), pools.owner)
     if len(bare):
         raise geometry.PointsError(bare.tolist())
-    return found if times == 1 else thinned(found, area, n), pools.owner
+    made = found if times == 1 else thinned(found, area, n)
+    return shuffled(made, key, random.mix(address[pools.owner], pools.label)), pools.owner
+
+
+def shuffled(found: geometry.PointSet, key: random.Key, address: np.ndarray) -> geometry.PointSet:
+    """The points of each pool in an order that its address draws: the first of them are a sample of it, too."""
+    order = random.orders(random.streams(key, address, _ORDER), found.u.shape[1])
+    order += np.arange(len(order))[:, None] * order.shape[1]
+    flat, shape = order.ravel(), order.shape
+    return geometry.PointSet(
+        *(np.take(array.reshape(-1, *array.shape[2:]), flat, axis=0).reshape(*shape, *array.shape[2:])
+          for array in (getattr(found, name) for name in geometry.PointSet.__slots__))
+    )  # fmt: skip
 
 
 def thinned(found: geometry.PointSet, area: np.ndarray, n: int) -> geometry.PointSet:

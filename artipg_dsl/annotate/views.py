@@ -225,13 +225,12 @@ class _Shot:
                 f"view {view} of object {target.number} sees nothing of it",
                 "turn the camera towards the object, or bring it nearer",
             )
-        if len(at) >= c.points:
-            self.chosen = self._some(c.points, len(at), 0)
-        else:
+        if len(at) < c.points:
             more = self._between(c.points - len(at))
             triangle, weights = np.concatenate([triangle, more[0]]), np.concatenate([weights, more[1]])
             depth, self.pixel = np.concatenate([depth, more[2]]), np.concatenate([self.pixel, more[3]])
-            self.chosen = np.arange(c.points)
+        key, address = self.draw
+        self.chosen = random.orders(random.streams(key, address.reshape(1)), len(triangle))[0, : c.points]
         self.depth = depth
         self.hits = Hits(triangle + target.first, weights)
 
@@ -257,12 +256,10 @@ class _Shot:
         hits = Hits(found[at], intersect(self.local, found[at], grid.directions()[at]))
         return hits.triangle, hits.weights, hits.blend(self.local[..., 2:])[:, 0], at
 
-    def _some(self, count: int, of: int, attempt: int) -> np.ndarray:
+    def _some(self, count: int, of: int) -> np.ndarray:
         """``count`` of the numbers 0 .. ``of`` - 1 at random, ascending."""
         key, address = self.draw
-        stream = random.streams(key, address.reshape(1), attempt)
-        share, _ = random.coarse(np.broadcast_to(stream, of), np.arange(of))
-        return np.sort(np.argpartition(share, count - 1)[:count])
+        return np.sort(random.orders(random.streams(key, address.reshape(1), 2), of)[0, :count])
 
     def _between(self, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """``count`` more hits of rays through the pixels that show the object: triangles, weights, depths, pixels."""
@@ -286,6 +283,6 @@ class _Shot:
             pixel = (low[1] + j // fine) * width + low[0] + i // fine
             kept = np.flatnonzero(visible[pixel])
             if len(kept) >= count:
-                kept = kept[self._some(count, len(kept), 2)]
+                kept = kept[self._some(count, len(kept))]
                 return triangle[kept], weights[kept], depth[kept], pixel[kept]
             fine *= 2

@@ -129,6 +129,21 @@ def coarse(stream: np.ndarray, lane: np.ndarray) -> tuple[np.ndarray, np.ndarray
     return u, v
 
 
+def orders(stream: np.ndarray, n: int) -> np.ndarray:
+    """(k, n): for each stream the numbers 0 .. n - 1 in a random order."""
+    bits = np.uint64(max(n - 1, 1).bit_length())
+    out = np.empty((len(stream), n), dtype=np.int64)
+    lanes = (np.arange(n, dtype=np.uint64) + np.uint64(1)) * _GOLDEN
+    step = max(1, _CHUNK // max(n, 1))
+    for start in range(0, len(stream), step):
+        part = slice(start, start + step)
+        words = _scramble(stream[part, None].astype(np.uint64) + lanes)
+        words = (words >> bits << bits) | np.arange(n, dtype=np.uint64)  # all different: any sort gives one order
+        words.sort(axis=1)
+        out[part] = words & ((np.uint64(1) << bits) - np.uint64(1))
+    return out
+
+
 def _scramble(value: np.ndarray) -> np.ndarray:
     """The finaliser of splitmix64: a bijection on 64 bits."""
     for shift, factor in _MIX:
