@@ -15,7 +15,9 @@ import numpy as np
 from .diagnostics.suggest import did_you_mean
 from .errors import NoObject, UsageError, UserError
 from .graph.text import TextError, digest, from_text, to_text
+from .runtime.kernels import TooMany
 from .runtime.mutate import Mutation, Names
+from .runtime.plan import PlanError
 from .runtime.prior import CANDIDATES
 from .runtime.repairs import Cause, in_short
 from .runtime.sample import Exhausted, Sampler, Statistics
@@ -33,6 +35,8 @@ if TYPE_CHECKING:
     from .runtime.batch import Batch
 
 COMPILED = ".apgc"
+LARGEST = 64 << 20  # bytes of a compiled program
+AGAIN = "compile it again from its .apg file"
 NARROW = "widen the ranges, or state what one value leaves to the next"
 TURNED = "leave room where it turns or slides, or turn its axis round: `lid.back.bottom` for `lid.bottom.back`"
 MUTATIONS = "mutations"  # among the settings of a manifest; no parameter is called so
@@ -66,6 +70,8 @@ class Job:
             return self._made(np.asarray(numbers, dtype=np.int64), self.mutations)
         except Exhausted as error:
             raise self.exhausted(error) from None
+        except TooMany as error:
+            raise UserError(f"{self.sampler.program.name}: {error}", "bound the counts of its repeats") from None
 
     def _made(self, numbers: np.ndarray, mutations: tuple[Mutation | Replay, ...]) -> Batch:
         if not mutations and self.values is not None:
@@ -226,7 +232,13 @@ def open_job(
     """
     if Path(name).suffix == COMPILED:
         return make_job(
-            Sampler(read_compiled(name)), str(name), seed, settings, checked=checked, sampling=sampling, repair=repair
+            planned(read_compiled(name), name),
+            str(name),
+            seed,
+            settings,
+            checked=checked,
+            sampling=sampling,
+            repair=repair,
         )
     from .session import Session
 
@@ -277,20 +289,34 @@ def read_sampling(text: str) -> int:
 
 def read_compiled(path: str | Path) -> Program:
     """The program that ``apgc compile -o`` wrote. Raises UserError."""
-    hint = "compile it again from its .apg file"
     try:
-        text = Path(path).read_text(encoding="utf-8")
+        with open(path, "rb") as file:
+            found = file.read(LARGEST + 1)
+        if len(found) > LARGEST:
+            raise UserError(f"{path} is larger than compiled programs are ({LARGEST >> 20} MB)", AGAIN)
+        text = found.decode("utf-8").replace("\r\n", "\n")
         program = from_text(text)
     except FileNotFoundError:
         raise UserError(f"there is no file {path}", "`apgc compile NAME -o FILE.apgc` makes one") from None
     except OSError as error:
         raise UserError(f"{path} cannot be read: {error.strerror}") from None
     except (TextError, UnicodeDecodeError) as error:
-        raise UserError(f"{path}: {error}", hint) from None
-    program.hash = digest(program)
+        raise UserError(f"{path}: {error}", AGAIN) from None
+    except RecursionError:
+        raise UserError(f"{path}: the compiled program is nested too deeply", AGAIN) from None
     if not text.endswith(seal(program.hash)):
-        raise UserError(f"{path} has been changed or cut short since it was compiled", hint)
+        raise UserError(f"{path} has been changed or cut short since it was compiled", AGAIN)
     return program
+
+
+def planned(program: Program, path: str | Path) -> Sampler:
+    """What samples a compiled program. Raises UserError where it has no order of evaluation."""
+    try:
+        return Sampler(program)
+    except PlanError as error:
+        raise UserError(f"{path}: values need one another in a circle: {error}", AGAIN) from None
+    except RecursionError:
+        raise UserError(f"{path}: the compiled program is nested too deeply", AGAIN) from None
 
 
 def compiled_text(program: Program, remarks: Sequence[str] = ()) -> str:

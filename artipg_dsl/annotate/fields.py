@@ -40,18 +40,18 @@ class Reader(Protocol):
 class Field:
     """Expressions over the variables ``p.x`` ... ``t`` and columns, split into per-row values and a formula.
 
-    A subexpression without variables is a per-row value: ``inputs`` lists these; the formula reads them as ``row0`` ...
+    A subexpression without variables is a per-row value: ``inputs`` lists these; the formula reads them as ``#0`` ...
     """
 
     def __init__(self, exprs: Sequence[Expr]):
         self.inputs = row_values(exprs)
-        mapping = {expr: var(f"row{i}") for i, expr in enumerate(self.inputs)}
+        mapping = {expr: var(f"#{i}") for i, expr in enumerate(self.inputs)}
         self.formulas = [substitute(expr, mapping) for expr in exprs]
         self.names = tuple(sorted(free_variables(self.formulas)))
 
     def __call__(self, inputs: Sequence[np.ndarray], variables: dict[str, np.ndarray]) -> list[np.ndarray]:
         """Values of the expressions; ``inputs`` as in ``self.inputs``, broadcasting with the variables."""
-        values = variables | {f"row{i}": value for i, value in enumerate(inputs)}
+        values = variables | {f"#{i}": value for i, value in enumerate(inputs)}
         shape = np.broadcast_shapes(*(np.shape(v) for v in (*variables.values(), *inputs)))
         results = compile_formula(self.formulas, self.names)(*(values[name] for name in self.names))
         return [np.broadcast_to(np.asarray(r), shape) for r in results]

@@ -77,7 +77,7 @@ class Split:
                 for arg in node.args:
                     collect(arg)
             elif node.op != "const" and node not in hoisted:
-                hoisted[node] = var(f"row.{len(hoisted)}")
+                hoisted[node] = var(f"#{len(hoisted)}")  # what no parameter can be called
 
         for expr in exprs:
             collect(expr)

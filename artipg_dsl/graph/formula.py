@@ -14,7 +14,7 @@ import numpy as np
 from .expr import Expr, show
 
 NUMPY = {
-    "add": "({0} + {1})", "sub": "({0} - {1})", "mul": "({0} * {1})", "div": "({0} / {1})", "neg": "(-{0})",
+    "add": "({0} + {1})", "sub": "({0} - {1})", "mul": "({0} * {1})", "div": "np.divide({0}, {1})", "neg": "(-{0})",
     "pow": "np.power({0}, {1})", "abs": "np.abs({0})", "sqrt": "np.sqrt({0})", "sin": "np.sin({0})", "cos": "np.cos({0})",
     "tan": "np.tan({0})", "asin": "np.arcsin({0})", "acos": "np.arccos({0})", "atan": "np.arctan({0})",
     "atan2": "np.arctan2({0}, {1})", "hypot": "np.hypot({0}, {1})", "exp": "np.exp({0})", "log": "np.log({0})",
@@ -29,21 +29,24 @@ def literal(value: object) -> str:
     """A constant as Python source that reads back to the same bits."""
     if isinstance(value, bool):
         return repr(value)
-    number = float(value)  # type: ignore[arg-type]
+    if not isinstance(value, int | float):
+        raise ValueError(f"a constant is a number, not {value!r}")
+    number = float(value)
     if number != number or number in (float("inf"), float("-inf")):
         return {"inf": "np.inf", "-inf": "-np.inf", "nan": "np.nan"}[repr(number)]
     return repr(number) if number >= 0 else f"({number!r})"
 
 
 def source(exprs: Sequence[Expr], names: Sequence[str], name: str = "formula") -> str:
-    """Python source of ``def formula(<names>)``, or of another name, that returns a tuple with one value per expression.
+    """Python source of a function, ``formula`` or of another name, that returns a tuple with one value per expression.
 
-    ``names`` are the free variables in the order of the parameters; ``p.x`` is written ``p_x``. A name is used again once
-    its value is: what a formula of thousands of steps keeps in memory is what it still needs.
+    ``names`` are the free variables in the order of the parameters, which are called ``v0``, ``v1``, ...: no text of a
+    program is ever part of the code. A name is used again once its value is: what a formula of thousands of steps keeps in
+    memory is what it still needs.
     """
     lines: list[str] = []
     done: dict[int, str] = {}
-    known = set(names)
+    known = {variable: f"v{place}" for place, variable in enumerate(names)}
     order, uses = _steps(exprs)
     free: list[str] = []
     given = 0
@@ -53,7 +56,7 @@ def source(exprs: Sequence[Expr], names: Sequence[str], name: str = "formula") -
         elif node.op == "var":
             if node.value not in known:
                 raise ValueError(f"a formula reads {node.value}, which is not among its variables {sorted(known)}")
-            done[id(node)] = mangle(str(node.value))
+            done[id(node)] = known[node.value]
         elif node.op in NUMPY:
             text = NUMPY[node.op].format(*(done[id(a)] for a in node.args))
             for arg in node.args:
@@ -68,7 +71,7 @@ def source(exprs: Sequence[Expr], names: Sequence[str], name: str = "formula") -
         else:
             raise ValueError(f"{show(node)} is not a formula over variables")
     results = [done[id(e)] for e in exprs]
-    header = f"def {name}({', '.join(mangle(n) for n in names)}):"
+    header = f"def {name}({', '.join(f'v{place}' for place in range(len(names)))}):"
     return "\n".join([header, *lines, f"    return ({''.join(r + ', ' for r in results)})"])
 
 
@@ -90,14 +93,10 @@ def _steps(exprs: Sequence[Expr]) -> tuple[list[Expr], dict[int, int]]:
     return order, uses
 
 
-def mangle(name: str) -> str:
-    return "v_" + name.replace(".", "_")
-
-
 @lru_cache(maxsize=4096)
 def _compile(exprs: tuple[Expr, ...], names: tuple[str, ...]) -> Callable[..., tuple]:
     namespace: dict[str, object] = {"np": np}
-    exec(source(exprs, names), namespace)  # noqa: S102 - our own generated text, no user string reaches it
+    exec(compile(source(exprs, names), "<formula>", "exec"), namespace)  # noqa: S102 - no text of a program reaches it
     return namespace["formula"]  # type: ignore[return-value]
 
 

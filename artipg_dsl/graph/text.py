@@ -13,10 +13,13 @@ from dataclasses import MISSING, fields, is_dataclass
 from hashlib import blake2b
 from typing import Any
 
+from ..shapes import Misfit
 from . import program as P
-from .expr import CROSSING, Column, Expr, Scope, raw, show
+from .expr import CROSSING, Column, Expr, Scope, show
+from .nodes import Fault, Nodes, need
 from .primitive import Patch, Piece, Primitive
 from .reference import Elsewhere, Onward, Under
+from .verify import Verifier
 
 VERSION = 1
 RECORDS = {
@@ -27,10 +30,13 @@ RECORDS = {
         Under, Elsewhere, Onward,
     )
 }  # fmt: skip
-LISTS = (
-    "requirements", "preferences", "parts", "links", "joints", "sites", "labels", "grasps", "keypoints", "allowed", "closures", "slots",
-    "clear", "stable",
-)  # fmt: skip
+KEPT = {
+    "draw": P.Draw, "requirements": P.Requirement, "preferences": P.Preference, "parts": P.Part, "links": P.Link, "joints": P.Joint,
+    "sites": P.Site, "labels": P.Label, "grasps": P.Grasp, "keypoints": P.Keypoint, "allowed": P.Allowed, "closures": P.Closure,
+    "slots": P.Slot, "clear": P.Clear, "stable": P.Stable, "materials": P.Material, "primitives": Primitive,
+}  # fmt: skip
+LISTS = tuple(word for word in KEPT if word not in ("draw", "materials", "primitives"))
+DEEPEST = 64  # lists and records within one another
 
 
 class TextError(Exception):
@@ -182,134 +188,175 @@ def _tokens(line: str) -> Iterator[str]:
 
 
 class _Reader:
-    def __init__(self) -> None:
+    """Reads items line by line; what it gives out has the right structure, but for what only the whole program tells."""
+
+    def __init__(self, program: P.Program) -> None:
+        self.program = program
+        self.nodes = Nodes()
+        self.verifier = Verifier(program, self.nodes)
         self.scopes: list[Scope] = []
         self.columns: list[Column] = []
         self.exprs: list[Expr] = []
+        self.known: dict[str, list[Any]] = {"%": self.exprs, "@": self.scopes, "$": self.columns}
+        self.items: list[tuple[int, Any, int]] = []  # line, record, its number among those of its kind
         self.words: list[str] = []
         self.at = 0
 
     def next(self) -> str:
+        need(self.at < len(self.words), "the line ends too early")
         word = self.words[self.at]
         self.at += 1
         return word
 
-    def value(self) -> Any:
+    def ends(self, mark: str) -> bool:
+        """Whether the next word is ``mark``, which is then read."""
+        need(self.at < len(self.words), f"the line ends before its {mark}")
+        found = self.words[self.at] == mark
+        self.at += found
+        return found
+
+    def expect(self, mark: str) -> None:
+        word = self.next()
+        need(word == mark, f"{mark} is expected in place of {word[:40]!r}")
+
+    def value(self, depth: int = 0) -> Any:
+        need(depth < DEEPEST, "the line is nested too deeply")
         word = self.next()
         if word == "[":
-            items = []
-            while self.words[self.at] != "]":
-                items.append(self.value())
-            self.at += 1
+            items: list[Any] = []
+            while not self.ends("]"):
+                items.append(self.value(depth + 1))
             return tuple(items)
-        if word == "(":
-            return self.record()
-        return self.atom(word)
+        return self.record(depth + 1) if word == "(" else self.atom(word)
 
-    def record(self) -> Any:
-        cls = RECORDS[self.next()]
+    def record(self, depth: int) -> Any:
+        name = self.next()
+        cls = RECORDS.get(name)
+        if cls is None:
+            raise Fault(f"there is no record {name[:40]!r}")
+        known = {field.name for field in fields(cls)}
         found: dict[str, Any] = {}
-        while self.words[self.at] != ")":
-            name = self.next()
-            value = self.value()
-            found[name] = list(value) if cls is P.Draw and name in ("bounds", "unions", "limits") else value
-        self.at += 1
+        while not self.ends(")"):
+            key = self.next()
+            need(key in known, f"{name} has no field {key[:40]!r}")
+            need(key not in found, f"the field {key} of {name} is there twice")
+            value = self.value(depth)
+            as_list = cls is P.Draw and key in ("bounds", "unions", "limits") and isinstance(value, tuple)
+            found[key] = list(value) if as_list else value
+        missing = [
+            f.name for f in fields(cls) if f.default is MISSING and f.default_factory is MISSING and f.name not in found
+        ]
+        need(not missing, f"{name} lacks its {', '.join(missing)}")
         return cls(**found)
 
     def atom(self, word: str) -> Any:
-        first = word[0]
-        if first == "%":
-            return self.exprs[int(word[1:])]
-        if first == "@":
-            return self.scopes[int(word[1:])]
-        if first == "$":
-            return self.columns[int(word[1:])]
-        if first == '"':
-            return json.loads(word)
+        if word[0] in "%@$" and re.fullmatch(r"[%@$][0-9]{1,9}", word):
+            among = self.known[word[0]]
+            need(int(word[1:]) < len(among), f"{word} is not known before this line")
+            return among[int(word[1:])]
+        if word[0] == '"':
+            try:
+                text = json.loads(word)
+                text.encode()
+            except (ValueError, UnicodeEncodeError):
+                raise Fault(f"{word[:40]} is no text") from None
+            return text
         if word in ("none", "true", "false"):
             return {"none": None, "true": True, "false": False}[word]
-        return int(word) if re.fullmatch(r"-?\d+", word) else float(word)
+        try:
+            return int(word) if re.fullmatch(r"-?[0-9]{1,18}", word) else float(word)
+        except ValueError:
+            raise Fault(f"{word[:40]!r} is no value") from None
 
     def expression(self) -> Expr:
         op = self.next()
-        if op == "const":
-            return raw("const", (), self.value())
-        if op in ("col", "var", "rank"):
+        value: Any = None
+        if op == "reduce":
+            value = self.next(), self.value()
+        elif op in ("const", "col", "var", "rank", "phi") or op in CROSSING:
             value = self.value()
-            return raw(op, (), value, value.scope if op == "col" else value if op == "rank" else None)
-        value, scope = None, None
-        if op == "phi":
-            value = self.value()
-            scope = value[0].parent
-        elif op == "reduce":
-            kind, child = self.next(), self.value()
-            value, scope = (kind, child), child.parent
-        elif op in CROSSING:
-            value = self.value()
-            scope = value.parent if op == "element" else value
         elif op in ("solve", "root"):
             value = tuple(self.value() for _ in range(2 if op == "solve" else 1))
         args = []
         while self.at < len(self.words):
             args.append(self.value())
-        return raw(op, tuple(args), value, scope)
+        return self.nodes.make(op, value, tuple(args))
+
+    def item(self, line: int) -> None:
+        """The item of a line."""
+        word, program = self.next(), self.program
+        if word[0] in "@$%":
+            among = self.known[word[0]]
+            need(word[1:] == str(len(among)), f"{word[0]}{len(among)} is expected in place of {word[:40]}")
+            self.expect("=")
+            among.append(self.expression() if word[0] == "%" else self.column() if word[0] == "$" else self.scope())
+        elif word in ("program", "doc"):
+            text = self.value()
+            need(isinstance(text, str), f"{word} is text")
+            setattr(program, "name" if word == "program" else "doc", text)
+        elif word == "define":
+            column, value = self.value(), self.value()
+            self.verifier.definition(column, value)
+            program.definitions[column] = value
+        elif word in KEPT:
+            item = self.value()
+            need(type(item) is KEPT[word], f"{word} is of records {KEPT[word].__name__}")
+            held = getattr(program, "draws" if word == "draw" else word)
+            self.items.append((line, item, len(held)))
+            if isinstance(held, list):
+                held.append(item)
+            else:
+                need(isinstance(item.name, str) and item.name not in held, f"{word} are named, each in another way")
+                held[item.name] = item
+        elif word == "vocabulary":
+            name, words = self.value(), self.value()
+            self.verifier.vocabulary(name, words)
+            program.vocabularies[name] = words
+        else:
+            raise Fault(f"there is no item {word[:40]!r}")
+        need(self.at == len(self.words), f"the line goes on after its end: {self.words[self.at :][:1]}")
+
+    def column(self) -> Column:
+        kind, scope, name = self.next(), self.value(), self.value()
+        column = Column(scope, name, kind)
+        self.verifier.column(column)
+        return column
+
+    def scope(self) -> Scope:
+        kind, name = self.next(), self.value()
+        scope = Scope(name, None, kind)
+        if self.at < len(self.words):
+            self.expect("in")
+            scope.parent = self.value()
+            self.expect("count")
+            scope.count = self.value()
+        self.verifier.scope(scope)
+        self.program.scopes.append(scope)
+        return scope
 
 
 def from_text(text: str) -> P.Program:
-    """The program of a text. Raises TextError for anything that is none."""
+    """The program of a text, verified. Raises TextError for anything that is none."""
     lines = text.split("\n")
-    if not lines or lines[0].split() != ["apgc", str(VERSION)]:
+    if lines[0].split() != ["apgc", str(VERSION)]:
         raise TextError(f"this is no compiled program of version {VERSION}")
-    program, reader = P.Program(""), _Reader()
-    for number, line in enumerate(lines[1:], 2):
-        reader.words, reader.at = list(_tokens(line)), 0
-        if not reader.words:
-            continue
-        try:
-            _item(program, reader)
-        except (IndexError, KeyError, ValueError, TypeError, AttributeError) as error:
-            raise TextError(f"line {number} of the compiled program cannot be read: {error}") from error
-    if not program.scopes:
-        raise TextError("the compiled program is empty")
+    program = P.Program("")
+    reader = _Reader(program)
+    number = 0
+    try:
+        for number, line in enumerate(lines[1:], 2):
+            reader.words, reader.at = list(_tokens(line)), 0
+            if reader.words:
+                reader.item(number)
+        for check in (reader.verifier.shape, reader.verifier.item):
+            for at, item, place in reader.items:
+                number = at
+                check(item, place)
+    except (Fault, Misfit) as error:
+        raise TextError(f"line {number} of the compiled program: {error}") from None
+    try:
+        reader.verifier.whole()
+    except Fault as error:
+        raise TextError(f"the compiled program is incomplete or wrong: {error}") from None
     program.hash = digest(program)
     return program
-
-
-def _item(program: P.Program, reader: _Reader) -> None:
-    word = reader.next()
-    if word[0] in "@$%":
-        reader.next()  # the equals sign
-        if word[0] == "%":
-            reader.exprs.append(reader.expression())
-        elif word[0] == "$":
-            kind, scope, name = reader.next(), reader.value(), reader.value()
-            reader.columns.append(Column(scope, name, kind))
-        else:
-            kind, name = reader.next(), reader.value()
-            scope = Scope(name, None, kind)
-            if reader.at < len(reader.words):
-                reader.next()
-                scope.parent = reader.value()
-                reader.next()
-                scope.count = reader.value()
-            reader.scopes.append(scope)
-            program.scopes.append(scope)
-    elif word == "program":
-        program.name = reader.value()
-    elif word == "doc":
-        program.doc = reader.value()
-    elif word == "draw":
-        program.draws.append(reader.value())
-    elif word == "define":
-        column = reader.value()
-        program.definitions[column] = reader.value()
-    elif word in LISTS:
-        getattr(program, word).append(reader.value())
-    elif word in ("materials", "primitives"):
-        item = reader.value()
-        getattr(program, word)[item.name] = item
-    elif word == "vocabulary":
-        name = reader.value()
-        program.vocabularies[name] = reader.value()
-    else:
-        raise ValueError(f"unknown item {word}")

@@ -13,7 +13,12 @@ from ..graph.random import key, mix, uniform
 from .laws import TOLERANCE, clear, density, gaps_of, held, inside, spread, spread_between, support
 
 Gaps = tuple[np.ndarray, np.ndarray]  # where gaps begin and end: (gaps, rows) each
+MOST_ROWS = 20_000  # of one table in one object: more is an error of the program, and would fill the memory
 LEAST = 1e-300  # a range that holds less of its law than this counts as holding so much
+
+
+class TooMany(Exception):
+    """A table with more rows in an object than any object has."""
 
 
 @dataclass(slots=True, eq=False)
@@ -104,6 +109,12 @@ def child_rows(parent: Rows, count: np.ndarray | float | bool, *, guard: bool) -
     """The table with ``count`` rows per row of ``parent`` (a guard: none or one, at the parent's address)."""
     counts = np.broadcast_to(np.asarray(count), (parent.size,)).astype(np.int64)
     counts = np.maximum(counts, 0)
+    if not guard and len(counts):
+        held = np.bincount(parent.owner, weights=counts)
+        if held.max() > MOST_ROWS:
+            raise TooMany(
+                f"object {np.argmax(held)} of these has {held.max():.0f} elements of one repeat, more than {MOST_ROWS}"
+            )
     start = np.cumsum(counts) - counts
     index = np.repeat(np.arange(parent.size), counts)
     rank = np.arange(len(index)) - start[index]

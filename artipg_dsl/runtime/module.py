@@ -44,6 +44,7 @@ def to_module(program, version: str) -> str:  # noqa: ANN001 - graph.program.Pro
     return environment.get_template("module.py.j2").render(
         program=program, version=version, hash=digest(program), plan=plan, scopes=plan.scopes, sites=sites, joints=joints,
         random=body(random), kernels=body(laws) + "\n\n" + body(kernels), newton=body(newton), attempts=ATTEMPTS, about=spoken(program.doc),
+        name=" ".join(spoken(program.name).split()),
     )  # fmt: skip
 
 
@@ -57,8 +58,9 @@ def limit(plan: Plan, expr: Expr | None, scope: Scope):  # noqa: ANN201
 
 
 def spoken(text: str) -> str:
-    """A text that can stand in a docstring, whatever is in it."""
-    return text.replace("\\", "\\\\").replace('"', "'")
+    """A text that can stand in a docstring or in a comment, whatever is in it; only the lines stay lines."""
+    plain = text.replace("\\", "\\\\").replace('"', "'")
+    return "".join(c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in plain)
 
 
 def body(module: ModuleType) -> str:

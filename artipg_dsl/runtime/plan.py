@@ -45,7 +45,7 @@ class Plan:
             from . import kernels, newton
 
             namespace: dict[str, object] = {**vars(kernels), "newton": newton.newton}
-            exec(compile(self.source, f"<plan of {self.program.name}>", "exec"), namespace)  # noqa: S102 - generated here
+            exec(compile(self.source, "<plan>", "exec"), namespace)  # noqa: S102 - no text of a program but literals
             self._function = namespace["evaluate"]  # type: ignore[assignment]
         return self._function  # type: ignore[return-value]
 
@@ -139,7 +139,7 @@ class _Emitter:
         if node.op == "solve":
             return self.solve(node)
         if node.op == "root":
-            name = self.fresh(f"{self.node(node.args[0])}[{node.value[0]}]")
+            name = self.fresh(f"{self.node(node.args[0])}[{int(node.value[0])}]")
             if self.scalar(self.node(node.args[0])):
                 self.scalars.add(name)
             return name
@@ -290,8 +290,8 @@ class _Emitter:
 
 
 def remark(text: str) -> str:
-    """A comment behind a line. On that line whatever the text holds: names may come from a file that anyone wrote."""
-    return "  # " + " ".join(text.split())
+    """A comment behind a line, on that line whatever the text holds: names may come from a file that anyone wrote."""
+    return "  # " + ascii(text)[1:-1]
 
 
 def make_plan(program: Program, wanted: Iterable[tuple[Expr, Scope]]) -> Plan:

@@ -1,0 +1,171 @@
+"""Expressions as they are read from a file: built only where operator, arguments, tables and variables fit together.
+
+What is read is data that anyone may have written, so nothing is taken on trust: what passes here can be planned and
+evaluated. An expression may hold free variables (a formula) only through plain operations; what reads tables holds none.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from .expr import FUNCTIONS, PREDICATES, Column, Expr, Scope, ScopeError, raw
+
+NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z0-9_]+)*")
+KINDS = ("real", "count", "choice", "bool")
+REDUCTIONS = ("sum", "min", "max", "any", "all")
+MOST_UNKNOWNS = 64  # of equations that are solved together
+NONE: frozenset[str] = frozenset()
+
+
+class Fault(ValueError):
+    """What is wrong, in words."""
+
+
+def need(holds: object, words: str) -> None:
+    if not holds:
+        raise Fault(words)
+
+
+class Nodes:
+    """The expressions read so far: the free variables of each, and whether it is true or false rather than a number."""
+
+    def __init__(self) -> None:
+        self.free: dict[Expr, frozenset[str]] = {}
+        self.truth: dict[Expr, bool] = {}
+        self.formula: dict[Expr, bool] = {}  # made of constants, variables and operations on them alone
+
+    def make(self, op: str, value: Any, args: tuple[Any, ...]) -> Expr:
+        """The node. Raises Fault."""
+        need(all(isinstance(a, Expr) and a in self.free for a in args), f"the arguments of {op} are expressions (%n)")
+        build = getattr(self, f"_{op}", None) if op in _SPECIAL else None
+        need(build or op in FUNCTIONS, f"there is no operator {op[:40]!r}")
+        free = NONE.union(*(self.free[a] for a in args)) if args else NONE
+        need(not free or op in FUNCTIONS or op == "solve", f"a variable of a formula stands within {op}")
+        try:
+            node, truth = build(value, args) if build else self._plain(op, args)
+        except ScopeError as error:
+            raise Fault(str(error)) from None
+        if op == "var":
+            free = frozenset((value,))
+        self.free[node] = NONE if op == "solve" else free
+        self.truth[node] = truth
+        self.formula[node] = op in ("const", "var") or op in FUNCTIONS and all(self.formula[a] for a in args)
+        return node
+
+    def stands(self, expr: Expr, scope: Scope | None) -> bool:
+        """Whether an expression has a value in the rows of ``scope``."""
+        return not self.free[expr] and (expr.scope is None or scope is not None and scope.within(expr.scope))
+
+    def computes(self, expr: Expr, known: frozenset[str], scope: Scope | None = None) -> str | None:
+        """What keeps an expression from being a formula over the variables ``known`` and values in the rows of ``scope``."""
+        strange = self.free[expr] - known
+        if strange:
+            return f"a formula reads {sorted(strange)[0]}, which it does not know"
+        stack, seen = [expr], set()
+        while stack:
+            node = stack.pop()
+            if node in seen or self.formula[node]:
+                continue
+            seen.add(node)
+            if not self.free[node] and node.scope is not None:
+                if scope is None or not scope.within(node.scope):
+                    return "a formula reads a table that it cannot see"
+            elif node.op in FUNCTIONS:
+                stack.extend(node.args)
+            else:
+                return f"{node.op} stands in a formula"
+        return None
+
+    # ------------------------------------------------------------ operators
+
+    def _plain(self, op: str, args: tuple[Expr, ...]) -> tuple[Expr, bool]:
+        arity = FUNCTIONS[op][0]
+        need(len(args) == arity, f"{op} takes {arity} arguments, not {len(args)}")
+        if op not in PREDICATES and op != "where":
+            need(not any(self.truth[a] for a in args), f"{op} calculates with numbers, not with true and false")
+        return raw(op, args), op in PREDICATES or op == "where" and all(self.truth[a] for a in args[1:])
+
+    def _const(self, value: Any, args: tuple[Expr, ...]) -> tuple[Expr, bool]:
+        need(not args and isinstance(value, bool | float), "a constant is a number such as 0.5, true or false")
+        return raw("const", (), value), isinstance(value, bool)
+
+    def _var(self, value: Any, args: tuple[Expr, ...]) -> tuple[Expr, bool]:
+        need(not args and isinstance(value, str) and NAME.fullmatch(value), "the name of a variable is made of words")
+        return raw("var", (), value), False
+
+    def _col(self, value: Any, args: tuple[Expr, ...]) -> tuple[Expr, bool]:
+        need(not args and isinstance(value, Column), "col reads a column ($n)")
+        return raw("col", (), value, value.scope), value.kind == "bool"
+
+    def _rank(self, value: Any, args: tuple[Expr, ...]) -> tuple[Expr, bool]:
+        need(not args and isinstance(value, Scope), "rank is of a table (@n)")
+        return raw("rank", (), value, value), False
+
+    def _phi(self, value: Any, args: tuple[Expr, ...]) -> tuple[Expr, bool]:
+        need(
+            isinstance(value, tuple) and value and all(isinstance(s, Scope) for s in value),
+            "phi merges tables [@n ...]",
+        )
+        parent = value[0].parent
+        need(parent and all(s.parent is parent and s.kind == "guard" for s in value), "phi merges guards of one table")
+        need(
+            len(args) == len(value) + 1, f"phi of {len(value)} tables takes {len(value) + 1} arguments, not {len(args)}"
+        )
+        held = all(self.stands(a, s) for a, s in zip(args, (*value, parent), strict=True))
+        need(held, "phi reads a table that it cannot see")
+        return raw("phi", args, value, parent), all(self.truth[a] for a in args)
+
+    def _reduce(self, value: Any, args: tuple[Expr, ...]) -> tuple[Expr, bool]:
+        kind, child = value
+        need(kind in REDUCTIONS, f"there is no reduction {str(kind)[:40]!r}")
+        need(isinstance(child, Scope) and child.parent, "reduce is over the rows of a table below another (@n)")
+        need(len(args) == 1 and self.stands(args[0], child), "reduce takes one argument in the rows of its table")
+        return raw("reduce", args, (kind, child), child.parent), kind in ("any", "all")
+
+    def _element(self, value: Any, args: tuple[Expr, ...]) -> tuple[Expr, bool]:
+        need(isinstance(value, Scope) and value.parent, "element is of a table below another (@n)")
+        need(len(args) == 2, "element takes a value and a rank")
+        need(
+            self.stands(args[0], value) and self.stands(args[1], value.parent),
+            "element reads a table that it cannot see",
+        )
+        return raw("element", args, value, value.parent), self.truth[args[0]]
+
+    def _previous(self, value: Any, args: tuple[Expr, ...]) -> tuple[Expr, bool]:
+        need(isinstance(value, Scope), "previous is of a table (@n)")
+        need(
+            len(args) == 2 and all(self.stands(a, value) for a in args),
+            "previous takes a value and a first one in its table",
+        )
+        return raw("previous", args, value, value), all(self.truth[a] for a in args)
+
+    def _scan(self, value: Any, args: tuple[Expr, ...]) -> tuple[Expr, bool]:
+        need(isinstance(value, Scope), "scan is of a table (@n)")
+        need(len(args) == 1 and self.stands(args[0], value), "scan takes one argument in the rows of its table")
+        return raw("scan", args, value, value), False
+
+    def _solve(self, value: Any, args: tuple[Expr, ...]) -> tuple[Expr, bool]:
+        whole = all(isinstance(n, int) and not isinstance(n, bool) for n in value)
+        need(
+            whole and 1 <= value[0] <= MOST_UNKNOWNS and value[1] >= 0, "solve says how many unknowns and values it has"
+        )
+        size, known = value
+        formulas, values = args[: size + size * size], args[size + size * size :]
+        need(len(values) == known + size, f"solve of {size} unknowns and {known} values has other arguments")
+        names = frozenset([f"solve.x{k}" for k in range(size)] + [f"solve.p{k}" for k in range(known)])
+        need(
+            all(self.formula[a] and self.free[a] <= names for a in formulas),
+            "solve solves formulas of its unknowns and values",
+        )
+        need(not any(self.free[a] for a in values), "a variable of a formula stands within solve")
+        return raw("solve", args, value), False
+
+    def _root(self, value: Any, args: tuple[Expr, ...]) -> tuple[Expr, bool]:
+        need(len(args) == 1 and args[0].op == "solve", "root is of equations solved together")
+        (index,) = value
+        need(type(index) is int and 0 <= index < args[0].value[0], "root says which unknown it is")
+        return raw("root", args, value, args[0].scope), False
+
+
+_SPECIAL = frozenset({"const", "var", "col", "rank", "phi", "reduce", "element", "previous", "scan", "solve", "root"})

@@ -1,0 +1,334 @@
+"""A program read from a file, checked item by item: names, indices, tables, variables, numbers, and what must be a tree.
+
+The expressions have been checked one by one when they were read (``nodes``). What passes here can be planned, evaluated and
+told of without asking again; whether its objects are any good is for the requirements and the checks of the runtime.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import fields, is_dataclass
+from typing import Any
+
+from .. import shapes
+from . import program as P
+from .expr import Column, Expr, Scope
+from .nodes import KINDS, NAME, Fault, Nodes, need
+from .primitive import Patch, Piece, Primitive
+from .reference import Elsewhere, Onward, Reference, Under, definitions
+
+WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+UNITS = frozenset({"", "m", "rad", "kg", "kg/m3", "s", "m/s", "N", "Nm"})
+LAWS: dict[str, Callable[[int], bool]] = {  # how many arguments each takes
+    "uniform": lambda n: n in (0, 2), "normal": lambda n: n == 2, "lognormal": lambda n: n == 2, "values": lambda n: n > 0,
+}  # fmt: skip
+JOINTS = ("revolute", "prismatic", "continuous", "screw", "ball", "fixed")
+MOST_PATCHES = 10_000  # of one indexed surface
+NAMED = {  # fields that hold names, which flow into files and paths
+    P.Draw: ("options",), P.Part: ("path", "name", "template"), P.Site: ("path", "primitive"), P.Link: ("path",),
+    P.Joint: ("path", "name"), P.Target: ("surfaces",), P.Label: ("vocabulary", "name"), P.Grasp: ("name",), P.Keypoint: ("name",),
+    P.Material: ("name",), P.Slot: ("path", "name"), Primitive: ("name", "parameters", "surfaces", "whole"), Patch: ("name",),
+    Piece: ("name",),
+}  # fmt: skip
+_SURFACE = frozenset({"u", "v", *(f"{a}.{b}" for a in ("p", "n", "size") for b in "xyz")})
+_GRASP = frozenset({"t", *(f"size.{b}" for b in "xyz")})
+_REFERENCES = (Under, Elsewhere, Onward)
+shapes.NAMED |= {Expr: "an expression (%n)", Column: "a column ($n)", Scope: "a table (@n)"}
+
+
+class Verifier:
+    """Checks items of one program; each method raises Fault or Misfit with what is wrong with its item."""
+
+    def __init__(self, program: P.Program, nodes: Nodes):
+        self.program, self.nodes = program, nodes
+
+    def shape(self, item: Any, number: int) -> None:
+        """The structure of a record and the names in it, whatever the others are."""
+        shapes.fit(item, type(item))
+        for record in (
+            item,
+            *getattr(item, "targets", ()),
+            *getattr(item, "patches", ()),
+            *getattr(item, "pieces", ()),
+        ):
+            self.named(record)
+
+    def item(self, item: Any, number: int) -> None:
+        """A record of a list of the program, the one of this number in its list, when all have their shape."""
+        for cell in _cells(item, type(item)):
+            self.placed(cell, _scope_of(item))
+        getattr(self, f"_{type(item).__name__.lower()}", lambda *_: None)(item, number)
+
+    def whole(self) -> None:
+        """What only the whole program tells."""
+        program = self.program
+        need(program.scopes and program.scopes[0].kind == "root", "the first table is no root")
+        need(WORD.fullmatch(program.name), "the program has no name that is a word")
+        named = [draw.column for draw in program.draws]
+        need(len(set(named)) == len(named), "a column is drawn twice")
+        both = next((c for c in named if c in program.definitions), None)
+        need(both is None, f"the column {both and both.name} is drawn and defined")
+
+    # ------------------------------------------------------------ what all have in common
+
+    def scope(self, scope: Scope) -> None:
+        shapes.fit(scope.name, str, "name")
+        if scope.parent is None:
+            need(
+                scope.kind == "root" and not self.program.scopes, "only the first table stands on its own, as the root"
+            )
+            return
+        need(scope.kind in ("repeat", "guard"), f"a table is a repeat or a guard, not {str(scope.kind)[:40]!r}")
+        need(
+            isinstance(scope.parent, Scope) and isinstance(scope.count, Expr),
+            "a table has a parent (@n) and a count (%n)",
+        )
+        need(self.nodes.stands(scope.count, scope.parent), "the count of a table reads a table that it cannot see")
+
+    def column(self, column: Column) -> None:
+        need(isinstance(column.scope, Scope), "a column is of a table (@n)")
+        need(column.kind in KINDS, f"there is no kind of columns {str(column.kind)[:40]!r}")
+        need(
+            isinstance(column.name, str) and NAME.fullmatch(column.name),
+            f"{shapes.shown(column.name)} is no name of a column",
+        )
+
+    def definition(self, column: Any, value: Any) -> None:
+        need(
+            isinstance(column, Column) and isinstance(value, Expr), "define takes a column ($n) and an expression (%n)"
+        )
+        need(column not in self.program.definitions, f"the column {column.name} is defined twice")
+        self.placed(value, column.scope)
+        need(
+            self.nodes.truth[value] == (column.kind == "bool"),
+            f"the column {column.name} is of another kind than its value",
+        )
+
+    def vocabulary(self, name: Any, words: Any) -> None:
+        shapes.fit(words, tuple[str, ...])
+        for word in (name, *words):
+            need(isinstance(word, str) and WORD.fullmatch(word), f"{shapes.shown(word)} is no word of a vocabulary")
+
+    def placed(self, expr: Expr, scope: Scope | None) -> None:
+        need(self.nodes.stands(expr, scope), "a value reads a table that it cannot see, or a variable of a formula")
+
+    def formulas(self, exprs: Sequence[Expr | None], known: frozenset[str], scope: Scope | None = None) -> None:
+        for expr in exprs:
+            wrong = None if expr is None else self.nodes.computes(expr, known, scope)
+            need(wrong is None, wrong or "")
+
+    def named(self, item: Any) -> None:
+        for name in NAMED.get(type(item), ()):
+            value = getattr(item, name)
+            for one in (value,) if isinstance(value, str) else value:
+                need(NAME.fullmatch(one), f"{name}: {shapes.shown(one)} is no name")
+
+    def index(self, number: int, among: Sequence[Any], what: str, least: int = 0) -> None:
+        need(least <= number < len(among), f"there is no {what} {number}")
+
+    def reference(self, reference: Reference, among: Sequence[Any], what: str) -> None:
+        for number in definitions(reference):
+            self.index(number, among, what)
+        for item in _records(reference):
+            if isinstance(item, Elsewhere):
+                need(item.repeat.kind == "repeat", "what is elsewhere is in the element of a repeat")
+                if item.rank is None:
+                    need(item.scope.within(item.repeat), "the element before is looked for outside its repeat")
+                else:
+                    self.placed(item.rank, item.scope)
+
+    # ------------------------------------------------------------ draws and requirements
+
+    def _draw(self, draw: P.Draw, number: int) -> None:
+        need(draw.address, "a draw has no address")
+        need(draw.unit in UNITS, f"{shapes.shown(draw.unit)} is no unit of values inside")
+        if draw.kind == "choice":
+            need(
+                draw.options and len(draw.options) == len(draw.weights), "a choice has a weight for each of its options"
+            )
+            need(len(set(draw.options)) == len(draw.options), "a choice has an option twice")
+        else:
+            need(draw.kind in ("real", "count"), f"there is no kind of draws {shapes.shown(draw.kind)}")
+            need(draw.low is not None and draw.high is not None, "a number is drawn between low and high")
+            need(draw.distribution in LAWS, f"there is no distribution {shapes.shown(draw.distribution)}")
+            need(LAWS[draw.distribution](len(draw.arguments)), f"{draw.distribution} takes another number of arguments")
+        for limit in draw.limits:
+            self.index(limit.option, draw.options, "option")
+            self.index(limit.requirement, self.program.requirements, "requirement")
+        asked = [one for b in draw.bounds for one in (b.requirement, *b.also)]
+        for one in (*asked, *(one for u in draw.unions for one in (u.requirement, *u.also))):
+            self.index(one, self.program.requirements, "requirement")
+        for bound in draw.bounds:
+            need(bound.side in ("low", "high"), f"the side of a bound is low or high, not {shapes.shown(bound.side)}")
+        need(all(union.intervals for union in draw.unions), "a range of several intervals has none")
+
+    def _requirement(self, requirement: P.Requirement, number: int) -> None:
+        for one in requirement.repair:
+            self.index(one, self.program.draws, "draw")
+
+    # ------------------------------------------------------------ parts, links and joints
+
+    def _part(self, part: P.Part, number: int) -> None:
+        need(-1 <= part.parent < number, "a part comes after the part that it is of")
+        if part.semantic:
+            self.word("semantic", part.semantic)
+        turns, axis = part.symmetry
+        need(
+            0 <= turns <= 10_000 and 0 <= axis <= 2, "the symmetry of a part is a number of turns about axis 0, 1 or 2"
+        )
+        self.reference(part.link, self.program.links, "link")
+        self.reference(part.holder, self.program.parts, "part")
+
+    def _site(self, site: P.Site, number: int) -> None:
+        primitive = self.program.primitives.get(site.primitive)
+        need(primitive is not None, f"there is no primitive {site.primitive}")
+        assert primitive is not None
+        need(
+            len(site.parameters) == len(primitive.parameters),
+            f"{site.primitive} takes {len(primitive.parameters)} parameters",
+        )
+        self.index(site.part, self.program.parts, "part")
+        for name, _ in site.materials:
+            need(name in self.program.materials, f"there is no material {shapes.shown(name)}")
+        self.reference(site.link, self.program.links, "link")
+
+    def _link(self, link: P.Link, number: int) -> None:
+        self.index(link.part, self.program.parts, "part", -1)
+
+    def _joint(self, joint: P.Joint, number: int) -> None:
+        need(joint.kind in JOINTS, f"there is no kind of joints {shapes.shown(joint.kind)}")
+        self.index(joint.child, self.program.links, "link")
+        self.reference(joint.parent, self.program.links, "link")
+        seen, at, joints = {number}, joint, self.program.joints
+        while at.mimic is not None:
+            leader = at.mimic[0]
+            self.index(leader, joints, "joint")
+            if joints[leader] is at:  # elements of a repeat that follow its first
+                break
+            need(leader not in seen, "joints follow one another in a circle")
+            seen.add(leader)
+            at = joints[leader]
+
+    def _closure(self, closure: P.Closure, number: int) -> None:
+        for reference in closure.links:
+            self.reference(reference, self.program.links, "link")
+
+    def _allowed(self, allowed: P.Allowed, number: int) -> None:
+        need(allowed.kind in ("overlap", "free", "floating"), f"nothing allows {shapes.shown(allowed.kind)}")
+        floating = allowed.kind == "floating"
+        for one in (*allowed.first, *allowed.second):
+            self.index(one, self.program.parts if floating else self.program.links, "part" if floating else "link")
+
+    def _clear(self, clear: P.Clear, number: int) -> None:
+        for one in (*clear.first, *clear.second):
+            self.index(one, self.program.parts, "part")
+        need(len(clear.ranks) == 2, "ranks are those of either side")
+
+    def _slot(self, slot: P.Slot, number: int) -> None:
+        for one in slot.parts:
+            self.index(one, self.program.parts, "part")
+
+    # ------------------------------------------------------------ labels
+
+    def word(self, vocabulary: str, name: str) -> None:
+        known = self.program.vocabularies.get(vocabulary, ())
+        need(name in known, f"the vocabulary {vocabulary} has no word {shapes.shown(name)}")
+
+    def _label(self, label: P.Label, number: int) -> None:
+        if label.vocabulary == "semantic":
+            self.word("semantic", label.name)
+        need(len(label.vector) in (0, 3), "a vector has three components")
+        need(not label.vector or label.vocabulary == "field", "a vector is a field")
+        need(0 <= label.depth <= 10_000, "the depth of a label is a small number")
+        for target in label.targets:
+            self.index(target.site, self.program.sites, "site")
+            scope = self.program.sites[target.site].scope
+            for cell in _cells(target, P.Target):
+                self.placed(cell, scope)
+            self.formulas(label.formulas, _SURFACE, scope)
+
+    def _grasp(self, grasp: P.Grasp, number: int) -> None:
+        self.reference(grasp.link, self.program.links, "link")
+        self.formulas(grasp.formulas, _GRASP, grasp.scope)
+        names = [name for name, _ in grasp.hand]
+        need(
+            set(names) <= set(P.MEASURES) and len(set(names)) == len(names),
+            "a hand has a measure that grippers do not have",
+        )
+
+    def _keypoint(self, keypoint: P.Keypoint, number: int) -> None:
+        self.reference(keypoint.link, self.program.links, "link")
+
+    def _material(self, material: P.Material, number: int) -> None:
+        for field in fields(material):
+            value = getattr(material, field.name)
+            if field.name == "colour":
+                need(
+                    value and all(0 <= c <= 1 for one in value for c in one),
+                    "colours are numbers from 0 to 1, and there is one",
+                )
+            elif field.name != "name":
+                most = 1.0 if field.name in ("metalness", "roughness", "transparency", "restitution") else 1e6
+                need(0 <= value[0] <= value[1] <= most, f"{field.name} is a range from 0 to {most:g}")
+        need(material.density[0] > 0, "a density is above 0")
+
+    # ------------------------------------------------------------ primitives
+
+    def _primitive(self, primitive: Primitive, number: int) -> None:
+        names, own = primitive.parameters, frozenset(primitive.parameters)
+        need(len(own) == len(names), "a parameter is there twice")
+        clash = own & {"u", "v", "i", "p.x", "p.y", "p.z"}
+        need(not clash, f"a parameter is called {', '.join(sorted(clash))}, which means something else in a formula")
+        need(len(primitive.test) == len(names), "there is a test range for each parameter")
+        need(all(low <= high for low, high in primitive.test), "a test range ends before it begins")
+        need(own.issuperset(primitive.whole), "what counts something is no parameter")
+        need(primitive.patches, "a primitive has no surface")
+        for patch in primitive.patches:
+            need(
+                patch.count is None or 0 <= patch.count <= MOST_PATCHES,
+                f"a surface is there up to {MOST_PATCHES} times",
+            )
+            indexed = own | {"i"} if patch.count is not None else own
+            self.formulas(patch.position, indexed | {"u", "v"})
+            self.formulas((*patch.u_range, *patch.v_range, patch.guard), indexed)
+        for piece in primitive.pieces:
+            need(piece.points, "a convex piece has no points")
+            self.formulas([piece.count], own)
+            self.formulas([piece.guard, *(cell for point in piece.points for cell in point)], own | {"i"})
+        self.formulas([primitive.inside], own | {"p.x", "p.y", "p.z"})
+        self.formulas([*primitive.low, *primitive.high, *primitive.requires], own)
+
+
+def _scope_of(item: Any) -> Scope | None:
+    return item.column.scope if isinstance(item, P.Draw) else getattr(item, "scope", None)
+
+
+_FORMULAS = {  # fields that hold formulas, or that stand in other tables than their record
+    P.Label: {"value", "guard", "vector", "targets"},
+    P.Grasp: {"at", "approach", "close", "opening", "quality", "hand"},
+    Primitive: {"patches", "inside", "low", "high", "pieces", "requires"},
+}
+
+
+def _cells(value: Any, kind: type | None = None) -> Iterator[Expr]:
+    """The expressions of an item that have values in its rows."""
+    if isinstance(value, Expr):
+        yield value
+    elif isinstance(value, tuple | list):
+        for one in value:
+            yield from _cells(one)
+    elif is_dataclass(value) and not isinstance(value, (Scope, Column, *_REFERENCES)):
+        for field in fields(value):
+            if field.name not in _FORMULAS.get(kind, ()):  # type: ignore[arg-type]
+                yield from _cells(getattr(value, field.name))
+
+
+def _records(reference: Reference) -> Iterator[Under | Elsewhere | Onward]:
+    for item in reference:
+        if not isinstance(item, int):
+            yield item
+            yield from _records(item.links)
+
+
+__all__ = ["Fault", "Verifier"]

@@ -1,0 +1,183 @@
+"""A compiled program is only data: nothing in it runs, and what is wrong with it is reported with its line."""
+
+import ast
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from artipg_dsl.errors import UserError
+from artipg_dsl.graph.expr import call, const, var
+from artipg_dsl.graph.formula import compile_formula, source
+from artipg_dsl.graph.text import TextError, from_text, to_text
+from artipg_dsl.graph.verify import UNITS
+from artipg_dsl.job import compiled_text, open_job
+from artipg_dsl.runtime.module import to_module
+from artipg_dsl.runtime.plan import make_plan
+from artipg_dsl.semantics.units import SI_UNITS
+from artipg_dsl.session import Session
+
+DATA = Path(__file__).parents[1] / "data"
+HOSTILE = "z=__import__('os').system('touch ran')"
+KNOB = """apg 1
+use primitives { Cuboid, Cylinder }
+use vocabularies { semantic, affordance }
+## A box with a knob.
+category Box {
+  param width : length in 10cm .. 20cm = 12cm
+  count knobs in 1 .. 3 = 2
+  root part body : Cuboid(size = [width, width, 5cm])
+  repeat row[i] in 0 ..< knobs spread body along y {
+    part knob : Cylinder(radius = 5mm, height = 2cm)
+    joint turn : revolute body.top -> knob.bottom range 0deg .. 90deg
+  }
+  require width * knobs <= 60cm else "too many knobs"
+  label semantic.body on body
+  label affordance.turn on row.knob where p.z > 0
+}
+"""
+
+
+@pytest.fixture(scope="module")
+def text() -> str:
+    session = Session.of_text(KNOB)
+    assert session.lowering is not None, session.report.diagnostics
+    return to_text(session.lowering.program)
+
+
+def refused(text: str) -> str:
+    with pytest.raises(TextError) as wrong:
+        from_text(text)
+    return str(wrong.value)
+
+
+# ---------------------------------------------------------------- nothing runs
+
+
+def test_a_program_that_names_python_is_refused_and_runs_nothing(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    found = (DATA / "names_are_pasted_into_code.apgc").read_text(encoding="utf-8")
+    assert "no name" in refused(found)
+    with pytest.raises(UserError, match="line 87 of the compiled program"):
+        open_job(DATA / "names_are_pasted_into_code.apgc")
+    assert not list(tmp_path.iterdir())
+
+
+def test_generated_formulas_hold_no_text_of_the_program():
+    names = ("p.x", HOSTILE, "x); import os\n#", "\x00\ud800")
+    exprs = [call("add", var(name), const(1.0)) for name in names]
+    assert not re.search(r"import|system|p_x", source(exprs, names))
+    assert compile_formula(exprs, names)(1.0, 2.0, 3.0, 4.0) == (2.0, 3.0, 4.0, 5.0)
+
+
+def test_generated_plans_and_modules_hold_texts_as_literals_alone(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    program = Session.of_text(KNOB).sampler.program
+    hostile = '\'"""\n\r\x0c\u2028\x00\\' + HOSTILE
+    program.name, program.doc = hostile, hostile
+    for scope in program.scopes:
+        scope.name = hostile
+    for draw in program.draws:
+        draw.address, draw.column.name = hostile, hostile
+    program.sites = [replace(site, path=hostile) for site in program.sites]
+    program.joints = [replace(joint, path=hostile) for joint in program.joints]
+    plan = make_plan(program, [])
+    for made in (plan.source, to_module(program, "test")):
+        tree = ast.parse(made)  # so nothing ends a line or a literal that should not
+        called = {
+            node.func.id for node in ast.walk(tree) if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
+        }
+        assert not called & {"__import__", "eval", "exec", "system"}
+    plan.function  # noqa: B018 - compiles
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_only_code_that_runs_is_generated_in_two_places():
+    package = Path(__file__).parents[2] / "artipg_dsl"
+    found = {
+        path.relative_to(package).as_posix()
+        for path in package.rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Call)
+        and isinstance(node.func, ast.Name)
+        and node.func.id in ("exec", "eval", "__import__")
+    }
+    assert found == {"graph/formula.py", "runtime/plan.py"}
+
+
+# ---------------------------------------------------------------- what is wrong is told with its line
+
+EDITS = {
+    r'\$1 = real @0 "width"': [
+        (f'$1 = real @0 "{HOSTILE}"', "no name"), ('$1 = real @0 ""', "no name"), ('$1 = other @0 "width"', "no kind of columns"),
+        ('$7 = real @0 "width"', "\\$1 is expected"), ('$1 = real @7 "width"', "@7 is not known"), ('$1 = real @0 "width', "no text"),
+        ('$1 = real @0 "width" 3', "goes on"), ('$1 real @0 "width"', "= is expected"), ('$1 = real @0 "\\ud800"', "no text"),
+    ],
+    r"%1 = const 0\.1": [
+        ("%1 = const", "too early"), ("%1 = const inf 3", "arguments of const"), ('%1 = const "1"', "constant"), ("%1 = add", "add takes 2"),
+        ("%1 = system", "no operator"), ("%1 = __class__", "no operator"), ("%1 = add %1 %1", "%1 is not known"),
+        ("%1 = " + "[" * 100, "constant|nested|operator"), ("%1 = const " + "[" * 100, "nested"), ("%1 = const %-1", "no value"),
+        ('%1 = var "p.x"', "variable"), ('%1 = root "0] or 1" %0', "not known|root"),
+        ("%1 = solve 1 0 %1", "not known|solve"), ("%1 = solve 99999 0", "solve"), ("%1 = reduce os @0 %1", "not known|reduction"),
+    ],
+    r'kind "real"': [('kind "unreal"', "no kind of draws"), ("kind 3", "kind: 3 where text"), ("kynd 3", "no field 'kynd'")],
+    r'address "width"': [('address ""', "no address"), ("address none", "address: nothing where text")],
+    r'unit "m"': [('unit "furlong"', "no unit"), ('unit "m" unit "m"', "twice")],
+    r'kind "revolute"': [('kind "telepathic"', "no kind of joints")],
+    r"child 1": [("child 9", "no link 9"), ("child -1", "no link -1"), ("child 1.5", "child: 1.5 where a whole number")],
+    r'primitive "Cylinder"': [('primitive "Kernel"', "no primitive Kernel")],
+    r'path "row.knob" name': [('path "../../etc/passwd" name', "no name"), ('path "a\\nb" name', "no name")],
+    r'vocabulary "affordance" name "turn"': [('vocabulary "affordance" name "<script>"', "no name")],
+    r'semantic "body"': [('semantic "soul"', "no word")],
+    r'program "Box"': [('program "Box <b>"', "no name"), ("program 3", "program is text"), ('category "Box"', "no item")],
+    r"part 0\)": [("part 77)", "no part 77"), ("part 0", "ends before")],
+    r"test \[\[0\.001": [("test [[nan", "finite"), ("test [[9.0", "ends before")],
+    r"parent -1": [("parent 0", "comes after"), ("parent 99", "comes after")],
+    r"\(Pose ": [("(System ", "no record")],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("pattern", "edit", "words"), [(p, e, w) for p, edits in EDITS.items() for e, w in edits])
+def test_an_edit_is_reported_with_its_line_and_what_is_wrong(text, pattern, edit, words):
+    edited, count = re.subn(pattern, lambda _: edit, text, count=1)
+    assert count == 1, f"{pattern} stands nowhere in the program"
+    message = refused(edited)
+    assert re.search(words, message), message
+    assert re.search(r"line \d+ of the compiled program|incomplete or wrong", message), message
+
+
+def test_values_that_need_one_another_are_reported(text, tmp_path):
+    """A definition that reads itself passes line by line; planning finds the circle."""
+    number = text.count("\n$")
+    lines = text.rstrip("\n").split("\n")
+    count = sum(line.startswith("%") for line in lines)
+    lines += [f'${number} = real @0 "loop"', f"%{count} = col ${number}", f"define ${number} %{count}"]
+    lines += [f'requirements (Requirement scope @0 condition %{count + 1} guard %{count + 1} message "" where none)']
+    lines.insert(-1, f"%{count + 1} = le %{count} %{count}")
+    program = from_text("\n".join(lines))
+    path = tmp_path / "loop.apgc"
+    path.write_text(compiled_text(program), encoding="utf-8")
+    with pytest.raises(UserError, match="in a circle"):
+        open_job(path)
+
+
+def test_tables_beyond_all_bounds_are_refused(text, tmp_path):
+    for old in (r"3\.0", r"0\.6", r"1\.0"):  # 3 knobs at most, 60 cm in all, and 1 at least
+        text = re.sub(rf"(%\d+) = const {old}\b", r"\1 = const 1000000000.0", text, count=1)
+    program = from_text(text)
+    path = tmp_path / "many.apgc"
+    path.write_text(compiled_text(program), encoding="utf-8")
+    with pytest.raises(UserError, match="elements of one repeat"):
+        open_job(path).batch(np.arange(3))
+
+
+def test_a_division_by_zero_is_a_value_not_an_error():
+    with np.errstate(divide="ignore"):
+        (found,) = compile_formula([call("div", const(1.0), const(0.0))], ())()
+    assert np.isinf(found)
+
+
+def test_units_inside_are_those_of_the_language():
+    assert UNITS == {"", *SI_UNITS.values()}
