@@ -80,10 +80,8 @@ class Verifier:
             )
             return
         need(scope.kind in ("repeat", "guard"), f"a table is a repeat or a guard, not {str(scope.kind)[:40]!r}")
-        need(
-            isinstance(scope.parent, Scope) and isinstance(scope.count, Expr),
-            "a table has a parent (@n) and a count (%n)",
-        )
+        if not isinstance(scope.parent, Scope) or not isinstance(scope.count, Expr):
+            raise Fault("a table has a parent (@n) and a count (%n)")
         need(self.nodes.stands(scope.count, scope.parent), "the count of a table reads a table that it cannot see")
 
     def column(self, column: Column) -> None:
@@ -171,8 +169,8 @@ class Verifier:
 
     def _part(self, part: P.Part, number: int) -> None:
         need(-1 <= part.parent < number, "a part comes after the part that it is of")
-        if part.semantic:
-            self.word("semantic", part.semantic)
+        for word, _ in part.semantic:
+            self.word("semantic", word)
         turns, axis = part.symmetry
         need(
             0 <= turns <= 10_000 and 0 <= axis <= 2, "the symmetry of a part is a number of turns about axis 0, 1 or 2"
@@ -200,15 +198,19 @@ class Verifier:
         need(joint.kind in JOINTS, f"there is no kind of joints {shapes.shown(joint.kind)}")
         self.index(joint.child, self.program.links, "link")
         self.reference(joint.parent, self.program.links, "link")
-        seen, at, joints = {number}, joint, self.program.joints
-        while at.mimic is not None:
-            leader = at.mimic[0]
-            self.index(leader, joints, "joint")
-            if joints[leader] is at:  # elements of a repeat that follow its first
-                break
-            need(leader not in seen, "joints follow one another in a circle")
-            seen.add(leader)
-            at = joints[leader]
+        joints = self.program.joints
+        self.reference(() if joint.mimic is None else joint.mimic[0], joints, "joint")
+        seen: set[int] = set()
+        leaders = self.leaders(number)
+        while leaders:
+            need(number not in leaders, "joints follow one another in a circle")
+            seen |= leaders
+            leaders = {k for one in leaders if one < len(joints) for k in self.leaders(one)} - seen
+
+    def leaders(self, number: int) -> set[int]:
+        """The joints that one follows; the elements of a repeat may follow others of theirs."""
+        mimic = self.program.joints[number].mimic
+        return set() if mimic is None else set(definitions(mimic[0])) - {number}
 
     def _closure(self, closure: P.Closure, number: int) -> None:
         for reference in closure.links:

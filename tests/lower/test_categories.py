@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from artipg_dsl.graph.text import digest, from_text, to_text
 from artipg_dsl.resources import categories_dir
 from artipg_dsl.runtime.sample import Statistics
 from artipg_dsl.session import Session
@@ -22,6 +23,11 @@ def session(request: pytest.FixtureRequest) -> Session:
 def test_checks_without_error(session: Session) -> None:
     assert session.lowering is not None, [d.message for d in session.report.diagnostics]
     assert not session.report.failed
+
+
+def test_its_artefact_passes_verification(session: Session) -> None:
+    program = session.sampler.program
+    assert digest(from_text(to_text(program))) == program.hash
 
 
 def test_samples_finite_and_rigid(session: Session) -> None:
