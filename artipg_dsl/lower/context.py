@@ -89,6 +89,7 @@ class Context:
         default_factory=dict
     )  # joints whose high end is as far as nothing is in the way
     unclear: list[Span] = field(default_factory=list)  # such ends that are not solved for
+    driven: dict[Span, bool] = field(default_factory=dict)  # `pushes(joint)` -> whether the joint carries a target
     trace: list[tuple[Span, str]] = field(default_factory=list)
 
     def error(self, code: str, span: Span, message: str, **more: object) -> Abort:

@@ -19,7 +19,7 @@ from ..graph.program import Joint, Pose
 from ..graph.reference import definitions
 from ..source import Span
 from ..syntax import ast
-from .context import text_of
+from .context import Context, text_of
 from .env import Env
 from .links import MOVING_ABOUT, Links, carried_axis
 from .part import Part
@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 
 FUNCTIONS = {"pushes": (-1, 1), "pulls": (1, 1), "pushes_back": (-1, -1), "pulls_back": (1, -1)}
 """By name: the force along the normal, and whether it moves the joint from rest (1) or back to it (-1)."""
-NEAR = E.const(0.5)  # the cosine of the widest angle between force and motion: 60 degrees
-LEVER = E.const(0.25)  # of the longest lever arm of a target, the shortest that is enough
+NEAR = E.const(0.6)  # the cosine of the widest angle between force and motion: 53 degrees
+LEVER = E.const(0.5)  # of the longest lever arm of a target, the shortest that is enough
 ROOM = E.const(1e-3)  # of a range, what is no way to go
 
 
@@ -56,27 +56,19 @@ class Drive:
     def joints(self, node: ast.Expr, span: Span) -> list[Joint]:
         """The joints of a name that may carry the target: one, or those of several alternatives."""
         context = self.env.context
-        program, word, name = context.program, spelled(node), text_of(node.span)
+        program, word = context.program, spelled(node)
         at: Env | None = self.env
-        found: list[Joint] = []
+        found: list[int] = []
         while at is not None and not found:
-            found = [joint for joint in program.joints if joint.path == at.path + word]
+            found = [number for number, joint in enumerate(program.joints) if joint.path == at.path + word]
             at = at.outer
-        if not found:
-            raise context.error("unknown-name", node.span, f"there is no joint `{name}` here")
-        for joint in found:
-            if joint.kind == "fixed":
-                raise context.error("wrong-kind", node.span, f"the joint `{name}` is fixed: nothing moves it")
-        scope = self.aim.scope
-        near = [j for j in found if all(s.kind == "guard" for s in apart(j.scope, scope))]
-        carriers = self.carriers()
-        if not any(program.joints.index(j) in carriers for j in found):
-            parts = " and ".join(f"`{part.name}`" for part in self.aim.parts)
-            raise context.error(
-                "wrong-kind", span, f"{parts} does not move with `{name}`",
-                hint="name the joint that carries what the label lies on, or one that carries that joint",
-            )  # fmt: skip
-        return [j for j in near if program.joints.index(j) in carriers]
+        if any(program.joints[k].kind == "fixed" for k in found):
+            raise context.error("wrong-kind", node.span, f"the joint `{text_of(node.span)}` is fixed: nothing moves it")
+        carriers, scope = self.carriers(), self.aim.scope
+        carried = [program.joints[k] for k in found if k in carriers]
+        if found:
+            context.driven[span] = bool(carried) or context.driven.get(span, False)
+        return [j for j in carried if all(s.kind == "guard" for s in apart(j.scope, scope))]
 
     def carriers(self) -> set[int]:
         """The joints that move the target: all on the way from its links to the root."""
@@ -151,6 +143,16 @@ class Drive:
             arm = minus(corner, at)
             arms.append(norm(arm if axis is None else cross(axis, arm)))
         return E.maximum(*arms)
+
+
+def report(context: Context) -> None:
+    """Refuse functions of joints that carry none of the targets, in no instance of their template."""
+    for span, carried in context.driven.items():
+        if not carried:
+            context.error(
+                "wrong-kind", span, f"nothing that this lies on moves with the joint of `{text_of(span)}`",
+                hint="name the joint that carries the target, or one that carries that joint",
+            )  # fmt: skip
 
 
 def apart(inner: Scope, scope: Scope) -> list[Scope]:

@@ -16,7 +16,7 @@ from ..graph.reference import definitions
 from ..graph.text import digest
 from ..semantics.symbols import Symbol
 from ..syntax import ast
-from . import labels, mimic, rings
+from . import drives, labels, mimic, rings
 from .body import lower_statements
 from .bounds import attach_bounds
 from .connect import carriers
@@ -86,6 +86,7 @@ def finish(links: Links, env: Env) -> None:
     links.hold()
     program.draws = context.draws
     labels.statements(links, env)
+    drives.report(context)
     order_labels(context)
     dress(context)
     conditions(links, env)

@@ -106,7 +106,7 @@ def test_what_is_labelled_moves_along_its_normal(batch: Batch, points: Points, w
     assert labelled.sum() > 20
     assert (joint[labelled] >= 0).all()
     free = upward(batch)[joint] == 0
-    assert (np.where(free, np.abs(cosine), sign * cosine)[labelled] >= 0.5 - 1e-6).all()
+    assert (np.where(free, np.abs(cosine), sign * cosine)[labelled] >= 0.6 - 1e-6).all()
 
 
 def test_what_moves_along_its_normal_is_labelled(batch: Batch, points: Points) -> None:
@@ -114,9 +114,9 @@ def test_what_moves_along_its_normal_is_labelled(batch: Batch, points: Points) -
     straight = np.array([kind == "prismatic" for kind in batch.joints().kind])[joint] & (joint >= 0)
     leaf = straight & ~on(batch, points, "key")
     assert leaf.sum() > 500
-    assert np.array_equal(points.labels["affordance.pull"][leaf], cosine[leaf] > 0.5)
-    assert np.array_equal(points.labels["field.shut"][leaf], cosine[leaf] > 0.5)
-    assert np.array_equal(points.labels["affordance.push"][leaf], cosine[leaf] < -0.5)
+    assert np.array_equal(points.labels["affordance.pull"][leaf], cosine[leaf] > 0.6)
+    assert np.array_equal(points.labels["field.shut"][leaf], cosine[leaf] > 0.6)
+    assert np.array_equal(points.labels["affordance.push"][leaf], cosine[leaf] < -0.6)
 
 
 def test_a_point_near_the_axis_has_no_lever(batch: Batch, points: Points) -> None:
@@ -125,11 +125,11 @@ def test_a_point_near_the_axis_has_no_lever(batch: Batch, points: Points) -> Non
     pushed = points.labels["affordance.push"] & round_about
     assert pushed.any() and not (pushed & on(batch, points, "wheel")).any()  # a round one turns by friction alone
     center = points.position[pushed][:, :2]
-    assert np.sqrt((center**2).sum(axis=-1)).min() > 0.03  # of a reach of 14 cm about the wheel's middle
+    assert np.sqrt((center**2).sum(axis=-1)).min() > 0.05  # half of a reach of 14 cm about the wheel's middle
 
 
 REFUSED = {
-    "label affordance.push on foot where pushes(open)": "`foot` does not move with `open`",
+    "label affordance.push on foot where pushes(open)": "nothing that this lies on moves with the joint of `pushes(open)`",
     "label affordance.push on lid where pushes(lid)": "`pushes` takes a joint",
     "label affordance.push on lid where pushes(opening)": "there is no `opening` here",
     "label affordance.push on lid where pushes(stiff)": "is fixed",
