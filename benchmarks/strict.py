@@ -202,7 +202,9 @@ def followed(thing: Thing, values: np.ndarray) -> np.ndarray:
 
 def ajar(thing: Thing, values: np.ndarray) -> np.ndarray:
     pose = motion(thing, values)
-    ends = [(pose[a][:3, :3] @ p + pose[a][:3, 3]) - (pose[b][:3, :3] @ q + pose[b][:3, 3]) for a, p, b, q in thing.loops]
+    ends = [
+        (pose[a][:3, :3] @ p + pose[a][:3, 3]) - (pose[b][:3, :3] @ q + pose[b][:3, 3]) for a, p, b, q in thing.loops
+    ]
     return np.concatenate(ends)
 
 

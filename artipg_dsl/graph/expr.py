@@ -271,6 +271,19 @@ def signed(a: Expr) -> bool:
     return a.op == "const" or a.op == "where" and a.args[1].op == "const" and a.args[2].op == "const"
 
 
+def choices(a: Expr) -> Iterable[Expr]:
+    """What a value is one of: itself, or what either branch of a condition may be."""
+    seen: set[Expr] = set()
+    left = [a]
+    while left:
+        node = left.pop()
+        if node.op == "where":
+            left += [b for b in node.args[1:] if b not in seen]
+            seen.update(node.args[1:])
+        else:
+            yield node
+
+
 def div(a: Expr, b: Expr) -> Expr:
     if a is ZERO:
         return ZERO
@@ -493,8 +506,20 @@ def few(node: Expr, most: int) -> bool:
     return left >= 0
 
 
-def show(node: Expr) -> str:
-    """A readable form, for people; the exact form is in ``graph.text``."""
+def show(node: Expr, most: int = 20_000) -> str:
+    """A readable form, for people; the exact form is in ``graph.text``. What is shared is repeated, so after ``most``
+    nodes there are dots.
+    """
+    left = [most]
+
+    def inner(node: Expr) -> str:
+        left[0] -= 1
+        return "..." if left[0] < 0 else _shown(node, inner)
+
+    return inner(node)
+
+
+def _shown(node: Expr, show: Callable[[Expr], str]) -> str:
     if node.op == "const":
         return f"{node.value:.9g}" if not isinstance(node.value, bool) else str(node.value).lower()
     if node.op == "col":

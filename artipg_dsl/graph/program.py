@@ -152,7 +152,7 @@ class Part:
     high: Triple
     link: Reference
     semantic: tuple[tuple[str, Expr], ...] = ()  # (word for the whole part, predicate), the last that holds counts
-    symmetry: tuple[int, int] = (1, 2)  # (turns, axis 0..2); turns 0: any angle
+    symmetry: tuple[Expr, Expr] | None = None  # (turns, axis 0..2), where there is one; turns 0: any angle, 1: none
     holder: Reference = ()  # the part that it is rigidly connected to, if there is one
 
     @property

@@ -150,7 +150,7 @@ def to_text(program: P.Program, *, places: bool = True) -> str:
         writer.emit(f"draw {line}" + (f"  # {draw.column.name}" if places else ""))
     for column, value in program.definitions.items():
         name, found = writer.column(column), writer.expr(value)
-        comment = show(value) if places else ""
+        comment = show(value, 160) if places else ""
         writer.emit(f"define {name} {found}" + (f"  # {column.name} = {comment[:160]}" if places else ""))
     for name in LISTS:
         for item in getattr(program, name):

@@ -13,7 +13,7 @@ from typing import Any
 
 from .. import shapes
 from . import program as P
-from .expr import Column, Expr, Scope
+from .expr import Column, Expr, Scope, choices
 from .nodes import KINDS, NAME, Fault, Nodes, need
 from .primitive import Patch, Piece, Primitive
 from .reference import Elsewhere, Onward, Reference, Under, definitions
@@ -171,10 +171,8 @@ class Verifier:
         need(-1 <= part.parent < number, "a part comes after the part that it is of")
         for word, _ in part.semantic:
             self.word("semantic", word)
-        turns, axis = part.symmetry
-        need(
-            0 <= turns <= 10_000 and 0 <= axis <= 2, "the symmetry of a part is a number of turns about axis 0, 1 or 2"
-        )
+        for axis in () if part.symmetry is None else choices(part.symmetry[1]):
+            need(axis.constant in (0.0, 1.0, 2.0), "the symmetry of a part is about axis 0, 1 or 2")
         self.reference(part.link, self.program.links, "link")
         self.reference(part.holder, self.program.parts, "part")
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..graph import expr as E
 from ..graph.expr import ONE, Expr, Scope, ScopeError
@@ -19,6 +20,8 @@ from .faces import extent
 from .links import Links
 from .part import Part
 from .place import root_name
+from .solve import lifted
+from .surfaces import held
 from .values import Box, Frame, Line, Ref, Surface, Value, Vec
 from .vectors import HERE, compose, inverse, place
 
@@ -44,27 +47,22 @@ def statements(links: Links, env: Env) -> None:
         for instance in part.instances:
             if instance.env is not None:
                 statements(links, instance.env)
+    for found in env.statements:
+        if isinstance(found, ast.SymmetryStmt):  # before those under a guard, which say more
+            attempt(links, env, found, symmetry)
     for inner in env.inner:
         statements(links, inner)
-    for statement in env.statements:
-        try:
-            match statement:
-                case ast.LabelStmt():
-                    label(links, env, statement)
-                case ast.FieldStmt():
-                    field_label(links, env, statement)
-                case ast.MaterialStmt():
-                    material(links, env, statement)
-                case ast.GraspStmt():
-                    grasp(links, env, statement)
-                case ast.KeypointStmt():
-                    keypoint(links, env, statement)
-                case ast.SymmetryStmt():
-                    symmetry(links, env, statement)
-                case _:
-                    pass
-        except (Abort, ScopeError) as error:
-            env.context.failed(error, statement.span)
+    for found in env.statements:
+        if type(found) in MEANINGS:
+            attempt(links, env, found, MEANINGS[type(found)])
+
+
+def attempt(links: Links, env: Env, statement: ast.Stmt, meaning: Callable[[Links, Env, Any], None]) -> None:
+    """One statement; after an error the next ones are still looked at."""
+    try:
+        meaning(links, env, statement)
+    except (Abort, ScopeError) as error:
+        env.context.failed(error, statement.span)
 
 
 # ---------------------------------------------------------------- targets
@@ -398,11 +396,22 @@ def is_part_path(env: Env, node: ast.Expr) -> bool:
 
 def symmetry(links: Links, env: Env, statement: ast.SymmetryStmt) -> None:
     direction = Evaluator(env).direction(statement.direction)
-    axis = next((k for k in range(3) if direction[k].constant in (1.0, -1.0)), 2)
+    axis = E.const(float(next((k for k in range(3) if direction[k].constant in (1.0, -1.0)), 2)))
+    turns = E.ZERO if statement.turn is None else E.maximum(Evaluator(env).scalar(statement.turn), E.ONE)
     program = env.context.program
     for aim in aims(links, env, statement.target):
         for part in aim.parts:
             for instance in part.instances:
                 number = links.nodes.get((part, instance.symbol.name))
                 if number is not None:
-                    program.parts[number] = replace(program.parts[number], symmetry=(statement.turn or 0, axis))
+                    known = program.parts[number].symmetry or (E.ONE, axis)
+                    here = held(env.scope, instance.scope)
+                    told = (
+                        E.where(here, lifted(a, instance.scope), b) for a, b in zip((turns, axis), known, strict=True)
+                    )
+                    program.parts[number] = replace(program.parts[number], symmetry=tuple(told))  # type: ignore[arg-type]
+
+
+MEANINGS: dict[type[ast.Stmt], Callable[[Links, Env, Any], None]] = {
+    ast.LabelStmt: label, ast.FieldStmt: field_label, ast.MaterialStmt: material, ast.GraspStmt: grasp, ast.KeypointStmt: keypoint,
+}  # fmt: skip

@@ -32,7 +32,7 @@ from .profiles import SLOPE, Point, Side, Span, V, circular, distance, equal_ste
 from .rails import foot, path_of, reach
 from .regions import axis_of, chains_of, outline, turned
 from .strips import convex, parts
-from .values import Frame, Vec
+from .values import Frame
 from .vectors import cross, dot, minus, plus, signed_axis, times, unit
 
 BLEND = E.var("section")  # 0 at the first section of a bay, 1 at its last
@@ -151,9 +151,8 @@ def levels_of(env: Env, solid: ast.SolidDecl, count: int) -> list[Expr]:
     ev = Evaluator(env)
     at, ends = clause(solid, "at"), [clause(solid, word) for word in ("from", "to")]
     if at is not None:
-        value = ev.value(at)
-        if isinstance(value, Vec) and len(value.items) == count:
-            return list(value.items)
+        if isinstance(at, ast.VectorExpr) and len(at.items) == count:
+            return [ev.scalar(level) for level in at.items]
         raise env.context.error(
             "wrong-arguments", at.span, f"there are {count} sections, so `at` takes a list of {count} levels"
         )

@@ -24,6 +24,8 @@ from .repairs import Repairs
 from .rooted import led, rooted
 from .tables import Instances, JointTable, LinkTable, PartTable, Rowmap
 
+UNLIKE = np.array([1.0, 2.0])  # turns and axis of a part that is like itself only as it stands
+
 
 class Batch:
     """Objects of one program as columns. ``numbers`` (B,) are the object numbers, ``seed`` what they were drawn with.
@@ -269,7 +271,8 @@ class Batch:
             links.append(self.link_numbers(part.scope, part.link))
             semantics.append(self._words[number])
             holders.append(referred.numbers(part.scope, part.holder))
-            symmetries.append(np.broadcast_to(np.array(part.symmetry), (size, 2)))
+            turns = UNLIKE if part.symmetry is None else self._vectors(part.symmetry, part.scope)
+            symmetries.append(np.broadcast_to(turns, (size, 2)))
             names.append(self.rowmap.names(part.scope, part.path))
         return PartTable(
             made.owner, made.number, made.sort_names(names), [program.parts[d].path for d in made.definition],

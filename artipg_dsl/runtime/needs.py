@@ -22,7 +22,8 @@ def wanted(program: Program) -> Iterator[Wanted]:
     for site in program.sites:
         yield from each(site.scope, site.parameters, pose_cells(site.pose), (p for _, p in site.materials))
     for part in program.parts:
-        yield from each(part.scope, pose_cells(part.pose), part.low, part.high, (p for _, p in part.semantic))
+        words = (p for _, p in part.semantic)
+        yield from each(part.scope, pose_cells(part.pose), part.low, part.high, words, part.symmetry or ())
         yield from ranks(part.link)
         yield from ranks(part.holder)
     for link in program.links:

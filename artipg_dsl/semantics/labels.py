@@ -15,6 +15,7 @@ from .entries import of_reference
 from .offers import missing
 from .types import (
     BOOL,
+    COUNT,
     DIRECTION,
     EDGE,
     FRAME,
@@ -65,8 +66,10 @@ def check(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
                 ck.error("wrong-type", at.span, f"a keypoint lies on a part, a port or a point, but this is {kind}")
             if place is not None:
                 ck.expect(formula(ctx), place, POINT, "the place of a keypoint")
-        case ast.SymmetryStmt(target=at, direction=direction):
+        case ast.SymmetryStmt(target=at, turn=turn, direction=direction):
             target(ck, ctx, at, "a symmetry belongs to")
+            if turn is not None:
+                ck.expect(ctx, turn, COUNT, "the turns of a symmetry")
             ck.expect(ctx, direction, DIRECTION, "the axis of a symmetry")
         case ast.MaterialStmt():
             _material(ck, ctx, stmt)

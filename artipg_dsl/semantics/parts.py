@@ -211,8 +211,24 @@ def _names_in_repeats(scope: Scope) -> set[str]:
 
 
 def _made(symbol: Symbol, word: str) -> Type | None:
-    """What an operator supplies: a sweep has ports ``start`` and ``end``, every solid surfaces of those names."""
+    """What an operator supplies: along a path the ports ``start`` and ``end``, every solid surfaces of those names."""
     for stmt in symbol.body:
         if isinstance(stmt, ast.SolidDecl) and word in ("start", "end", "rim"):
-            return FRAME if stmt.operator == "sweep" and word != "rim" else SURFACE
+            return FRAME if _along_path(symbol, stmt) and word != "rim" else SURFACE
     return None
+
+
+def _along_path(symbol: Symbol, solid: ast.SolidDecl) -> bool:
+    """Whether a solid goes along one of its primitive's curves, not along an axis."""
+    curves = {
+        name
+        for stmt in symbol.body
+        for name in (stmt.names if isinstance(stmt, ast.ParamDecl) else (getattr(stmt, "name", None),))
+        if isinstance(stmt, ast.CurveDecl)
+        or isinstance(stmt, ast.LetDecl)
+        and isinstance(stmt.value, ast.ChainExpr)
+        or isinstance(stmt, ast.ParamDecl)
+        and stmt.type.name == "curve"
+    }
+    along = (clause.values[0] for clause in solid.clauses if clause.word == "along")
+    return any(isinstance(node, ast.NameExpr) and node.name in curves for node in along)

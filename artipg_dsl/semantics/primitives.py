@@ -93,6 +93,10 @@ def _solid(ck: Checker, ctx: Context, stmt: ast.SolidDecl) -> None:
             if clause.word in ("from", "to"):
                 ck.expect(ctx, value, LENGTH, f"`{clause.word}`")
                 continue
+            if clause.word == "at" and isinstance(value, ast.VectorExpr):
+                for level in value.items:  # any number of them, so no vector
+                    ck.expect(ctx, level, LENGTH, "a level")
+                continue
             kind = ck.infer(ctx, value)
             if kind != CURVE and not fits(kind, DIRECTION):
                 ck.mismatch(value, kind, DIRECTION, f"what follows `{clause.word}`")

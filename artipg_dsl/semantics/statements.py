@@ -72,7 +72,7 @@ def _misplaced(ck: Checker, scope: Scope, stmt: ast.Stmt) -> bool:
     elif kind == "primitive":
         wrong = not isinstance(stmt, _SHAPE + _DECLARATIONS)
     else:
-        wrong = isinstance(stmt, _SHAPE)
+        wrong = isinstance(stmt, _SHAPE) and not isinstance(stmt, ast.CurveDecl)
     if isinstance(stmt, ast.ParamDecl) and stmt.keyword == "inherit" and kind != "role":
         hint = "a parameter of its own is a `param`"
         ck.error("misplaced-statement", stmt.span, f"`inherit` belongs into a role, not into a {kind}", hint=hint)

@@ -467,7 +467,7 @@ class SymmetryStmt(Stmt):
     """``symmetry handle : turn 2 about z``; ``turn`` None for ``symmetry knob : any about z``."""
 
     target: Expr
-    turn: int | None
+    turn: Expr | None
     direction: Expr
 
 

@@ -104,7 +104,10 @@ class BuilderBase:
         return Piece(kind, value, start_of(children[0]), end_of(children[-1]))
 
     def problem(self, child: Any, message: str, hint: str | None = None) -> None:
-        self.problems.append(Problem(self.at(child), message, hint))
+        self.trouble(self.at(child), message, hint)
+
+    def trouble(self, place: Span, message: str, hint: str | None = None) -> None:
+        self.problems.append(Problem(place, message, hint))
 
     def pieces(self, children: Sequence[Any]) -> dict[str, Any]:
         """The values of the pieces among the children by kind; one that is given twice is a problem."""

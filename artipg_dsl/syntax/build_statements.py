@@ -286,12 +286,9 @@ class StatementBuilder(ExpressionBuilder):
         return ast.KeypointStmt(**self.stmt(c), **self.named(c[1]), target=c[3], at=c[5] if len(c) > 4 else None)
 
     def symmetry(self, c: Children) -> ast.Stmt:
-        turn = None
-        if c[3].type == "TURN":
-            if not c[4].value.isdigit() or int(c[4].value) < 2:
-                self.problem(c[4], "a symmetry has a whole number of turns, two or more", "or `any` for every angle")
-            else:
-                turn = int(c[4].value)
+        turn = c[4] if c[3].type == "TURN" else None
+        if isinstance(turn, ast.NumberExpr) and (turn.unit or turn.value < 2 or turn.value != int(turn.value)):
+            self.trouble(turn.span, "a symmetry has a whole number of turns, two or more", "or `any` for every angle")
         return ast.SymmetryStmt(**self.stmt(c), target=c[1], turn=turn, direction=c[-1])
 
     def coat(self, c: Children) -> ast.Stmt:

@@ -4,6 +4,8 @@ import pytest
 
 from artipg_dsl.graph import expr as E
 from artipg_dsl.graph.expr import Column, Scope
+from artipg_dsl.graph.program import Program
+from artipg_dsl.graph.text import to_text
 
 ROOT = Scope("root")
 CHILD = Scope("child", ROOT, "repeat", E.const(3))
@@ -51,3 +53,15 @@ def test_leaves_and_substitution():
 
 def test_division_by_zero_is_left_for_later():
     assert E.div(E.const(1), E.const(0)).op == "div"
+
+
+def test_what_is_shared_a_thousandfold_is_shown_and_written_at_once():
+    value = x = E.var("x")
+    for _ in range(80):
+        value = E.mul(value, E.add(value, x))
+    assert E.show(value).count("...") and len(E.show(value, 100)) < 1000
+    program = Program("many")
+    program.scopes.append(E.Scope("many"))
+    column = E.Column(program.scopes[0], "far")
+    program.definitions[column] = value
+    assert len(to_text(program)) < 10_000
