@@ -37,6 +37,7 @@ def describe(
     """
     n = len(batch)
     grasps, reached, dropped = _reachable(batch, states, gripper)
+    acting = interactions(batch)
     columns = {
         "links": _links(batch),
         "joints": _joints(batch),
@@ -44,10 +45,10 @@ def describe(
         "grasps": _grasps(batch, grasps, reached),
         "dropped": dropped,
         "keypoints": _keypoints(batch),
-        "interactions": _interactions(batch, interactions(batch), None),
+        "interactions": _interactions(batch, acting, None),
     }
     if states is not None:
-        columns["states"] = _states(batch, states, grasps, reached)
+        columns["states"] = _states(batch, states, grasps, reached, acting)
     repaired = _repairs(batch)
     made = []
     for i in range(n):
@@ -184,10 +185,12 @@ def _reachable(
     return grasps.take(at), made[:, at], dropped
 
 
-def _states(batch: Batch, states: np.ndarray, grasps: GraspTable, reached: np.ndarray) -> list[list[dict[str, Any]]]:
+def _states(
+    batch: Batch, states: np.ndarray, grasps: GraspTable, reached: np.ndarray, acting: Interactions
+) -> list[list[dict[str, Any]]]:
     """For each object, one entry per state: rows in the order of the lists ``joints``, ``parts``, ``grasps``,
     ``keypoints`` and ``interactions``, with what differs from rest."""
-    n, keypoints, acting = len(batch), sample_keypoints(batch), interactions(batch)
+    n, keypoints = len(batch), sample_keypoints(batch)
     made: list[list[dict[str, Any]]] = [[] for _ in range(n)]
     for values, reachable in zip(states, reached[1:], strict=True):
         poses = part_poses(batch, values)

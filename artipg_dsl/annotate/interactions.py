@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..geometry import points as geometry
+from ..graph import random
 from .fields import read_pose, read_triples
 from .frames import reflect, rotate
-from .points import field_name
+from .points import field_name, holding
 from .states import Twist, own_joints
 
 if TYPE_CHECKING:
+    from ..graph.program import Label, Target
     from ..runtime.batch import Batch
+
+LOOKS = (64, 512)  # points on each primitive that an affordance may lie on
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,31 +36,73 @@ class Interactions:
 
 
 def interactions(batch: Batch) -> Interactions:
-    """All affordances of a batch that lie on links a joint moves: labels of every vocabulary but ``semantic``."""
+    """All affordances of a batch that can be found on links a joint moves: labels of every vocabulary but ``semantic``.
+
+    They are looked for at points on each primitive that such a label names, as ``label_points`` says what holds there.
+    """
     first = np.searchsorted(batch.links().owner, np.arange(len(batch)))
     moving = own_joints(batch)
-    names = list(dict.fromkeys(field_name(label) for label in batch.program.labels))
-    tables = {table.number: table for table in batch.sites()}
+    acting = [label for label in batch.program.labels if label.vocabulary not in ("semantic", "field")]
+    names = list(dict.fromkeys(field_name(label) for label in acting))
     rows: list[np.ndarray] = [np.zeros((0, 6))]
-    for label in batch.program.labels:
-        if label.vocabulary in ("semantic", "field"):
-            continue
-        for target in label.targets:
-            table = tables.get(target.site)
-            if table is None or not len(table):
-                continue
-            scope = batch.program.sites[target.site].scope
-            rotation, translation, mirror = read_pose(batch, target.frame, scope)
-            center = read_triples(batch, [target.center], scope)[0]
-            point = rotate(rotation, reflect(center, mirror)) + translation
-            link = first[table.owner] + table.link
-            word = np.full(len(link), names.index(field_name(label)))
-            found = np.column_stack([table.owner, word, link, np.round(point, 9) + 0.0])
-            rows.append(found[moving[link] >= 0])
+    for label, target, row in found_on(batch, acting, moving):
+        table = batch.sites()[target.site]
+        scope = batch.program.sites[target.site].scope
+        rotation, translation, mirror = read_pose(batch, target.frame, scope)
+        center = read_triples(batch, [target.center], scope)[0]
+        point = (rotate(rotation, reflect(center, mirror)) + translation)[row]
+        link = (first[table.owner] + table.link)[row]
+        word = np.full(len(link), names.index(field_name(label)))
+        rows.append(np.column_stack([table.owner[row], word, link, np.round(point, 9) + 0.0]))
     # the primitives of one target share its middle: one row for all of them
     unique = np.unique(np.concatenate(rows), axis=0)
     owner, word, link = (unique[:, k].astype(np.int64) for k in range(3))
     return Interactions(owner, [names[k] for k in word], link, moving[link], unique[:, 3:])
+
+
+def found_on(batch: Batch, labels: Sequence[Label], moving: np.ndarray) -> Iterator[tuple[Label, Target, np.ndarray]]:
+    """For each label and target the rows of the target's site on whose visible surface the label holds.
+
+    Only on links that are ``moving`` (L,), which says so by numbers from 0 on. Labels run from outer to inner ones.
+    What few points do not show is looked for at many.
+    """
+    tables = batch.sites()
+    first = np.searchsorted(batch.links().owner, np.arange(len(batch)))
+    asked = {target.site for label in labels for target in label.targets}
+    wanted = [
+        np.full(len(table), table.number in asked) & (moving[first[table.owner] + table.link] >= 0) for table in tables
+    ]
+    pairs = [(label, target) for label in labels for target in label.targets]
+    held = {pair: np.zeros(len(tables[pair[1].site]), dtype=bool) for pair in pairs}
+    for count in LOOKS:
+        points = looks(batch, wanted, count)
+        for label, target, row in holding(batch, tables, points, labels):
+            held[label, target][row] = True
+        missed = [np.zeros(len(table), dtype=bool) for table in tables]
+        for (_, target), found in held.items():
+            missed[target.site] |= ~found
+        shown = [np.zeros(len(table), dtype=bool) for table in tables]
+        for number in asked:
+            shown[number][points.row[:, 0][points.site[:, 0] == number]] = True
+        wanted = [a & b & c for a, b, c in zip(wanted, missed, shown, strict=True)]
+    for (label, target), found in held.items():
+        if found.any():
+            yield label, target, np.flatnonzero(found)
+
+
+def looks(batch: Batch, wanted: Sequence[np.ndarray], count: int) -> geometry.PointSet:
+    """``count`` points on each ``wanted`` row of the sites that shows any surface: (P, count), a primitive each."""
+    tables = batch.sites()
+    pools = [
+        np.where(mine, np.int64(table.number + 1) << 32 | table.rank, 0)
+        for table, mine in zip(tables, wanted, strict=True)
+    ]
+    address = np.asarray(batch.numbers).astype(np.uint64)
+    if not any(pool.any() for pool in pools):
+        return geometry.PointSet.empty(0, count)
+    key = random.key(batch.seed, "interactions")
+    points, own, _ = geometry.sample_pools(tables, pools, len(batch), count, key, address)
+    return points.take(np.flatnonzero(own.label > 0))
 
 
 def directions(motion: Twist, link: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

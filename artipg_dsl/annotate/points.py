@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -46,10 +46,7 @@ def label_points(
     labels = reader.program.labels if labels is None else labels
     tables = {table.number: table for table in sites}
     rows, flat_site = np.asarray(points.row).ravel(), np.asarray(points.site).ravel()
-    narrow = flat_site.astype(np.int16) if len(reader.program.sites) < 2**15 else flat_site  # sorted by its digits
-    order = np.argsort(narrow, kind="stable")
-    edges = np.searchsorted(flat_site[order], np.arange(len(reader.program.sites) + 1))
-    chosen = {number: order[edges[number] : edges[number + 1]] for number in tables}  # flat point numbers of each site
+    chosen = by_site(reader, tables, points)
 
     semantic = np.zeros(flat_site.shape, dtype=np.int64)
     for number, table in tables.items():
@@ -78,6 +75,40 @@ def label_points(
     shape = np.asarray(points.site).shape
     made = {name: finish(field).reshape(shape + field.shape[1:]) for name, field in fields.items()}
     return Labels(semantic.reshape(shape), made)
+
+
+def by_site(reader: Reader, tables: Mapping[int, SiteTable], points: PointSet) -> dict[int, np.ndarray]:
+    """The flat numbers of the points of each site, ascending."""
+    flat_site = np.asarray(points.site).ravel()
+    narrow = flat_site.astype(np.int16) if len(reader.program.sites) < 2**15 else flat_site  # sorted by its digits
+    order = np.argsort(narrow, kind="stable")
+    edges = np.searchsorted(flat_site[order], np.arange(len(reader.program.sites) + 1))
+    return {number: order[edges[number] : edges[number + 1]] for number in tables}
+
+
+def holding(
+    reader: Reader, sites: list[SiteTable], points: PointSet, labels: Sequence[Label]
+) -> Iterator[tuple[Label, Target, np.ndarray]]:
+    """For each label (whole vocabularies, outer ones first) and target the rows of its site that have a point at which
+    it holds and no deeper one does, ascending; what holds nowhere is left out."""
+    tables = {table.number: table for table in sites}
+    rows, chosen = np.asarray(points.row).ravel(), by_site(reader, tables, points)
+    levels = {label.vocabulary: np.full(rows.shape, -1, dtype=np.int16) for label in labels}
+    found = []
+    for label in labels:
+        for target in label.targets:
+            if target.site not in tables:
+                continue
+            at = on_surfaces(chosen[target.site], tables[target.site], target, points)
+            if len(at):
+                at, value = evaluate(reader, label, target, at, points)
+                at, level = at[value > 0], levels[label.vocabulary]
+                level[at] = np.maximum(level[at], label.depth)
+                found.append((label, target, at))
+    for label, target, at in found:
+        own = rows[at[levels[label.vocabulary][at] == label.depth]]
+        if len(own):
+            yield label, target, np.unique(own)
 
 
 def outdo(label: Label, at: np.ndarray, level: np.ndarray, fields: dict[str, np.ndarray]) -> None:

@@ -90,7 +90,7 @@ def thinned(found: geometry.PointSet, area: np.ndarray, n: int) -> geometry.Poin
     """The n points of each pool that keep their distance."""
     kept = blue.thin(found.position, found.normal, area, n)
     place = np.arange(len(kept))[:, None], kept
-    return geometry.PointSet(*(getattr(found, name)[place] for name in geometry.PointSet.__slots__))
+    return found.take(place)
 
 
 def _labels(table: SiteTable, per: str) -> np.ndarray:

@@ -61,6 +61,19 @@ class PointSet:
     position: np.ndarray  # (B, n, 3)
     normal: np.ndarray  # (B, n, 3)
 
+    @staticmethod
+    def empty(rows: int, n: int) -> PointSet:
+        """Room for ``n`` points of each of ``rows``, all zeros."""
+        shape = rows, n
+        return PointSet(
+            np.zeros(shape, np.int32), np.zeros(shape, np.int32), np.zeros(shape, np.int16), np.zeros(shape),
+            np.zeros(shape), np.zeros((*shape, 3)), np.zeros((*shape, 3)),
+        )  # fmt: skip
+
+    def take(self, rows: np.ndarray | tuple[np.ndarray, ...]) -> PointSet:
+        """Those at some places."""
+        return PointSet(*(getattr(self, name)[rows] for name in PointSet.__slots__))
+
 
 def sample(
     sites: list[SiteTable],
@@ -100,8 +113,7 @@ def sample_pools(
     if found.full.all():
         return found.points, pools, found.area
     kept = np.flatnonzero(found.full)
-    points = PointSet(*(getattr(found.points, name)[kept] for name in PointSet.__slots__))
-    return points, Pools(pools.owner[kept], pools.label[kept], []), found.area[kept]
+    return found.points.take(kept), Pools(pools.owner[kept], pools.label[kept], []), found.area[kept]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -138,12 +150,7 @@ def _sample(
     sites: list[SiteTable], pools: Pools, n_points: int, key: random.Key, address: np.ndarray, outside: bool
 ) -> _Found:
     count = len(pools.owner)
-    shape = (count, n_points)
-    out = PointSet(
-        np.zeros(shape, np.int32), np.zeros(shape, np.int32), np.zeros(shape, np.int16), np.zeros(shape),
-        np.zeros(shape), np.zeros((*shape, 3)), np.zeros((*shape, 3)),
-    )  # fmt: skip
-    found = _Found(out, np.ones(count, dtype=bool), np.zeros(count))
+    found = _Found(PointSet.empty(count, n_points), np.ones(count, dtype=bool), np.zeros(count))
     if not count or not n_points:
         return found
     offsets = np.cumsum([0, *(len(site) for site in sites)])

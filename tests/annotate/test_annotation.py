@@ -53,7 +53,12 @@ def test_labels_follow_their_formulas() -> None:
     assert expected.any() and (labels.fields["affordance.push"] == expected).all()
     upper = on_handle & (points.position[..., 2] >= batch.height[:, None] / 2)
     assert upper.any() and (on_handle & ~upper).any()
-    assert (labels.semantic == np.where(upper, SEMANTIC.index("grip"), np.where(on_handle, 2, 1))).all()
+    assert (
+        labels.semantic
+        == np.where(
+            upper, SEMANTIC.index("grip"), np.where(on_handle, SEMANTIC.index("handle"), SEMANTIC.index("door"))
+        )
+    ).all()
     reach = labels.fields["field.reach"]
     assert reach.dtype == np.float32 and np.isnan(reach[~((points.site == 5) & front)]).all()
     at = (points.site == 5) & front

@@ -8,11 +8,14 @@ import numpy as np
 import pytest
 
 from artipg_dsl.annotate.annotation import describe
+from artipg_dsl.annotate.cloud import sample_points
 from artipg_dsl.annotate.interactions import directions, interactions
+from artipg_dsl.annotate.sampling import Sampling
 from artipg_dsl.annotate.states import joint_values, opened, read_states, twist
 from artipg_dsl.errors import UsageError
 from artipg_dsl.runtime.batch import Batch
 from artipg_dsl.session import Session, categories
+from artipg_dsl.source import Source
 
 EVERY = os.environ.get("ARTIPG_EVERY") == "1"  # all categories, not only a few
 
@@ -75,6 +78,73 @@ def test_one_can_act_on_all_that_moves(category: str) -> None:
                 link = above[link]
         idle |= set(above) - reached
     assert not idle
+
+
+GUARDED = """apg 1
+use primitives   { Cuboid, Cylinder }
+use vocabularies { semantic, affordance }
+template Knob {
+  part stem : Cylinder(radius = 5mm, height = 2cm)
+  part head : Cylinder(radius = 2cm, height = 2cm)
+  connect head.bottom on stem.top
+  label affordance.turn on head
+}
+category Chest {
+  root part body : Cuboid(size = [20cm, 40cm, 20cm])
+  part lid : Cuboid(size = [20cm, 40cm, 2cm])
+  joint open : revolute body.top -> lid.bottom gap 1mm about lid.back.bottom range 0deg .. 90deg
+  param kind : choice plain | knobbed
+  part knob : Knob
+  connect knob.bottom on lid.top
+  part core : Cuboid(size = [2cm, 2cm, 1cm])
+  align core.center = lid.center
+  connect core to lid
+  label affordance.grasp on core                       # within the lid: no hand comes there
+  label affordance.open on knob                        # its head says `turn`, its stem keeps this
+  label affordance.press on knob.head                  # holds beside `turn`, of the same depth
+  label affordance.push on lid where p.z > size.z      # nowhere
+  label affordance.pull on lid where p.x > 0.499 * size.x and p.y > 0
+  when kind == plain {
+    label affordance.lift on lid
+    label semantic.lid on lid
+  } else {
+    label semantic.top on lid
+  }
+}
+"""
+
+
+def test_interactions_are_what_the_surface_bears() -> None:
+    batch = Session(Source("chest.apg", GUARDED), None).sampler.batch(np.arange(8), seed=1)
+    plain = [batch.drawn(k)["kind"] == "plain" for k in range(8)]
+    assert len(set(plain)) == 2
+    for annotation, lifted in zip(describe(batch), plain, strict=True):
+        told = sorted(entry["affordance"].split(".")[1] for entry in annotation["interactions"])
+        assert told == ["lift"] * lifted + ["open", "press", "pull", "turn"]
+        words = {part["path"]: part["semantic"] for part in annotation["parts"]}
+        assert words["lid"] == ("lid" if lifted else "top"), "a guarded label is the part's word where it holds"
+
+
+@pytest.mark.parametrize("category", sorted(categories()) if EVERY else ["Door", "Window", "USB"])
+def test_shipped_interactions_are_found_on_points(category: str) -> None:
+    """On each link that moves, the affordances of the annotation are those of its points, both ways."""
+    batch = Session.of(category).sampler.batch(np.arange(10), seed=4)
+    points = sample_points(batch, Sampling(3000, per="link"))
+    names = batch.links().name
+    first = np.searchsorted(batch.links().owner, np.arange(len(batch)))
+    for k, annotation in enumerate(describe(batch, gripper=None)):
+        moving = {joint["child"] for joint in annotation["joints"] if joint["type"] != "fixed"}
+        told = {(entry["link"], entry["affordance"]) for entry in annotation["interactions"]}
+        rows = np.flatnonzero(points.object == k)
+        link = [names[first[k] + points.link[row, 0]] for row in rows]
+        found = {
+            (name, word)
+            for name, row in zip(link, rows, strict=True)
+            for word, values in points.labels.items()
+            if word.split(".")[0] != "field" and (values[row] > 0).any() and name in moving
+        }
+        shown = {entry for entry in told if entry[0] in link}  # a link may show too little to have points
+        assert shown == found
 
 
 def test_a_shut_door_is_pulled_and_an_open_one_pushed(batch: Batch) -> None:
