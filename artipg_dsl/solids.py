@@ -18,6 +18,8 @@ from .syntax import ast
 
 HINT = "edges meet where two surfaces give the same curve, from end to end; compare the ranges of u and v and the signs"
 
+NARROW = "does the path cross or touch itself, or bend more tightly than what goes along it is wide? Narrow the domains it is made of"
+
 
 def close(solids: Mapping[Any, Lowered], report: Report) -> None:
     """Report ``leaky-primitive`` for each lowered primitive whose surfaces do not bound a solid.
@@ -29,7 +31,7 @@ def close(solids: Mapping[Any, Lowered], report: Report) -> None:
             examine(lowered.primitive)
         except PrimitiveError as error:
             # one that is made of a curve is known by the symbol and the curve
-            tell(symbol[0] if isinstance(symbol, tuple) else symbol, error, report)
+            tell(symbol[0] if isinstance(symbol, tuple) else symbol, lowered, error, report)
 
 
 def examine(primitive: Primitive) -> None:
@@ -39,14 +41,24 @@ def examine(primitive: Primitive) -> None:
     orientation(primitive)
 
 
-def tell(symbol: Symbol, error: PrimitiveError, report: Report) -> None:
-    """The finding at the declaration of the primitive, with a note at the surface at fault."""
+def tell(symbol: Symbol, lowered: Lowered, error: PrimitiveError, report: Report) -> None:
+    """The finding at the declaration of the primitive, with a note at the surface at fault; at its author's curve, where it
+    is one that gives the primitive its shape.
+    """
     name = (error.patch or "").partition("[")[0]
-    at = [s.span for s in symbol.body if isinstance(s, ast.SurfaceDecl) and s.name == name]
+    notes = [(s.span, "this surface") for s in symbol.body if isinstance(s, ast.SurfaceDecl) and s.name == name]
+    notes += [(s.span, "what makes it") for s in symbol.body if isinstance(s, ast.SolidDecl)]
     subject = f"the surface `{error.patch}` of the primitive" if error.patch else "the primitive"
+    place, message = symbol.decl.name_span, error.message
+    hint = HINT if "edge" in message else None
+    if lowered.blamed is not None:
+        place, begin = lowered.blamed
+        for path in lowered.paths:
+            message = path.in_words(message)
+        subject, hint = f"{begin}: {subject}", NARROW
     report.error(
-        "leaky-primitive", symbol.decl.name_span, f"{subject} `{symbol.name}` is at fault: {error.message}",
-        hint=HINT if "edge" in error.message else None, notes=tuple((span, "this surface") for span in at),
+        "leaky-primitive", place, f"{subject} `{symbol.name}` is at fault: {message}", hint=hint, notes=tuple(notes),
+        trace=lowered.trace,
     )  # fmt: skip
 
 

@@ -91,9 +91,13 @@ class Context:
     unclear: list[Span] = field(default_factory=list)  # such ends that are not solved for
     driven: dict[Span, bool] = field(default_factory=dict)  # `pushes(joint)` -> whether the joint carries a target
     trace: list[tuple[Span, str]] = field(default_factory=list)
+    blamed: tuple[Span, str] | None = None  # where and how errors begin while a primitive is shaped by its user's curve
 
     def error(self, code: str, span: Span, message: str, **more: object) -> Abort:
         """Report an error with the present trace of instantiations; returns what the caller raises."""
+        if self.blamed is not None:
+            more["notes"] = (*more.get("notes", ()), (span, "what goes along it"))  # type: ignore[misc]
+            span, message = self.blamed[0], f"{self.blamed[1]}: {message}"
         self.report.error(code, span, message, trace=tuple(self.trace), **more)  # type: ignore[arg-type]
         return Abort(message)
 

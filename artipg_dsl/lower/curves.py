@@ -21,6 +21,7 @@ from .values import Vec
 
 if TYPE_CHECKING:
     from ..source import Span as Place
+    from .paths import Handed
 
 TURN = 6.283185307179586
 
@@ -28,12 +29,13 @@ TURN = 6.283185307179586
 class Curve(Function):
     """``curve skin (v in 0 .. 1) = [radius, height]``, or a chain; where it has a parameter it can be called."""
 
-    __slots__ = ("statement",)
+    __slots__ = ("statement", "handed")
 
     def __init__(self, statement: ast.CurveDecl | ast.LetDecl, env: Env):
         parameters = (statement.parameter,) if isinstance(statement, ast.CurveDecl) else ()
         super().__init__(statement.name, parameters, statement.value, env)
         self.statement = statement
+        self.handed: dict[str, Handed] = {}  # by the parameter that it is the value of
 
     def ends(self) -> tuple[Expr, Expr]:
         """The ends of the parameter's range; 0 and 1 for a chain, which has none."""

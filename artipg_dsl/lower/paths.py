@@ -4,17 +4,21 @@
 where the last one ends, in its direction; an arc turns towards the side that is named.
 
 A path that is handed to a primitive (``param path : curve``) keeps its shape - which pieces, which constants - and its
-other numbers become parameters ``path.0``, ``path.1`` ... of that primitive.
+other numbers become parameters ``path.0``, ``path.1`` ... of that primitive, tested over what the domains of its author's
+parameters allow.
 """
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
 from ..graph import expr as E
 from ..graph.derive import derive
 from ..graph.expr import ONE, ZERO, Expr
+from ..graph.interval import Interval, Intervals
 from ..syntax import ast
 from .builtins import named, need
 from .curves import Curve
@@ -22,9 +26,14 @@ from .evaluate import Evaluator
 from .profiles import V
 from .vectors import Triple, dot, minus, normalized, plus, times
 
-# how the numbers of a path are tested where they are parameters: metres and radians
+# how the numbers of a path are tested where nothing is known of them: metres and radians
 TESTS = {"at": (-0.1, 0.1), "along": (0.4, 1.0), "length": (0.03, 0.2), "radius": (0.05, 0.12), "angle": (0.3, 2.6)}
 TESTS["formula"] = (0.05, 0.2)
+POSITIVE = ("length", "radius", "angle")
+KINDS = {
+    "from": ("at",) * 3 + ("along",) * 3, "line": ("length",), "arc": ("radius", "angle") + ("along",) * 3,
+    "formula": ("formula",) * 3,
+}  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,48 +137,102 @@ def arc(at: Triple, along: Triple, radius: Expr, angle: Expr, towards: Triple) -
 class Handed:
     """A path as a parameter: its steps over variables ``names``, whose values are ``scalars``; ``key`` is its shape."""
 
+    curve: Curve
     steps: tuple[Step, ...]
     names: tuple[str, ...]
     scalars: tuple[Expr, ...]
     tests: tuple[tuple[float, float], ...]
-    key: tuple
+
+    @property
+    def key(self) -> tuple:
+        return tuple((s.word, s.numbers) for s in self.steps), self.tests
+
+    def in_words(self, text: str) -> str:
+        """A message with the formulas of the author where it has variables."""
+        for name, value in zip(self.names, self.scalars, strict=True):
+            told = (
+                E.show(value, 40).removeprefix("(").removesuffix(")")
+                if value.op in ("add", "sub")
+                else E.show(value, 40)
+            )
+            text = re.sub(rf"(?<![\w.]){re.escape(name)} = ", lambda _, told=told: f"{told} = ", text)  # type: ignore[misc]
+        return text
+
+
+def test_range(kind: str, known: Interval) -> Interval:
+    """The values at which a number of a path is tested: those that the domains allow, else the usual ones of its kind."""
+    usual = TESTS[kind]
+    low, high = (k if math.isfinite(k) else u for k, u in zip(known, usual, strict=True))
+    if kind in POSITIVE and high > 0:  # where sizes depend on one another, bounds of a difference are too wide
+        low = max(low, min(usual[0], 0.1 * high))
+    return (
+        (low, high)
+        if low <= high
+        else (low, low + usual[1] - usual[0])
+        if math.isfinite(known[0])
+        else (high - usual[1] + usual[0], high)
+    )
 
 
 def handed(curve: Curve, name: str) -> Handed:
     """What a use of a primitive hands in for its curve parameter ``name``."""
-    names: list[str] = []
-    scalars: list[Expr] = []
-    tests: list[tuple[float, float]] = []
-    variables: dict[Expr, Expr] = {}
+    if name not in curve.handed:
+        curve.handed[name] = _handed(curve, name)
+    return curve.handed[name]
 
-    still: dict[Expr, bool] = {}
-    done: dict[Expr, Expr] = {}
 
-    def moving(node: Expr) -> bool:
-        if node not in still:
-            still[node] = node is not V and not any([moving(a) for a in node.args])
-        return not still[node]
+def _handed(curve: Curve, name: str) -> Handed:
+    context = curve.env.context
+    known = Intervals(context.draws, context.program.definitions)
+    steps = steps_of(curve)
+    numbers = {number: kind for step in steps for number, kind in zip(step.numbers, KINDS[step.word], strict=True)}
+    found = variables_of(numbers)
+    variables = {node: E.var(f"{name}.{k}") for k, node in enumerate(found)}
+    moved = tuple(Step(s.word, tuple(E.substitute(e, variables) for e in s.numbers)) for s in steps)
+    names = tuple(str(v.value) for v in variables.values())
+    return Handed(curve, moved, names, tuple(found), tuple(test_range(kind, known.of(e)) for e, kind in found.items()))
 
-    def replaced(node: Expr, kind: str) -> Expr:
-        if node.op == "const" or node is V:
-            return node
-        if moving(node):
-            if node not in done:
-                done[node] = E.rebuild(node, tuple(replaced(a, kind) for a in node.args))
-            return done[node]
-        if node not in variables:
-            variables[node] = E.var(f"{name}.{len(names)}")
-            names.append(f"{name}.{len(names)}")
-            scalars.append(node)
-            tests.append(TESTS[kind])
-        return variables[node]
 
-    steps = []
-    for step in steps_of(curve):
-        kinds = {
-            "from": ("at",) * 3 + ("along",) * 3, "line": ("length",), "arc": ("radius", "angle") + ("along",) * 3,
-            "formula": ("formula",) * 3,
-        }[step.word]  # fmt: skip
-        numbers = tuple(replaced(e, kind) for e, kind in zip(step.numbers, kinds, strict=True))
-        steps.append(Step(step.word, numbers))
-    return Handed(tuple(steps), tuple(names), tuple(scalars), tuple(tests), tuple((s.word, s.numbers) for s in steps))
+def variables_of(numbers: dict[Expr, str]) -> dict[Expr, str]:
+    """What a path's numbers are made of, with their kinds: the greatest terms without v, or, where they are no more, the
+    columns that these read, which depend on one another in no way.
+    """
+    terms: dict[Expr, str] = {}
+    moving: dict[Expr, bool] = {}
+
+    def moves(node: Expr) -> bool:
+        if node not in moving:
+            moving[node] = node is V or any([moves(a) for a in node.args])
+        return moving[node]
+
+    seen: set[Expr] = set()
+
+    def visit(node: Expr, kind: str) -> None:
+        if node in seen or node.op == "const" or node is V:
+            return
+        if not moves(node):
+            terms.setdefault(node, kind)
+            return
+        seen.add(node)
+        for arg in node.args:
+            visit(arg, kind)
+
+    for number, kind in numbers.items():
+        visit(number, kind)
+    columns = dict.fromkeys(sorted({c for node in terms for c in E.leaves(node)}, key=lambda c: c.path))
+    plain = all(c.kind == "real" for c in columns) and not any(crosses(node) for node in terms)
+    shorter = len(columns) < len(terms) or len(columns) == len(terms) and "formula" in terms.values()
+    return {E.col(c): "formula" for c in columns} if columns and plain and shorter else terms
+
+
+def crosses(root: Expr) -> bool:
+    """Whether a value reads other tables, or is no formula of columns alone."""
+    seen: set[Expr] = set()
+    stack = [root]
+    while stack:
+        node = stack.pop()
+        if node.op in E.CROSSING or node.op in ("solve", "root", "rank", "var"):
+            return True
+        stack += [a for a in node.args if a not in seen]
+        seen.update(node.args)
+    return False

@@ -12,6 +12,7 @@ from ..graph.interval import Interval, Intervals
 from ..graph.primitive import Patch, Piece, Primitive
 from ..graph.program import Requirement
 from ..semantics.symbols import Symbol
+from ..source import Span
 from ..syntax import ast
 from .carry import mapped
 from .context import Context, where
@@ -40,6 +41,13 @@ class Lowered:
         default_factory=list
     )
     centred_size: bool = False
+    paths: tuple[Handed, ...] = ()  # what its first use handed in
+    trace: tuple[tuple[Span, str], ...] = ()  # and where
+
+    @property
+    def blamed(self) -> tuple[Span, str] | None:
+        """The author's curve that gives it its shape, where there is one."""
+        return blame(self.paths, self.primitive.name) if self.paths else None
 
     def scalars(self, instance: Instance) -> tuple[Expr, ...]:
         """The arguments of a use in the order of the primitive's parameters."""
@@ -116,9 +124,21 @@ def lower_primitive(context: Context, symbol: Symbol, values: dict[str, Value] |
         name, number = symbol.name, 2
         while name in context.program.primitives:
             name, number = f"{symbol.name}_{number}", number + 1
-        found = context.solids[key] = make(context, symbol, name, paths)
+        try:
+            context.blamed = blame(tuple(paths.values()), symbol.name) if paths else None
+            found = context.solids[key] = make(context, symbol, name, paths)
+        finally:
+            context.blamed = None
+        found.paths, found.trace = tuple(paths.values()), tuple(context.trace)
         context.program.primitives[name] = found.primitive
     return found
+
+
+def blame(paths: tuple[Handed, ...], primitive: str) -> tuple[Span, str]:
+    """Where the curves are written that give a primitive its shape, and the beginning of a message about them."""
+    names = " and ".join(f"`{path.curve.name}`" for path in paths)
+    verb = "is no path" if len(paths) == 1 else "are no paths"
+    return paths[0].curve.statement.name_span, f"{names} {verb} for `{primitive}`"
 
 
 def make(context: Context, symbol: Symbol, title: str, paths: dict[str, Handed]) -> Lowered:
