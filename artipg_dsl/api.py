@@ -330,6 +330,8 @@ class Samples:
         surface: str = "boundary",
         spread: str = "random",
         per: str = "object",
+        balance: str = "",
+        weights: str | Mapping[str, float] | None = None,
     ) -> Points:
         """``n`` points per object on the visible surface with normals, labels and binding, arrays (B, n, ...).
 
@@ -337,12 +339,15 @@ class Samples:
         (B, K, n, 3); ``motion``: velocities by the own joint. ``surface``: "boundary" of the union of all primitives,
         or what of it can be seen from "outside". ``spread``: "random", or "blue" to keep points apart. ``per``: n for
         each "object", "semantic" class, part "instance", "link" or "primitive" that shows itself; arrays then have a
-        row for each of these, and ``object`` tells whose it is. Raises UsageError, UserError.
+        row for each of these, and ``object`` tells whose it is. ``balance``: the n points of an object are shared out
+        evenly over its "semantic" classes, "instance"s, "link"s or "primitive"s, or by their ``weights``,
+        ``{"handle": 3}``; ``area`` tells what surface a point stands for. Raises UsageError, UserError.
         """
         from .annotate.cloud import sample_points
-        from .annotate.sampling import Sampling
+        from .annotate.sampling import Sampling, read_weights
 
-        return sample_points(self.batch, Sampling(n, surface, spread, per), states, motion=motion)
+        how = Sampling(n, surface, spread, per, balance, read_weights(weights))
+        return sample_points(self.batch, how, states, motion=motion)
 
     def rebind(
         self, points: Points | Mapping[str, np.ndarray], states: np.ndarray | None = None, *, motion: bool = False
@@ -418,6 +423,8 @@ class Samples:
         surface: str = "boundary",
         spread: str = "random",
         per: str = "object",
+        balance: str = "",
+        weights: str | Mapping[str, float] | None = None,
         tolerance: float | None = None,
         triangles: int | None = None,
         force: bool = False,
@@ -427,16 +434,27 @@ class Samples:
         The options are those of the command, of ``points`` and of ``meshes``: ``states`` such as "open,random:4",
         ``views`` a number or cameras.
         """
-        from .annotate.sampling import Sampling
+        from .annotate.sampling import Sampling, read_weights
         from .annotate.states import read_states
         from .export.content import Content
         from .export.registry import choose
 
         names = formats if formats is None or isinstance(formats, str) else list(formats)
-        how = Sampling(points, surface, spread, per)
+        how = Sampling(points, surface, spread, per, balance, read_weights(weights))
         cameras = None if views is None else _cameras(views, {})
         meshes = _resolution(tolerance, triangles)
-        content = Content(int(how.count), read_states(states), motion, cameras, surface, spread, per, resolution=meshes)
+        content = Content(
+            int(how.count),
+            read_states(states),
+            motion,
+            cameras,
+            surface,
+            spread,
+            per,
+            resolution=meshes,
+            balance=how.balance,
+            weights=how.weights,
+        )
         self.job.write(folder, self.numbers, choose(names, views=views is not None), content=content, force=force)
         return Path(folder)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,8 +14,9 @@ from ..runtime.materials import material_rows
 from .frames import rotate, rotate_rows
 from .jacobian import jacobian
 from .points import field_kinds, label_points
-from .sampling import Sampling, draw
+from .sampling import Sampling
 from .seen import part_coordinates
+from .shares import draw, weigher
 from .states import twist
 
 if TYPE_CHECKING:
@@ -36,7 +37,8 @@ class Points:
     that move the point, -1 for no more, and ``velocities`` (B, n, D, 3) or (B, K, n, D, 3) per unit of each of them, what
     mimics it and what closed loops move along included. ``bound`` (B, n) tells of points that were bound again which of them
     still have their primitive and patch; what is not has nan for its place, no label and -1 for semantic, instance,
-    link and material. It is None for points that were drawn.
+    link and material. It is None for points that were drawn. ``area`` (B, n): the surface, in square metres, that a point
+    stands for, which differs where points are drawn per part or balanced; it is None for points that were bound again.
     """
 
     object: np.ndarray
@@ -57,6 +59,7 @@ class Points:
     drivers: np.ndarray | None = None
     velocities: np.ndarray | None = None
     bound: np.ndarray | None = None
+    area: np.ndarray | None = None
 
 
 def sample_points(
@@ -70,16 +73,16 @@ def sample_points(
     """
     how = how if isinstance(how, Sampling) else Sampling(how)
     tables = batch.sites()
-    address = np.asarray(batch.numbers).astype(np.uint64)
+    address, weigh = np.asarray(batch.numbers).astype(np.uint64), weigher(batch, how)
     try:
-        made, owner = draw(tables, len(batch), how, random.key(batch.seed, "points"), address)
+        drawn = draw(tables, len(batch), how, random.key(batch.seed, "points"), address, weigh)
     except geometry.PointsError as wrong:
         numbers = ", ".join(str(batch.numbers[k]) for k in wrong.objects[:5])
         what = "that can be seen from outside" if how.surface == "outside" else "to put points on"
         raise UserError(
             f"{batch.program.name} {numbers} has no surface {what}", "give it a part with a solid"
         ) from None
-    return complete(batch, made, owner, states, motion)
+    return replace(complete(batch, drawn.points, drawn.owner, states, motion), area=drawn.area)
 
 
 def complete(

@@ -100,9 +100,10 @@ def looks(batch: Batch, wanted: Sequence[np.ndarray], count: int) -> geometry.Po
     address = np.asarray(batch.numbers).astype(np.uint64)
     if not any(pool.any() for pool in pools):
         return geometry.PointSet.empty(0, count)
-    key = random.key(batch.seed, "interactions")
-    points, own, _ = geometry.sample_pools(tables, pools, len(batch), count, key, address)
-    return points.take(np.flatnonzero(own.label > 0))
+    own = geometry.Pools.of(tables, pools, len(batch))
+    counts = np.where(own.label > 0, count, 0)
+    points, full, _ = geometry.sample_counts(tables, own, counts, random.key(batch.seed, "interactions"), address)
+    return points.take(np.flatnonzero(full & (own.label > 0)))
 
 
 def directions(motion: Twist, link: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ..errors import UsageError
-from ..geometry import blue
-from ..geometry import points as geometry
-from ..geometry.sites import SiteTable
-from ..graph import random
 
 SURFACES = {
     "boundary": "of the union of all primitives, also where only an opened door would show it",
@@ -26,13 +23,14 @@ POOLS = {
     "primitive": "each primitive",
 }
 MOST = 1_000_000
-_ORDER = 0xFFFFFFFF  # the attempt whose stream orders points: no draw comes so far
 
 
 @dataclass(frozen=True, slots=True)
 class Sampling:
     """``count`` points per ``per`` (of ``POOLS``) on the ``surface`` (of ``SURFACES``), ``spread`` as of ``SPREADS``.
 
+    With ``balance`` (of ``POOLS``, but the object) the points of an object are shared out evenly over its classes,
+    instances, links or primitives, or by their ``weights``, pairs of a name and a number (1 where none is given).
     Raises UsageError.
     """
 
@@ -40,63 +38,58 @@ class Sampling:
     surface: str = "boundary"
     spread: str = "random"
     per: str = "object"
+    balance: str = ""
+    weights: tuple[tuple[str, float], ...] = ()
 
     def __post_init__(self) -> None:
         if isinstance(self.count, bool) or not isinstance(self.count, int | np.integer):
             raise UsageError(f"the number of points is {self.count!r}: a whole number is needed", "for example 2048")
         if not 1 <= self.count <= MOST:
             raise UsageError(f"the number of points is {self.count}", f"give a number from 1 to {MOST}")
-        for name, known in (("surface", SURFACES), ("spread", SPREADS), ("per", POOLS)):
+        shared = [name for name in POOLS if name != "object"]
+        for name, known in (("surface", SURFACES), ("spread", SPREADS), ("per", POOLS), ("balance", ["", *shared])):
             value = getattr(self, name)
             if value not in known:
-                raise UsageError(f"{name} is {value!r}", f"it may be {', '.join(known)}")
+                raise UsageError(f"{name} is {value!r}", f"it may be {', '.join(filter(None, known))}")
+        if self.balance and self.per != "object":
+            raise UsageError(
+                f"points are asked for per {self.per} and balanced over each {self.balance}",
+                "`per` gives each its own number of points, `balance` shares out those of an object: choose one",
+            )
+        if self.weights and not self.balance:
+            raise UsageError(
+                "weights of points are given, but not what they are weights of", f"balance may be {', '.join(shared)}"
+            )
+        for name, weight in self.weights:
+            if not 0 < weight < np.inf:
+                raise UsageError(f"the weight of {name} is {weight}", "give a number above 0")
+
+    @property
+    def uneven(self) -> bool:
+        """Whether points lie denser in some places than in others."""
+        return bool(self.balance) or self.per != "object"
 
     def plain(self) -> dict[str, Any]:
-        return {"points": int(self.count), "surface": self.surface, "spread": self.spread, "per": self.per}
+        found = {"points": int(self.count), "surface": self.surface, "spread": self.spread, "per": self.per}
+        if self.balance:
+            found["balance"] = self.balance
+        return found | ({"weights": dict(self.weights)} if self.weights else {})
 
 
-def draw(
-    sites: list[SiteTable], n_objects: int, how: Sampling, key: random.Key, address: np.ndarray
-) -> tuple[geometry.PointSet, np.ndarray]:
-    """Points (P, n) and the objects (P,) that they are on, in a random order. Raises PointsError for objects without
-    such surface."""
-    outside, n = how.surface == "outside", int(how.count)
-    if how.per == "object" and how.spread == "random":
-        whole = geometry.sample(sites, n_objects, n, key, address, outside=outside)
-        return shuffled(whole, key, address), np.arange(n_objects)
-    times = blue.TIMES if how.spread == "blue" else 1
-    found, pools, area = geometry.sample_pools(
-        sites, [_labels(table, how.per) for table in sites], n_objects, n * times, key, address, outside=outside
-    )
-    bare = np.setdiff1d(np.arange(n_objects), pools.owner)
-    if len(bare):
-        raise geometry.PointsError(bare.tolist())
-    made = found if times == 1 else thinned(found, area, n)
-    return shuffled(made, key, random.mix(address[pools.owner], pools.label)), pools.owner
-
-
-def shuffled(found: geometry.PointSet, key: random.Key, address: np.ndarray) -> geometry.PointSet:
-    """The points of each pool in an order that its address draws: the first of them are a sample of it, too."""
-    order = random.orders(random.streams(key, address, _ORDER), found.u.shape[1])
-    order += np.arange(len(order))[:, None] * order.shape[1]
-    flat, shape = order.ravel(), order.shape
-    return geometry.PointSet(
-        *(np.take(array.reshape(-1, *array.shape[2:]), flat, axis=0).reshape(*shape, *array.shape[2:])
-          for array in (getattr(found, name) for name in geometry.PointSet.__slots__))
-    )  # fmt: skip
-
-
-def thinned(found: geometry.PointSet, area: np.ndarray, n: int) -> geometry.PointSet:
-    """The n points of each pool that keep their distance."""
-    kept = blue.thin(found.position, found.normal, area, n)
-    place = np.arange(len(kept))[:, None], kept
-    return found.take(place)
-
-
-def _labels(table: SiteTable, per: str) -> np.ndarray:
-    """Which pool of its object each row of a site belongs to."""
-    if per == "object":
-        return np.zeros(len(table), dtype=np.int64)
-    if per == "primitive":
-        return np.int64(table.number + 1) << 32 | table.rank
-    return getattr(table, per)
+def read_weights(weights: str | Mapping[str, float] | None) -> tuple[tuple[str, float], ...]:
+    """``"handle=3,knob=0.5"``, or the same as a dictionary. Raises UsageError."""
+    if weights is None or isinstance(weights, str):
+        pieces = [piece.partition("=") for piece in (weights or "").split(",") if piece.strip()]
+        found: list[tuple[str, Any]] = [(name.strip(), value.strip()) for name, _, value in pieces]
+    else:
+        found = list(weights.items())
+    made = []
+    for name, value in found:
+        try:
+            made.append((str(name), float(value)))
+        except (TypeError, ValueError):
+            raise UsageError(f"the weight of {name} is {value!r}: a number is needed", "for example handle=3") from None
+    twice = [name for k, (name, _) in enumerate(made) if name in dict(made[:k])]
+    if twice:
+        raise UsageError(f"{twice[0]} has two weights", "give it one")
+    return tuple(sorted(made))

@@ -118,6 +118,13 @@ def parser() -> Parser:
         help="what has N points: each object (default), class of parts, part instance, link or primitive",
     )  # fmt: skip
     sample.add_argument(
+        "--balance", choices=("semantic", "instance", "link", "primitive"),
+        help="share out the N points of an object evenly over its classes, part instances, links or primitives",
+    )  # fmt: skip
+    sample.add_argument(
+        "--weights", metavar="LIST", help="with --balance: not evenly, but such as handle=3,knob=2 (others 1)"
+    )
+    sample.add_argument(
         "--format", metavar="LIST", help=f"{', '.join(FORMATS)}; with commas (default: points,annotation)"
     )
     sample.add_argument(

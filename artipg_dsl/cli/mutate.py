@@ -104,6 +104,7 @@ def held(identity: dict[str, Any], points: int | None) -> Content:
     """What shards are to hold: what those of the originals do."""
     from ..annotate.camera_file import from_description
     from ..annotate.gripper import Gripper
+    from ..annotate.sampling import read_weights
     from ..annotate.states import read_states
     from ..export.content import Content
     from ..geometry.resolution import Resolution
@@ -116,7 +117,7 @@ def held(identity: dict[str, Any], points: int | None) -> Content:
         identity.get("motion", False), cameras, identity.get("surface", plain.surface),
         identity.get("spread", plain.spread), identity.get("per", plain.per),
         Gripper(**identity["gripper"]) if identity.get("gripper") else None if "gripper" in identity else plain.gripper,
-        Resolution(**identity.get("meshes", {})),
+        Resolution(**identity.get("meshes", {})), identity.get("balance", ""), read_weights(identity.get("weights")),
     )  # fmt: skip
 
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ..runtime.mutate import Mutation
 
 
-PLAIN = {"motion": False, "surface": "boundary", "spread": "random", "per": "object"}
+PLAIN = {"motion": False, "surface": "boundary", "spread": "random", "per": "object", "balance": None}
 
 
 def chosen(options: argparse.Namespace) -> np.ndarray:
@@ -43,16 +43,19 @@ def held(options: argparse.Namespace) -> Content:
     """What the shards are to hold."""
     from ..annotate.camera_file import read_cameras
     from ..annotate.gripper import read_gripper
-    from ..annotate.sampling import Sampling
+    from ..annotate.sampling import Sampling, read_weights
     from ..annotate.states import read_states
     from ..export.content import Content
     from ..geometry.resolution import STANDARD
 
     cameras = None if options.views is None else read_cameras(options.views)
-    how = Sampling(options.points, options.surface, options.spread, options.per)
+    weights = read_weights(options.weights)
+    how = Sampling(options.points, options.surface, options.spread, options.per, options.balance or "", weights)
     kind = how.surface, how.spread, how.per
     hand, meshes = read_gripper(options.gripper), resolution(options) or STANDARD
-    return Content(how.count, read_states(options.states), options.motion, cameras, *kind, hand, meshes)
+    return Content(
+        how.count, read_states(options.states), options.motion, cameras, *kind, hand, meshes, how.balance, how.weights
+    )
 
 
 def resolution(options: argparse.Namespace) -> Resolution | None:
@@ -85,7 +88,7 @@ def run(options: argparse.Namespace) -> int:
     except ExportError as wrong:
         raise UsageError(wrong.message, wrong.hint) from None
     content = held(options)
-    asked = {"motion": options.motion, "surface": options.surface, "spread": options.spread, "per": options.per}
+    asked = {name: getattr(options, name) for name in PLAIN}
     for name, value in asked.items():
         if value != PLAIN[name] and "points" not in [entry.name for entry in formats]:
             raise UsageError(f"--{name} is about points, which are not among the formats", "add points to --format")

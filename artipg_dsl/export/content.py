@@ -22,7 +22,8 @@ _PER = {"object": 1, "link": 4, "semantic": 8, "instance": 16, "primitive": 64} 
 
 @dataclass(frozen=True, slots=True)
 class Content:
-    """``points`` for each ``per``, from which ``surface``, how ``spread`` (see ``Sampling``); ``states`` of the joints;
+    """``points`` for each ``per``, from which ``surface``, how ``spread``, over what in ``balance`` by which ``weights`` (see
+    ``Sampling``); ``states`` of the joints;
     ``gripper`` that grasps are made with, None: all of them;
     ``resolution`` of meshes; ``motion``: velocities of points; ``cameras`` for views, None: the default ones if views are wanted at all."""
 
@@ -35,11 +36,13 @@ class Content:
     per: str = "object"
     gripper: Gripper | None = STANDARD_GRIPPER
     resolution: Resolution = STANDARD_RESOLUTION
+    balance: str = ""
+    weights: tuple[tuple[str, float], ...] = ()
 
     @property
     def sampling(self) -> Sampling:
         """How points are taken. Raises UsageError."""
-        return Sampling(self.points, self.surface, self.spread, self.per)
+        return Sampling(self.points, self.surface, self.spread, self.per, self.balance, self.weights)
 
     def of(self, formats: list[str]) -> Content:
         """The same without what none of the formats holds."""

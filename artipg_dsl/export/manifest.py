@@ -14,7 +14,7 @@ import numpy as np
 from .. import __version__
 from ..annotate.points import field_kinds
 from .content import Content
-from .meanings import MOTIONS, MOVING, OBJECT, POINTS, STATE, VIEWS, Meaning
+from .meanings import AREA, MOTIONS, MOVING, OBJECT, POINTS, STATE, VIEWS, Meaning
 from .mutants import MEANINGS
 from .write import ExportError
 
@@ -32,6 +32,8 @@ IDENTITY = {
     "surface": "the surface that points lie on",
     "spread": "how points are spread",
     "per": "what the number of points is of",
+    "balance": "what points are shared out over",
+    "weights": "the weights of points",
     "states": "the joint states",
     "motion": "velocities of points",
     "views": "the cameras",
@@ -137,7 +139,9 @@ def vocabularies(program: Program) -> dict[str, list[str]]:
 
 def arrays(program: Program, content: Content) -> dict[str, Any]:
     """Meaning, dtype, shape, frame and unit of every array of a points shard."""
-    meant = POINTS | {"object": OBJECT} | (MOTIONS if content.motion else {})
+    meant = (
+        POINTS | {"object": OBJECT} | (AREA if content.sampling.uneven else {}) | (MOTIONS if content.motion else {})
+    )
     meant |= {name: label_meaning(kind, "objects, points") for name, kind in field_kinds(program.labels).items()}
     lengths: dict[str, int | str] = {"points": content.points}
     if content.per != "object":  # a row for each of them, whose object `object` tells

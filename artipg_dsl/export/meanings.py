@@ -40,6 +40,7 @@ POINTS = {
     "u": Meaning("first patch coordinate, a fraction 0 .. 1", "objects, points", "patch", "1", "float32"),
     "v": Meaning("second patch coordinate, a fraction 0 .. 1", "objects, points", "patch", "1", "float32"),
 }
+AREA = {"area": Meaning("surface that the point stands for", "objects, points", unit="m2", dtype="float32")}
 MOTIONS = {
     "motion": Meaning(
         "velocity of the point per unit of the next joint above its link", "objects, points, 3", "object",

@@ -43,6 +43,9 @@ def point_arrays(
         "u": points.u.astype(np.float32),
         "v": points.v.astype(np.float32),
     }
+    if isinstance(how, Sampling) and how.uneven:
+        assert points.area is not None
+        arrays["area"] = points.area.astype(np.float32)
     if values is not None:
         arrays["state"] = state_table(batch, values)[points.object]
     if points.motion is not None:

@@ -82,10 +82,10 @@ class Occlusion:
     """What may hide what in a block, and which flat cells are hidden altogether: ``buried`` (C,) bool.
 
     ``prepared`` (C,) bool: the flat cells for which ``flat_hidden`` may be asked, those of at least a share of
-    ``least`` of the surface of their pool; for others ``loose_hidden`` has to be.
+    ``least`` (of each pool, or of all) of the surface of their pool; for others ``loose_hidden`` has to be.
     """
 
-    def __init__(self, cells: Cells, off: np.ndarray, group: np.ndarray, least: float = 0.0):
+    def __init__(self, cells: Cells, off: np.ndarray, group: np.ndarray, least: float | np.ndarray = 0.0):
         self.cells, self.rows, self.off = cells, cells.rows, off
         self.inside = [inside_split(s.primitive) for s in self.rows.shelves]
         self.values = [split.rows(s.params) for split, s in zip(self.inside, self.rows.shelves, strict=True)]
@@ -97,7 +97,7 @@ class Occlusion:
             self.shelf[part] = number
             self.low[:, part], self.high[:, part] = corners[0].T, corners[1].T
         total = np.bincount(cells.pool, cells.area, minlength=len(cells.start) - 1)
-        self.prepared = (cells.shape != BENT) & (cells.area > least * total[cells.pool])
+        self.prepared = (cells.shape != BENT) & (cells.area > (least * total)[cells.pool])
         reach = (_REACH * self.off)[self.rows.owner]
         low, high = (np.ascontiguousarray(x.T) for x in (self.rows.low, self.rows.high))
         self.ends = low - reach, high + reach  # (3, R) boxes, somewhat wider

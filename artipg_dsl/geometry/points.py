@@ -21,6 +21,7 @@ from .density import Placement, solve_linear
 from .flat import BENT, PLANAR
 from .hidden import Occlusion, runs, scales
 from .outside import Outlook
+from .pointset import PointSet, Pools
 from .sites import SiteTable
 from .surface import Evaluator
 
@@ -46,35 +47,6 @@ class PointsError(Exception):
         self.objects = objects
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class PointSet:
-    """n points for each of B objects; metres, in the frames of the objects.
-
-    The binding is (``site`` number, ``row`` of that site's table, ``patch`` number, fractions ``u``, ``v``).
-    """
-
-    site: np.ndarray  # (B, n) int32
-    row: np.ndarray  # (B, n) int32
-    patch: np.ndarray  # (B, n) int16
-    u: np.ndarray  # (B, n)
-    v: np.ndarray  # (B, n)
-    position: np.ndarray  # (B, n, 3)
-    normal: np.ndarray  # (B, n, 3)
-
-    @staticmethod
-    def empty(rows: int, n: int) -> PointSet:
-        """Room for ``n`` points of each of ``rows``, all zeros."""
-        shape = rows, n
-        return PointSet(
-            np.zeros(shape, np.int32), np.zeros(shape, np.int32), np.zeros(shape, np.int16), np.zeros(shape),
-            np.zeros(shape), np.zeros((*shape, 3)), np.zeros((*shape, 3)),
-        )  # fmt: skip
-
-    def take(self, rows: np.ndarray | tuple[np.ndarray, ...]) -> PointSet:
-        """Those at some places."""
-        return PointSet(*(getattr(self, name)[rows] for name in PointSet.__slots__))
-
-
 def sample(
     sites: list[SiteTable],
     n_objects: int,
@@ -91,7 +63,8 @@ def sample(
     """
     labels = [np.zeros(len(site), dtype=np.int64) for site in sites]
     address = np.asarray(address, dtype=np.uint64)
-    found = _sample(sites, Pools.of(sites, labels, n_objects), n_points, key, address, outside)
+    pools = Pools.of(sites, labels, n_objects)
+    found = _sample(sites, pools, np.full(len(pools.owner), n_points), key, address, outside)
     if not found.full.all():
         raise PointsError(np.flatnonzero(~found.full).tolist())
     return found.points
@@ -108,33 +81,23 @@ def sample_pools(
     or less than one in 2,500 of more.
     """
     pools = Pools.of(sites, labels, n_objects)
+    counts = np.full(len(pools.owner), n_points)
+    points, full, area = sample_counts(sites, pools, counts, key, address, outside=outside)
+    if full.all():
+        return points, pools, area
+    kept = np.flatnonzero(full)
+    return points.take(kept), Pools(pools.owner[kept], pools.label[kept], []), area[kept]
+
+
+def sample_counts(
+    sites: list[SiteTable], pools: Pools, counts: np.ndarray, key: random.Key, address: np.ndarray, *,
+    outside: bool = False,
+) -> tuple[PointSet, np.ndarray, np.ndarray]:  # fmt: skip
+    """The same with a number of points of its own for each pool, ``counts`` (P,): they come first in rows (P, n) of the
+    largest number. Which pools have all of theirs (P,) bool, and their surface (P,)."""
     named = random.mix(np.asarray(address, dtype=np.uint64)[pools.owner], pools.label)
-    found = _sample(sites, pools, n_points, key, named, outside)
-    if found.full.all():
-        return found.points, pools, found.area
-    kept = np.flatnonzero(found.full)
-    return found.points.take(kept), Pools(pools.owner[kept], pools.label[kept], []), found.area[kept]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Pools:
-    """P pools, sorted: of objects ``owner`` (P,), with ``label`` (P,). ``rows``: for each site table, of which pool
-    its rows are (k,)."""
-
-    owner: np.ndarray
-    label: np.ndarray
-    rows: list[np.ndarray]
-
-    @staticmethod
-    def of(sites: list[SiteTable], labels: list[np.ndarray], n_objects: int) -> Pools:
-        """Of the rows that bear the same label in one object. Without labels but 0, each object is one, rows or no."""
-        if not any(label.any() for label in labels):
-            every = np.arange(n_objects)
-            return Pools(every, np.zeros_like(every), [site.owner for site in sites])
-        pairs = np.concatenate([np.stack([s.owner, label]) for s, label in zip(sites, labels, strict=True)], axis=1)
-        found, which = np.unique(pairs, axis=1, return_inverse=True)
-        ends = np.cumsum([len(site) for site in sites])[:-1]
-        return Pools(found[0], found[1], np.split(which.reshape(-1), ends))
+    found = _sample(sites, pools, counts, key, named, outside)
+    return found.points, found.full, found.area
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -147,9 +110,9 @@ class _Found:
 
 
 def _sample(
-    sites: list[SiteTable], pools: Pools, n_points: int, key: random.Key, address: np.ndarray, outside: bool
+    sites: list[SiteTable], pools: Pools, counts: np.ndarray, key: random.Key, address: np.ndarray, outside: bool
 ) -> _Found:
-    count = len(pools.owner)
+    count, n_points = len(pools.owner), int(counts.max(initial=0))
     found = _Found(PointSet.empty(count, n_points), np.ones(count, dtype=bool), np.zeros(count))
     if not count or not n_points:
         return found
@@ -164,7 +127,7 @@ def _sample(
         rows = block(sites, first, stop)
         low, high = np.searchsorted(pools.owner, (first, stop)).tolist()
         pool = pool_of[starts[rows.site] + rows.row] - low
-        _Sampler(rows, pool, key, address[low:high], low, n_points, outside).fill(found)
+        _Sampler(rows, pool, key, address[low:high], low, counts[low:high], outside).fill(found)
     return found
 
 
@@ -198,18 +161,26 @@ class _Candidates:
 
 
 class _Sampler:
-    """The candidates of one block of objects: of the pools from ``first`` on, ``address`` (pools,) each."""
+    """The candidates of one block of objects: of the pools from ``first`` on, ``address`` (pools,) each and ``n`` (pools,)
+    points wanted."""
 
     def __init__(
-        self, rows: Block, pool: np.ndarray, key: random.Key, address: np.ndarray, first: int, n: int, outside: bool
+        self,
+        rows: Block,
+        pool: np.ndarray,
+        key: random.Key,
+        address: np.ndarray,
+        first: int,
+        n: np.ndarray,
+        outside: bool,
     ):
         self.rows, self.key, self.first, self.n = rows, key, first, n
         self.address = address
         self.cells = cells = Cells(rows, pool, len(address))
         cells.measure_bent()
-        together = max(1, _CANDIDATES // (n + 32))
+        together = max(1, _CANDIDATES // (int(n.max(initial=0)) + 32))
         self.groups = [(k, min(k + together, len(address))) for k in range(0, len(address), together)]
-        self.occlusion = Occlusion(cells, scales(rows), np.arange(len(address)) // together, _RARELY / n)
+        self.occlusion = Occlusion(cells, scales(rows), np.arange(len(address)) // together, _RARELY / np.maximum(n, 1))
         self.outlook = Outlook(cells, self.occlusion.off, self.occlusion.buried) if outside else None
         area = np.where(self.occlusion.buried, 0.0, cells.area)
         counts = np.diff(cells.start)
@@ -228,7 +199,8 @@ class _Sampler:
         """Rounds of candidates until every pool has its points, or is found to have no surface for them."""
         n = self.n
         filled = np.zeros(len(self.address), dtype=np.int64)
-        wanted = np.where(self.total > 0.0, np.ceil(_SPARE * n / self.guess + 32), 0).astype(np.int64)
+        room = (self.total > 0.0) & (n > 0)
+        wanted = np.where(room, np.ceil(_SPARE * n / self.guess + 32), 0).astype(np.int64)
         tried, seen = np.zeros_like(wanted), np.zeros_like(wanted)
         hopeless = _HOPELESS if self.outlook is None else _HOPELESS_OUTSIDE
         for attempt in range(_ROUNDS):
@@ -267,7 +239,8 @@ class _Sampler:
         loose: _LoosePoints,
     ) -> np.ndarray:  # fmt: skip
         """The candidates of the pools ``low .. high - 1``; how many of each can be seen."""
-        cells, n, pools = self.cells, self.n, slice(low, high)
+        cells, stride, pools = self.cells, out.u.shape[1], slice(low, high)
+        n = self.n[pools]
         begin, end = int(cells.start[low]), int(cells.start[high])
         count = drawn.count[begin:end]
         start = np.cumsum(count) - count
@@ -297,10 +270,10 @@ class _Sampler:
         position, normal = self._places(every, kept, loose)
         row = cells.row[cell]
         target: slice | np.ndarray
-        if (room == n).all():
-            target = slice((self.first + low) * n, (self.first + high) * n)
+        if (room == stride).all():
+            target = slice((self.first + low) * stride, (self.first + high) * stride)
         else:
-            target = runs((self.first + np.arange(low, high)) * n + filled[pools], room)
+            target = runs((self.first + np.arange(low, high)) * stride + filled[pools], room)
         out.site.reshape(-1)[target] = self.rows.site[row]
         out.row.reshape(-1)[target] = self.rows.row[row]
         out.patch.reshape(-1)[target] = cells.patch[cell]

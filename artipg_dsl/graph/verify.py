@@ -105,6 +105,7 @@ class Verifier:
 
     def vocabulary(self, name: Any, words: Any) -> None:
         shapes.fit(words, tuple[str, ...])
+        need(words[:1] == (P.UNLABELLED,), f"the first word of a vocabulary is not {P.UNLABELLED}")
         for word in (name, *words):
             need(isinstance(word, str) and WORD.fullmatch(word), f"{shapes.shown(word)} is no word of a vocabulary")
 

@@ -60,6 +60,11 @@ def test_bytes_do_not_depend_on_the_process(tmp_path: Path) -> None:
         (("--spread", "pink"), "there is no --spread `pink`"),
         (("--surface", "outside", "--format", "urdf"), "--surface is about points"),
         (("--per", "link", "--format", "annotation"), "--per is about points"),
+        (("--balance", "link", "--format", "annotation"), "--balance is about points"),
+        (("--balance", "link", "--per", "link"), "points are asked for per link and balanced over each link"),
+        (("--balance", "class"), "there is no --balance `class`"),
+        (("--weights", "handle=2"), "weights of points are given, but not what they are weights of"),
+        (("--balance", "semantic", "--weights", "handle=many"), "the weight of handle is 'many': a number is needed"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
 )
@@ -67,6 +72,24 @@ def test_wrong_wishes_are_told_in_words(apgc: Apgc, tmp_path: Path, wishes: tupl
     code, _, err = apgc("sample", CHEST, "-n", 1, "-o", tmp_path / "o", *wishes)
     assert code == 2 and message in err
     assert not (tmp_path / "o").exists()
+
+
+def test_balanced_points_come_with_what_they_stand_for(apgc: Apgc, tmp_path: Path) -> None:
+    wishes = ("--points", 200, "--balance", "link", "--weights", "lid=2", "--states", "rest,open")
+    code, _, err = apgc("sample", CHEST, "-n", 3, "-o", tmp_path / "o", *wishes)
+    assert code == 0, err
+    manifest = json.loads((tmp_path / "o" / "manifest.json").read_text())
+    assert (manifest["identity"]["balance"], manifest["identity"]["weights"]) == ("link", {"lid": 2.0})
+    with np.load(tmp_path / "o" / "points-00000.npz") as arrays:
+        assert arrays["area"].shape == (3, 200) and manifest["arrays"]["area"]["unit"] == "m2"
+        assert set(arrays.files) == set(manifest["arrays"])
+    code, _, err = apgc("sample", CHEST, "-n", 3, "-o", tmp_path / "o", "--points", 200, "--states", "rest,open")
+    assert code == 1 and "what points are shared out over (link, now None)" in err
+    code, _, err = apgc("mutate", tmp_path / "o", "-o", tmp_path / "m")
+    assert code == 0, err
+    assert json.loads((tmp_path / "m" / "manifest.json").read_text())["identity"]["balance"] == "link"
+    code, _, err = apgc("sample", CHEST, "-n", 1, "-o", tmp_path / "x", "--balance", "semantic", "--weights", "handel=2")
+    assert code != 0 and "has no semantic `handel` to weigh" in err
 
 
 def test_the_programs_of_the_benchmarks_are_sound(apgc: Apgc) -> None:
