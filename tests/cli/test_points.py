@@ -88,7 +88,9 @@ def test_balanced_points_come_with_what_they_stand_for(apgc: Apgc, tmp_path: Pat
     code, _, err = apgc("mutate", tmp_path / "o", "-o", tmp_path / "m")
     assert code == 0, err
     assert json.loads((tmp_path / "m" / "manifest.json").read_text())["identity"]["balance"] == "link"
-    code, _, err = apgc("sample", CHEST, "-n", 1, "-o", tmp_path / "x", "--balance", "semantic", "--weights", "handel=2")
+    code, _, err = apgc(
+        "sample", CHEST, "-n", 1, "-o", tmp_path / "x", "--balance", "semantic", "--weights", "handel=2"
+    )
     assert code != 0 and "has no semantic `handel` to weigh" in err
 
 
