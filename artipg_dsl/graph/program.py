@@ -190,7 +190,7 @@ class Joint:
 
     ``low``, ``high``, ``rest`` in radians or metres (None: no limit; of a ball, how far it tilts). ``mimic`` is (reference
     to a joint, multiplier, offset). One instance per row of ``scope``. ``clearance``: from its rest value it goes on as far as
-    nothing is in the way, at most to ``high``.
+    nothing is in the way, at most to ``high``; ``whatever``: with the other joints anywhere, else at rest.
     """
 
     path: str
@@ -212,6 +212,7 @@ class Joint:
     pitch: Expr | None = None
     where: Where | None = None
     clearance: bool = False
+    whatever: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -328,7 +329,8 @@ class Allowed:
 class Clear:
     """``clear a from b by distance`` where ``scope`` has rows: two sets of nodes of the part tree.
 
-    ``ranks``: of either, the elements of repeats that are meant, (name of the repeat, rank).
+    ``ranks``: of either, the elements of repeats that are meant, (name of the repeat, rank). ``whatever`` the joints do;
+    else at rest and while each moves alone.
     """
 
     scope: Scope
@@ -338,6 +340,7 @@ class Clear:
     text: str
     ranks: tuple[tuple[tuple[str, int], ...], ...] = ((), ())
     where: Where | None = None
+    whatever: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)

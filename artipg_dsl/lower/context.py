@@ -88,6 +88,7 @@ class Context:
     clearances: dict[int, Span] = field(
         default_factory=dict
     )  # joints whose high end is as far as nothing is in the way
+    whatever: set[int] = field(default_factory=set)  # those of them for which the other joints may be anywhere
     unclear: list[Span] = field(default_factory=list)  # such ends that are not solved for
     driven: dict[Span, bool] = field(default_factory=dict)  # `pushes(joint)` -> whether the joint carries a target
     trace: list[tuple[Span, str]] = field(default_factory=list)

@@ -344,6 +344,8 @@ class Links:
             self.context.unclear.append((low if clears(ev, low) else high).span)
         elif clears(ev, high):
             self.context.clearances[joint] = high.span
+            if isinstance(high, ast.AllExpr):
+                self.context.whatever.add(joint)
         return self.limit(ev, low, kind), self.limit(ev, high, kind)
 
     def rest(self, ev: Evaluator, words: dict[str, ast.Clause], low: Expr | None, high: Expr | None) -> Expr:
@@ -407,6 +409,8 @@ class Links:
 
 def clears(ev: Evaluator, node: ast.Expr) -> bool:
     """Whether an end of a range is as far as nothing is in the way."""
+    if isinstance(node, ast.AllExpr):
+        return True
     return isinstance(node, ast.NameExpr) and node.name == "clearance" and ev.env.find("clearance") is None
 
 

@@ -109,7 +109,8 @@ def clearances(links: Links) -> None:
     for number, span in links.context.clearances.items():
         if number in followed or program.joints[number].mimic is not None or program.closures:
             links.context.unclear.append(span)
-        program.joints[number] = replace(program.joints[number], clearance=True)
+        whatever = number in links.context.whatever
+        program.joints[number] = replace(program.joints[number], clearance=True, whatever=whatever)
 
 
 def root_path(env: Env) -> str:
@@ -280,7 +281,9 @@ def clear(links: Links, env: Env, statement: ast.ClearStmt) -> None:
     distance = Evaluator(env).scalar(statement.distance)
     ranks = tuple(tuple(indices(env, node)) for node in (statement.subject, statement.other))
     links.context.program.clear.append(
-        Clear(env.scope, first, second, distance, text_of(statement.span), ranks, where(statement.span))
+        Clear(
+            env.scope, first, second, distance, text_of(statement.span), ranks, where(statement.span), statement.all
+        )
     )
 
 

@@ -1,4 +1,4 @@
-"""``clear a from b by d``: parts that keep a distance, at rest and while each joint moves alone."""
+"""``clear a from b by d``: parts that keep a distance, at rest and while each joint moves alone; ``all``: in every state."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 from ..graph.program import Clear
 from .bodies import Pieces
 from .floating import sites_within
+from .together import least, ways
 from .tree import Tree
 from .validate import checked
 
@@ -26,6 +27,12 @@ def too_near(tree: Tree, body: Pieces) -> list[tuple[str, np.ndarray]]:
         for link, joint in zip(rows[:, 0].astype(int).tolist(), rows[:, 2].astype(int).tolist(), strict=True):
             when = "at rest" if joint < 0 else f"while {program.joints[tree.joints.definition[joint]].path} moves"
             names.setdefault(when, []).append(int(tree.links.owner[link]))
+        if statement.whatever:
+            way = ways(tree)
+            way = way.at(np.flatnonzero((way.joint >= 0).sum(axis=1) > 1))
+            met = least(tree, part, way, np.zeros(len(tree.joints.owner), dtype=bool))[1]
+            if met.any():
+                names["while several joints move"] = tree.links.owner[way.first[met]].tolist()
         found += [
             (f"{statement.where}: `{statement.text}` does not hold {when}", np.unique(o)) for when, o in names.items()
         ]

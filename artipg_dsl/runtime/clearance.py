@@ -1,8 +1,9 @@
 """``range a .. clearance``: joints that go on, from their rest value, as far as nothing is in the way.
 
-Each alone, all others at rest. Turning: intervals of angles are proved free or halved, as in the check of collisions; the
-end is where the first begins that is not free. Sliding: the way is halved for as long as the hull of a piece at both ends
-meets another. They stop a hair before: 1e-4 rad, 0.01 mm.
+Each alone, all others at rest, and then, for ``clearance all``, with all others anywhere (``together.py``). Turning:
+intervals of angles are proved free or halved, as in the check of collisions; the end is where the first begins that is not
+free. Sliding: the way is halved for as long as the hull of a piece at both ends meets another. They stop a hair before:
+1e-4 rad, 0.01 mm; before what others can bring into the way 2e-3 rad, 0.5 mm.
 """
 
 from __future__ import annotations
@@ -15,11 +16,13 @@ from ..geometry.collide import overlap
 from .batch import Batch
 from .bodies import Pieces, Placed, gather
 from .tables import JointTable
+from .together import least, ways
 from .tree import Tree
 from .validate import COARSE, HALVINGS, Turns, blocks, near, turnings
 
 HALVES = 24  # of the way of a slide
 HAIR_TURN, HAIR_SLIDE = 1e-4, 1e-5
+WIDE_TURN, WIDE_SLIDE = 2e-3, 5e-4
 
 
 def limited(batch: Batch) -> JointTable:
@@ -34,6 +37,7 @@ def limited(batch: Batch) -> JointTable:
     across = np.sqrt(size[:, 0] ** 2 + size[:, 1] ** 2 + size[:, 2] ** 2)[
         joints.owner
     ]  # farther off nothing is in the way
+    ends = tree.low, tree.high
     tree.low = joints.rest.copy()
     tree.high = np.where(tree.slides, np.minimum(tree.high, joints.rest + across), tree.high)
     most = np.where(goes_on, tree.high - joints.rest, np.inf)
@@ -47,7 +51,27 @@ def limited(batch: Batch) -> JointTable:
             turning(part, turns.at(keep), joint[i[keep]], room)
     hair = np.where(tree.slides, HAIR_SLIDE, HAIR_TURN)
     room = np.where(room < most, np.maximum(room - hair, 0.0), room)
+    tree.low, tree.high = ends[0], np.where(goes_on, joints.rest + room, ends[1])
+    whatever = np.array([joint.whatever for joint in batch.program.joints], dtype=bool)[joints.definition]
+    if whatever.any():
+        room = np.where(whatever, shared(tree, body, whatever), room)
     return replace(joints, high=np.where(goes_on, joints.rest + room, joints.high))
+
+
+def shared(tree: Tree, body: Pieces, whatever: np.ndarray) -> np.ndarray:
+    """How far (J,) the joints ``whatever`` (J,) bool go with all others anywhere within their ranges.
+
+    Two that are in the way of one another stop at the same share of what each has alone.
+    """
+    way = ways(tree)
+    matter = (way.joint >= 0).sum(axis=1) > 1  # what one joint alone does is known
+    matter &= (np.append(whatever, False)[way.joint]).any(axis=1) & ~tree.permitted(way.first, way.second)
+    way, share = way.at(np.flatnonzero(matter)), np.ones(len(whatever))
+    for part in blocks(body):
+        share = np.minimum(share, least(tree, part, way, whatever)[0])
+    room = (tree.high - tree.joints.rest) * share
+    hair = np.where(tree.slides, WIDE_SLIDE, WIDE_TURN)
+    return np.where(share < 1.0, np.maximum(room - hair, 0.0), room)
 
 
 def sliding(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray, room: np.ndarray) -> None:

@@ -295,7 +295,7 @@ def _joined(group: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndar
 
 
 def inverted(tree: Tree) -> Wrong:
-    """Joints whose range is none, or does not hold their rest value."""
+    """Joints whose range is none, or does not hold their rest value; those that others leave no way at all."""
     joints = tree.joints
     found: dict[str, list[int]] = {}
     low, high = (
@@ -304,8 +304,12 @@ def inverted(tree: Tree) -> Wrong:
     )
     upside, outside = low > high + 1e-9, (joints.rest < low - 1e-9) | (joints.rest > high + 1e-9)
     outside |= ~np.isfinite(joints.rest)
-    for row in np.flatnonzero(upside | outside).tolist():
+    whatever = np.array([joint.whatever for joint in tree.batch.program.joints], dtype=bool)[joints.definition]
+    shut = whatever & (high <= joints.rest)
+    for row in np.flatnonzero(upside | outside | shut).tolist():
         joint = tree.batch.program.joints[joints.definition[row]]
         what = "ends below where it begins" if upside[row] else "does not hold its rest value"
+        if shut[row]:
+            what = "ends where it begins: something is in the way at once when other joints are open"
         found.setdefault(f"{joint.where}: the range of `{joint.path}` {what}", []).append(int(joints.owner[row]))
     return [(words, np.unique(objects)) for words, objects in found.items()]

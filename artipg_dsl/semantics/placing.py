@@ -207,8 +207,9 @@ def _motion(ck: Checker, ctx: Context, kind: str, clause: ast.Clause) -> None:
 
 
 def motion_range(ck: Checker, ctx: Context, values: tuple[ast.Expr, ...], wanted: Type, node: ast.Node) -> None:
-    """A range of motion; either end may be ``clearance``."""
-    plain = [v for v in values if not (isinstance(v, ast.NameExpr) and v.name == "clearance")]
+    """A range of motion; either end may be ``clearance``, the high one ``clearance all``."""
+    free = [isinstance(v, ast.AllExpr) or isinstance(v, ast.NameExpr) and v.name == "clearance" for v in values]
+    plain = [v for v, is_free in zip(values, free, strict=True) if not is_free]
     if len(plain) == 2:
         interval = ast.RangeExpr(span=node.span, low=plain[0], high=plain[1])
         check_range(ck, ctx, interval, wanted, "an end of the range of motion")

@@ -135,6 +135,13 @@ class RangeExpr(Node):
     high: Expr
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AllExpr(Expr):
+    """``clearance all``, as the high end of a range of motion."""
+
+    value: Expr
+
+
 # ---------------------------------------------------------------- pieces of declarations
 
 
@@ -306,7 +313,8 @@ class JointDecl(Stmt):
     """``joint open : revolute body -> door about door.left.back range 0deg .. 110deg``; in a role ``joint motion ?``.
 
     ``kind`` is None for a role's joint. Clauses: to on in at fit gap between sink facing, about along range rest
-    mimic damping friction effort velocity pitch; ``range clearance`` gives a NameExpr ``clearance`` among its values.
+    mimic damping friction effort velocity pitch; ``clearance`` in a range is a NameExpr, in an AllExpr where it is
+    ``clearance all``.
     """
 
     name: str
@@ -354,11 +362,12 @@ class PreferStmt(Stmt):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ClearStmt(Stmt):
-    """``clear a from b by 1mm``."""
+    """``clear a from b by 1mm``; ``all``: whatever the joints between them do."""
 
     subject: Expr
     other: Expr
     distance: Expr
+    all: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

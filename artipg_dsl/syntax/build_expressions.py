@@ -86,6 +86,15 @@ class ExpressionBuilder(BuilderBase):
     def range(self, c: Children) -> ast.RangeExpr:
         return ast.RangeExpr(span=self.span(c), low=c[0], high=c[2])
 
+    def motion(self, c: Children) -> ast.RangeExpr:
+        """``low .. high``, ``low .. clearance all``."""
+        high = c[2]
+        if len(c) > 3 and isinstance(high, ast.NameExpr) and high.name == "clearance":
+            high = ast.AllExpr(span=self.span(c[2:]), value=high)
+        elif len(c) > 3:
+            self.problem(c[3], "`all` stands behind `clearance` alone", "write `range 0deg .. clearance all`")
+        return ast.RangeExpr(span=self.span(c), low=c[0], high=high)
+
     def argument(self, c: Children) -> ast.Argument:
         return ast.Argument(span=self.span(c), name=None, value=c[0])
 

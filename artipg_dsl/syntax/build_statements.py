@@ -189,7 +189,7 @@ class StatementBuilder(ExpressionBuilder):
         return ast.PreferStmt(**self.stmt(c), condition=c[1], weight=self.pieces(c).get("weight"))
 
     def clear(self, c: Children) -> ast.Stmt:
-        return ast.ClearStmt(**self.stmt(c), subject=c[1], other=c[3], distance=c[5])
+        return ast.ClearStmt(**self.stmt(c), subject=c[1], other=c[3], distance=c[5], all=len(c) > 6)
 
     def allow(self, c: Children) -> ast.Stmt:
         word, reason = c[1].value, unquote(c[-1].value)

@@ -49,6 +49,8 @@ def prefix(e: Any) -> str:
             return f"(is {prefix(e.subject)} {e.type_name})"
         case ast.IfExpr():
             return f"(if {prefix(e.condition)} {prefix(e.then)} {prefix(e.otherwise)})"
+        case ast.AllExpr():
+            return f"(all {prefix(e.value)})"
         case ast.MemberExpr():
             return f"{prefix(e.obj)}.{e.name}"
         case ast.IndexExpr():

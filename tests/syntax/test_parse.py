@@ -132,6 +132,7 @@ def test_else_when():
         ("joint j : revolute a -> b about c.left range -r .. r rest 0deg mimic 2 * k",
          ["about c.left", "range (- r) r", "rest 0deg", "mimic (* 2 k)"]),
         ("joint j : screw a -> b along z range clearance pitch 2mm", ["along z", "range clearance", "pitch 2mm"]),
+        ("joint j : revolute a -> b about z range 0 .. clearance all rest 0", ["about z", "range 0 (all clearance)", "rest 0"]),
         ("repeat a in 0 ..< n split b along z weight w gap g each 1cm .. 2cm { }",
          ["split b", "along z", "weight w", "gap g", "each 1cm 2cm"]),
         ("grasp a on b for t in 0 .. 1 {", ["at [0 0 t]", "approach (- x)", "close y", "opening size.y"]),
