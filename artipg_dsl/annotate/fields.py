@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from ..graph.expr import Expr, Scope, substitute, var
-from ..graph.formula import compile_formula, free_variables
-from ..runtime.needs import pose_cells, row_values
+from ..graph.formula import compile_formula, free_variables, row_values
+from ..runtime.needs import pose_cells
 
 if TYPE_CHECKING:
     from ..graph.program import Pose, Program

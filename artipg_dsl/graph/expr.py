@@ -124,11 +124,11 @@ FUNCTIONS: dict[str, tuple[int, Callable[..., float]]] = {
     "hypot": (2, math.hypot),
     "exp": (1, math.exp),
     "log": (1, math.log),
-    "floor": (1, math.floor),
-    "ceil": (1, math.ceil),
+    "floor": (1, lambda a: a if math.isinf(a) else math.floor(a)),
+    "ceil": (1, lambda a: a if math.isinf(a) else math.ceil(a)),
     "sign": (1, lambda a: float((a > 0) - (a < 0))),
-    "min": (2, min),
-    "max": (2, max),
+    "min": (2, lambda a, b: a if a != a or a < b else b),
+    "max": (2, lambda a, b: a if a != a or a > b else b),
     "mod": (2, lambda a, b: a % b),
     "lt": (2, lambda a, b: a < b),
     "le": (2, lambda a, b: a <= b),
@@ -185,6 +185,8 @@ def const(value: float | bool) -> Expr:
         value = float(value)
         if value == 0.0:
             value = 0.0  # one zero: -0.0 would be a second constant of the same value
+        elif value != value:
+            value = math.nan  # one nan, which equals itself by being the same object
     return _make("const", value=value)
 
 
@@ -215,14 +217,23 @@ def call(op: str, *args: Expr) -> Expr:
     if len(args) != arity:
         raise ValueError(f"{op} takes {arity} arguments")
     if all(a.op == "const" for a in args):
-        try:
-            value = function(*(a.value for a in args))
-            if op in ("sin", "cos") and abs(value - round(value)) < 1e-15:
-                value = float(round(value))  # quarter turns are exact
-            return const(value)
-        except (ValueError, ZeroDivisionError, OverflowError):
-            pass
+        value = folded(function, [a.value for a in args])
+        if op in ("sin", "cos") and math.isfinite(value) and abs(value - round(value)) < 1e-15:
+            value = float(round(value))  # quarter turns are exact
+        return const(value)
     return _make(op, args, scope=deepest(args))
+
+
+def folded(function: Callable[..., float], values: Sequence[float]) -> float:
+    """The value of a function of constants: nan where it has none (1 / 0, the root or the logarithm of -1), inf where it is
+    too large for a number. What an author writes of this kind is refused where it stands (``lower.arithmetic``)."""
+    try:
+        value = function(*values)
+    except (ValueError, ZeroDivisionError):
+        return math.nan
+    except OverflowError:
+        return math.inf
+    return math.nan if isinstance(value, complex) else value
 
 
 def add(a: Expr, b: Expr) -> Expr:

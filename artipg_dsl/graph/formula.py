@@ -6,7 +6,7 @@ subexpressions are computed once.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -127,3 +127,21 @@ def free_variables(exprs: Sequence[Expr]) -> set[str]:
             found.add(str(node.value))
         stack.extend(node.args)
     return found
+
+
+def row_values(formulas: Iterable[Expr]) -> list[Expr]:
+    """The largest subexpressions that read columns and no variable of a formula."""
+    found: dict[Expr, None] = {}
+
+    def visit(node: Expr) -> None:
+        if node.op in ("const", "var") or node in found:
+            return
+        if node.scope is not None and not free_variables([node]):
+            found[node] = None
+            return
+        for arg in node.args:
+            visit(arg)
+
+    for formula in formulas:
+        visit(formula)
+    return list(found)

@@ -32,7 +32,8 @@ class Intervals:
         found = self.memo.get(node)
         if found is None:
             self.memo[node] = EVERYTHING
-            found = self.memo[node] = self._of(node)
+            low, high = self._of(node)
+            found = self.memo[node] = (-math.inf if low != low else low, math.inf if high != high else high)
         return found
 
     def _of(self, node: Expr) -> Interval:

@@ -295,6 +295,7 @@ class Keypoint:
     scope: Scope
     link: Reference
     point: Triple  # in the object's frame
+    where: Where | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from ..graph import expr as E
@@ -16,7 +18,61 @@ from .vectors import AXES, sole_axis, times
 if TYPE_CHECKING:
     from .evaluate import Evaluator
 
+ROUNDING = 1e-9  # so far may what is to lie in -1 .. 1 lie outside
 OPERATIONS = {"+": E.add, "-": E.sub, "*": E.mul, "/": E.div, "^": E.power, "and": E.both, "or": E.either}
+
+
+def operate(ev: Evaluator, node: ast.BinaryExpr, a: Expr, b: Expr) -> Expr:
+    """A binary operation on numbers; one that has no value whatever is drawn is refused."""
+    if node.op == "/" and b.constant == 0:
+        raise undefined(ev, node.span, f"`{text_of(node.span)}` divides by zero")
+    result = OPERATIONS[node.op](a, b)
+    if node.op == "^" and b.constant is not None:
+        power, base = b.constant, a.constant
+        if base is not None and base < 0 and power != int(power):
+            raise undefined(
+                ev, node.span, f"{base:g} has no power {power:g}: only whole powers of a negative number exist"
+            )
+        if base == 0 and power < 0:
+            raise undefined(ev, node.span, f"`{text_of(node.span)}` divides by zero: 0 has no negative power")
+    return counted(ev, node.span, result, (a, b))
+
+
+def applied(ev: Evaluator, node: ast.CallExpr, name: str, arguments: list[Expr]) -> Expr:
+    """A function of numbers; one that has no value whatever is drawn is refused."""
+    value = arguments[0].constant
+    what = None
+    if name == "mod" and arguments[1].constant == 0:
+        what = f"`{text_of(node.span)}` divides by zero"
+    elif value is None:
+        pass
+    elif name == "log" and value <= 0:
+        what = f"{value:g} has no logarithm: only numbers above 0 have one"
+    elif name == "sqrt" and value < 0:
+        what = f"{value:g} has no square root: only numbers from 0 on have one"
+    elif name in ("asin", "acos") and abs(value) > 1:
+        if abs(value) > 1 + ROUNDING:
+            what = f"`{name}` takes numbers from -1 to 1, and this is {value:g}"
+        arguments = [E.const(1.0 if value > 0 else -1.0)]
+    if what is not None:
+        raise undefined(ev, node.span, what)
+    return counted(ev, node.span, E.call(name, *arguments), tuple(arguments))
+
+
+def counted(ev: Evaluator, span: Span, result: Expr, of: tuple[Expr, ...]) -> Expr:
+    """The result of an operation, which is a number if what it is made ``of`` are numbers."""
+    if result.constant is None or math.isfinite(result.constant):
+        return result
+    if all(a.constant is None or math.isfinite(a.constant) for a in of):
+        raise undefined(ev, span, f"`{text_of(span)}` is too large for a number")
+    return result
+
+
+def undefined(ev: Evaluator, span: Span, message: str) -> Exception:
+    return ev.env.context.error(
+        "undefined-value", span, message,
+        hint="where it is not meant to be reached, `a if c else b` or `when` with a condition keep it away",
+    )  # fmt: skip
 
 
 def plane(ev: Evaluator, value: Frame | Plane, span: Span) -> Plane:
@@ -91,13 +147,13 @@ def binary(ev: Evaluator, node: ast.BinaryExpr) -> Value:
         left = Vec(left.origin, left.on, point=True)
     if isinstance(left, Vec) or isinstance(right, Vec):
         return vector_arithmetic(ev, node, left, right)
-    return OPERATIONS[node.op](number(ev, left, node.left.span), number(ev, right, node.right.span))
+    return operate(ev, node, number(ev, left, node.left.span), number(ev, right, node.right.span))
 
 
 def plane_arithmetic(ev: Evaluator, node: ast.BinaryExpr, left: Value, right: Value) -> Value:
     a = left.coordinate if isinstance(left, Plane) else number(ev, left, node.left.span)
     b = right.coordinate if isinstance(right, Plane) else number(ev, right, node.right.span)
-    result = OPERATIONS[node.op](a, b)
+    result = operate(ev, node, a, b)
     if isinstance(left, Plane) and isinstance(right, Plane):
         if left.axis != right.axis:
             raise across(ev, node.span, left, right, node.left.span, node.right.span)
@@ -120,7 +176,7 @@ def across(ev: Evaluator, span: Span, left: Plane, right: Plane, a: Span, b: Spa
 
 
 def vector_arithmetic(ev: Evaluator, node: ast.BinaryExpr, left: Value, right: Value) -> Value:
-    operation = OPERATIONS[node.op]
+    operation = partial(operate, ev, node)
     if isinstance(left, Vec) and isinstance(right, Vec):
         if len(left.items) != len(right.items) or node.op not in "+-":
             raise ev.wrong(node.span, "a sum or difference of vectors of one length", right)
@@ -157,6 +213,8 @@ def equal(ev: Evaluator, node: ast.BinaryExpr) -> Expr:
 
 def conditional(ev: Evaluator, node: ast.IfExpr) -> Value:
     condition = truth(ev, ev.value(node.condition), node.condition.span)
+    if condition.op == "const":  # what is never reached need not have a value
+        return ev.value(node.then if condition.constant else node.otherwise)
     then, otherwise = ev.value(node.then), ev.value(node.otherwise)
     if isinstance(then, Frame | Plane) and isinstance(otherwise, Frame | Plane) and not isinstance(then, Frame):
         then, otherwise = plane(ev, then, node.then.span), plane(ev, otherwise, node.otherwise.span)

@@ -16,7 +16,7 @@ from .env import Env
 from .evaluate import Evaluator
 from .style import Style, sole_style
 from .values import Choice, Frame, Plane, Value
-from .vectors import IDENTITY, along, product, rotation_about
+from .vectors import IDENTITY, along, normalized, product, rotation_about, signed_axis
 
 if TYPE_CHECKING:
     pass
@@ -208,11 +208,19 @@ def rotation_of(part: Part) -> tuple:
         placements = placements + part.options[0].source.placements
     for placement in placements:
         direction = ev.direction(placement.direction)
-        if placement.kind == "along":
+        if placement.angle is None:
+            if signed_axis(direction) is None:
+                raise part.context.error(
+                    "bad-axis", placement.direction.span, "a part lies along x, y or z",
+                    hint="any other direction: `turned 20deg about y`, or a `connect` with frames",
+                )  # fmt: skip
             step = along(direction)
+        elif all(c is E.ZERO for c in direction):
+            raise part.context.error(
+                "bad-axis", placement.direction.span, "an axis has a length: [0, 0, 0] points nowhere"
+            )
         else:
-            assert placement.angle is not None
-            step = rotation_about(direction, ev.scalar(placement.angle))
+            step = rotation_about(normalized(direction), ev.scalar(placement.angle))
         rotation = product(step, rotation)
     return rotation
 

@@ -11,6 +11,7 @@ from ..graph import expr as E
 from ..graph.expr import Expr
 from ..source import Span
 from ..syntax import ast
+from .arithmetic import applied
 from .carry import mapped, scalars
 from .faces import FACES, extent, frame_of, squared
 from .values import Box, Frame, Line, Ports, Surface, Value
@@ -92,7 +93,7 @@ def function(ev: Evaluator, node: ast.CallExpr) -> Value:
     if name in SCALAR:
         arguments = [ev.scalar(a.value) for a in node.arguments]
         count(ev, node, SCALAR[name], len(arguments))
-        return E.call(name, *arguments)
+        return applied(ev, node, name, arguments)
     if name == "round":
         return E.call("floor", E.add(ev.scalar(node.arguments[0].value), E.const(0.5)))
     if name == "hypot":

@@ -13,6 +13,7 @@ from ..source import Span
 
 if TYPE_CHECKING:
     from .part import Part
+    from .ranges import Quantity
 
 
 class Abort(Exception):
@@ -81,6 +82,8 @@ class Context:
     )  # requirement -> its place, whether the category's own
     ledger: list[tuple[Part | None, Unknown]] = field(default_factory=list)
     parts: list[Part] = field(default_factory=list)
+    counted: dict[Scope, Span] = field(default_factory=dict)  # the tables of repeats and where they are stated
+    asked: list[Quantity] = field(default_factory=list)  # numbers with a legal range that no record keeps
     solids: dict = field(default_factory=dict)  # primitive symbol -> Lowered
     labels: list = field(default_factory=list)  # (depth of the target, Label)
     materials: dict = field(default_factory=dict)  # site -> [(depth, ((material, predicate), ...))]

@@ -8,7 +8,7 @@ from ..graph.expr import Scope
 from ..graph.feasible import Conflict, certain, conflicts, idle
 from ..graph.interval import Intervals
 from ..source import Span
-from .context import Context, in_words
+from .context import Context, in_words, text_of
 
 
 def judge(context: Context, hollow: list[tuple[Scope, tuple[int, ...]]], own: str) -> None:
@@ -59,6 +59,9 @@ def tell(context: Context, conflict: Conflict) -> None:
             "others contradict it" if len(spans) > 1 else "the ranges leave no way to keep it"
         )
         span = spans[0] if spans else None
+        said = program.requirements[conflict.reasons[0]].message if len(conflict.reasons) == 1 else ""
+        if span is not None and said not in ("", text_of(span)):
+            message = f"{said}, whatever is drawn"
     if span is None:
         return  # what a primitive requires of its parameters is told where it is used
     hint = "widen a range, or correct the requirement"

@@ -366,7 +366,9 @@ def keypoint(links: Links, env: Env, statement: ast.KeypointStmt) -> None:
                 origin = Pose(aim.frame.rotation, point, aim.frame.mirror)
                 point = place(origin, Evaluator(env, own.local).vector(statement.at))
             scope = env.context.guard(aim.scope, present(env, aim), f"{env.path}{statement.name}")
-            program.keypoints.append(Keypoint(statement.name, scope, links.of(aim.parts[0]), point))
+            program.keypoints.append(
+                Keypoint(statement.name, scope, links.of(aim.parts[0]), point, where(statement.span))
+            )
         return
     value = Evaluator(env).value(statement.target)
     point = (
@@ -379,7 +381,11 @@ def keypoint(links: Links, env: Env, statement: ast.KeypointStmt) -> None:
     on = getattr(value, "on", ())
     program.keypoints.append(
         Keypoint(
-            statement.name, env.scope, links.carried(on, statement.span) if on else (0,), place(links.world(env), point)
+            statement.name,
+            env.scope,
+            links.carried(on, statement.span) if on else (0,),
+            place(links.world(env), point),
+            where(statement.span),
         )
     )
 

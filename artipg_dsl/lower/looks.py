@@ -13,6 +13,7 @@ from .context import Context
 from .draws import draw_choice
 from .env import Env
 from .evaluate import Evaluator
+from .ranges import MATERIAL, plain
 from .values import Choice, Vec
 
 RANGES = {
@@ -69,14 +70,12 @@ def lower_material(context: Context, symbol: Symbol) -> Material:
                     raise context.error(
                         "wrong-kind", node.span, "a colour is a vector [red, green, blue] of numbers in 0 .. 1"
                     )
-                colours.append(tuple(float(c.constant or 0.0) for c in value.items))
+                colours.append(tuple(settled(context, "colour", node, c) for c in value.items))
             values["colour"] = tuple(colours)
         elif clause.word in RANGES:
-            numbers = [float(ev.scalar(n).constant or 0.0) for n in clause.values]
-            values[RANGES[clause.word]] = (numbers[0], numbers[-1])
+            values[RANGES[clause.word]] = span_of(ev, RANGES[clause.word], clause)
         elif clause.word == "friction":
-            numbers = [float(ev.scalar(n).constant or 0.0) for n in clause.values]
-            values["friction_static"] = values["friction_dynamic"] = (numbers[0], numbers[-1])
+            values["friction_static"] = values["friction_dynamic"] = span_of(ev, "friction_static", clause)
         else:
             known = sorted({*RANGES, "colour", "friction"})
             raise context.error(
@@ -85,3 +84,23 @@ def lower_material(context: Context, symbol: Symbol) -> Material:
     made = Material(**values)
     context.program.materials[symbol.name] = made
     return made
+
+
+def span_of(ev: Evaluator, name: str, clause: ast.Clause) -> tuple[float, float]:
+    """The range of a property: one value, or the two ends."""
+    numbers = [settled(ev.env.context, name, node, ev.scalar(node)) for node in clause.values]
+    if numbers[0] > numbers[-1]:
+        raise ev.env.context.error(
+            "empty-range", clause.span, "the range is empty: its low end lies above its high end", hint="swap the ends"
+        )
+    return numbers[0], numbers[-1]
+
+
+def settled(context: Context, name: str, node: ast.Expr, value: Expr) -> float:
+    """A property's number, which is known beforehand and lies in the range that is legal for it."""
+    if value.constant is None:
+        raise context.error("wrong-kind", node.span, "the properties of a material are numbers, or ranges of them")
+    number, legal = float(value.constant), MATERIAL[name]
+    if not legal.holds(number):
+        raise context.error("illegal-value", node.span, f"`{name}` is {plain(number)}, but {legal.words}")
+    return number

@@ -95,6 +95,7 @@ class Lowered:
             if here is E.TRUE or always(here, instance.part.context.draws):
                 continue
             sides = None if slack is None else tuple(E.substitute(s, mapping) for s in slack)
+            instance.part.context.stated[len(program.requirements)] = instance.part.span, False
             program.requirements.append(
                 Requirement(
                     instance.scope,

@@ -24,6 +24,7 @@ from .context import Abort, Context, text_of, where
 from .env import Env
 from .evaluate import Evaluator
 from .feasible import judge
+from .legal import legalize
 from .links import Links
 from .motions import motions
 from .part import Part
@@ -99,6 +100,8 @@ def finish(links: Links, env: Env) -> None:
                 hint="drop it; which value is drawn is said by a range, a default or a requirement",
             )  # fmt: skip
     judge(context, attach_bounds(program), env.module.source.name)
+    if not context.report.failed and not context.unclear:
+        legalize(links, env)
     program.hash = digest(program)
 
 

@@ -8,9 +8,11 @@ from ..graph import expr as E
 from ..graph.expr import Expr, Scope
 from ..graph.program import Pose
 from ..syntax import ast
+from .context import where
 from .env import Element, Env
 from .evaluate import Evaluator
 from .faces import squared
+from .ranges import EVERY, Quantity
 from .values import Box, Line
 from .vectors import HERE, IDENTITY, ORIGIN, norm, rotation_about, signed_axis
 
@@ -36,10 +38,14 @@ def build_repeat(env: Env, statement: ast.RepeatStmt, declare: Callable[[Env, tu
         count: Expr = E.const(2.0)
     elif statement.form == "fill" and statement.count is None:
         count = filled(ev, statement, box)  # type: ignore[arg-type]
+        if (every := clause(statement, "every")) is not None:
+            name, place = f"`every` of `{statement.name}`", where(every.span)
+            context.asked.append(Quantity(name, env.scope, ev.scalar(every.values[0]), EVERY, place))
     else:
         assert statement.count is not None
         count = ev.scalar(statement.count)
     scope = context.scope(f"{env.path}{statement.name}", env.scope, "repeat", count)
+    context.counted[scope] = statement.name_span
     inner = env.nested(scope, f"{env.path}{statement.name}.")
     element = Element(statement.name, inner, scope, count, None)
     inner.element = element

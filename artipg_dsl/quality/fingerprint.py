@@ -12,11 +12,11 @@ from hashlib import blake2b
 import numpy as np
 
 from ..graph.expr import Expr, Scope
-from ..graph.formula import free_variables
+from ..graph.formula import free_variables, row_values
 from ..graph.random import mix
 from ..runtime.batch import Batch
 from ..runtime.materials import material_rows
-from ..runtime.needs import pose_cells, row_values
+from ..runtime.needs import pose_cells
 
 GRAIN = 1e-9  # metres, radians: what differs by less is the same
 

@@ -13,7 +13,7 @@ from ..graph.random import key, mix, uniform
 from .laws import TOLERANCE, clear, density, gaps_of, held, inside, spread, spread_between, support
 
 Gaps = tuple[np.ndarray, np.ndarray]  # where gaps begin and end: (gaps, rows) each
-MOST_ROWS = 20_000  # of one table in one object: more is an error of the program, and would fill the memory
+MOST_ROWS = 20_000  # of one table in one object, as ``lower.ranges`` has it: more would fill the memory
 LEAST = 1e-300  # a range that holds less of its law than this counts as holding so much
 
 
@@ -72,6 +72,7 @@ class State:
     this one is made from; ``salt``, and ``lane`` per object, set the random numbers of one such making apart. ``missed`` counts the objects for
     which a draw found no room, per draw; ``broken`` those that break a requirement, per requirement. ``faults`` has the
     rows in question: of the table of the draw ("draw", number), or of that of the requirement ("requirement", number).
+    ``crowd`` (objects,) is the size of a table that is too large to be made, 0 where none is.
     """
 
     seed: int
@@ -91,6 +92,7 @@ class State:
     log_weight: np.ndarray = field(default_factory=lambda: np.zeros(0))
     leaning: np.ndarray = field(default_factory=lambda: np.zeros(0))
     unkept: dict[int, int] = field(default_factory=dict)
+    crowd: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     def lanes(self) -> np.ndarray:
         return np.zeros(len(self.objects), dtype=np.int64) if self.lane is None else self.lane
@@ -98,28 +100,42 @@ class State:
 
 def root_rows(state: State) -> Rows:
     n = len(state.objects)
-    state.failed = np.zeros(n, dtype=bool)
+    state.failed, state.crowd = np.zeros(n, dtype=bool), np.zeros(n)
     state.log_weight, state.leaning = np.zeros(n), np.zeros(n)
     index = np.arange(n)
     ones = np.ones(n, dtype=np.int64)
     return Rows(n, index, np.zeros(n, dtype=np.int64), index, state.objects.astype(np.uint64), index, ones)
 
 
-def child_rows(parent: Rows, count: np.ndarray | float | bool, *, guard: bool) -> Rows:
-    """The table with ``count`` rows per row of ``parent`` (a guard: none or one, at the parent's address)."""
-    counts = np.broadcast_to(np.asarray(count), (parent.size,)).astype(np.int64)
-    counts = np.maximum(counts, 0)
-    if not guard and len(counts):
-        held = np.bincount(parent.owner, weights=counts)
-        if held.max() > MOST_ROWS:
-            raise TooMany(
-                f"object {np.argmax(held)} of these has {held.max():.0f} elements of one repeat, more than {MOST_ROWS}"
-            )
+def child_rows(state: State, parent: Rows, count: np.ndarray | float | bool, *, guard: bool) -> Rows:
+    """The table with ``count`` rows per row of ``parent`` (a guard: none or one, at the parent's address).
+
+    An object whose counts are no numbers, or more than ``MOST_ROWS`` in all, has no rows here: a requirement says that it is not valid,
+    and ``crowded`` sees to it that one does.
+    """
+    asked = np.broadcast_to(np.asarray(count), (parent.size,))
+    if not guard:
+        held = np.bincount(parent.owner, weights=np.maximum(asked, 0.0), minlength=len(state.objects))
+        over = ~(held <= MOST_ROWS)
+        if over.any():
+            state.crowd = np.maximum(state.crowd, np.where(over, held, 0.0))
+            asked = np.where(over[parent.owner], 0.0, asked)
+        asked = np.maximum(asked, 0.0)
+    counts = asked.astype(np.int64)
     start = np.cumsum(counts) - counts
     index = np.repeat(np.arange(parent.size), counts)
     rank = np.arange(len(index)) - start[index]
     address = parent.address[index] if guard else mix(parent.address[index], rank)
     return Rows(len(index), index, rank, parent.owner[index], address, start, counts)
+
+
+def crowded(state: State) -> None:
+    """Raise TooMany where an object has had more elements than fit, and nothing says that it is not valid."""
+    held = np.where(state.failed, 0.0, state.crowd)
+    if held.any():
+        raise TooMany(
+            f"object {np.argmax(held)} of these has {held.max():.0f} elements of one repeat, more than {MOST_ROWS}"
+        )
 
 
 def full(rows: Rows, value: np.ndarray | float | bool) -> np.ndarray:
@@ -237,7 +253,7 @@ def draw_real(
     gaps = gaps_of(low, unions, False) if unions else None
     found = _given(state, rows, number, low, high, gaps)
     if found is None:
-        bad = low > high + TOLERANCE
+        bad = ~(low <= high + TOLERANCE)  # nor is there room between ends that are no numbers
         _no_room(state, rows, number, bad)
         top = np.maximum(low, high)
         if state.defaults and default is not None:
@@ -315,7 +331,7 @@ def draw_count(
     first, last = np.ceil(low - TOLERANCE), np.floor(high + TOLERANCE)
     found = _given(state, rows, number, first, last, gaps)
     if found is None:
-        bad = first > last
+        bad = ~(first <= last)
         _no_room(state, rows, number, bad)
         last = np.maximum(first, last)
         if state.defaults and default is not None:
@@ -372,6 +388,7 @@ def draw_choice(
 ) -> np.ndarray:
     """The index of one of the options, by weight; ``declared`` are the weights before requirements removed some."""
     table = np.stack([np.broadcast_to(np.asarray(w, dtype=np.float64), (rows.size,)) for w in weights])
+    table = np.where(table < np.inf, table, 0.0)  # a weight that is no number is for a requirement to refuse
     found = _given(state, rows, number, 0.0, len(weights) - 1.0)
     if found is not None:
         _no_room(state, rows, number, table[found.astype(np.int64), np.arange(rows.size)] <= 0.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from ..graph.expr import Expr, Scope
-from ..graph.formula import free_variables
+from ..graph.formula import row_values
 from ..graph.program import Pose, Program
 from ..graph.reference import ranks
 
@@ -76,21 +76,3 @@ def each(scope: Scope, *groups: Iterable[Expr]) -> Iterator[Wanted]:
     for group in groups:
         for expr in group:
             yield expr, scope
-
-
-def row_values(formulas: Iterable[Expr]) -> list[Expr]:
-    """The largest subexpressions that read columns and no variable of a formula."""
-    found: dict[Expr, None] = {}
-
-    def visit(node: Expr) -> None:
-        if node.op in ("const", "var") or node in found:
-            return
-        if node.scope is not None and not free_variables([node]):
-            found[node] = None
-            return
-        for arg in node.args:
-            visit(arg)
-
-    for formula in formulas:
-        visit(formula)
-    return list(found)

@@ -88,7 +88,7 @@ class _Emitter:
                 assert scope.count is not None
                 parent = self.table(scope.parent)
                 count = self.value(scope.count, scope.parent)
-                name = self.fresh(f"child_rows({parent}, {count}, guard={scope.kind == 'guard'})", "T")
+                name = self.fresh(f"child_rows(state, {parent}, {count}, guard={scope.kind == 'guard'})", "T")
             self.lines[-1] += remark(scope.name)
             self.tables[scope] = name
         return name
@@ -325,7 +325,7 @@ def make_plan(program: Program, wanted: Iterable[tuple[Expr, Scope]]) -> Plan:
         emitter.table(scope)
     tables = ", ".join(emitter.tables[s] for s in program.scopes)
     head = ['@np.errstate(divide="ignore", invalid="ignore")', "def evaluate(state):"]
-    lines = [*head, *emitter.lines, f"    tables = [{tables}]", "    values = ["]
+    lines = [*head, *emitter.lines, "    crowded(state)", f"    tables = [{tables}]", "    values = ["]
     lines += [f"        {v}," for v in values]
     lines += ["    ]", "    return tables, values", ""]
     scopes = {s: k for k, s in enumerate(program.scopes)}

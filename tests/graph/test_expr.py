@@ -1,5 +1,7 @@
 """Expressions: interning, folding, scopes."""
 
+import math
+
 import pytest
 
 from artipg_dsl.graph import expr as E
@@ -51,10 +53,6 @@ def test_leaves_and_substitution():
     assert E.substitute(value, {B: E.ONE}) is E.call("sin", A) + A
 
 
-def test_division_by_zero_is_left_for_later():
-    assert E.div(E.const(1), E.const(0)).op == "div"
-
-
 def test_what_is_shared_a_thousandfold_is_shown_and_written_at_once():
     value = x = E.var("x")
     for _ in range(80):
@@ -65,3 +63,24 @@ def test_what_is_shared_a_thousandfold_is_shown_and_written_at_once():
     column = E.Column(program.scopes[0], "far")
     program.definitions[column] = value
     assert len(to_text(program)) < 10_000
+
+
+@pytest.mark.parametrize(
+    ("operation", "values"),
+    [("div", (1, 0)), ("mod", (1, 0)), ("pow", (-2, 0.5)), ("pow", (0, -1)), ("log", (-1,)), ("log", (0,)), ("sqrt", (-1,)), ("asin", (2,)),
+     ("floor", (math.nan,)), ("sin", (math.inf,))],
+)  # fmt: skip
+def test_what_has_no_value_is_nan(operation, values):
+    folded = E.call(operation, *map(E.const, values))
+    assert folded.op == "const" and math.isnan(folded.value)
+    assert folded is E.const(math.nan)  # one node, as for any constant
+
+
+def test_what_is_too_large_is_infinite():
+    assert E.call("exp", E.const(1e4)).value == math.inf == E.call("pow", E.const(10), E.const(400)).value
+    assert E.call("floor", E.const(-math.inf)).value == -math.inf
+
+
+def test_least_and_largest_of_nan_are_nan():
+    for name in ("min", "max"):
+        assert all(math.isnan(E.call(name, *map(E.const, pair)).value) for pair in ((1, math.nan), (math.nan, 1)))

@@ -75,6 +75,32 @@ VALUES = (
           param width : length in 30cm .. 50cm = 60cm
         }
         """),
+    Code("undefined-value", "a formula has no value", """
+        The formula divides by zero, takes the root or the logarithm of a negative number, or grows beyond what a
+        number can hold, whatever is drawn. What has no value for some draws alone makes these objects invalid, which
+        are drawn again. Correct the formula, or say where it holds: `a / n if n > 0 else 0cm`.
+        """, """
+        apg 1
+        use primitives { Cuboid }
+        category Stool {
+          let legs = 3 - 3
+          root part seat : Cuboid(size = [30cm, 90cm / legs, 3cm])
+        }
+        """),
+    Code("illegal-value", "a value lies outside what is legal for it", """
+        Every number of an object has a legal range: sizes lie above 0 and below 1 km, places within 1 km, axes and directions have
+        a length, densities lie above 0, damping and friction are not negative, colours lie in 0 .. 1, a repeat has at
+        most 10,000 elements, and so on. Here the value lies outside whatever is drawn. Where only some draws lead out of
+        the range, these objects are invalid and drawn again, which `sample --stats` counts. Correct the formula.
+        """, """
+        apg 1
+        use primitives { Cuboid }
+        material cork { density 0kg/m3 }
+        category Stool {
+          root part seat : Cuboid(size = [30cm, 30cm, 3cm])
+          material cork on seat
+        }
+        """),
     Code("bad-guard", "a guard is not a condition", """
         A guard decides the structure, which is known before any measure is. So it asks `a is B`, whether an
         optional part is there, or compares counts, ranks and choices; lengths and angles belong into `require`

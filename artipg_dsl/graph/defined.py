@@ -1,0 +1,153 @@
+"""Whether a value is a number whatever is drawn: no step of it divides by zero, takes the root of what may be negative, ...
+
+Static and conservative, as intervals are: what is found certain is; the rest is asked of every object.
+"""
+
+from __future__ import annotations
+
+import math
+
+from .expr import Expr, Scope
+from .interval import EVERYTHING, Interval, Intervals
+
+LARGEST = 700.0  # exp of more is beyond what a number can hold
+PASSING = frozenset(
+    {
+        "min",
+        "max",
+        "where",
+        "phi",
+        "neg",
+        "abs",
+        "le",
+        "lt",
+        "eq",
+        "and",
+        "or",
+        "not",
+        "sign",
+        "element",
+        "previous",
+        "col",
+        "rank",
+    }
+)  # of infinite numbers these make no nan
+
+
+class Sharp(Intervals):
+    """Narrower intervals: of ranks and sums by how many rows there are, of angles by where they lie."""
+
+    def rows(self, scope: Scope) -> Interval:
+        """How many rows of a table a row of its parent has."""
+        low, high = (1.0, 1.0) if scope.count is None else self.of(scope.count)
+        return max(low, 0.0), max(high, 0.0)
+
+    def _of(self, node: Expr) -> Interval:
+        if node.op == "rank":
+            return 0.0, max(self.rows(node.value)[1] - 1.0, 0.0)
+        if node.op == "reduce" and node.value[0] == "sum":
+            return self.summed(node.args[0], *self.rows(node.value[1]))
+        if node.op == "scan":
+            return self.summed(node.args[0], 0.0, max(self.rows(node.value)[1] - 1.0, 0.0))
+        return super()._of(node)
+
+    def summed(self, value: Expr, least: float, most: float) -> Interval:
+        """A sum of ``least`` to ``most`` values."""
+        low, high = self.of(value)
+        ends = [0.0 if count == 0.0 else count * end for end in (low, high) for count in (least, most)]
+        return min(ends), max(ends)
+
+    def function(self, op: str, node: Expr) -> Interval:
+        ends = self.of(node.args[0]) if node.args else EVERYTHING
+        if op in ("asin", "acos", "atan") and ends != EVERYTHING:
+            return _rising(getattr(math, op), ends) if op != "acos" else _rising(lambda a: -math.acos(a), ends, -1.0)
+        if op == "atan2":
+            return -math.pi, math.pi
+        if op == "cos" and math.isfinite(ends[0]) and math.isfinite(ends[1]):
+            return _cosine(*ends)
+        if op == "sin" and math.isfinite(ends[0]) and math.isfinite(ends[1]):
+            return _cosine(ends[0] - math.pi / 2, ends[1] - math.pi / 2)
+        return super().function(op, node)
+
+
+def _rising(function, ends: Interval, sign: float = 1.0) -> Interval:  # noqa: ANN001
+    """The ends of a rising function of -1 .. 1 (``sign`` -1: of the negative of a falling one)."""
+    low, high = (function(min(max(end, -1.0), 1.0) if function is not math.atan else end) for end in ends)
+    return (low, high) if sign > 0 else (-high, -low)
+
+
+def _cosine(low: float, high: float) -> Interval:
+    """The cosines of an interval of angles, a little widened."""
+    turn = 2 * math.pi
+    values = (math.cos(low), math.cos(high))
+    top = math.ceil(low / turn) * turn <= high
+    bottom = math.ceil((low - math.pi) / turn) * turn + math.pi <= high
+    return (-1.0 if bottom else min(values) - 1e-12), (1.0 if top else max(values) + 1e-12)
+
+
+class Defined:
+    """Answers for expressions over the columns that ``intervals`` knows."""
+
+    def __init__(self, intervals: Intervals):
+        self.intervals = intervals
+        self.memo: dict[Expr, bool] = {}
+        self.running: set[Expr] = set()
+
+    def certain(self, root: Expr) -> bool:
+        """Whether an expression is a number, be it infinite, in every row of every object."""
+        stack = [root]
+        while stack:
+            node = stack.pop()
+            if node in self.running:  # all that it is made of has been looked at
+                self.running.discard(node)
+                self.memo[node] = all(self.memo.get(a, False) for a in self.reads(node)) and self.safe(node)
+            elif node not in self.memo:
+                self.running.add(node)
+                stack.append(node)  # a value that needs itself is not certain: the plan reports it
+                stack.extend(a for a in self.reads(node) if a not in self.memo and a not in self.running)
+        return self.memo[root]
+
+    def reads(self, node: Expr) -> tuple[Expr, ...]:
+        """What a value is made of; definitions are read through, a draw lies between its ends."""
+        if node.op != "col":
+            return node.args
+        definition = self.intervals.definitions.get(node.value)
+        if definition is not None:
+            return (definition,)
+        draw = self.intervals.draws.get(node.value)
+        return () if draw is None or draw.low is None or draw.high is None else (draw.low, draw.high)
+
+    def safe(self, node: Expr) -> bool:
+        """Whether an operation on numbers gives one."""
+        op = node.op
+        if op == "const":
+            return not math.isnan(node.value)
+        if op in PASSING or op == "reduce" and node.value[0] not in ("sum",):
+            return True
+        if op in ("solve", "root", "var"):
+            return False
+        ends = [self.intervals.of(a) for a in node.args]
+        finite = [math.isfinite(low) and math.isfinite(high) for low, high in ends]
+        if op in ("add", "sub"):
+            return any(finite)
+        return all(finite) and _within(op, node, ends)
+
+
+def _within(op: str, node: Expr, ends: list[Interval]) -> bool:
+    """Whether finite arguments lie where an operation has a value."""
+    low, high = ends[0]
+    if op in ("div", "mod"):
+        return ends[1][0] > 0.0 or ends[1][1] < 0.0
+    if op == "sqrt":
+        return low >= 0.0
+    if op == "log":
+        return low > 0.0
+    if op in ("asin", "acos"):
+        return low >= -1.0 and high <= 1.0
+    if op == "exp":
+        return high < LARGEST
+    if op == "pow":
+        power = node.args[1].constant
+        whole = power is not None and power >= 0 and float(power).is_integer()
+        return whole or low > 0.0 or low >= 0.0 and ends[1][0] > 0.0
+    return True
