@@ -1,0 +1,140 @@
+"""Whether two fingers hold what a grasp says they hold: by the meshes that are exported, and by code of its own.
+
+A hand of the size of a Panda's: two pads that come together, a palm behind them. A grasp holds where fingers and palm, opened
+as it says, meet no mesh of the object (FCL), and where the pads, as they close, first meet the link of the grasp on both
+sides (embree), on surfaces whose normals lie within the friction cone about the line between. What of a link could be held
+at all is found by trial: lines through points of its surface, and hands from all sides.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import fcl
+import numpy as np
+import trimesh
+
+from artipg_dsl.export.pose import rest_poses
+from artipg_dsl.export.robot import Robot
+
+THICK, LONG = 0.01, 0.045  # a finger along y (closing) and z (approach)
+ARM, ARM_LONG = 0.06, 0.3  # what comes behind the palm: how thick, how long
+PALM = np.array([0.06, 0.14, 0.07])
+FRICTION = 0.5
+APPROACHES = 12  # about a line between two pads
+MOST = 12  # solids of a link that are tried
+CLEAR = 5e-5  # metres that fingers may touch by
+CONE = 1 / np.sqrt(1 + FRICTION**2)
+
+
+@dataclass(frozen=True)
+class Hand:
+    """Where a hand is: ``frame`` has the columns x, y (closing), z (approach)."""
+
+    point: np.ndarray
+    frame: np.ndarray
+    opening: float
+    width: float = 0.02  # of a finger, along x
+    tip: float = 0.008  # how far pads reach beyond the point
+    stroke: float = 0.08
+
+
+class Scene:
+    """One object at rest: all its meshes as one, each triangle with its link."""
+
+    def __init__(self, robot: Robot):
+        vertices, faces, links, solids, start = [], [], [], [], 0
+        for number, (link, (turn, shift)) in enumerate(zip(robot.links, rest_poses(robot), strict=True)):
+            for visual in link.visuals:
+                vertices.append(visual.shape.vertices @ turn.T + shift)
+                faces.append(visual.shape.faces + start)
+                links.append(np.full(len(visual.shape.faces), number))
+                solids.append(np.full(len(visual.shape.faces), len(solids)))
+                start += len(visual.shape.vertices)
+        self.link, self.solid = np.concatenate(links), np.concatenate(solids)
+        self.mesh = trimesh.Trimesh(np.concatenate(vertices), np.concatenate(faces), process=False)
+        self.rays = trimesh.ray.ray_pyembree.RayMeshIntersector(self.mesh)
+        body = fcl.BVHModel()
+        body.beginModel(len(self.mesh.vertices), len(self.mesh.faces))
+        body.addSubModel(np.asarray(self.mesh.vertices), np.asarray(self.mesh.faces))
+        body.endModel()
+        self.body = fcl.CollisionObject(body, fcl.Transform())
+
+    def free(self, hand: Hand, arm: float = 0.0) -> bool:
+        """Whether fingers and palm, opened, meet no mesh, nor does an ``arm`` so long behind them."""
+        half = hand.opening / 2 + THICK / 2 + CLEAR
+        finger, back = np.array([hand.width, THICK, LONG]), hand.tip - LONG / 2
+        boxes = [
+            (finger, np.array([0, half, back])),
+            (finger, np.array([0, -half, back])),
+            (PALM, np.array([0, 0, hand.tip - LONG - PALM[2] / 2])),
+        ]
+        if arm:
+            boxes.append((np.array([ARM, ARM, arm]), np.array([0, 0, hand.tip - LONG - PALM[2] - arm / 2])))
+        for size, center in boxes:
+            one = fcl.CollisionObject(
+                fcl.Box(*(size - 2 * CLEAR)), fcl.Transform(hand.frame, hand.point + hand.frame @ center)
+            )
+            if fcl.collide(self.body, one, fcl.CollisionRequest(), fcl.CollisionResult()):
+                return False
+        return True
+
+    def firm(self, hand: Hand, link: int) -> bool:
+        """Whether some line between the pads meets the link first on both sides, within the friction cone."""
+        x, z = np.meshgrid(np.linspace(-0.9, 0.9, 7) * hand.width / 2, np.linspace(-0.9, 0.9, 7) * hand.tip)
+        local = np.column_stack([x.ravel(), np.zeros(x.size), z.ravel()])
+        across = hand.frame[:, 1]
+        firm, depth = np.ones(len(local), dtype=bool), np.zeros(len(local))
+        for sign in (1.0, -1.0):
+            start = hand.point + local @ hand.frame.T + sign * across * (hand.opening / 2 + CLEAR)
+            triangle, ray, place = self.rays.intersects_id(
+                start, np.tile(-sign * across, (len(start), 1)), return_locations=True, multiple_hits=False
+            )
+            met, normal = np.full(len(local), -1), np.zeros((len(local), 3))
+            met[ray], normal[ray] = triangle, self.mesh.face_normals[triangle]
+            run = np.full(len(local), np.inf)
+            run[ray] = np.sqrt(((place - start[ray]) ** 2).sum(axis=1))
+            firm &= (met >= 0) & (self.link[met] == link) & (sign * normal @ across >= CONE)
+            depth += run
+        return bool((firm & (depth <= hand.opening + 4 * CLEAR)).any())
+
+    def holds(self, hand: Hand, link: int, arm: float = 0.0) -> bool:
+        return hand.opening <= hand.stroke + 1e-9 and self.firm(hand, link) and self.free(hand, arm)
+
+    def could(self, link: int, points: int = 16, seed: int = 0) -> Hand | None:
+        """A hand that holds the link, found by trial at so many points of each of its solids; None where there seems to be none."""
+        own, draw = np.flatnonzero(self.link == link), np.random.default_rng(seed)
+        chosen = []
+        for solid in np.unique(self.solid[own])[:MOST]:
+            mine = own[self.solid[own] == solid]
+            area = self.mesh.area_faces[mine]
+            chosen.append(mine[draw.choice(len(mine), points, p=area / area.sum())])
+        if not chosen:
+            return None
+        at = np.stack(chosen, axis=1).ravel()  # one of each solid in turn
+        share = draw.random((len(at), 2))
+        share[share.sum(axis=1) > 1] = 1 - share[share.sum(axis=1) > 1]
+        corner = self.mesh.triangles[at]
+        start = (
+            corner[:, 0] + share[:, :1] * (corner[:, 1] - corner[:, 0]) + share[:, 1:] * (corner[:, 2] - corner[:, 0])
+        )
+        for point, normal in zip(start, self.mesh.face_normals[at], strict=True):
+            triangle, _, place = self.rays.intersects_id(
+                [point - 1e-5 * normal], [-normal], return_locations=True, multiple_hits=True
+            )
+            run = (point - place) @ normal
+            for k in np.argsort(run)[::-1]:  # from the far side inwards
+                width = run[k]
+                ends = self.link[triangle[k]] == link and self.mesh.face_normals[triangle[k]] @ -normal >= CONE
+                if not ends or not 1e-4 < width <= 0.078:
+                    continue
+                side = np.cross(normal, [1.0, 0, 0] if abs(normal[0]) < 0.9 else [0, 1.0, 0])
+                side /= np.sqrt(side @ side)
+                for angle in np.linspace(0, 2 * np.pi, APPROACHES, endpoint=False):
+                    z = np.cos(angle) * side + np.sin(angle) * np.cross(normal, side)
+                    hand = Hand(
+                        point - normal * width / 2, np.column_stack([np.cross(normal, z), normal, z]), width + 0.002
+                    )
+                    if self.holds(hand, link, ARM_LONG):
+                        return hand
+        return None
