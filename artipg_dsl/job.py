@@ -18,7 +18,7 @@ from .graph.text import TextError, digest, from_text, to_text
 from .runtime.kernels import TooMany
 from .runtime.mutate import Mutation, Names
 from .runtime.plan import PlanError
-from .runtime.prior import CANDIDATES
+from .runtime.prior import CANDIDATES, MOST_CANDIDATES
 from .runtime.repairs import Cause, in_short
 from .runtime.sample import Exhausted, Sampler, Statistics
 from .runtime.settled import again
@@ -39,13 +39,7 @@ LARGEST = 64 << 20  # bytes of a compiled program
 AGAIN = "compile it again from its .apg file"
 NARROW = "widen the ranges, or state what one value leaves to the next"
 TURNED = "leave room where it turns or slides, or turn its axis round: `lid.back.bottom` for `lid.bottom.back`"
-MUTATIONS = "mutations"  # among the settings of a manifest; no parameter is called so
 SEQUENTIAL, PRIOR = "sequential", "prior"
-MOST_CANDIDATES = 4096
-UNCHECKED = "unchecked"  # likewise
-VALUES = "values"  # likewise
-SAMPLING = "sampling"  # likewise
-REPAIR = "repair"  # likewise
 
 
 @dataclass(slots=True)
@@ -100,17 +94,15 @@ class Job:
             )
         return replace(self, mutations=(*self.mutations, step), statistics=Statistics())
 
-    def recorded(self) -> dict[str, Any]:
-        """What was set and what was done to the objects, as the manifest keeps it."""
-        steps = [step.plain() for step in self.mutations]
-        marks: dict[str, Any] = ({MUTATIONS: steps} if steps else {}) | ({} if self.checked else {UNCHECKED: True})
-        if self.candidates:
-            marks[SAMPLING] = f"prior:{self.candidates}"
-        if self.repair:
-            marks[REPAIR] = True
-        if self.values is not None:
-            marks[VALUES] = [dict(entry) for entry in self.values.plain]
-        return {**self.settings, **marks}
+    def made(self) -> dict[str, Any]:
+        """How the objects are made, as the manifest keeps it beside the parameters that were set."""
+        return {
+            "checked": self.checked,
+            "sampling": f"{PRIOR}:{self.candidates}" if self.candidates else SEQUENTIAL,
+            "repair": self.repair,
+            "mutations": [step.plain() for step in self.mutations],
+            "values": None if self.values is None else [dict(entry) for entry in self.values.plain],
+        }
 
     def exhausted(self, error: Exhausted) -> NoObject:
         """What the requirements leave nothing of, and which of them are to blame."""
@@ -187,7 +179,7 @@ class Job:
 
         return write_dataset(
             self.sampler.program, self.batch, out, seed=self.seed, numbers=numbers, formats=formats,
-            content=content or STANDARD, settings=self.recorded(), source=relative(self.source, out), part=part,
+            content=content or STANDARD, settings=self.settings, made=self.made(), source=relative(self.source, out), part=part,
             force=force, progress=progress,
             counts=self.counts, run=self._run(workers),
         )  # fmt: skip
@@ -366,22 +358,27 @@ def reopen(folder: Path | str) -> tuple[Job, np.ndarray]:
     manifest = manifests.read(folder)
     if manifest is None:
         raise UserError(f"{folder} holds no {manifests.NAME}", manifests.WANTED)
-    identity = manifest["identity"]
-    source = str(manifest.get("source") or manifest["category"])
+    identity, made = manifest["identity"], manifest["identity"]["made"]
+    source = manifest["source"]
     if (folder / source).is_file():  # a program of the user's, found from the folder
         source = str(folder / source)
-    settings = dict(identity["settings"])
-    steps = settings.pop(MUTATIONS, [])
-    unchecked = bool(settings.pop(UNCHECKED, False))
-    given = settings.pop(VALUES, None)
-    sampling, mended = settings.pop(SAMPLING, SEQUENTIAL), bool(settings.pop(REPAIR, False))
-    job = open_job(source, identity["seed"], settings, checked=not unchecked, sampling=sampling, repair=mended)
-    if given is not None:
-        from .params import values_of
+    try:
+        job = open_job(
+            source,
+            identity["seed"],
+            identity["settings"],
+            checked=made["checked"],
+            sampling=made["sampling"],
+            repair=made["repair"],
+        )
+        if made["values"] is not None:
+            from .params import values_of
 
-        job = replace(job, values=values_of(given, job.sampler.program, str(folder)))
-    for step in steps:
-        job = job.mutated(Replay(traces_of(folder)) if "replay" in step else Mutation.of(step))
+            job = replace(job, values=values_of(made["values"], job.sampler.program, "values"))
+        for step in made["mutations"]:
+            job = job.mutated(Replay(traces_of(folder)) if "replay" in step else Mutation.of(step))
+    except UsageError as error:  # what the manifest says, nobody has typed
+        raise UserError(f"{folder / manifests.NAME}: {error.message}", error.hint) from None
     if job.sampler.program.hash != identity["program"]:
         raise UserError(
             f"the program {source} has changed since the samples in {folder} were made",

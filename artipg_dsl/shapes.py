@@ -89,6 +89,8 @@ def fit(value: Any, kind: Any, at: str = "") -> None:
             raise Misfit(at, "a finite number", shown(value))
     elif not isinstance(value, kind) or kind is int and isinstance(value, bool):
         raise Misfit(at, words(kind), shown(value))
+    elif kind is str and not _text(value):
+        raise Misfit(at, "text", shown(value))
     elif is_dataclass(value) and type(value) not in NAMED:
         for name, inner in hints(value.__class__).items():
             fit(getattr(value, name), inner, f"{at}.{name}" if at else name)
@@ -100,6 +102,14 @@ def _fits(value: Any, kind: Any) -> bool:
     except Misfit:
         return False
     return True
+
+
+def _text(value: str) -> bool:
+    """Whether a text can be written: half of a surrogate pair is none."""
+    try:
+        return value.isascii() or bool(value.encode())
+    except UnicodeEncodeError:
+        return False
 
 
 def _within(value: Any, kind: Any) -> bool:
@@ -144,7 +154,7 @@ def _keys(value: Any, kind: Any, at: str) -> None:
         place = f"{at}.{name}" if at else name
         if name in value:
             fit(value[name], inner, place)
-        elif name in kind.__required_keys__:
+        elif get_origin(inner) is not NotRequired:
             raise Misfit(place, words(inner), "nothing")
     for name in value:
         if name not in known:

@@ -67,7 +67,7 @@ def from_description(described: Any, name: str = "the cameras") -> Cameras:
 
 def _numbers(value: Any, count: int, what: str, wanted: str) -> tuple[float, ...]:
     fine = isinstance(value, list) and len(value) == count
-    if not fine or not all(isinstance(v, int | float) and not isinstance(v, bool) and np.isfinite(v) for v in value):
+    if not fine or not all(isinstance(v, int | float) and not isinstance(v, bool) and abs(v) < 1e300 for v in value):
         shown = json.dumps(value[0] if isinstance(value, list) and count == 1 else value)
         raise UserError(f"{what} is {shown}: {wanted} {'is' if count == 1 else 'are'} needed")
     return tuple(float(v) for v in value)

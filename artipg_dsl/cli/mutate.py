@@ -17,7 +17,6 @@ from .progress import Progress
 from .sample import in_the_way, statistics
 
 if TYPE_CHECKING:
-    from ..export.content import Content
     from ..job import Job
     from ..runtime.mutate import Mutation
     from ..runtime.trace import Step
@@ -40,6 +39,7 @@ def run(options: argparse.Namespace) -> int:
 
 def write(options: argparse.Namespace) -> int:
     """Write the mutants of a folder to another one."""
+    from ..export.content import Content
     from ..export.registry import choose
     from ..export.write import ExportError
 
@@ -54,7 +54,8 @@ def write(options: argparse.Namespace) -> int:
     named = manifest["formats"] if options.format is None else [n.strip() for n in options.format.split(",")]
     try:
         formats = choose([*named, *TOLD])
-        content = held(manifest, options.points)
+        content = Content.read(manifest)
+        content = content if options.points is None else replace(content, points=options.points)
     except ExportError as wrong:
         raise UsageError(wrong.message, wrong.hint) from None
     job, numbers = planned(options, job, numbers)
@@ -74,6 +75,8 @@ def write(options: argparse.Namespace) -> int:
 def opened(options: argparse.Namespace) -> tuple[Job, np.ndarray, dict[str, Any]]:
     """The originals: a job, their numbers, and what is known of how they were written."""
     from ..export import manifest as manifests
+    from ..export.content import STANDARD
+    from ..export.registry import DEFAULT
     from ..job import open_job, reopen
 
     if options.params is not None:
@@ -81,7 +84,11 @@ def opened(options: argparse.Namespace) -> tuple[Job, np.ndarray, dict[str, Any]
 
         job = open_job(options.folder, 0, checked=not options.unchecked)
         values = read_params(options.params, job.sampler.program)
-        return replace(job, values=values), np.arange(len(values.records)), {"formats": ["points", "annotation"]}
+        return (
+            replace(job, values=values),
+            np.arange(len(values.records)),
+            {"formats": [*DEFAULT], **STANDARD.identity()},
+        )
     folder = Path(options.folder)
     if not folder.is_dir():
         raise UserError(
@@ -98,27 +105,6 @@ def among(numbers: np.ndarray, wanted: list[int], folder: str) -> np.ndarray:
     if missing:
         raise UserError(f"{folder} holds no object {missing[0]}", "see `numbers` in its manifest.json")
     return np.array(wanted, dtype=np.int64)
-
-
-def held(identity: dict[str, Any], points: int | None) -> Content:
-    """What shards are to hold: what those of the originals do."""
-    from ..annotate.camera_file import from_description
-    from ..annotate.gripper import Gripper
-    from ..annotate.sampling import read_weights
-    from ..annotate.states import read_states
-    from ..export.content import Content
-    from ..geometry.resolution import Resolution
-
-    views = identity.get("views")
-    cameras = None if views is None else from_description({k: v for k, v in views.items() if k != "engine"})
-    plain = Content()
-    return Content(
-        points or identity.get("points", plain.points), read_states(identity.get("states", "rest")),
-        identity.get("motion", False), cameras, identity.get("surface", plain.surface),
-        identity.get("spread", plain.spread), identity.get("per", plain.per),
-        Gripper(**identity["gripper"]) if identity.get("gripper") else None if "gripper" in identity else plain.gripper,
-        Resolution(**identity.get("meshes", {})), identity.get("balance", ""), read_weights(identity.get("weights")),
-    )  # fmt: skip
 
 
 def planned(options: argparse.Namespace, job: Job, numbers: np.ndarray) -> tuple[Job, np.ndarray]:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+from ..annotate.camera_file import from_description
 from ..annotate.cameras import Cameras
 from ..annotate.gripper import STANDARD as STANDARD_GRIPPER
 from ..annotate.gripper import Gripper
-from ..annotate.sampling import Sampling
-from ..annotate.states import REST, States
+from ..annotate.sampling import Sampling, read_weights
+from ..annotate.states import REST, States, read_states
 from ..geometry.rays import best_engine
 from ..geometry.resolution import STANDARD as STANDARD_RESOLUTION
 from ..geometry.resolution import Resolution
@@ -47,6 +49,17 @@ class Content:
     def of(self, formats: list[str]) -> Content:
         """The same without what none of the formats holds."""
         return replace(self, cameras=(self.cameras or Cameras()) if "views" in formats else None)
+
+    @staticmethod
+    def read(identity: Mapping[str, Any]) -> Content:
+        """The content that ``identity`` has told of. Raises UserError."""
+        views, gripper = identity["views"], identity["gripper"]
+        cameras = None if views is None else from_description({k: v for k, v in views.items() if k != "engine"})
+        return Content(
+            identity["points"], read_states(identity["states"]), identity["motion"], cameras, identity["surface"],
+            identity["spread"], identity["per"], None if gripper is None else Gripper(**gripper),
+            Resolution(**identity.get("meshes", {})), identity.get("balance", ""), read_weights(identity.get("weights")),
+        )  # fmt: skip
 
     def identity(self) -> dict[str, Any]:
         """What two runs must have in common for their shards to belong together, as plain data."""

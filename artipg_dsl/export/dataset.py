@@ -38,6 +38,7 @@ def write_dataset(
     content: Content = STANDARD,
     shard: int | None = None,
     settings: dict[str, Any] | None = None,
+    made: dict[str, Any] | None = None,
     source: str = "",
     part: tuple[int, int] = (1, 1),
     force: bool = False,
@@ -60,7 +61,7 @@ def write_dataset(
     content = content.of(names)
     shard = shard or content.shard_size()
     make: dict[str, Any] = {"seed": seed, "numbers": numbers, "content": content, "formats": names}
-    make |= {"shard": shard, "settings": settings, "source": source}
+    make |= {"shard": shard, "settings": settings, "made": made, "source": source}
     manifest = prepare(out, manifests.build(program, **make), force)
     counting = counts is not None and "counts" not in manifest and part[1] == 1
     first, step = (part[0] - 1) * shard, part[1] * shard

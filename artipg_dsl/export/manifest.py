@@ -13,6 +13,8 @@ import numpy as np
 
 from .. import __version__
 from ..annotate.points import field_kinds
+from ..shapes import Misfit
+from . import schema
 from .content import Content
 from .meanings import AREA, MOTIONS, MOVING, OBJECT, POINTS, STATE, VIEWS, Meaning
 from .mutants import MEANINGS
@@ -22,7 +24,6 @@ if TYPE_CHECKING:
     from ..graph.program import Program
 
 NAME = "manifest.json"
-FORMAT = 1
 # what a folder must have been made with for its files to be kept by a later run
 IDENTITY = {
     "program": "the compiled program",
@@ -42,10 +43,19 @@ IDENTITY = {
     "formats": "the formats",
     "shard": "the number of objects per shard",
     "settings": "the parameters that were set",
+    "made": "how objects are made",
     "artipg_dsl": "the version of artipg_dsl",
     "numpy": "the version of NumPy",
 }
 
+PLAINLY: dict[str, Any] = {"checked": True, "sampling": "sequential", "repair": False, "mutations": [], "values": None}
+MADE = {
+    "checked": "the check of collisions",
+    "sampling": "the sampling",
+    "repair": "the repair",
+    "mutations": "the mutations",
+    "values": "the values given",
+}
 WANTED = "give the folder that samples were written to"
 KINDS = {
     "mask": "the label holds",
@@ -81,16 +91,18 @@ def build(
     formats: Sequence[str],
     shard: int,
     settings: dict[str, Any] | None = None,
+    made: dict[str, Any] | None = None,
     source: str = "",
     counts: dict[str, Any] | None = None,
 ) -> dict[str, Any]:
-    """The manifest of a data set. ``source`` is the name or, as seen from the folder, the file of the program;
+    """The manifest of a data set. ``made`` says how objects are made (``Job.made``),
+    apart from the parameters that were set, which may have any name. ``source`` is the name or, as seen
+    from the folder, the file of the program;
     ``counts`` what the run has counted (repaired, rejected, ...), once it is over.
     """
     size = len(numbers)
-    shards = [f"{i // shard:05d}" for i in range(0, size, shard)]
     manifest: dict[str, Any] = {
-        "manifest": FORMAT,
+        "manifest": schema.FORMAT,
         "category": program.name,
         "source": source or program.name,
         "about": program.doc,
@@ -102,11 +114,12 @@ def build(
             "formats": list(formats),
             "shard": int(shard),
             "settings": {key: (settings or {})[key] for key in sorted(settings or {})},
+            "made": PLAINLY | (made or {}),
             "artipg_dsl": __version__,
             "numpy": np.__version__,
         },
         "objects": size,
-        "shards": shards,
+        "shards": schema.shards(size, int(shard)),
         "python": platform.python_version(),
         "cpu": cpu_class(),
         "frame": "right-handed, x front, y left, z up; metres, radians, kilograms; quaternions w x y z",
@@ -196,16 +209,28 @@ def read(folder: Path | str) -> dict[str, Any] | None:
         raise ExportError(f"{folder} is a file, a folder was expected", WANTED) from None
     except (ValueError, OSError) as error:
         raise ExportError(f"cannot read {path}: {error}", WANTED) from error
+    except RecursionError:
+        raise ExportError(f"cannot read {path}: it is nested too deeply", WANTED) from None
     if not isinstance(found, dict) or "identity" not in found:
         raise ExportError(f"{path} is not a manifest of this program", "choose another folder")
+    try:
+        schema.check(found)
+    except Misfit as wrong:
+        raise ExportError(f"{path}: {wrong}", "give another folder, or make this one anew in an empty place") from None
     return found
 
 
 def difference(old: dict[str, Any], new: dict[str, Any]) -> str | None:
     """What sets two manifests apart so that their files do not belong together, in words; None if they do."""
     before, after = old["identity"], new["identity"]
-    words = [f"{title} ({_short(before.get(key))}, now {_short(after.get(key))})" for key, title in IDENTITY.items()
-             if before.get(key) != after.get(key)]  # fmt: skip
+    titles = {("identity", key): title for key, title in IDENTITY.items() if key != "made"}
+    titles |= {("made", key): title for key, title in MADE.items()}
+    groups = {"identity": (before, after), "made": (before["made"], after["made"])}
+    words = []
+    for (group, key), title in titles.items():
+        one, other = (entries.get(key) for entries in groups[group])
+        if one != other:
+            words.append(f"{title} ({_short(one)}, now {_short(other)})")
     return " and ".join(words) or None
 
 

@@ -19,6 +19,7 @@ from .kernels import State
 from .plan import Plan
 
 CANDIDATES = 32  # attempts that an object considers
+MOST_CANDIDATES = 4096
 ROUNDS = 4  # times so many, where none of them is valid
 BLOCK = 4096  # attempts evaluated together
 
