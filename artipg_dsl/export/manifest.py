@@ -211,7 +211,7 @@ def read(folder: Path | str) -> dict[str, Any] | None:
         raise ExportError(f"cannot read {path}: {error}", WANTED) from error
     except RecursionError:
         raise ExportError(f"cannot read {path}: it is nested too deeply", WANTED) from None
-    if not isinstance(found, dict) or "identity" not in found:
+    if not isinstance(found, dict) or "manifest" not in found:
         raise ExportError(f"{path} is not a manifest of this program", "choose another folder")
     try:
         schema.check(found)
