@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..errors import UserError
 from ..geometry.patches import surfaces
 from ..graph.expr import Scope
 from ..graph.program import Label, Target
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from ..geometry.points import PointSet
     from ..geometry.sites import SiteTable
 
+ROUNDING = 1e-6  # so far may a degree lie outside 0 .. 1: it is set to the end
 _CHUNK = 16_000  # points at a time: their arrays stay in the caches
 
 
@@ -186,8 +188,30 @@ def evaluate(
         variables |= place.variables(row, some, points)
         guard, *values = (np.broadcast_to(v, some.shape) for v in field([r[row] for r in reads], variables))
         told = place.turned(row, np.stack(values, axis=-1)) if label.vector else values[0]
-        found.append((some, told) if guard.all() else (some[guard], told[guard]))
+        kept = (some, told) if guard.all() else (some[guard], told[guard])
+        found.append((kept[0], legal(label, kept[1], reader, scope, rows[kept[0]])))
     return np.concatenate([f[0] for f in found]), np.concatenate([f[1] for f in found])
+
+
+def legal(label: Label, told: np.ndarray, reader: Reader, scope: Scope, row: np.ndarray) -> np.ndarray:
+    """What a label says at points of the rows ``row``: numbers, and degrees from 0 to 1. Raises UserError."""
+    if told.dtype == bool:
+        return told
+    kind = "field" if label.vocabulary == "field" else "degree"
+    bad = ~np.isfinite(told)
+    if kind == "degree" and not is_predicate(label):
+        bad |= (told < -ROUNDING) | (told > 1.0 + ROUNDING)
+        told = np.clip(told, 0.0, 1.0)
+    if bad.any():
+        first = int(np.flatnonzero(bad.any(axis=-1) if bad.ndim > 1 else bad)[0])
+        place = int(np.asarray(reader.owner(scope))[row[first]])
+        number = getattr(reader, "numbers", np.arange(place + 1))[place]
+        what = "has no value" if kind == "field" else "is no degree from 0 to 1"
+        raise UserError(
+            f"{label.where}: the {'field' if kind == 'field' else 'label'} `{label.name}` {what} at a point of object {number}",
+            "say with `where` at which points it holds, or keep the formula in its range with `min` and `max`",
+        )
+    return told
 
 
 class _Place:

@@ -97,7 +97,12 @@ def _steps(exprs: Sequence[Expr]) -> tuple[list[Expr], dict[int, int]]:
 def _compile(exprs: tuple[Expr, ...], names: tuple[str, ...]) -> Callable[..., tuple]:
     namespace: dict[str, object] = {"np": np}
     exec(compile(source(exprs, names), "<formula>", "exec"), namespace)  # noqa: S102 - no text of a program reaches it
-    return namespace["formula"]  # type: ignore[return-value]
+    return quiet(namespace["formula"])  # type: ignore[arg-type]
+
+
+# Formulas are computed everywhere and taken where they hold (the branches of `a if c else b`, points outside a `where`): NumPy's
+# warnings of values that are not taken say nothing. Those that are taken are asked for as numbers (``lower.legal``, ``annotate.points``).
+quiet = np.errstate(divide="ignore", invalid="ignore", over="ignore")
 
 
 def compile_formula(exprs: Sequence[Expr], names: Sequence[str]) -> Callable[..., tuple]:

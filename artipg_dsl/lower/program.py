@@ -284,9 +284,7 @@ def clear(links: Links, env: Env, statement: ast.ClearStmt) -> None:
     distance = Evaluator(env).scalar(statement.distance)
     ranks = tuple(tuple(indices(env, node)) for node in (statement.subject, statement.other))
     links.context.program.clear.append(
-        Clear(
-            env.scope, first, second, distance, text_of(statement.span), ranks, where(statement.span), statement.all
-        )
+        Clear(env.scope, first, second, distance, text_of(statement.span), ranks, where(statement.span), statement.all)
     )
 
 

@@ -324,7 +324,7 @@ def make_plan(program: Program, wanted: Iterable[tuple[Expr, Scope]]) -> Plan:
     for scope in program.scopes:
         emitter.table(scope)
     tables = ", ".join(emitter.tables[s] for s in program.scopes)
-    head = ['@np.errstate(divide="ignore", invalid="ignore")', "def evaluate(state):"]
+    head = ['@np.errstate(divide="ignore", invalid="ignore", over="ignore")', "def evaluate(state):"]
     lines = [*head, *emitter.lines, "    crowded(state)", f"    tables = [{tables}]", "    values = ["]
     lines += [f"        {v}," for v in values]
     lines += ["    ]", "    return tables, values", ""]
