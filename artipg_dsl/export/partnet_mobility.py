@@ -18,6 +18,7 @@ import numpy as np
 from ..annotate.cloud import Points, sample_points
 from ..annotate.sampling import Sampling
 from .mesh_obj import Shape, moved, mtl_text, obj_text
+from .partnet_tree import Words, entry, tree, words_of
 from .partnet_words import JOINTS, LIFTED, category, link_label, root_label, snake
 from .urdf import numbers
 from .write import ExportError
@@ -60,12 +61,14 @@ def turned(vectors: np.ndarray) -> np.ndarray:
 
 @dataclass(slots=True)
 class Leaf:
-    """What of one part belongs to one link: the finest piece that the data set names."""
+    """What of one part belongs to one link: the finest piece that the data set names. ``path`` is its place in the part
+    tree of PartNet, below what stands above all; for a category that PartNet has not, the name."""
 
     id: int
     name: str
     text: str
     stems: list[str]
+    path: str
 
 
 @dataclass(slots=True)
@@ -96,7 +99,8 @@ def partnet_files(robots: Robots, i: int) -> dict[str, bytes]:
         raise ExportError(f"{robot.name} has nothing to see", "leave partnet-mobility out of --format")
     everything = np.concatenate(points)
     frame = Frame.around(everything.min(axis=0), everything.max(axis=0))
-    members = _members(robots, i, robot, frame)
+    words = words_of(category(robots.batch.program.name), _said(robots, i))
+    members = _members(robots, i, robot, frame, words)
     files: dict[str, bytes] = {}
     drawn = _meshes(robots, i, robot, members, frame, files)
     model = f"{robots.batch.program.name}-{robots.batch.seed}-{robot.number}"
@@ -104,7 +108,7 @@ def partnet_files(robots: Robots, i: int) -> dict[str, bytes]:
     files |= dict.fromkeys(URDFS, urdf)
     files["mobility_v2.json"] = _json([_mobility(member) for member in members])
     files["semantics.txt"] = "".join(f"link_{m.id} {m.word} {m.label}\n" for m in members).encode()
-    files["result.json"] = _json([_tree(robots.batch.program.name, members)])
+    files["result.json"] = _json([_tree(robots.batch.program.name, members, words)])
     raw = frame.points(everything)
     files["bounding_box.json"] = _json({"min": short(raw.min(axis=0)), "max": short(raw.max(axis=0))})
     files["meta.json"] = _json(
@@ -116,7 +120,14 @@ def partnet_files(robots: Robots, i: int) -> dict[str, bytes]:
     return files | _samples(robots, i, members, frame)
 
 
-def _members(robots: Robots, i: int, robot: Robot, frame: Frame) -> list[Member]:
+def _said(robots: Robots, i: int) -> set[str]:
+    """The semantic words of an object's parts."""
+    words = robots.batch.program.vocabularies.get("semantic", ())
+    own = slice(int(robots.part_start[i]), int(np.searchsorted(robots.parts.owner, i, side="right")))
+    return {words[k] for k in np.unique(robots.parts.semantic[own]).tolist() if k}
+
+
+def _members(robots: Robots, i: int, robot: Robot, frame: Frame, words: Words | None) -> list[Member]:
     """The links by id: those that move in our order, then the root."""
     above = {joint.child: joint for joint in robot.joints}
     order = [k for k in range(len(robot.links)) if k in above] + [k for k in range(len(robot.links)) if k not in above]
@@ -141,7 +152,9 @@ def _members(robots: Robots, i: int, robot: Robot, frame: Frame) -> list[Member]
         instances = dict.fromkeys(int(v.item.group.table.instance[v.item.row]) for v in robot.links[k].visuals)
         for instance in instances:
             name, text = _leaf_name(robots, i, instance)
-            member.leaves[instance] = Leaf(node, name, text, [])
+            path = name if words is None else words.path(name, label.rpartition("_")[2] if joint else "")
+            name = path.replace("|", "/").rpartition("/")[2]
+            member.leaves[instance] = Leaf(node, name, text, [], path)
             node += 1
         members.append(member)
     return members
@@ -206,7 +219,7 @@ def _meshes(
             shape = _hull(collider)
             shape = Shape("piece", frame.points(shape.vertices + link.origin), shape.faces)
             data = obj_text([shape]).encode()
-            file = pieces.setdefault(data, f"convex_objs/piece-{len(pieces) + 1}.obj")
+            file = pieces.setdefault(data, f"textured_objs/convex-{len(pieces) + 1}.obj")
             files[file] = data
             colliders.append(file)
         drawn[member.id] = (visuals, colliders)
@@ -272,13 +285,15 @@ def _mobility(member: Member) -> dict[str, Any]:
     }
 
 
-def _tree(name: str, members: list[Member]) -> dict[str, Any]:
-    """The part tree: the object, its links, their leaves with their meshes."""
+def _tree(name: str, members: list[Member], words: Words | None) -> dict[str, Any]:
+    """The part tree: that of PartNet, or the object, its links, and the leaves with their meshes."""
+    if words is not None:
+        return tree(
+            words, members, 1 + max(n for m in members for n in (m.node, *(leaf.id for leaf in m.leaves.values())))
+        )
     links = []
     for member in members:
-        leaves = [
-            {"id": leaf.id, "name": leaf.name, "text": leaf.text, "objs": leaf.stems} for leaf in member.leaves.values()
-        ]
+        leaves = [entry(leaf) for leaf in member.leaves.values()]
         links.append({"id": member.node, "name": member.label, "text": member.label, "children": leaves})
     return {"id": 0, "name": snake(name), "text": name, "children": links}
 

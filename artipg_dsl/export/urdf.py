@@ -23,6 +23,7 @@ MOST_PAIRS = 31  # SAPIEN has a bit for each that are not parent and child
 
 def urdf_files(robot: Robot) -> dict[str, bytes]:
     """The files of a robot by path relative to its folder: ``object.urdf``, ``object_fixed.urdf`` (on a link ``world``),
+    ``object_physics.urdf`` (without what is to be seen, which SAPIEN reads only where it can render),
     ``object_independent.urdf`` (without followers, where there are any), what they refer to in ``meshes/``, and beside
     each an ``.srdf``, which says which links do not collide."""
     whole, robot = robot, simple_joints(robot)
@@ -34,11 +35,12 @@ def urdf_files(robot: Robot) -> dict[str, bytes]:
     materials = [{"name": name, "rgba": rgba} for name, rgba in looks.items()]
     context = {"name": robot.name, "materials": materials, "links": links, "joints": joints}
     texts: dict[str, dict[str, Any]] = {
-        "object": {"linked": True, "world": ""},
-        "object_fixed": {"linked": True, "world": _unused("world", robot)},
+        "object": {"linked": True, "world": "", "seen": True},
+        "object_fixed": {"linked": True, "world": _unused("world", robot), "seen": True},
+        "object_physics": {"linked": True, "world": "", "seen": False},
     }
     if any(joint["mimic"] for joint in joints):
-        texts["object_independent"] = {"linked": False, "world": ""}
+        texts["object_independent"] = {"linked": False, "world": "", "seen": True}
     for file, variant in texts.items():
         files[f"{file}.urdf"] = (_template("robot.urdf.j2").render(context, **variant) + "\n").encode("utf-8")
         if joints:

@@ -100,12 +100,11 @@ def pybullet_urdf(folder: Path, robot: Robot) -> Reading:
 def sapien_urdf(folder: Path, robot: Robot) -> Reading:
     import sapien
     from sapien import physx
-    from simulators.sapien_sim import without_visuals
 
     scene = sapien.Scene([physx.PhysxCpuSystem()])
     loader = scene.create_urdf_loader()
     loader.fix_root_link = True
-    articulations, actors = loader.load_multiple(str(without_visuals(folder / "object.urdf")))
+    articulations, actors = loader.load_multiple(str(folder / "object_physics.urdf"))
     if actors:
         parts = {actors[0].name: actors[0].find_component_by_type(physx.PhysxRigidDynamicComponent)}
         active = []

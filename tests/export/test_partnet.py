@@ -81,7 +81,7 @@ def test_every_file_is_there(folder: Folder) -> None:
     names = {p.name for p in folder.path.iterdir()}
     assert names == {
         "mobility.urdf", "mobility_vhacd.urdf", "mobility_cvx.urdf", "mobility_v2.json", "semantics.txt", "result.json",
-        "bounding_box.json", "meta.json", "textured_objs", "convex_objs", "point_sample",
+        "bounding_box.json", "meta.json", "textured_objs", "point_sample",
     }  # fmt: skip
     meta = json.loads((folder.path / "meta.json").read_text())
     assert all(isinstance(value, str) for value in meta.values())
@@ -93,7 +93,8 @@ def test_frame_and_size(folder: Folder) -> None:
     box = json.loads((folder.path / "bounding_box.json").read_text())
     low, high = np.array(box["min"]), np.array(box["max"])
     assert low + high == pytest.approx(0, abs=1e-8) and np.linalg.norm(high) == pytest.approx(1, abs=1e-8)
-    loaded = [trimesh.load(p, force="mesh", process=False) for p in (folder.path / "textured_objs").glob("*.obj")]
+    meshes = (folder.path / "textured_objs").glob("original-*.obj")
+    loaded = [trimesh.load(p, force="mesh", process=False) for p in meshes]
     points = np.concatenate([mesh.vertices for mesh in loaded])
     assert points.min(axis=0) == pytest.approx(low, abs=1e-7) and points.max(axis=0) == pytest.approx(high, abs=1e-7)
 
@@ -144,7 +145,7 @@ def test_leaves_agree_between_tree_mobility_urdf_and_points(folder: Folder) -> N
     assert tree["id"] == 0
     assert {part["id"] for entry in folder.mobility for part in entry["parts"]} == set(leaves)
     stems = [stem for leaf in leaves.values() for stem in leaf["objs"]]
-    assert sorted(stems) == sorted(p.stem for p in (folder.path / "textured_objs").glob("*.obj"))
+    assert sorted(stems) == sorted(p.stem for p in (folder.path / "textured_objs").glob("original-*.obj"))
     assert len(set(stems)) == len(stems) and all(re.fullmatch(r"original-\d+", stem) for stem in stems)
     urdf = ElementTree.parse(folder.path / "mobility.urdf").getroot()
     for visual in urdf.iter("visual"):
@@ -163,6 +164,65 @@ def test_leaves_agree_between_tree_mobility_urdf_and_points(folder: Folder) -> N
         corners = np.concatenate([mesh.bounds for mesh in meshes])
         own = points[labels == label]  # a mesh of a round thing lies a little inside of it
         assert (own >= corners.min(axis=0) - 0.01).all() and (own <= corners.max(axis=0) + 0.01).all()
+
+
+def test_every_mesh_of_the_urdf_lies_where_readers_look(folder: Folder) -> None:
+    """What the reader of the data set calls usable, and well formed: the URDF names the OBJs of `textured_objs/`."""
+    present = {f"textured_objs/{path.name}" for path in (folder.path / "textured_objs").glob("*.obj")}
+    named = {
+        mesh.attrib["filename"] for mesh in ElementTree.parse(folder.path / "mobility.urdf").getroot().iter("mesh")
+    }
+    assert named == present
+
+
+# paths of PartNet's part vocabularies before merging, those that objects below may have
+PARTNET = {
+    "StorageFurniture": """storage_furniture storage_furniture/cabinet countertop shelf cabinet_frame cabinet_frame/vertical_divider_panel
+        cabinet_base cabinet_base/foot_base cabinet_base/foot_base/foot cabinet_base/foot_base/caster cabinet_base/foot_base/caster/wheel
+        cabinet_base/foot_base/caster/caster_yoke drawer drawer/drawer_box drawer/handle cabinet_door cabinet_door/cabinet_door_surface
+        cabinet_door/glass cabinet_door/handle""",
+    "Chair": """chair chair chair_seat chair_seat/seat_surface chair_back chair_back/back_surface chair_back/back_connector chair_arm chair_base
+        chair_base/regular_leg_base chair_base/regular_leg_base/leg chair_base/regular_leg_base/bar_stretcher
+        chair_base/regular_leg_base/seat_connector chair_base/star_leg_base chair_base/star_leg_base/central_support
+        chair_base/star_leg_base/seat_connector chair_base/star_leg_base/star_leg_set chair_base/star_leg_base/star_leg_set/leg
+        chair_base/star_leg_base/star_leg_set/foot chair_base/star_leg_base/star_leg_set/caster
+        chair_base/star_leg_base/star_leg_set/caster/caster_yoke chair_base/star_leg_base/star_leg_set/caster/wheel chair_base/pedestal_base
+        chair_base/pedestal_base/central_support chair_base/pedestal_base/pedestal chair_base/pedestal_base/seat_connector""",
+    "Microwave": """microwave microwave body body/frame body/body_interior body/body_interior/tray body/door body/door/door_frame
+        body/door/glass body/door/handle body/side_controls body/side_controls/control_button body/side_controls/display_panel base
+        base/foot_base base/foot_base/foot""",
+    "Door": """door_set door_set outside_frame hinge door door/door_body door/door_body/surface_board door/door_body/glass
+        door/door_body/complex_decoration door/handle door/handle/fixed_part door/handle/movable_part""",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", sorted(PARTNET))
+def test_the_part_tree_is_in_the_words_of_partnet(name: str) -> None:
+    """Walked as the data set's merging does: the names from the top down are a path of the vocabulary at every node."""
+    top, root, *below = PARTNET[name].split()
+    known = {top, root, *(f"{root}/{path}" for path in below)}
+    batch = sample(name, 5, seed=7, checked=False).batch
+    for i in range(5):
+        files = partnet_files(Robots(batch), i)
+        (tree,) = json.loads(files["result.json"])
+        ids, met, stems = [], set(), []
+
+        def walk(node: dict, above: str) -> None:
+            path = f"{above}/{node['name']}" if above else node["name"]
+            assert path in known, path
+            met.add(path)  # noqa: B023
+            ids.append(node["id"])  # noqa: B023
+            stems.extend(node.get("objs", []))  # noqa: B023
+            assert ("objs" in node) != bool(node.get("children"))
+            for child in node.get("children", []):
+                walk(child, path)
+
+        walk(tree, "")
+        assert len(ids) == len(set(ids)) and len(met) > 4 and len(stems) == len(set(stems))
+        doors = [m for m in json.loads(files["mobility_v2.json"]) if m["name"].endswith(("door", "drawer"))]
+        if name == "StorageFurniture":  # one node for each that moves
+            text = json.dumps(tree)
+            assert text.count('"name": "cabinet_door"') + text.count('"name": "drawer"') == len(doors)
 
 
 def test_the_urdf_is_as_the_data_set_writes_it(folder: Folder) -> None:
@@ -299,3 +359,20 @@ def test_words() -> None:
     assert link_label("StorageFurniture", "door", "revolute") == "rotation_door"
     assert link_label("Microwave", "door", "revolute") == "door"
     assert FORMATS["partnet-mobility"].file == "mobility.urdf"
+
+
+@pytest.mark.filterwarnings("ignore:Failed to find system libvulkan")
+def test_sapien_loads_an_export_without_a_render_device(tmp_path: Path) -> None:
+    """What is written, as it is written: the loader makes a render shape of each visual, so one file has none."""
+    sapien = pytest.importorskip("sapien", reason="sapien is not installed")
+    from sapien import physx
+
+    (folder,) = sample("Microwave", numbers=[2], seed=7).export(tmp_path, "urdf")
+    seen, bare = (ElementTree.parse(folder / f"object{kind}.urdf").getroot() for kind in ("", "_physics"))
+    assert list(seen.iter("visual")) and not list(bare.iter("visual")) and not list(bare.iter("material"))
+    for tag in ("link", "joint", "inertial", "collision"):
+        assert len(list(seen.iter(tag))) == len(list(bare.iter(tag)))
+    scene = sapien.Scene([physx.PhysxCpuSystem()])
+    robot = scene.create_urdf_loader().load(str(folder / "object_physics.urdf"))
+    assert {link.name for link in robot.get_links()} == {link.attrib["name"] for link in seen.findall("link")}
+    assert len(robot.get_active_joints()) == sum(j.attrib["type"] != "fixed" for j in seen.findall("joint"))

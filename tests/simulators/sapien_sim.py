@@ -1,4 +1,4 @@
-"""SAPIEN on the CPU: URDF without what is to be seen, which it reads only where it can render.
+"""SAPIEN on the CPU, which reads what is to be seen only where it can render: the URDF without it.
 
 Its loader drops a joint's friction and effort; both are given to the drives here.
 """
@@ -6,8 +6,6 @@ Its loader drops a joint's friction and effort; both are given to the drives her
 from __future__ import annotations
 
 import warnings
-from pathlib import Path
-from xml.etree import ElementTree
 
 import numpy as np
 
@@ -25,19 +23,6 @@ BANDWIDTH = 30.0  # 1/s of the drives
 BRISTLE = 1e-4  # rad or m by which a joint gives before its friction slips: P. R. Dahl, A Solid Friction Model, 1968
 
 
-def without_visuals(path: Path) -> Path:
-    """A copy beside the file without what is to be seen, and with the same SRDF, which SAPIEN looks for by its name."""
-    tree = ElementTree.parse(path)
-    for link in tree.getroot().iter("link"):
-        for visual in link.findall("visual"):
-            link.remove(visual)
-    copy = path.with_name(f"{path.stem}_physics.urdf")
-    tree.write(copy)
-    if path.with_suffix(".srdf").exists():
-        copy.with_suffix(".srdf").write_bytes(path.with_suffix(".srdf").read_bytes())
-    return copy
-
-
 class SapienSim:
     name = "SAPIEN"
     forms = ("urdf",)
@@ -51,7 +36,7 @@ class SapienSim:
             self.scene.add_ground(0.0, render=False)
         loader = self.scene.create_urdf_loader()
         loader.fix_root_link = not free
-        articulations, actors = loader.load_multiple(str(without_visuals(subject.folder / "object.urdf")))
+        articulations, actors = loader.load_multiple(str(subject.folder / "object_physics.urdf"))
         self.articulation = articulations[0] if articulations else None  # an object without joints is an actor
         self.actor = actors[0] if actors else None
         found = self.articulation.active_joints if self.articulation else []

@@ -156,7 +156,7 @@ def test_mujoco_4_ties_followers_of_urdf() -> None:
         for name in files
         if name.endswith(".urdf")
     }
-    assert tied == {"object.urdf": 1, "object_fixed.urdf": 1, "object_independent.urdf": 0}
+    assert tied == {"object.urdf": 1, "object_fixed.urdf": 1, "object_physics.urdf": 1, "object_independent.urdf": 0}
 
 
 def test_sapien_moves_joints_apart_where_the_file_does_not_tie_them() -> None:
