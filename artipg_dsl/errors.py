@@ -3,6 +3,11 @@
 from __future__ import annotations
 
 
+def printable(text: str) -> str:
+    """A text that a terminal shows and does not obey: programs and folders of others end up in messages."""
+    return "".join(c if c.isprintable() or c == "\n" else "\N{REPLACEMENT CHARACTER}" for c in text)
+
+
 class UserError(Exception):
     """``message`` says what is wrong, ``hint`` what to try."""
 

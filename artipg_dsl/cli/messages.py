@@ -7,6 +7,8 @@ import sys
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, TextIO
 
+from ..errors import printable
+
 if TYPE_CHECKING:
     from ..diagnostics import Diagnostic
 
@@ -24,7 +26,7 @@ def say(text: str) -> None:
 
 def error(message: str, hint: str | None) -> None:
     red, blue, reset = (RED, BLUE, RESET) if coloured(sys.stderr) else ("", "", "")
-    say(f"{red}error{reset}: {message}" + (f"\n  {blue}={reset} help: {hint}" if hint else ""))
+    say(f"{red}error{reset}: {printable(message)}" + (f"\n  {blue}={reset} help: {printable(hint)}" if hint else ""))
 
 
 def findings(diagnostics: Iterable[Diagnostic], stream: TextIO) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from unicodedata import combining, east_asian_width
 
+from ..errors import printable
 from ..source import Span
 from .model import Diagnostic
 
@@ -33,7 +34,7 @@ def _paint(text: str, code: str, colour: bool) -> str:
 
 def _one(d: Diagnostic, colour: bool) -> str:
     paint = COLOURS[d.severity]
-    lines = [f"{_paint(f'{d.severity}[{d.code}]', paint, colour)}: {_paint(d.message, BOLD, colour)}"]
+    lines = [f"{_paint(f'{d.severity}[{d.code}]', paint, colour)}: {_paint(printable(d.message), BOLD, colour)}"]
     shown = [s for s in (d.span, *(s for s, _ in d.notes)) if s is not None]
     gutter = max((len(str(s.line)) for s in shown), default=1)
     if d.span is not None:
@@ -41,11 +42,11 @@ def _one(d: Diagnostic, colour: bool) -> str:
     for span, text in d.notes:
         lines += _excerpt(span, text, gutter, colour, "-", BLUE)
     bullet = " " * gutter + " " + _paint("=", BLUE, colour)
-    lines += [f"{bullet} {text} ({span})" for span, text in reversed(d.trace[-MOST_TRACE:])]
+    lines += [f"{bullet} {printable(text)} ({span})" for span, text in reversed(d.trace[-MOST_TRACE:])]
     if len(d.trace) > MOST_TRACE:
         lines.append(f"{bullet} and {len(d.trace) - MOST_TRACE} more around it")
     if d.hint:
-        lines.append(f"{bullet} help: {d.hint}")
+        lines.append(f"{bullet} help: {printable(d.hint)}")
     return "\n".join(lines)
 
 
@@ -54,7 +55,7 @@ def _excerpt(span: Span, text: str, gutter: int, colour: bool, mark: str, paint:
     source = span.source
     line, column = source.position(span.start)
     end_line, end_column = source.position(max(span.start, span.end - 1))
-    content = source.line(line).replace("\t", " ")
+    content = printable(source.line(line).replace("\t", " "))
     before = content[: column - 1]
     marked = content[column - 1 : end_column if end_line == line else None]
     under = _paint(mark * max(1, _width(marked)), paint, colour)
@@ -65,7 +66,7 @@ def _excerpt(span: Span, text: str, gutter: int, colour: bool, mark: str, paint:
         f"{blank}{_paint('-->' if mark == '^' else ':::', BLUE, colour)} {source.name}:{line}:{column}",
         f"{blank} |",
         f"{line:>{gutter}} | {content}",
-        f"{blank} | {' ' * _width(before)}{under}{' ' + text if text else ''}",
+        f"{blank} | {' ' * _width(before)}{under}{' ' + printable(text) if text else ''}",
     ]
 
 

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .naming import Names
+
 if TYPE_CHECKING:
     from .robot import Look, Robot, RobotLink, Visual
 
@@ -63,7 +65,7 @@ def link_meshes(link: RobotLink) -> list[tuple[str, Look, bytes]]:
     found = []
     for material in dict.fromkeys(visual.look.name for visual in link.visuals):
         same = [visual for visual in link.visuals if visual.look.name == material]
-        found.append((f"{link.name}_{material}", same[0].look, obj_bytes([visual.shape for visual in same])))
+        found.append((link.meshes[material], same[0].look, obj_bytes([visual.shape for visual in same])))
     return found
 
 
@@ -76,11 +78,12 @@ def obj_files(robot: Robot) -> dict[str, bytes]:
 
     poses = rest_poses(robot)
     files: dict[str, bytes] = {}
+    own = Names()
     for link, (turn, shift) in zip(robot.links, poses, strict=True):
         if link.visuals:
             shapes = [_placed(visual, turn, shift) for visual in link.visuals]
             text = f"mtllib {LIBRARY}\n" + obj_text(shapes, [v.look.name for v in link.visuals])
-            files[f"obj/{link.name}.obj"] = text.encode("utf-8")
+            files[f"obj/{own(link.name)}.obj"] = text.encode("utf-8")
     looks = dict.fromkeys(visual.look for link in robot.links for visual in link.visuals)
     files[f"obj/{LIBRARY}"] = mtl_text(looks).encode("utf-8")
     return files

@@ -157,7 +157,7 @@ class _Model:
         self.couplings.append({"name": follower, "joint1": follower, "joint2": leader, "polycoef": coefficients})
 
     def _piece(self, link: RobotLink, collider: Collider) -> dict[str, str]:
-        name = f"{link.name}_{collider.name}"
+        name = collider.full
         dynamic = sum(collider.material.friction_dynamic) / 2
         entry = {"name": f"{name}_collision", "class": "collision", "friction": f"{dynamic:.6g} 0.005 0.0001"}
         placed = {"pos": numbers(collider.center), "quat": numbers(collider.turn)}

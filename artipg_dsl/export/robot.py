@@ -24,6 +24,7 @@ from .colliders import colliders
 from .dynamics import Dynamics, dynamics
 from .hulls import Hull
 from .mesh_obj import Shape
+from .naming import Names
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
@@ -72,10 +73,12 @@ class Bar:
 class Collider:
     """A convex piece in the link's frame: a box of ``size``, a ``bar`` or a ``hull``, which bars have, too.
 
-    Boxes and bars stand about ``center``, turned by ``rotation``, which is ``turn`` as a quaternion w x y z.
+    ``name`` is its own in the link, ``full`` in the object. Boxes and bars stand about ``center``, turned by ``rotation``,
+    which is ``turn`` as a quaternion w x y z.
     """
 
     name: str
+    full: str  # the name in the whole object
     material: Material
     center: np.ndarray
     rotation: np.ndarray
@@ -96,6 +99,7 @@ class RobotLink:
     inertia: np.ndarray
     visuals: tuple[Visual, ...]
     colliders: tuple[Collider, ...]
+    meshes: dict[str, str] = field(default_factory=dict)  # the name of what is seen of each material
 
 
 @dataclass(frozen=True, slots=True)
@@ -241,13 +245,20 @@ class Robots:
     def _robot(self, i: int) -> Robot:
         names = self.links.name[self.link_start[i] : self.link_start[i + 1]]
         visuals: list[list[Visual]] = [[] for _ in names]
+        pieces = Names()
         colliders: list[list[Collider]] = [[] for _ in names]
         for item in self.visuals[i]:
             visuals[int(item.group.table.link[item.row])].append(self._visual(i, item))
         for hull in self.colliders[i]:
             link = int(hull.item.group.table.link[hull.item.row])
-            colliders[link].append(self._collider(i, hull, len(colliders[link])))
+            own_name = f"{self._name(i, hull.item)}_{len(colliders[link])}"
+            colliders[link].append(self._collider(i, hull, own_name, pieces(f"{names[link]}_{own_name}")))
         first = int(self.link_start[i])
+        own = Names()
+        meshes = [
+            {look: own(f"{name}_{look}") for look in dict.fromkeys(visual.look.name for visual in seen)}
+            for name, seen in zip(names, visuals, strict=True)
+        ]
         links = tuple(
             RobotLink(
                 name,
@@ -257,6 +268,7 @@ class Robots:
                 self.mass.inertia[first + k],
                 tuple(visuals[k]),
                 tuple(colliders[k]),
+                meshes[k],
             )
             for k, name in enumerate(names)
         )
@@ -275,23 +287,25 @@ class Robots:
         shape = Shape(name, group.vertices[item.k] - self._origin(i, item), group.faces)
         return Visual(name, self.look(i, item), shape, item)
 
-    def _collider(self, i: int, piece: Hull, index: int) -> Collider:
+    def _collider(self, i: int, piece: Hull, name: str, full: str) -> Collider:
         item = piece.item
-        group, name = item.group, f"{self._name(i, item)}_{index}"
+        group = item.group
         origin, material = self._origin(i, item), self.materials[self.material(item)][i]
         center = group.center[item.k] - origin
         if piece.corners is not None:
             middle = (piece.vertices.min(axis=0) + piece.vertices.max(axis=0)) / 2 - origin
             shape = Shape(name, piece.vertices - origin, piece.faces)
-            return Collider(name, material, middle, np.eye(3), np.array([1.0, 0.0, 0.0, 0.0]), hull=shape)
+            return Collider(name, full, material, middle, np.eye(3), np.array([1.0, 0.0, 0.0, 0.0]), hull=shape)
         rotation, turn = group.table.rotation[item.row], self.turns[group.table.number][item.row]
         if group.is_box[item.k]:
-            return Collider(name, material, center, rotation, turn, size=tuple(group.size[item.k].tolist()))
+            return Collider(name, full, material, center, rotation, turn, size=tuple(group.size[item.k].tolist()))
         radius, length, capped = group.round[item.k].tolist()
         hull = Shape(name, group.vertices[item.k] - origin, group.faces)
         if radius > 0.0:
-            return Collider(name, material, center, rotation, turn, bar=Bar(radius, length, bool(capped)), hull=hull)
-        return Collider(name, material, center, rotation, turn, hull=hull)
+            return Collider(
+                name, full, material, center, rotation, turn, bar=Bar(radius, length, bool(capped)), hull=hull
+            )
+        return Collider(name, full, material, center, rotation, turn, hull=hull)
 
     def _closures(self, i: int) -> Iterator[Closure]:
         loops, first = self.batch.loops, int(self.link_start[i])

@@ -58,7 +58,7 @@ def _link(link: RobotLink, files: dict[str, bytes], pieces: dict[bytes, str]) ->
 
 
 def _collider(link: RobotLink, collider: Collider, files: dict[str, bytes], pieces: dict[bytes, str]) -> dict[str, Any]:
-    material, name = collider.material, f"{link.name}_{collider.name}"
+    material, name = collider.material, collider.full
     entry: dict[str, Any] = {
         "name": f"{name}_collision",
         "pose": f"{numbers(collider.center)} {numbers(euler(collider.rotation))}",

@@ -99,7 +99,7 @@ def _link(link: RobotLink, files: dict[str, bytes], looks: dict[str, str], piece
 
 
 def _collider(link: RobotLink, collider: Collider, files: dict[str, bytes], pieces: dict[bytes, str]) -> dict[str, Any]:
-    name = f"{link.name}_{collider.name}"
+    name = collider.full
     placed = {"name": name, "xyz": numbers(collider.center), "rpy": numbers(euler(collider.rotation))}
     if collider.size is not None:
         return placed | {"shape": {"kind": "box", "sizes": {"size": numbers(collider.size)}}}

@@ -191,7 +191,7 @@ class Batch:
             translations.append(translation)
             names.append(self.rowmap.names(link.scope, link.path))
         return LinkTable(
-            made.owner, made.number, [tag(n) for n in made.sort_names(names)], made.definition,
+            made.owner, made.number, apart(made.sort_names(names), made.owner), made.definition,
             made.sort(rotations, (3, 3)), made.sort(translations, (3,)),
         )  # fmt: skip
 
@@ -242,7 +242,7 @@ class Batch:
             for name, values in columns.items()
         }  # fmt: skip
         table = JointTable(
-            made.owner, made.number, [tag(n) for n in made.sort_names(names)], made.definition, kinds, **sorted_columns
+            made.owner, made.number, apart(made.sort_names(names), made.owner), made.definition, kinds, **sorted_columns
         )
         return rooted(led(table), self.numbers)
 
@@ -363,3 +363,20 @@ _JOINT_COLUMNS = (
 def tag(name: str) -> str:
     """A name that every format takes: ``pad.row[1].key[0].cap`` becomes ``pad.row_1.key_0.cap``."""
     return name.replace("[", "_").replace("]", "")
+
+
+def apart(names: Sequence[str], owner: np.ndarray) -> list[str]:
+    """The tags of names, each once in its object: ``row[1]`` and a part called ``row_1`` stay two."""
+    tags, owners = [tag(name) for name in names], owner.tolist()
+    taken = set(zip(owners, tags, strict=True))
+    if len(taken) == len(tags):
+        return tags
+    found: dict[tuple[int, str], int] = {}
+    for k, place in enumerate(zip(owners, tags, strict=True)):
+        found[place] = found.get(place, 0) + 1
+        while found[place] > 1 and (owners[k], f"{place[1]}_{found[place]}") in taken:
+            found[place] += 1
+        if found[place] > 1:
+            tags[k] = f"{place[1]}_{found[place]}"
+            taken.add((owners[k], tags[k]))
+    return tags

@@ -1,0 +1,20 @@
+"""Names of files and of what stands in them: each once in its object."""
+
+from __future__ import annotations
+
+KEPT = frozenset({"con", "prn", "aux", "nul", *(f"{port}{k}" for port in ("com", "lpt") for k in range(1, 10))})
+
+
+class Names:
+    """Gives every name once: also where the case of letters does not count, and none that some systems keep for themselves."""
+
+    def __init__(self) -> None:
+        self.taken: set[str] = set()
+
+    def __call__(self, name: str) -> str:
+        found, count = name, 1
+        while found.casefold() in self.taken or found.casefold().partition(".")[0] in KEPT:
+            count += 1
+            found = f"{name}_{count}"
+        self.taken.add(found.casefold())
+        return found

@@ -1,0 +1,154 @@
+"""Names and texts from programs arrive in files as data: nothing ends a string, a tag or a path, and no two things share a name."""
+
+from __future__ import annotations
+
+import json
+import struct
+import xml.etree.ElementTree as ElementTree
+from html.parser import HTMLParser
+from pathlib import Path
+
+import mujoco
+import pytest
+from pxr import Usd
+
+from artipg_dsl.api import Samples, load
+from artipg_dsl.cli.main import main
+from artipg_dsl.errors import UserError
+from artipg_dsl.runtime.batch import apart
+
+TEXTS = [
+    '"><script>alert(1)</script>',
+    "a & b ]]> <!-- --> ' \\ é \u2028 \x1b[31m",
+    "../../etc/passwd",
+    "{{ 7 * 7 }}{% raw %}",
+    "x" * 5000,
+]
+PROGRAM = """apg 1
+use primitives {{ Cuboid }}
+use vocabularies {{ semantic }}
+material clear       {{ density 1000kg/m3  colour [0.5, 0.5, 0.5] }}
+material glass_clear {{ density 1000kg/m3  colour [0.9, 0.5, 0.5] }}
+material CLEAR       {{ density 1000kg/m3  colour [0.1, 0.5, 0.5] }}
+## {text}
+category Clash {{
+  param width : length in 40cm .. 60cm = 50cm  ## {text}
+  root part base : Cuboid(size = [10cm, width, 5cm])
+  part door       : Cuboid(size = [2cm, 2cm, 2cm])
+  part Door       : Cuboid(size = [2cm, 2cm, 2cm])
+  part door_glass : Cuboid(size = [2cm, 2cm, 2cm])
+  part con        : Cuboid(size = [2cm, 2cm, 2cm])
+  joint a : prismatic base.top -> door.bottom       at y = base.left - 5cm   range 0cm .. 5cm
+  joint b : prismatic base.top -> Door.bottom       at y = base.left - 15cm  range 0cm .. 5cm
+  joint c : prismatic base.top -> door_glass.bottom at y = base.left - 25cm  range 0cm .. 5cm
+  joint d : prismatic base.top -> con.bottom        at y = base.left - 35cm  range 0cm .. 5cm
+  material glass_clear on door
+  material clear on Door, door_glass
+  material CLEAR on con
+  label semantic.body on base
+  allow floating con because "{quoted}"
+  require width <= 55cm else "{quoted}"
+}}
+"""
+FORMATS = "points,urdf,mjcf,sdf,usd,glb,obj,partnet-mobility"
+
+
+def program(text: str) -> str:
+    quoted = text.replace("\\", "\\\\").replace('"', '\\"')
+    return PROGRAM.format(text=text.replace("\u2028", " "), quoted=quoted)
+
+
+@pytest.fixture(scope="module", params=TEXTS, ids=range(len(TEXTS)))
+def written(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[str, Path]:
+    folder = tmp_path_factory.mktemp("hostile")
+    (folder / "clash.apg").write_text(program(request.param), encoding="utf-8")
+    out = folder / "out"
+    formats = FORMATS if request.param is TEXTS[0] else "points,urdf,glb"
+    assert (
+        main(["sample", str(folder / "clash.apg"), "-n", "1", "--points", "16", "--format", formats, "-o", str(out)])
+        == 0
+    )
+    return request.param, out
+
+
+def test_texts_stay_in_their_strings(written: tuple[str, Path]) -> None:
+    text, out = written
+    manifest = json.loads((out / "manifest.json").read_text(encoding="utf-8"))
+    assert manifest["about"] == " ".join(text.replace("\u2028", " ").split()) or text[:20] in manifest["about"]
+    for path in out.rglob("*"):
+        assert path.resolve().is_relative_to(out.resolve())
+        if path.suffix in (".urdf", ".xml", ".sdf", ".config", ".srdf"):
+            tags = {element.tag for element in ElementTree.fromstring(path.read_bytes()).iter()}
+            assert "script" not in tags
+        elif path.suffix == ".glb":
+            data = path.read_bytes()
+            json.loads(data[20 : 20 + struct.unpack("<I", data[12:16])[0]])
+        elif path.suffix == ".usda":
+            assert Usd.Stage.Open(str(path))
+    for line in (out / "annotation-00000.jsonl").read_text(encoding="utf-8").split("\n")[:-1]:
+        json.loads(line)
+
+
+def test_no_two_files_and_no_two_things_share_a_name(written: tuple[str, Path]) -> None:
+    text, out = written
+    folder = out / "objects" / "000000"
+    names = [path.relative_to(folder).as_posix().casefold() for path in folder.rglob("*") if path.is_file()]
+    assert len(set(names)) == len(names)
+    assert not any(Path(name).name.partition(".")[0] == "con" for name in names)
+    root = ElementTree.fromstring((folder / "object.urdf").read_bytes())
+    seen = {mesh.get("filename") for mesh in root.findall(".//visual//mesh")}
+    assert len(seen) == len(root.findall("link")) == 5
+    looks = {
+        link.get("name"): [m.get("name") for m in link.findall("visual/material")] for link in root.findall("link")
+    }
+    assert looks["door"] == ["glass_clear"] and looks["door_glass"] == ["clear"]
+    if text is TEXTS[0]:
+        model = mujoco.MjModel.from_xml_path(str(folder / "object.xml"))
+        assert model.njnt == 4 and len(list((folder / "obj").glob("*.obj"))) == 5
+
+
+class Tags(HTMLParser):
+    def __init__(self, text: str):
+        super().__init__()
+        self.found: set[str] = set()
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: object) -> None:
+        self.found.add(tag)
+
+
+@pytest.mark.parametrize("text", TEXTS[:2], ids=range(2))
+def test_pages_and_notebooks_escape_texts(text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "clash.apg").write_text(program(text), encoding="utf-8")
+    page = tmp_path / "report.html"
+    main(["report", str(tmp_path / "clash.apg"), "-n", "4", "--html", str(page), "--unchecked"])
+    assert "script" not in Tags(page.read_text(encoding="utf-8")).found
+    assert "\x1b[31m" not in "".join(capsys.readouterr())
+    made: Samples = load(program(text))
+    assert Tags(made._repr_html_()).found == {"img", "p"}
+
+
+def test_messages_hold_no_control_characters(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "clash.apg").write_text(program(TEXTS[1]).replace("<= 55cm", "<= 5cm"), encoding="utf-8")
+    assert main(["sample", str(tmp_path / "clash.apg"), "-n", "1", "-o", str(tmp_path / "o")]) == 1
+    assert "\x1b[31m" not in "".join(capsys.readouterr())
+
+
+def test_a_name_too_long_for_a_file_is_told(tmp_path: Path) -> None:
+    made = load(program("plain").replace("door_glass", "d" * 300))
+    with pytest.raises(UserError, match="too long"):
+        made.to_obj(tmp_path)
+
+
+def test_tags_that_meet_stay_apart() -> None:
+    import numpy as np
+
+    names = ["row[1].turn", "row_1.turn", "row[1].turn", "row_1.turn", "row_1.turn_2"]
+    assert apart(names, np.array([0, 0, 1, 2, 2])) == [
+        "row_1.turn",
+        "row_1.turn_2",
+        "row_1.turn",
+        "row_1.turn",
+        "row_1.turn_2",
+    ]
+    assert apart(["a[1]", "a_1", "a_1_2"], np.zeros(3, dtype=int)) == ["a_1", "a_1_3", "a_1_2"]
