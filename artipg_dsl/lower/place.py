@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from ..graph import expr as E
 from ..graph.expr import ONE, ZERO
+from ..graph.linear import tidy
 from ..graph.program import Pose
 from ..syntax import ast
 from .carry import mapped_pose
@@ -218,16 +219,15 @@ def bridged(part: Part, mount: Mount, ev: Evaluator) -> Pose:
             "unknown-port", subject.span, f"`{part.name}` has no port `ends : line` with two ends, which `between` needs",
             hint="declare it in the template: port ends = line(at = ..., to = ...)",
         )  # fmt: skip
-    a, b = (ev.vector(node) for node in clause.values)
     sink_clause = mount.clause("sink")
     sink = ev.scalar(sink_clause.values[0]) if sink_clause is not None else ZERO
     gap_clause = mount.clause("gap")
     if gap_clause is not None:
         sink = E.sub(sink, ev.scalar(gap_clause.values[0]))
-    outer, inner = minus(b, a), minus(line.to, line.point)
-    length = norm(outer)
+    a, b = sunk(ev, clause.values, sink)
+    outer, inner = tuple(tidy(c) for c in minus(b, a)), minus(line.to, line.point)
+    distance = norm(outer)
     reach = next((c for c in inner if c is not ZERO), ZERO) if sum(c is not ZERO for c in inner) == 1 else norm(inner)
-    distance = E.add(length, E.mul(E.const(2.0), sink))
     mount.env.equations.append(Equation(reach, distance, clause.span, "the distance of the two ends", part.exists))
     facing = mount.clause("facing")
     along = normalized(outer)
@@ -237,8 +237,18 @@ def bridged(part: Part, mount: Mount, ev: Evaluator) -> Pose:
     own_toward = unit(0 if own_axis != 0 else 2)
     world, local = basis(along, toward), basis(own_along, own_toward)
     rotation = product(world, transpose(local))
-    start = minus(a, times(along, sink))
-    return Pose(rotation, minus(start, turn(rotation, line.point)), ONE)
+    return Pose(rotation, minus(a, turn(rotation, line.point)), ONE)
+
+
+def sunk(ev: Evaluator, places: tuple[ast.Expr, ...], sink: E.Expr) -> tuple[Triple, Triple]:
+    """The two places, each moved into what it lies on: against ``out`` of a frame; a point has none, so along the line of both."""
+    values = [ev.value(node) for node in places]
+    a, b = (ev.vector(node) for node in places)
+    if sink is ZERO:
+        return a, b
+    away = normalized(minus(b, a)) if any(not isinstance(v, Frame) for v in values) else (ZERO, ZERO, ZERO)
+    outs = [v.out if isinstance(v, Frame) else d for v, d in zip(values, (away, times(away, MINUS)), strict=True)]
+    return minus(a, times(outs[0], sink)), minus(b, times(outs[1], sink))
 
 
 def perpendicular(direction: Triple) -> Triple:
