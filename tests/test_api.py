@@ -125,7 +125,7 @@ def test_a_notebook_shows_objects(chests: apg.Samples, tmp_path: Path) -> None:
 
 def test_grasps_and_keypoints_of_the_microwave() -> None:
     oven = apg.sample("Microwave", n=1, seed=7, set={"handle": "BarHandle"})
-    assert set(oven.grasps(3).name) == {"pull_handle"} and len(oven.grasps(3).t) == 3
+    assert oven.grasps(3).name.count("pull_handle") == 3 and set(oven.grasps(3).name) <= {"pull_handle", "turn_knob"}
     assert "door_corner" in oven.keypoints().name
 
 

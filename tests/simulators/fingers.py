@@ -9,19 +9,24 @@ at all is found by trial: lines through points of its surface, and hands from al
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import fcl
 import numpy as np
 import trimesh
 
+from artipg_dsl.annotate.states import own_joints
 from artipg_dsl.export.pose import rest_poses
-from artipg_dsl.export.robot import Robot
+from artipg_dsl.export.robot import Robot, Robots
+from artipg_dsl.runtime.batch import Batch
 
 THICK, LONG = 0.01, 0.045  # a finger along y (closing) and z (approach)
 ARM, ARM_LONG = 0.06, 0.3  # what comes behind the palm: how thick, how long
 PALM = np.array([0.06, 0.14, 0.07])
 FRICTION = 0.5
 APPROACHES = 12  # about a line between two pads
+BUTTON = 4e-3  # metres that a button gives way by, at most
+ROLLING = ("drum", "disc", "fork")  # a drum, castors: nothing for two fingers
 MOST = 12  # solids of a link that are tried
 CLEAR = 5e-5  # metres that fingers may touch by
 CONE = 1 / np.sqrt(1 + FRICTION**2)
@@ -98,9 +103,6 @@ class Scene:
             depth += run
         return bool((firm & (depth <= hand.opening + 4 * CLEAR)).any())
 
-    def holds(self, hand: Hand, link: int, arm: float = 0.0) -> bool:
-        return hand.opening <= hand.stroke + 1e-9 and self.firm(hand, link) and self.free(hand, arm)
-
     def could(self, link: int, points: int = 16, seed: int = 0) -> Hand | None:
         """A hand that holds the link, found by trial at so many points of each of its solids; None where there seems to be none."""
         own, draw = np.flatnonzero(self.link == link), np.random.default_rng(seed)
@@ -135,6 +137,77 @@ class Scene:
                     hand = Hand(
                         point - normal * width / 2, np.column_stack([np.cross(normal, z), normal, z]), width + 0.002
                     )
-                    if self.holds(hand, link, ARM_LONG):
+                    if self.firm(hand, link) and self.free(hand, ARM_LONG):
                         return hand
         return None
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """A grasp of an annotation: where, and what is wrong with it, nothing where it holds. ``name`` and ``link`` as the
+    program calls them, without ranks."""
+
+    object: int
+    name: str
+    link: str
+    fault: str
+
+
+def verdicts(batch: Batch, told: list[dict[str, Any]]) -> tuple[list[Verdict], list[tuple[str, bool]]]:
+    """All grasps at rest for a hand of 8 cm; and of all links that move and can be held at all, the name and whether it, or
+    what it carries, has a grasp. Links that give way when they are pressed are not gripped; nor is a drum or a wheel."""
+    robots, moving = Robots(batch, physics=False), own_joints(batch)
+    first, held, links = np.searchsorted(batch.links().owner, np.arange(len(batch))), [], []
+    for i, one in enumerate(told):
+        robot = robots.robot(i)
+        scene = Scene(robot)
+        names = [link["name"] for link in one["links"]]
+        paths = [batch.program.links[k].path for k in batch.links().definition[first[i] : first[i] + len(names)]]
+        grasped: set[str] = set()
+        for grasp in one["grasps"]:
+            own, link = grasp["gripper"] or {}, names.index(grasp["link"])
+            grasped |= set(carriers(one["joints"], grasp["link"]))
+            if own.get("stroke", 0.0) > Hand.stroke or not grasp["reachable"]:
+                continue
+            fine = {name: own[word] for name, word in (("width", "width"), ("tip", "pad")) if word in own}
+            hand = Hand(np.array(grasp["point"]), turned(grasp["quaternion"]), grasp["opening"], **fine)
+            fault = (
+                "wide" if hand.opening > hand.stroke + 1e-9
+                else "the fingers meet something" if not scene.free(hand)
+                else "" if scene.firm(hand, link) else "not between the pads"
+            )  # fmt: skip
+            held.append(Verdict(i, grasp["name"], paths[link], fault))
+        for link, name in enumerate(names):
+            joint = moving[first[i] + link]
+            if joint < 0 or any(word in paths[link].split(".") for word in ROLLING) or short(batch, joint):
+                continue
+            if name in grasped or scene.could(link) is not None:
+                links.append((paths[link], name in grasped))
+    return held, links
+
+
+def short(batch: Batch, joint: int) -> bool:
+    """Whether a joint slides so little that it is a button's."""
+    joints = batch.joints()
+    return joints.kind[joint] == "prismatic" and joints.high[joint] - joints.low[joint] < BUTTON
+
+
+def carriers(joints: list[dict[str, Any]], link: str) -> list[str]:
+    """A link and all that carry it: what holds a handle moves the door."""
+    above = {joint["child"]: joint["parent"] for joint in joints}
+    found = [link]
+    while found[-1] in above:
+        found.append(above[found[-1]])
+    return found
+
+
+def turned(quaternion: list[float]) -> np.ndarray:
+    """The rotation matrix of w x y z."""
+    w, x, y, z = quaternion
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )

@@ -162,8 +162,8 @@ class Bench:
         return body.xmat.reshape(3, 3).copy(), body.xpos.copy()
 
 
-def trials(batch: Batch, points: int = 400, each: int = 3, words: tuple[str, ...] = tuple(WORDS)) -> list[Trial]:
-    """Of every word on every link that moves, up to ``each`` labelled points, and as many of the same link without it."""
+def trials(batch: Batch, points: int = 400, each: int = 3, others: bool = True) -> list[Trial]:
+    """Of every word on every link that moves, up to ``each`` labelled points, and as many ``others`` of the same link."""
     cloud = sample_points(batch, Sampling(points, per="link"))
     robots, motion, found = Robots(batch), twist(batch), []
     for i in range(len(batch)):
@@ -178,21 +178,21 @@ def trials(batch: Batch, points: int = 400, each: int = 3, words: tuple[str, ...
                 kind = int(batch.joints().definition[chain[0]])
                 kinds[kind] += 1
                 if kinds[kind] <= ALIKE:
-                    found += on_link(bench, i, cloud, int(row), link, motion, each, words)
+                    found += on_link(bench, i, cloud, int(row), link, motion, each, others)
     return found
 
 
 def on_link(
-    bench: Bench, i: int, cloud: Points, row: int, link: int, motion: Twist, each: int, words: tuple[str, ...]
+    bench: Bench, i: int, cloud: Points, row: int, link: int, motion: Twist, each: int, others: bool
 ) -> list[Trial]:
     rest = bench.batch.settled(bench.batch.rest())
     turn, shift = bench.frame(rest, link)
     found = []
-    for word in words:
+    for word in WORDS:
         label = cloud.labels.get(f"affordance.{word}")
         if label is None or not (label[row] > 0).any():
             continue
-        for value in (True, False):
+        for value in (True, False)[: 1 + others]:
             for k in spread(np.flatnonzero((label[row] > 0) == value), each):
                 p, n = cloud.position[row, k], cloud.normal[row, k]
                 v = motion.at(np.array(bench.first + link), p)
