@@ -38,7 +38,7 @@ FOLDERS = (
     "tests/syntax/design",
 )
 SECONDS, MEMORY = 10, 1 << 30
-CASES = 100  # that one child does
+CASES = 300  # that one child does
 OBJECTS, POINTS = 3, 32
 EDGES = ("0", "1", "-1", "2", "3", "0.5", "1e-9", "1e9", "1e30", "1e308", "0.001", "1000", "-0.5", "100000", "7")
 UNITS = ("mm", "cm", "m", "deg", "turn", "%", "kg", "s", "")
@@ -46,6 +46,8 @@ TOKEN = re.compile(
     r'#[^\n]*|"(?:[^"\\\n]|\\.)*"|[@$%]?\d[\d.]*(?:e[-+]?\d+)?[A-Za-z%/0-9]*|\w+|\.\.<?|->|[<>=!]=|[^\s\w]'
 )
 NUMBER = re.compile(r"(-?\d+(?:\.\d+)?(?:e[-+]?\d+)?)([A-Za-z%]*)$")
+
+WARM = "apg 1\nuse primitives { Cuboid }\ncategory Box {\n  root part body : Cuboid(size = [1m, 1m, 1m])\n}\n"
 
 # ---------------------------------------------------------------- mutations
 
@@ -120,13 +122,15 @@ KINDS: tuple[Callable[[str, random.Random, str], str], ...] = (of_bytes, of_toke
 class Corpus:
     """The files that are mutated: programs, and what they compile to."""
 
-    def __init__(self, seed: int, keep: Path, compiled: bool = True):
+    def __init__(self, seed: int, keep: Path, compiled: bool = True, more: Path | None = None):
         self.seed = seed
         self.programs = {
             str(p.relative_to(ROOT)): p.read_text(encoding="utf-8")
             for f in FOLDERS
             for p in sorted((ROOT / f).glob("*.apg"))
         }
+        if more is not None:
+            self.programs |= {str(p): p.read_text(encoding="utf-8") for p in sorted(more.rglob("*.apg"))}
         self.compiled = dict(artefacts(self.programs, keep)) if compiled else {}
 
     def case(self, number: int) -> tuple[str, str, str]:
@@ -169,10 +173,11 @@ def artefacts(programs: dict[str, str], keep: Path) -> Iterator[tuple[str, str]]
 def share_library() -> None:
     """Trees of the library and examined primitives are kept: only what was mutated is read anew."""
     from artipg_dsl import solids
+    from artipg_dsl.diagnostics import Report
     from artipg_dsl.graph import text as texts
     from artipg_dsl.graph.program import Program
     from artipg_dsl.semantics import modules
-    from artipg_dsl.syntax.parse import parse
+    from artipg_dsl.syntax.parse import load, parse
 
     trees: dict[tuple[str, str], object] = {}
 
@@ -195,6 +200,9 @@ def share_library() -> None:
             known.add(key)
 
     solids.examine = examined
+    for place in sorted((ROOT / "library").glob("*.apg")):
+        loaded(load(place, Report(), f"library/{place.name}"), Report())
+    run("warm.apg", WARM)
 
 
 def run(name: str, text: str) -> str:
@@ -357,9 +365,10 @@ def main() -> int:
     options.add_argument("--seed", type=int, default=0)
     options.add_argument("--only", type=int, help="one case again, here and without limits")
     options.add_argument("--stop", type=float, default=float("inf"), metavar="SECONDS", help="end after so long")
+    options.add_argument("--more", type=Path, metavar="DIR", help="programs beside those of the repository")
     asked = options.parse_args()
     share_library()
-    corpus = Corpus(asked.seed, asked.out / "compiled")
+    corpus = Corpus(asked.seed, asked.out / "compiled", more=asked.more)
     if asked.only is not None:
         name, done, text = corpus.case(asked.only)
         (asked.out / f"case{Path(name).suffix}").write_text(text, encoding="utf-8", errors="replace")

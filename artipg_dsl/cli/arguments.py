@@ -7,6 +7,7 @@ import re
 from argparse import ArgumentTypeError
 
 MOST = 100_000_000
+STREAM = "-"  # standard output, where one file of text is written
 CROWD = 512  # processes
 
 
@@ -75,10 +76,28 @@ def numbers(text: str) -> list[int]:
 
 
 def place(text: str) -> str:
-    """Where to write: a name that is not empty, as that of a variable that is not set would be."""
+    """Where to write: a name that is not empty, as that of a variable that is not set would be; - is standard output."""
     if not text.strip():
         raise ArgumentTypeError("an empty name is no place to write to")
     return text
+
+
+def folder(text: str) -> str:
+    """A folder to write to: standard output is none."""
+    if text == STREAM:
+        raise ArgumentTypeError(
+            "- is standard output, and a folder is needed: give it a name, or ./- for one called so"
+        )
+    return place(text)
+
+
+def picture(text: str) -> str:
+    """A picture to write: a terminal is no place for one."""
+    if text == STREAM:
+        raise ArgumentTypeError(
+            "- is standard output, and a picture is not written there: give a file that ends in .png"
+        )
+    return place(text)
 
 
 def part(text: str) -> tuple[int, int]:

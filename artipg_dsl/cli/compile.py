@@ -18,6 +18,7 @@ from ..job import COMPILED, compiled_text
 from ..session import Session
 from ..source import Span
 from ..syntax import ast
+from .arguments import STREAM
 from .messages import findings, say
 
 
@@ -84,7 +85,7 @@ def run(options: argparse.Namespace) -> int:
     findings(session.report.diagnostics, sys.stderr)
     if text is None:
         return 1
-    if options.out is None:
+    if options.out in (None, STREAM):
         print(text, end="")
     else:
         from ..export.write import write_bytes

@@ -12,7 +12,7 @@ from difflib import get_close_matches
 from typing import NoReturn
 
 from ..export.registry import FORMATS, per_object
-from .arguments import amount, fraction, numbers, part, place, positive, tolerance, whole, workers
+from .arguments import amount, folder, fraction, numbers, part, picture, place, positive, tolerance, whole, workers
 from .messages import error, findings, say
 
 OK, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
@@ -90,12 +90,18 @@ def parser() -> Parser:
 
     new = command("new", "write a category to start from")
     new.add_argument("name", metavar="NAME", help="what the category is called, such as DeskLamp")
-    new.add_argument("-o", "--out", type=place, metavar="FILE", help="the file (default: desk_lamp.apg for DeskLamp)")
+    new.add_argument(
+        "-o",
+        "--out",
+        type=place,
+        metavar="FILE",
+        help="the file, or - for stdout (default: desk_lamp.apg for DeskLamp)",
+    )
     new.add_argument("--force", action="store_true", help="replace a file that exists")
 
     compile_ = command("compile", "compile a program and show it at one of its stages")
     _program(compile_)
-    compile_.add_argument("-o", "--out", type=place, metavar="FILE", help="write to a file instead of the terminal")
+    compile_.add_argument("-o", "--out", type=place, metavar="FILE", help="write to a file instead of stdout (-)")
     stages = "; ".join(f"{name}: {text}" for name, text in EMITS.items())
     compile_.add_argument("--emit", choices=list(EMITS), default="graph", help=stages)
 
@@ -103,7 +109,7 @@ def parser() -> Parser:
     _program(sample)
     _drawing(sample, 10)
     sample.add_argument(
-        "-o", "--out", type=place, default="out", metavar="DIR", help="the folder for the samples (default: out)"
+        "-o", "--out", type=folder, default="out", metavar="DIR", help="the folder for the samples (default: out)"
     )
     sample.add_argument("--points", type=positive, default=2048, metavar="N", help="points per object (default: 2048)")
     sample.add_argument(
@@ -174,7 +180,11 @@ def parser() -> Parser:
     )
     _drawing(export, 10)
     export.add_argument(
-        "-o", "--out", type=place, metavar="DIR", help="the folder to write to (default: the folder of samples, or out)"
+        "-o",
+        "--out",
+        type=folder,
+        metavar="DIR",
+        help="the folder to write to (default: the folder of samples, or out)",
     )
     export.add_argument("--format", metavar="LIST", required=True, help=f"{', '.join(per_object())}; with commas")
     _meshes(export)
@@ -191,7 +201,7 @@ def parser() -> Parser:
     )  # fmt: skip
     mutate.add_argument("-n", "--number", type=positive, metavar="N", help="mutants of each object (default: 1)")
     mutate.add_argument(
-        "-o", "--out", type=place, default="mutants", metavar="DIR", help="the folder for them (default: mutants)"
+        "-o", "--out", type=folder, default="mutants", metavar="DIR", help="the folder for them (default: mutants)"
     )
     mutate.add_argument(
         "--parts", default="*", metavar="LIST", help="what may be changed: parts, values, patterns: door,handle*"
@@ -231,7 +241,7 @@ def parser() -> Parser:
     )
     _drawing(render, 30)
     render.add_argument(
-        "-o", "--out", type=place, default="sheet.png", metavar="FILE", help="the picture (default: sheet.png)"
+        "-o", "--out", type=picture, default="sheet.png", metavar="FILE", help="the picture (default: sheet.png)"
     )
     render.add_argument(
         "--colour",
@@ -268,7 +278,12 @@ def parser() -> Parser:
     shape = report.add_mutually_exclusive_group()
     shape.add_argument("--json", action="store_true", help="the figures as JSON")
     shape.add_argument("--markdown", action="store_true", help="a table with a row per category")
-    report.add_argument("--html", type=place, metavar="FILE", help="write a page with a picture as well")
+    report.add_argument(
+        "--html",
+        type=place,
+        metavar="FILE",
+        help="write a page with a picture as well; - for the page alone, to stdout",
+    )
     report.add_argument("--reference", metavar="FILE", help="real sizes to compare with (default: those shipped)")
     report.add_argument("--unchecked", action="store_true", help="count objects whose links collide as valid: faster")
     report.add_argument("--strict", action="store_true", help="exit with 1 if a goal is not met")

@@ -10,11 +10,15 @@ from ..errors import UsageError
 from ..export.write import write_bytes
 from ..semantics.names import reserved_name
 from ..syntax.grammar import reserved_words
+from .arguments import STREAM
 from .messages import say
 
 
 def run(options: argparse.Namespace) -> int:
     name = checked(options.name)
+    if options.out == STREAM:
+        print(starting_point(name), end="")
+        return 0
     path = Path(options.out or f"{snake(name)}.apg")
     if path.suffix != ".apg":
         inside = path.is_dir() or not path.name

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..errors import UsageError
 from ..settings import split
+from .arguments import STREAM
 from .messages import say
 from .progress import Progress
 from .sample import chosen
@@ -34,14 +35,17 @@ def run(options: argparse.Namespace) -> int:
     names = wanted(options)
     numbers = chosen(options)
     known = reference(options.reference)
-    if options.html is not None:
+    alone = options.html == STREAM  # the page is what is printed
+    if alone and (options.json or options.markdown):
+        raise UsageError("--html - writes the page to standard output, where the figures go", "give the page a name")
+    if options.html is not None and not alone:
         refuse_existing(Path(options.html), options.force)
     tasks = [Task(options, name, numbers, known, options.workers == 1) for name in names]
     cards, pictures = [], []
     for card, seen in each(examined, tasks, options.workers) if options.workers > 1 else map(examined, tasks):
         cards.append(card)
         pictures.append(seen)
-        if not (options.json or options.markdown):
+        if not (options.json or options.markdown or alone):
             print(("\n" if len(cards) > 1 else "") + text(card), flush=True)
     if options.json:
         found = [card.plain() for card in cards]
@@ -51,8 +55,12 @@ def run(options: argparse.Namespace) -> int:
     if options.html is not None:
         from ..quality.page import page
 
-        write_bytes(options.html, page(cards, pictures).encode("utf-8"), force=options.force)
-        say(f"wrote {options.html}")
+        made = page(cards, pictures)
+        if alone:
+            print(made)
+        else:
+            write_bytes(options.html, made.encode("utf-8"), force=options.force)
+            say(f"wrote {options.html}")
     return 1 if options.strict and not all(card.met for card in cards) else 0
 
 

@@ -26,6 +26,11 @@ from .helpers import CHEST, Apgc, command, environment
         (f"sample {CHEST} --gripper stroke=10", "`stroke=10` has no unit", "stroke=10mm"),
         (f"sample {CHEST} --gripper stroke=10cm,stroke=9cm", "stroke is given twice", ""),
         (f"sample {CHEST} --set width=4furlong", "`furlong` in width=4furlong is no unit", "mm, cm, m"),
+        (f"sample {CHEST} -o -", "- is standard output, and a folder is needed", ""),
+        (f"export {CHEST} --format obj -o -", "- is standard output, and a folder is needed", ""),
+        ("mutate out -o -", "- is standard output, and a folder is needed", ""),
+        (f"render {CHEST} -o -", "- is standard output, and a picture is not written there", ""),
+        ("report Door --html - --json", "--html - writes the page to standard output", "name"),
         ("new 3D", "`3D` is no name", "a name such as DeskLamp"),
         ("new Cuboid", "uses the library's `Cuboid`", "another name"),
         ("new Foo -o .", ". is a folder", "write foo.apg"),
@@ -100,7 +105,7 @@ def test_a_word_of_ones_own(apgc: Apgc, tmp_path: Path) -> None:
     )
     assert apgc("sample", program, "-n", 1, "--points", 8, "-o", tmp_path / "out")[0] == 0
     words = json.loads((tmp_path / "out" / "manifest.json").read_text())["vocabularies"]["semantic"]
-    assert words[0] == "body" and words[-1] == "pedal"
+    assert words[:2] == ["unlabelled", "body"] and words[-1] == "pedal"  # class 0 is unlabelled
 
 
 def test_an_alternative_that_leaves_a_size_open(apgc: Apgc, tmp_path: Path) -> None:
@@ -111,3 +116,15 @@ def test_an_alternative_that_leaves_a_size_open(apgc: Apgc, tmp_path: Path) -> N
     )
     code, out, _ = apgc("check", program)
     assert code == 1 and "`Cuboid` is one of several: it leaves nothing open" in out and "handed in by a role" in out
+
+
+def test_one_file_of_text_goes_to_standard_output(apgc: Apgc, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    code, compiled, err = apgc("compile", CHEST, "-o", "-")
+    assert (code, compiled.split("\n", 1)[0]) == (0, "apgc 1") and "wrote" not in err
+    assert apgc("compile", CHEST) == (0, compiled, err)
+    code, program, _ = apgc("new", "DeskLamp", "-o", "-")
+    assert code == 0 and program.startswith("apg 1\n") and "category DeskLamp" in program
+    code, page, _ = apgc("report", CHEST, "-n", 2, "--html", "-")
+    assert code == 0 and page.startswith("<!doctype html>")
+    assert not list(tmp_path.iterdir())
