@@ -119,11 +119,15 @@ def told_apart(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def draw_option(env: Env, declaration: ast.ParamDecl, path: str) -> Choice:
-    """``param place : choice side | bail = side``."""
+    """``param place : choice side | bail = side ~ values(side, side, bail)``."""
     options = declaration.type.values
+    weights = tuple(E.ONE for _ in options)
+    if declaration.distribution is not None:
+        named = [a.value.name for a in declaration.distribution.arguments if isinstance(a.value, ast.NameExpr)]
+        weights = tuple(E.const(float(named.count(option))) for option in options)
     column = env.context.column(env.scope, path, "choice", declaration.span)
     draw = Draw(
-        column, address(env, path, declaration.was), "choice", options=options, weights=tuple(E.ONE for _ in options),
+        column, address(env, path, declaration.was), "choice", options=options, weights=weights,
         where=where(declaration.span), doc=declaration.doc,
     )  # fmt: skip
     env.context.draws.append(draw)

@@ -194,6 +194,9 @@ def _distribution(ck: Checker, ctx: Context, node: ast.Distribution, kind: Type,
     for argument in node.arguments:
         if argument.name is not None:
             ck.error("wrong-arguments", argument.span, "arguments of a distribution have no names")
+    if isinstance(kind, Choice):
+        _options(ck, ctx, node, kind)
+        return
     count = len(node.arguments)
     texts = {"normal": "a mean and a deviation", "lognormal": "a median and a relative deviation"}
     if node.name in texts and count != 2:
@@ -212,6 +215,26 @@ def _distribution(ck: Checker, ctx: Context, node: ast.Distribution, kind: Type,
             ck.error("wrong-arguments", argument.span, "a deviation is greater than 0")
         if node.name == "values":
             _inside(ck, ctx, argument.value, domain, "a value of the distribution")
+
+
+def _options(ck: Checker, ctx: Context, node: ast.Distribution, kind: Choice) -> None:
+    """What weighs the words of a choice: ``values(round, round, oval)``."""
+    if node.name != "values":
+        hint = f"write `~ values({kind.values[0]}, {kind.values[0]}, {kind.values[-1]})`: a word that stands there twice is twice as likely"
+        ck.error(
+            "unknown-distribution", node.span, f"a choice is weighted by `values`, not by `{node.name}`", hint=hint
+        )
+        return
+    if not node.arguments:
+        ck.error("wrong-arguments", node.span, "`values` needs at least one value")
+    for argument in node.arguments:
+        if isinstance(argument.value, ast.NameExpr):
+            _default(ck, ctx, argument.value, kind, "a value of the distribution")
+        else:
+            ck.error(
+                "wrong-type", argument.span, f"a value of this choice is one of the words {', '.join(kind.values)}",
+                hint="a word that stands there twice is twice as likely",
+            )  # fmt: skip
 
 
 # ---------------------------------------------------------------- parts and styles

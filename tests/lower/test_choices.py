@@ -1,0 +1,33 @@
+"""A choice can be weighted, as counts are: `~ values(...)` with a word repeated."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from artipg_dsl.session import Session
+
+TEXT = """apg 1
+use primitives { Cuboid }
+template Seat {
+  param edge : choice sharp | soft | worn ~ values(soft, soft, soft, worn)
+  part slab : Cuboid(size = [30cm, 30cm, 3cm])
+}
+category Stool {
+  param shape : choice round | square | oval = oval ~ values(square, oval, oval, oval)
+  root part seat : Seat
+}
+"""
+
+
+def test_words_are_as_likely_as_they_are_repeated() -> None:
+    batch = Session.of_text(TEXT, "stool.apg").sampler.batch(np.arange(2000), seed=5)
+    drawn = {d.column.name: batch.state.values[k].astype(int) for k, d in enumerate(batch.program.draws)}
+    for name, shares in (("shape", (0, 0.25, 0.75)), ("seat.edge", (0, 0.75, 0.25))):
+        found = np.bincount(drawn[name], minlength=3) / 2000
+        assert np.allclose(found, shares, atol=0.03), (name, found)
+
+
+def test_a_word_of_weight_0_is_not_drawn() -> None:
+    sampler = Session.of_text(TEXT, "stool.apg").sampler
+    number = next(k for k, d in enumerate(sampler.program.draws) if d.column.name == "shape")
+    assert not (sampler.batch(np.arange(200), seed=1).state.values[number] == 0).any()
