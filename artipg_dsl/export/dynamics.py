@@ -1,15 +1,21 @@
 """What a joint gets where its text gives none: friction, damping, effort and velocity by kind and by what it moves.
 
 With the joints at rest, for what a joint carries: its mass m (kg), its inertia I about the axis of a hinge (for a slide its
-mass), and the load L, the most that gravity asks of the joint as a hinge turns on (N m, for a slide N).
+mass), and the load L, the most that gravity asks of the joint over its range (N m, for a slide N).
 
 * friction: what runs rubs with a hundredth or two of its weight: ``SLIDING * m g`` on runners, ``PIN * m g`` about a pin. Where
   gravity pulls the joint off its rest and no limit holds it there (a lid that stands open, the neck of a tap), it holds itself:
   ``HOLD * L``.
 * damping: a free movement dies away within ``FADE`` seconds: I / FADE.
-* effort: ``HAND`` newtons at the far edge of what is moved, ``sqrt(3 I / m)`` from a hinge's axis (exact for a leaf), at least
-  twice what friction and load take, followers' included, and what brings it to its velocity within a second.
+* effort: what friction and load take, and half as much again or a push: ``HAND`` newtons at the far edge of what is moved,
+  ``sqrt(3 I / m)`` from a hinge's axis (exact for a leaf), but no more than carries it over its range within ``QUICK``. A key of a
+  gram under the whole force of a hand would be at its other end, and back, before a simulator's next step: no controller holds it.
+* armature: what a motor adds to the inertia, so that no effort carries the joint over its range within ``QUICK``. None is needed
+  but where next to nothing is moved by a few millimetres, or against much friction.
 * velocity: by kind.
+
+Of joints that move together, by a mimic or round a loop, each feels friction, load and inertia of all, at the rate at which
+they move against it.
 
 Hands: 50 N is class 2 of EN 12217, operating forces of doors; runners and pins: rolling friction 0.02, and dry steel, 0.2, on
 a pin of 10 mm.
@@ -27,8 +33,9 @@ from ..runtime.tables import JointTable
 GRAVITY = 9.81  # m/s2
 SLIDING = 0.02  # of the weight
 PIN = 0.001  # m: friction 0.2 at a radius of 5 mm
-HOLD = 1.5  # times the load
+HOLD = 1.2  # times the load
 HAND = 50.0  # N
+QUICK = 0.15  # s, from one end to the other
 FADE = {"revolute": 2.0, "continuous": 5.0, "prismatic": 2.0, "screw": 1.0, "ball": 2.0}  # s
 VELOCITY = {"revolute": 3.0, "continuous": 6.0, "prismatic": 1.0, "screw": 6.0, "ball": 3.0}  # rad/s, m/s
 BALANCED = 1e-3  # of the load: less than this is no pull
@@ -36,12 +43,13 @@ BALANCED = 1e-3  # of the load: less than this is no pull
 
 @dataclass(frozen=True, slots=True)
 class Dynamics:
-    """Per joint (J,): N m, N m s/rad and rad/s of what turns; N, N s/m and m/s of what slides."""
+    """Per joint (J,): N m, N m s/rad, rad/s and kg m2 of what turns; N, N s/m, m/s and kg of what slides."""
 
     friction: np.ndarray
     damping: np.ndarray
     effort: np.ndarray
     velocity: np.ndarray
+    armature: np.ndarray
 
 
 def dynamics(
@@ -52,12 +60,13 @@ def dynamics(
     center: np.ndarray,
     inertia: np.ndarray,
     pose: tuple[np.ndarray, np.ndarray],
+    together: tuple[np.ndarray, np.ndarray],
 ) -> Dynamics:
     """The given values of all joints, and where there are none, those that their kind and what they move ask for.
 
     ``rest`` (J,): the joints' values at rest. ``first`` (J,): row of link 0 of each joint's object. Of all links: mass
     (L,), centre (L, 3) and inertia about it (L, 3, 3) in the object's frame with the joints at 0, and the pose, rotation
-    (L, 3, 3) and translation (L, 3), at rest.
+    (L, 3, 3) and translation (L, 3), at rest. ``together``: who leads each joint (J,) and how fast it follows (J,).
     """
     turn, shift = pose
     parent, child = first + joints.parent, first + joints.child
@@ -73,26 +82,45 @@ def dynamics(
     pull = -weight * np.where(
         slides, axis[:, 2], reach[:, 2] + pitch * axis[:, 2]
     )  # of gravity at rest, along the value
-    tilt = np.sqrt(np.maximum(1.0 - axis[:, 2] ** 2, 0.0))
-    most = weight * (np.sqrt(_dot(reach, reach)) * tilt + np.abs(pitch * axis[:, 2]))
-    load = np.where(slides, np.abs(pull), np.where(ball, weight * np.sqrt(_dot(arm, arm)), most))
+    lift = weight * pitch * axis[:, 2]  # what a screw asks for on any turn
+    swing = _most(-weight * reach[:, 2], -weight * _cross(axis, reach)[:, 2], joints.low - rest, joints.high - rest)
+    load = np.where(slides, np.abs(pull), np.where(ball, weight * np.sqrt(_dot(arm, arm)), swing + np.abs(lift)))
     pulled = np.abs(pull) > BALANCED * np.maximum(load, 1e-9)
-    near = 1e-6 + 1e-3 * np.nan_to_num(joints.high - joints.low)
+    span = np.nan_to_num(joints.high - joints.low)
+    near = 1e-6 + 1e-3 * span
     held = np.where(pull > 0, rest >= joints.high - near, rest <= joints.low + near)
     hangs = np.where(ball, True, pulled & ~held)
     friction = _given(
         joints.friction, np.maximum(weight * np.where(slides, SLIDING, PIN), np.where(hangs, HOLD * load, 0.0))
     )
     damping = _given(joints.damping, moved / _by_kind(joints, FADE))
-    taken = friction + load
-    rows = np.flatnonzero(joints.mimic >= 0)
-    own = np.arange(len(m)) - joints.number
-    ratio = np.abs(np.where(np.isnan(joints.multiplier[rows]), 1.0, joints.multiplier[rows]))
-    taken += np.bincount((own + joints.mimic)[rows], ratio * taken[rows], len(m))
-    hand = HAND * np.where(slides, 1.0, np.sqrt(3.0 * moved / np.maximum(m, 1e-12)))
     velocity = _given(joints.velocity, _by_kind(joints, VELOCITY))
-    effort = _given(joints.effort, np.maximum(hand, np.maximum(2.0 * taken, taken + moved * velocity / 1.0)))
-    return Dynamics(friction, damping, effort, velocity)
+    way = np.where(span > 0.0, span, 2 * np.pi)  # what has no range turns round
+    rubs, taken, moves = (
+        _of_all(v, *together, power) for v, power in ((friction, 1), (friction + load, 1), (moved, 2))
+    )
+    hand = HAND * np.where(slides, 1.0, np.sqrt(3.0 * moved / np.maximum(m, 1e-12)))
+    push = np.minimum(hand, moves * 2.0 * way / QUICK**2)
+    effort = _given(joints.effort, taken + np.maximum(0.5 * taken, push))
+    armature = np.maximum((effort - rubs) * QUICK**2 / (2.0 * way) - moves, 0.0)
+    return Dynamics(friction, damping, effort, velocity, armature)
+
+
+def _most(cosine: np.ndarray, sine: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """The most of abs(cosine * cos(d) + sine * sin(d)) for d in low .. high, nan: anywhere."""
+    peak = np.arctan2(sine, cosine)
+    free = np.isnan(low) | np.isnan(high)
+    first, last = np.where(free, 0.0, low), np.where(free, np.pi, high)
+    ends = [np.abs(cosine * np.cos(d) + sine * np.sin(d)) for d in (first, last)]
+    between = peak + np.pi * np.ceil((first - peak) / np.pi) <= last
+    return np.where(between, np.hypot(cosine, sine), np.maximum(*ends))
+
+
+def _of_all(value: np.ndarray, leader: np.ndarray, ratio: np.ndarray, power: int) -> np.ndarray:
+    """What each joint feels of ``value`` (J,) of all that move together with it: forces with power 1, inertias with 2."""
+    rate = np.abs(ratio) ** power
+    total = np.bincount(leader, rate * value, len(value))[leader]
+    return np.where(rate > 1e-6, total / np.maximum(rate, 1e-6), value)
 
 
 def _carried(

@@ -30,8 +30,6 @@ TYPES = {
     "fixed": "",
 }
 ADVANCE = "_advance"  # a screw's slide is named after the screw
-# kg m2 or kg: what a drive adds to a joint. Without it the light links (a key, a knob) oscillate under limited effort
-ARMATURE = {"slide": 0.01, "hinge": 1e-4, "ball": 1e-4}
 
 
 def mjcf_files(robot: Robot) -> dict[str, bytes]:
@@ -141,7 +139,7 @@ class _Model:
         entry |= {
             "damping": f"{joint.damping:.9g}",
             "frictionloss": f"{joint.friction:.9g}",
-            "armature": f"{ARMATURE[kind]:.9g}",
+            "armature": f"{joint.armature:.9g}",
         }
         made = [entry]
         if joint.kind == "screw":

@@ -23,6 +23,7 @@ from . import materials, solids
 from .colliders import colliders
 from .dynamics import Dynamics, dynamics
 from .hulls import Hull
+from .mechanisms import mechanisms
 from .mesh_obj import Shape
 from .naming import Names
 
@@ -124,6 +125,7 @@ class RobotJoint:
     friction: float
     mimic: tuple[str, float, float] | None
     pitch: float = 0.0
+    armature: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,7 +202,10 @@ class Robots:
             return Dynamics(*(np.zeros(len(self.joints.owner)) for _ in fields(Dynamics)))
         first, rest = self.link_start[self.joints.owner], self.batch.settled(self.joints.rest)
         center = self.mass.center + self.origins
-        return dynamics(self.joints, rest, first, self.mass.mass, center, self.mass.inertia, self.batch.pose())
+        together = mechanisms(self.batch)
+        return dynamics(
+            self.joints, rest, first, self.mass.mass, center, self.mass.inertia, self.batch.pose(), together
+        )
 
     @cached_property
     def turns(self) -> dict[int, np.ndarray]:
@@ -341,6 +346,7 @@ class Robots:
                     if leader < 0
                     else (joints.name[first + leader], float(joints.multiplier[j]), float(joints.offset[j])),
                     pitch=number_or(joints.pitch[j], 0.0),
+                    armature=float(self.dynamics.armature[j]),
                 )
             )
         return made

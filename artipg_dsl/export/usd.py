@@ -187,6 +187,7 @@ def _joint(robot: Robot, joint: RobotJoint, name: str, links: list[str], paths: 
             f"float {drive}:damping = {joint.damping / unit:.9g}",
             f"float {drive}:maxForce = {joint.effort:.9g}",
             f"float {drive}:stiffness = 0",
+            f"float physxJoint:armature = {joint.armature:.9g}",
             f"float physxJoint:jointFriction = {joint.friction:.9g}",
             f"float physxJoint:maxJointVelocity = {joint.velocity * unit:.9g}",
         ]

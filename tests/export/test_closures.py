@@ -60,7 +60,8 @@ def test_mujoco_turns_the_crank_and_the_block_follows(robots: Robots) -> None:
         files["object.xml"].decode(), assets={k: v for k, v in files.items() if k.endswith(".obj")}
     )
     spec.option.gravity = [0, 0, 0]
-    spec.add_actuator(name="turn", target="turn", trntype=mujoco.mjtTrn.mjTRN_JOINT).set_to_position(kp=20.0, kv=2.0)
+    drive = spec.add_actuator(name="turn", target="turn", trntype=mujoco.mjtTrn.mjTRN_JOINT)
+    drive.set_to_position(kp=20.0, dampratio=1.0)
     model = spec.compile()
     assert model.neq == 1 and model.eq_type[0] == mujoco.mjtEq.mjEQ_CONNECT
     data = mujoco.MjData(model)

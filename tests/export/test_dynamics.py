@@ -7,11 +7,23 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from artipg_dsl.export.dynamics import FADE, GRAVITY, HAND, HOLD, PIN, SLIDING, VELOCITY, Dynamics, dynamics
+from artipg_dsl.export.dynamics import (
+    FADE,
+    GRAVITY,
+    HAND,
+    HOLD,
+    PIN,
+    QUICK,
+    SLIDING,
+    VELOCITY,
+    Dynamics,
+    _of_all,
+    dynamics,
+)
 
 
-def one(kind: str, axis: list[float], **given: float) -> Dynamics:
-    """A rod of 2 kg, 0.6 m long along x, held at its end by one joint."""
+def one(kind: str, axis: list[float], mass: float = 2.0, lifted: float = 0.0, **given: float) -> Dynamics:
+    """A rod of 2 kg, 0.6 m long along x, held at its end by one joint; at rest it stands ``lifted`` (radians) out of the level."""
     nan = np.full(1, np.nan)
     plain = {
         "low": 0.0,
@@ -28,20 +40,30 @@ def one(kind: str, axis: list[float], **given: float) -> Dynamics:
         owner=np.zeros(1, int), number=np.zeros(1, int), kind=[kind], origin=np.zeros((1, 3)), axis=np.array([axis]),
         **({name: nan for name in ("damping", "friction", "effort", "velocity")} | fields),
     )  # fmt: skip
-    inertia = np.array([np.eye(3), np.diag([1e-6, 0.06, 0.06])])
-    pose = np.tile(np.eye(3), (2, 1, 1)), np.zeros((2, 3))
+    inertia = np.array([np.eye(3), mass * np.diag([5e-7, 0.03, 0.03])])
+    turn = np.array([[np.cos(lifted), 0, -np.sin(lifted)], [0, 1, 0], [np.sin(lifted), 0, np.cos(lifted)]])
+    pose = np.stack([np.eye(3), turn]), np.zeros((2, 3))
     center = np.array([[0.0, 0, 0], [0.3, 0, 0]])
-    return dynamics(table, table.rest, np.zeros(1, int), np.array([5.0, 2.0]), center, inertia, pose)
+    together = np.zeros(1, int), np.ones(1)
+    return dynamics(table, table.rest, np.zeros(1, int), np.array([5.0, mass]), center, inertia, pose, together)
 
 
 def test_a_hinge_that_gravity_pulls_off_its_rest_holds_itself() -> None:
-    found = one("revolute", [0.0, -1.0, 0.0])
+    found = one("revolute", [0.0, -1.0, 0.0], high=2.0)
     assert found.friction[0] == pytest.approx(HOLD * 2.0 * GRAVITY * 0.3)
     about = 0.06 + 2.0 * 0.3**2
     assert found.damping[0] == pytest.approx(about / FADE["revolute"])
     assert found.velocity[0] == VELOCITY["revolute"]
     taken = found.friction[0] + 2.0 * GRAVITY * 0.3
-    assert found.effort[0] == pytest.approx(max(HAND * np.sqrt(3 * about / 2.0), 2 * taken))
+    assert found.effort[0] == pytest.approx(taken + HAND * 0.6, rel=0.01)
+
+
+def test_the_load_is_the_most_over_the_range() -> None:
+    """A rod that leans back by sixty to eighty degrees need not be held as one that comes down to the level."""
+    steep = one("revolute", [0.0, -1.0, 0.0], lifted=np.radians(70), low=-0.1745, high=0.1745, rest=0.0)
+    assert steep.friction[0] == pytest.approx(HOLD * 2.0 * GRAVITY * 0.3 * np.cos(np.radians(60)), rel=1e-3)
+    far = one("revolute", [0.0, -1.0, 0.0], lifted=np.radians(70), low=-2.0, high=2.0, rest=0.0)
+    assert far.friction[0] == pytest.approx(HOLD * 2.0 * GRAVITY * 0.3)
 
 
 def test_a_limit_that_gravity_presses_against_holds_without_friction() -> None:
@@ -58,12 +80,36 @@ def test_what_gravity_does_not_move_only_rubs() -> None:
 
 
 def test_a_leaf_is_moved_by_a_hand_at_its_edge() -> None:
-    assert one("revolute", [0.0, 0.0, 1.0]).effort[0] == pytest.approx(HAND * 0.6, rel=0.01)
-    assert one("prismatic", [1.0, 0.0, 0.0]).effort[0] == HAND
+    assert one("revolute", [0.0, 0.0, 1.0], high=2.0).effort[0] == pytest.approx(
+        HAND * 0.6 + PIN * 2.0 * GRAVITY, rel=0.01
+    )
+    assert one("prismatic", [1.0, 0.0, 0.0]).effort[0] == pytest.approx(HAND + SLIDING * 2.0 * GRAVITY)
+
+
+def test_a_key_is_not_moved_by_a_hand_s_whole_force() -> None:
+    """Under 50 N a gram would be over its millimetre and back before a simulator looks at it again."""
+    key = one("prismatic", [1.0, 0.0, 0.0], mass=0.001, low=0.0, high=0.001, rest=0.0)
+    assert 0.5 * (key.effort[0] - key.friction[0]) / (0.001 + key.armature[0]) * QUICK**2 == pytest.approx(0.001)
+    assert key.effort[0] < 1e-3
+    wide = one("prismatic", [1.0, 0.0, 0.0], mass=0.001, low=0.0, high=0.1, rest=0.0)
+    assert 0.5 * (wide.effort[0] - wide.friction[0]) / 0.001 * QUICK**2 == pytest.approx(0.1) and wide.armature[0] == 0
+
+
+def test_what_overcomes_much_friction_is_slowed_by_an_armature() -> None:
+    stiff = one("prismatic", [1.0, 0.0, 0.0], mass=0.001, low=0.0, high=0.01, rest=0.0, friction=1.0)
+    net = stiff.effort[0] - stiff.friction[0]
+    assert 0.5 * net / (0.001 + stiff.armature[0]) * QUICK**2 == pytest.approx(0.01)
+
+
+def test_what_moves_together_is_felt_by_each() -> None:
+    """Of a leader and a follower twice as fast, each is given what moves both."""
+    value, leader, ratio = np.array([1.0, 3.0, 5.0]), np.array([0, 0, 2]), np.array([1.0, -2.0, 1.0])
+    assert _of_all(value, leader, ratio, 1) == pytest.approx([1 + 6, 3.5, 5])
+    assert _of_all(value, leader, ratio, 2) == pytest.approx([1 + 12, 13 / 4, 5])
 
 
 def test_what_the_text_gives_stays_and_effort_overcomes_it() -> None:
     found = one("prismatic", [1.0, 0.0, 0.0], friction=200.0, damping=3.0, velocity=0.2)
     assert (found.friction[0], found.damping[0], found.velocity[0]) == (200.0, 3.0, 0.2)
-    assert found.effort[0] == pytest.approx(400.0)
+    assert found.effort[0] == pytest.approx(300.0)  # half as much again: more than a hand's push
     assert one("revolute", [0.0, -1.0, 0.0], effort=7.0).effort[0] == 7.0
