@@ -1,7 +1,8 @@
 """Joints that a format does not have, as chains of those that it has, with links of next to no mass between.
 
 A screw is a hinge and a slide on one axis that follows it. A ball is three hinges through one point: the tilt that its
-value is (see ``runtime.motion.freedoms``), the tilt about the third direction, and the twist about its own axis.
+value is (see ``runtime.motion.freedoms``), the tilt about the third direction, and the twist about its own axis. An object
+of one link gets a second one, of next to no mass and fixed to the first: SAPIEN takes no file without a joint for an articulation.
 """
 
 from __future__ import annotations
@@ -11,9 +12,9 @@ from dataclasses import replace
 import numpy as np
 
 from ..runtime.motion import square
-from .robot import Robot, RobotJoint, RobotLink
+from .robot import SMALLEST_MASS, Robot, RobotJoint, RobotLink
 
-ADVANCE, SWING, TWIST = "_advance", "_swing", "_twist"
+ADVANCE, SWING, TWIST, MARK = "_advance", "_swing", "_twist", "_mark"
 SHARE = 1e-3  # of the moved link's mass and inertia, for a link that is there for the format alone
 
 
@@ -45,7 +46,22 @@ def simple_joints(robot: Robot) -> Robot:
             joints += _chain([tilted, swing, twist], links)
         else:
             joints.append(joint)
+    if not joints:
+        links.append(_mark(links[0]))
+        joints.append(_held(links[0].name + MARK))
     return replace(robot, links=tuple(links), joints=tuple(joints))
+
+
+def _mark(root: RobotLink) -> RobotLink:
+    """A link that is there to have a joint, at the root's origin."""
+    inertia = 1e-6 * SMALLEST_MASS * np.eye(3)
+    return RobotLink(root.name + MARK, root.origin, SMALLEST_MASS, np.zeros(3), inertia, (), ())
+
+
+def _held(name: str) -> RobotJoint:
+    """A fixed joint from the first link to the second."""
+    axis = np.array([0.0, 0.0, 1.0])
+    return RobotJoint(name, "fixed", 0, 1, np.zeros(3), axis, None, None, 0.0, 0.0, 0.0, 0.0, 0.0, None)
 
 
 def _chain(steps: list[RobotJoint], links: list[RobotLink]) -> list[RobotJoint]:

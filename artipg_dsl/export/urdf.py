@@ -17,8 +17,10 @@ from .write import ExportError
 if TYPE_CHECKING:
     from jinja2 import Template
 
+APART = "Default"  # the word of an SRDF for pairs that no joint holds, and the only one that SAPIEN heeds
 KINDS = ("revolute", "continuous", "prismatic", "fixed")
 MOST_PAIRS = 31  # SAPIEN has a bit for each that are not parent and child
+FIRST_BIT, LAST_BIT = 6, 30  # of Bullet's 32 for groups: it uses the lower ones itself
 
 
 def urdf_files(robot: Robot) -> dict[str, bytes]:
@@ -30,7 +32,9 @@ def urdf_files(robot: Robot) -> dict[str, bytes]:
     files: dict[str, bytes] = {}
     looks: dict[str, str] = {}
     pieces: dict[bytes, str] = {}
-    links = [_link(link, files, looks, pieces) for link in robot.links]
+    pairs = _pairs(whole, robot)
+    groups = _groups([(one, other) for one, other, reason in pairs if reason == APART])
+    links = [_link(link, files, looks, pieces) | {"group": groups.get(link.name)} for link in robot.links]
     joints = [_joint(joint, robot) for joint in robot.joints]
     materials = [{"name": name, "rgba": rgba} for name, rgba in looks.items()]
     context = {"name": robot.name, "materials": materials, "links": links, "joints": joints}
@@ -43,9 +47,8 @@ def urdf_files(robot: Robot) -> dict[str, bytes]:
         texts["object_independent"] = {"linked": False, "world": "", "seen": True}
     for file, variant in texts.items():
         files[f"{file}.urdf"] = (_template("robot.urdf.j2").render(context, **variant) + "\n").encode("utf-8")
-        if joints:
-            text = _template("robot.srdf.j2").render(name=robot.name, pairs=_pairs(whole, robot))
-            files[f"{file}.srdf"] = (text + "\n").encode("utf-8")
+        text = _template("robot.srdf.j2").render(name=robot.name, pairs=pairs)
+        files[f"{file}.srdf"] = (text + "\n").encode("utf-8")
     return files
 
 
@@ -62,7 +65,22 @@ def _pairs(whole: Robot, robot: Robot) -> list[tuple[str, str, str]]:
     held = {frozenset((robot.links[joint.parent].name, robot.links[joint.child].name)) for joint in robot.joints}
     pairs = adjacent(whole)
     other = [pair for pair in pairs if frozenset(pair) not in held][:MOST_PAIRS]
-    return [(*pair, "Adjacent") for pair in pairs if frozenset(pair) in held] + [(*pair, "Default") for pair in other]
+    return [(*pair, "Adjacent") for pair in pairs if frozenset(pair) in held] + [(*pair, APART) for pair in other]
+
+
+def _groups(pairs: list[tuple[str, str]]) -> dict[str, dict[str, int]]:
+    """Bullet's group of each link in pairs that are not to collide, and the mask of what it does collide with: PyBullet reads
+    no SRDF, but these as attributes of a ``collision``. As many pairs as there are bits for their links."""
+    bits: dict[str, int] = {}
+    masks: dict[str, int] = {}
+    for pair in pairs:
+        new = [link for link in pair if link not in bits]
+        if len(bits) + len(new) > LAST_BIT - FIRST_BIT + 1:
+            continue
+        bits |= {link: 1 << (FIRST_BIT + len(bits) + k) for k, link in enumerate(new)}
+        for link, other in (pair, pair[::-1]):
+            masks[link] = masks.get(link, -1) & ~bits[other]
+    return {link: {"group": bits[link], "mask": masks[link]} for link in bits}
 
 
 @lru_cache(maxsize=2)

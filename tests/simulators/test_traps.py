@@ -6,6 +6,7 @@ in USD are in ``tests/export/test_usd.py``.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -115,6 +116,31 @@ def test_links_with_others_between_do_not_collide_in_sapien() -> None:
             world.step()
             pairs = [{body.entity.name for body in contact.bodies} for contact in world.scene.get_contacts()]
             assert (set(names) in pairs) == (not kept)
+
+
+def test_pairs_that_do_not_collide_are_groups_in_pybullet_and_still_collide_with_all_else() -> None:
+    """It reads no SRDF, but ``group`` and ``mask``; a ball lies on what has them as on anything."""
+    adapter("pybullet")
+    import pybullet
+
+    robot = fake(kind="screw", pitch=0.01, low=0.0, high=6.0, origin=np.zeros(3))  # the door lies within the body
+    with written(robot, "urdf") as subject:
+        path, met = subject.folder / "object.urdf", []
+        plain = path.read_text()
+        for text in (plain, re.sub(r' (group|mask)="[^"]*"', "", plain)):
+            path.write_text(text)
+            client = pybullet.connect(pybullet.DIRECT)
+            try:
+                flags = pybullet.URDF_USE_SELF_COLLISION
+                body = pybullet.loadURDF(str(path), useFixedBase=True, flags=flags, physicsClientId=client)
+                ball = pybullet.createCollisionShape(pybullet.GEOM_SPHERE, radius=0.1, physicsClientId=client)
+                ball = pybullet.createMultiBody(1.0, ball, physicsClientId=client)
+                pybullet.stepSimulation(physicsClientId=client)
+                inside = pybullet.getContactPoints(body, body, physicsClientId=client)
+                met.append((bool(inside), bool(pybullet.getContactPoints(body, ball, physicsClientId=client))))
+            finally:
+                pybullet.disconnect(client)
+    assert met == [(False, True), (True, True)]
 
 
 # ------------------------------------------------------------ light links under a limited effort
