@@ -1,0 +1,89 @@
+"""Exported objects under controllers of people who know nothing of this project: joints come to both ends, what follows follows.
+
+One object of a few categories; ``ARTIPG_EVERY=1`` takes all of them. ``benchmarks/drive.py`` takes more, and prints a table.
+"""
+
+from __future__ import annotations
+
+import ast
+import os
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from export.fake_batch import FakeBatch
+
+from artipg_dsl.export.mjcf import mjcf_files
+from artipg_dsl.export.robot import Robot, Robots
+from artipg_dsl.export.urdf import urdf_files
+
+from .matrix import SHIPPED, objects
+from .strangers import __file__ as strangers
+from .strangers.moves import Move
+from .strangers.ways import WAYS, Way
+
+# drawers, what leans, a key of a third of a millimetre, two that follow one another, loops, a screw
+FEW = ["storage_furniture", "chair", "laptop", "scissors", "foldingrack", "bottle"]
+# what a simulator does not do with a URDF: docs/formats.md
+TIES = {
+    "bottle": {"pybullet", "sapien", "mujoco-urdf"},
+    "foldingrack": {"pybullet", "sapien", "mujoco-urdf"},
+    "scissors": {"pybullet"},
+}
+SOFT = {"laptop": {"mujoco-urdf", "pybullet-geared"}, "foldingrack": {"mujoco-constant"}, "chair": {"mujoco-constant"}}
+
+
+@cache
+def robot(category: str) -> Robot:
+    """The first object that moves."""
+    return next(one.robot for one in objects(category, 3, 1) if one.robot.joints)
+
+
+def driven(robot: Robot, way: Way, folder: Path) -> list[Move]:
+    if not way.there:
+        pytest.skip(f"{way.package} is not installed: pip install 'artipg_dsl[sim]'")
+    for name, data in (mjcf_files if way.file.endswith(".xml") else urdf_files)(robot).items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_bytes(data)
+    return way.drive(folder)
+
+
+def cases() -> Iterator[tuple[str, str]]:
+    for category in SHIPPED if os.environ.get("ARTIPG_EVERY") else FEW:
+        for way in WAYS:
+            if way not in TIES.get(category, set()) | SOFT.get(category, set()):
+                yield category, way
+
+
+@pytest.mark.parametrize(("category", "way"), list(cases()))
+def test_a_stranger_brings_joints_to_both_ends(category: str, way: str, tmp_path: Path) -> None:
+    moves = driven(robot(category), WAYS[way], tmp_path)
+    assert not [str(move) for move in moves if not (move.reached and move.followed)]
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_an_object_of_one_link_loads_as_any_other(way: str, tmp_path: Path) -> None:
+    """SAPIEN's ``load`` takes no file without a joint."""
+    whole = Robots(FakeBatch(1)).robot(0)
+    assert driven(replace(whole, links=whole.links[:1], joints=()), WAYS[way], tmp_path) == []
+
+
+def test_strangers_know_nothing_of_us() -> None:
+    """Their modules import neither the package nor the adapters beside them."""
+    for path in Path(strangers).parent.glob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ImportFrom):
+                assert node.level <= 1 and not (node.module or "").startswith("artipg_dsl"), path
+            elif isinstance(node, ast.Import):
+                assert not any(name.name.startswith("artipg_dsl") for name in node.names), path
+
+
+def test_a_driver_reports_what_does_not_come_to_its_end(tmp_path: Path) -> None:
+    """A hinge whose friction is more than its effort does not move, and the driver says so."""
+    whole = Robots(FakeBatch(1)).robot(0)
+    stuck = replace(whole.joints[0], friction=10.0, effort=5.0, axis=np.array([0.0, 0.0, 1.0]))
+    moves = driven(replace(whole, joints=(stuck, *whole.joints[1:])), WAYS["mujoco"], tmp_path)
+    assert any(move.joint == stuck.name and not move.reached for move in moves)
