@@ -104,17 +104,13 @@ def sapien_urdf(folder: Path, robot: Robot) -> Reading:
     scene = sapien.Scene([physx.PhysxCpuSystem()])
     loader = scene.create_urdf_loader()
     loader.fix_root_link = True
-    articulations, actors = loader.load_multiple(str(folder / "object_physics.urdf"))
-    if actors:
-        parts = {actors[0].name: actors[0].find_component_by_type(physx.PhysxRigidDynamicComponent)}
-        active = []
-    else:
-        parts, active = {link.name: link for link in articulations[0].links}, articulations[0].active_joints
+    articulation = loader.load(str(folder / "object_physics.urdf"))
+    parts, active = {link.name: link for link in articulation.links}, articulation.active_joints
     order = [joint.name for joint in active]
 
     def poses(values: Values) -> dict[str, Matrix]:
         if order:
-            articulations[0].set_qpos([values[name] for name in order])
+            articulation.set_qpos([values[name] for name in order])
         return {name: link.entity.pose.to_transformation_matrix() for name, link in parts.items()}
 
     bodies = {}

@@ -36,27 +36,20 @@ class SapienSim:
             self.scene.add_ground(0.0, render=False)
         loader = self.scene.create_urdf_loader()
         loader.fix_root_link = not free
-        articulations, actors = loader.load_multiple(str(subject.folder / "object_physics.urdf"))
-        self.articulation = articulations[0] if articulations else None  # an object without joints is an actor
-        self.actor = actors[0] if actors else None
-        found = self.articulation.active_joints if self.articulation else []
+        self.articulation = loader.load(str(subject.folder / "object_physics.urdf"))
+        found = self.articulation.active_joints
         self.joint = {joint.name: joint for joint in found}
         self.order = [joint.name for joint in found]
         self.held: dict[str, float] = {}
-        if self.actor and not free:
-            self.actor.find_component_by_type(physx.PhysxRigidDynamicComponent).kinematic = True
 
     def links(self) -> set[str]:
-        return {link.name for link in self.articulation.links} if self.articulation else {self.actor.name}
+        return {link.name for link in self.articulation.links}
 
     def joints(self) -> set[str]:
         return set(self.joint)
 
     def place(self, values: dict[str, float]) -> None:
         base = sapien.Pose([0, 0, -float(self.subject.low[2])] if self.free else [0, 0, 0])
-        if self.actor:
-            self.actor.set_pose(base)
-            return
         self.articulation.set_qpos([values[name] for name in self.order])
         self.articulation.set_qvel(np.zeros(len(self.order)))
         if self.free:
@@ -102,10 +95,7 @@ class SapienSim:
         return float(self.articulation.get_qpos()[self.order.index(joint)])
 
     def poses(self) -> Poses:
-        if self.actor:
-            found = {self.actor.name: self.actor.pose}
-        else:
-            found = {link.name: link.get_entity_pose() for link in self.articulation.links}
+        found = {link.name: link.get_entity_pose() for link in self.articulation.links}
         return {name: (np.asarray(pose.p, np.float64), np.asarray(pose.q, np.float64)) for name, pose in found.items()}
 
     def close(self) -> None:
