@@ -318,21 +318,24 @@ class Material:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Allowed:
-    """``allow overlap`` and ``free``: pairs of links, with the reason given; ``allow floating``: nodes of the part tree."""
+    """``allow overlap`` and ``free``: two sets of nodes of the part tree whose links may overlap; ``allow floating``: one.
+
+    Said in each row of ``scope``, of the parts of that row: elements of a repeat that it stands in are each on their own.
+    ``ranks``: of either, the elements of repeats that are meant, (name of the repeat, rank; -1 for the last).
+    """
 
     kind: str  # "overlap" | "free" | "floating"
+    scope: Scope
     first: tuple[int, ...]
     second: tuple[int, ...]
     reason: str
+    ranks: tuple[tuple[tuple[str, int], ...], ...] = ((), ())
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Clear:
-    """``clear a from b by distance`` where ``scope`` has rows: two sets of nodes of the part tree.
-
-    ``ranks``: of either, the elements of repeats that are meant, (name of the repeat, rank). ``whatever`` the joints do;
-    else at rest and while each moves alone.
-    """
+    """``clear a from b by distance``: two sets of nodes of the part tree, said and numbered as in ``Allowed``. ``whatever`` the
+    joints do; else at rest and while each moves alone."""
 
     scope: Scope
     first: tuple[int, ...]

@@ -217,9 +217,9 @@ class Verifier:
 
     def _allowed(self, allowed: P.Allowed, number: int) -> None:
         need(allowed.kind in ("overlap", "free", "floating"), f"nothing allows {shapes.shown(allowed.kind)}")
-        floating = allowed.kind == "floating"
         for one in (*allowed.first, *allowed.second):
-            self.index(one, self.program.parts if floating else self.program.links, "part" if floating else "link")
+            self.index(one, self.program.parts, "part")
+        need(len(allowed.ranks) == 2, "ranks are those of either side")
 
     def _clear(self, clear: P.Clear, number: int) -> None:
         for one in (*clear.first, *clear.second):

@@ -256,9 +256,13 @@ def open_when(env: Env, statement: ast.WhenStmt) -> None:
 def enter_when(env: Env, statement: ast.WhenStmt) -> list[tuple[Env, tuple[ast.Stmt, ...]]]:
     """The branches of a ``when``, tables of the rows for which the guard holds, one per guard: names and statements are known."""
     if statement not in env.entered:
+        found = env.entered[statement] = []  # a guard that asks for what stands under it finds nothing
         ev = Evaluator(env)
-        condition = ev.truth(ev.value(statement.guard), statement.guard.span)
-        found = env.entered[statement] = []
+        try:
+            condition = ev.truth(ev.value(statement.guard), statement.guard.span)
+        except Abort:
+            del env.entered[statement]
+            raise
         for guard, body in ((condition, statement.body), (E.negate(condition), statement.otherwise)):
             if not body or guard is E.FALSE:
                 continue
@@ -271,6 +275,16 @@ def enter_when(env: Env, statement: ast.WhenStmt) -> list[tuple[Env, tuple[ast.S
     return env.entered[statement]
 
 
+def declares(statement: ast.WhenStmt, name: str) -> bool:
+    """Whether a branch of a ``when`` declares a name."""
+    return any(
+        declares(inner, name)
+        if isinstance(inner, ast.WhenStmt)
+        else name in names_of(inner) or isinstance(inner, ast.PortDecl) and inner.name == name
+        for inner in (*statement.body, *statement.otherwise)
+    )
+
+
 def bind_slots(env: Env, body: tuple[ast.Stmt, ...]) -> None:
     """Slots of the instance: what ``slot x = ...`` lists; otherwise a part of the slot's name binds itself."""
     instance = env.instance
@@ -278,4 +292,4 @@ def bind_slots(env: Env, body: tuple[ast.Stmt, ...]) -> None:
         return
     for statement in body:
         if isinstance(statement, ast.SlotDecl) and statement.targets:
-            instance.bindings[statement.name] = (env, statement)
+            instance.bindings.setdefault(statement.name, []).append((env, statement))

@@ -8,7 +8,7 @@ equations that are matched together.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from ..graph import expr as E
@@ -17,13 +17,16 @@ from ..graph.program import Pose
 from ..semantics.symbols import ModuleScope, Symbol
 from ..source import Span
 from ..syntax import ast
-from .carry import moved
+from .carry import merged, moved
 from .context import Abort, Context, Equation, Unknown
-from .values import Box, Value
+from .values import Box, Choice, Frame, Line, Plane, Ports, Ref, Value, Vec
 from .vectors import HERE, inverse
 
 if TYPE_CHECKING:
     from .part import Instance, Part
+
+
+MERGED = (Expr, Vec, Frame, Plane, Line, Box, Choice, Ports, Ref)  # one value out of those of branches
 
 
 @dataclass(slots=True, eq=False)
@@ -114,17 +117,41 @@ class Env:
 
     def find(self, name: str) -> Value | None:
         """A name from here outwards, in this environment's frame."""
-        if name in self.names:
-            return self.force(name)
-        for branch in self.branches.values():
-            if name in branch.names and branch.scope is self.scope:
-                return branch.force(name)
+        found = self.declared(name)
+        if found is not None:
+            return found
         if self.outer is None:
             return None
         value = self.outer.find(name)
         if value is None or self.frame is HERE:
             return value
         return moved(value, inverse(self.frame))
+
+    def declared(self, name: str) -> Value | None:
+        """The value of a name that is declared here, or in branches of ``when``: of the branch that is there."""
+        if name in self.names:
+            return self.force(name)
+        found = [(branch.scope, value) for branch, value in self.branched(name)]
+        if not found or not all(isinstance(value, MERGED) for _, value in found):
+            return None
+        if all(isinstance(value, Ref) for _, value in found):
+            own = self.scope
+            return Ref(name, tuple(
+                replace(b, scope=b.scope or (None if scope is own else scope)) for scope, value in found for b in value.branches
+            ))  # fmt: skip
+        return found[0][1] if found[0][0] is self.scope else merged(self.scope, found)
+
+    def branched(self, name: str) -> list[tuple[Env, Value]]:
+        """What branches of ``when`` declare under a name, be they further down in the text."""
+        from .body import declares, enter_when
+
+        for statement in self.statements:
+            if isinstance(statement, ast.WhenStmt) and declares(statement, name):
+                enter_when(self, statement)
+        found: list[tuple[Env, Value]] = []
+        for branch in self.branches.values():
+            found.extend([(branch, branch.force(name))] if name in branch.names else branch.branched(name))
+        return found
 
     def all_parts(self) -> list[Part]:
         """Parts declared here and in the environments inside, in the order of the text."""

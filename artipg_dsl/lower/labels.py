@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -17,11 +17,11 @@ from .drives import Drive
 from .env import Element, Env
 from .evaluate import Evaluator
 from .faces import extent
+from .guards import held
 from .links import Links
 from .part import Part
 from .place import root_name
 from .solve import lifted
-from .surfaces import held
 from .values import Box, Frame, Line, Ref, Surface, Value, Vec
 from .vectors import HERE, compose, inverse, place
 
@@ -39,22 +39,32 @@ class Aim:
     box: Box  # in that frame
     scope: Scope  # the table of one instance of the target
     depth: int
+    there: Expr = E.TRUE  # where a slot that a `when` binds means it
 
 
 def statements(links: Links, env: Env) -> None:
-    """The labels and the like of an environment, those inside parts first (so that outer ones may stand over them)."""
-    for part in env.parts:
-        for instance in part.instances:
-            if instance.env is not None:
-                statements(links, instance.env)
-    for found in env.statements:
-        if isinstance(found, ast.SymmetryStmt):  # before those under a guard, which say more
-            attempt(links, env, found, symmetry)
+    """The labels and the like of a body in the order of its text, those inside parts first (so that outer ones may stand over
+    them)."""
+    homes = list(nested(env))
+    for home in homes:
+        for part in home.parts:
+            for instance in part.instances:
+                if instance.env is not None:
+                    statements(links, instance.env)
+    said = [(home, statement) for home in homes for statement in home.statements]
+    for home, statement in said:
+        if isinstance(statement, ast.SymmetryStmt):  # before those under a guard, which say more
+            attempt(links, home, statement, symmetry)
+    for home, statement in sorted(said, key=lambda pair: pair[1].span.start):
+        if type(statement) in MEANINGS:
+            attempt(links, home, statement, MEANINGS[type(statement)])
+
+
+def nested(env: Env) -> Iterator[Env]:
+    """An environment, then its repeats and branches and what is in them."""
+    yield env
     for inner in env.inner:
-        statements(links, inner)
-    for found in env.statements:
-        if type(found) in MEANINGS:
-            attempt(links, env, found, MEANINGS[type(found)])
+        yield from nested(inner)
 
 
 def attempt(links: Links, env: Env, statement: ast.Stmt, meaning: Callable[[Links, Env, Any], None]) -> None:
@@ -72,6 +82,7 @@ def aims(links: Links, env: Env, node: ast.Expr) -> list[Aim]:
     """The things a target names; a path may run through repeats and slots."""
     found: list[Aim] = []
     for value, home in walk(env, node):
+        reached = len(found)
         if isinstance(value, Surface):
             found.extend(aim_at(links, part, part, (name,)) for _, part, _, name in value.branches)
         elif isinstance(value, Ref):
@@ -82,6 +93,8 @@ def aims(links: Links, env: Env, node: ast.Expr) -> list[Aim]:
                 found.append(aim_at(links, part, part, ()))
         else:
             raise env.context.error("wrong-kind", node.span, "a part, a slot or a surface is needed here")
+        for aim in found[reached:] if home.root is not env.root else ():
+            aim.there = held(home.scope, aim.scope)
     return found
 
 
@@ -101,13 +114,15 @@ def slot_owner(part: Part, home: Env, env: Env) -> Part:
 def walk(env: Env, node: ast.Expr) -> list[tuple[Value, Env]]:
     """Values of a path without an index, through every repeat it names, each in its own environment."""
     if isinstance(node, ast.NameExpr):
+        at: Env | None = env
+        while at is not None:  # each branch of a `when` that declares the name, on its own
+            if node.name not in at.names and (branched := at.branched(node.name)):
+                return [(value, branch) for branch, value in branched]
+            at = at.outer if node.name not in at.names else None
         value = env.find(node.name)
         if value is not None:
             return [(value, env)]
-        held = guarded(env, node.name)
-        if not held:
-            raise env.context.error("unknown-name", node.span, f"`{node.name}` is not known here")
-        return held
+        raise env.context.error("unknown-name", node.span, f"`{node.name}` is not known here")
     if isinstance(node, ast.IndexExpr):
         return walk(env, node.obj)
     if not isinstance(node, ast.MemberExpr):
@@ -118,19 +133,11 @@ def walk(env: Env, node: ast.Expr) -> list[tuple[Value, Env]]:
             if node.name in value.env.names:
                 found.append((value.env.force(node.name), value.env))
             else:
-                found.extend(guarded(value.env, node.name))
+                found.extend((v, branch) for branch, v in value.env.branched(node.name))
         elif isinstance(value, Ref):
             found.extend(inner_values(value, node.name))
     if not found:
         raise env.context.error("unknown-member", node.name_span, f"nothing here has `{node.name}`")
-    return found
-
-
-def guarded(env: Env, name: str) -> list[tuple[Value, Env]]:
-    """What branches of ``when`` declare under a name; exclusive ones may all do."""
-    found: list[tuple[Value, Env]] = []
-    for branch in env.branches.values():
-        found.extend([(branch.force(name), branch)] if name in branch.names else guarded(branch, name))
     return found
 
 
@@ -143,22 +150,19 @@ def inner_values(ref: Ref, name: str) -> list[tuple[Value, Env]]:
                 if name in instance.bindings:
                     found.extend(instance.bound(name))
                     continue
-                value = own_member(instance, name)
-                if value is not None:
-                    found.append((value, instance.env or part.env))
+                found.extend((value, instance.env or part.env) for value in own_members(instance, name))
     return found
 
 
-def own_member(instance: Instance, name: str) -> Value | None:
+def own_members(instance: Instance, name: str) -> list[Value]:
+    """What an instance declares under a name: one value, or one in each branch that does."""
     if instance.solid is not None:
-        return Surface(((None, instance.part, HERE, name),)) if name in instance.solid.primitive.surfaces else None
+        return [Surface(((None, instance.part, HERE, name),))] if name in instance.solid.primitive.surfaces else []
     assert instance.env is not None
     if name in instance.env.names:
-        return instance.env.force(name)
-    for branch in instance.env.branches.values():
-        if name in branch.names:
-            return branch.force(name)
-    return None
+        value = instance.env.force(name)
+        return [] if value is None else [value]
+    return [value for _, value in instance.env.branched(name)]
 
 
 def aim_at(links: Links, part: Part, owner: Part, surfaces: tuple[str, ...]) -> Aim:
@@ -268,11 +272,7 @@ def field_label(links: Links, env: Env, statement: ast.FieldStmt) -> None:
 
 def standing(env: Env, aim: Aim) -> Expr:
     """What the ``when`` around a statement says, as far as the target may be there without it."""
-    found = E.TRUE
-    for scope in env.scope.ancestors():
-        if scope.kind == "guard" and scope.count is not None and not aim.scope.within(scope):
-            found = E.both(found, scope.count)
-    return found
+    return E.both(held(env.scope, aim.scope), aim.there)
 
 
 def present(env: Env, aim: Aim) -> Expr:
@@ -302,10 +302,10 @@ def material(links: Links, env: Env, statement: ast.MaterialStmt) -> None:
     for node in statement.targets:
         for aim in aims(links, env, node):
             there = standing(env, aim)
-            held = tuple((name, E.both(there, predicate)) for name, predicate in pairs)
+            looks = tuple((name, E.both(there, predicate)) for name, predicate in pairs)
             for part in aim.parts:
                 for site in sites_of(links, part):
-                    links.context.materials.setdefault(site, []).append((aim.depth, held))
+                    links.context.materials.setdefault(site, []).append((aim.depth, looks))
 
 
 def grasp(links: Links, env: Env, statement: ast.GraspStmt) -> None:

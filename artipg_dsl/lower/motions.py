@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ..graph import expr as E
+from ..graph.expr import ScopeError
 from ..graph.program import Closure
 from ..graph.reference import Reference
 from ..source import Span
@@ -13,7 +14,8 @@ from .connect import carriers
 from .context import Abort, where
 from .env import Env
 from .evaluate import Evaluator
-from .links import Links
+from .guards import held
+from .links import Links, clears
 from .solve import lifted
 from .values import Frame, Line, Vec
 from .vectors import Triple, direct, dot, minus, place, plus, times
@@ -33,8 +35,8 @@ def motions(links: Links, env: Env) -> None:
                 limit(links, env, statement)
             elif isinstance(statement, ast.CloseStmt):
                 close(links, env, statement)
-        except Abort:
-            continue
+        except (Abort, ScopeError) as error:
+            env.context.failed(error, statement.span)
 
 
 def limit(links: Links, env: Env, statement: ast.LimitStmt) -> None:
@@ -49,10 +51,20 @@ def limit(links: Links, env: Env, statement: ast.LimitStmt) -> None:
         joint = program.joints[number]
         if joint.low is None or joint.high is None:
             raise links.context.error("wrong-kind", statement.joint.span, f"a {joint.kind} joint has no range to limit")
+        here = held(env.scope, joint.scope)
+        if here is not E.TRUE and clears(ev, statement.range.high):
+            raise links.context.error(
+                "needs-clearance", statement.range.high.span, "`clearance` cannot stand under a guard that the joint does not stand under",
+                hint="say it in the joint's own range, or state one joint in each branch",
+            )  # fmt: skip
         ends = links.ends(ev, statement.range.low, statement.range.high, joint.kind, number)
         low, high = (lifted(end, joint.scope) for end in ends)
         low, high = E.maximum(joint.low, low), E.minimum(joint.high, high)
         rest = E.minimum(E.maximum(joint.rest, low), high)
+        low, high, rest = (
+            E.where(here, new, old)
+            for new, old in zip((low, high, rest), (joint.low, joint.high, joint.rest), strict=True)
+        )
         program.joints[number] = replace(joint, low=low, high=high, rest=rest)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -16,6 +17,7 @@ from .context import Abort, Context
 from .env import Env
 from .evaluate import Evaluator
 from .extents import frame_in, union_of
+from .guards import held
 from .style import Style
 from .values import Box, Branch, Choice, Ports, Ref, Surface, Value, Vec
 from .vectors import IDENTITY, compose, times
@@ -165,7 +167,7 @@ class Instance:
     env: Env | None = None  # the body of a template
     solid: Lowered | None = None  # of a primitive
     values: dict[str, Value] = field(default_factory=dict)
-    bindings: dict[str, tuple[Env, ast.SlotDecl]] = field(default_factory=dict)
+    bindings: dict[str, list[tuple[Env, ast.SlotDecl]]] = field(default_factory=dict)  # one, or one in each branch
     _box: Box | None = None
 
     @property
@@ -183,40 +185,47 @@ class Instance:
         assert self.env is not None
         if name in self.bindings:
             return self.slot(name)
-        if name in self.env.names:
-            return self.env.force(name)
-        for branch in self.env.branches.values():
-            if name in branch.names:
-                value = branch.force(name)
-                if branch.scope is self.env.scope or isinstance(value, Ref):
-                    return Ref(name, tuple(Branch(b.scope or branch.scope, b.members) for b in value.branches)) if isinstance(
-                        value, Ref
-                    ) else value  # fmt: skip
-                return merged(self.env.scope, [(branch.scope, value)])
-        return None
+        return self.env.declared(name)
 
     def bound(self, name: str) -> list[tuple[Value, Env]]:
         """What a slot binds, each value with the environment it lives in; paths may run through repeats."""
+        return [found for home, statement in self.bindings[name] for found in self.targets(home, statement)]
+
+    def targets(self, env: Env, statement: ast.SlotDecl) -> list[tuple[Value, Env]]:
+        """What one statement binds; under a guard, all of it lives in its branch."""
         from .labels import walk
 
-        env, statement = self.bindings[name]
-        return [found for node in statement.targets for found in walk(env, node)]
+        found: list[tuple[Value, Env]] = []
+        for node in statement.targets:
+            for value, home in walk(env, node):
+                within = env.scope is self.scope or home.scope.within(env.scope)
+                if not within and held(home.scope, self.scope) is not E.TRUE:
+                    raise self.part.context.error(
+                        "wrong-kind", node.span, "a slot that a `when` binds to a slot that another `when` binds cannot be followed",
+                        hint="name the part itself, or bind the slot in every branch of one `when`",
+                    )  # fmt: skip
+                found.append((value, home if within else env))
+        return found
 
     def slot(self, name: str) -> Value:
         """A slot as one reference to all the parts, or all the surfaces, it binds."""
-        members: list[tuple[Part, Pose]] = []
-        surfaces = []
-        for value, _ in self.bound(name):
-            if isinstance(value, Surface):
-                for table, part, outer, surface in value.branches:
-                    pose = compose(frame_in(part.env, self.env), compose(part.pose, outer))
-                    surfaces.append((table, part, pose, surface))
-                continue
-            if not isinstance(value, Ref):
-                return value
-            for branch in value.branches:
-                members.extend((part, frame_in(part.env, self.env)) for part, _ in branch.members)
-        return Surface(tuple(surfaces)) if surfaces else Ref(name, (Branch(None, tuple(members)),))
+        surfaces: list[tuple[Scope | None, Part, Pose, str]] = []
+        branches: list[Branch] = []
+        for home, statement in self.bindings[name]:
+            scope = None if home.scope is self.scope else home.scope
+            members: list[tuple[Part, Pose]] = []
+            for value, _ in self.targets(home, statement):
+                if isinstance(value, Surface):
+                    for table, part, outer, surface in value.branches:
+                        pose = compose(frame_in(part.env, self.env), compose(part.pose, outer))
+                        surfaces.append((table or scope, part, pose, surface))
+                    continue
+                if not isinstance(value, Ref):
+                    return value
+                for branch in value.branches:
+                    members.extend((part, frame_in(part.env, self.env)) for part, _ in branch.members)
+            branches += [Branch(scope, tuple(members))] if members else []
+        return Surface(tuple(surfaces)) if surfaces else Ref(name, tuple(branches))
 
     def box(self) -> Box:
         if self._box is None:
@@ -273,14 +282,9 @@ def matches(part: Part, name: str, span: Span, env: Env) -> Expr:
     symbol = env.module.find(name)
     if symbol is None:
         raise part.context.error("unknown-name", span, f"there is no role or template `{name}`")
-    codes = [o.code for o in part.options if is_a(o.symbol, symbol)]
-    if not codes:
-        return E.FALSE
-    if part.choice is None or len(codes) == len(part.options) and part.exists is E.TRUE:
-        return E.TRUE
-    if len(codes) == len(part.options):
+    from .build import option_guard
+
+    options = [o for o in part.options if is_a(o.symbol, symbol)]
+    if len(options) == len(part.options):
         return part.exists
-    result = E.FALSE
-    for code in codes:
-        result = E.either(result, E.call("eq", part.choice.code, E.const(float(code))))
-    return result
+    return functools.reduce(E.either, (option_guard(part, o) for o in options), E.FALSE)

@@ -6,18 +6,21 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..graph import expr as E
-from ..graph.expr import ONE, ZERO
+from ..graph.expr import ONE, ZERO, Scope
 from ..graph.linear import tidy
 from ..graph.program import Pose
 from ..syntax import ast
 from .carry import mapped_pose
-from .context import Equation
+from .cases import TooManyCases, combinations
+from .context import Equation, text_of
 from .env import Env
 from .evaluate import Evaluator
-from .values import Branch, Frame, Line, Ref, Value
+from .guards import held
+from .values import Branch, Face, Frame, Line, Ref, Value
 from .vectors import (
     AXES,
     HERE,
+    IDENTITY,
     Matrix,
     Triple,
     columns,
@@ -115,9 +118,16 @@ def mounting(statement: ast.WhenStmt, name: str) -> bool:
     return False
 
 
+def rotation_of(part: Part) -> Matrix:
+    """How a part is turned before it is placed."""
+    from .build import rotation_of as turned
+
+    return turned(part)
+
+
 def pose_of(part: Part) -> Pose:
     """The pose of a part in its environment; registers unknown coordinates where equations shall find them."""
-    from .build import position_columns, rotation_of
+    from .build import position_columns
 
     if part.declaration.root:
         return Pose(rotation_of(part), (ZERO, ZERO, ZERO), ONE)
@@ -125,6 +135,8 @@ def pose_of(part: Part) -> Pose:
     if not found:
         return Pose(rotation_of(part), position_columns(part), ONE)
     poses = [(m.env.scope, mounted(part, m)) for m in found]
+    if not everywhere(part, [scope for scope, _ in poses]):
+        return partly(part, [(m, pose) for m, (_, pose) in zip(found, poses, strict=True)])
     if len(poses) == 1:
         return poses[0][1]
     context = part.context
@@ -140,6 +152,39 @@ def pose_of(part: Part) -> Pose:
     return mapped_pose(poses[0][1], pick)
 
 
+def everywhere(part: Part, scopes: list[Scope]) -> bool:
+    """Whether one of the tables has a row wherever the part exists."""
+    if any(scope is part.env.scope for scope in scopes):
+        return True
+    guards = [held(scope, part.env.scope) for scope in scopes]
+    try:
+        return all(any(there) for exists, *there in combinations([part.exists, *guards], part.context.draws) if exists)
+    except TooManyCases:
+        return False
+
+
+def partly(part: Part, mounts: list[tuple[Mount, Pose]]) -> Pose:
+    """The pose of a part that is mounted in some cases alone: there its place is an equation, else what others determine."""
+    from .build import position_columns
+
+    place, rotation = position_columns(part), rotation_of(part)
+    for mount, pose in mounts:
+        span = mount.statement.span
+        for column, value in zip(place, pose.translation, strict=True):
+            mount.env.equations.append(Equation(column, value, span, text_of(span), part.exists))
+    scope = part.env.scope
+    cells = [
+        [
+            E.phi(scope, [(m.env.scope, pose.rotation[i][j]) for m, pose in mounts], rotation[i][j])
+            if any(pose.rotation[i][j] is not rotation[i][j] for _, pose in mounts)
+            else rotation[i][j]
+            for j in range(3)
+        ]
+        for i in range(3)
+    ]
+    return Pose(tuple(map(tuple, cells)), place, ONE)  # type: ignore[arg-type]
+
+
 def flat(pose: Pose) -> list[E.Expr]:
     found: list[E.Expr] = []
     mapped_pose(Pose(pose.rotation, pose.translation, pose.mirror), lambda e: found.append(e) or e)  # type: ignore[func-returns-value]
@@ -151,7 +196,10 @@ def mounted(part: Part, mount: Mount) -> Pose:
     if mount.clause("between") is not None:
         return bridged(part, mount, ev)
     assert mount.target is not None
-    own = own_value(part, mount.subject, mount.env)
+    inner = rotation_of(part)
+    own = own_value(part, mount.subject, mount.env, inner)
+    if inner != IDENTITY and not isinstance(own, Face):
+        turned_in_vain(part, mount)
     if isinstance(own, Line):
         own = Frame(own.point, axes_from(own.direction), own.on)
     if not isinstance(own, Frame):
@@ -171,7 +219,19 @@ def mounted(part: Part, mount: Mount) -> Pose:
     if sink is not None:
         offset = E.sub(offset, ev.scalar(sink.values[0]))
     origin = plus(origin, times(out, offset))
-    return Pose(rotation, minus(origin, turn(rotation, own.origin)), ONE)
+    shift = minus(origin, turn(rotation, own.origin))
+    return Pose(rotation if inner == IDENTITY else product(rotation, inner), shift, ONE)
+
+
+def turned_in_vain(part: Part, mount: Mount) -> None:
+    """Refuse `along` and `turned` of a part that a port or two points place: turned or not, it would stand the same."""
+    said = [*part.declaration.placements, *(p for o in part.options for p in o.source.placements)]
+    said += part.declaration.alternatives[0].placements if part.style is not None else ()
+    raise part.context.error(
+        "over-determined", said[0].span, f"`{part.name}` is turned here, but what it is mounted by turns with it: this says nothing",
+        hint="turn the port in its template, or place the part by a face of its box (`connect lid.back on ...`) and equations",
+        notes=((mount.statement.span, "the mount"),),
+    )  # fmt: skip
 
 
 def axes_from(direction: Triple) -> Matrix:
@@ -181,9 +241,10 @@ def axes_from(direction: Triple) -> Matrix:
     return frame_of(direction, unit(0 if abs(direction[2].constant or 0.0) == 1.0 else 2))
 
 
-def own_value(part: Part, subject: ast.Expr, env: Env) -> Value:
-    """The subject of a mount in the part's own frame (its pose is what is sought)."""
-    return Evaluator(env, {part.name: Ref(part.name, (Branch(None, ((part, HERE),)),), own=True)}).value(subject)
+def own_value(part: Part, subject: ast.Expr, env: Env, rotation: Matrix = IDENTITY) -> Value:
+    """The subject of a mount in the part's own frame (its pose is what is sought), turned as the part says."""
+    frame = HERE if rotation == IDENTITY else Pose(rotation, (ZERO, ZERO, ZERO), ONE)
+    return Evaluator(env, {part.name: Ref(part.name, (Branch(None, ((part, frame),)),), own=True)}).value(subject)
 
 
 def located(frame: Frame, mount: Mount, ev: Evaluator) -> Triple:
@@ -212,6 +273,8 @@ def bridged(part: Part, mount: Mount, ev: Evaluator) -> Pose:
     """``between A and B [facing d] [sink s]``: the pose and the one parameter on which the length of ``ends`` depends."""
     clause = mount.clause("between")
     assert clause is not None
+    if rotation_of(part) != IDENTITY:
+        turned_in_vain(part, mount)
     subject = mount.subject
     line = part.own("ends", subject.span) if isinstance(subject, ast.NameExpr) else own_value(part, subject, mount.env)
     if not isinstance(line, Line) or line.to is None:

@@ -21,7 +21,7 @@ from .body import lower_statements
 from .bounds import attach_bounds
 from .connect import carriers
 from .context import Abort, Context, text_of, where
-from .env import Env
+from .env import Element, Env
 from .evaluate import Evaluator
 from .feasible import judge
 from .legal import legalize
@@ -31,7 +31,7 @@ from .part import Part
 from .primitives import comparison
 from .slots import slots
 from .solve import circular
-from .values import Choice, Ref, Value
+from .values import Choice, Ref, Value, part_of
 
 
 @dataclass(slots=True, eq=False)
@@ -271,12 +271,12 @@ def walk(node: ast.Node) -> list[ast.Node]:
 
 
 def allow(links: Links, env: Env, statement: ast.AllowStmt) -> None:
-    sides: list[tuple[int, ...]] = [nodes(links, env, statement.subject), ()]
-    if statement.other is not None:
-        for k, node in enumerate((statement.subject, statement.other)):
-            found = [links.carrier(p) for v, home in labels.walk(env, node) for p in carriers(v, home.scope)]
-            sides[k] = definitions(tuple(k for group in found for k in group))
-    links.context.program.allowed.append(Allowed(statement.kind, sides[0], sides[1], statement.reason or ""))
+    sides = [statement.subject] if statement.other is None else [statement.subject, statement.other]
+    first, second = (*(nodes(links, env, node) for node in sides), ())[:2]
+    ranks = (*(tuple(indices(env, node)) for node in sides), ())[:2]
+    links.context.program.allowed.append(
+        Allowed(statement.kind, env.scope, first, second, statement.reason or "", ranks)
+    )
 
 
 def clear(links: Links, env: Env, statement: ast.ClearStmt) -> None:
@@ -289,19 +289,31 @@ def clear(links: Links, env: Env, statement: ast.ClearStmt) -> None:
 
 
 def indices(env: Env, node: ast.Expr) -> Iterator[tuple[str, int]]:
-    """The repeats of a path that have a number behind them: their names and that rank."""
+    """The repeats of a path that have a number behind them: their names and that rank, -1 for `last`."""
     if isinstance(node, ast.MemberExpr | ast.IndexExpr):
         yield from indices(env, node.obj)
     if isinstance(node, ast.IndexExpr):
+        obj = node.obj
+        name = text_of(obj.span) if isinstance(obj, ast.NameExpr) else getattr(obj, "name", "")
+        if isinstance(node.index, ast.NameExpr) and node.index.name == "last":
+            yield name, -1
+            return
         rank = Evaluator(env).scalar(node.index).constant
-        if rank is not None:
-            obj = node.obj
-            yield text_of(obj.span) if isinstance(obj, ast.NameExpr) else getattr(obj, "name", ""), int(rank)
+        if rank is None or rank < 0:
+            raise env.context.error(
+                "wrong-kind", node.index.span, "a statement about parts names an element by its number, or `last`",
+                hint=f"`{name}[0]`, `{name}[last]`; leave the number out for all elements, or state it inside the repeat",
+            )  # fmt: skip
+        yield name, int(rank)
 
 
 def nodes(links: Links, env: Env, node: ast.Expr) -> tuple[int, ...]:
     """The nodes of the part tree that a path of names means."""
-    parts = {part for value, home in labels.walk(env, node) for part in carriers(value, home.scope)}
+    parts: set[Part] = set()
+    for value, home in labels.walk(env, node):
+        parts.update(value.env.all_parts() if isinstance(value, Element) else map(part_of, carriers(value, home.scope)))
+    if not parts:
+        raise env.context.error("wrong-kind", node.span, f"`{text_of(node.span)}` is no part")
     return tuple(sorted(number for (part, _), number in links.nodes.items() if part in parts))
 
 

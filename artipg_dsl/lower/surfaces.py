@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING
 
 from ..graph import expr as E
 from ..graph.derive import derive
-from ..graph.expr import Expr, Scope
+from ..graph.expr import Expr
 from ..graph.linear import Linear, isolate
 from ..syntax import ast
 from .builtins import named
 from .carry import mapped, mapped_pose, moved, scalars
 from .faces import frame_of
+from .guards import held
 from .solve import lifted
 from .values import Frame, Surface, Value
 from .vectors import AXES, cross, normalized, unit
@@ -55,15 +56,6 @@ def frame_on(ev: Evaluator, surface: Surface, node: ast.CallExpr) -> Frame:
         value = mapped(value, lambda e, guard=guard, cells=cells: E.where(guard, next(cells), e))  # type: ignore[misc]
     carriers = tuple(dict.fromkeys(p for _, f in found for p in f.on))
     return moved(replace(value, on=carriers), ev.pose)
-
-
-def held(scope: Scope, to: Scope) -> Expr:
-    """Whether a row of ``to`` has one in a guarded table below its chain."""
-    result = E.TRUE
-    while not to.within(scope) and scope.kind == "guard" and scope.parent is not None and scope.count is not None:
-        result = E.both(result, lifted(scope.count, to, E.FALSE))
-        scope = scope.parent
-    return result
 
 
 def solve_v(ev: Evaluator, node: ast.CallExpr, arguments: dict, patch, mapping: dict, u: Expr) -> Expr:  # noqa: ANN001

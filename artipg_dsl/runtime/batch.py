@@ -101,6 +101,11 @@ class Batch:
     def _joint_instances(self) -> Instances:
         return Instances.of([self.owner(joint.scope) for joint in self.program.joints], len(self))
 
+    def part_rows(self, number: int) -> np.ndarray:
+        """The rows of the table of parts that are instances of a part of the program, in the order of its scope's rows."""
+        made = self._part_instances
+        return made.place[made.starts[number] + np.arange(self.rowmap.rows(self.program.parts[number].scope).size)]
+
     def link_numbers(self, scope: Scope, links: Reference) -> np.ndarray:
         """The link number within its object for each row of a scope, given a reference to links."""
         return np.maximum(self._links_referred.numbers(scope, links), 0)

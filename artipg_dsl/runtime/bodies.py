@@ -43,6 +43,9 @@ class Pieces:
     source: np.ndarray
     gap: np.ndarray | None = None  # metres: pieces that are nearer than this meet; their boxes are larger by half of it
     side: np.ndarray | None = None  # 1, 2 or 3, of two sides: pieces of one meet only those of the other
+    group: np.ndarray | None = (
+        None  # pieces of one side meet those of the other of the same group, or where either has none (-1)
+    )
 
     def __len__(self) -> int:
         return len(self.owner)
@@ -52,7 +55,9 @@ class Pieces:
         names = ("kind", "slot", "low", "high", "owner", "link", "shape", "solid", "met", "source")
         columns = (getattr(self, name)[rows] for name in names)
         found = Pieces(self.corners, self.faces, self.done, *columns)
-        found.gap, found.side = (None if column is None else column[rows] for column in (self.gap, self.side))
+        found.gap, found.side, found.group = (
+            None if column is None else column[rows] for column in (self.gap, self.side, self.group)
+        )
         return found
 
     def boxes(self, turn: np.ndarray | None = None, chosen: np.ndarray | None = None) -> Pieces:

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..geometry.collide import dot, within
 from .bodies import Pieces, Placed
+from .meant import meant, sites_of
 from .tree import Tree, spread
 
 TOUCH = 1e-4  # metres: what is farther apart does not touch
@@ -97,9 +98,14 @@ class Solids:
 
     def _allowed(self) -> np.ndarray:
         """Primitives within parts that may float."""
-        program = self.tree.batch.program
-        named = {node for allowed in program.allowed if allowed.kind == "floating" for node in allowed.first}
-        return np.flatnonzero(np.isin(self.site, sites_within(program, named)))
+        batch = self.tree.batch
+        free = [said for said in batch.program.allowed if said.kind == "floating"]
+        rows = [meant(batch, said, said.first, said.ranks[0]).row for said in free]
+        if not rows:
+            return np.zeros(0, dtype=np.int64)
+        inside = sites_of(batch, np.unique(np.concatenate(rows)))
+        start = np.cumsum([0, *(len(table) for table in batch.sites())])
+        return np.concatenate([begin + row for begin, (row, _) in zip(start[:-1], inside, strict=True)])
 
     def _candidates(self, margin: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Pairs of primitives of one link whose boxes, made larger, overlap."""
@@ -260,18 +266,6 @@ class _Segments:
     def support(self, rows: np.ndarray, direction: np.ndarray) -> np.ndarray:
         one, two = self.ends[0][rows], self.ends[1][rows]
         return np.where((dot(one, direction) >= dot(two, direction))[:, None], one, two)
-
-
-def sites_within(program, nodes: set[int]) -> list[int]:  # noqa: ANN001 - graph.program.Program
-    """The sites that lie in parts (nodes of the part tree)."""
-    found = []
-    for number, site in enumerate(program.sites):
-        at = site.part
-        while at >= 0 and at not in nodes:
-            at = program.parts[at].parent
-        if at >= 0:
-            found.append(number)
-    return found
 
 
 def _best(group: np.ndarray, value: np.ndarray) -> np.ndarray:

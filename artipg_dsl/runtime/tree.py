@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .batch import Batch
 from .bodies import Pieces
+from .meant import meant, pairs
 from .motion import apply, product
 
 if TYPE_CHECKING:
@@ -89,14 +91,24 @@ class Tree:
 
     def permitted(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
         """Pairs that the text allows to overlap or to block one another."""
-        result = np.zeros(len(first), dtype=bool)
-        kinds = self.links.definition
-        for pair in self.batch.program.allowed:
-            if pair.kind in ("overlap", "free"):
-                one = np.isin(kinds[first], pair.first) & np.isin(kinds[second], pair.second)
-                other = np.isin(kinds[first], pair.second) & np.isin(kinds[second], pair.first)
-                result |= one | other
-        return result
+        return np.isin(np.minimum(first, second) * len(self.above) + np.maximum(first, second), self._allowed)
+
+    @cached_property
+    def _allowed(self) -> np.ndarray:
+        """The pairs of links that ``allow overlap`` and ``free`` name in each object: the lower times their number, plus the higher."""
+        parts, found = self.batch.parts(), [np.zeros(0, dtype=np.int64)]
+        link = self.first[parts.owner] + parts.link
+        for said in self.batch.program.allowed:
+            if said.kind in ("overlap", "free"):
+                sides = (said.first, said.second)
+                one, two = (
+                    link[row]
+                    for row in pairs(
+                        parts.owner, *(meant(self.batch, said, n, r) for n, r in zip(sides, said.ranks, strict=True))
+                    )
+                )
+                found.append(np.minimum(one, two) * len(self.above) + np.maximum(one, two))
+        return np.unique(np.concatenate(found))
 
     def carried(self, body: Pieces, chosen: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
         """(pieces, joints): the pieces that each of the joints ``chosen`` (J,) bool moves, level by level of the tree."""

@@ -153,6 +153,9 @@ def near(
     one, two = body.side[piece[i]], body.side[other]
     apart = (body.link[piece[i]] != body.link[other]) | (body.solid[piece[i]] < body.solid[other])
     keep = (((one & 1) * (two >> 1)) | ((one >> 1) * (two & 1))).astype(bool) & apart
+    if body.group is not None:
+        own, others = body.group[piece[i]], body.group[other]
+        keep &= (own == others) | (own < 0) | (others < 0)
     return i[keep], other[keep]
 
 

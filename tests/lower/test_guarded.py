@@ -1,0 +1,390 @@
+"""Every statement acts where its guard holds and nowhere else: under `when`, by the index of a repeat, in a template used
+twice, in alternatives of a role. Each is looked at in the objects that are made."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from artipg_dsl.annotate.annotation import describe
+from artipg_dsl.annotate.cloud import Points, sample_points
+from artipg_dsl.annotate.sampling import Sampling
+from artipg_dsl.runtime.batch import Batch
+from artipg_dsl.runtime.faults import faults
+from artipg_dsl.runtime.tree import Tree
+from artipg_dsl.session import Session
+
+HEAD = """apg 1
+use primitives   { Cuboid, Cylinder }
+use materials    { oak, steel }
+use vocabularies { semantic, affordance }
+role Peg { inherit long : length }
+template Square : Peg { part peg : Cuboid(size = [5mm, 5mm, long]) }
+template Round : Peg { part peg : Cylinder(radius = 3mm, height = long) }
+"""
+STAND = "part stand : Cuboid(size = [10cm, 10cm, 10cm])\n"
+ROOT = "root part body : Cuboid(size = [4m, 4m, 1cm])\n"
+MADE = 12
+
+Look = Callable[[Batch, int, str], Any]
+"""What an object shows of the part of it whose names begin with a prefix."""
+
+
+def when(parts: str, yes: str, no: str, roles: str = "") -> str:
+    return f"""category T {{
+  {ROOT}  param a : choice yes | no = yes
+  {STAND}  connect stand.bottom on body.top at center
+  {parts}
+  when a == yes {{ {yes} }} else {{ {no} }}
+}}"""
+
+
+def repeat(parts: str, yes: str, no: str, roles: str = "") -> str:
+    return f"""category T {{
+  {ROOT}  repeat e[i] in 0 ..< 2 {{
+    {STAND}    connect stand.bottom on body.top at y = (i - 1/2) * 1m, x = 0
+    {parts}
+    when i == 0 {{ {yes} }} else {{ {no} }}
+  }}
+}}"""
+
+
+def twice(parts: str, yes: str, no: str, roles: str = "") -> str:
+    uses = "".join(
+        f"  part {name} : Unit(a = {a})\n  connect {name} to body\n  align {name}.stand.bottom = body.top\n"
+        f"  align {name}.stand.center.y = {y}\n"
+        for name, a, y in (("one", "yes", "-50cm"), ("two", "no", "50cm"))
+    )
+    return f"""template Unit {{
+  param a : choice yes | no = yes
+  {STAND}  {parts}
+  when a == yes {{ {yes} }} else {{ {no} }}
+}}
+category T {{
+  {ROOT}{uses}}}"""
+
+
+def role(parts: str, yes: str, no: str, roles: str = "") -> str:
+    return f"""role Unit {{ slot stand {roles} }}
+template One : Unit {{ {STAND}  {parts}\n {yes}\n }}
+template Two : Unit {{ {STAND}  {parts}\n {no}\n }}
+category T {{
+  {ROOT}  part u : Unit = One | Two
+  connect u to body
+  align u.stand.bottom = body.top
+}}"""
+
+
+WAYS = [when, repeat, twice, role]
+
+
+def units(way: Callable[..., str], batch: Batch) -> list[tuple[int, str, bool]]:
+    """(object, prefix of its names, whether the first branch holds there)."""
+    if way is repeat:
+        return [(0, "e[0].", True), (0, "e[1].", False)]
+    if way is twice:
+        return [(0, "one.", True), (0, "two.", False)]
+    drawn = [batch.drawn(k) for k in range(len(batch))]
+    if way is role:
+        return [(k, "u.", values["u"] == "One") for k, values in enumerate(drawn)]
+    return [(k, "", values["a"] == "yes") for k, values in enumerate(drawn)]
+
+
+def plain(name: str) -> str:
+    return name.replace("[", "_").replace("]", "")
+
+
+def rows(what: str, field: str, key: str = "name") -> Look:
+    def look(batch: Batch, number: int, prefix: str) -> Any:
+        own = plain(prefix) + "p"
+        return [
+            row[field] for row in describe(batch)[number][what] if re.fullmatch(rf"{own}(ull)?", plain(str(row[key])))
+        ]
+
+    return look
+
+
+def names_of(what: str) -> Look:
+    return lambda batch, number, prefix: set(rows(what, "name", "link")(batch, number, prefix))
+
+
+def size(batch: Batch, number: int, prefix: str) -> list[int]:
+    """The size along z of each part `q` in millimetres."""
+    parts = describe(batch)[number]["parts"]
+    found = [
+        p["size"][2] * 1e3 for p in parts if p["name"].startswith(prefix) and p["name"].split(".")[-1].startswith("q")
+    ]
+    return [round(f) for f in found]
+
+
+def pool(batch: Batch, number: int, prefix: str) -> tuple[Points, int]:
+    """Points, and the row of those that lie on the part `p` of a unit."""
+    found = sample_points(batch, Sampling(64, per="primitive"))
+    path, element = re.sub(r"\[.\]", "", prefix) + "p", int((re.findall(r"\d", prefix) or [0])[0])
+    for row, owner in enumerate(found.object.tolist()):
+        site = batch.program.sites[found.primitive[row, 0]].path
+        if (owner, site, found.element[row, 0]) == (number, path, element):
+            return found, row
+    raise AssertionError(path)
+
+
+def labelled(key: str) -> Look:
+    def look(batch: Batch, number: int, prefix: str) -> Any:
+        found, row = pool(batch, number, prefix)
+        return sorted(set(np.round(found.labels[key][row].astype(float), 6).tolist()))
+
+    return look
+
+
+def material(batch: Batch, number: int, prefix: str) -> Any:
+    found, row = pool(batch, number, prefix)
+    made = [m.name for m in batch.program.materials.values()]
+    return {made[k] for k in found.material[row].tolist()}
+
+
+def joints(field: str) -> Look:
+    return rows("joints", field, "name")
+
+
+def cm(batch: Batch, number: int, prefix: str) -> list[int]:
+    return [round(k / 10) for k in size(batch, number, prefix)]
+
+
+P = "part p : Cuboid(size = [4cm, 4cm, 4cm])\n"
+MOVING = P + "  joint pull : prismatic stand.top -> p.bottom at center gap 1mm range 0 .. 5cm\n"
+Q = "part q : Cuboid(size = [1cm, 1cm, {}])\n connect q.bottom on stand.top at center\n"
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize(
+    ("parts", "yes", "no", "look", "holds", "fails"),
+    [
+        pytest.param("", Q.format("1cm"), Q.format("2cm"), size, [10], [20], id="part"),
+        pytest.param("", "param s : length in 1cm .. 1cm\n" + Q.format("s"), "param t : length in 2cm .. 2cm\n" + Q.format("t"),
+                     size, [10], [20], id="param"),
+        pytest.param("", "count s in 1 .. 1\n" + Q.format("s * 1cm"), "count t in 2 .. 2\n" + Q.format("t * 1cm"),
+                     size, [10], [20], id="count"),
+        pytest.param("", "let s = 1cm\n" + Q.format("s"), "let s(k) = k * 1cm\n" + Q.format("s(2)"), size, [10], [20], id="let"),
+        pytest.param("", "style s : Peg = Square\npart q : s(long = 1cm)\nconnect q.bottom on stand.top at center",
+                     "style s : Peg = Round\npart q : s(long = 2cm)\nconnect q.bottom on stand.top at center", size, [10], [20], id="style"),
+        pytest.param("", f"repeat r in 0 ..< 2 {{ {Q.format('1cm')} }}", f"repeat r in 0 ..< 3 {{ {Q.format('1cm')} }}",
+                     size, [10, 10], [10, 10, 10], id="repeat"),
+        pytest.param("part q : Cuboid(size = [1cm, 1cm, _])\n connect q to stand\n align q.bottom = stand.top\n",
+                     "align q.top = stand.top + 1cm", "align q.top = stand.top + 2cm", size, [10], [20], id="align"),
+        pytest.param("param s : length in 1cm .. 4cm\n" + Q.format("s"), "require s <= 14mm", "require s >= 36mm", cm, [1], [4], id="require"),
+        pytest.param(P, "connect p.bottom on stand.top at center",
+                     "joint pull : prismatic stand.top -> p.bottom at center gap 1mm range 0 .. 1cm",
+                     joints("type"), [], ["prismatic"], id="connect"),
+        pytest.param(P, "joint pull : prismatic stand.top -> p.bottom at center gap 1mm range 0 .. 1cm",
+                     "joint pull : revolute stand.top -> p.bottom at center gap 1mm range 0deg .. 9deg", rows("joints", "type", "child"),
+                     ["prismatic"], ["revolute"], id="joint"),
+        pytest.param(MOVING, "limit pull 0 .. 2cm", "limit pull 1cm .. 4cm", joints("range"), [[0.0, 0.02]], [[0.01, 0.04]], id="limit"),
+        pytest.param(MOVING, "label affordance.lift on p", "label affordance.press on p", labelled("affordance.lift"), [1], [0], id="label"),
+        pytest.param(MOVING, "label semantic.lid on p", "label semantic.button on p", rows("parts", "semantic"),
+                     ["lid"], ["button"], id="semantic"),
+        pytest.param(MOVING, "field wear : ratio on p = 0.25", "field wear : ratio on p = 0.75", labelled("field.wear"),
+                     [0.25], [0.75], id="field"),
+        pytest.param(MOVING, "keypoint tip on p at [0, 0, 1cm]", "keypoint end on p at [0, 0, 0]", rows("keypoints", "name", "link"),
+                     ["tip"], ["end"], id="keypoint"),
+        pytest.param(MOVING, "grasp above on p { at [0, 0, 0]  approach -z  close y  opening size.y + 1cm }",
+                     "grasp across on p { at [0, 0, 0]  approach -z  close x  opening size.x + 1cm }", names_of("grasps"),
+                     {"above"}, {"across"}, id="grasp"),
+        pytest.param(MOVING, "material oak on p", "material steel on p", material, {"oak"}, {"steel"}, id="material"),
+        pytest.param(MOVING, "symmetry p : turn 2 about z", "symmetry p : any about x", rows("parts", "symmetry"),
+                     ["2 about z"], ["any about x"], id="symmetry"),
+    ],
+)  # fmt: skip
+def test_both_branches_act(
+    way: Callable[..., str], parts: str, yes: str, no: str, look: Look, holds: Any, fails: Any
+) -> None:
+    sampler = Session.of_text(HEAD + way(parts, yes, no)).sampler
+    batch = sampler.batch(np.arange(MADE if way in (when, role) else 1), seed=2)
+    seen = units(way, batch)
+    assert {truth for _, _, truth in seen} == {True, False}
+    for number, prefix, truth in seen:
+        assert look(batch, number, prefix) == (holds if truth else fails), (number, prefix)
+
+
+# ---------------------------------------------------------------- what makes objects invalid
+
+
+def blamed(batch: Batch) -> set[tuple[int, str]]:
+    """The objects, and of those with several units the unit, in which links collide."""
+    found = faults(batch)
+    names, first = batch.links().name, np.searchsorted(batch.links().owner, np.arange(len(batch)))
+    hits = found.collisions
+    return {
+        (k, names[first[k] + link])
+        for k, *pair in zip(hits.owner.tolist(), hits.first.tolist(), hits.second.tolist(), strict=True)
+        for link in pair
+    }
+
+
+MIDDLE = "  align p.center.x = stand.center.x\n  align p.center.y = stand.center.y\n"
+LOW = MIDDLE + P + "  joint pull : prismatic stand -> p along z range 0 .. 5cm\n  align p.bottom = stand.top - 1cm\n"
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize(
+    "said", ['allow overlap stand, p because "it is meant"', "free p, stand"], ids=["overlap", "free"]
+)
+def test_what_may_overlap_under_a_guard(way: Callable[..., str], said: str) -> None:
+    batch = Session.of_text(HEAD + way(LOW, said, "")).sampler.batch(
+        np.arange(MADE if way in (when, role) else 1), seed=2
+    )
+    wrong = blamed(batch)
+    for number, prefix, truth in units(way, batch):
+        assert ((number, plain(prefix) + "p") in wrong) == (not truth), (number, prefix)
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize(
+    ("parts", "said", "word"),
+    [
+        (
+            MIDDLE + P + "  connect p to stand\n  align p.bottom = stand.top + {}\n",
+            'allow floating p because "it is meant"',
+            "touches nothing",
+        ),
+        (
+            MIDDLE
+            + P
+            + "  joint pull : prismatic stand -> p along z range 0 .. 5cm\n  align p.bottom = stand.top + 2mm + {}\n",
+            "clear p from stand by 5mm",
+            "clear",
+        ),
+    ],
+    ids=["floating", "clear"],
+)
+def test_faults_under_a_guard(way: Callable[..., str], parts: str, said: str, word: str) -> None:
+    """Of two units one is at fault: that for which the statement holds, then the other."""
+    excuses = word != "clear"
+    for at_fault in (True, False) if way in (repeat, twice) else (True,):
+        far = {when: "{}", role: "{}", repeat: "({0} if i == 0 else {1})", twice: "({0} if a == yes else {1})"}[way]
+        bad, good = ("5mm", "0mm") if excuses else ("0mm", "2cm")
+        pair = (bad, good) if at_fault else (good, bad)
+        body = parts.format(far.format(*pair) if way in (repeat, twice) else bad)
+        batch = Session.of_text(HEAD + way(body, said, "")).sampler.batch(
+            np.arange(MADE if way in (when, role) else 1), seed=2
+        )
+        wrong = {k for fault in faults(batch).others if word in fault.words for k in fault.objects.tolist()}
+        if way in (repeat, twice):
+            assert (0 in wrong) == (at_fault != excuses), at_fault
+        else:
+            for number, _, truth in units(way, batch):
+                assert (number in wrong) == (truth != excuses)
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_stability_under_a_guard(way: Callable[..., str]) -> None:
+    lean = (
+        P.replace("4cm", "40cm") + "  connect p.bottom on stand.top at x = stand.center.x + 30m, y = stand.center.y\n"
+    )
+    batch = Session.of_text(HEAD + way(lean, "require stable", "")).sampler.batch(
+        np.arange(MADE if way in (when, role) else 1), seed=2
+    )
+    wrong = {k for fault in faults(batch).others if "tips" in fault.words for k in fault.objects.tolist()}
+    assert wrong == {number for number, _, truth in units(way, batch) if truth}
+
+
+ARMS = """part one : Cuboid(size = [1cm, 1cm, 1cm])
+  joint turn : revolute stand -> one about line(at = stand.center, along = z) range -30deg .. 30deg
+  part p : Cuboid(size = [1cm, 1cm, 1cm])
+  joint pull : revolute stand -> p about line(at = stand.center, along = z) range -30deg .. 30deg
+  align one.center.x = stand.center.x + 20cm
+  align p.center.x = stand.center.x + 20cm
+"""
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_a_loop_is_closed_under_a_guard(way: Callable[..., str]) -> None:
+    batch = Session.of_text(HEAD + way(ARMS, "close one.center on p.center", "")).sampler.batch(
+        np.arange(MADE if way in (when, role) else 1), seed=2
+    )
+    leader, joints = Tree(batch).leader, batch.joints()
+    for number, prefix, truth in units(way, batch):
+        row = next(
+            k for k, name in enumerate(joints.name) if joints.owner[k] == number and name == plain(prefix) + "pull"
+        )
+        assert (leader[row] != row) == truth
+
+
+def test_prefer_under_a_guard() -> None:
+    parts = "count q in 0 .. 1\n"
+    batch = Session.of_text(HEAD + when(parts, "prefer q == 1 weight 6", "prefer q == 0 weight 6")).sampler.batch(
+        np.arange(60), seed=2, candidates=8
+    )
+    drawn = [batch.drawn(k) for k in range(60)]
+    assert np.mean([(v["a"] == "yes") == (v["q"] == 1) for v in drawn]) > 0.9
+
+
+# ---------------------------------------------------------------- what a template hands out
+
+
+HANDED = """role Hold {{ port tip : frame  slot grip  out tall : length }}
+template Post : Hold {{
+  param a : choice yes | no = yes
+  part low : Cuboid(size = [1cm, 1cm, 1cm])
+  part high : Cuboid(size = [1cm, 1cm, 1cm])
+  align high.bottom = low.top
+  when a == yes {{
+    port tip = frame(at = low.front.center, out = x, up = z)
+    slot grip = low
+    let tall = 1cm
+  }} else {{
+    port tip = frame(at = high.front.center, out = x, up = z)
+    slot grip = high
+    let tall = 2cm
+  }}
+}}
+category T {{
+  {root}  param a : choice yes | no = yes
+  part post : Post(a = a)
+  connect post.low.bottom on body.top
+  part p : Cuboid(size = [1cm, 1cm, post.tall])
+  connect p.back to post.tip
+  label affordance.lift on post.grip
+}}"""
+
+
+def test_ports_slots_and_outputs_under_a_guard() -> None:
+    batch = Session.of_text(HEAD + HANDED.format(root=ROOT)).sampler.batch(np.arange(MADE), seed=2)
+    for number, told in enumerate(describe(batch)):
+        parts = {row["name"]: row for row in told["parts"]}
+        named = "post.low" if batch.drawn(number)["a"] == "yes" else "post.high"
+        assert parts["p"]["center"][2] == pytest.approx(parts[named]["center"][2])
+        assert parts["p"]["size"][2] == pytest.approx(0.01 if named == "post.low" else 0.02)
+        for name in ("post.low", "post.high"):
+            part = sample_points(batch, Sampling(64, per="primitive"))
+            row = next(
+                k for k, owner in enumerate(part.object.tolist())
+                if owner == number and batch.program.sites[part.primitive[k, 0]].path == name
+            )  # fmt: skip
+            assert (
+                part.labels["affordance.lift"][row].all()
+                == (name == named)
+                == part.labels["affordance.lift"][row].any()
+            )
+
+
+@pytest.mark.parametrize("first", [True, False], ids=["before", "after"])
+@pytest.mark.parametrize(
+    ("plain_one", "guarded", "look"),
+    [
+        ("label semantic.lid on p", "label semantic.button on p", rows("parts", "semantic")),
+        ("material oak on p", "material steel on p", material),
+    ],
+    ids=["semantic", "material"],
+)
+def test_of_equals_the_later_one_counts_where_its_guard_holds(
+    plain_one: str, guarded: str, look: Look, first: bool
+) -> None:
+    said = [plain_one, f"when a == yes {{ {guarded} }}"]
+    text = when(MOVING, "", "").removesuffix("}") + "\n".join(said if first else said[::-1]) + "\n}"
+    batch = Session.of_text(HEAD + text).sampler.batch(np.arange(MADE), seed=2)
+    shown = {truth: look(batch, number, prefix) for number, prefix, truth in units(when, batch)}
+    assert (shown[True] != shown[False]) == first
