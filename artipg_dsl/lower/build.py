@@ -14,7 +14,7 @@ from .context import Unknown
 from .draws import draw_choice, open_parameter
 from .env import Env
 from .evaluate import Evaluator
-from .style import Style, sole_style
+from .style import Style, complete_choice, sole_style
 from .values import Choice, Frame, Plane, Value
 from .vectors import IDENTITY, along, normalized, product, rotation_about, signed_axis
 
@@ -35,10 +35,14 @@ def build_part(env: Env, declaration: ast.PartDecl) -> Part:
         and len(alternatives) == 1
         and isinstance(style := env.find(alternatives[0].name or ""), Style)
     ):
-        arguments = alternatives[0].arguments
-        part.style, part.role, alternatives = style, style.role, style.declaration.alternatives
+        arguments, guard = alternatives[0].arguments, alternatives[0].guard
+        part.style, part.role, alternatives = style, style.role, style.alternatives
+        if guard is not None:
+            part.exists = Evaluator(env).truth(Evaluator(env).value(guard), guard.span)
     elif declaration.role is not None:
         part.role = resolve(env, declaration.role, declaration.role_span or declaration.span)
+    if part.style is None:
+        alternatives = complete_choice(env, alternatives)
     resolve_options(part, alternatives, env if part.style is None else part.style.env)
     make_choice(part, alternatives)
     if part.role is None and len(part.options) == 1:
@@ -62,6 +66,11 @@ def resolve_options(part: Part, alternatives: tuple[ast.Alternative, ...], env: 
     for code, alternative in enumerate(alternatives):
         if alternative.name is None:
             continue
+        if part.style is None and isinstance(env.find(alternative.name), Style):
+            raise part.context.error(
+                "wrong-kind", alternative.name_span, f"`{alternative.name}` is a style: it stands alone, without a role and other alternatives",
+                hint=f"write `part {part.name} : {alternative.name}`; what else it may be, and `none`, belongs into the style",
+            )  # fmt: skip
         symbol = resolve(env, alternative.name, alternative.name_span)
         if symbol.kind not in ("template", "primitive"):
             raise part.context.error(
@@ -86,11 +95,12 @@ def make_choice(part: Part, alternatives: tuple[ast.Alternative, ...]) -> None:
 
 
 def option_guard(part: Part, option: Option) -> Expr:
-    if part.choice is None:
-        return E.TRUE
-    if len(part.options) == 1:
+    if part.choice is None or len(part.options) == 1:
         return part.exists
-    return E.call("eq", part.choice.code, E.const(float(option.code)))
+    chosen = E.call("eq", part.choice.code, E.const(float(option.code)))
+    if part.style is not None and (alone := part.declaration.alternatives[0].guard) is not None:
+        return E.both(Evaluator(part.env).truth(Evaluator(part.env).value(alone), alone.span), chosen)
+    return chosen
 
 
 def make_inputs(part: Part, interface: Symbol, arguments: tuple[ast.Argument, ...]) -> None:
@@ -200,29 +210,45 @@ def complete(instance: Instance) -> None:
 
 
 def rotation_of(part: Part) -> tuple:
-    """``along`` and ``turned`` of the part and of a sole alternative; the identity without any."""
-    ev = Evaluator(part.env)
-    rotation = IDENTITY
-    placements = part.declaration.placements
-    if len(part.options) == 1:
-        placements = placements + part.options[0].source.placements
+    """``along`` and ``turned`` of the part and of the alternative that is there; the identity without any."""
+    own = part.declaration.placements
+    if part.style is not None:  # what the style says, then what its user does
+        user = part.declaration.alternatives[0].placements
+        found = [
+            (o, rotation(part.style.env, o.source.placements, rotation(part.env, (*own, *user)))) for o in part.options
+        ]
+    else:
+        found = [(o, rotation(part.env, (*own, *o.source.placements))) for o in part.options]
+    result = found[-1][1] if found else IDENTITY  # what could not be built has been reported
+    for option, turned in reversed(found[:-1]):
+        guard = option_guard(part, option)
+        result = tuple(
+            tuple(E.where(guard, a, b) for a, b in zip(row, other, strict=True))
+            for row, other in zip(turned, result, strict=True)
+        )
+    return result
+
+
+def rotation(env: Env, placements: tuple[ast.Placement, ...], outer: tuple = IDENTITY) -> tuple:
+    """The placements one after the other, then the rotation ``outer``."""
+    ev, made = Evaluator(env), IDENTITY
     for placement in placements:
         direction = ev.direction(placement.direction)
         if placement.angle is None:
             if signed_axis(direction) is None:
-                raise part.context.error(
+                raise env.context.error(
                     "bad-axis", placement.direction.span, "a part lies along x, y or z",
                     hint="any other direction: `turned 20deg about y`, or a `connect` with frames",
                 )  # fmt: skip
             step = along(direction)
         elif all(c is E.ZERO for c in direction):
-            raise part.context.error(
+            raise env.context.error(
                 "bad-axis", placement.direction.span, "an axis has a length: [0, 0, 0] points nowhere"
             )
         else:
             step = rotation_about(normalized(direction), ev.scalar(placement.angle))
-        rotation = product(step, rotation)
-    return rotation
+        made = product(step, made)
+    return made if outer is IDENTITY else product(outer, made)
 
 
 def position_columns(part: Part) -> tuple:

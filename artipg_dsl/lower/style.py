@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass, field
 
 from ..graph import expr as E
 from ..graph.expr import Expr, Scope
 from ..semantics.symbols import Symbol, is_a
 from ..syntax import ast
+from .cases import TooManyCases, combinations
 from .draws import draw_choice, draw_option, draw_scalar
 from .env import Env
+from .evaluate import Evaluator
 from .values import Choice
 
 
@@ -21,6 +24,7 @@ class Style:
     declaration: ast.StyleDecl
     role: Symbol | None
     choice: Choice
+    alternatives: tuple[ast.Alternative, ...]
     drawn: dict[tuple[str, str], Expr] = field(default_factory=dict)
 
     def chosen(self, name: str) -> Expr | None:
@@ -79,16 +83,33 @@ class Style:
 
 
 def build_style(env: Env, declaration: ast.StyleDecl) -> Style:
-    names = tuple(a.name or "none" for a in declaration.alternatives)
+    alternatives = complete_choice(env, declaration.alternatives)
+    names = tuple(a.name or "none" for a in alternatives)
     role = env.module.find(declaration.role)
     path = env.path + declaration.name
     if len(names) == 1:
         choice = Choice(E.ZERO, names)
     else:
-        choice = draw_choice(
-            env, path, names, [(a,) for a in declaration.alternatives], declaration.name_span, declaration
-        )
-    return Style(env, declaration, role, choice)
+        choice = draw_choice(env, path, names, [(a,) for a in alternatives], declaration.name_span, declaration)
+    return Style(env, declaration, role, choice, alternatives)
+
+
+def complete_choice(env: Env, alternatives: tuple[ast.Alternative, ...]) -> tuple[ast.Alternative, ...]:
+    """The alternatives, and `none` where all of them carry a guard and none of the guards need hold."""
+    guards = [a.guard for a in alternatives if a.guard is not None]
+    if len(guards) < len(alternatives):
+        return alternatives
+    ev = Evaluator(env)
+    conditions = [ev.truth(ev.value(guard), guard.span) for guard in guards]
+    try:
+        if all(any(held) for held in combinations(conditions, env.context.draws)):
+            return alternatives
+    except TooManyCases:
+        pass
+    span = alternatives[-1].span
+    some = functools.reduce(lambda a, b: ast.BinaryExpr(span=span, op="or", left=a, right=b), guards)
+    rest = ast.UnaryExpr(span=span, op="not", operand=some)
+    return (*alternatives, ast.Alternative(span=span, name=None, name_span=span, guard=rest))
 
 
 def sole_style(env: Env, name: str, role: Symbol | None, node: ast.NameExpr) -> Style:
@@ -102,4 +123,4 @@ def sole_style(env: Env, name: str, role: Symbol | None, node: ast.NameExpr) -> 
         role_span=node.span,
         alternatives=(alternative,),
     )
-    return Style(env, declaration, role, Choice(E.ZERO, (node.name,)))
+    return Style(env, declaration, role, Choice(E.ZERO, (node.name,)), declaration.alternatives)

@@ -258,6 +258,12 @@ def check_style(ck: Checker, ctx: Context, node: ast.StyleDecl) -> None:
             if symbol is None or symbol.kind != "material":
                 unknown_material(ck, ctx, alternative.name or "none", alternative.name_span)
             _weight(ck, ctx, alternative)
+            for extra in (*alternative.arguments, *alternative.placements)[:1]:
+                ck.error(
+                    "unknown-clause", extra.span, "a material takes no arguments and is not turned",
+                    hint="another look is a material of its own: `material dark_oak { ... }`",
+                )  # fmt: skip
+        _unweighed(ck, node.alternatives)
         return
     _alternatives(ck, ctx, node.alternatives, _role(ck, ctx, node.role, node.role_span), node.role)
 
@@ -287,6 +293,7 @@ def _alternatives(
     role_name: str | None,
 ) -> None:
     assert ctx.scope is not None
+    _unweighed(ck, alternatives)
     for alternative in alternatives:
         _weight(ck, ctx, alternative)
         if alternative.guard is not None:
@@ -338,6 +345,15 @@ def _weight(ck: Checker, ctx: Context, alternative: ast.Alternative) -> None:
         value = constant(alternative.weight, ctx.module)
         if value is not None and value < 0:
             ck.error("wrong-arguments", alternative.weight.span, "a weight is not below 0")
+
+
+def _unweighed(ck: Checker, alternatives: tuple[ast.Alternative, ...]) -> None:
+    """A weight says how often one alternative is taken before others: a sole one has none."""
+    if len(alternatives) == 1 and (weight := alternatives[0].weight) is not None:
+        ck.error(
+            "unknown-clause", weight.span, "a weight without another alternative says nothing",
+            hint="add what else it may be, such as `| none weight 0.5`; a style carries its own weights",
+        )  # fmt: skip
 
 
 def check_placement(ck: Checker, ctx: Context, placement: ast.Placement) -> None:
