@@ -68,6 +68,10 @@ class Session:
     def of_text(cls, text: str, name: str = "<text>") -> Session:
         return cls(Source(name, text), None)
 
+    def __reduce__(self) -> tuple[type[Session], tuple[Source | None, Path | None]]:
+        """To another process goes what is compiled, which is compiled anew there."""
+        return Session, (self.source, self.path)
+
     @cached_property
     def workspace(self) -> Workspace:
         return Workspace(self.report, [library_dir()], reader=lambda path, report, _: load(path, report, shown(path)))

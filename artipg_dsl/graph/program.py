@@ -8,6 +8,7 @@ link is a ``Reference``: alternatives of which exactly one exists there (see ``r
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 from .expr import TRUE, Column, Expr, Scope
 from .primitive import Primitive
@@ -407,3 +408,17 @@ class Program:
     clear: list[Clear] = field(default_factory=list)
     stable: list[Stable] = field(default_factory=list)
     hash: str = ""
+
+    def __reduce__(self) -> tuple[Any, tuple[str, str]]:
+        """To another process goes the text: nodes of expressions are known by identity."""
+        from .text import to_text  # late: the text knows all of this
+
+        return _read, (to_text(self), self.hash)
+
+
+def _read(text: str, found: str) -> Program:
+    from .text import from_text
+
+    program = from_text(text)
+    program.hash = found
+    return program

@@ -48,6 +48,22 @@ class Batch:
     def __len__(self) -> int:
         return len(self.numbers)
 
+    def __copy__(self) -> Batch:
+        twin = object.__new__(type(self))
+        twin.__dict__.update(self.__dict__)
+        return twin
+
+    def __reduce__(self) -> tuple[Any, tuple[Any, ...]]:
+        """To another process goes what it was evaluated with: the code and what was worked out since are made anew there."""
+        from .sample import revived  # late: samplers make batches
+
+        return revived, (self.program, self._asked(), self.numbers, self.history, self.repairs)
+
+    def _asked(self) -> State:
+        """The state to evaluate again what this is."""
+        old = self.state
+        return State(old.seed, old.objects, old.attempt, old.given, old.defaults, old.kept, old.salt, old.lane)
+
     # ------------------------------------------------------------ reading
 
     def owner(self, scope: Scope) -> np.ndarray:
@@ -61,10 +77,7 @@ class Batch:
         extra: dict[Expr, Any] = {}
         if missing:
             plan = make_plan(self.program, [(e, scope) for e in missing])
-            old = self.state
-            _, values = plan.function(
-                State(self.seed, old.objects, old.attempt, old.given, old.defaults, old.kept, old.salt, old.lane)
-            )
+            _, values = plan.function(self._asked())
             extra = {e: values[plan.outputs[e, scope]] for e in missing}
         found = []
         for expr in exprs:

@@ -4,20 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..graph.feasible import conflicts
 from ..graph.program import Program
-from ..graph.text import from_text, to_text
 from .batch import Batch
 from .kernels import State, preferred
 from .needs import narrowing, wanted
 from .plan import Plan, make_plan
 from .prior import BLOCK, Resampling
-from .repairs import Cause
+from .repairs import Cause, Repairs
 
 if TYPE_CHECKING:
     from .repair import Mended
@@ -106,10 +105,19 @@ class Exhausted(Exception):
         self.hopeless = hopeless  # the values given leave nothing, whatever else is drawn
 
 
-def _planned(text: str, digest: str) -> Sampler:
-    program = from_text(text)
-    program.hash = digest
+@lru_cache(maxsize=8)
+def planned(program: Program) -> Sampler:
+    """The sampler of a program that came from another process: one for all batches of it."""
     return Sampler(program)
+
+
+def revived(program: Program, state: State, numbers: np.ndarray, history: tuple[Any, ...], repairs: Repairs) -> Batch:
+    """A batch from what it was evaluated with; the same to the bit."""
+    plan = planned(program).plan
+    tables, values = plan.function(state)
+    batch = Batch(program, plan, state, tables, values, numbers)
+    batch.history, batch.repairs = history, repairs
+    return batch
 
 
 class Sampler:
@@ -119,9 +127,9 @@ class Sampler:
         self.program = program
         self.plan = plan or make_plan(program, wanted(program))
 
-    def __reduce__(self) -> tuple[Callable[[str, str], Sampler], tuple[str, str]]:
-        """To another process goes the artefact, which plans anew: nodes of expressions are known by identity."""
-        return _planned, (to_text(self.program), self.program.hash)
+    def __reduce__(self) -> tuple[Callable[[Program], Sampler], tuple[Program]]:
+        """To another process goes the program, which is planned anew there."""
+        return planned, (self.program,)
 
     @cached_property
     def lean(self) -> Plan:
