@@ -43,7 +43,8 @@ def limit(links: Links, env: Env, statement: ast.LimitStmt) -> None:
     """Narrow the range of the joint (of each alternative that brings one); its rest value moves into the range."""
     program = links.context.program
     path = env.path + text(statement.joint.span)
-    found = [k for k, joint in enumerate(program.joints) if joint.path == path]
+    home = env.root.scope  # other alternatives of the part may bring a joint of the same name
+    found = [k for k, joint in enumerate(program.joints) if joint.path == path and joint.scope.within(home)]
     if not found:
         raise links.context.error("unknown-name", statement.joint.span, "there is no such joint to limit")
     ev = Evaluator(env)

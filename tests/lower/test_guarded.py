@@ -388,3 +388,17 @@ def test_of_equals_the_later_one_counts_where_its_guard_holds(
     batch = Session.of_text(HEAD + text).sampler.batch(np.arange(MADE), seed=2)
     shown = {truth: look(batch, number, prefix) for number, prefix, truth in units(when, batch)}
     assert (shown[True] != shown[False]) == first
+
+
+def test_a_limit_in_one_alternative_leaves_the_joint_of_the_other_alone() -> None:
+    text = f"""role Lid {{ joint motion  slot p }}
+template One : Lid {{ {P}  joint motion : prismatic base -> p along z range 0 .. 5cm  limit motion 0 .. 2cm }}
+template Two : Lid {{ {P}  joint motion : prismatic base -> p along z range 0 .. 5cm }}
+category T {{
+  {ROOT}  part u : Lid = One | Two
+  connect u to body
+  align u.p.bottom = body.top
+}}"""
+    batch = Session.of_text(HEAD + text).sampler.batch(np.arange(MADE), seed=2)
+    ranges = {batch.drawn(k)["u"]: told["joints"][0]["range"] for k, told in enumerate(describe(batch))}
+    assert ranges == {"One": [0.0, 0.02], "Two": [0.0, 0.05]}
