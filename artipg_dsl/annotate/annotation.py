@@ -17,7 +17,7 @@ from .gripper import REASONS, STANDARD, Gripper, judge
 from .hierarchy import lineages, semantic_parents
 from .interactions import Interactions, directions, interactions
 from .poses import part_poses, symmetry_words
-from .states import resting, twist
+from .states import joint_twist, resting
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
@@ -294,7 +294,7 @@ def _acts(batch: Batch, acting: Interactions, states: np.ndarray | None) -> dict
     joints = batch.joints()
     values = batch.settled(resting(batch) if states is None else states)
     point = rotate(turn[acting.link], acting.point) + shift[acting.link]
-    direction, speed = directions(twist(batch, states), acting.link, point)
+    direction, speed = directions(joint_twist(batch, states), acting.joint, point)
     left = np.stack([joints.low - values, joints.high - values], axis=-1)[acting.joint]
     return {
         "point": tidy(point),

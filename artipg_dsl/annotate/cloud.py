@@ -12,6 +12,7 @@ from ..geometry import points as geometry
 from ..graph import random
 from ..runtime.materials import material_rows
 from .frames import rotate, rotate_rows
+from .interactions import acting_joints
 from .jacobian import jacobian
 from .points import field_kinds, label_points
 from .sampling import Sampling
@@ -38,7 +39,9 @@ class Points:
     mimics it and what closed loops move along included. ``bound`` (B, n) tells of points that were bound again which of them
     still have their primitive and patch; what is not has nan for its place, no label and -1 for semantic, instance,
     link and material. It is None for points that were drawn. ``area`` (B, n): the surface, in square metres, that a point
-    stands for, which differs where points are drawn per part or balanced; it is None for points that were bound again.
+    stands for, which differs where points are drawn per part or balanced; it is None for points that were bound again. ``acting``, with
+    ``motion``: for each word such as ``affordance.lift`` the number (B, n) of the joint that it is for, -1 where it does not
+    hold or nothing moves.
     """
 
     object: np.ndarray
@@ -60,6 +63,7 @@ class Points:
     velocities: np.ndarray | None = None
     bound: np.ndarray | None = None
     area: np.ndarray | None = None
+    acting: dict[str, np.ndarray] | None = None
 
 
 def sample_points(
@@ -120,7 +124,10 @@ def complete(
         carried = [rotate(batch.pose(one)[0][own], fields[name]).astype(np.float32) for one in every]
         fields[name] = np.stack(carried, axis=1) if several else carried[0]
     classes = labels.semantic, instance, link, made_of
-    return Points(owner, position, normal, *classes, npcs, *binding, fields, velocity, drivers, velocities)
+    acting = acting_joints(batch, made) if motion else None
+    return Points(
+        owner, position, normal, *classes, npcs, *binding, fields, velocity, drivers, velocities, acting=acting
+    )
 
 
 def _starts(batch: Batch) -> np.ndarray:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from ..graph.program import Label, Target
     from ..runtime.batch import Batch
 
+KINDS = {"along": ("prismatic", "screw"), "about": ("revolute", "continuous", "screw", "ball")}
 LOOKS = (64, 512)  # points on each primitive that an affordance may lie on
 
 
@@ -44,7 +45,7 @@ def interactions(batch: Batch) -> Interactions:
     moving = own_joints(batch)
     acting = [label for label in batch.program.labels if label.vocabulary not in ("semantic", "field")]
     names = list(dict.fromkeys(field_name(label) for label in acting))
-    rows: list[np.ndarray] = [np.zeros((0, 6))]
+    rows: list[np.ndarray] = [np.zeros((0, 7))]
     for label, target, row in found_on(batch, acting, moving):
         table = batch.sites()[target.site]
         scope = batch.program.sites[target.site].scope
@@ -53,11 +54,53 @@ def interactions(batch: Batch) -> Interactions:
         point = (rotate(rotation, reflect(center, mirror)) + translation)[row]
         link = (first[table.owner] + table.link)[row]
         word = np.full(len(link), names.index(field_name(label)))
-        rows.append(np.column_stack([table.owner[row], word, link, np.round(point, 9) + 0.0]))
+        joint = moved_by(batch, label, link)
+        rows.append(np.column_stack([table.owner[row], word, link, joint, np.round(point, 9) + 0.0]))
     # the primitives of one target share its middle: one row for all of them
     unique = np.unique(np.concatenate(rows), axis=0)
-    owner, word, link = (unique[:, k].astype(np.int64) for k in range(3))
-    return Interactions(owner, [names[k] for k in word], link, moving[link], unique[:, 3:])
+    owner, word, link, joint = (unique[:, k].astype(np.int64) for k in range(4))
+    return Interactions(owner, [names[k] for k in word], link, joint, unique[:, 4:])
+
+
+def moved_by(batch: Batch, label: Label, link: np.ndarray) -> np.ndarray:
+    """The joint (a row of the table) that a label on the link rows ``link`` (k,) is for, -1 where nothing moves.
+
+    Of the joints above the link the nearest that the label names; else the nearest of the kind that its word moves by;
+    else the nearest of all. Fixed ones do not count.
+    """
+    joints, links = batch.joints(), batch.links()
+    first = np.searchsorted(links.owner, joints.owner)
+    above = np.full(len(links.owner) + 1, -1, dtype=np.int64)  # the last one is above all
+    above[first + joints.child] = np.arange(len(joints.owner))
+    parent = np.append(first + joints.parent, len(links.owner))
+    moves = np.append([kind != "fixed" for kind in joints.kind], False)
+    named = np.append(np.isin(joints.definition, label.joints), False)
+    kind = np.append([kind in KINDS.get(label.motion, ()) for kind in joints.kind], False)
+    rank, found, at = np.zeros(len(link), dtype=np.int64), np.full(len(link), -1), link
+    for _ in range(len(batch.program.joints)):
+        joint = above[at]
+        if (joint < 0).all():
+            break
+        worth = np.where(named[joint], 3, np.where(kind[joint], 2, 1)) * moves[joint]
+        better = worth > rank
+        rank, found = np.where(better, worth, rank), np.where(better, joint, found)
+        at = parent[joint]
+    return found
+
+
+def acting_joints(batch: Batch, points: geometry.PointSet) -> dict[str, np.ndarray]:
+    """For each word that acts, the number in its object of the joint that it is for at each point, -1 where it does not
+    hold or nothing moves: (P, n) each."""
+    links, tables = batch.links(), batch.sites()
+    acting = [label for label in batch.program.labels if label.vocabulary not in ("semantic", "field")]
+    first = np.searchsorted(links.owner, np.arange(len(batch)))
+    number = np.append(np.asarray(batch.joints().number, dtype=np.int64), -1)
+    rows = points.row.ravel()
+    found = {field_name(label): np.full(points.site.size, -1, dtype=np.int64) for label in acting}
+    for label, target, at in holding(batch, tables, points, acting):
+        table, row = tables[target.site], rows[at]
+        found[field_name(label)][at] = number[moved_by(batch, label, first[table.owner[row]] + table.link[row])]
+    return {name: values.reshape(points.site.shape) for name, values in sorted(found.items())}
 
 
 def found_on(batch: Batch, labels: Sequence[Label], moving: np.ndarray) -> Iterator[tuple[Label, Target, np.ndarray]]:
@@ -76,8 +119,8 @@ def found_on(batch: Batch, labels: Sequence[Label], moving: np.ndarray) -> Itera
     held = {pair: np.zeros(len(tables[pair[1].site]), dtype=bool) for pair in pairs}
     for count in LOOKS:
         points = looks(batch, wanted, count)
-        for label, target, row in holding(batch, tables, points, labels):
-            held[label, target][row] = True
+        for label, target, at in holding(batch, tables, points, labels):
+            held[label, target][points.row.ravel()[at]] = True
         missed = [np.zeros(len(table), dtype=bool) for table in tables]
         for (_, target), found in held.items():
             missed[target.site] |= ~found
@@ -106,9 +149,10 @@ def looks(batch: Batch, wanted: Sequence[np.ndarray], count: int) -> geometry.Po
     return points.take(np.flatnonzero(full & (own.label > 0)))
 
 
-def directions(motion: Twist, link: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Unit directions (I, 3) in which points move as the joint's value grows, nan on its axis, and speeds (I,)."""
-    velocity = motion.at(link, points)
+def directions(motion: Twist, joint: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Unit directions (I, 3) in which points move as the value of the joint rows ``joint`` (I,) grows, nan on its axis,
+    and speeds (I,). ``motion`` is that of ``joint_twist``."""
+    velocity = motion.at(joint, points)
     x, y, z = velocity.T
     speed = np.sqrt(x * x + y * y + z * z)
     still = speed < 1e-9

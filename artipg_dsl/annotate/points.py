@@ -91,11 +91,11 @@ def by_site(reader: Reader, tables: Mapping[int, SiteTable], points: PointSet) -
 def holding(
     reader: Reader, sites: list[SiteTable], points: PointSet, labels: Sequence[Label]
 ) -> Iterator[tuple[Label, Target, np.ndarray]]:
-    """For each label (whole vocabularies, outer ones first) and target the rows of its site that have a point at which
-    it holds and no deeper one does, ascending; what holds nowhere is left out."""
+    """For each label (whole vocabularies, outer ones first) and target the flat numbers of the points at which it holds
+    and no deeper one does; what holds nowhere is left out."""
     tables = {table.number: table for table in sites}
-    rows, chosen = np.asarray(points.row).ravel(), by_site(reader, tables, points)
-    levels = {label.vocabulary: np.full(rows.shape, -1, dtype=np.int16) for label in labels}
+    chosen = by_site(reader, tables, points)
+    levels = {label.vocabulary: np.full(points.site.size, -1, dtype=np.int16) for label in labels}
     found = []
     for label in labels:
         for target in label.targets:
@@ -108,9 +108,9 @@ def holding(
                 level[at] = np.maximum(level[at], label.depth)
                 found.append((label, target, at))
     for label, target, at in found:
-        own = rows[at[levels[label.vocabulary][at] == label.depth]]
+        own = at[levels[label.vocabulary][at] == label.depth]
         if len(own):
-            yield label, target, np.unique(own)
+            yield label, target, own
 
 
 def outdo(label: Label, at: np.ndarray, level: np.ndarray, fields: dict[str, np.ndarray]) -> None:

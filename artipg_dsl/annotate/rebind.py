@@ -74,6 +74,7 @@ def rebind(
         motion=None if known.motion is None else spread(known.motion, np.nan),
         drivers=None if known.drivers is None else spread(known.drivers, -1),
         velocities=None if known.velocities is None else spread(known.velocities, np.nan, 2), bound=bound.reshape(site.shape),
+        acting=None if known.acting is None else {name: spread(values, -1) for name, values in known.acting.items()},
     )  # fmt: skip
 
 

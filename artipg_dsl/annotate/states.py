@@ -197,24 +197,26 @@ class Twist:
         return np.stack([b * z - c * y, c * x - a * z, a * y - b * x], axis=-1) + self.shift[link]
 
 
+def joint_twist(batch: Batch, states: np.ndarray | None = None) -> Twist:
+    """The motion by each joint, (J, 3) each, of what it carries, with the joints at ``states`` (J,), at rest by default."""
+    links, joints = batch.links(), batch.joints()
+    rotation, translation = batch.pose(states)
+    parent = np.searchsorted(links.owner, joints.owner) + joints.parent
+    axis, slide = (rotate(rotation[parent], way) for way in freedoms(joints))  # with the link that carries them
+    x, y, z = (rotate(rotation[parent], joints.origin) + translation[parent]).T
+    a, b, c = axis.T
+    return Twist(axis, np.stack([c * y - b * z, a * z - c * x, b * x - a * y], axis=-1) + slide)  # - axis x origin
+
+
 def twist(batch: Batch, states: np.ndarray | None = None) -> Twist:
     """The motion of each link by its own joint, with the joints at ``states`` (J,), at rest by default."""
     links, joints = batch.links(), batch.joints()
-    rotation, translation = batch.pose(states)
     start = np.searchsorted(links.owner, joints.owner)
     parent, child = start + joints.parent, start + joints.child
-    axis, slide = (
-        rotate(rotation[parent], way) for way in freedoms(joints)
-    )  # they move with the link that carries them
-    origin = rotate(rotation[parent], joints.origin) + translation[parent]
-    stiff = np.flatnonzero(~((axis != 0.0) | (slide != 0.0)).any(axis=1))
+    stiff = np.flatnonzero(~np.any([(way != 0.0).any(axis=1) for way in freedoms(joints)], axis=0))
+    own = joint_twist(batch, states)
     made = Twist(np.zeros((len(links.owner), 3)), np.zeros((len(links.owner), 3)))
-    x, y, z = origin.T
-    a, b, c = axis.T
-    made.turn[child] = axis
-    made.shift[child] = (
-        np.stack([c * y - b * z, a * z - c * x, b * x - a * y], axis=-1) + slide
-    )  # slide - axis x origin
+    made.turn[child], made.shift[child] = own.turn, own.shift
     for _ in range(len(batch.program.joints)):  # what is fixed to a link moves as that link does
         before = made.turn[child[stiff]], made.shift[child[stiff]]
         made.turn[child[stiff]], made.shift[child[stiff]] = made.turn[parent[stiff]], made.shift[parent[stiff]]

@@ -16,7 +16,7 @@ from ..annotate.points import field_kinds
 from ..shapes import Misfit
 from . import schema
 from .content import Content
-from .meanings import AREA, MOTIONS, MOVING, OBJECT, POINTS, STATE, VIEWS, Meaning
+from .meanings import ACTING, AREA, MOTIONS, MOVING, OBJECT, POINTS, STATE, VIEWS, Meaning
 from .mutants import MEANINGS
 from .write import ExportError
 
@@ -156,6 +156,12 @@ def arrays(program: Program, content: Content) -> dict[str, Any]:
         POINTS | {"object": OBJECT} | (AREA if content.sampling.uneven else {}) | (MOTIONS if content.motion else {})
     )
     meant |= {name: label_meaning(kind, "objects, points") for name, kind in field_kinds(program.labels).items()}
+    if content.motion:
+        meant |= {
+            f"{name}.joint": ACTING
+            for name, kind in field_kinds(program.labels).items()
+            if not name.startswith("field.")
+        }
     lengths: dict[str, int | str] = {"points": content.points}
     if content.per != "object":  # a row for each of them, whose object `object` tells
         lengths["objects"] = "classes" if content.per == "semantic" else f"{content.per}s"

@@ -40,6 +40,10 @@ POINTS = {
     "u": Meaning("first patch coordinate, a fraction 0 .. 1", "objects, points", "patch", "1", "float32"),
     "v": Meaning("second patch coordinate, a fraction 0 .. 1", "objects, points", "patch", "1", "float32"),
 }
+ACTING = Meaning(
+    "joint that the label is for, its place in the annotation's list `joints`; 65535: none, or it does not hold",
+    "objects, points",
+)
 AREA = {"area": Meaning("surface that the point stands for", "objects, points", unit="m2", dtype="float32")}
 MOTIONS = {
     "motion": Meaning(

@@ -53,6 +53,9 @@ def point_arrays(
         arrays["motion"] = points.motion.astype(np.float32)
         arrays["drivers"] = np.where(points.drivers < 0, NONE, narrow(np.maximum(points.drivers, 0))).astype(np.uint16)
         arrays["velocities"] = points.velocities.astype(np.float32)
+    if points.acting is not None:
+        for name, joint in points.acting.items():
+            arrays[f"{name}.joint"] = np.where(joint < 0, NONE, narrow(np.maximum(joint, 0))).astype(np.uint16)
     labels = {name: a if a.dtype == bool else a.astype(np.float32) for name, a in sorted(points.labels.items())}
     return arrays | labels
 

@@ -240,6 +240,8 @@ class Label:
     Nothing is said where ``guard``, a predicate over the same, does not hold. A field of vectors has three formulas in
     ``vector``, components in the frame of the target; its ``value`` says nothing.
     ``depth`` of the target in the part tree: within one vocabulary the deepest label that holds at a point wins.
+    ``joints`` are those that it is for, as far as it names any, ``motion`` the kind that its word moves by: "along" for a
+    slide, "about" for a turn.
     """
 
     vocabulary: str
@@ -250,6 +252,8 @@ class Label:
     depth: int = 0
     guard: Expr = TRUE
     vector: tuple[Expr, ...] = ()
+    joints: tuple[int, ...] = ()
+    motion: str = ""
 
     @property
     def formulas(self) -> tuple[Expr, ...]:

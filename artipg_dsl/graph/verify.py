@@ -242,6 +242,9 @@ class Verifier:
         need(len(label.vector) in (0, 3), "a vector has three components")
         need(not label.vector or label.vocabulary == "field", "a vector is a field")
         need(0 <= label.depth <= 10_000, "the depth of a label is a small number")
+        need(label.motion in ("", "along", "about"), f"a label has no motion {shapes.shown(label.motion)}")
+        for joint in label.joints:
+            self.index(joint, self.program.joints, "joint")
         for target in label.targets:
             self.index(target.site, self.program.sites, "site")
             scope = self.program.sites[target.site].scope

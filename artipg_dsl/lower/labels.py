@@ -13,7 +13,7 @@ from ..graph.program import MEASURES, Grasp, Keypoint, Label, Pose, Target
 from ..syntax import ast
 from .carry import moved
 from .context import Abort, where
-from .drives import Drive
+from .drives import FUNCTIONS, Drive
 from .env import Element, Env
 from .evaluate import Evaluator
 from .faces import extent
@@ -238,6 +238,7 @@ def label(links: Links, env: Env, statement: ast.LabelStmt) -> None:
                     statement.vocabulary, statement.label, targets(links, aim), degree, where(statement.span),
                     guard=E.both(there, guard),
                 )  # fmt: skip
+            made = replace(made, joints=acted(links, ev, statement), motion=motion(env, statement))
             links.context.labels.append((aim.depth, made))
             holds = E.both(there, guard)
             whole = statement.vocabulary == "semantic" and statement.value is None and not aim.surfaces
@@ -249,6 +250,33 @@ def label(links: Links, env: Env, statement: ast.LabelStmt) -> None:
                             made_of = program.parts[number]
                             said = (*made_of.semantic, (statement.label, holds))
                             program.parts[number] = replace(made_of, semantic=said)
+
+
+def acted(links: Links, ev: Evaluator, statement: ast.LabelStmt) -> tuple[int, ...]:
+    """The joints that a label is for: the one it names, else those that its formula asks about."""
+    assert ev.drive is not None
+    asked = (
+        [statement.joint] if statement.joint is not None else drives_in(statement.where) + drives_in(statement.value)
+    )
+    found = [joint for node in asked for joint in ev.drive.joints(node, node.span)]
+    return tuple(k for k, joint in enumerate(links.context.program.joints) if any(joint is one for one in found))
+
+
+def drives_in(node: ast.Node | None) -> list[ast.Expr]:
+    """What `pushes(joint)` and the like in a formula name."""
+    if isinstance(node, ast.CallExpr) and isinstance(node.function, ast.NameExpr) and node.function.name in FUNCTIONS:
+        return [node.arguments[0].value]
+    inner = [getattr(node, name) for name in node.__dataclass_fields__] if isinstance(node, ast.Node) else []
+    flat = [one for value in inner for one in (value if isinstance(value, tuple) else (value,))]
+    return [found for one in flat if isinstance(one, ast.Node) for found in drives_in(one)]
+
+
+def motion(env: Env, statement: ast.LabelStmt) -> str:
+    """The kind of joint that the word of a label moves by, as its vocabulary says."""
+    symbol = env.module.find(statement.vocabulary)
+    if symbol is None or not isinstance(symbol.decl, ast.VocabularyDecl) or statement.label not in symbol.decl.words:
+        return ""
+    return symbol.decl.motions[symbol.decl.words.index(statement.label)]
 
 
 def field_label(links: Links, env: Env, statement: ast.FieldStmt) -> None:

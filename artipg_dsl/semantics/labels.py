@@ -31,6 +31,7 @@ from .types import (
     SURFACE,
     UNKNOWN,
     Element,
+    Joint,
     Part,
     Scalar,
     Slot,
@@ -127,11 +128,25 @@ def _label(ck: Checker, ctx: Context, stmt: ast.LabelStmt) -> None:
             "unknown-label", stmt.label_span, f"the vocabulary `{stmt.vocabulary}` has no word `{stmt.label}`",
             hint=_word(ck, ctx, stmt.vocabulary, stmt.label),
         )  # fmt: skip
+    if stmt.joint is not None:
+        _acted(ck, ctx, stmt.joint, stmt.vocabulary)
     place = formula(_targets(ck, ctx, stmt.targets, "a label lies on"))
     _condition(ck, place, stmt.where)
     if stmt.value is not None:
         ck.expect(place, stmt.value, RATIO, "the degree of a label")
         _relative(ck, stmt.value)
+
+
+def _acted(ck: Checker, ctx: Context, joint: ast.Expr, vocabulary: str) -> None:
+    """The joint that a label is ``for``."""
+    if vocabulary == "semantic":
+        ck.error(
+            "wrong-type", joint.span, "`semantic` says what a part is, which is for no joint",
+            hint="`for` belongs to what one does: `label affordance.lift for raise on lid`",
+        )  # fmt: skip
+    kind = ck.infer(ctx.but(lenient=[], many=True), joint)
+    if not isinstance(kind, Joint) and kind != UNKNOWN:
+        ck.error("wrong-type", joint.span, f"a label is for a joint, but this is {kind}")
 
 
 def _field(ck: Checker, ctx: Context, stmt: ast.FieldStmt) -> None:

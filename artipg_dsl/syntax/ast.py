@@ -427,12 +427,14 @@ class WhenStmt(Stmt):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LabelStmt(Stmt):
-    """``label affordance.pull on a, b where p.y < 0`` or ``label affordance.press on a = 1 - hypot(p.y, p.z) / r``."""
+    """``label affordance.pull on a, b where p.y < 0`` or ``label affordance.press on a = 1 - hypot(p.y, p.z) / r``;
+    ``label affordance.lift for raise on a``: by which joint."""
 
     vocabulary: str
     label: str
     label_span: Span
     targets: tuple[Expr, ...]
+    joint: Expr | None = None
     where: Expr | None = None
     value: Expr | None = None
 
@@ -607,8 +609,11 @@ class MaterialDecl(Decl):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class VocabularyDecl(Decl):
+    """``vocabulary affordance { push, turn : about, lift : along }``: words, and by which kind of joint some of them move."""
+
     words: tuple[str, ...]
     word_spans: tuple[Span, ...]
+    motions: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -110,9 +110,13 @@ class TreeBuilder(StatementBuilder):
 
     def vocabulary(self, c: Children) -> ast.Decl:
         words = tokens(c, "WORD")
+        told = {c.index(word): word for word in words}
+        motions = {
+            told[k - 2].value: c[k].value for k in range(len(c)) if k - 2 in told and c[k].type in ("ALONG", "ABOUT")
+        }
         return ast.VocabularyDecl(
             **self.stmt(c), **self.named(c[1]), words=tuple(t.value for t in words),
-            word_spans=tuple(self.at(t) for t in words),
+            word_spans=tuple(self.at(t) for t in words), motions=tuple(motions.get(t.value, "") for t in words),
         )  # fmt: skip
 
     def function(self, c: Children) -> ast.Decl:

@@ -254,9 +254,10 @@ class StatementBuilder(ExpressionBuilder):
 
     def label(self, c: Children) -> ast.Stmt:
         targets, where, value = self.formula(c)
+        joint = targets[0] if isinstance(c[4], Token) and c[4].type == "FOR" else None
         return ast.LabelStmt(
-            **self.stmt(c), vocabulary=c[1].value, label=c[3].value, label_span=self.at(c[3]), targets=targets,
-            where=where, value=value,
+            **self.stmt(c), vocabulary=c[1].value, label=c[3].value, label_span=self.at(c[3]),
+            targets=targets[joint is not None :], joint=joint, where=where, value=value,
         )  # fmt: skip
 
     def field(self, c: Children) -> ast.Stmt:

@@ -10,9 +10,11 @@ import pytest
 from artipg_dsl.annotate.annotation import describe
 from artipg_dsl.annotate.cloud import sample_points
 from artipg_dsl.annotate.interactions import directions, interactions
+from artipg_dsl.annotate.rebind import rebind
 from artipg_dsl.annotate.sampling import Sampling
-from artipg_dsl.annotate.states import joint_values, opened, read_states, twist
+from artipg_dsl.annotate.states import joint_twist, joint_values, opened, read_states
 from artipg_dsl.errors import UsageError
+from artipg_dsl.export.shards import point_arrays
 from artipg_dsl.runtime.batch import Batch
 from artipg_dsl.session import Session, categories
 from artipg_dsl.source import Source
@@ -56,7 +58,7 @@ def test_directions_are_those_of_the_joint(batch: Batch) -> None:
     step = 1e-6
     turn, shift = batch.pose(values)
     place = np.einsum("kij,kj->ki", turn[found.link], found.point) + shift[found.link]
-    direction, speed = directions(twist(batch, values), found.link, place)
+    direction, speed = directions(joint_twist(batch, values), found.joint, place)
     for row, joint in enumerate(found.joint):
         nudged = values.copy()
         nudged[joint] += step
@@ -145,6 +147,69 @@ def test_shipped_interactions_are_found_on_points(category: str) -> None:
         }
         shown = {entry for entry in told if entry[0] in link}  # a link may show too little to have points
         assert shown == found
+
+
+TWO = """apg 1
+use primitives   { Cuboid, Cylinder }
+use vocabularies { semantic, affordance }
+category Jar {
+  root part body : Cylinder(radius = 5cm, height = 10cm)
+  part stem : Cylinder(radius = 1cm, height = 3cm)
+  joint raise : prismatic body.top -> stem.bottom gap 1mm along z range 0 .. 5cm
+  part lid : Cuboid(size = [10cm, 10cm, 1cm])
+  joint swing : revolute stem.top -> lid.bottom gap 1mm range 0deg .. 90deg
+  part knob : Cylinder(radius = 5mm, height = 1cm)
+  connect knob.bottom on lid.top at center
+  label affordance.lift on lid
+  label affordance.turn on lid
+  label affordance.push for raise on lid
+  label affordance.close for swing on lid
+  label affordance.pull on lid where pulls(raise)
+  label affordance.press on lid.bottom where pushes(raise)
+  label affordance.grasp on lid
+  label affordance.roll on stem
+}
+"""
+
+
+def test_a_label_is_for_a_joint_of_several_in_a_row() -> None:
+    batch = Session(Source("jar.apg", TWO), None).sampler.batch(np.arange(2), seed=0)
+    up = [0.0, 0.0, 1.0]
+    wanted = {
+        "lift": ("raise", up), "turn": ("swing", None), "push": ("raise", up), "close": ("swing", None), "pull": ("raise", up),
+        "press": ("raise", up), "grasp": ("swing", None), "roll": ("raise", up),
+    }  # fmt: skip
+    for annotation in describe(batch):
+        told = {e["affordance"].split(".")[1]: (e["joint"], e["direction"]) for e in annotation["interactions"]}
+        assert told == wanted
+    points = sample_points(batch, 400, motion=True)
+    numbers = {name: k for k, name in enumerate(["raise", "swing"])}
+    assert points.acting is not None and points.drivers is not None and points.velocities is not None
+    for word, (joint, _) in wanted.items():
+        holds, found = points.labels[f"affordance.{word}"] > 0, points.acting[f"affordance.{word}"]
+        assert holds.any() and np.array_equal(found, np.where(holds, numbers[joint], -1)), word
+    lifted = points.acting["affordance.lift"] == 0
+    column = np.argmax(points.drivers[lifted] == 0, axis=1)
+    assert points.velocities[lifted][np.arange(len(column)), column] == pytest.approx(np.tile(up, (len(column), 1)))
+    arrays = point_arrays(batch, 100, motion=True)
+    assert arrays["affordance.lift.joint"].dtype == np.uint16 and set(np.unique(arrays["affordance.lift.joint"])) == {
+        0,
+        65535,
+    }
+    back = rebind(batch, points, motion=True)
+    assert back.acting is not None and all(np.array_equal(back.acting[n], points.acting[n]) for n in points.acting)
+
+
+def test_what_a_formula_asks_about_is_what_a_door_is_pushed_by() -> None:
+    """A handle of a door turns on it: it is the door that is pushed, by the handle or not."""
+    batch = Session.of("Door").sampler.batch(np.arange(12), seed=3)
+    joints = {
+        (entry["affordance"], entry["joint"].split(".")[-1])
+        for annotation in describe(batch, gripper=None)
+        for entry in annotation["interactions"]
+        if ".letters" not in entry["joint"]
+    }
+    assert {joint for word, joint in joints if word in ("affordance.push", "affordance.close")} == {"open"}
 
 
 def test_a_shut_door_is_pulled_and_an_open_one_pushed(batch: Batch) -> None:

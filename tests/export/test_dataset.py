@@ -73,7 +73,7 @@ def test_arrays_are_as_the_manifest_says(tmp_path: Path) -> None:
             assert array.dtype == entry["dtype"], name
             shape = entry["shape"].replace("objects", "2").split(", ")
             assert array.shape == tuple(map(int, shape)), name
-        assert arrays["points"].shape == (2, 64, 3) and arrays["affordance.pull"].any()
+        assert arrays["points"].shape == (2, 64, 3) and arrays["affordance.push"].any()
     assert described["vocabularies"]["semantic"] == ["unlabelled", "body", "door", "handle", "button", "grip"]
     assert described["vocabularies"]["affordance"] == ["pull", "push"]
     assert described["vocabularies"]["joints"] == ["open", "press"]
