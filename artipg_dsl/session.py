@@ -138,13 +138,18 @@ class Session:
             raise CompileError(self.report) from None
 
     def advise(self) -> None:
-        """Report what is legal and perhaps not meant: surface without a semantic label, parts that nothing gives a
-        material, whose mass is a guess."""
+        """Report what is legal and perhaps not meant: parts that nothing places, surface without a semantic label, parts
+        that nothing gives a material, whose mass is a guess."""
         from .lower.unlabelled import warn_unlabelled
 
         typed, lowering = self.typed, self.lowering
         if typed is None or typed.category is None or lowering is None:
             return
+        for part in lowering.unplaced():
+            self.report.warning(
+                "unplaced", part.span, f"nothing says where `{part.name}` is: it lies in the middle, along x, y and z",
+                hint=f"`connect {part.name}.bottom on ...` or `align` places it; `align {part.name}.center = ...` says that it is meant",
+            )  # fmt: skip
         program = lowering.program
         warn_unlabelled(lowering, typed.category.decl.name_span)
         bare = list(dict.fromkeys(program.parts[site.part].path for site in program.sites if not site.materials))

@@ -82,6 +82,7 @@ class Context:
     )  # requirement -> its place, whether the category's own
     ledger: list[tuple[Part | None, Unknown]] = field(default_factory=list)
     parts: list[Part] = field(default_factory=list)
+    centred: dict[Part, int] = field(default_factory=dict)  # along how many axes nothing determines where a part is
     counted: dict[Scope, Span] = field(default_factory=dict)  # the tables of repeats and where they are stated
     asked: list[Quantity] = field(default_factory=list)  # numbers with a legal range that no record keeps
     solids: dict = field(default_factory=dict)  # primitive symbol -> Lowered

@@ -25,7 +25,7 @@ from .env import Element, Env
 from .evaluate import Evaluator
 from .feasible import judge
 from .legal import legalize
-from .links import Links
+from .links import Links, first_part
 from .motions import motions
 from .part import Part
 from .primitives import comparison
@@ -41,6 +41,16 @@ class Lowering:
     program: Program
     context: Context
     root: Env
+
+    def unplaced(self) -> Iterator[Part]:
+        """The parts in the text of the category that nothing places along any axis; not those that stand in an element of a repeat,
+        nor the first of a template, by which the others go."""
+        for part, axes in self.context.centred.items():
+            if axes < 3 or part.span.source is not self.root.module.source:
+                continue
+            owner = part.env.root.instance
+            if part.env.element is None and (owner is None or first_part(owner) is not part):
+                yield part
 
 
 def lower_category(category: Symbol, report: Report) -> Lowering | None:

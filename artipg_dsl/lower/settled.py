@@ -27,6 +27,8 @@ def default(
     if unknown.kind == "position":
         value = tidy(centred(unknown))
         reason = "centred"
+        if not fresh and unknown.part is not None:
+            context.centred[unknown.part] = context.centred.get(unknown.part, 0) + 1
     elif unknown.kind == "default":
         assert unknown.default is not None
         value, reason = unknown.default, "default"

@@ -3,6 +3,23 @@
 from .base import Code
 
 EQUATIONS = (
+    Code("unplaced", "nothing says where a part is", """
+        No equation and no `connect` with faces or frames places the part, along any axis, so it lies in the middle of what it stands in:
+        right for a core, a surprise for most. `connect lid to body` with bare names attaches and places nothing. Say where it is,
+        or that the middle is meant: `align lid.center = body.center`. `apgc check` warns of it, the program works.
+        """, """
+        apg 1
+        use primitives { Cuboid }
+        use materials { oak }
+        use vocabularies { semantic }
+        category Stool {
+          root part seat : Cuboid(size = [30cm, 30cm, 3cm])
+          part leg : Cuboid(size = [3cm, 3cm, 40cm])
+          connect leg to seat
+          material oak on seat, leg
+          label semantic.seat on seat, leg
+        }
+        """),
     Code("under-determined", "nothing determines a value", """
         A parameter without a range has to be given by its user or follow from equations. This one is neither:
         give it a range, an argument, or one equation more. Nothing is guessed: an object set in which a size
