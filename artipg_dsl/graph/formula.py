@@ -97,7 +97,8 @@ def _steps(exprs: Sequence[Expr]) -> tuple[list[Expr], dict[int, int]]:
 def _compile(exprs: tuple[Expr, ...], names: tuple[str, ...]) -> Callable[..., tuple]:
     namespace: dict[str, object] = {"np": np}
     exec(compile(source(exprs, names), "<formula>", "exec"), namespace)  # noqa: S102 - no text of a program reaches it
-    return quiet(namespace["formula"])  # type: ignore[arg-type]
+    formula: Callable[..., tuple] = namespace["formula"]  # type: ignore[assignment]
+    return quiet(formula)
 
 
 # Formulas are computed everywhere and taken where they hold (the branches of `a if c else b`, points outside a `where`): NumPy's

@@ -288,7 +288,8 @@ def bridged(part: Part, mount: Mount, ev: Evaluator) -> Pose:
     if gap_clause is not None:
         sink = E.sub(sink, ev.scalar(gap_clause.values[0]))
     a, b = sunk(ev, clause.values, sink)
-    outer, inner = tuple(tidy(c) for c in minus(b, a)), minus(line.to, line.point)
+    x, y, z = map(tidy, minus(b, a))
+    outer, inner = (x, y, z), minus(line.to, line.point)
     distance = norm(outer)
     reach = next((c for c in inner if c is not ZERO), ZERO) if sum(c is not ZERO for c in inner) == 1 else norm(inner)
     mount.env.equations.append(Equation(reach, distance, clause.span, "the distance of the two ends", part.exists))
