@@ -33,11 +33,12 @@ def derive(root: Expr, by: Expr | str) -> Expr:
     """
     target = var(by) if isinstance(by, str) else by
     memo: dict[int, Expr] = {}
+    free = target.op == "var"
 
     def visit(node: Expr) -> Expr:
         if node is target:
             return ONE
-        if not node.args:
+        if not node.args or free and not node.reads & target.reads:
             return ZERO
         done = memo.get(id(node))
         if done is None:

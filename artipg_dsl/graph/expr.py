@@ -58,14 +58,17 @@ class Column:
 
 
 class Expr:
-    """One node. ``op`` names it, ``args`` are expressions, ``value`` what is not an expression."""
+    """One node. ``op`` names it, ``args`` are expressions, ``value`` what is not an expression; ``reads`` has a bit for each
+    free variable in it.
+    """
 
-    __slots__ = ("op", "args", "value", "scope", "__weakref__")
+    __slots__ = ("op", "args", "value", "scope", "reads", "__weakref__")
 
     op: str
     args: tuple[Expr, ...]
     value: Any
     scope: Scope | None
+    reads: int
 
     @property
     def constant(self) -> float | None:
@@ -103,6 +106,7 @@ class Expr:
 
 
 _interned: WeakValueDictionary[tuple, Expr] = WeakValueDictionary()
+_bits: dict[Any, int] = {}  # free variable -> its bit
 
 # name -> (arity, scalar implementation used for folding constants)
 FUNCTIONS: dict[str, tuple[int, Callable[..., float]]] = {
@@ -150,6 +154,9 @@ def _make(op: str, args: tuple[Expr, ...] = (), value: object = None, scope: Sco
     if found is None:
         found = Expr()
         found.op, found.args, found.value, found.scope = op, args, value, scope
+        found.reads = 1 << _bits.setdefault(value, len(_bits)) if op == "var" else 0
+        for arg in args:
+            found.reads |= arg.reads
         _interned[key] = found
     return found
 
@@ -460,11 +467,14 @@ def leaves(root: Expr, *, through: bool = True) -> set[Column]:
 def substitute(root: Expr, mapping: dict[Expr, Expr]) -> Expr:
     """Replace nodes (columns or variables, as a rule) throughout, folding again."""
     memo: dict[int, Expr] = {}
+    sought = 0  # the variables to be replaced; -1 where other nodes are
+    for key in mapping:
+        sought |= key.reads if key.op == "var" else -1
 
     def visit(node: Expr) -> Expr:
         if node in mapping:
             return mapping[node]
-        if not node.args:
+        if not node.args or sought >= 0 and not node.reads & sought:
             return node
         done = memo.get(id(node))
         if done is None:

@@ -6,76 +6,38 @@
 * ``sweep(outer[, inner]) along path up y``: one section all along. Sections are given in (side, up) coordinates, side
   = up x direction of the path.
 
-The path lies in a plane across ``up``, an axis, so that the section never turns about it. Curves of two sections are
-paired in their order. Surfaces bear the names of the first section's curves; the ends are ``start`` and ``end``.
+How a section stands across its path is told in ``frames``. Curves of two sections are paired in their order. Surfaces
+bear the names of the first section's curves; the ends are ``start`` and ``end``.
 """
 
 from __future__ import annotations
-
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..graph import expr as E
 from ..graph.expr import ONE, ZERO, Expr
-from ..graph.primitive import Patch, Piece, Triple
+from ..graph.primitive import Patch, Triple
 from ..syntax import ast
+from .bays import BLEND, Bay, Chains, bay_pieces, polygons, sum_of, swapped
 from .curves import TURN, Curve, spans_of
 from .env import Env
 from .evaluate import Evaluator
-from .faces import frame_of
+from .frames import Frames, bend, turning
+from .frames import frames as frames_of
 from .made import Made, U, clause
 from .paths import Handed, Stretch, steps_of, stretches
 from .probe import Probe
-from .profiles import SLOPE, Point, Side, Span, V, circular, distance, equal_steps, extreme, orientation, straight
-from .rails import foot, path_of, reach
-from .regions import axis_of, chains_of, outline, turned
-from .strips import convex, parts
-from .values import Frame
-from .vectors import cross, dot, minus, plus, signed_axis, times, unit
+from .profiles import SLOPE, Side, Span, V, circular, distance, extreme, orientation, straight
+from .rails import NEAR, check_directions, foot, path_of, ports_of, reach
+from .regions import axis_of, chains_of, outline
+from .regions import turned as at_level
+from .strips import convex
+from .summits import W
+from .summits import reached as summits
+from .vectors import dot, unit
 
-BLEND = E.var("section")  # 0 at the first section of a bay, 1 at its last
 X, Y = E.var("section.x"), E.var("section.y")
 BLENDS = (0.0, 0.25, 0.5, 0.75, 1.0)
-CUT = 0.2  # of the inradius of a section may be cut off by a step of a piece
-GAP = 0.06  # of that of a part of a section: the gaps lie within the solid
-MOST = 24  # steps of a bay
-Chains = list[list[Span]]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Bay:
-    """A stretch of the path with the sections at its ends; ``side`` gives the vector across at v."""
-
-    rail: Stretch
-    side: Callable[[float | Expr], Triple]
-    up: Triple
-    first: Chains
-    last: Chains
-
-    def section(self, blend: Expr) -> Chains:
-        """The section between the two."""
-        return [
-            [mixed(a, b, blend) for a, b in zip(*pair, strict=True)] for pair in zip(self.first, self.last, strict=True)
-        ]
-
-    def place(self, across: Point, v: Expr | float) -> Triple:
-        at = tuple(E.substitute(c, {V: E.wrap(v)}) for c in self.rail.place)
-        return plus(at, plus(times(self.side(v), across[0]), times(self.up, across[1])))  # type: ignore[arg-type]
-
-    @property
-    def even(self) -> bool:
-        return self.first is self.last
-
-
-def mixed(a: Span, b: Span, blend: Expr) -> Span:
-    """A curve between two, both over v = 0 .. 1."""
-    if a is b:
-        return a
-    ends = zip(a.by_fraction, b.by_fraction, strict=True)
-    position = tuple(E.add(p, E.mul(blend, E.sub(q, p))) for p, q in ends)
-    return Span(a.name, position, ZERO, ONE, a.closing)  # type: ignore[arg-type]
 
 
 def loft(env: Env, solid: ast.SolidDecl) -> Made:
@@ -110,11 +72,12 @@ def loft(env: Env, solid: ast.SolidDecl) -> Made:
     bays = []
     for k in range(len(sections) - 1):
         height = E.sub(levels[k + 1], levels[k])
-        rail = Stretch(turned(axis, (ZERO, ZERO), E.add(levels[k], E.mul(V, height))), unit(axis), height)
-        bays.append(Bay(rail, lambda v: unit((axis + 1) % 3), unit((axis + 2) % 3), [sections[k]], [sections[k + 1]]))
+        rail = Stretch(at_level(axis, (ZERO, ZERO), E.add(levels[k], E.mul(V, height))), unit(axis), height)
+        across = Frames(lambda v: unit((axis + 1) % 3), lambda v: unit((axis + 2) % 3), plain=True)
+        bays.append(Bay(rail, across, [sections[k]], [sections[k + 1]]))
     spans = [span for section in sections for span in section]
     low, high = (
-        turned(axis, (extreme(probe, spans, 0, s), extreme(probe, spans, 1, s)), levels[-(s > 0)]) for s in (-1, 1)
+        at_level(axis, (extreme(probe, spans, 0, s), extreme(probe, spans, 1, s)), levels[-(s > 0)]) for s in (-1, 1)
     )
     rises = tuple((a, b, "the sections do not rise") for a, b in zip(levels, levels[1:], strict=False))
     return made_of(env, probe, solid, bays, low, high, {}, rises)
@@ -174,16 +137,9 @@ def swept(env: Env, solid: ast.SolidDecl) -> Made:
 
 def along_path(env: Env, probe: Probe, solid: ast.SolidDecl, path: Curve | Handed, first: Chains, last: Chains) -> Made:
     node = clause(solid, "up")
-    up = Evaluator(env).direction(node) if node is not None else unit(2)
     rails = stretches(path.steps if isinstance(path, Handed) else steps_of(path))
-    upright = signed_axis(up)
-    across = [dot(up, rail.towards(k / 4)) for rail in rails for k in range(5)]
-    if upright is None or not probe.zero(*across):
-        raise env.context.error(
-            "bad-curve", solid.span if node is None else node.span,
-            "a section that is no circle is swept along a path in a plane, and `up` is the axis across that plane",
-            hint="a path in the plane of x and z goes with `up y`",
-        )  # fmt: skip
+    check_directions(env, probe, solid, rails)
+    across = frames_of(probe, rails, None if node is None else Evaluator(env).direction(node))
     if first is not last and any(rail.length is ZERO for rail in rails):
         raise env.context.error(
             "bad-curve", solid.span, "a section that changes goes along a path of lines and arcs",
@@ -191,9 +147,8 @@ def along_path(env: Env, probe: Probe, solid: ast.SolidDecl, path: Curve | Hande
         )  # fmt: skip
     total = sum_of([rail.length for rail in rails])
     bays, gone = [], ZERO
-    whole = Bay(rails[0], lambda v: up, up, first, last)
-    for rail in rails:
-        side = beside(cross(up, rail.direction))
+    whole = Bay(rails[0], across[0], first, last)
+    for rail, made in zip(rails, across, strict=True):
         ahead = E.add(gone, rail.length)
         if first is last:
             ends = first, first
@@ -201,38 +156,52 @@ def along_path(env: Env, probe: Probe, solid: ast.SolidDecl, path: Curve | Hande
             ends = first, last
         else:
             ends = whole.section(E.div(gone, total)), last if rail is rails[-1] else whole.section(E.div(ahead, total))
-        bays.append(Bay(rail, side, up, *ends))
+        bays.append(Bay(rail, made, *ends))
         gone = ahead
-    requires = []
-    spans = [span for section in (first[0], *([] if first is last else [last[0]])) for span in section]
-    sides = [extreme(probe, spans, 0, sign) for sign in (-1, 1)]
-    for bay in bays:
-        if bay.rail.center is not None and bay.rail.out is not None:
-            inward = E.neg(dot(bay.side(0.0), bay.rail.out))
-            wide = E.maximum(E.mul(inward, sides[0]), E.mul(inward, sides[1]))
-            requires.append((wide, bay.rail.radius, "an arc of the path is narrower than the section"))
-    ports = {
-        "start": Frame(rails[0].at(0.0), frame_of(times(rails[0].towards(0.0), E.const(-1.0)), up)),
-        "end": Frame(rails[-1].at(1.0), frame_of(rails[-1].towards(1.0), up)),
-    }
-    bounds = []
-    for sign in (-1, 1):
-        rows = []
-        for axis in range(3):
-            if axis == upright[0]:
-                level = rails[0].at(0.0)[axis]
-                highest = extreme(probe, spans, 1, sign * upright[1])
-                rows.append(E.add(level, highest if upright[1] > 0 else E.neg(highest)))
-            else:
-                reached = [[extreme(probe, c[0], 0, s) for c in (bay.first, bay.last)] for bay in bays for s in (-1, 1)]
-                rows.append(reach(probe, [(b.rail, b.side) for b in bays for _ in (0, 1)], reached, axis, sign))
-        bounds.append(tuple(rows))
+    narrow = "an arc of the path is narrower than the section"
+    requires = [(inwards(probe, bay), bay.rail.radius, narrow) for bay in bays if bay.rail.center is not None]
+    bounds = [tuple(far(probe, bays, axis, sign) for axis in range(3)) for sign in (-1, 1)]
+    ports = ports_of(rails, across[0].up, across[-1].up)
     return made_of(env, probe, solid, bays, bounds[0], bounds[1], ports, tuple(requires))  # type: ignore[arg-type]
 
 
-def beside(vector: Triple) -> Callable[[float | Expr], Triple]:
-    """A vector along a path as a function of v."""
-    return lambda v: tuple(E.substitute(c, {V: E.wrap(v)}) for c in vector)  # type: ignore[return-value]
+def inwards(probe: Probe, bay: Bay) -> Expr:
+    """How far the sections of an arc reach towards its axis."""
+    assert bay.rail.out is not None
+    x, y = (E.neg(dot(across(0.0), bay.rail.out)) for across in (bay.frames.side, bay.frames.up))
+    spans = [span for section in bay.ends for span in section[0]]
+    turned = [
+        Span(s.name, (E.add(E.mul(x, s.position[0]), E.mul(y, s.position[1])), ZERO), s.low, s.high) for s in spans
+    ]
+    return extreme(probe, turned, 0, 1)
+
+
+def far(probe: Probe, bays: list[Bay], axis: int, sign: int) -> Expr:
+    """The greatest (``sign`` 1) or least (-1) coordinate along an axis."""
+    if all(bay.frames.plain for bay in bays):
+        upright = bays[0].frames.up(0.0)[axis].constant or 0.0
+        if upright:
+            spans = [span for section in (bays[0].first, bays[-1].last) for span in section[0]]
+            level = bays[0].rail.at(0.0)[axis]
+            return E.add(level, E.mul(E.const(upright), extreme(probe, spans, 1, int(sign * upright))))
+        reached = [[extreme(probe, c[0], 0, s) for c in bay.ends] for bay in bays for s in (-1, 1)]
+        return reach(probe, [(b.rail, b.frames.side) for b in bays for _ in (0, 1)], reached, axis, sign)
+    factor, found = E.const(float(sign)), []
+    for bay in bays:
+        level, x, y = (E.mul(factor, vector[axis]) for vector in (bay.rail.place, bay.frames.side(V), bay.frames.up(V)))
+        found += summits(probe, moving(bay), level, x, y, line=bay.rail.center is None and bay.rail.length is not ZERO)
+    greatest = probe.greatest(found)
+    return greatest if sign > 0 else E.neg(greatest)
+
+
+def moving(bay: Bay) -> list[Span]:
+    """The outer curves of a bay's section over W, where the section changes along the path by its v."""
+    found = []
+    for a, b in zip(bay.first[0], bay.last[0], strict=True):
+        one, other = (tuple(E.substitute(c, {V: W}) for c in span.by_fraction) for span in (a, b))
+        mixing = (E.add(p, E.mul(V, E.sub(q, p))) for p, q in zip(one, other, strict=True))
+        found.append(Span(a.name, tuple(mixing), closing=a.closing))  # type: ignore[arg-type]
+    return found
 
 
 def made_of(
@@ -274,30 +243,40 @@ def made_of(
     return Made(tuple(patches), tuple(pieces), inside, low, high, ports, requires)
 
 
-def swapped(point: Sequence[Expr], mapping: dict[Expr, Expr]) -> Point:
-    return tuple(E.substitute(c, mapping) for c in point)  # type: ignore[return-value]
-
-
 def inside_bay(probe: Probe, bay: Bay, flat: Expr, begins: bool, closes: bool) -> Expr:
     """``flat``, a length in the section, where the foot of p on the path lies; cut off at the ends of the whole path."""
-    at = foot(probe, bay.rail, bay.side, bay.up)
+    wide = widest(probe, bay)
+    at = foot(probe, bay.rail, bay.frames.side, bay.frames.up, wide)
     value = E.substitute(flat, {X: at.x, Y: at.y, BLEND: at.v})
+    if bay.rail.length is ZERO:  # further out than the section reaches, the distance to the path counts
+        value = E.maximum(E.div(value, twisted(probe, bay, wide)), at.start, at.end)
+        return E.mul(E.maximum(E.minimum(value, E.mul(wide, NEAR)), E.sub(at.gap, wide)), SLOPE)
     if not bay.even and bay.rail.center is not None:  # near the axis of an arc the section changes ever faster
         value = E.mul(value, E.minimum(ONE, E.div(at.away, clearance(probe, bay))))
     gaps = [gap for gap, cut in ((at.before, begins), (at.after, closes)) if not cut]
     if gaps:  # beyond a joint the next bay goes on
         gap = E.maximum(*gaps)
         value = E.where(E.call("lt", ZERO, gap), E.maximum(value, gap), value)
-    value = E.maximum(value, *(cap for cap, cut in ((at.start, begins), (at.end, closes)) if cut))
-    return E.mul(value, SLOPE) if bay.rail.length is ZERO else value
+    return E.maximum(value, *(cap for cap, cut in ((at.start, begins), (at.end, closes)) if cut))
+
+
+def widest(probe: Probe, bay: Bay) -> Expr:
+    """A circle about the path that no section reaches beyond."""
+    spans = [span for side in (bay.first, bay.last) for span in side[0]]
+    ends = [[E.call("abs", extreme(probe, spans, k, sign)) for sign in (-1, 1)] for k in (0, 1)]
+    return E.call("hypot", E.maximum(*ends[0]), E.maximum(*ends[1]))
+
+
+def twisted(probe: Probe, bay: Bay, wide: Expr) -> Expr:
+    """The greatest slope in space of a distance in a section that turns about the path of a formula."""
+    outer = E.mul(wide, E.const(1.1))
+    tight = E.maximum(E.sub(ONE, E.mul(outer, bend(bay.rail))), E.const(0.1))
+    return E.call("hypot", ONE, E.div(E.mul(outer, turning(probe, bay.rail, bay.frames)), tight))
 
 
 def clearance(probe: Probe, bay: Bay) -> Expr:
     """How far the sections of an arc stay from its axis."""
-    spans = [span for side in (bay.first, bay.last) for span in side[0]]
-    inward = E.neg(dot(bay.side(0.0), bay.rail.out))  # type: ignore[arg-type]
-    reached = (E.mul(inward, extreme(probe, spans, 0, sign)) for sign in (-1, 1))
-    return E.sub(bay.rail.radius, E.maximum(*reached))
+    return E.sub(bay.rail.radius, inwards(probe, bay))
 
 
 def lean(probe: Probe, bay: Bay) -> Expr:
@@ -317,104 +296,3 @@ def lean(probe: Probe, bay: Bay) -> Expr:
     half = E.mul(bay.rail.angle, E.const(0.5))
     change = E.mul(change, E.maximum(ONE, E.div(half, E.sub(E.const(TURN / 2), half))))  # behind the axis it turns back
     return E.add(E.call("hypot", ONE, E.mul(change, steep)), E.mul(E.const(1.5), steep))  # the second for the fading
-
-
-# ---------------------------------------------------------------- pieces
-
-
-def polygons(probe: Probe, loops: list, fill: list, solid_section: bool) -> list[list[Point]]:
-    """Convex polygons that fill a section: one, or the steps of its strips."""
-    if solid_section:
-        corners = []
-        for side in loops[0][0]:
-            count = 1 if straight(probe, side.span) else equal_steps(probe, side.span, np.radians(30.0), 12)
-            corners += [side.span.fraction(k / count) for k in range(count)]
-        return [corners]
-    return parts(probe, fill, orientation(probe, loops[0][0]))
-
-
-def bay_pieces(seen: Probe, probe: Probe, bay: Bay, name: str, sections: list[list[Point]]) -> list[Piece]:
-    """Hulls between the polygons at the ends of steps, drawn in by what the bend and the change of section cut off."""
-    made = []
-    spans = [span for side in (bay.first, bay.last) for span in side[0]]
-    ends = [extreme(probe, spans, 0, sign) for sign in (-1, 1)]
-    bent = bay.rail.center is not None or bay.rail.length is ZERO
-    for number, corners in enumerate(sections):
-        corners = [c for k, c in enumerate(corners) if not seen.same(c, corners[k - 1])]
-        middle = tuple(E.div(sum_of([c[k] for c in corners]), E.const(float(len(corners)))) for k in (0, 1))
-        narrow = inradius(corners, middle)  # type: ignore[arg-type]
-        for count in (1, 2, 3, 4, 6, 8, 12, 16, MOST):
-            if bent and count < 3:
-                continue
-            lost = [change(probe, corners, narrow, k / count, (k + 1) / count) for k in range(count)]
-            cuts = [sagitta(bay, ends, k / count, (k + 1) / count) if bent else ZERO for k in range(count)]
-            least = [E.substitute(narrow, {BLEND: E.const((k + 0.5) / count)}) for k in range(count)]
-            share = probe(*(E.div(a, b) for a, b in zip(cuts, least, strict=True)))
-            if ((share.max(axis=0) + max(lost)) <= (CUT if len(sections) == 1 else GAP)).mean() > 0.98:
-                break
-        for k in range(count):
-            keep = E.maximum(E.sub(E.const(1.0 - lost[k]), E.div(cuts[k], least[k])), E.const(0.02))
-            points = []
-            for v in (k / count, (k + 1) / count):
-                hub = swapped(middle, {BLEND: E.const(v)})
-                for corner in corners:
-                    here = swapped(corner, {BLEND: E.const(v)})
-                    drawn = tuple(E.add(h, E.mul(keep, E.sub(c, h))) for c, h in zip(here, hub, strict=True))
-                    points.append(bay.place(drawn, v))  # type: ignore[arg-type]
-            made.append(Piece(f"{name}_{number}_{k}", tuple(points)))
-    return made
-
-
-def sum_of(values: Sequence[Expr]) -> Expr:
-    total = ZERO
-    for value in values:
-        total = E.add(total, value)
-    return total
-
-
-def inradius(corners: list[Point], middle: Point) -> Expr:
-    """How far the edges of a polygon lie from its middle, at least."""
-    found = []
-    for a, b in zip(corners, [*corners[1:], corners[0]], strict=True):
-        edge, away = (
-            [E.sub(q, p) for p, q in zip(a, b, strict=True)],
-            [E.sub(m, p) for m, p in zip(middle, a, strict=True)],
-        )
-        area = E.sub(E.mul(edge[0], away[1]), E.mul(edge[1], away[0]))
-        found.append(E.div(E.call("abs", area), E.maximum(E.call("hypot", *edge), E.const(1e-300))))
-    return E.minimum(*found)
-
-
-def change(probe: Probe, corners: list[Point], narrow: Expr, low: float, high: float) -> float:
-    """By what share a hull between two polygons must be drawn in to lie within the straight lines between partners.
-
-    Halfway the hull is the polygon of all middles between a corner of one and a corner of the other.
-    """
-    places = []
-    for blend in (low, high, (low + high) / 2):
-        values = probe(*(c for corner in corners for c in swapped(corner, {BLEND: E.const(blend)})))
-        places.append(values.T.reshape(values.shape[1], len(corners), 2))
-    first, last, half = places
-    between = (first[:, :, None] + last[:, None]).reshape(len(half), -1, 2) / 2
-    edge = np.roll(half, -1, axis=1) - half
-    away = between[:, :, None] - half[:, None]
-    turns = np.sign(
-        (half[..., 0] * np.roll(half, -1, axis=1)[..., 1] - half[..., 1] * np.roll(half, -1, axis=1)[..., 0]).sum(
-            axis=1
-        )
-    )
-    reach = (away[..., 0] * edge[:, None, :, 1] - away[..., 1] * edge[:, None, :, 0]) * turns[:, None, None]
-    reach = reach / np.sqrt((edge**2).sum(axis=-1))[:, None]
-    least = probe(E.substitute(narrow, {BLEND: E.const((low + high) / 2)}))[0]
-    share = float((reach.max(axis=(1, 2)) / least).max())
-    return 0.0 if share < 1e-7 else min(1.05 * share, 0.9)
-
-
-def sagitta(bay: Bay, ends: list[Expr], low: float, high: float) -> Expr:
-    """How far a chord along the path cuts off a bend, at either side of the section."""
-    cuts = []
-    for x in ends:
-        a, b, half = (bay.place((x, ZERO), v) for v in (low, high, (low + high) / 2))
-        away = minus(half, times(plus(a, b), E.const(0.5)))
-        cuts.append(E.call("sqrt", dot(away, away)))
-    return E.mul(E.maximum(*cuts), E.const(1.02 if bay.rail.center is not None else 1.2))

@@ -56,11 +56,11 @@ class Stretch:
     radius: Expr = ZERO
     angle: Expr = ZERO
 
-    def at(self, value: float) -> Triple:
-        return tuple(E.substitute(c, {V: E.const(value)}) for c in self.place)  # type: ignore[return-value]
+    def at(self, value: float | Expr) -> Triple:
+        return tuple(E.substitute(c, {V: E.wrap(value)}) for c in self.place)  # type: ignore[return-value]
 
-    def towards(self, value: float) -> Triple:
-        return tuple(E.substitute(c, {V: E.const(value)}) for c in self.direction)  # type: ignore[return-value]
+    def towards(self, value: float | Expr) -> Triple:
+        return tuple(E.substitute(c, {V: E.wrap(value)}) for c in self.direction)  # type: ignore[return-value]
 
 
 def steps_of(curve: Curve) -> tuple[Step, ...]:

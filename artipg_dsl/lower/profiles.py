@@ -138,17 +138,18 @@ def brackets(probe: Probe, span: Span) -> list[tuple[float, float]]:
 
 
 def halved(turns: np.ndarray, bend: float = BEND) -> list[tuple[float, float]]:
-    """Brackets of 0 .. 1 from the angles (rows, FINE) that a curve turns through in equal steps."""
+    """Brackets of 0 .. 1 from the angles (rows, steps) that a curve turns through in equal steps, a power of 2."""
     found: list[tuple[float, float]] = []
+    fine = turns.shape[1]
 
     def halve(low: int, high: int) -> None:
         if high - low <= 2 or turns[:, low:high].sum(axis=1).max() <= bend:
-            found.append((low / FINE, high / FINE))
+            found.append((low / fine, high / fine))
         else:
             halve(low, (low + high) // 2)
             halve((low + high) // 2, high)
 
-    halve(0, FINE)
+    halve(0, fine)
     return found
 
 

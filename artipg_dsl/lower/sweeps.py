@@ -1,8 +1,7 @@
 """``sweep(circle(r)[, circle(bore)]) along path up y``: a round bar or pipe along a path.
 
 The skin is one surface ``skin`` (and ``lining``) per piece of the path; the ends are ``start`` and ``end``, which are
-ports too: frames whose ``out`` points away from the solid. ``up`` fixes how the section is turned and must not lie
-along the path. Arcs must be wider than the section.
+ports too: frames whose ``out`` points away from the solid. Arcs must be wider than the section.
 """
 
 from __future__ import annotations
@@ -17,14 +16,13 @@ from .builtins import named, need
 from .curves import TURN
 from .env import Env
 from .evaluate import Evaluator
-from .faces import frame_of
+from .frames import frames as frames_of
 from .made import FULL, Made, U, clause
 from .paths import Handed, Stretch, steps_of, stretches
 from .probe import Probe
 from .profiles import SLOPE, V, summit
-from .rails import P, about_arc, cap, nearest, path_of
-from .values import Frame
-from .vectors import cross, dot, minus, normalized, plus, times, unit
+from .rails import NEAR, P, about_arc, cap, check_directions, disc, nearest, path_of, ports_of
+from .vectors import cross, dot, minus, plus, times
 
 CORNERS = 12  # of a round piece
 
@@ -37,15 +35,10 @@ def sweep(env: Env, solid: ast.SolidDecl) -> Made:
     if len(radii) not in (1, 2):
         raise env.context.error("wrong-arguments", solid.span, "`sweep` takes a section, or an outer and an inner one")
     upwards = clause(solid, "up")
-    up = ev.direction(upwards) if upwards is not None else unit(2)
     pieces = stretches(path.steps if isinstance(path, Handed) else steps_of(path))
     probe = Probe(env, solid.span)
-    frames = [cross_frame(probe, piece, up) for piece in pieces]
-    if any(np.isnan(probe(*n, *b)).any() for n, b in ((f(0.0), g(0.0)) for f, g in frames)):
-        raise env.context.error(
-            "bad-curve", solid.span, "the path runs along `up`, or has no direction, at some of the test values",
-            hint="name another axis after `up`: one that the path never runs along",
-        )  # fmt: skip
+    check_directions(env, probe, solid, pieces)
+    frames = [(f.side, f.up) for f in frames_of(probe, pieces, None if upwards is None else ev.direction(upwards))]
     radius, bore = radii[0], radii[1] if len(radii) == 2 else None
     patches = [tube("skin", piece, frame, radius) for piece, frame in zip(pieces, frames, strict=True)]
     if bore is not None:
@@ -58,10 +51,7 @@ def sweep(env: Env, solid: ast.SolidDecl) -> Made:
     requires = [(radius, piece.radius, narrow) for piece in pieces if piece.center is not None]
     if bore is not None:
         requires.append((bore, radius, "the bore is wider than the section"))
-    ports = {
-        "start": Frame(pieces[0].at(0.0), frame_of(times(pieces[0].towards(0.0), E.const(-1.0)), up)),
-        "end": Frame(pieces[-1].at(1.0), frame_of(pieces[-1].towards(1.0), up)),
-    }
+    ports = ports_of(pieces, frames[0][1], frames[-1][1])
     bounds = [tuple(reach(probe, pieces, radius, k, sign) for k in range(3)) for sign in (-1, 1)]
     return Made(
         tuple(patches), tube_pieces(probe, pieces, frames, radius, bore), inside(probe, pieces, radius, bore),
@@ -84,21 +74,6 @@ def section_radius(ev: Evaluator, argument: ast.Argument) -> Expr:
     return ev.scalar(need(ev, node, named(node, "radius"), "radius"))
 
 
-def cross_frame(probe: Probe, piece: Stretch, up: Triple):  # noqa: ANN201
-    """Two functions of v: the unit vectors across the path, the second along ``up`` as nearly as possible."""
-    plain = probe.zero(E.sub(dot(up, up), ONE), *(
-        dot(up, tuple(E.substitute(c, {V: E.const(k / 4)}) for c in piece.direction)) for k in range(5)
-    ))  # fmt: skip
-    side = cross(up, piece.direction)
-    side = side if plain else normalized(side)
-    above = up if plain else cross(piece.direction, side)
-
-    def at(vector: Triple):  # noqa: ANN202
-        return lambda value: tuple(E.substitute(c, {V: E.wrap(value)}) for c in vector)
-
-    return at(side), at(above)
-
-
 def ring(center: Triple, axes: tuple[Triple, Triple], radius: Expr, angle: Expr = U) -> Triple:
     """A place on a circle across the path."""
     c, s = E.mul(radius, E.call("cos", angle)), E.mul(radius, E.call("sin", angle))
@@ -117,12 +92,14 @@ def inside(probe: Probe, pieces: list[Stretch], radius: Expr, bore: Expr | None)
     outer: Expr | None = None
     middle: Expr | None = None
     for k, piece in enumerate(pieces):
-        away = path_distance(probe, piece)
+        away, v = path_distance(probe, piece)
         value = E.sub(away, radius)
-        if k == 0:
-            value = E.maximum(value, end_plane(piece, 0.0))
-        if k == len(pieces) - 1:
-            value = E.maximum(value, end_plane(piece, 1.0))
+        ends = [end for end, here in ((0.0, k == 0), (1.0, k == len(pieces) - 1)) if here]
+        if piece.length is ZERO:  # it may come near its ends again
+            near = E.mul(radius, NEAR)
+            value = E.maximum(value, *(E.minimum(disc(piece, v, end, radius), near) for end in ends))
+        else:
+            value = E.maximum(value, *(end_plane(piece, end) for end in ends))
         outer = value if outer is None else E.minimum(outer, value)
         middle = away if middle is None else E.minimum(middle, away)
     assert outer is not None and middle is not None
@@ -143,15 +120,16 @@ def length_of(vector: Triple) -> Expr:
     return E.call("sqrt", dot(vector, vector))
 
 
-def path_distance(probe: Probe, piece: Stretch) -> Expr:
-    """The distance of p to a piece of a path."""
+def path_distance(probe: Probe, piece: Stretch) -> tuple[Expr, Expr]:
+    """The distance of p to a piece of a path, and of a formula's the parameter there."""
     if piece.center is not None and piece.out is not None:
-        return arc_distance(piece)
+        return arc_distance(piece), ZERO
     if piece.length is not ZERO:
         away = minus(P, piece.at(0.0))
         t = E.minimum(E.maximum(dot(away, piece.direction), ZERO), piece.length)
-        return length_of(minus(away, times(piece.direction, t)))
-    return E.call("sqrt", nearest(probe, piece)[0])
+        return length_of(minus(away, times(piece.direction, t))), ZERO
+    square, v = nearest(probe, piece)
+    return E.call("sqrt", square), v
 
 
 def arc_distance(piece: Stretch) -> Expr:
@@ -200,17 +178,22 @@ def tube_pieces(
     made = []
     for number, (piece, frame) in enumerate(zip(pieces, frames, strict=True)):
         count = step_count(probe, piece, radius, bore)
-        for k in range(count):
-            low, high = k / count, (k + 1) / count
+        winding = piece.length is ZERO and bore is None  # many alike: one piece with an index
+        for k in range(1 if winding else count):
+            low, high, half = (
+                E.mul(E.add(E.var("i"), E.const(d)), E.const(1 / count)) if winding else E.const((k + d) / count)
+                for d in (0.0, 1.0, 0.5)
+            )
             chord = times(plus(piece.at(low), piece.at(high)), E.const(0.5))
-            cut = ZERO if count == 1 and piece.center is None else length_of(minus(piece.at((low + high) / 2), chord))
+            cut = ZERO if count == 1 and piece.center is None else length_of(minus(piece.at(half), chord))
             cut = E.mul(cut, E.const(1.02 if piece.center is not None else 1.2))
             wide = E.sub(radius, cut)
             ends = [(piece.at(v), (frame[0](v), frame[1](v))) for v in (low, high)]
-            name = f"skin_{number}_{k}"
+            name = f"skin_{number}" if winding else f"skin_{number}_{k}"
             if bore is None:
                 angles = [E.const(TURN * j / CORNERS) for j in range(CORNERS)]
-                made.append(Piece(name, tuple(ring(*end, wide, a) for end in ends for a in angles)))
+                corners = tuple(ring(*end, wide, a) for end in ends for a in angles)
+                made.append(Piece(name, corners, E.const(float(count)) if winding else None))
                 continue
             wall = E.sub(radius, bore)
             fit = E.call("ceil", E.mul(E.const(TURN / 2), E.call("sqrt", E.div(E.mul(E.const(4.0), radius), wall))))
@@ -225,11 +208,11 @@ def tube_pieces(
 
 
 def step_count(probe: Probe, piece: Stretch, radius: Expr, bore: Expr | None) -> int:
-    """Steps so short that the chord cuts at most an eighth of the wall, and no more than 30 degrees of an arc."""
+    """Steps so short that the chord cuts at most an eighth of the wall, and no more than 30 degrees of a bend."""
     if piece.center is None and piece.length is not ZERO:
         return 1
     wall = probe(E.sub(radius, bore) if bore is not None else E.mul(radius, E.const(0.5)))[0]
-    for count in range(3, 24):
+    for count in (*range(3, 24), 32, 48, 64, 96, 128, 192):
         cuts = []
         for k in range(count):
             ends = plus(piece.at(k / count), piece.at((k + 1) / count))
@@ -237,4 +220,4 @@ def step_count(probe: Probe, piece: Stretch, radius: Expr, bore: Expr | None) ->
         turns = probe(piece.angle)[0] / count if piece.center is not None else np.zeros(1)
         if (probe(*cuts).max(axis=0) <= wall / 8).mean() > 0.98 and turns.max() <= np.radians(31.0):
             return count
-    return 24
+    return 192
