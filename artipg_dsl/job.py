@@ -22,6 +22,7 @@ from .runtime.prior import CANDIDATES, MOST_CANDIDATES
 from .runtime.repairs import Cause, in_short
 from .runtime.sample import Exhausted, Sampler, Statistics
 from .runtime.settled import again
+from .runtime.sound import prove
 from .runtime.trace import Replay, read_traces
 from .runtime.values import Values
 from .settings import Settings, Value, resolve
@@ -61,7 +62,10 @@ class Job:
     def batch(self, numbers: Sequence[int] | np.ndarray) -> Batch:
         """The objects of the given numbers, or what the mutations make of them. Raises NoObject."""
         try:
-            return self._made(np.asarray(numbers, dtype=np.int64), self.mutations)
+            made = self._made(np.asarray(numbers, dtype=np.int64), self.mutations)
+            if made.program.foreign:
+                prove(made)
+            return made
         except Exhausted as error:
             raise self.exhausted(error) from None
         except TooMany as error:

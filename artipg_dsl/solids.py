@@ -49,7 +49,7 @@ def tell(symbol: Symbol, lowered: Lowered, error: PrimitiveError, report: Report
     notes = [(s.span, "this surface") for s in symbol.body if isinstance(s, ast.SurfaceDecl) and s.name == name]
     notes += [(s.span, "what makes it") for s in symbol.body if isinstance(s, ast.SolidDecl)]
     subject = f"the surface `{error.patch}` of the primitive" if error.patch else "the primitive"
-    place, message = symbol.decl.name_span, error.message
+    place, message = symbol.decl.name_span, error.words
     hint = HINT if "edge" in message else None
     if lowered.blamed is not None:
         place, begin = lowered.blamed

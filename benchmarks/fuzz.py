@@ -159,12 +159,23 @@ def artefacts(programs: dict[str, str], keep: Path) -> Iterator[tuple[str, str]]
         if not re.search(r"^category ", text, re.MULTILINE):
             continue
         place = keep / f"{hashlib.sha256(text.encode()).hexdigest()[:16]}.apgc"
-        if not place.exists():
+        if not readable(place):
             try:
                 place.write_text(to_text(Session.of(ROOT / name).sampler.program), encoding="utf-8")
             except CompileError:
                 continue
         yield name + "c", place.read_text(encoding="utf-8")
+
+
+def readable(place: Path) -> bool:
+    """Whether an artefact is there and is of this version of the package."""
+    from artipg_dsl.graph.text import TextError, from_text
+
+    try:
+        from_text(place.read_text(encoding="utf-8"))
+    except (OSError, TextError):
+        return False
+    return True
 
 
 # ---------------------------------------------------------------- one case

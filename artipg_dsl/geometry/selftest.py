@@ -55,8 +55,8 @@ def check_primitive(primitive: Primitive, samples: int = 12) -> list[Finding]:
         params = trial(primitive, samples)
         mesh.build(primitive, params)
     except PrimitiveError as error:
-        check = "inside" if "inside function" in error.message else "closed"
-        return [Finding(primitive.name, check, error.patch, error.message)]
+        check = "inside" if "inside function" in error.words else "closed"
+        return [Finding(primitive.name, check, error.patch, error.words)]
     inspection = _Inspection(primitive, params)
     out: list[Finding] = []
     for examine in (_surfaces, _slope, _box, _areas, _volume, _pieces):

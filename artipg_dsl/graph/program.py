@@ -412,6 +412,7 @@ class Program:
     clear: list[Clear] = field(default_factory=list)
     stable: list[Stable] = field(default_factory=list)
     hash: str = ""
+    foreign: bool = False  # read from a file, which anyone may have written
 
     def __reduce__(self) -> tuple[Any, tuple[str, str]]:
         """To another process goes the text: nodes of expressions are known by identity."""

@@ -358,5 +358,5 @@ def from_text(text: str) -> P.Program:
         reader.verifier.whole()
     except Fault as error:
         raise TextError(f"the compiled program is incomplete or wrong: {error}") from None
-    program.hash = digest(program)
+    program.hash, program.foreign = digest(program), True
     return program

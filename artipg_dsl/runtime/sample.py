@@ -17,6 +17,7 @@ from .needs import narrowing, wanted
 from .plan import Plan, make_plan
 from .prior import BLOCK, Resampling
 from .repairs import Cause, Repairs
+from .sound import prove
 
 if TYPE_CHECKING:
     from .repair import Mended
@@ -264,6 +265,8 @@ def colliding(batch: Batch, statistics: Statistics) -> np.ndarray:
     """Indices of the objects of a batch whose solids are at fault: that collide, tip over, ...; counted."""
     from .faults import faults  # late: only who asks for it pays for it
 
+    if batch.program.foreign:
+        prove(batch)
     found = faults(batch)
     struck = found.collisions
     for key, rows in found.tree.named(struck).items() if len(struck) else ():

@@ -8,12 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from artipg_dsl.api import Samples
 from artipg_dsl.errors import UserError
 from artipg_dsl.graph.expr import call, const, raw, var
 from artipg_dsl.graph.formula import compile_formula, source
 from artipg_dsl.graph.text import TextError, from_text, to_text
 from artipg_dsl.graph.verify import UNITS
-from artipg_dsl.job import compiled_text, open_job
+from artipg_dsl.job import compiled_text, make_job, open_job, planned
 from artipg_dsl.runtime.module import to_module
 from artipg_dsl.runtime.plan import make_plan
 from artipg_dsl.semantics.units import SI_UNITS
@@ -182,3 +183,49 @@ def test_a_division_by_zero_is_a_value_not_an_error():
 
 def test_units_inside_are_those_of_the_language():
     assert UNITS == {"", *SI_UNITS.values()}
+
+
+# ---------------------------------------------------------------- objects that cannot be
+
+
+def sampled(text: str, old: str, new: str) -> str:
+    """What is told of the objects of a program after an edit."""
+    edited, count = re.subn(old, new, text, count=1)
+    assert count == 1
+    program = from_text(edited)
+    with pytest.raises(UserError) as wrong:
+        make_job(planned(program, "edited.apgc"), "edited.apgc", 0).batch(np.arange(2))
+    return wrong.value.message
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        (r"(%\d+) = const 0\.005\b", r"\1 = const -0.005", "primitive row.knob: its parameters are not what|no valid"),
+        (r"(%\d+) = const 0\.005\b", r"\1 = const nan", "not finite|no valid"),
+        (r"(joints .*?)parent \[0\]", r"\1parent [1]", "hangs on itself|ring"),
+        (r"(joints .*?)rest (%\d+)", r"\1rest %infinite", "not finite"),
+        (r"(sites .*?)rotation \[\[(%\d+) (%\d+)", r"\1rotation [[\3 \3", "its rotation is none"),
+        (r"(joints .*?axis) \[(%\d+) %\d+ %\d+\]", r"\1 [\2 \2 \2]", "its axis is no direction"),
+    ],
+)
+def test_objects_that_cannot_be_are_refused(text: str, old: str, new: str, words: str) -> None:
+    if "%infinite" in new:
+        number = sum(line.startswith("%") for line in text.split("\n"))
+        at = text.index("\njoints ")
+        before = sum(line.startswith("%") for line in text[:at].split("\n"))
+        text = text[:at] + f"\n%{before} = const inf" + re.sub(
+            r"%(\d+)\b", lambda m: f"%{int(m[1]) + (int(m[1]) >= before)}", text[at:]
+        )  # fmt: skip
+        assert number >= before
+        new = new.replace("%infinite", f"%{before}")
+    assert re.search(words, sampled(text, old, new)), sampled(text, old, new)
+
+
+def test_surfaces_that_do_not_close_are_a_users_error(text: str) -> None:
+    edited = re.sub(
+        r'(primitives \(Primitive name "Cylinder".*?u_range) \[(%\d+) (%\d+)\]', r"\1 [\2 \2]", text, count=1
+    )
+    job = make_job(planned(from_text(edited), "edited.apgc"), "edited.apgc", 0)
+    with pytest.raises(UserError, match="Cylinder: surface"):
+        Samples(job, np.arange(1)).meshes()
