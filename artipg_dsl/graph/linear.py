@@ -12,6 +12,9 @@ Form = tuple[dict[Column, Expr], Expr]  # coefficient of each column, and the re
 Parts = tuple[dict[Any, Expr], Expr]  # the same with atoms beside the columns
 
 
+PARTIAL = frozenset({"div", "pow", "sqrt", "log", "asin", "acos", "tan", "mod"})
+
+
 class Circle(Exception):
     """Definitions that lead back to where they began; ``columns`` are those on the way."""
 
@@ -23,12 +26,21 @@ class Circle(Exception):
 class Linear:
     """Linear forms in the columns for which ``unknown`` holds, reading defined columns through ``definitions``.
 
-    What stands in the row before counts as known, unless ``through`` is set: a recurrence is not an equation in itself.
+    What stands in the row before counts as known, unless ``through`` is set: a recurrence is not an equation in itself. With
+    ``whole``, what may have no value outside its branch stays in it.
     """
 
-    def __init__(self, unknown: Callable[[Column], bool], definitions: Mapping[Column, Expr], *, through: bool = False):
-        self.unknown, self.definitions, self.through = unknown, definitions, through
+    def __init__(
+        self,
+        unknown: Callable[[Column], bool],
+        definitions: Mapping[Column, Expr],
+        *,
+        through: bool = False,
+        whole: bool = False,
+    ):
+        self.unknown, self.definitions, self.through, self.whole = unknown, definitions, through, whole
         self.memo: dict[Expr, Parts] = {}
+        self.partial: dict[Expr, bool] = {}
         self.reads_memo: dict[Expr, bool] = {}
         self.running: dict[Column, None] = {}  # definitions that are being followed, outermost first
 
@@ -116,6 +128,15 @@ class Linear:
             )
         return {node: ONE}, ZERO
 
+    def undefined(self, key: Column | Expr) -> bool:
+        """Whether a term may have no value where its factor is 0: a quotient, a root, ... of what other rows know."""
+        if not isinstance(key, Expr):
+            return False
+        known = self.partial.get(key)
+        if known is None:
+            known = self.partial[key] = key.op in PARTIAL or any(self.undefined(a) for a in key.args)
+        return known
+
     def branches(self, args: tuple[Expr, ...], make: Callable, *, parent: Scope | None = None) -> Parts:
         """The forms of alternatives as one. With ``parent`` the args are those of a phi: what lives in a child table
         stays inside, since only columns of ``parent``'s chain can stand beside it, and its default is free."""
@@ -130,8 +151,18 @@ class Linear:
             shared = {f[0].get(name, ZERO) for f in real}
             single = shared.pop() if len(shared) == 1 else None
             alike = single is not None and (parent is None or parent.within(single.scope))
+            if not alike and self.whole and self.undefined(name):
+                forms = [inside(form, name) for form in forms]
+                continue
             coefficients[name] = single if alike else make(values)  # type: ignore[assignment]
         return coefficients, make([f[1] for f in forms])
+
+
+def inside(form: Parts, key: Any) -> Parts:
+    """A form in which a term belongs to the rest."""
+    left, rest = dict(form[0]), form[1]
+    factor = left.pop(key, ZERO)
+    return left, E.add(rest, E.mul(factor, key if isinstance(key, Expr) else E.col(key)))
 
 
 def kept_inside(form: Parts, parent: Scope) -> Parts:
@@ -148,7 +179,7 @@ def kept_inside(form: Parts, parent: Scope) -> Parts:
 
 def tidy(node: Expr) -> Expr:
     """The same value as a sum in which equal terms are gathered and opposite ones are gone."""
-    everything = Linear(lambda c: True, {})
+    everything = Linear(lambda c: True, {}, whole=True)
     terms, rest = everything.parts(node)
     total = rest
     for key, factor in terms.items():
