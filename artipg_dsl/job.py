@@ -112,7 +112,14 @@ class Job:
         """What the requirements leave nothing of, and which of them are to blame."""
         shown = ", ".join(map(str, error.numbers[:3].tolist())) + (", ..." if len(error.numbers) > 3 else "")
         counted = "object" if len(error.numbers) == 1 else f"{len(error.numbers)} objects"
-        lines = [f"  {count:>8} times: {reason}" for reason, count in list(self.failures().items())[:3]]
+        shapes = {
+            in_short(self.sampler.program, ("collision", key)): words
+            for key, words in error.statistics.examples.items()
+        }
+        lines = [
+            f"  {count:>8} times: {reason}" + (f"\n{'':17}{shapes[reason]}" if shapes.get(reason) else "")
+            for reason, count in list(self.failures().items())[:3]
+        ]
         fixed = " with what was set" if self.settings else ""
         return NoObject(
             (

@@ -269,6 +269,9 @@ def parser() -> Parser:
     validate.add_argument(
         "--states", type=positive, default=64, metavar="N", help="random configurations per object (default: 64)"
     )
+    validate.add_argument(
+        "--meshes", action="store_true", help="look at the meshes that are seen, too, in as many states (manifold3d)"
+    )
     validate.add_argument("--json", action="store_true", help="the evidence as JSON")
 
     report = command("report", "tell how good a category is: figures over many samples, and goals")

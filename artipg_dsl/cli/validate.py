@@ -16,16 +16,20 @@ from ..settings import split
 from .sample import chosen
 
 if TYPE_CHECKING:
+    from ..export.strict import Strict
     from ..job import Job
-    from ..runtime.evidence import Evidence, Pair
+    from ..runtime.evidence import Evidence
+
+SHOWN = 12  # of what meshes share
 
 
 def run(options: argparse.Namespace) -> int:
     job, numbers = wanted(options)
-    found = examine(job, numbers, options.states)
+    found = examine(job, numbers, options.states, options.meshes)
     print(json.dumps(found, indent=1) if options.json else text(found))
-    delivered = found["delivered"]
-    return 0 if delivered is not None and not delivered["invalid"] else 1
+    delivered, meshes = found["delivered"], found["meshes"]
+    sound = delivered is not None and not delivered["invalid"]
+    return 0 if sound and (meshes is None or meshes["all"] == meshes["objects"]) else 1
 
 
 def wanted(options: argparse.Namespace) -> tuple[Job, np.ndarray]:
@@ -42,17 +46,23 @@ def wanted(options: argparse.Namespace) -> tuple[Job, np.ndarray]:
     return job, numbers[: options.number]
 
 
-def examine(job: Job, numbers: np.ndarray, states: int) -> dict[str, Any]:
-    """All evidence as plain data. ``drawn`` are objects that meet the requirements, ``delivered`` what is handed out."""
+def examine(job: Job, numbers: np.ndarray, states: int, meshes: bool = False) -> dict[str, Any]:
+    """All evidence as plain data. ``drawn`` are objects that meet the requirements, ``delivered`` what is handed out;
+    ``meshes``: what is delivered, by what is seen of it."""
+    from ..export.strict import ready, strict
     from ..runtime.evidence import evidence
     from ..runtime.sample import Statistics
 
+    if meshes:
+        ready()
     free = replace(job, checked=False, statistics=Statistics())
     drawn = evidence(free.batch(numbers), 0)
     job = replace(job, statistics=Statistics())
+    seen: Strict | None = None
     try:
-        delivered: Evidence | None = evidence(job.batch(numbers), states)
-        why = None
+        batch = job.batch(numbers)
+        delivered: Evidence | None = evidence(batch, states)
+        seen, why = strict(batch, states) if meshes else None, None
     except NoObject as error:
         delivered, why = None, error.message
     made = job.statistics
@@ -65,6 +75,7 @@ def examine(job: Job, numbers: np.ndarray, states: int) -> dict[str, Any]:
         "attempts": made.attempts,
         "drawn": asdict(drawn),
         "delivered": None if delivered is None else asdict(delivered),
+        "meshes": None if seen is None else asdict(seen),
         "exhausted": why,
         "kinds": {joint.path: joint.kind for joint in job.sampler.program.joints},
     }
@@ -72,15 +83,13 @@ def examine(job: Job, numbers: np.ndarray, states: int) -> dict[str, Any]:
 
 def text(found: dict[str, Any]) -> str:
     """The evidence in lines."""
-    from ..runtime.evidence import Pair
-
     drawn, delivered, kinds = found["drawn"], found["delivered"], found["kinds"]
     lines = [
         f"{found['category']}: {found['objects']} objects, seed {found['seed']}",
         f"first attempts valid  {100 * found['first_valid']:.1f}%   ({found['attempts']} attempts in all)",
     ]
     for pair in drawn["pairs"]:
-        lines.append("    " + collision(Pair(**pair), found["objects"], kinds))
+        lines += collision(pair, found["objects"], kinds)
     lines.extend(others(drawn["faults"], found["objects"]))
     if delivered is None:
         return "\n".join([*lines, f"nothing delivered: {found['exhausted']}"])
@@ -89,7 +98,7 @@ def text(found: dict[str, Any]) -> str:
         f"delivered valid       {100 * valid / found['objects']:.1f}%   (at rest and over {delivered['joints']} joints)"
     )
     for pair in delivered["pairs"]:
-        lines.append("    " + collision(Pair(**pair), found["objects"], kinds))
+        lines += collision(pair, found["objects"], kinds)
     lines.extend(others(delivered["faults"], found["objects"]))
     lines.append(
         f"blocking              {len(delivered['blocking'])} pairs of links in {delivered['states']} random configurations each"
@@ -98,7 +107,30 @@ def text(found: dict[str, Any]) -> str:
         lines.append(
             f"    {pair['first']} and {pair['second']}: {100 * pair['objects'] / found['objects']:.1f}% of objects"
         )
+    lines.append(
+        f"in every state        {100 * (found['objects'] - delivered['blocked']) / found['objects']:.1f}%   (the pieces that collide)"
+    )
+    if found["meshes"] is not None:
+        lines += meshes_text(found["meshes"], kinds)
     return "\n".join(lines)
+
+
+def meshes_text(seen: dict[str, Any], kinds: dict[str, str]) -> list[str]:
+    """What the meshes share, in lines: the deepest first."""
+    shares = [f"{100 * seen[key] / seen['objects']:.1f}%" for key in ("rest", "sweeps", "all")]
+    lines = [
+        f"in every state        {shares[2]}   (the meshes that are seen; at rest {shares[0]}, and while each joint moves "
+        f"{shares[1]}, and in {seen['states']} random configurations {shares[2]})"
+    ]
+    for touch in sorted(seen["touches"], key=lambda touch: -touch["depth"])[:SHOWN]:
+        values = ", ".join(f"{name} at {value:.4g}" for name, value in touch["values"].items()) or "at rest"
+        (one, two), (part, other) = touch["links"], touch["parts"]
+        at = ", ".join(f"{x:.4g}" for x in touch["at"])
+        lines.append(f"    object {touch['object']}: {one} and {two} share {1e3 * touch['depth']:.3g} mm")
+        lines.append(f"        `{part}` and `{other}` about ({at}) m, {values}")
+    if len(seen["touches"]) > SHOWN:
+        lines.append(f"    and {len(seen['touches']) - SHOWN} more, with --json")
+    return lines
 
 
 def others(faults: list[tuple[str, int]], objects: int) -> list[str]:
@@ -106,11 +138,19 @@ def others(faults: list[tuple[str, int]], objects: int) -> list[str]:
     return [f"    {words}: {100 * count / objects:.1f}% of objects" for words, count in faults]
 
 
-def collision(pair: Pair, objects: int, kinds: dict[str, str]) -> str:
-    if not pair.joint:
+def collision(pair: dict[str, Any], objects: int, kinds: dict[str, str]) -> list[str]:
+    """Two links that collide, and of one object the parts, the value of the joint and the place, in lines."""
+    from ..runtime.contact import Contact, in_words
+
+    kind, joint = kinds.get(pair["joint"], ""), pair["joint"]
+    if not joint:
         when = "at rest"
-    elif kinds[pair.joint] == "prismatic":
-        when = f"while {pair.joint} slides"
+    elif kind == "prismatic":
+        when = f"while {joint} slides"
     else:
-        when = f"while {pair.joint} turns, at {math.degrees(pair.value):.1f} deg"
-    return f"{pair.first} and {pair.second} collide {when}: {100 * pair.objects / objects:.1f}% of objects"
+        when = f"while {joint} turns, at {math.degrees(pair['value']):.1f} deg"
+    share = f"{100 * pair['objects'] / objects:.1f}% of objects"
+    lines = [f"    {pair['first']} and {pair['second']} collide {when}: {share}"]
+    if pair["example"] is not None:
+        lines.append("        " + in_words(kind, Contact(**pair["example"])))
+    return lines

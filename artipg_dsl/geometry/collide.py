@@ -153,6 +153,30 @@ def examine(first: Bodies, second: Bodies, near: float = 0.5) -> tuple[np.ndarra
     return result & ~apart, nearest
 
 
+def common(first: Bodies, second: Bodies) -> np.ndarray:
+    """A point (k, 3) that both bodies of each pair hold; of two that do not meet, midway between where they are nearest."""
+    count = len(first)
+    rows, nearest = np.arange(count), first.center() - second.center()
+    nearest[dot(nearest, nearest) < 1e-24] = (1.0, 0.0, 0.0)
+    ends = np.stack([first.support(rows, -nearest), second.support(rows, nearest)], axis=1)
+    simplex = np.repeat(ends[:, :, None], 4, axis=2)  # (k, 2, 4, 3): corners of either
+    weight = np.zeros((count, 4))
+    weight[:, 0] = 1.0
+    nearest = ends[:, 0] - ends[:, 1]
+    for _ in range(MOST_STEPS):
+        ends = np.stack([first.support(rows, -nearest), second.support(rows, nearest)], axis=1)
+        length = dot(nearest, nearest)
+        going = (length > 1e-22) & (length - dot(nearest, ends[:, 0] - ends[:, 1]) > 1e-10 * length)
+        going &= ~(weight > 0.0).all(axis=1)
+        at = np.flatnonzero(going)
+        if not len(at):
+            break
+        slot = np.argmin(weight[at], axis=1)
+        simplex[at, :, slot] = ends[at]
+        nearest[at], weight[at] = closest(simplex[at, 0] - simplex[at, 1])
+    return (mixed(weight, simplex[:, 0]) + mixed(weight, simplex[:, 1])) / 2
+
+
 def within(first: Bodies, second: Bodies, distance: np.ndarray, near: float = 0.99) -> np.ndarray:
     """Which pairs overlap or are nearer than ``distance`` (k,); those between ``near`` of it and all of it may be left out."""
     if not len(distance):

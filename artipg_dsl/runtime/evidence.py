@@ -13,6 +13,7 @@ import numpy as np
 from ..graph.random import key, mix, uniform
 from .batch import Batch
 from .bodies import gather
+from .contact import Contact, contact
 from .faults import faults
 from .parting import Parting
 from .tree import Tree
@@ -23,19 +24,24 @@ STATES = 64  # random configurations per object
 
 @dataclass(frozen=True, slots=True)
 class Pair:
-    """Two links, by path, of ``objects`` objects; ``joint`` makes them meet ("" at rest), at the least at ``value``."""
+    """Two links, by path, of ``objects`` objects; ``joint`` makes them meet ("" at rest), at the least at ``value``.
+
+    ``example``: the parts of one of these objects that meet, and where.
+    """
 
     first: str
     second: str
     joint: str
     objects: int
     value: float
+    example: Contact | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Evidence:
     """Pairs that collide and pairs that block one another, and what else is wrong by how many objects have it, the most
-    frequent first; how many objects are ``invalid`` and how many of them have links that collide; joints seen."""
+    frequent first; how many objects are ``invalid``, how many of them have links that collide, and how many have links that
+    block one another; joints seen."""
 
     objects: int
     invalid: int
@@ -43,6 +49,7 @@ class Evidence:
     faults: tuple[tuple[str, int], ...]
     pairs: tuple[Pair, ...]
     blocking: tuple[Pair, ...]
+    blocked: int
     joints: int
     states: int
 
@@ -55,13 +62,17 @@ def evidence(batch: Batch, states: int = STATES) -> Evidence:
     pairs = []
     for (first, second, joint), rows in tree.named(found).items():
         value = float(found.value[rows].min())
-        pairs.append(Pair(first, second, joint, len(np.unique(found.owner[rows])), value))
+        row = int(rows[np.argmin(found.value[rows])])
+        example = contact(tree, wrong.body, found, row)
+        pairs.append(Pair(first, second, joint, len(np.unique(found.owner[rows])), value, example))
     known = _codes(tree, found.owner, found.first, found.second)
-    blocking = _blocking(tree, states, known) if states else []
+    blocking, blocked = _blocking(tree, states, known) if states else ([], 0)
     count = len(tree.joints.owner)
     others = sorted(((fault.words, len(fault.objects)) for fault in wrong.others), key=lambda f: (-f[1], f[0]))
     invalid, colliding = len(wrong.objects()), len(found.objects())
-    return Evidence(len(batch), invalid, colliding, tuple(others), _sorted(pairs), _sorted(blocking), count, states)
+    return Evidence(
+        len(batch), invalid, colliding, tuple(others), _sorted(pairs), _sorted(blocking), blocked, count, states
+    )
 
 
 def _sorted(pairs: list[Pair]) -> tuple[Pair, ...]:
@@ -82,7 +93,8 @@ def random_states(batch: Batch, number: int) -> np.ndarray:
     return tree.low + lot * (tree.high - tree.low)
 
 
-def _blocking(tree: Tree, states: int, known: np.ndarray) -> list[Pair]:
+def _blocking(tree: Tree, states: int, known: np.ndarray) -> tuple[list[Pair], int]:
+    """Pairs of links that meet in random states alone, and how many objects have any."""
     batch, count = tree.batch, len(tree.links.owner)
     body = gather(batch, tree.first, tree.turn, tree.shift)
     met: list[np.ndarray] = [np.zeros(0, dtype=np.int64)]
@@ -98,4 +110,5 @@ def _blocking(tree: Tree, states: int, known: np.ndarray) -> list[Pair]:
     for low, high in zip((pair // count).tolist(), (pair % count).tolist(), strict=True):
         names = sorted(paths[tree.links.definition[link]] for link in (low, high))
         found.setdefault((names[0], names[1]), set()).add(int(tree.links.owner[low]))
-    return [Pair(first, second, "", len(owners), 0.0) for (first, second), owners in found.items()]
+    pairs = [Pair(first, second, "", len(owners), 0.0) for (first, second), owners in found.items()]
+    return pairs, len(set().union(*found.values()))

@@ -8,7 +8,7 @@ import numpy as np
 
 from .apart import too_near
 from .batch import Batch
-from .bodies import gather
+from .bodies import Pieces, gather
 from .floating import Solids, inverted
 from .stance import falling
 from .tree import Tree
@@ -28,6 +28,7 @@ class Faults:
     """Links that collide, and what else is wrong with the objects of a batch."""
 
     tree: Tree
+    body: Pieces
     collisions: Collisions
     others: tuple[Fault, ...]
 
@@ -53,4 +54,4 @@ def faults(batch: Batch) -> Faults:
     ]
     for statement, objects in zip(batch.program.stable, falling(tree, body), strict=False):
         others.append(Fault(f"{statement.where}: {statement.message}", objects))
-    return Faults(tree, collisions(batch, tree, body), tuple(fault for fault in others if len(fault.objects)))
+    return Faults(tree, body, collisions(batch, tree, body), tuple(fault for fault in others if len(fault.objects)))

@@ -34,6 +34,7 @@ class Statistics:
     ``collided`` counts objects per pair of links, by path, and the joint that makes them meet ("" at rest); ``unsound``
     those whose solids are at fault otherwise, by what is wrong. ``outside`` counts values that were asked for out of their
     domain, per draw; ``repaired`` how many of all these failures were put right, by cause.
+    ``examples`` tell of what ``collided`` counts the parts that meet, where and when, in the first object seen.
     ``declined`` are valid objects that preferences passed over, ``unkept`` objects per preference, over all attempts.
     ``candidates``: how many attempts each object considered, where they were resampled; ``candidates_valid`` of all of
     them, ``effective`` the effective number of candidates, summed over the objects.
@@ -53,6 +54,7 @@ class Statistics:
     effective: float = 0.0
     outside: dict[int, int] = field(default_factory=dict)
     repaired: dict[Cause, int] = field(default_factory=dict)
+    examples: dict[tuple[str, str, str], str] = field(default_factory=dict)
 
     def _tables(self) -> dict[str, dict[Any, int]]:
         return {
@@ -90,6 +92,7 @@ class Statistics:
             _sum(total, new)
         _sum(self.unkept, other.unkept)
         _sum(self.repaired, other.repaired)
+        self.examples = other.examples | self.examples
 
 
 def _sum(total: dict[Any, int], new: Mapping[Any, int]) -> None:
@@ -263,13 +266,18 @@ class _Trials:
 
 def colliding(batch: Batch, statistics: Statistics) -> np.ndarray:
     """Indices of the objects of a batch whose solids are at fault: that collide, tip over, ...; counted."""
-    from .faults import faults  # late: only who asks for it pays for it
+    from .contact import contact, in_words  # late: only who asks for it pays for it
+    from .faults import faults
 
     if batch.program.foreign:
         prove(batch)
     found = faults(batch)
     struck = found.collisions
     for key, rows in found.tree.named(struck).items() if len(struck) else ():
+        if key not in statistics.examples:
+            met = contact(found.tree, found.body, struck, int(rows[0]))
+            kinds = (joint.kind for joint in batch.program.joints if joint.path == key[2])
+            statistics.examples[key] = "" if met is None else in_words(next(kinds, ""), met)
         statistics.collided[key] = statistics.collided.get(key, 0) + len(np.unique(struck.owner[rows]))
     for fault in found.others:
         statistics.unsound[fault.words] = statistics.unsound.get(fault.words, 0) + len(fault.objects)

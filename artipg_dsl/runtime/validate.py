@@ -35,6 +35,7 @@ class Collisions:
     """One row per pair of links that penetrate: object index, link numbers, and the joint (-1: at rest) and its value.
 
     The value is one at which they meet, the least that was found; between the ends of a sliding joint it is its high end.
+    ``pieces`` (m, 2): one of either link that meet then, by ``Pieces.source``; -1 where a loop does not close.
     """
 
     owner: np.ndarray
@@ -42,6 +43,7 @@ class Collisions:
     second: np.ndarray
     joint: np.ndarray
     value: np.ndarray
+    pieces: np.ndarray
 
     def __len__(self) -> int:
         return len(self.owner)
@@ -62,7 +64,8 @@ def collisions(batch: Batch, tree: Tree | None = None, body: Pieces | None = Non
 
 
 def checked(tree: Tree, body: Pieces) -> np.ndarray:
-    """Rows (link, link, joint, value) of all pieces that meet: rows of the tables of links and joints, -1 at rest."""
+    """Rows (link, link, joint, value, piece, piece) of all that meet: rows of the tables of links and joints, -1 at rest;
+    pieces of either link by their ``source``."""
     return np.concatenate([_nothing(), *(_block(tree, part) for part in blocks(body))])
 
 
@@ -78,22 +81,28 @@ def told(tree: Tree, rows: np.ndarray) -> Collisions:
     first, second, joint, value = first[keep], second[keep], joint[keep], rows[keep, 3]
     number = tree.links.number
     named = np.where(joint >= 0, np.append(tree.joints.number, -1)[joint], -1)
-    return Collisions(tree.links.owner[first], number[first], number[second], named, value)
+    pieces = rows[keep, 4:].astype(np.int64)
+    return Collisions(tree.links.owner[first], number[first], number[second], named, value, pieces)
 
 
 @dataclass(slots=True, eq=False)
 class Hits:
-    """Pairs of links (rows of the link table) that meet, the joint (a row of the joint table, -1: rest) and its value."""
+    """Pairs of links (rows of the link table) that meet, the joint (a row of the joint table, -1: rest) and its value.
+
+    ``pieces``: those of either that meet.
+    """
 
     first: np.ndarray
     second: np.ndarray
     joint: np.ndarray
     value: np.ndarray
+    pieces: tuple[np.ndarray, np.ndarray]
 
     def rows(self) -> np.ndarray:
-        """(m, 4), each pair once per joint, at its least value."""
+        """(m, 6), each pair once per joint, at its least value."""
         low, high = np.minimum(self.first, self.second), np.maximum(self.first, self.second)
-        table = np.stack([low, high, self.joint, self.value], axis=1).astype(np.float64)
+        one, two = (np.where((self.first == low) == same, *self.pieces) for same in (True, False))
+        table = np.stack([low, high, self.joint, self.value, one, two], axis=1).astype(np.float64)
         table = table[np.lexsort(table.T[::-1])]
         new = np.ones(len(table), dtype=bool)
         new[1:] = (table[1:, :3] != table[:-1, :3]).any(axis=1)
@@ -101,7 +110,7 @@ class Hits:
 
 
 def _nothing() -> np.ndarray:
-    return np.zeros((0, 4))
+    return np.zeros((0, 6))
 
 
 def blocks(body: Pieces) -> Iterator[Pieces]:
@@ -197,8 +206,8 @@ def _resting(tree: Tree, body: Pieces) -> np.ndarray:
     i, j = near(tree, body, piece, body.low, body.high, None)
     body.ready(i, j)
     hit = meeting(body, Placed(body, i), Placed(body, j))
-    links = tree.blame(body, i[hit], j[hit])
-    return Hits(*links, np.full(len(links[0]), -1), np.zeros(len(links[0]))).rows()
+    i, j = i[hit], j[hit]
+    return Hits(*tree.blame(body, i, j), np.full(len(i), -1), np.zeros(len(i)), (body.source[i], body.source[j])).rows()
 
 
 def _sliding(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> np.ndarray:
@@ -210,14 +219,16 @@ def _sliding(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> 
     body.ready(piece[i], j)
     hit = meeting(body, Placed(body, piece[i], ends=(ends[0][i], ends[1][i])), Placed(body, j))
     i, j = i[hit], j[hit]
-    return Hits(*tree.blame(body, piece[i], j), joint[i], tree.high[joint[i]]).rows()
+    met = body.source[piece[i]], body.source[j]
+    return Hits(*tree.blame(body, piece[i], j), joint[i], tree.high[joint[i]], met).rows()
 
 
 def _turning(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> np.ndarray:
     i, turns = turnings(tree, body, piece, joint)
     hit, value = _decide(tree, body, turns)
     i, j = i[hit], turns.other[hit]
-    return Hits(*tree.blame(body, piece[i], j), joint[i], value + tree.joints.rest[joint[i]]).rows()
+    met = body.source[piece[i]], body.source[j]
+    return Hits(*tree.blame(body, piece[i], j), joint[i], value + tree.joints.rest[joint[i]], met).rows()
 
 
 def turnings(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> tuple[np.ndarray, Turns]:
@@ -354,19 +365,26 @@ def _following(tree: Tree, body: Pieces) -> Iterator[np.ndarray]:
     """Joints that others follow, in many states."""
     parting = Parting()
     for lead, states, _ in led(tree, ~tree.alone, SHARES):
-        pairs = [posed(tree, body, states, parting)]
+        i, j = met(tree, body, states, parting)
+        pairs = [(*tree.blame(body, i, j), body.source[i], body.source[j])]
         if tree.batch.loops is not None:
-            pairs.append(tree.at(states)[2])
-        for first, second in pairs:
+            first, second = tree.at(states)[2]
+            pairs.append((first, second, np.full(len(first), -1), np.full(len(first), -1)))
+        for first, second, one, two in pairs:
             at = lead[tree.links.owner[first]]
             keep = at >= 0
-            yield Hits(first[keep], second[keep], at[keep], states[at[keep]]).rows()
+            yield Hits(first[keep], second[keep], at[keep], states[at[keep]], (one[keep], two[keep])).rows()
 
 
 def posed(
     tree: Tree, body: Pieces, states: np.ndarray, parting: Parting | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """Pairs of links that meet with the joints at ``states`` (J,); ``parting`` knows the state before."""
+    return tree.blame(body, *met(tree, body, states, parting))
+
+
+def met(tree: Tree, body: Pieces, states: np.ndarray, parting: Parting | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of pieces that meet with the joints at ``states`` (J,)."""
     turn, shift, _ = tree.at(states)
     turn, shift = turn[body.link], shift[body.link]
     middle = apply(turn, (body.low + body.high) / 2) + shift
@@ -379,4 +397,4 @@ def posed(
         hit = meeting(body, first, second)
     else:
         hit = parting.meeting(body, first, second)
-    return tree.blame(body, i[hit], j[hit])
+    return i[hit], j[hit]

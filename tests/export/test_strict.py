@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 from types import ModuleType
 
+import numpy as np
 import pytest
 
 from artipg_dsl.cli.main import main
@@ -74,3 +75,71 @@ def test_shipped_objects_are_valid_in_every_configuration(
 ) -> None:
     found = strict.measure(sampled(tmp_path / "out", *arguments))
     assert found["all"] == found["objects"] > 0
+
+
+# ------------------------------------------------------------------ apgc validate --meshes
+
+APART = ARM.replace("margin 15cm", "margin 5cm")
+POST = """apg 1
+use primitives { Cylinder, Cuboid }
+category Peg {
+  root part body : Cuboid(size = [10cm, 10cm, 10cm])
+  part peg : Cylinder(radius = 2cm, height = 10cm)
+  align peg.bottom = body.top + 1mm
+  joint spin : continuous body -> peg about peg.axis
+  part post : Cylinder(radius = 2cm, height = 10cm)
+  connect post.bottom on body.top
+  align post.center.y = peg.center.y
+  align post.center.x = peg.center.x + 3.97cm
+}
+"""
+
+
+def test_meshes_are_looked_at_in_the_same_states(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "arms.apg").write_text(ARM)
+    (tmp_path / "apart.apg").write_text(APART)
+    assert main(["validate", str(tmp_path / "apart.apg"), "-n", "2", "--meshes"]) == 0
+    assert capsys.readouterr().out.count("in every state        100.0%") == 2
+    assert main(["validate", str(tmp_path / "arms.apg"), "-n", "2", "--states", "64", "--meshes"]) == 1
+    told = capsys.readouterr().out
+    assert "in every state        0.0%   (the pieces that collide)" in told
+    assert "at rest 100.0%, and while each joint moves 100.0%, and in 64 random configurations 0.0%" in told
+    assert "arm_0.bar and arm_1.bar share" in told and "`arm[0].bar` and `arm[1].bar` about (" in told
+    assert "arm_0.swing at " in told and "arm_1.swing at " in told
+
+
+def test_a_mesh_can_meet_where_no_piece_does() -> None:
+    """Two cylinders 0.3 mm into one another: their true surfaces are met by meshes at other angles than by pieces."""
+    from artipg_dsl.export.strict import strict
+    from artipg_dsl.session import Session
+
+    found = strict(Session.of_text(POST).sampler.batch(np.arange(1), 0), 4)
+    assert (found.objects, found.rest, found.sweeps, found.all) == (1, 0, 0, 0)
+    touch = found.touches[0]
+    assert (touch.links, touch.parts, touch.state) == (("body", "peg"), ("post", "peg"), "at rest")
+    assert touch.depth == pytest.approx(3e-4, rel=0.05) and touch.values == {}
+    assert touch.at[0] == pytest.approx(0.01985, abs=1e-4)
+
+
+def test_both_ways_of_looking_agree(strict: ModuleType, tmp_path: Path) -> None:
+    from artipg_dsl.export.strict import strict as look
+    from artipg_dsl.session import Session
+
+    (tmp_path / "peg.apg").write_text(POST)
+    folder = tmp_path / "out"
+    assert (
+        main(["sample", str(tmp_path / "peg.apg"), "-n", "1", "--unchecked", "--format", "urdf", "-o", str(folder)])
+        == 0
+    )
+    hits, _ = strict.examine(strict.read(folder / "objects" / "000000", {}))
+    ours = look(Session.of_text(POST).sampler.batch(np.arange(1), 0), 1).touches
+    depth = {hit.when: hit.depth for hit in hits}
+    assert depth["at rest"] == pytest.approx(ours[0].depth, rel=1e-6)
+
+
+def test_without_its_package_a_message_names_the_extra(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("artipg_dsl.export.strict.find_spec", lambda name: None)
+    assert main(["validate", "Window", "-n", "1", "--meshes"]) == 1
+    assert "artipg_dsl[collide]" in capsys.readouterr().err

@@ -259,3 +259,62 @@ def test_clear_asks_parts_and_not_their_links() -> None:
     assert nearer(text + "clear crate from wall by 5cm\n") == []
     assert len(nearer(text + "clear crate from wall by 25cm\n")) == 2
     assert len(nearer(text + "clear body from wall by 1mm\n")) >= 1  # one link: they touch
+
+
+# ------------------------------------------------------------------ parts and places of what meets
+
+CRANE = """
+  root part body : Cuboid(size = [60cm, 60cm, 2cm])
+  part post : Cuboid(size = [2cm, 2cm, 10cm])
+  connect post.bottom on body.top
+  align post.center.x = 10cm
+  align post.center.y = 12cm
+  part bar : Cuboid(size = [25cm, 2cm, 4cm])
+  align bar.bottom = body.top + 1mm
+  align bar.center.y = 0
+  align bar.back = 0
+  part tip : Cuboid(size = [2cm, 2cm, 2cm])
+  connect tip.bottom on bar.top
+  align tip.front = bar.front
+  align tip.center.y = 0
+  joint swing : revolute body -> bar about line(at = [0, 0, 0], along = z) range 0deg .. 90deg
+  part crate : Cuboid(size = [4cm, 4cm, 4cm])
+  align crate.bottom = body.top + 1mm
+  align crate.center.y = -20cm
+  align crate.center.x = -20cm
+  joint slide : prismatic body -> crate along y range 0cm .. 40cm
+  part wall : Cuboid(size = [4cm, 4cm, 4cm])
+  connect wall.bottom on body.top
+  align wall.center.y = 10cm
+  align wall.center.x = -20cm
+"""
+
+
+def test_a_collision_names_parts_place_and_value() -> None:
+    pairs = {pair.joint: pair for pair in evidence(program(CRANE).batch(np.arange(2), 0), 0).pairs}
+    bar, crate = pairs["swing"].example, pairs["slide"].example
+    assert bar.parts == ("bar", "post") and crate.parts == ("wall", "crate") and bar.object == crate.object == 0
+    assert 0.6 < bar.value < 1.05 and bar.at[:2] == pytest.approx((0.1, 0.12), abs=0.02)
+    assert crate.value == pytest.approx(0.2625, abs=0.01) and crate.at[1] == pytest.approx(0.08, abs=0.01)
+
+
+def test_what_cannot_be_made_names_the_parts() -> None:
+    from artipg_dsl.errors import NoObject
+    from artipg_dsl.job import Job
+
+    with pytest.raises(NoObject) as caught:
+        Job(program(CRANE), 0).batch(np.arange(1))
+    assert "`bar` and `post` at " in caught.value.message and "in object 0" in caught.value.message
+
+
+def test_points_common_to_bodies() -> None:
+    from artipg_dsl.geometry.collide import Corners, common
+
+    cube = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)], dtype=float)
+    first = np.stack([cube, cube, cube])
+    second = np.stack([cube + (0.9, 0.9, 0.2), cube * 0.1 + 0.4, cube + (3, 0, 0)])
+    at = common(Corners(first), Corners(second))
+    for k in range(2):
+        for body in (first, second):
+            assert ((at[k] >= body[k].min(axis=0) - 1e-9) & (at[k] <= body[k].max(axis=0) + 1e-9)).all()
+    assert at[2, 0] == pytest.approx(2.0)

@@ -1,0 +1,82 @@
+"""Where two links meet: the parts, a point of both, and the value of the joint that brings it about."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..geometry.collide import common, overlap
+from .bodies import Pieces, Placed
+from .tree import Tree
+from .validate import Collisions
+
+PLACES = 65  # of the range of a slide that are looked at
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """Two parts by name, in the order of their links' paths, of the object of a number; ``at`` is in the object's frame.
+
+    ``value`` of the joint, radians or metres; None at rest.
+    """
+
+    object: int
+    parts: tuple[str, str]
+    at: tuple[float, float, float]
+    value: float | None
+
+
+def contact(tree: Tree, body: Pieces, found: Collisions, row: int) -> Contact | None:
+    """What meets in a row of ``found``, whose pieces are those of ``body``; None where a loop does not close."""
+    pair = found.pieces[row]
+    if (pair < 0).any():
+        return None
+    owner, named = int(found.owner[row]), int(found.joint[row])
+    i, j = (np.flatnonzero(body.source == source) for source in pair)
+    body.ready(i, j)
+    states, value = tree.joints.rest.copy(), None
+    if named >= 0:
+        joint = int(np.searchsorted(tree.joints.owner, owner)) + named
+        value = float(found.value[row])
+        if tree.slides[joint] and tree.alone[joint]:
+            value = slid(tree, body, i, j, joint)
+        states[joint] = value
+    turn, shift, _ = tree.at(states)
+    first, second = (Placed(body, k, turn[body.link[k]], shift[body.link[k]]) for k in (i, j))
+    at = tuple(np.round(common(first, second)[0], 4).tolist())
+    paths = [tree.batch.program.links[tree.links.definition[body.link[k[0]]]].path for k in (i, j)]
+    names = [part_name(tree, body, int(k[0])) for k in ((i, j) if paths[0] <= paths[1] else (j, i))]
+    return Contact(int(tree.batch.numbers[owner]), (names[0], names[1]), at, value)
+
+
+def slid(tree: Tree, body: Pieces, i: np.ndarray, j: np.ndarray, joint: int) -> float:
+    """The value of a slide nearest to rest at which two pieces meet, of some; its high end where none of these is."""
+    rest = tree.joints.rest[joint]
+    values = np.linspace(tree.low[joint], tree.high[joint], PLACES)
+    values = values[np.argsort(np.abs(values - rest), kind="stable")]
+    moves = [(tree.chain[body.link[k]] == tree.child[joint]).any() for k in (i, j)]
+    still, way = np.tile(np.eye(3), (PLACES, 1, 1)), tree.axis[joint] * (values - rest)[:, None]
+    placed = [Placed(body, np.repeat(k, PLACES), still, way * moved) for k, moved in zip((i, j), moves, strict=True)]
+    hit = np.flatnonzero(overlap(*placed))
+    return float(values[hit[0]] if len(hit) else tree.high[joint])
+
+
+def part_name(tree: Tree, body: Pieces, piece: int) -> str:
+    """The name of the part that a piece is of: ``column[0].cell[1].unit.handle``."""
+    row = int(body.solid[piece])
+    for table in tree.batch.sites():
+        if row < len(table):
+            parts = tree.batch.parts()
+            return parts.name[int(np.searchsorted(parts.owner, table.owner[row])) + int(table.instance[row])]
+        row -= len(table)
+    return ""
+
+
+def in_words(kind: str, found: Contact) -> str:
+    """``handle.grip and frame.rim at 12.3 deg, about (0.2, 0.1, 0.45), in object 17``; ``kind`` of the joint."""
+    when = ""
+    if found.value is not None:
+        when = f" at {1e3 * found.value:.1f} mm" if kind == "prismatic" else f" at {np.degrees(found.value):.1f} deg"
+    at = ", ".join(f"{x:.4g}" for x in found.at)
+    return f"`{found.parts[0]}` and `{found.parts[1]}`{when}, about ({at}) m, in object {found.object}"
