@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from ..diagnostics import CompileError
@@ -14,6 +14,8 @@ from .compile import of_text
 if TYPE_CHECKING:
     from ..graph.expr import Scope
     from ..lower.context import Unknown
+    from ..lower.ledger import Line
+    from ..lower.part import Part
     from ..lower.program import Lowering
 
 
@@ -32,9 +34,11 @@ def run(options: argparse.Namespace) -> int:
 
 def entries(lowering: Lowering, wanted: str | None) -> Iterator[str]:
     """A line per part and, indented, one per unknown and case: its name, what determines it, where the text says so."""
+    from ..lower.ledger import carriage
     from ..lower.ledger import lines as ledger_lines
 
-    shown = None
+    shown, told = None, set()
+    parts = {part.path: part for part, _ in lowering.links.nodes}
     for part, unknown in lowering.context.ledger:
         path = part.path if part is not None else ""
         if wanted is not None and path != wanted and not path.startswith(wanted + "."):
@@ -43,11 +47,50 @@ def entries(lowering: Lowering, wanted: str | None) -> Iterator[str]:
         if (path, guards) != shown:
             shown = (path, guards)
             yield (path or lowering.program.name) + (f"   with {guards}" if guards else "")
-        name = quantity(unknown)
-        for line in ledger_lines(unknown, lowering.context.draws):
-            told = line.how if not line.when else f"where {line.when}: {line.how}"
-            yield f"    {name:<14} {told:<44} {line.place}"
-            name = ""
+            if part is not None and path not in told and (path == wanted or lowering.links.attachments(part)):
+                yield from shown_lines("link", carriage(lowering.links, part))
+            told.add(path)
+        yield from shown_lines(quantity(unknown), ledger_lines(unknown, lowering.context.draws))
+    if wanted in parts and wanted not in told:
+        yield wanted
+        yield from shown_lines("link", carriage(lowering.links, parts[wanted]))
+    if wanted is not None and wanted not in parts:
+        yield from port(lowering, parts, wanted)
+
+
+def shown_lines(name: str, lines: Iterable[Line]) -> Iterator[str]:
+    for line in lines:
+        told = line.how if not line.when else f"where {line.when}: {line.how}"
+        yield f"    {name:<14} {told:<44} {line.place}"
+        name = ""
+
+
+def port(lowering: Lowering, parts: dict[str, Part], wanted: str) -> Iterator[str]:
+    """The link on which a port of a part lies, and through which part."""
+    from ..lower.connect import carriers
+    from ..lower.evaluate import Evaluator
+    from ..lower.ledger import named
+    from ..lower.values import part_of
+    from ..syntax import ast
+
+    path, _, name = wanted.rpartition(".")
+    part = parts.get(path)
+    declared = [
+        statement
+        for instance in (part.instances if part is not None else ())
+        for statement in instance.symbol.body
+        if isinstance(statement, ast.PortDecl) and statement.name == name
+    ]
+    if part is None or not declared:
+        return
+    node = ast.MemberExpr(
+        span=part.span, obj=ast.NameExpr(span=part.span, name=part.name), name=name, name_span=part.span
+    )
+    on = carriers(Evaluator(part.env).value(node), part.env.scope)
+    links = named(lowering.links, lowering.links.carried(on, part.span))
+    through = " and ".join(dict.fromkeys(f"`{part_of(one).path}`" for one in on))
+    yield wanted
+    yield f"    {'link':<14} {f'{links}, as it lies on {through}':<44} {declared[0].span}"
 
 
 def conditions(scope: Scope) -> str:
@@ -66,8 +109,6 @@ def _nothing(lowering: Lowering, wanted: str | None) -> UserError:
     if wanted is None:
         return UserError(f"{lowering.program.name} has no unknowns: every value follows from the text")
     paths = {part.path for part in lowering.program.parts}
-    if wanted in paths:
-        return UserError(f"`{wanted}` has no unknowns: its place and size follow from the text")
     parts = ", ".join(dict.fromkeys(p.path for p in lowering.program.parts if "." not in p.path))
     return UserError(
         f"{lowering.program.name} has no part `{wanted}`", did_you_mean(wanted, paths) or f"its parts are {parts}"

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from ..graph import expr as E
 from ..graph.expr import Column, Expr
 from ..graph.program import Draw
+from ..graph.reference import Reference, definitions
 from .context import Equation, Settled, Unknown
+from .values import part_of
+
+if TYPE_CHECKING:
+    from .links import Links
+    from .part import Part
 
 WORDS = {"centred": "nothing: centred", "default": "nothing: its default", "drawn": "drawn from its domain"}
 SIGNS = {"eq": "=", "le": "<=", "lt": "<"}
@@ -43,6 +51,31 @@ def how(one: Settled) -> str:
         return WORDS.get(one.reason, one.reason)
     together = f", together with {' and '.join(one.others)}" if one.others else ""
     return one.equation.text + together + (f" (searched from {one.start})" if one.start else "")
+
+
+def carriage(links: Links, part: Part) -> Iterator[Line]:
+    """The link that a part lies on, and why: in each branch of ``when`` that attaches it."""
+    attachments, several = links.attachments(part), len(links.attachments(part)) > 1
+    draws = {d.column: d.options for d in links.context.draws if d.kind == "choice"}
+    for one in attachments:
+        guards = [s.count for s in one.env.scope.ancestors() if s.count is not None and s is not part.env.scope]
+        when = condition(functools.reduce(E.both, guards), draws) if several and guards else ""
+        if one.joint is not None:
+            told = f"its own, which the joint `{one.env.path}{one.joint.name}` moves"
+        elif one.base:
+            told = f"{named(links, links.base(part.env))}, of what it is a part of"
+        else:
+            names = " and ".join(dict.fromkeys(f"`{part_of(to).path}`" for to in one.to))
+            told = f"{named(links, links.carried(one.to, one.span))}, as it is attached to {names}"
+        yield Line(when, told, str(one.span))
+    if not attachments:
+        yield Line("", f"{named(links, links.of(part))}, with what it is a part of", str(part.span))
+
+
+def named(links: Links, reference: Reference) -> str:
+    """Links by the paths of the parts that they are named after: those of several alternatives with `or`."""
+    paths = dict.fromkeys(links.context.program.links[number].path for number in definitions(reference))
+    return " or ".join(f"`{path}`" for path in paths)
 
 
 def condition(node: Expr, options: dict[Column, tuple[str, ...]]) -> str:

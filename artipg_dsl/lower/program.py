@@ -41,6 +41,7 @@ class Lowering:
     program: Program
     context: Context
     root: Env
+    links: Links
 
     def unplaced(self) -> Iterator[Part]:
         """The parts in the text of the category that nothing places along any axis; not those that stand in an element of a repeat,
@@ -79,7 +80,7 @@ def lower_category(category: Symbol, report: Report) -> Lowering | None:
     except Circle as error:
         circular(env, error.columns)
         return None
-    return None if report.failed else Lowering(program, context, env)
+    return None if report.failed else Lowering(program, context, env, links)
 
 
 def finish(links: Links, env: Env) -> None:

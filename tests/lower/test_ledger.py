@@ -56,6 +56,34 @@ def test_the_graph_shows_the_blocks_and_reads_back() -> None:
     assert to_text(from_text(text)) in text
 
 
+# ---------------------------------------------------------------- on which link, and why
+
+CARRIED = category("""
+  param k : choice held | hinged = held
+  part lid : Cuboid(size = [1cm, 9cm, 9cm])
+  part knob : Cuboid(size = [1cm, 1cm, 1cm])
+  connect knob.bottom on lid.top
+  when k == held { connect lid.back on body.front } else { joint turn : revolute body -> lid about lid.left.back range 0deg .. 9deg }
+""")
+
+
+def test_the_ledger_tells_the_link_of_a_part_and_why() -> None:
+    found = ledger(CARRIED)
+    assert "where k = held: `body`, as it is attached to `body` <text>:11:20" in found
+    assert "link where k is not held: its own, which the joint `turn` moves <text>:11:60" in found
+    knob = ledger(CARRIED, "knob")
+    assert knob[0] == "knob" and knob[1].startswith("link `lid` or `body`, as it is attached to `lid`")
+
+
+def test_the_ledger_tells_the_link_of_a_port() -> None:
+    from artipg_dsl.session import Session
+
+    lowering = Session.of("Kettle").lowering
+    assert lowering is not None
+    found = [" ".join(line.split()) for line in entries(lowering, "lid.seat")]
+    assert found[0] == "lid.seat" and found[1].startswith("link `lid`, as it lies on `lid.cover` library/pots.apg:")
+
+
 # ---------------------------------------------------------------- who yields is nobody else's business
 
 PARTS = (
