@@ -221,9 +221,9 @@ class Samples:
 
     def replay(self, records: Iterable[Mapping[str, Any]]) -> Samples:
         """Objects made from these as the records of traces say (lines of ``trace-*.jsonl``). Raises NoObject, UserError."""
-        from .runtime.trace import Replay
+        from .runtime.trace import Replay, checked
 
-        made = {int(record["object"]): record for record in records}
+        made = {record["object"]: record for record in map(checked, records)}
         return Samples(self.job.mutated(Replay(made)), np.array(sorted(made), dtype=np.int64))
 
     def repairs(self) -> Repairs:

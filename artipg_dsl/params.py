@@ -39,6 +39,8 @@ def entries(text: str, name: str) -> list[Mapping[str, Any]]:
             found = [json.loads(line) for line in text.splitlines() if line.strip()]
     except json.JSONDecodeError as error:
         raise UserError(f"{name}:{error.lineno} is no JSON: {error.msg}", FORM) from None
+    except (ValueError, RecursionError) as error:  # numbers of thousands of digits, thousands of lists
+        raise UserError(f"{name} cannot be read: {error}", FORM) from None
     if not found or not all(isinstance(entry, dict) for entry in found):
         raise UserError(f"{name} holds no objects", FORM)
     return found
@@ -69,6 +71,8 @@ def record_of(entry: Mapping[str, Any], program: Program) -> dict[int, tuple[flo
             names = list(dict.fromkeys(d.column.name for d in program.draws))
             raise UserError(f"{program.name} draws no `{key}`", did_you_mean(key, names))
         items = value if isinstance(value, list) else [value]
+        if not items:
+            raise UserError(f"`{key}` is an empty list", "leave out what has no value")
         taken, refused = [False] * len(items), None
         for k, draw in draws:  # alternatives that share the name may differ in their options and kinds
             numbers = []
@@ -95,6 +99,8 @@ def finite(value: Any) -> Any:
     """A value as JSON knows it: null for what is no number, the largest one for what is without end."""
     if isinstance(value, list):
         return [finite(item) for item in value]
+    if isinstance(value, int) and abs(value) > sys.float_info.max:
+        return sys.float_info.max if value > 0 else -sys.float_info.max
     if not isinstance(value, float) or math.isfinite(value):
         return value
     return None if math.isnan(value) else math.copysign(sys.float_info.max, value)

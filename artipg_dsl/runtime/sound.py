@@ -79,7 +79,7 @@ def _site(batch: Batch, table: SiteTable) -> None:
             "primitive",
             table.owner,
             names,
-            ~holds,
+            np.logical_not(holds),
             "its parameters are not what a primitive of its kind requires",
         )
 

@@ -12,7 +12,7 @@ import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from hashlib import blake2b
-from typing import Any
+from typing import Annotated, Any, Literal, NotRequired, TypedDict
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from ..graph import expr as E
 from ..graph.expr import Scope
 from ..graph.program import Draw
 from ..graph.random import mix
+from ..shapes import Misfit, Rule, fit
 from . import repairs
 from .batch import Batch, plain
 from .kernels import Kept
@@ -29,7 +30,39 @@ from .repairs import HOW, Repairs
 from .sample import Exhausted, Sampler, Statistics, colliding
 from .settled import again, chosen
 
+WRITTEN = "give a trace-*.jsonl that `apgc mutate` has written"
 TOLD = 1e-9  # determined values that move by less are not told
+
+
+Place = Annotated[int, Rule("a whole number from 0 on", lambda value: 0 <= value < 2**62)]
+Value = float | int | str | None
+Changed = TypedDict(
+    "Changed",
+    {
+        "op": Literal["apa", "dpa", "cpa"], "how": Literal["changed", "clipped", "new", "gone", "determined"], "path": str, "from": Value,
+        "to": Value, "draw": NotRequired[str], "at": NotRequired[list[Place]],
+    },
+)  # fmt: skip
+Repaired = TypedDict(
+    "Repaired",
+    {
+        "path": str, "from": Value, "to": Value, "how": Annotated[str, Rule(f"one of {', '.join(HOW)}", lambda value: value in HOW)],
+        "because": str, "where": str | None,
+    },
+)  # fmt: skip
+
+
+class Record(TypedDict):
+    """What a line of a trace holds."""
+
+    object: Place
+    source: Place
+    rejected: Place
+    salt: str
+    lane: Annotated[int, Rule("a whole number of 32 bits", lambda value: 0 <= value < 2**32)]
+    program: str
+    steps: list[Changed]
+    repairs: NotRequired[list[Repaired]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,6 +182,15 @@ def trace_lines(batch: Batch) -> bytes:
     return "".join(json.dumps(line, ensure_ascii=False, separators=(",", ":")) + "\n" for line in found).encode()
 
 
+def checked(record: Any) -> Mapping[str, Any]:
+    """A record that is one. Raises UserError."""
+    try:
+        fit(record, Record)
+    except Misfit as wrong:
+        raise UserError(f"this is no record of a trace: {wrong}", WRITTEN) from None
+    return record
+
+
 def read_traces(text: str, name: str) -> dict[int, dict[str, Any]]:
     """The records of a trace file by the number of their object. Raises UserError."""
     found: dict[int, dict[str, Any]] = {}
@@ -157,17 +199,10 @@ def read_traces(text: str, name: str) -> dict[int, dict[str, Any]]:
             continue
         try:
             entry = json.loads(line)
-            found[int(entry["object"])] = entry
-            _ = [
-                (r["path"], r["from"], r["to"], r["because"], r["where"], HOW.index(r["how"]))
-                for r in entry.get("repairs", ())
-            ]
-            _ = int(entry["source"]), [(s["op"], s["how"], s["path"], s["from"], s["to"]) for s in entry["steps"]]
-        except (ValueError, KeyError, TypeError) as error:
-            raise UserError(
-                f"{name}:{number} is no trace of a mutation: {error}",
-                "give a trace-*.jsonl that `apgc mutate` has written",
-            ) from None
+            fit(entry, Record)
+        except (ValueError, RecursionError) as error:
+            raise UserError(f"{name}:{number} is no trace of a mutation: {error}", WRITTEN) from None
+        found[entry["object"]] = entry
     return found
 
 
@@ -222,7 +257,10 @@ def replay(batch: Batch, records: Sequence[Mapping[str, Any]]) -> Batch:
             history.append(Stage(operation, now, after, wanted))
             now = after
     found = again(now, everything, attempt=attempt, lane=lane, salt=salt)
-    told = [repairs.read(batch.program, place, entry.get("repairs", ())) for place, entry in enumerate(records)]
+    try:
+        told = [repairs.read(batch.program, place, entry.get("repairs", ())) for place, entry in enumerate(records)]
+    except ValueError as error:
+        raise UserError(f"the repairs of a trace mean nothing here: {error}", WRITTEN) from None
     found.repairs = Repairs.joined(told)
     found.history = tuple(history) or (Stage(OPERATIONS[0], batch, found, _asked(batch, "", [])[1]),)
     return found
