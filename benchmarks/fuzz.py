@@ -116,7 +116,9 @@ def block(lines: list[str], chance: random.Random) -> tuple[int, int]:
     return first, last
 
 
-KINDS: tuple[Callable[[str, random.Random, str], str], ...] = (of_bytes, of_tokens, of_values, of_values, of_structure)
+KINDS: tuple[Callable[[str, random.Random, str], str], ...] = (
+    of_bytes, of_tokens, of_values, of_values, of_values, of_values, of_structure, of_structure,
+)  # fmt: skip
 
 
 class Corpus:
@@ -351,7 +353,11 @@ def cases(corpus: Corpus, numbers: list[int], log: Path) -> Iterator[dict]:
                 current = {}
         _, status = os.waitpid(started, 0)
         if current:  # it did not live to tell
-            ended = signal.Signals(os.WTERMSIG(status)).name if os.WIFSIGNALED(status) else f"exit {status}"
+            ended = (
+                signal.Signals(os.WTERMSIG(status)).name
+                if os.WIFSIGNALED(status)
+                else f"exit {os.waitstatus_to_exitcode(status)}"
+            )
             what = "hang" if ended == "SIGPROF" else f"crash {ended}"
             yield current | {"outcome": what, "trace": log.read_text(encoding="utf-8")[-6000:]}
             left.remove(current["case"])
