@@ -518,7 +518,7 @@ class Samples:
     # ------------------------------------------------------------ pictures
 
     def sheet(self, path: str | Path, **options: Any) -> Path:
-        """Draw all objects to a PNG; the options are those of ``view.sheet.sheet`` (colour, tile, columns, states)."""
+        """Draw all objects to a PNG; the options are those of ``view.sheet.sheet`` (colour, tile, columns, states, view)."""
         from .view.sheet import write_sheet
 
         if Path(path).suffix.lower() != ".png":

@@ -7,6 +7,7 @@ from typing import Any
 
 from .diagnostics import Report
 from .geometry.errors import PrimitiveError
+from .geometry.selftest import missed
 from .geometry.topology import orientation, seams
 from .geometry.trial import variants
 from .graph.primitive import Primitive
@@ -18,6 +19,7 @@ from .syntax import ast
 
 HINT = "edges meet where two surfaces give the same curve, from end to end; compare the ranges of u and v and the signs"
 
+LOOSE, ABSENT = 0.05, 0.1  # of its size that a solid reaches beyond its pieces: worth a warning, and an error
 NARROW = "does the path cross or touch itself, or bend more tightly than what goes along it is wide? Narrow the domains it is made of"
 
 
@@ -29,9 +31,27 @@ def close(solids: Mapping[Any, Lowered], report: Report) -> None:
     for symbol, lowered in solids.items():
         try:
             examine(lowered.primitive)
+            cover(symbol, lowered, report)
         except PrimitiveError as error:
             # one that is made of a curve is known by the symbol and the curve
             tell(symbol[0] if isinstance(symbol, tuple) else symbol, lowered, error, report)
+
+
+def cover(symbol: Symbol, lowered: Lowered, report: Report) -> None:
+    """Report convex pieces that an author states and that leave out much of the solid: nothing would touch it there."""
+    stated = [s for s in getattr(symbol, "body", ()) if isinstance(s, ast.PieceDecl)]
+    if not stated or symbol.module.source.name.startswith("library/"):  # those of the library are tested
+        return
+    found = missed(lowered.primitive)
+    if found is None or found[0] < LOOSE:
+        return
+    far, place = found
+    told = report.error if far > ABSENT else report.warning
+    told(
+        "missing-pieces", stated[0].span,
+        f"the pieces of the primitive `{symbol.name}` leave out part of it, up to {100 * far:.0f} % of its size away ({place})",
+        hint="collisions are those of the convex pieces: state pieces that fill the solid, or none where it is convex",
+    )  # fmt: skip
 
 
 def examine(primitive: Primitive) -> None:

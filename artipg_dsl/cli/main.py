@@ -252,6 +252,11 @@ def parser() -> Parser:
     )
     render.add_argument("--open", action="store_true", help="open all joints; otherwise those of every other object")
     render.add_argument(
+        "--view",
+        metavar="VIEW",
+        help="where one looks from: front, back, left, right, top, iso, or AZIMUTH,ELEVATION in degrees, as in --view=-120,30",
+    )
+    render.add_argument(
         "--tile", type=positive, default=256, metavar="PIXELS", help="width of one object (default: 256)"
     )
     _meshes(render, steps=64)

@@ -17,15 +17,16 @@ from .sample import chosen, resolution
 
 def run(options: argparse.Namespace) -> int:
     from ..geometry.resolution import SMOOTH
-    from ..view.sheet import write_sheet
+    from ..view.sheet import direction, write_sheet
 
     if Path(options.out).suffix.lower() != ".png":
         raise UsageError(f"the picture is written as PNG, not to {options.out}", "choose a name that ends in .png")
+    direction(options.view)
     job, numbers = wanted(options)
     with Progress("drawing") as progress:
         write_sheet(
             job.batch(numbers), options.out, force=True, colour=options.colour, tile=options.tile, progress=progress,
-            states="open" if options.open else "alternate", resolution=resolution(options) or SMOOTH,
+            states="open" if options.open else "alternate", view=options.view, resolution=resolution(options) or SMOOTH,
         )  # fmt: skip
     say(f"drew {len(numbers)} of {job.sampler.program.name} to {options.out}")
     return 0

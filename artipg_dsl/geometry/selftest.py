@@ -279,6 +279,15 @@ def _pieces(seen: _Inspection) -> Report:
     for out_by, at, name in furthest.values():
         length = 1000 * out_by * seen.diagonal[at]
         yield "pieces", name, f"this piece reaches {length:.4g} mm out of the solid ({seen.at(at)})"
+    row, _, covered = _covered(seen, groups)
+    share = 1 - covered.mean()
+    if share > MISSED:
+        worst = int(np.argmin(covered))
+        yield "pieces", None, f"no piece covers {100 * share:.3g} % of the depth of the solid ({seen.at(row[worst])})"
+
+
+def _covered(seen: _Inspection, groups: list[pieces.PieceGroup]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Rows and places deep within the solid, and whether a piece covers them."""
     row, points = _deep(seen)
     covered = np.zeros(len(row), dtype=bool)
     for group in groups:
@@ -297,10 +306,33 @@ def _pieces(seen: _Inspection) -> Report:
             mine = slot[row[asked]]
             behind &= (normal[mine, face] * points[asked]).sum(axis=1) <= reach[mine, face] + 1e-15
         covered[asked[behind]] = True
-    share = 1 - covered.mean()
-    if share > MISSED:
-        worst = int(np.argmin(covered))
-        yield "pieces", None, f"no piece covers {100 * share:.3g} % of the depth of the solid ({seen.at(row[worst])})"
+    return row, points, covered
+
+
+def missed(primitive: Primitive) -> tuple[float, str] | None:
+    """How far (a share of its size) a place deep within a solid lies from all its convex pieces, at the worst of a few test
+    values, and where; None where pieces cover it all.
+    """
+    seen = _Inspection(primitive, trial(primitive, 2))
+    groups = pieces.build(primitive, seen.params)
+    row, points, covered = _covered(seen, groups)
+    row, points = row[~covered], points[~covered]
+    if not len(row):
+        return None
+    far = np.full(len(row), np.inf)
+    for group in groups:
+        slot = np.full(seen.count, -1)
+        slot[group.rows] = np.arange(len(group.rows))
+        there = np.flatnonzero(slot[row] >= 0)
+        corners = group.vertices[:, group.faces][slot[row[there]]]
+        normal = np.cross(corners[:, :, 1] - corners[:, :, 0], corners[:, :, 2] - corners[:, :, 0])
+        normal = normal / np.maximum(np.sqrt((normal**2).sum(axis=-1, keepdims=True)), 1e-300)
+        beyond = (normal * (points[there, None] - corners[:, :, 0])).sum(axis=-1).max(axis=1)
+        far[there] = np.minimum(far[there], beyond)
+    far = far / seen.diagonal[row]
+    worst = int(np.argmax(far))
+    place = ", ".join(f"{1000 * float(c):.4g}" for c in points[worst])
+    return float(far[worst]), f"about [{place}] mm, test value {seen.at(row[worst])}"
 
 
 def _on_piece(group: pieces.PieceGroup) -> np.ndarray:

@@ -21,7 +21,9 @@ if TYPE_CHECKING:
     from ..runtime.batch import Batch
 
 RENDERERS = ("moderngl", "embreex", "numpy")
-AZIMUTH = 33.0  # degrees from the front
+VIEWS = {  # degrees to the left of the front, and above
+    "iso": (33.0, 24.0), "front": (0.0, 0.0), "back": (180.0, 0.0), "left": (90.0, 0.0), "right": (-90.0, 0.0), "top": (0.0, 90.0),
+}  # fmt: skip
 BACKDROP = "eaedf1"
 
 
@@ -61,14 +63,16 @@ def sheet(
     colour: str = "part",
     which: str = "auto",
     states: str = "alternate",
+    view: str | tuple[float, float] | None = None,
     resolution: Resolution = SMOOTH,
     progress: Callable[[int, int], None] | None = None,
 ) -> np.ndarray:
     """The picture (height, width, 3) uint8 of all objects of a batch, ``tile`` pixels each.
 
     ``colour``: "part", "material" or "affordance", which has a row below with the words that hold somewhere.
-    ``states``: "rest", "open", or "alternate": even tiles at rest, odd ones opened. ``resolution`` of the meshes, but
-    for those of affordances.
+    ``states``: "rest", "open", or "alternate": even tiles at rest, odd ones opened. ``view``: where one looks from, one of
+    ``VIEWS`` or (azimuth, elevation) in degrees; None for "iso", from the side on which one sees into what opens.
+    ``resolution`` of the meshes, but for those of affordances.
     """
     if colour not in COLOURINGS:
         raise ExportError(f"unknown colouring {colour!r}", f"the colourings are {', '.join(COLOURINGS)}")
@@ -80,7 +84,9 @@ def sheet(
     draw, said = renderer(which, tile), set[str]()
     robots = Robots(batch, resolution=resolution, physics=False)
     poses = {"rest": batch.pose(), "open": batch.pose(opened(batch))}
-    azimuth = AZIMUTH * side(robots, poses["open"])
+    azimuth, elevation = direction(view)
+    if view is None:
+        azimuth *= side(robots, poses["open"])
     columns = columns or default_columns(len(batch))
     rows = -(-len(batch) // columns)
     image = np.empty((rows * tile, columns * tile, 3), dtype=np.uint8)
@@ -92,7 +98,7 @@ def sheet(
             said |= found
         else:
             shown = scene(robots, i, poses[state], colour)
-        camera = look_at(shown.vertices, azimuth)
+        camera = look_at(shown.vertices, azimuth, elevation)
         floor = float(shown.vertices[:, 2].min())
         light = draw.render(shown, camera, lights(camera, *draw.light_counts), floor)
         y, x = i // columns * tile, i % columns * tile
@@ -105,6 +111,20 @@ def sheet(
         tints = {word: srgb(tint) for word, tint in colours(batch, colour).items() if word in said}
         image = np.concatenate([image, legend(tints, image.shape[1])])
     return image
+
+
+def direction(view: str | tuple[float, float] | None) -> tuple[float, float]:
+    """Azimuth and elevation (degrees) of a view: a name, two numbers, or the text of two numbers. Raises ExportError."""
+    if view is None or isinstance(view, str) and view in VIEWS:
+        return VIEWS[view or "iso"]
+    try:
+        azimuth, elevation = map(float, view.split(",") if isinstance(view, str) else view)
+    except (TypeError, ValueError):
+        azimuth = elevation = np.nan
+    if not (np.isfinite(azimuth) and -90 <= elevation <= 90):
+        hint = "an elevation lies between -90 and 90 degrees, as in 120,30"
+        raise ExportError(f"unknown view {view!r}: there are {', '.join(VIEWS)}, or an azimuth and an elevation", hint)
+    return azimuth, elevation
 
 
 def legend(tints: dict[str, np.ndarray], width: int, size: int = 2) -> np.ndarray:

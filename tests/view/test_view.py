@@ -91,6 +91,19 @@ def test_a_sheet_shows_objects_on_a_plain_backdrop(name: str) -> None:
     assert changed.mean() > 0.03, "the second is opened"
 
 
+def test_one_may_look_from_any_side() -> None:
+    seen = {view: sheets.sheet(FakeBatch(1), tile=48, which="numpy", view=view) for view in sheets.VIEWS}
+    pictures = list(seen.values())
+    for k, picture in enumerate(pictures):
+        assert all((picture != other).any() for other in pictures[:k]), list(seen)[k]
+    assert (sheets.sheet(FakeBatch(1), tile=48, which="numpy", view="180,0") == seen["back"]).all()
+    assert (sheets.sheet(FakeBatch(1), tile=48, which="numpy", view=(0.0, 90.0)) == seen["top"]).all()
+    for wrong in ("sideways", "10", "10,200", "nan,0", (1.0,)):
+        with pytest.raises(ExportError) as caught:
+            sheets.sheet(FakeBatch(1), view=wrong)  # type: ignore[arg-type]
+        assert "back" in caught.value.args[0]
+
+
 def test_renderers_agree() -> None:
     images = [
         sheets.sheet(FakeBatch(1), tile=64, which=name).astype(int) for name in sheets.RENDERERS if available(name)

@@ -210,6 +210,28 @@ STRUCTURE = (
         }
         category Dish { root part bowl : Bowl(radius = 5cm) }
         """),
+    Code("missing-pieces", "convex pieces leave out part of a primitive", """
+        What touches what is decided by convex pieces, so a solid that its `piece` statements cover only in part could be
+        reached into. An error where a place within it lies further than a tenth of its size from all its pieces, at one of
+        its test values; a warning from a twentieth on. The place shown is the furthest. A thin gap at a curved surface is no
+        fault.
+        """, """
+        apg 1
+        primitive Bar {
+          param long : length > 0  test 5cm .. 20cm
+          surface front  (u in 0 .. 1, v in 0 .. 1) = [1cm, (2 * u - 1) * 1cm, v * long]
+          surface rear   (u in 0 .. 1, v in 0 .. 1) = [-1cm, (1 - 2 * u) * 1cm, v * long]
+          surface right  (u in 0 .. 1, v in 0 .. 1) = [(2 * u - 1) * 1cm, -1cm, v * long]
+          surface left   (u in 0 .. 1, v in 0 .. 1) = [(1 - 2 * u) * 1cm, 1cm, v * long]
+          surface top    (u in 0 .. 1, v in 0 .. 1) = [(2 * u - 1) * 1cm, (2 * v - 1) * 1cm, long]
+          surface bottom (u in 0 .. 1, v in 0 .. 1) = [(2 * u - 1) * 1cm, (1 - 2 * v) * 1cm, 0]
+          inside (p) = max(abs(p.x) - 1cm, abs(p.y) - 1cm, -p.z, p.z - long)
+          box = [-1cm, -1cm, 0] .. [1cm, 1cm, long]
+          piece foot = hull([-1cm, -1cm, 0], [1cm, -1cm, 0], [1cm, 1cm, 0], [-1cm, 1cm, 0],
+            [-1cm, -1cm, long / 4], [1cm, -1cm, long / 4], [1cm, 1cm, long / 4], [-1cm, 1cm, long / 4])
+        }
+        category Post { root part bar : Bar(long = 10cm) }
+        """),
     Code("leaky-primitive", "the surfaces of a primitive do not close", """
         The surfaces of a primitive meet along whole edges and enclose its inside, all normals outwards, for
         every one of its test values. The place shown is a surface with an edge that meets no other. A mesh
