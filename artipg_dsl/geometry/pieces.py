@@ -23,6 +23,7 @@ from .weld import plan, step_counts
 
 STEPS = (24, 16, 12, 8)  # per full turn: a hull takes the finest of these that has few corners
 FEW = 200  # what collision checks and simulators take well; a ball of 16 steps lies within 2 % of its radius
+MOST = 1000  # times a piece is there in an instance
 CHUNK = 20_000  # faces that are looked at together, so that they stay in the cache
 FLAT = 1e-7  # how far, relative to the piece's extent, a vertex may stand out of the plane of a face
 
@@ -106,6 +107,8 @@ def _counts(primitive: Primitive, piece: Piece, params: Params) -> np.ndarray:
         count = np.floor(evaluate_rows(primitive, (piece.count,), params)[0] + 0.5)
     if piece.guard is not None:
         count = np.where(evaluate_rows(primitive, (piece.guard,), params, bool)[0], count, 0.0)
+    if not (count <= MOST).all():
+        raise PrimitiveError(primitive, None, f"piece {piece.name} is there {count.max():.0f} times, more than {MOST}")
     return count.astype(np.int64)
 
 

@@ -24,7 +24,7 @@ LAWS: dict[str, Callable[[int], bool]] = {  # how many arguments each takes
     "uniform": lambda n: n in (0, 2), "normal": lambda n: n == 2, "lognormal": lambda n: n == 2, "values": lambda n: n > 0,
 }  # fmt: skip
 JOINTS = ("revolute", "prismatic", "continuous", "screw", "ball", "fixed")
-MOST_PATCHES = 10_000  # of one indexed surface
+MOST_PATCHES = 100  # of one indexed surface; the language allows 64
 NAMED = {  # fields that hold names, which flow into files and paths
     P.Draw: ("options",), P.Part: ("path", "name", "template"), P.Site: ("path", "primitive"), P.Link: ("path",),
     P.Joint: ("path", "name"), P.Target: ("surfaces",), P.Label: ("vocabulary", "name"), P.Grasp: ("name",), P.Keypoint: ("name",),

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import UserError
+from ..errors import UsageError, UserError
 from ..graph.expr import leaves
 from ..graph.program import Draw, Program
 from ..graph.random import key, uniform
@@ -32,6 +32,7 @@ OPERATIONS = ("apa", "dpa", "cpa")
 PATIENCE = 6  # attempts before what is kept may give way, a little more with each further one
 TRIALS = 40  # attempts to change one value alone, each but the first few with a shorter step
 SHARE = 0.5
+MOST_VARIANTS = 2**31
 KIND = {"apa": "choice", "dpa": "count", "cpa": "real"}
 
 
@@ -55,6 +56,10 @@ class Mutation:
     one: bool = False
     each: int = 1
     sources: tuple[tuple[int, int], ...] | None = None
+
+    def __post_init__(self) -> None:
+        if not abs(self.variant) < MOST_VARIANTS:
+            raise UsageError(f"the variant is {self.variant}: a number below {MOST_VARIANTS} is needed")
 
     def plain(self) -> dict[str, Any]:
         sources = None if self.sources is None else [list(run) for run in self.sources]

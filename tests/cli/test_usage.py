@@ -31,6 +31,7 @@ from .helpers import CHEST, Apgc, command, environment
         ("mutate out -o -", "- is standard output, and a folder is needed", ""),
         (f"render {CHEST} -o -", "- is standard output, and a picture is not written there", ""),
         ("report Door --html - --json", "--html - writes the page to standard output", "name"),
+        (f"sample {CHEST} --mutate cpa --variant {10**30}", "the variant is 1000000", ""),
         ("new 3D", "`3D` is no name", "a name such as DeskLamp"),
         ("new Cuboid", "uses the library's `Cuboid`", "another name"),
         ("new Foo -o .", ". is a folder", "write foo.apg"),

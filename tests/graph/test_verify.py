@@ -10,6 +10,7 @@ import pytest
 
 from artipg_dsl.api import Samples
 from artipg_dsl.errors import UserError
+from artipg_dsl.geometry import pieces
 from artipg_dsl.graph.expr import call, const, raw, var
 from artipg_dsl.graph.formula import compile_formula, source
 from artipg_dsl.graph.text import TextError, from_text, to_text
@@ -229,3 +230,17 @@ def test_surfaces_that_do_not_close_are_a_users_error(text: str) -> None:
     job = make_job(planned(from_text(edited), "edited.apgc"), "edited.apgc", 0)
     with pytest.raises(UserError, match="Cylinder: surface"):
         Samples(job, np.arange(1)).meshes()
+
+
+def test_pieces_beyond_all_bounds_are_a_users_error() -> None:
+    sampler = Session.of("Bottle").sampler
+    for primitive in sampler.program.primitives.values():
+        if primitive.pieces:
+            piece = replace(primitive.pieces[0], count=const(1e9))
+            params = {
+                name: np.array([low]) for name, (low, _) in zip(primitive.parameters, primitive.test, strict=True)
+            }
+            with pytest.raises(UserError, match="is there 1000000000 times"):
+                pieces.build(replace(primitive, pieces=(piece,)), params)
+            return
+    raise AssertionError("no primitive of a bottle has pieces")
