@@ -63,8 +63,7 @@ class Job:
         """The objects of the given numbers, or what the mutations make of them. Raises NoObject."""
         try:
             made = self._made(np.asarray(numbers, dtype=np.int64), self.mutations)
-            if made.program.foreign:
-                prove(made)
+            prove(made)
             return made
         except Exhausted as error:
             raise self.exhausted(error) from None

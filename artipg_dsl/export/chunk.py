@@ -17,7 +17,6 @@ import numpy as np
 
 from ..geometry.resolution import STANDARD as STANDARD_RESOLUTION
 from ..geometry.resolution import Resolution
-from ..runtime.delivered import refuse_nan
 from .content import Content
 from .registry import Format
 from .robot import Robots
@@ -61,7 +60,6 @@ class Chunk:
         if not (self.always or missing or len(absent)):
             return
         batch = sample(self.numbers if self.always or missing else absent)
-        refuse_nan(batch)
         for entry in missing:
             write_bytes(shard_path(self.out, entry, self.shard), entry.shard_bytes(batch, self.content))
         if len(absent):

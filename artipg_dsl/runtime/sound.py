@@ -1,7 +1,7 @@
-"""Objects of a program that was read from a file: numbers that are none, parts inside out, links that are no tree.
+"""The last look at objects before they are handed out: numbers that are none, parts inside out, links that are no tree.
 
 Lowering makes requirements of all this, or shows that it cannot be; a compiled program that anyone may have edited can lack
-them. What is wrong is an error of the program, told with the object and what it is in it.
+them, and is asked for its tree, too. What is wrong is an error of the program, told with the object and what it is in it.
 """
 
 from __future__ import annotations
@@ -63,7 +63,8 @@ def prove(batch: Batch) -> None:
         ((physics < 0) | np.isinf(physics)).any(axis=0),
         "its damping or force is no amount",
     )
-    _tree(batch)
+    if batch.program.foreign:
+        _tree(batch)
 
 
 def _site(batch: Batch, table: SiteTable) -> None:
