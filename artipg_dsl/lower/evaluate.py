@@ -152,7 +152,7 @@ class Evaluator:
         if name in self.local:
             return self.local[name]
         value = self.env.find(name)
-        if value is None:
+        if value is None or isinstance(value, Function) and name in AXES:  # `y(u)` is called, `y` the axis
             value = self.builtin(name)
         if value is None:
             symbol = self.env.module.find(name)

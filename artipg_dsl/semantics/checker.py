@@ -162,6 +162,10 @@ class Checker:
             self._entries.setdefault(key, kind)
         return self._entries[key]
 
+    def set_aside(self, entry: Entry) -> None:
+        """A declaration that cannot be: what names it is not judged."""
+        self._entries[id(entry)] = UNKNOWN
+
     def condition(self, guards: Guards) -> Condition:
         """What holds under the guards."""
         known: list[Condition] = []

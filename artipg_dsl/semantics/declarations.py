@@ -11,9 +11,9 @@ from . import conditions
 from .entries import of_alternative, of_reference
 from .fold import components, constant
 from .guards import consistent
-from .names import FACES, OWN, RESERVED_TYPES, WORDS
+from .names import CONSTRUCTORS, DIRECTIONS, FACES, FUNCTIONS, OWN, RESERVED_TYPES, WORDS
 from .offers import missing
-from .scope import Scope
+from .scope import Entry, Scope
 from .symbols import Symbol, is_a
 from .types import (
     ANGLE,
@@ -47,6 +47,13 @@ def check_names(ck: Checker, scope: Scope) -> None:
                 if why is not None:
                     hint = "choose another name"
                     ck.error("reserved-name", entry.span, f"`{name}` cannot be declared: it is {why}", hint=hint)
+                    ck.set_aside(entry)
+                elif (around := _repeat_of(scope, entry)) is not None:
+                    ck.error(
+                        "duplicate-name", entry.span, f"`{name}` is the name of the repeat around it, which it stands for here",
+                        hint="choose another name for one of them", notes=((around.name_span, "the repeat"),),
+                    )  # fmt: skip
+                    ck.set_aside(entry)
         for position, entry in enumerate(entries):
             for earlier in entries[:position]:
                 if earlier.node is entry.node or _shared(earlier.node, entry.node):
@@ -66,6 +73,12 @@ def _is_own(scope: Scope, node: ast.Stmt) -> bool:
     return source.source is node.span.source and source.start <= node.span.start < source.end
 
 
+def _repeat_of(scope: Scope, entry: Entry) -> ast.RepeatStmt | None:
+    """The repeat whose element an entry is called like."""
+    repeat = scope.repeat
+    return repeat if repeat is not None and entry.name == repeat.name and entry.scope is scope else None
+
+
 def _shared(a: ast.Stmt, b: ast.Stmt) -> bool:
     """Indexed ports are bound one by one; a slot may bear the name of the part it binds."""
     if isinstance(a, ast.PortDecl) and isinstance(b, ast.PortDecl):
@@ -80,8 +93,14 @@ def _reserved(scope: Scope, kind: str, node: ast.Stmt, name: str) -> str | None:
     if name in OWN and not (name == "size" and kind == "param"):
         return "a member that every part has"
     called = isinstance(node, ast.LetDecl) and node.parameters
-    if kind in ("port", "slot", "surface", "curve", "joint") or called:
-        return None  # reached after a dot, or by a call
+    if called:  # `x` alone stays the axis
+        if name in FUNCTIONS or name in CONSTRUCTORS:
+            return "a built-in function"
+        return "a word of the language" if name in WORDS and name not in DIRECTIONS else None
+    if kind == "surface" or kind == "curve" and name == "base":
+        return None  # reached after a dot
+    if kind in ("port", "slot", "curve", "joint"):
+        return "a word of the language" if name in WORDS else None
     if name in RESERVED_TYPES and kind != "part":  # `part frame` is no riddle: a type name alone says nothing
         return "a type name"
     if name in WORDS and not (name == "base" and scope.owner.kind == "category"):

@@ -36,7 +36,7 @@ RESERVED_TYPES = (
 
 CONSTRUCTORS = ("frame", "line", "box", "from", "arc", "circle", "rectangle", "polygon", "offset")
 
-WORDS = ("base", "previous", "last", "true", "false", *DIRECTIONS)
+WORDS = ("base", "previous", "last", "true", "false", "pi", *DIRECTIONS)
 """Names with a fixed meaning inside bodies."""
 
 

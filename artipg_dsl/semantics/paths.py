@@ -47,12 +47,12 @@ def name(ck: Checker, ctx: Context, expr: ast.NameExpr) -> Type:
     if word in ctx.extra:
         return ctx.extra[word]
     entries = ctx.scope.find(word) if ctx.scope is not None else []
+    if word in DIRECTIONS and all(isinstance(e.node, ast.LetDecl) and e.node.parameters for e in entries):
+        return DIRECTION  # `y(u)` is called, `y` alone is the axis
     if entries:
         return _use(ck, ctx, entries, expr.span)
     if ctx.scope is not None and word in BOX_MEMBERS:
         return _own_box(ck, ctx, word, expr.span)
-    if word in DIRECTIONS:
-        return DIRECTION
     if word in ("true", "false"):
         return BOOL
     if word == "base":
