@@ -8,10 +8,11 @@ mass), and the load L, the most that gravity asks of the joint over its range (N
   ``HOLD * L``.
 * damping: a free movement dies away within ``FADE`` seconds: I / FADE.
 * effort: what friction and load take, and half as much again or a push: ``HAND`` newtons at the far edge of what is moved,
-  ``sqrt(3 I / m)`` from a hinge's axis (exact for a leaf), but no more than carries it over its range within ``QUICK``. A key of a
-  gram under the whole force of a hand would be at its other end, and back, before a simulator's next step: no controller holds it.
+  ``sqrt(3 I / m)`` from a hinge's axis (exact for a leaf), but no more than carries it, with ``FINGER`` at that edge, over its range
+  within ``QUICK``. A key of a gram under the whole force of a hand would be at its other end, and back, before a
+  simulator's next step: no controller holds it.
 * armature: what a motor adds to the inertia, so that no effort carries the joint over its range within ``QUICK``. None is needed
-  but where next to nothing is moved by a few millimetres, or against much friction.
+  but where next to nothing is moved, by a few millimetres or against much friction.
 * velocity: by kind.
 
 Of joints that move together, by a mimic or round a loop, each feels friction, load and inertia of all, at the rate at which
@@ -35,6 +36,7 @@ SLIDING = 0.02  # of the weight
 PIN = 0.001  # m: friction 0.2 at a radius of 5 mm
 HOLD = 1.2  # times the load
 HAND = 50.0  # N
+FINGER = 0.01  # kg: what moves with a key that it presses
 QUICK = 0.15  # s, from one end to the other
 FADE = {"revolute": 2.0, "continuous": 5.0, "prismatic": 2.0, "screw": 1.0, "ball": 2.0}  # s
 VELOCITY = {"revolute": 3.0, "continuous": 6.0, "prismatic": 1.0, "screw": 6.0, "ball": 3.0}  # rad/s, m/s
@@ -99,8 +101,8 @@ def dynamics(
     rubs, taken, moves = (
         _of_all(v, *together, power) for v, power in ((friction, 1), (friction + load, 1), (moved, 2))
     )
-    hand = HAND * np.where(slides, 1.0, np.sqrt(3.0 * moved / np.maximum(m, 1e-12)))
-    push = np.minimum(hand, moves * 2.0 * way / QUICK**2)
+    edge = np.where(slides, 1.0, np.sqrt(3.0 * moved / np.maximum(m, 1e-12)))  # a lever, where it turns
+    push = np.minimum(HAND * edge, (moves + FINGER * edge**2) * 2.0 * way / QUICK**2)
     effort = _given(joints.effort, taken + np.maximum(0.5 * taken, push))
     armature = np.maximum((effort - rubs) * QUICK**2 / (2.0 * way) - moves, 0.0)
     return Dynamics(friction, damping, effort, velocity, armature)
