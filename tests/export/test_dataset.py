@@ -166,8 +166,16 @@ def test_a_folder_with_something_else_named_manifest_is_left_alone(tmp_path: Pat
 
 
 def test_counts_of_the_run_reach_the_manifest(tmp_path: Path) -> None:
-    assert write(tmp_path / "o", 2, counts=lambda: {"repaired": 3})["counts"] == {"repaired": 3}
-    assert manifest.read(tmp_path / "o")["counts"] == {"repaired": 3}  # type: ignore[index]
+    counts = {
+        "checked": True,
+        "objects": 2,
+        "first_valid": 1,
+        "attempts": 2,
+        "failed": {"too long": 1},
+        "repaired": {"too long": 1},
+    }
+    assert write(tmp_path / "o", 2, counts=lambda: counts)["counts"] == counts
+    assert manifest.read(tmp_path / "o")["counts"] == counts  # type: ignore[index]
 
 
 def test_unknown_formats_list_the_known_ones() -> None:
