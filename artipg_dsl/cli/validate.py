@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
+from collections.abc import Callable
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,6 +14,7 @@ import numpy as np
 
 from ..errors import NoObject, UsageError
 from ..settings import split
+from .progress import Progress
 from .sample import chosen
 
 if TYPE_CHECKING:
@@ -25,7 +27,8 @@ SHOWN = 12  # of what meshes share
 
 def run(options: argparse.Namespace) -> int:
     job, numbers = wanted(options)
-    found = examine(job, numbers, options.states, options.meshes)
+    with Progress("validating") as progress:
+        found = examine(job, numbers, options.states, options.meshes, progress)
     print(json.dumps(found, indent=1) if options.json else text(found))
     delivered, meshes = found["delivered"], found["meshes"]
     sound = delivered is not None and not delivered["invalid"]
@@ -46,9 +49,15 @@ def wanted(options: argparse.Namespace) -> tuple[Job, np.ndarray]:
     return job, numbers[: options.number]
 
 
-def examine(job: Job, numbers: np.ndarray, states: int, meshes: bool = False) -> dict[str, Any]:
+def examine(
+    job: Job,
+    numbers: np.ndarray,
+    states: int,
+    meshes: bool = False,
+    progress: Callable[[int, int], None] = lambda *_: None,
+) -> dict[str, Any]:
     """All evidence as plain data. ``drawn`` are objects that meet the requirements, ``delivered`` what is handed out;
-    ``meshes``: what is delivered, by what is seen of it."""
+    ``meshes``: what is delivered, by what is seen of it. ``progress`` is told (step, steps) before each step."""
     from ..export.strict import ready, strict
     from ..runtime.evidence import evidence
     from ..runtime.sample import Statistics
@@ -56,12 +65,19 @@ def examine(job: Job, numbers: np.ndarray, states: int, meshes: bool = False) ->
     if meshes:
         ready()
     free = replace(job, checked=False, statistics=Statistics())
-    drawn = evidence(free.batch(numbers), 0)
+    steps = 4 + meshes
+    progress(0, steps)
+    batch = free.batch(numbers)
+    progress(1, steps)
+    drawn = evidence(batch, 0)
+    progress(2, steps)
     job = replace(job, statistics=Statistics())
     seen: Strict | None = None
     try:
         batch = job.batch(numbers)
+        progress(3, steps)
         delivered: Evidence | None = evidence(batch, states)
+        progress(4, steps)
         seen, why = strict(batch, states) if meshes else None, None
     except NoObject as error:
         delivered, why = None, error.message
