@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from ..source import Span
 from ..syntax import ast
+from .conditions import VERSUS
 from .guards import And, Atom, Condition, Not, Or, assignments, conjunction, consistent
 from .scope import Entry, Guards, Scope, Variant
 from .types import Part
@@ -111,6 +112,10 @@ def _words(case: dict[str, Hashable], found: list[Attachment]) -> str:
     """A case in words: ``when handle is none and rows is 2``."""
     told = []
     for key, value in case.items():
+        if VERSUS in key:
+            first, _, second = key.rsplit(":", 1)[-1].partition(VERSUS)
+            told.append(f"{first} {({-1: '<', 0: '==', 1: '>'})[value]} {second}")  # type: ignore[index]
+            continue
         name = key.rsplit(":", 1)[-1].rsplit(".", 1)[-1].split("~")[0]
         if key.endswith("#rank"):
             name = "the rank"

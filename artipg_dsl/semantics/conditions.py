@@ -17,6 +17,7 @@ from .types import BOOL, BOX, UNKNOWN, Choice, Part, Scalar, Style, Type
 if TYPE_CHECKING:
     from .checker import Checker, Context
 
+VERSUS = " <> "  # in the name of a variable that says how two values compare: -1, 0 or 1
 _FLIPPED = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "==": "==", "!=": "!="}
 
 
@@ -129,7 +130,27 @@ def _compare(ck: Checker, ctx: Context, expr: ast.BinaryExpr) -> Condition:
             if isinstance(word, Choice):
                 chosen = Atom(_key(ctx, subject), frozenset((other.name,)), word.values)
                 return chosen if expr.op == "==" else Not(chosen)
-    return _opaque(ctx, expr)
+    return _difference(ctx, expr)
+
+
+def _difference(ctx: Context, expr: ast.BinaryExpr) -> Condition:
+    """Two values compared: of below, equal and above exactly one holds, whatever they are."""
+    left, right, op = expr.left, expr.right, expr.op
+    if _text(left) > _text(right):
+        left, right, op = right, left, _FLIPPED[op]
+    low, high = (0 if _last(ctx, right, left) else -1), (0 if _last(ctx, left, right) else 1)
+    path = ctx.scope.path if ctx.scope is not None else ""
+    return Compare(f"{path}:{_text(left)}{VERSUS}{_text(right)}", op, 0, low, high)
+
+
+def _last(ctx: Context, index: ast.Expr, other: ast.Expr) -> bool:
+    """Whether these are the index of a repeat around and one less than its count: no element goes beyond it."""
+    match other:
+        case ast.BinaryExpr(op="-", left=count, right=ast.NumberExpr(value=1)) if isinstance(index, ast.NameExpr):
+            around = (s.repeat for s in (ctx.scope.chain() if ctx.scope is not None else ()) if s.repeat is not None)
+            repeat = next((r for r in around if r.index == index.name), None)
+            return repeat is not None and repeat.count is not None and _text(repeat.count) == _text(count)
+    return False
 
 
 def _ends(ctx: Context, expr: ast.Expr) -> tuple[int, int | None]:

@@ -121,7 +121,14 @@ def _absent(entry: Entry, kind: Type) -> tuple[str, str]:
             f"`{entry.name}` is optional: it may not be there",
             f"put this under `when {entry.name} {{ }}`",
         )
-    return f"`{entry.name}` exists only under a guard", "put this under the same `when`"
+    where = ""
+    if entry.guards:
+        guard = entry.guards[-1]
+        test = " ".join(guard.test.span.source.text[guard.test.span.start : guard.test.span.end].split())
+        where = (
+            f": it is declared in line {entry.span.line} {'under' if guard.truth else 'in the `else` of'} `when {test}`"
+        )
+    return f"`{entry.name}` exists only under a guard{where}", "put this under the same `when`"
 
 
 def _repeat(ck: Checker, ctx: Context, entry: Entry, span: Span) -> Type:

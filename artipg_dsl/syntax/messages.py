@@ -336,7 +336,7 @@ def _by_accepts(error: UnexpectedToken, history: list[Token], tools: Machine, sp
         return found(f"`..` is missing before {shown}", "a range is written `low .. high`")
     if 0 < len(accepted) <= 4:
         names = sorted(_SIGNS.get(a, f"`{words.get(a, a.lower())}`") for a in accepted)
-        return found(f"{' or '.join(names)} is expected before {shown}")
+        return found(f"{' or '.join(names)} is expected in place of {shown}")
     if statement is not None and token.value:
         near = suggest(token.value, clauses)
         listed = ", ".join(f"`{c}`" for c in clauses)
