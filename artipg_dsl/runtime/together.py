@@ -25,8 +25,9 @@ ROUNDS = 60  # halvings of a cell, of all its joints together
 LOSS = 1e-4  # metres: cells in which corners move by less and that are not proved free count as meeting
 TIE = 1e-3  # of what a joint moves, where nothing tells which one matters
 NEAR = 2e-4  # of a way: how well shares are known
+EIGHTH = np.pi / 4
 SLICES = 16  # of a turn, for boxes
-MOST = 50_000  # cells of two links; what is left beyond counts as meeting
+MOST = 4_000  # cells of two links; what is left beyond counts as meeting
 OWN = np.eye(3)
 
 
@@ -285,8 +286,8 @@ def cloud(
 ) -> np.ndarray:
     """How far (k,) pieces reach along unit vectors (k, 3) while their joints (k, c) go through their intervals together.
 
-    In place of an arc stand its ends and where its tangents meet, which hold it between them; a corner becomes three for each
-    joint. Arcs of more than a radian to either side are bounded by how long they are.
+    In place of an arc stand its ends and where its tangents meet, which hold it between them; in place of a long one the corners
+    of an octagon about the whole circle.
     """
     found = np.empty(len(piece))
     for at, corners in body.classes(piece):
@@ -299,15 +300,16 @@ def cloud(
             local = points - origin[:, None]
             height = dot(local, axis[:, None])[..., None] * axis[:, None]
             across = local - height
-            long = turns & (by > 1.0)
-            spare += np.where(long, by * np.sqrt(dot(across, across).max(axis=1, initial=0.0)), 0.0)
+            long = turns & (by > EIGHTH / 2)
             spare += np.where(turns, np.abs(tree.advance[known]) * by, 0.0)
             bend = np.where(turns & ~long, by, 0.0)
             made = []
-            for sign in (-1.0, 0.0, 1.0) if (by > 0.0).any() else (0.0,):
-                angle = np.where(turns, middle[at, column], 0.0) + sign * bend
+            for step in range(8 if long.any() else 3 if (by > 0.0).any() else 1):
+                sign = (0.0, -1.0, 1.0)[step % 3]
+                angle = np.where(turns, middle[at, column], 0.0) + np.where(long, step * EIGHTH, sign * bend)
                 turn = rotation_about(axis, angle)
                 wider = 1.0 / np.cos(bend) if sign == 0.0 else np.ones(len(at))
+                wider = np.where(long, 1.0 / np.cos(EIGHTH / 2), wider)
                 slide = np.where(slides, middle[at, column] + sign * by, 0.0)
                 slide = slide + np.where(turns, tree.advance[known] * middle[at, column], 0.0)
                 made.append(
@@ -361,11 +363,11 @@ def least(tree: Tree, body: Pieces, way: Ways, yields: np.ndarray) -> tuple[np.n
         going = np.flatnonzero(~apart & ~small)
         # of what meets in the middle, the joint that has gone farthest of its way gives way
         ends = np.where(own[going], part.stop[going] / far[part.row[going]], -np.inf)
-        column = np.where(
-            bound[going],
-            np.argmax(ends, axis=1),
-            np.argmax(loss[going] + TIE * (part.stop - part.start)[going] * part.radius[going], axis=1),
-        )
+        # what each does alone, and of what they do together a share by how far each moves
+        moved = ((part.stop - part.start) / 2 * part.radius)[going]
+        mixed = np.maximum(total[going] - add(loss[going]), 0.0) / np.maximum(add(moved), 1e-300)
+        weight = loss[going] + np.maximum(np.minimum(mixed, 1.0), TIE)[:, None] * moved
+        column = np.where(bound[going], np.argmax(ends, axis=1), np.argmax(weight, axis=1))
         part = part.at(going).halved(column)
     return room, met
 
