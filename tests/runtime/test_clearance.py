@@ -80,7 +80,9 @@ def test_an_annotation_has_the_end_that_was_found() -> None:
     assert Robots(batch).robot(0).joints[0].high == batch.joints().high[0] < 0.2
 
 
-@pytest.mark.parametrize("text", ["clearance .. 90deg", "0deg .. clearance mimic lead", "0deg .. clearance all mimic lead"])
+@pytest.mark.parametrize(
+    "text", ["clearance .. 90deg", "0deg .. clearance mimic lead", "0deg .. clearance all mimic lead"]
+)
 def test_what_is_not_solved_for_is_refused(text: str) -> None:
     lead = """
   part other : Cuboid(size = [2cm, 2cm, 2cm])
