@@ -7,15 +7,13 @@ import json
 import math
 from collections.abc import Callable
 from dataclasses import asdict, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import NoObject, UsageError
-from ..settings import split
+from ..errors import NoObject, UserError
 from .progress import Progress
-from .sample import chosen
+from .render import wanted
 
 if TYPE_CHECKING:
     from ..export.strict import Strict
@@ -27,26 +25,14 @@ SHOWN = 12  # of what meshes share
 
 def run(options: argparse.Namespace) -> int:
     job, numbers = wanted(options)
+    if not len(numbers):
+        raise UserError("there is no object to examine", "sample at least one")
     with Progress("validating") as progress:
         found = examine(job, numbers, options.states, options.meshes, progress)
     print(json.dumps(found, indent=1) if options.json else text(found))
     delivered, meshes = found["delivered"], found["meshes"]
     sound = delivered is not None and not delivered["invalid"]
     return 0 if sound and (meshes is None or meshes["all"] == meshes["objects"]) else 1
-
-
-def wanted(options: argparse.Namespace) -> tuple[Job, np.ndarray]:
-    """The job and the objects: those of a folder of samples, or fresh ones."""
-    from ..job import open_job, reopen
-
-    if not Path(options.program).is_dir():
-        return open_job(options.program, options.seed or 0, split(options.set)), chosen(options)
-    if options.seed is not None or options.set:
-        raise UsageError(f"the samples in {options.program} have their seed and values", "leave --seed and --set out")
-    job, numbers = reopen(options.program)
-    if options.only is not None:
-        return job, numbers[np.isin(numbers, options.only)]
-    return job, numbers[: options.number]
 
 
 def examine(

@@ -153,6 +153,17 @@ def test_what_is_no_manifest_at_all_is_told(tmp_path: Path, text: str, apgc: Apg
     assert code == 1 and manifest.NAME in err
 
 
+def test_validate_has_something_to_examine(folder: Path, tmp_path: Path, apgc: Apgc) -> None:
+    code, _, err = apgc("validate", folder, "--only", 77)
+    assert code == 1 and "there is no object 77" in err
+    shutil.copytree(folder, tmp_path / "o")
+    whole = json.loads((tmp_path / "o" / manifest.NAME).read_text(encoding="utf-8"))
+    whole |= {"objects": 0, "shards": [], "identity": {**whole["identity"], "numbers": []}}
+    (tmp_path / "o" / manifest.NAME).write_text(json.dumps(whole), encoding="utf-8")
+    code, _, err = apgc("validate", tmp_path / "o")
+    assert code == 1 and "there is no object to examine" in err
+
+
 @pytest.mark.parametrize(
     "name", ["repair", "sampling", "mutations", "unchecked", "values", "checked", "made", "settings", "seed"]
 )
