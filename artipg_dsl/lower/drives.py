@@ -17,7 +17,6 @@ from ..graph import expr as E
 from ..graph.expr import Expr, Scope
 from ..graph.program import Joint, Pose
 from ..graph.reference import definitions
-from ..source import Span
 from ..syntax import ast
 from .context import Context, text_of
 from .env import Env
@@ -48,12 +47,12 @@ class Drive:
         force, way = FUNCTIONS[node.function.name]
         target = node.arguments[0].value
         held = E.FALSE
-        for joint in self.joints(target, node.span):
+        for joint in self.joints(target):
             guard, joint = self.lifted(joint)
             held = E.either(held, E.both(guard, self.drives(joint, force, way)))
         return held
 
-    def joints(self, node: ast.Expr, span: Span) -> list[Joint]:
+    def joints(self, node: ast.Expr) -> list[Joint]:
         """The joints of a name that may carry the target: one, or those of several alternatives."""
         context = self.env.context
         program, word = context.program, spelled(node)
@@ -67,7 +66,7 @@ class Drive:
         carriers, scope = self.carriers(), self.aim.scope
         carried = [program.joints[k] for k in found if k in carriers]
         if found:
-            context.driven[span] = bool(carried) or context.driven.get(span, False)
+            context.driven[node.span] = bool(carried) or context.driven.get(node.span, False)
         return [j for j in carried if all(s.kind == "guard" for s in apart(j.scope, scope))]
 
     def carriers(self) -> set[int]:

@@ -258,7 +258,7 @@ def acted(links: Links, ev: Evaluator, statement: ast.LabelStmt) -> tuple[int, .
     asked = (
         [statement.joint] if statement.joint is not None else drives_in(statement.where) + drives_in(statement.value)
     )
-    found = [joint for node in asked for joint in ev.drive.joints(node, node.span)]
+    found = [joint for node in asked for joint in ev.drive.joints(node)]
     return tuple(k for k, joint in enumerate(links.context.program.joints) if any(joint is one for one in found))
 
 
