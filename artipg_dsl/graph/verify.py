@@ -198,18 +198,8 @@ class Verifier:
         self.index(joint.child, self.program.links, "link")
         self.reference(joint.parent, self.program.links, "link")
         joints = self.program.joints
+        # whether they follow one another in a ring depends on guards and ranks: the runtime asks by row
         self.reference(() if joint.mimic is None else joint.mimic[0], joints, "joint")
-        seen: set[int] = set()
-        leaders = self.leaders(number)
-        while leaders:
-            need(number not in leaders, "joints follow one another in a circle")
-            seen |= leaders
-            leaders = {k for one in leaders if one < len(joints) for k in self.leaders(one)} - seen
-
-    def leaders(self, number: int) -> set[int]:
-        """The joints that one follows; the elements of a repeat may follow others of theirs."""
-        mimic = self.program.joints[number].mimic
-        return set() if mimic is None else set(definitions(mimic[0])) - {number}
 
     def _closure(self, closure: P.Closure, number: int) -> None:
         for reference in closure.links:

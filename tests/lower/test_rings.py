@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from artipg_dsl.graph.text import from_text, to_text
 from artipg_dsl.runtime.rooted import Ring
 from artipg_dsl.runtime.tree import Tree
 
@@ -130,3 +131,14 @@ def test_a_mimic_of_a_joint_of_both_branches_follows_the_one_that_is_there(branc
     assert [joints.name[joints.mimic[rows[name]]] for name in followers] == [
         name.replace("follow", "slide") for name in followers
     ]
+
+
+def test_joints_that_lead_by_turns_are_read_back() -> None:
+    """Either of two joints follows the other, by branch: no ring, in the compiled form neither."""
+    dial = "  part d{0} : Cuboid(size = [1cm, 1cm, 1cm])\n"
+    joint = "    joint j{0} : continuous body.top -> d{0}.bottom at x = {0} * 3cm, y = 0 gap 1mm{1}\n"
+    body = MODE + dial.format(0) + dial.format(1) + "  when mode == one {\n"
+    body += joint.format(0, "") + joint.format(1, " mimic j0") + "  } else {\n"
+    body += joint.format(1, "") + joint.format(0, " mimic j1") + "  }\n"
+    text = to_text(sampled(category(body), 2).program)
+    assert to_text(from_text(text)) == text
