@@ -57,11 +57,11 @@ class Record(TypedDict):
 
     object: Place
     source: Place
-    rejected: Place
-    salt: str
-    lane: Annotated[int, Rule("a whole number of 32 bits", lambda value: 0 <= value < 2**32)]
-    program: str
     steps: list[Changed]
+    rejected: NotRequired[Place]
+    salt: NotRequired[str]
+    lane: NotRequired[Annotated[int, Rule("a whole number of 32 bits", lambda value: 0 <= value < 2**32)]]
+    program: NotRequired[str]
     repairs: NotRequired[list[Repaired]]
 
 
