@@ -77,6 +77,14 @@ def test_faces_found_once_are_checked_for_every_instance():
         assert np.array_equal(alone[0].faces, together.faces)
 
 
+def test_pieces_without_numbers_are_refused():
+    x, y, z = shapes.size()
+    lump = shapes.cuboid(pieces=(Piece("lump", ((x, y, z), (-x, y, z), (x, -y, z), (-x, -y, -z))),))
+    params = {name: np.full_like(value, np.nan) for name, value in trial(lump).items()}
+    with pytest.raises(PrimitiveError, match="lump has points that are no finite numbers"):
+        pieces.build(lump, params)
+
+
 def test_flat_pieces_are_refused():
     x, y, _ = shapes.size()
     flat = shapes.cuboid(pieces=(Piece("sheet", ((x, y, ZERO), (-x, y, ZERO), (x, -y, ZERO), (-x, -y, ZERO))),))
