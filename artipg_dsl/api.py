@@ -14,9 +14,9 @@ import numpy as np
 
 from .diagnostics.suggest import did_you_mean
 from .errors import UsageError
-from .job import Job, make_job, open_job, reopen, whole
+from .run.job import Job, make_job, open_job, reopen, whole
+from .run.settings import Value
 from .session import Session, categories
-from .settings import Value
 
 if TYPE_CHECKING:
     import trimesh
@@ -66,7 +66,7 @@ def sample(
         raise UsageError(
             "objects given by values have their number and values from there", "leave n, set and sampling out"
         )
-    from .params import read_params, values_of
+    from .run.params import read_params, values_of
 
     values = [values] if isinstance(values, Mapping) else values
     job = open_job(category, seed, checked=checked)

@@ -224,7 +224,8 @@ def run(name: str, text: str) -> str:
     from artipg_dsl.diagnostics.text import render
     from artipg_dsl.errors import UserError
     from artipg_dsl.graph.text import TextError, from_text
-    from artipg_dsl.job import make_job, planned
+    from artipg_dsl.run.compiled import planned
+    from artipg_dsl.run.job import make_job
     from artipg_dsl.session import Session
     from artipg_dsl.source import Source
 

@@ -22,8 +22,8 @@ from artipg_dsl.geometry.patches import grid
 from artipg_dsl.graph import expr as E
 from artipg_dsl.graph import random
 from artipg_dsl.graph.program import Pose, Program
-from artipg_dsl.job import make_job
 from artipg_dsl.lower.vectors import compose, direct, place, rotation_about
+from artipg_dsl.run.job import make_job
 from artipg_dsl.runtime.mutate import Mutation
 from artipg_dsl.runtime.sample import Sampler
 

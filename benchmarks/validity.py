@@ -21,8 +21,8 @@ from pathlib import Path
 import numpy as np
 
 from artipg_dsl.geometry import pieces
-from artipg_dsl.job import open_job
 from artipg_dsl.resources import categories_dir
+from artipg_dsl.run.job import open_job
 from artipg_dsl.runtime.batch import Batch
 from artipg_dsl.runtime.bodies import gather, turned
 from artipg_dsl.runtime.evidence import evidence

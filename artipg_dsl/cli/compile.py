@@ -14,7 +14,7 @@ from typing import Any
 
 from ..diagnostics import CompileError
 from ..errors import UsageError
-from ..job import COMPILED, compiled_text
+from ..run.compiled import COMPILED, compiled_text
 from ..session import Session
 from ..source import Span
 from ..syntax import ast

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import UsageError, UserError
-from ..settings import shown
+from ..run.settings import shown
 from .messages import say
 from .progress import Progress
 from .sample import in_the_way, statistics
 
 if TYPE_CHECKING:
-    from ..job import Job
+    from ..run.job import Job
     from ..runtime.mutate import Mutation
     from ..runtime.trace import Step
 
@@ -77,10 +77,10 @@ def opened(options: argparse.Namespace) -> tuple[Job, np.ndarray, dict[str, Any]
     from ..export import manifest as manifests
     from ..export.content import STANDARD
     from ..export.registry import DEFAULT
-    from ..job import open_job, reopen
+    from ..run.job import open_job, reopen
 
     if options.params is not None:
-        from ..params import read_params
+        from ..run.params import read_params
 
         job = open_job(options.folder, 0, checked=not options.unchecked)
         values = read_params(options.params, job.sampler.program)
@@ -109,7 +109,7 @@ def among(numbers: np.ndarray, wanted: list[int], folder: str) -> np.ndarray:
 
 def planned(options: argparse.Namespace, job: Job, numbers: np.ndarray) -> tuple[Job, np.ndarray]:
     """The job of the mutants, and their numbers."""
-    from ..job import traces_of
+    from ..run.job import traces_of
     from ..runtime.trace import Replay
 
     if options.replay is not None:
@@ -162,7 +162,7 @@ def compare(first: str, second: str, *, everything: bool) -> int:
 
 def folders(first: str, second: str, everything: bool) -> list[str]:
     """The differences of the objects of two folders, those of the same number or a mutant and its original."""
-    from ..job import reopen
+    from ..run.job import reopen
     from ..runtime.settled import again
     from ..runtime.trace import difference
 
@@ -194,7 +194,7 @@ def folders(first: str, second: str, everything: bool) -> list[str]:
 
 def files(first: str, second: str) -> list[str]:
     """The steps that only one of two traces has, or that end elsewhere."""
-    from ..job import traces_of
+    from ..run.job import traces_of
 
     a, b = traces_of(first), traces_of(second)
     lines: list[str] = []

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import UsageError, UserError
-from ..job import Job, open_job, reopen
-from ..settings import split
+from ..run.job import Job, open_job, reopen
+from ..run.settings import split
 from .messages import say
 from .progress import Progress
 from .sample import chosen, resolution

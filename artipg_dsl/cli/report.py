@@ -12,16 +12,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import UsageError
-from ..settings import split
+from ..run.settings import split
 from .arguments import STREAM
 from .messages import say
 from .progress import Progress
 from .sample import chosen
 
 if TYPE_CHECKING:
-    from ..job import Job
     from ..quality.card import Card
     from ..quality.sizes import Real
+    from ..run.job import Job
 
 PICTURED, COLUMNS, TILE = 12, 6, 160  # objects on the picture of a page
 
@@ -30,7 +30,7 @@ def run(options: argparse.Namespace) -> int:
     from ..export.write import refuse_existing, write_bytes
     from ..quality.sizes import reference
     from ..quality.text import markdown, text
-    from ..workers import each
+    from ..run.workers import each
 
     names = wanted(options)
     numbers = chosen(options)
@@ -90,8 +90,8 @@ class Task:
 
 def examined(task: Task) -> tuple[Card, bytes]:
     """The card of a category, and a picture where there is to be a page."""
-    from ..job import open_job
     from ..quality.card import card
+    from ..run.job import open_job
     from ..session import categories
 
     options, name = task.options, task.name

@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import UsageError, UserError
-from ..settings import split
+from ..run.settings import split
 from .messages import say
 from .progress import Progress
 
 if TYPE_CHECKING:
     from ..export.content import Content
     from ..geometry.resolution import Resolution
-    from ..job import Job
+    from ..run.job import Job
     from ..runtime.mutate import Mutation
 
 
@@ -128,7 +128,7 @@ def run(options: argparse.Namespace) -> int:
 
 def opened(options: argparse.Namespace, settings: dict[str, str]) -> Job:
     """The job: objects that are drawn, or those of a file of values. Raises UsageError, UserError."""
-    from ..job import SEQUENTIAL, open_job
+    from ..run.job import SEQUENTIAL, open_job
 
     sampling = options.sampling
     if options.params is None:
@@ -141,7 +141,7 @@ def opened(options: argparse.Namespace, settings: dict[str, str]) -> Job:
             repair=options.repair,
         )
         return job
-    from ..params import read_params
+    from ..run.params import read_params
 
     if settings or sampling != SEQUENTIAL:
         raise UsageError("--params gives the values: --set and --sampling have no meaning beside it")

@@ -17,7 +17,7 @@ from .render import wanted
 
 if TYPE_CHECKING:
     from ..export.strict import Strict
-    from ..job import Job
+    from ..run.job import Job
     from ..runtime.evidence import Evidence
 
 SHOWN = 12  # of what meshes share

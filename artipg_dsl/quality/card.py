@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..job import Job
+from ..run.job import Job
 from ..runtime.sample import Statistics
 from .coverage import Coverage, coverage
 from .dead import Dead, dead_alternatives, dead_parameters

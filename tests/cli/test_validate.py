@@ -3,7 +3,7 @@
 import numpy as np
 
 from artipg_dsl.cli.validate import examine
-from artipg_dsl.job import open_job
+from artipg_dsl.run.job import open_job
 
 
 def test_progress_is_told_before_every_step():

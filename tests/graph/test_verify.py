@@ -15,7 +15,8 @@ from artipg_dsl.graph.expr import call, const, raw, var
 from artipg_dsl.graph.formula import compile_formula, source
 from artipg_dsl.graph.text import TextError, from_text, to_text
 from artipg_dsl.graph.verify import UNITS
-from artipg_dsl.job import compiled_text, make_job, open_job, planned
+from artipg_dsl.run.compiled import compiled_text, planned
+from artipg_dsl.run.job import make_job, open_job
 from artipg_dsl.runtime.module import to_module
 from artipg_dsl.runtime.plan import make_plan
 from artipg_dsl.semantics.units import SI_UNITS

@@ -7,7 +7,7 @@ import pytest
 
 from artipg_dsl.diagnostics import CompileError
 from artipg_dsl.errors import UserError
-from artipg_dsl.job import make_job
+from artipg_dsl.run.job import make_job
 from artipg_dsl.session import Session
 
 SECONDS = 20.0  # of this process, on any machine; the slowest takes about two

@@ -7,8 +7,8 @@ import pytest
 
 from artipg_dsl.errors import NoObject, UserError
 from artipg_dsl.graph.text import from_text, to_text
-from artipg_dsl.job import make_job
-from artipg_dsl.params import values_of
+from artipg_dsl.run.job import make_job
+from artipg_dsl.run.params import values_of
 from artipg_dsl.runtime.clips import Asked
 from artipg_dsl.runtime.faults import faults
 from artipg_dsl.runtime.kernels import Kept, State

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from artipg_dsl.errors import UserError
-from artipg_dsl.job import Job
+from artipg_dsl.run.job import Job
 from artipg_dsl.runtime.sample import Sampler
 from artipg_dsl.session import Session
 

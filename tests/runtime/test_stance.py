@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
-from artipg_dsl.job import make_job
+from artipg_dsl.run.job import make_job
 from artipg_dsl.runtime.faults import faults
 from artipg_dsl.runtime.hull import depth, hulls
 from artipg_dsl.runtime.sample import Sampler, Statistics

@@ -300,7 +300,7 @@ def test_a_collision_names_parts_place_and_value() -> None:
 
 def test_what_cannot_be_made_names_the_parts() -> None:
     from artipg_dsl.errors import NoObject
-    from artipg_dsl.job import Job
+    from artipg_dsl.run.job import Job
 
     with pytest.raises(NoObject) as caught:
         Job(program(CRANE), 0).batch(np.arange(1))

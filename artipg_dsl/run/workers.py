@@ -17,11 +17,11 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from .errors import UserError
-from .runtime.sample import Statistics
+from ..errors import UserError
+from ..runtime.sample import Statistics
 
 if TYPE_CHECKING:
-    from .export.chunk import Chunk
+    from ..export.chunk import Chunk
     from .job import Job
 
 T = TypeVar("T")

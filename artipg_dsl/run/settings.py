@@ -7,12 +7,12 @@ import re
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
-from .diagnostics.suggest import did_you_mean
-from .errors import SettingError
-from .semantics.units import UNITS
+from ..diagnostics.suggest import did_you_mean
+from ..errors import SettingError
+from ..semantics.units import UNITS
 
 if TYPE_CHECKING:
-    from .graph.program import Draw, Program
+    from ..graph.program import Draw, Program
 
 Value = float | int | str
 Settings = dict[str, Value]

@@ -12,32 +12,27 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .diagnostics.suggest import did_you_mean
-from .errors import NoObject, UsageError, UserError
-from .graph.text import TextError, digest, from_text, to_text
-from .runtime.kernels import TooMany
-from .runtime.mutate import Mutation, Names
-from .runtime.plan import PlanError
-from .runtime.prior import CANDIDATES, MOST_CANDIDATES
-from .runtime.repairs import Cause, in_short
-from .runtime.sample import Exhausted, Sampler, Statistics
-from .runtime.settled import again
-from .runtime.sound import prove
-from .runtime.trace import Replay, read_traces
-from .runtime.values import Values
+from ..diagnostics.suggest import did_you_mean
+from ..errors import NoObject, UsageError, UserError
+from ..runtime.kernels import TooMany
+from ..runtime.mutate import Mutation, Names
+from ..runtime.prior import CANDIDATES, MOST_CANDIDATES
+from ..runtime.repairs import Cause, in_short
+from ..runtime.sample import Exhausted, Sampler, Statistics
+from ..runtime.settled import again
+from ..runtime.sound import prove
+from ..runtime.trace import Replay, read_traces
+from ..runtime.values import Values
+from .compiled import COMPILED, planned, read_compiled
 from .settings import Settings, Value, resolve
 
 if TYPE_CHECKING:
-    from .export.content import Content
-    from .export.dataset import Run
-    from .export.registry import Format
-    from .geometry.resolution import Resolution
-    from .graph.program import Program
-    from .runtime.batch import Batch
+    from ..export.content import Content
+    from ..export.dataset import Run
+    from ..export.registry import Format
+    from ..geometry.resolution import Resolution
+    from ..runtime.batch import Batch
 
-COMPILED = ".apgc"
-LARGEST = 64 << 20  # bytes of a compiled program
-AGAIN = "compile it again from its .apg file"
 NARROW = "widen the ranges, or state what one value leaves to the next"
 TURNED = "leave room where it turns or slides, or turn its axis round: `lid.back.bottom` for `lid.bottom.back`"
 SEQUENTIAL, PRIOR = "sequential", "prior"
@@ -184,8 +179,8 @@ class Job:
 
         ``workers``: how many processes share the work.
         """
-        from .export.content import STANDARD
-        from .export.dataset import write_dataset
+        from ..export.content import STANDARD
+        from ..export.dataset import write_dataset
 
         return write_dataset(
             self.sampler.program, self.batch, out, seed=self.seed, numbers=numbers, formats=formats,
@@ -206,7 +201,7 @@ class Job:
         workers: int = 1,
     ) -> None:
         """Write further files for the objects of a folder of samples. Raises ExportError."""
-        from .export.dataset import add_formats
+        from ..export.dataset import add_formats
 
         add_formats(
             self.batch, Path(out), numbers, formats, force=force, progress=progress, resolution=resolution,
@@ -242,7 +237,7 @@ def open_job(
             sampling=sampling,
             repair=repair,
         )
-    from .session import Session
+    from ..session import Session
 
     session = Session.of(name)
     sampler = session.sampler
@@ -289,48 +284,6 @@ def read_sampling(text: str) -> int:
     return int(count)
 
 
-def read_compiled(path: str | Path) -> Program:
-    """The program that ``apgc compile -o`` wrote. Raises UserError."""
-    try:
-        with open(path, "rb") as file:
-            found = file.read(LARGEST + 1)
-        if len(found) > LARGEST:
-            raise UserError(f"{path} is larger than compiled programs are ({LARGEST >> 20} MB)", AGAIN)
-        text = found.decode("utf-8").replace("\r\n", "\n")
-        program = from_text(text)
-    except FileNotFoundError:
-        raise UserError(f"there is no file {path}", "`apgc compile NAME -o FILE.apgc` makes one") from None
-    except OSError as error:
-        raise UserError(f"{path} cannot be read: {error.strerror}") from None
-    except (TextError, UnicodeDecodeError) as error:
-        raise UserError(f"{path}: {error}", AGAIN) from None
-    except RecursionError:
-        raise UserError(f"{path}: the compiled program is nested too deeply", AGAIN) from None
-    if not text.endswith(seal(program.hash)):
-        raise UserError(f"{path} has been changed or cut short since it was compiled", AGAIN)
-    return program
-
-
-def planned(program: Program, path: str | Path) -> Sampler:
-    """What samples a compiled program. Raises UserError where it has no order of evaluation."""
-    try:
-        return Sampler(program)
-    except PlanError as error:
-        raise UserError(f"{path}: values need one another in a circle: {error}", AGAIN) from None
-    except RecursionError:
-        raise UserError(f"{path}: the compiled program is nested too deeply", AGAIN) from None
-
-
-def compiled_text(program: Program, remarks: Sequence[str] = ()) -> str:
-    """What a compiled file holds: the program, remarks as comments, and its hash as the last line."""
-    told = "".join(f"# {' '.join(line.split())}".rstrip() + "\n" for line in remarks)
-    return to_text(program) + told + seal(digest(program))
-
-
-def seal(found: str) -> str:
-    return f"# hash {found}\n"
-
-
 def is_file(name: str | Path) -> bool:
     """Whether a program was named by its file."""
     return Path(name).suffix != "" or Path(name).exists()
@@ -362,7 +315,7 @@ def traces_of(place: Path | str) -> dict[int, dict[str, Any]]:
 
 def reopen(folder: Path | str) -> tuple[Job, np.ndarray]:
     """The job that a folder of samples was made by, and the numbers of its objects. Raises ExportError, UserError."""
-    from .export import manifest as manifests
+    from ..export import manifest as manifests
 
     folder = Path(folder)
     manifest = manifests.read(folder)

@@ -9,13 +9,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .diagnostics.suggest import did_you_mean
-from .errors import SettingError, UserError
-from .runtime.values import Values
+from ..diagnostics.suggest import did_you_mean
+from ..errors import SettingError, UserError
+from ..runtime.values import Values
 from .settings import read
 
 if TYPE_CHECKING:
-    from .graph.program import Draw, Program
+    from ..graph.program import Draw, Program
 
 FORM = 'write {"width": 0.5, "handle": "BarHandle"}, one object a line; annotations of samples do, too'
 
