@@ -27,10 +27,10 @@ if TYPE_CHECKING:
     from .annotate.gripper import Gripper
     from .annotate.views import Views
     from .geometry.resolution import Resolution
-    from .runtime.correspondence import Correspondence
     from .runtime.repairs import Repairs
     from .runtime.tables import JointTable, LinkTable, PartTable
-    from .runtime.trace import Step
+    from .sampling.correspondence import Correspondence
+    from .sampling.trace import Step
 
 PICTURED = 8  # objects on the picture in a notebook
 
@@ -204,7 +204,7 @@ class Samples:
         change, ``strength`` scales the steps of cpa. ``one`` names a value: that one changes and no other draw (where
         that cannot be, the object stays as it is). Raises NoObject, UsageError.
         """
-        from .runtime.mutate import OPERATIONS, Mutation
+        from .sampling.mutate import OPERATIONS, Mutation
 
         wanted = [o.strip() for o in operations.split(",")] if isinstance(operations, str) else list(operations)
         unknown = [o for o in wanted if o not in OPERATIONS]
@@ -215,13 +215,13 @@ class Samples:
 
     def changes(self, number: int) -> list[Step]:
         """What made the object of a number from the one before, step by step; nothing for one that was drawn."""
-        from .runtime.trace import traces
+        from .sampling.trace import traces
 
         return traces(self.object(number).batch)[0]
 
     def replay(self, records: Iterable[Mapping[str, Any]]) -> Samples:
         """Objects made from these as the records of traces say (lines of ``trace-*.jsonl``). Raises NoObject, UserError."""
-        from .runtime.trace import Replay, checked
+        from .sampling.trace import Replay, checked
 
         made = {record["object"]: record for record in map(checked, records)}
         return Samples(self.job.mutated(Replay(made)), np.array(sorted(made), dtype=np.int64))
@@ -232,7 +232,7 @@ class Samples:
 
     def correspondence(self) -> Correspondence:
         """Which elementary primitive of the objects before became which of these, a row for each of these."""
-        from .runtime.correspondence import correspondence
+        from .sampling.correspondence import correspondence
 
         return correspondence(self.batch.history[0].before if self.batch.history else self.batch, self.batch)
 

@@ -18,7 +18,7 @@ from .syntax.parse import load
 
 if TYPE_CHECKING:
     from .lower.program import Lowering
-    from .runtime.sample import Sampler
+    from .sampling.sample import Sampler
 
 
 NAMED = 6  # parts that a warning names
@@ -114,7 +114,7 @@ class Session:
         """The category ready to be sampled. Raises CompileError."""
         from .graph.text import digest
         from .runtime.plan import PlanError
-        from .runtime.sample import Sampler
+        from .sampling.sample import Sampler
 
         lowering = self.lowering
         if lowering is None and not self.report.failed:
@@ -140,7 +140,7 @@ class Session:
     def advise(self) -> None:
         """Report what is legal and perhaps not meant: parts that nothing places, surface without a semantic label, parts
         that nothing gives a material, whose mass is a guess."""
-        from .lower.unlabelled import warn_unlabelled
+        from .lower.elaborate.unlabelled import warn_unlabelled
 
         typed, lowering = self.typed, self.lowering
         if typed is None or typed.category is None or lowering is None:

@@ -12,8 +12,8 @@ from .geometry.topology import orientation, seams
 from .geometry.trial import variants
 from .graph.primitive import Primitive
 from .graph.program import Program
-from .lower.context import Abort, Context
-from .lower.primitives import Lowered, lower_primitive
+from .lower.expressions.context import Abort, Context
+from .lower.solids.primitives import Lowered, lower_primitive
 from .semantics.symbols import ModuleScope, Symbol
 from .syntax import ast
 

@@ -253,7 +253,7 @@ def delivered(job) -> str:  # noqa: ANN001 - job.Job
     import numpy as np
 
     from artipg_dsl.api import Samples
-    from artipg_dsl.runtime.mass import masses
+    from artipg_dsl.validity.mass import masses
 
     made = Samples(job, np.arange(OBJECTS))
     points = made.points(POINTS)

@@ -9,6 +9,7 @@ import trimesh
 from scipy.spatial import cKDTree
 from scipy.stats import chi2
 
+from artipg_dsl import random
 from artipg_dsl.annotate.cloud import sample_points
 from artipg_dsl.annotate.points import label_points
 from artipg_dsl.annotate.rebind import rebind
@@ -20,12 +21,11 @@ from artipg_dsl.geometry.cells import Cells
 from artipg_dsl.geometry.density import element_split
 from artipg_dsl.geometry.patches import grid
 from artipg_dsl.graph import expr as E
-from artipg_dsl.graph import random
 from artipg_dsl.graph.program import Pose, Program
-from artipg_dsl.lower.vectors import compose, direct, place, rotation_about
+from artipg_dsl.lower.values.vectors import compose, direct, place, rotation_about
 from artipg_dsl.run.job import make_job
-from artipg_dsl.runtime.mutate import Mutation
-from artipg_dsl.runtime.sample import Sampler
+from artipg_dsl.sampling.mutate import Mutation
+from artipg_dsl.sampling.sample import Sampler
 
 OBJECTS, POINTS = 48, 8192
 ALONE = 6  # objects whose primitives are drawn on one by one

@@ -13,12 +13,12 @@ import time
 
 import numpy as np
 
-from artipg_dsl.graph.random import key, uniform
-from artipg_dsl.runtime.clips import Asked
+from artipg_dsl.random import key, uniform
 from artipg_dsl.runtime.kernels import Kept
-from artipg_dsl.runtime.repair import repair
-from artipg_dsl.runtime.search import domain
-from artipg_dsl.runtime.settled import again, chosen, matched
+from artipg_dsl.sampling.clips import Asked
+from artipg_dsl.sampling.repair import repair
+from artipg_dsl.sampling.search import domain
+from artipg_dsl.sampling.settled import again, chosen, matched
 from artipg_dsl.session import Session, categories
 
 SHARE = 0.1  # of the width of a domain

@@ -26,7 +26,7 @@ from artipg_dsl.graph.interval import Intervals
 from artipg_dsl.graph.program import Draw, Program, Requirement
 from artipg_dsl.runtime.kernels import State
 from artipg_dsl.runtime.plan import Plan, make_plan
-from artipg_dsl.runtime.sample import Sampler
+from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.session import Session
 
 BLOCK = 4096

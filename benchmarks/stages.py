@@ -35,6 +35,7 @@ import quality
 import trimesh
 from main_job import STEPS, Loop
 
+from artipg_dsl import random
 from artipg_dsl.annotate.cameras import Cameras
 from artipg_dsl.annotate.cloud import sample_points
 from artipg_dsl.annotate.points import label_points
@@ -43,9 +44,8 @@ from artipg_dsl.export import solids
 from artipg_dsl.geometry import points
 from artipg_dsl.geometry.hidden import Occlusion
 from artipg_dsl.geometry.resolution import Resolution
-from artipg_dsl.graph import random
-from artipg_dsl.runtime.validate import collisions
 from artipg_dsl.session import Session
+from artipg_dsl.validity.validate import collisions
 
 HERE = Path(__file__).parent
 PROGRAMS = {

@@ -24,13 +24,13 @@ from artipg_dsl.geometry import pieces
 from artipg_dsl.resources import categories_dir
 from artipg_dsl.run.job import open_job
 from artipg_dsl.runtime.batch import Batch
-from artipg_dsl.runtime.bodies import gather, turned
-from artipg_dsl.runtime.evidence import evidence
-from artipg_dsl.runtime.faults import faults
-from artipg_dsl.runtime.sample import Statistics
-from artipg_dsl.runtime.tree import Tree
-from artipg_dsl.runtime.validate import collisions
+from artipg_dsl.sampling.sample import Statistics
 from artipg_dsl.session import Session
+from artipg_dsl.validity.bodies import gather, turned
+from artipg_dsl.validity.evidence import evidence
+from artipg_dsl.validity.faults import faults
+from artipg_dsl.validity.tree import Tree
+from artipg_dsl.validity.validate import collisions
 
 STATES, DEEP, WIDER = 1000, 1e-4, 0.4
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..graph import random
+from .. import random
 from .frames import rotate
 
 Span = tuple[float, float]

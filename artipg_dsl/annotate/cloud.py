@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .. import random
 from ..errors import UsageError, UserError
 from ..geometry import points as geometry
-from ..graph import random
-from ..runtime.materials import material_rows
+from ..validity.materials import material_rows
 from .frames import rotate, rotate_rows
 from .interactions import acting_joints
 from .jacobian import jacobian

@@ -16,7 +16,7 @@ import numpy as np
 from ..errors import UsageError
 from ..geometry.collide import DEPTH, Corners, overlap
 from ..graph.program import MEASURES
-from ..runtime.bodies import Pieces, Placed, gather
+from ..validity.bodies import Pieces, Placed, gather
 from .frames import rotate
 
 if TYPE_CHECKING:

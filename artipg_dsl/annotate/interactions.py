@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .. import random
 from ..geometry import points as geometry
-from ..graph import random
 from .fields import read_pose, read_triples
 from .frames import reflect, rotate
 from .points import field_name, holding

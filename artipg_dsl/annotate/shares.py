@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .. import random
 from ..diagnostics.suggest import did_you_mean
 from ..errors import UsageError
 from ..geometry import blue
 from ..geometry import points as geometry
 from ..geometry.hidden import runs
 from ..geometry.sites import SiteTable
-from ..graph import random
 from .sampling import Sampling
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .. import random
 from ..errors import UsageError
-from ..graph import random
 from ..runtime.motion import freedoms
 from .frames import rotate
 

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .. import random
 from ..errors import UsageError, UserError
 from ..geometry.rays import ENGINES, NEAR, Caster, Grid, best_engine, intersect, turned
-from ..graph import random
 from .cameras import Cameras, extrinsics
 from .points import field_kinds
 from .seen import Hits, amid_solids, bind, carried, classes, labels, part_coordinates

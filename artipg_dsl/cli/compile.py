@@ -42,7 +42,7 @@ def emit_typed(session: Session) -> str | None:
 
 def emit_graph(session: Session) -> str | None:
     """The artefact, and before its hash, as comments, the blocks of equations that were solved."""
-    from ..lower.ledger import blocks
+    from ..lower.solve.ledger import blocks
 
     program, lowering = session.sampler.program, session.lowering
     assert lowering is not None
@@ -56,7 +56,7 @@ def emit_plan(session: Session) -> str | None:
 
 def emit_python(session: Session) -> str | None:
     from .. import __version__
-    from ..runtime.module import to_module
+    from ..sampling.module import to_module
 
     return to_module(session.sampler.program, __version__)
 

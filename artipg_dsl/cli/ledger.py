@@ -13,10 +13,10 @@ from .compile import of_text
 
 if TYPE_CHECKING:
     from ..graph.expr import Scope
-    from ..lower.context import Unknown
-    from ..lower.ledger import Line
-    from ..lower.part import Part
+    from ..lower.elaborate.part import Part
+    from ..lower.expressions.context import Unknown
     from ..lower.program import Lowering
+    from ..lower.solve.ledger import Line
 
 
 def run(options: argparse.Namespace) -> int:
@@ -34,8 +34,8 @@ def run(options: argparse.Namespace) -> int:
 
 def entries(lowering: Lowering, wanted: str | None) -> Iterator[str]:
     """A line per part and, indented, one per unknown and case: its name, what determines it, where the text says so."""
-    from ..lower.ledger import carriage
-    from ..lower.ledger import lines as ledger_lines
+    from ..lower.solve.ledger import carriage
+    from ..lower.solve.ledger import lines as ledger_lines
 
     shown, told = None, set()
     parts = {part.path: part for part, _ in lowering.links.nodes}
@@ -67,10 +67,10 @@ def shown_lines(name: str, lines: Iterable[Line]) -> Iterator[str]:
 
 def port(lowering: Lowering, parts: dict[str, Part], wanted: str) -> Iterator[str]:
     """The link on which a port of a part lies, and through which part."""
-    from ..lower.connect import carriers
-    from ..lower.evaluate import Evaluator
-    from ..lower.ledger import named
-    from ..lower.values import part_of
+    from ..lower.elaborate.connect import carriers
+    from ..lower.expressions.evaluate import Evaluator
+    from ..lower.solve.ledger import named
+    from ..lower.values.kinds import part_of
     from ..syntax import ast
 
     path, _, name = wanted.rpartition(".")

@@ -18,8 +18,8 @@ from .sample import in_the_way, statistics
 
 if TYPE_CHECKING:
     from ..run.job import Job
-    from ..runtime.mutate import Mutation
-    from ..runtime.trace import Step
+    from ..sampling.mutate import Mutation
+    from ..sampling.trace import Step
 
 TOLD = ("trace", "correspondence")
 PLAIN = "apa,dpa,cpa", 1.0, 0.5  # operations, strength and share where nothing is said of them
@@ -110,7 +110,7 @@ def among(numbers: np.ndarray, wanted: list[int], folder: str) -> np.ndarray:
 def planned(options: argparse.Namespace, job: Job, numbers: np.ndarray) -> tuple[Job, np.ndarray]:
     """The job of the mutants, and their numbers."""
     from ..run.job import traces_of
-    from ..runtime.trace import Replay
+    from ..sampling.trace import Replay
 
     if options.replay is not None:
         records = traces_of(options.replay)
@@ -127,7 +127,7 @@ def planned(options: argparse.Namespace, job: Job, numbers: np.ndarray) -> tuple
 def mutation(options: argparse.Namespace, numbers: np.ndarray) -> Mutation:
     """The mutation that the options ask for. Raises UsageError."""
     from ..export.manifest import spans
-    from ..runtime.mutate import OPERATIONS, Mutation
+    from ..sampling.mutate import OPERATIONS, Mutation
 
     wanted = tuple(name.strip() for name in options.ops.split(","))
     unknown = [name for name in wanted if name not in OPERATIONS]
@@ -163,8 +163,8 @@ def compare(first: str, second: str, *, everything: bool) -> int:
 def folders(first: str, second: str, everything: bool) -> list[str]:
     """The differences of the objects of two folders, those of the same number or a mutant and its original."""
     from ..run.job import reopen
-    from ..runtime.settled import again
-    from ..runtime.trace import difference
+    from ..sampling.settled import again
+    from ..sampling.trace import difference
 
     (a, numbers), (b, others) = reopen(first), reopen(second)
     if a.sampler.program.hash != b.sampler.program.hash:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ..export.content import Content
     from ..geometry.resolution import Resolution
     from ..run.job import Job
-    from ..runtime.mutate import Mutation
+    from ..sampling.mutate import Mutation
 
 
 PLAIN = {"motion": False, "surface": "boundary", "spread": "random", "per": "object", "balance": None}
@@ -68,7 +68,7 @@ def resolution(options: argparse.Namespace) -> Resolution | None:
 
 def mutation(options: argparse.Namespace) -> Mutation:
     """The mutation asked for. Raises UsageError."""
-    from ..runtime.mutate import OPERATIONS, Mutation
+    from ..sampling.mutate import OPERATIONS, Mutation
 
     wanted = tuple(name.strip() for name in options.mutate.split(","))
     unknown = [name for name in wanted if name not in OPERATIONS]

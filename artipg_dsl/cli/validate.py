@@ -18,7 +18,7 @@ from .render import wanted
 if TYPE_CHECKING:
     from ..export.strict import Strict
     from ..run.job import Job
-    from ..runtime.evidence import Evidence
+    from ..validity.evidence import Evidence
 
 SHOWN = 12  # of what meshes share
 
@@ -45,8 +45,8 @@ def examine(
     """All evidence as plain data. ``drawn`` are objects that meet the requirements, ``delivered`` what is handed out;
     ``meshes``: what is delivered, by what is seen of it. ``progress`` is told (step, steps) before each step."""
     from ..export.strict import ready, strict
-    from ..runtime.evidence import evidence
-    from ..runtime.sample import Statistics
+    from ..sampling.sample import Statistics
+    from ..validity.evidence import evidence
 
     if meshes:
         ready()
@@ -142,7 +142,7 @@ def others(faults: list[tuple[str, int]], objects: int) -> list[str]:
 
 def collision(pair: dict[str, Any], objects: int, kinds: dict[str, str]) -> list[str]:
     """Two links that collide, and of one object the parts, the value of the joint and the place, in lines."""
-    from ..runtime.contact import Contact, in_words
+    from ..validity.contact import Contact, in_words
 
     kind, joint = kinds.get(pair["joint"], ""), pair["joint"]
     if not joint:

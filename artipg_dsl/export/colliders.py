@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..runtime.bodies import Alike, Pieces, packed, turned
-from ..runtime.tree import Tree
-from ..runtime.validate import at_rest, checked
+from ..validity.bodies import Alike, Pieces, packed, turned
+from ..validity.tree import Tree
+from ..validity.validate import at_rest, checked
 from . import solids
 from .hulls import BUDGET, Body, Hull
 

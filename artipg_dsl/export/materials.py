@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..graph.program import Material
-from ..runtime.materials import RANGES, drawn
+from ..validity.materials import RANGES, drawn
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch

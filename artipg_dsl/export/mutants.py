@@ -25,7 +25,7 @@ MEANINGS = {
 
 def trace_shard(batch: Batch, content: Content) -> bytes:
     """The bytes of ``trace-<shard>.jsonl``: one object per line."""
-    from ..runtime.trace import trace_lines
+    from ..sampling.trace import trace_lines
 
     del content
     return trace_lines(batch)
@@ -33,7 +33,7 @@ def trace_shard(batch: Batch, content: Content) -> bytes:
 
 def correspondence_shard(batch: Batch, content: Content) -> bytes:
     """The bytes of ``correspondence-<shard>.npz``: a row per primitive of the objects."""
-    from ..runtime.correspondence import correspondence
+    from ..sampling.correspondence import correspondence
 
     del content
     return npz_bytes(correspondence(batch.history[0].before if batch.history else batch, batch).arrays())

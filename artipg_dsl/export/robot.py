@@ -17,8 +17,8 @@ import numpy as np
 from ..annotate.frames import quaternion
 from ..geometry.resolution import STANDARD, Resolution
 from ..graph.program import Material
-from ..runtime.mass import Mass, masses
-from ..runtime.materials import catalogue, material_rows
+from ..validity.mass import Mass, masses
+from ..validity.materials import catalogue, material_rows
 from . import materials, solids
 from .colliders import colliders
 from .dynamics import Dynamics, dynamics

@@ -12,8 +12,8 @@ from ..annotate.states import read_states
 from ..errors import UserError
 from ..geometry.resolution import COARSEST, FINEST
 from ..graph.program import MEASURES
-from ..runtime.mutate import OPERATIONS
-from ..runtime.prior import MOST_CANDIDATES
+from ..sampling.mutate import OPERATIONS
+from ..sampling.prior import MOST_CANDIDATES
 from ..shapes import Misfit, Rule, fit, shown
 from .content import Content
 from .registry import FORMATS

@@ -15,11 +15,11 @@ import numpy as np
 
 from ..errors import UserError
 from ..runtime.batch import Batch
-from ..runtime.bodies import Alike, Pieces, packed
-from ..runtime.evidence import STATES, random_states
 from ..runtime.motion import apply
-from ..runtime.tree import Tree, led
-from ..runtime.validate import near
+from ..validity.bodies import Alike, Pieces, packed
+from ..validity.evidence import STATES, random_states
+from ..validity.tree import Tree, led
+from ..validity.validate import near
 from .solids import build_meshes
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..graph import random
+from .. import random
 from .block import Block, Coordinates, block, to_object
 from .cells import Cells
 from .density import Placement, solve_linear

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..graph import random
+from .. import random
 from ..graph.primitive import Primitive
 from . import mesh, pieces, quadrature, surface
 from .box import bounds

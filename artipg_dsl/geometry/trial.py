@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..graph import random
+from .. import random
 from ..graph.expr import Expr
 from ..graph.primitive import Primitive
 from .errors import PrimitiveError

@@ -233,7 +233,7 @@ def call(op: str, *args: Expr) -> Expr:
 
 def folded(function: Callable[..., float], values: Sequence[float]) -> float:
     """The value of a function of constants: nan where it has none (1 / 0, the root or the logarithm of -1), inf where it is
-    too large for a number. What an author writes of this kind is refused where it stands (``lower.arithmetic``)."""
+    too large for a number. What an author writes of this kind is refused where it stands (``lower.expressions.arithmetic``)."""
     try:
         value = function(*values)
     except (ValueError, ZeroDivisionError):

@@ -101,8 +101,9 @@ def _compile(exprs: tuple[Expr, ...], names: tuple[str, ...]) -> Callable[..., t
     return quiet(formula)
 
 
-# Formulas are computed everywhere and taken where they hold (the branches of `a if c else b`, points outside a `where`): NumPy's
-# warnings of values that are not taken say nothing. Those that are taken are asked for as numbers (``lower.legal``, ``annotate.points``).
+# Formulas are computed everywhere and taken where they hold (the branches of `a if c else b`, points outside a `where`):
+# NumPy's warnings of values that are not taken say nothing. Those that are taken are asked for as numbers
+# (``lower.elaborate.legal``, ``annotate.points``).
 quiet = np.errstate(divide="ignore", invalid="ignore", over="ignore")
 
 

@@ -16,22 +16,22 @@ from ..graph.reference import definitions
 from ..graph.text import digest
 from ..semantics.symbols import Symbol
 from ..syntax import ast
-from . import drives, labels, mimic, rings
-from .body import lower_statements
-from .bounds import attach_bounds
-from .connect import carriers
-from .context import Abort, Context, text_of, where
-from .env import Element, Env
-from .evaluate import Evaluator
-from .feasible import judge
-from .legal import legalize
-from .links import Links, first_part
-from .motions import motions
-from .part import Part
-from .primitives import comparison
-from .slots import slots
-from .solve import circular
-from .values import Choice, Ref, Value, part_of
+from .elaborate import drives, labels, mimic, rings
+from .elaborate.body import lower_statements
+from .elaborate.connect import carriers
+from .elaborate.legal import legalize
+from .elaborate.links import Links, first_part
+from .elaborate.motions import motions
+from .elaborate.part import Part
+from .elaborate.slots import slots
+from .expressions.context import Abort, Context, text_of, where
+from .expressions.env import Element, Env
+from .expressions.evaluate import Evaluator
+from .solids.primitives import comparison
+from .solve.bounds import attach_bounds
+from .solve.feasible import judge
+from .solve.solve import circular
+from .values.kinds import Choice, Ref, Value, part_of
 
 
 @dataclass(slots=True, eq=False)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from ..graph.random import key, uniform
+from ..random import key, uniform
 from .graphs import Graphs
 
 EXACT = 24  # distinct graphs up to which all pairs are compared

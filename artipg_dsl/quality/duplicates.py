@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..graph.random import mix
+from ..random import mix
 from ..runtime.batch import Batch
 
 CLOSE = 0.02  # of the range of a value

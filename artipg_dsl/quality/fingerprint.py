@@ -13,10 +13,10 @@ import numpy as np
 
 from ..graph.expr import Expr, Scope
 from ..graph.formula import free_variables, row_values
-from ..graph.random import mix
+from ..random import mix
 from ..runtime.batch import Batch
-from ..runtime.materials import material_rows
 from ..runtime.needs import pose_cells
+from ..validity.materials import material_rows
 
 GRAIN = 1e-9  # metres, radians: what differs by less is the same
 

@@ -13,8 +13,8 @@ import numpy as np
 
 from ..errors import UserError
 from ..runtime.batch import Batch
-from ..runtime.bodies import gather
-from ..runtime.settled import again
+from ..sampling.settled import again
+from ..validity.bodies import gather
 
 REFERENCE = "reference.json"
 AXES = ("width", "depth", "height")  # along y, x and z

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from ..errors import UserError
 from ..graph.text import TextError, digest, from_text, to_text
 from ..runtime.plan import PlanError
-from ..runtime.sample import Sampler
+from ..sampling.sample import Sampler
 
 if TYPE_CHECKING:
     from ..graph.program import Program

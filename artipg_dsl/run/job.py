@@ -15,14 +15,14 @@ import numpy as np
 from ..diagnostics.suggest import did_you_mean
 from ..errors import NoObject, UsageError, UserError
 from ..runtime.kernels import TooMany
-from ..runtime.mutate import Mutation, Names
-from ..runtime.prior import CANDIDATES, MOST_CANDIDATES
 from ..runtime.repairs import Cause, in_short
-from ..runtime.sample import Exhausted, Sampler, Statistics
-from ..runtime.settled import again
-from ..runtime.sound import prove
-from ..runtime.trace import Replay, read_traces
-from ..runtime.values import Values
+from ..sampling.mutate import Mutation, Names
+from ..sampling.prior import CANDIDATES, MOST_CANDIDATES
+from ..sampling.sample import Exhausted, Sampler, Statistics
+from ..sampling.settled import again
+from ..sampling.trace import Replay, read_traces
+from ..sampling.values import Values
+from ..validity.sound import prove
 from .compiled import COMPILED, planned, read_compiled
 from .settings import Settings, Value, resolve
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..diagnostics.suggest import did_you_mean
 from ..errors import SettingError, UserError
-from ..runtime.values import Values
+from ..sampling.values import Values
 from .settings import read
 
 if TYPE_CHECKING:

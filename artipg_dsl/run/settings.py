@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from ..diagnostics.suggest import did_you_mean
 from ..errors import SettingError
-from ..semantics.units import UNITS
+from ..units import UNITS
 
 if TYPE_CHECKING:
     from ..graph.program import Draw, Program

@@ -1,0 +1,11 @@
+"""From a program to tables of numbers: the plan, what its generated code calls, and a batch of evaluated objects.
+
+In: a program (``graph.program``) and the draws to make or keep. Out: a ``Batch``: links, joints, parts and primitives as
+columns, at rest and in motion. Knows neither text nor solids. Begin with ``plan`` and ``batch``.
+
+    needs, plan               what has to be known, and straight-line NumPy code that computes it in order of dependence
+    kernels, laws, newton     what that code calls: segments and draws, distributions, roots
+    tables, referred, rooted  instances as columns, references between them, chains that end
+    batch, motion, loops      objects; where links are for given joint values; closed loops
+    repairs                   what was moved to make an object valid, as columns
+"""

@@ -30,7 +30,7 @@ UNLIKE = np.array([1.0, 2.0])  # turns and axis of a part that is like itself on
 class Batch:
     """Objects of one program as columns. ``numbers`` (B,) are the object numbers, ``seed`` what they were drawn with.
 
-    ``history``: the operations that made them from others (``runtime.mutate.Stage``), the first first. ``repairs``: what was
+    ``history``: the operations that made them from others (``sampling.mutate.Stage``), the first first. ``repairs``: what was
     moved to make them valid.
     """
 
@@ -55,7 +55,7 @@ class Batch:
 
     def __reduce__(self) -> tuple[Any, tuple[Any, ...]]:
         """To another process goes what it was evaluated with: the code and what was worked out since are made anew there."""
-        from .sample import revived  # late: samplers make batches
+        from ..sampling.sample import revived  # late: samplers make batches
 
         return revived, (self.program, self._asked(), self.numbers, self.history, self.repairs)
 
@@ -222,7 +222,7 @@ class Batch:
         """The joints, those that go on as far as nothing is in the way with the ends that they have."""
         if not any(joint.clearance for joint in self.program.joints):
             return self._joints
-        from .clearance import limited  # late: it needs the solids
+        from ..validity.clearance import limited  # late: it needs the solids
 
         wide = copy(self)
         wide.__dict__["_limited"] = self._joints

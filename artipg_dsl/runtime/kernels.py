@@ -9,11 +9,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..graph.random import key, mix, uniform
+from ..random import key, mix, uniform
 from .laws import TOLERANCE, clear, density, gaps_of, held, inside, spread, spread_between, support
 
 Gaps = tuple[np.ndarray, np.ndarray]  # where gaps begin and end: (gaps, rows) each
-MOST_ROWS = 20_000  # of one table in one object, as ``lower.ranges`` has it: more would fill the memory
+MOST_ROWS = 20_000  # of one table in one object, as ``lower.elaborate.ranges`` has it: more would fill the memory
 LEAST = 1e-300  # a range that holds less of its law than this counts as holding so much
 
 

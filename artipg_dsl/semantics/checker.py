@@ -9,13 +9,13 @@ from dataclasses import dataclass, field, replace
 from ..diagnostics import Report
 from ..source import Span
 from ..syntax import ast
+from ..units import Dimension
 from . import conditions, entries, expressions
 from .guards import TRUE, Condition, conjunction, implies
 from .modules import Workspace
 from .scope import Entry, Guards, Scope, build_scope, interface
 from .symbols import ModuleScope, Symbol
 from .types import NONE, UNKNOWN, Scalar, Type, Vec, fits
-from .units import Dimension
 
 
 @dataclass(frozen=True, slots=True)

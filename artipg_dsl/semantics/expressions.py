@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from ..diagnostics.suggest import did_you_mean
 from ..syntax import ast
+from ..units import UNITS, Dimension
 from . import calls, conditions, paths
 from .fold import constant
 from .guards import Not
@@ -35,7 +36,6 @@ from .types import (
     power,
     times,
 )  # fmt: skip
-from .units import UNITS, Dimension
 
 if TYPE_CHECKING:
     from .checker import Checker, Context

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from ..syntax import ast
+from ..units import UNITS
 from .symbols import ModuleScope
-from .units import UNITS
 
 
 def constant(expr: ast.Expr, module: ModuleScope | None = None) -> float | None:

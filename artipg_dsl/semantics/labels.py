@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from ..diagnostics.suggest import did_you_mean
 from ..graph.program import MEASURES
 from ..syntax import ast
+from ..units import UNITS
 from .calls import range_type
 from .declarations import unknown_material
 from .entries import of_reference
@@ -38,7 +39,6 @@ from .types import (
     Type,
     Vec,
 )
-from .units import UNITS
 
 if TYPE_CHECKING:
     from .checker import Checker, Context

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from .units import Dimension
+from ..units import Dimension
 
 if TYPE_CHECKING:
     from .scope import Entry, Variant

@@ -296,7 +296,7 @@ def _brace(at: int, source: Source) -> Found:
 
 def _two_values(token: Token, last: Token, history: list[Token], accepted: set[str], found: Maker) -> Found | None:
     """Two values in a row."""
-    from ..semantics.units import UNITS
+    from ..units import UNITS
 
     if last.type == "NUMBER" and last.value[-1].isdigit() and token.value in UNITS:
         return found("a unit stands right behind its number", f"write `{last.value}{token.value}`")

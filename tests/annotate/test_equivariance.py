@@ -9,16 +9,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from artipg_dsl import random
 from artipg_dsl.annotate.grasps import sample_grasps, sample_keypoints
 from artipg_dsl.annotate.points import label_points
 from artipg_dsl.annotate.poses import part_poses
 from artipg_dsl.annotate.states import joint_values, read_states
 from artipg_dsl.geometry import points
 from artipg_dsl.graph import expr as E
-from artipg_dsl.graph import random
 from artipg_dsl.graph.program import Pose, Program
-from artipg_dsl.lower.vectors import compose, direct, place, product, rotation_about
-from artipg_dsl.runtime.sample import Sampler
+from artipg_dsl.lower.values.vectors import compose, direct, place, product, rotation_about
+from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.session import Session, categories
 
 AXIS = np.array([0.36, 0.48, 0.8])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import artipg_dsl as apg
-from artipg_dsl.graph import random
+from artipg_dsl import random
 
 
 def odds(values: np.ndarray, k: int) -> float:

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 from annotate.probes import Shipped, shipped
+from artipg_dsl import random
 from artipg_dsl.annotate.frames import compose, rotate
 from artipg_dsl.annotate.grasps import sample_grasps, sample_keypoints
 from artipg_dsl.annotate.points import label_points
@@ -22,9 +23,8 @@ from artipg_dsl.annotate.poses import part_poses
 from artipg_dsl.annotate.states import joint_values, read_states
 from artipg_dsl.diagnostics.model import CompileError
 from artipg_dsl.geometry import points
-from artipg_dsl.graph import random
 from artipg_dsl.runtime.batch import Batch
-from artipg_dsl.runtime.sample import Exhausted
+from artipg_dsl.sampling.sample import Exhausted
 from artipg_dsl.session import Session, categories
 
 OBJECTS, POINTS, STATES = 3, 400, "rest,random:3"

@@ -10,7 +10,7 @@ from artipg_dsl.annotate.cloud import sample_points
 from artipg_dsl.annotate.states import REST, joint_values, opened, read_states, resting, state_table, twist
 from artipg_dsl.errors import UsageError
 from artipg_dsl.runtime.batch import Batch
-from artipg_dsl.runtime.sample import Sampler
+from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.session import Session
 
 

@@ -22,7 +22,7 @@ from artipg_dsl.geometry.block import to_local
 from artipg_dsl.graph.formula import compile_formula
 from artipg_dsl.graph.primitive import Primitive
 from artipg_dsl.runtime.batch import Batch
-from artipg_dsl.runtime.sample import Sampler
+from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.session import Session
 
 CAMERAS = Cameras(count=3, points=1500)

@@ -12,8 +12,8 @@ import pytest
 
 from artipg_dsl.diagnostics import CompileError
 from artipg_dsl.semantics import names, types
-from artipg_dsl.semantics.units import UNITS
 from artipg_dsl.syntax.grammar import keywords, machine, reserved_words
+from artipg_dsl.units import UNITS
 
 from .fences import Fence, fences, session_of
 

@@ -18,7 +18,7 @@ from artipg_dsl.export.dataset import write_dataset
 from artipg_dsl.export.registry import choose
 from artipg_dsl.export.shards import point_arrays, view_arrays
 from artipg_dsl.export.write import ExportError
-from artipg_dsl.runtime.sample import Sampler
+from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.session import Session
 
 CAMERAS = Cameras(count=2, width=40, height=30, points=50)

@@ -9,9 +9,9 @@ from artipg_dsl import load
 from artipg_dsl.export.materials import settled
 from artipg_dsl.export.robot import Robots
 from artipg_dsl.resources import library_dir
-from artipg_dsl.runtime.mass import masses
-from artipg_dsl.runtime.materials import RANGES, drawn
 from artipg_dsl.session import Session
+from artipg_dsl.validity.mass import masses
+from artipg_dsl.validity.materials import RANGES, drawn
 
 TEXT = """apg 1
 use primitives { Cuboid }

@@ -12,7 +12,7 @@ from artipg_dsl.export.robot import Robots
 from artipg_dsl.export.shards import point_arrays
 from artipg_dsl.export.urdf import urdf_files
 from artipg_dsl.runtime.batch import Batch
-from artipg_dsl.runtime.sample import Sampler
+from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.session import Session
 
 

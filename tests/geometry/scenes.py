@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from artipg_dsl import random
 from artipg_dsl.geometry.sites import SiteTable
-from artipg_dsl.graph import random
 from artipg_dsl.graph.primitive import Primitive
 
 

@@ -20,7 +20,7 @@ def test_geometry_loads_numpy_alone():
 def test_points_are_the_same_bytes_in_processes_with_different_hash_seeds():
     code = (
         "import hashlib, numpy as np; from geometry import scenes, shapes; from artipg_dsl.geometry import points;"
-        "from artipg_dsl.graph import random; numbers = np.arange(3, dtype=np.uint64);"
+        "from artipg_dsl import random; numbers = np.arange(3, dtype=np.uint64);"
         "made = [shapes.cuboid(), shapes.torus_sector(), shapes.rounded_cuboid()];"
         "found = points.sample(scenes.cluttered(made, numbers, 6), 3, 100, random.key(1, 'p'), numbers);"
         "print(hashlib.sha256(found.position.tobytes() + found.u.tobytes() + found.patch.tobytes()).hexdigest())"

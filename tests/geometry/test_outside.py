@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from artipg_dsl import random
 from artipg_dsl.geometry import outside, points
 from artipg_dsl.geometry.block import block
 from artipg_dsl.geometry.cells import Cells
 from artipg_dsl.geometry.hidden import scales
-from artipg_dsl.graph import random
 
 from . import scenes, shapes
 

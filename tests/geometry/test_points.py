@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
+from artipg_dsl import random
 from artipg_dsl.geometry import mesh, points
 from artipg_dsl.geometry.selftest import check_primitive
 from artipg_dsl.geometry.sites import SiteTable
-from artipg_dsl.graph import random
 from artipg_dsl.graph.expr import ZERO, substitute
 from artipg_dsl.graph.formula import compile_formula
 

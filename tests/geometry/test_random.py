@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from artipg_dsl.graph import random
+from artipg_dsl import random
 
 VECTORS = [  # Random123, kat_vectors: philox4x32 10
     ((0, 0, 0, 0), (0, 0), (0x6627E8D5, 0xE169C58D, 0xBC57AC4C, 0x9B00DBD8)),

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
+from artipg_dsl import random
 from artipg_dsl.geometry import density, mesh, surface
 from artipg_dsl.geometry.patches import surfaces
 from artipg_dsl.geometry.trial import trial
-from artipg_dsl.graph import random
 from artipg_dsl.graph.expr import const
 from artipg_dsl.graph.formula import compile_formula
 

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
+from artipg_dsl import random
 from artipg_dsl.geometry import density, points
 from artipg_dsl.geometry.block import block
 from artipg_dsl.geometry.cells import Cells
 from artipg_dsl.geometry.density import element_split
 from artipg_dsl.geometry.patches import grid
-from artipg_dsl.graph import random
 from artipg_dsl.session import Session
 
 from . import scenes

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from artipg_dsl.graph.text import TextError, digest, from_text, to_text
-from artipg_dsl.runtime.sample import Sampler
+from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.session import Session
 
 

@@ -17,10 +17,10 @@ from artipg_dsl.graph.text import TextError, from_text, to_text
 from artipg_dsl.graph.verify import UNITS
 from artipg_dsl.run.compiled import compiled_text, planned
 from artipg_dsl.run.job import make_job, open_job
-from artipg_dsl.runtime.module import to_module
 from artipg_dsl.runtime.plan import make_plan
-from artipg_dsl.semantics.units import SI_UNITS
+from artipg_dsl.sampling.module import to_module
 from artipg_dsl.session import Session
+from artipg_dsl.units import SI_UNITS
 
 DATA = Path(__file__).parents[1] / "data"
 HOSTILE = "z=__import__('os').system('touch ran')"

@@ -14,9 +14,9 @@ from artipg_dsl.annotate.annotation import describe
 from artipg_dsl.annotate.cloud import Points, sample_points
 from artipg_dsl.annotate.sampling import Sampling
 from artipg_dsl.runtime.batch import Batch
-from artipg_dsl.runtime.faults import faults
-from artipg_dsl.runtime.tree import Tree
 from artipg_dsl.session import Session
+from artipg_dsl.validity.faults import faults
+from artipg_dsl.validity.tree import Tree
 
 HEAD = """apg 1
 use primitives   { Cuboid, Cylinder }

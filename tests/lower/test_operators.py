@@ -9,10 +9,10 @@ from artipg_dsl.geometry.selftest import check_primitive
 from artipg_dsl.geometry.trial import trial
 from artipg_dsl.graph.expr import Scope, show, var
 from artipg_dsl.graph.program import Program
-from artipg_dsl.lower.context import Abort, Context
-from artipg_dsl.lower.curves import Curve
-from artipg_dsl.lower.env import Env
-from artipg_dsl.lower.primitives import lower_primitive
+from artipg_dsl.lower.expressions.context import Abort, Context
+from artipg_dsl.lower.expressions.env import Env
+from artipg_dsl.lower.solids.curves import Curve
+from artipg_dsl.lower.solids.primitives import lower_primitive
 from artipg_dsl.semantics.modules import Workspace
 from artipg_dsl.session import Session
 from artipg_dsl.source import Source

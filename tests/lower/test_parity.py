@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from artipg_dsl.graph.formula import compile_formula
-from artipg_dsl.lower.recurrent import nodes
+from artipg_dsl.lower.solve.recurrent import nodes
 
 from .test_operators import lowered
 

@@ -8,7 +8,7 @@ import pytest
 
 from artipg_dsl.graph.text import from_text, to_text
 from artipg_dsl.runtime.rooted import Ring
-from artipg_dsl.runtime.tree import Tree
+from artipg_dsl.validity.tree import Tree
 
 from .test_solve import HEAD, Session, category, sampled
 

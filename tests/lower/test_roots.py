@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from artipg_dsl.graph.text import from_text, to_text
-from artipg_dsl.runtime.module import to_module
 from artipg_dsl.runtime.newton import newton
-from artipg_dsl.runtime.sample import Exhausted, Sampler, Statistics
+from artipg_dsl.sampling.module import to_module
+from artipg_dsl.sampling.sample import Exhausted, Sampler, Statistics
 
 from .test_solve import HEAD, Session, category, codes, compiled, sampled, value
 

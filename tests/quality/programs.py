@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from artipg_dsl.runtime.batch import Batch
-from artipg_dsl.runtime.sample import Sampler
+from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.session import Session
 
 HEAD = """apg 1

@@ -5,9 +5,9 @@ import pytest
 
 from artipg_dsl.diagnostics.model import CompileError
 from artipg_dsl.graph.text import from_text, to_text
-from artipg_dsl.runtime.faults import faults
-from artipg_dsl.runtime.sample import Sampler
+from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.session import Session
+from artipg_dsl.validity.faults import faults
 
 HEAD = "apg 1\nuse primitives { Cuboid }\ncategory Case {\n"
 SLIDE = """
@@ -135,9 +135,9 @@ def meetings(batch, beyond: float) -> list[int]:
     """The objects that meet themselves anywhere on a grid of all joints, the ends of those that yield moved ``beyond``."""
     from itertools import product
 
-    from artipg_dsl.runtime.bodies import gather
-    from artipg_dsl.runtime.tree import Tree
-    from artipg_dsl.runtime.validate import posed
+    from artipg_dsl.validity.bodies import gather
+    from artipg_dsl.validity.tree import Tree
+    from artipg_dsl.validity.validate import posed
 
     tree = Tree(batch)
     yields = np.array([joint.whatever for joint in batch.program.joints])[tree.joints.definition]

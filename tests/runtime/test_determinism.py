@@ -7,8 +7,8 @@ import sys
 import numpy as np
 import pytest
 
+from artipg_dsl import random
 from artipg_dsl.geometry import points
-from artipg_dsl.graph import random
 
 
 def rows_of(batch, index):

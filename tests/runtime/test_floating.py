@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from artipg_dsl.graph.text import from_text, to_text
-from artipg_dsl.runtime.faults import faults
-from artipg_dsl.runtime.sample import Sampler, Statistics
+from artipg_dsl.sampling.sample import Sampler, Statistics
 from artipg_dsl.session import Session
+from artipg_dsl.validity.faults import faults
 
 HEAD = "apg 1\nuse primitives { Cuboid, Cylinder, RoundedCuboid }\ncategory Case {\n"
 BODY = "root part body : Cuboid(size = [20cm, 20cm, 20cm])\n"

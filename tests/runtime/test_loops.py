@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from artipg_dsl.runtime.evidence import random_states
 from artipg_dsl.runtime.loops import APART
 from artipg_dsl.session import Session
 from artipg_dsl.source import Source
+from artipg_dsl.validity.evidence import random_states
 
 # a slider crank: crank of 3 cm about the origin, rod of 10 cm, a block that slides along x
 CRANK = """apg 1

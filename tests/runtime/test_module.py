@@ -5,7 +5,7 @@ import sys
 
 import numpy as np
 
-from artipg_dsl.runtime.module import to_module
+from artipg_dsl.sampling.module import to_module
 
 CHECK = """
 import sys, numpy as np

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from artipg_dsl.runtime.bodies import gather
-from artipg_dsl.runtime.parting import Parting
-from artipg_dsl.runtime.tree import Tree
-from artipg_dsl.runtime.validate import posed
 from artipg_dsl.session import Session
+from artipg_dsl.validity.bodies import gather
+from artipg_dsl.validity.parting import Parting
+from artipg_dsl.validity.tree import Tree
+from artipg_dsl.validity.validate import posed
 
 
 def test_states_in_any_order_meet_as_they_do_alone() -> None:

@@ -6,9 +6,9 @@ import pytest
 from artipg_dsl.errors import UsageError
 from artipg_dsl.graph.text import from_text, to_text
 from artipg_dsl.run.job import read_sampling
-from artipg_dsl.runtime.module import to_module
-from artipg_dsl.runtime.prior import CANDIDATES, effective
-from artipg_dsl.runtime.sample import ATTEMPTS, Sampler, Statistics
+from artipg_dsl.sampling.module import to_module
+from artipg_dsl.sampling.prior import CANDIDATES, effective
+from artipg_dsl.sampling.sample import ATTEMPTS, Sampler, Statistics
 from artipg_dsl.session import Session
 
 HEAD = "apg 1\nuse primitives { Cuboid }\ncategory C {\n"

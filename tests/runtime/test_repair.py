@@ -9,16 +9,16 @@ from artipg_dsl.errors import NoObject, UserError
 from artipg_dsl.graph.text import from_text, to_text
 from artipg_dsl.run.job import make_job
 from artipg_dsl.run.params import values_of
-from artipg_dsl.runtime.clips import Asked
-from artipg_dsl.runtime.faults import faults
 from artipg_dsl.runtime.kernels import Kept, State
-from artipg_dsl.runtime.mutate import mutate
-from artipg_dsl.runtime.repair import repair
-from artipg_dsl.runtime.sample import Sampler, Statistics
-from artipg_dsl.runtime.settled import again, chosen, made
-from artipg_dsl.runtime.trace import Replay, read_traces, trace_lines
-from artipg_dsl.runtime.values import Values
+from artipg_dsl.sampling.clips import Asked
+from artipg_dsl.sampling.mutate import mutate
+from artipg_dsl.sampling.repair import repair
+from artipg_dsl.sampling.sample import Sampler, Statistics
+from artipg_dsl.sampling.settled import again, chosen, made
+from artipg_dsl.sampling.trace import Replay, read_traces, trace_lines
+from artipg_dsl.sampling.values import Values
 from artipg_dsl.session import Session
+from artipg_dsl.validity.faults import faults
 
 HEAD = "apg 1\nuse primitives { Cuboid }\ncategory Box {\n"
 BODY = "  root part body : Cuboid(size = [10cm, 10cm, 10cm])\n"

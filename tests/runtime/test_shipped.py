@@ -10,9 +10,9 @@ import os
 import numpy as np
 import pytest
 
-from artipg_dsl.runtime.faults import faults
-from artipg_dsl.runtime.sample import Sampler, Statistics
+from artipg_dsl.sampling.sample import Sampler, Statistics
 from artipg_dsl.session import Session, categories
+from artipg_dsl.validity.faults import faults
 
 EVERY = bool(int(os.environ.get("ARTIPG_EVERY", "0")))
 ATTEMPTS = 400 if EVERY else 50

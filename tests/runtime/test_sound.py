@@ -6,7 +6,7 @@ import pytest
 
 from artipg_dsl.errors import UserError
 from artipg_dsl.run.job import Job
-from artipg_dsl.runtime.sample import Sampler
+from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.session import Session
 
 TEXT = """apg 1

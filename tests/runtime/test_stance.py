@@ -5,11 +5,11 @@ import pytest
 from scipy.spatial import ConvexHull
 
 from artipg_dsl.run.job import make_job
-from artipg_dsl.runtime.faults import faults
-from artipg_dsl.runtime.hull import depth, hulls
-from artipg_dsl.runtime.sample import Sampler, Statistics
-from artipg_dsl.runtime.stance import TILT
+from artipg_dsl.sampling.sample import Sampler, Statistics
 from artipg_dsl.session import Session
+from artipg_dsl.validity.faults import faults
+from artipg_dsl.validity.hull import depth, hulls
+from artipg_dsl.validity.stance import TILT
 
 HEAD = "apg 1\nuse primitives { Cuboid, Cylinder }\ncategory Case {\n"
 

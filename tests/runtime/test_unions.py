@@ -5,9 +5,9 @@ import pytest
 
 from artipg_dsl.graph.text import from_text, to_text
 from artipg_dsl.runtime import laws
-from artipg_dsl.runtime.module import to_module
-from artipg_dsl.runtime.mutate import mutate
-from artipg_dsl.runtime.sample import Exhausted, Sampler, Statistics
+from artipg_dsl.sampling.module import to_module
+from artipg_dsl.sampling.mutate import mutate
+from artipg_dsl.sampling.sample import Exhausted, Sampler, Statistics
 from artipg_dsl.session import Session
 
 TWO = "param a : length in 0cm .. 10cm = 2cm\nparam b : length in 0cm .. 10cm = 2cm\n"

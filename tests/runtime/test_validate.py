@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from artipg_dsl.geometry import pieces
-from artipg_dsl.runtime.bodies import turned
-from artipg_dsl.runtime.evidence import evidence, random_states
-from artipg_dsl.runtime.sample import Exhausted, Sampler, Statistics
-from artipg_dsl.runtime.tree import Tree
-from artipg_dsl.runtime.validate import collisions, posed
+from artipg_dsl.sampling.sample import Exhausted, Sampler, Statistics
 from artipg_dsl.session import Session
+from artipg_dsl.validity.bodies import turned
+from artipg_dsl.validity.evidence import evidence, random_states
+from artipg_dsl.validity.tree import Tree
+from artipg_dsl.validity.validate import collisions, posed
 
 HEAD = "apg 1\nuse primitives { Cuboid, Cylinder }\ncategory Case {\n"
 
@@ -186,7 +186,7 @@ def _deep(fcl, first, second) -> bool:
 @pytest.mark.slow
 def test_an_exact_checker_agrees_on_microwaves(microwave: Sampler) -> None:
     """At rest and in 20 random configurations of 30 objects: nothing missed, nothing invented."""
-    from artipg_dsl.runtime.bodies import gather
+    from artipg_dsl.validity.bodies import gather
 
     batch = microwave.batch(np.arange(30), 3)
     tree = Tree(batch)
@@ -219,7 +219,7 @@ def test_a_screw_advances_into_what_lies_ahead() -> None:
 
 
 def nearer(body: str, n: int = 1) -> list[str]:
-    from artipg_dsl.runtime.faults import faults
+    from artipg_dsl.validity.faults import faults
 
     return [fault.words for fault in faults(program(body).batch(np.arange(n), 0)).others]
 

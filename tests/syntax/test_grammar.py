@@ -8,13 +8,13 @@ import threading
 import pytest
 from lark import Lark
 
-from artipg_dsl.semantics.units import UNITS
 from artipg_dsl.source import Source
 from artipg_dsl.syntax import grammar
 from artipg_dsl.syntax.grammar import Machine, grammar_path, keywords, machine, reserved_words
 from artipg_dsl.syntax.layout import CONTINUES, Layout
 from artipg_dsl.syntax.mistakes import MISTAKES, stop
 from artipg_dsl.syntax.words import OPERATORS, STATEMENTS, TOP
+from artipg_dsl.units import UNITS
 
 from .helpers import body_of, prefix, tree_of, without_spans
 

@@ -1,0 +1,295 @@
+"""Bodies of categories and templates: declarations first, then the statements that place and attach, then the solving."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from ...graph import expr as E
+from ...graph.expr import Scope, ScopeError
+from ...semantics.symbols import Symbol, lineage
+from ...source import Span
+from ...syntax import ast
+from ..expressions.builtins import PortArray
+from ..expressions.context import Abort, Unknown
+from ..expressions.env import Env, Function, Thunk
+from ..expressions.evaluate import Evaluator
+from ..solve.solve import settle
+from ..values.kinds import Branch, Ref, Value, Vec
+from ..values.vectors import HERE, times
+from . import connect
+from .draws import component_of, draw_option, draw_scalar
+from .repeat import build_repeat
+from .style import Style, build_style
+
+if TYPE_CHECKING:
+    from .part import Instance, Option
+
+HALF = E.const(0.5)
+
+
+def parameters_of(symbol: Symbol) -> list[tuple[Symbol, ast.ParamDecl, str, Span]]:
+    """The interface of a role, template or primitive: (declaring symbol, declaration, name, span), outermost role first."""
+    found: dict[str, tuple[Symbol, ast.ParamDecl, str, Span]] = {}
+    for owner in reversed(lineage(symbol)):
+        for statement in owner.body:
+            if isinstance(statement, ast.ParamDecl):
+                for name, span in zip(statement.names, statement.name_spans, strict=True):
+                    found[name] = (owner, statement, name, span)
+    return list(found.values())
+
+
+def lower_body(instance: Instance, option: Option, scope: Scope, given: dict[str, Value]) -> Env:
+    """The body of a template instance, elaborated and solved in its own environment."""
+    part = instance.part
+    context = part.context
+    symbol = option.symbol
+    env = Env(context, symbol.module, symbol, scope, part.path + ".", instance=instance)
+    instance.env = env
+    env.names.update(given)
+    for owner, declaration, name, _ in parameters_of(symbol):
+        if name in given or declaration.keyword == "out":
+            continue
+        env.module = owner.module
+        env.names[name] = own_parameter(env, declaration, name, part.style, option.name)
+        instance.values[name] = env.names[name]
+    env.module = symbol.module
+    if part.style is not None:
+        share_counts(env, symbol, part.style, option.name)
+    instance.values.update({k: v for k, v in given.items() if k not in instance.values})
+    size = instance.values.get("size")
+    if isinstance(size, Vec) and len(size.items) == 3:
+        from ..values.kinds import Box
+
+        half = times(size.items, HALF)
+        env.box = Box(times(half, E.const(-1.0)), half)
+    lower_statements(env, tuple(s for s in symbol.body if not isinstance(s, ast.ParamDecl)))
+    return env
+
+
+def share_counts(env: Env, symbol: Symbol, style: Style, option: str) -> None:
+    """Counts of a template that a style stands for are drawn once, as its parameters are; those whose range follows from
+    measures of the part are each part's own."""
+    for statement in symbol.body:
+        if isinstance(statement, ast.CountDecl) and statement.name not in env.names and settled(statement):
+
+            def make(statement: ast.CountDecl = statement) -> E.Expr:
+                return style.shared(option, statement.name, statement, None, env)
+
+            env.names[statement.name] = Thunk(make, statement.name_span)
+
+
+def settled(statement: ast.CountDecl) -> bool:
+    """Whether the range of a count is written out."""
+    domain = statement.domain
+    return all(isinstance(end, ast.NumberExpr) for end in (domain.low, domain.high))
+
+
+def lower_statements(env: Env, body: tuple[ast.Stmt, ...]) -> None:
+    declare(env, body)
+    connect.statements(env)
+    settle(env)
+
+
+def own_parameter(
+    env: Env, declaration: ast.ParamDecl, name: str, style: Style | None = None, option: str = ""
+) -> Value:
+    """A parameter of the body itself: drawn, derived, or its default."""
+    path = env.path + name
+    kind = declaration.type
+    if kind.values:
+        return (
+            draw_option(env, declaration, path)
+            if style is None
+            else style.shared_option(option, name, declaration, env)
+        )
+    if kind.size is None:
+        return own_scalar(env, declaration, name, None, style, option)
+    items = (own_scalar(env, declaration, f"{name}.{'xyz'[k]}", k, style, option) for k in range(kind.size))
+    return Vec(tuple(items))
+
+
+def own_scalar(
+    env: Env, declaration: ast.ParamDecl, name: str, component: int | None, style: Style | None, option: str
+) -> E.Expr:
+    path = env.path + name
+    if declaration.derived:
+        column = env.context.column(env.scope, path, "real", declaration.span)
+        unknown = Unknown(column, "derived", declaration.span, f"`{name}`")
+        if declaration.domain is not None:
+            from .draws import make_draw
+
+            unknown.draw = make_draw(env, declaration, path, component)
+            unknown.draw.column = column
+        env.unknowns.append(unknown)
+        return E.col(column)
+    if declaration.domain is not None:
+        if style is not None:
+            return style.shared(option, name, declaration, component, env)
+        return draw_scalar(env, declaration, path, component)
+    if declaration.default is not None:
+        return component_of(env, declaration.default, component)
+    column = env.context.column(env.scope, path, "real", declaration.span)
+    env.unknowns.append(Unknown(column, "size", declaration.span, f"`{name}`", positive=declaration.positive))
+    return E.col(column)
+
+
+# ---------------------------------------------------------------- declarations
+
+
+def declare(env: Env, body: tuple[ast.Stmt, ...]) -> None:
+    """Register every name of a body, then lower the declarations in the order of the text."""
+    announce(env, body)
+    lower(env, body)
+
+
+def announce(env: Env, body: tuple[ast.Stmt, ...]) -> None:
+    env.statements.extend(body)
+    for statement in body:
+        register(env, statement)
+
+
+def lower(env: Env, body: tuple[ast.Stmt, ...]) -> None:
+    for statement in body:
+        try:
+            if isinstance(statement, ast.WhenStmt):
+                open_when(env, statement)
+            else:
+                for name in names_of(statement):
+                    env.force(name)
+        except (Abort, ScopeError) as error:
+            env.context.failed(error, statement.span)
+    bind_slots(env, body)
+
+
+def names_of(statement: ast.Stmt) -> Iterator[str]:
+    if isinstance(statement, ast.ParamDecl):
+        yield from statement.names
+    elif isinstance(
+        statement, ast.CountDecl | ast.LetDecl | ast.PartDecl | ast.StyleDecl | ast.RepeatStmt | ast.CurveDecl
+    ):
+        yield statement.name
+
+
+def register(env: Env, statement: ast.Stmt) -> None:
+    """Give each declared name a thunk, unless it has a value (an argument) or a thunk already; other statements wait."""
+    from .build import build_part
+
+    def thunk(name: str, span: Span, make) -> None:  # noqa: ANN001
+        if name not in env.names:
+            env.names[name] = Thunk(make, span)
+
+    match statement:
+        case ast.ParamDecl():
+            for name, span in zip(statement.names, statement.name_spans, strict=True):
+                thunk(name, span, lambda name=name: own_parameter(env, statement, name))
+        case ast.CountDecl():
+            thunk(statement.name, statement.name_span, lambda: draw_scalar(env, statement, env.path + statement.name))
+        case ast.LetDecl() if statement.parameters:
+            env.names[statement.name] = Function(statement.name, statement.parameters, statement.value, env)
+        case ast.LetDecl() if not isinstance(statement.value, ast.ChainExpr):
+            thunk(statement.name, statement.name_span, lambda: Evaluator(env).value(statement.value))
+        case ast.LetDecl() | ast.CurveDecl():
+            from ..solids.curves import Curve
+
+            env.names[statement.name] = Curve(statement, env)
+        case ast.PartDecl():
+
+            def make() -> Ref:
+                part = build_part(env, statement)
+                return Ref(statement.name, (Branch(None, ((part, HERE),)),))
+
+            thunk(statement.name, statement.name_span, make)
+        case ast.StyleDecl() if statement.role == "material":
+            from .looks import build_look
+
+            thunk(statement.name, statement.name_span, lambda: build_look(env, statement))
+        case ast.StyleDecl():
+            thunk(statement.name, statement.name_span, lambda: build_style(env, statement))
+        case ast.RepeatStmt():
+            thunk(statement.name, statement.name_span, lambda: build_repeat(env, statement, declare))
+        case ast.PortDecl() if statement.value is not None:
+            register_port(env, statement)
+        case _:
+            pass
+
+
+def register_port(env: Env, statement: ast.PortDecl) -> None:
+    value = statement.value
+    assert value is not None
+
+    def make() -> Value:
+        found = Evaluator(env).value(value)
+        if isinstance(found, Ref):
+            found = Evaluator(env).ref_box(found, value.span)
+        return found
+
+    if statement.index is None:
+        env.names[statement.name] = Thunk(make, statement.name_span)
+        return
+    array = env.root.names.setdefault(statement.name, PortArray(statement.name, {}))
+    assert isinstance(array, PortArray)
+    array.pending.append((env, statement))
+    array.size = array.size or port_count(env, statement.name)
+
+
+def port_count(env: Env, name: str) -> int:
+    """How many ports ``port name[n]`` of the template or its role promises; 0 where neither says."""
+    for owner in lineage(env.symbol) if env.symbol is not None else ():
+        for statement in owner.body:
+            if (
+                isinstance(statement, ast.PortDecl)
+                and statement.name == name
+                and statement.value is None
+                and statement.index
+            ):
+                return int(Evaluator(env).scalar(statement.index).constant or 0.0)
+    return 0
+
+
+def open_when(env: Env, statement: ast.WhenStmt) -> None:
+    """Lower the declarations in the branches of a ``when``."""
+    for branch, body in enter_when(env, statement):
+        lower(branch, body)
+
+
+def enter_when(env: Env, statement: ast.WhenStmt) -> list[tuple[Env, tuple[ast.Stmt, ...]]]:
+    """The branches of a ``when``, tables of the rows for which the guard holds, one per guard: names and statements are known."""
+    if statement not in env.entered:
+        found = env.entered[statement] = []  # a guard that asks for what stands under it finds nothing
+        ev = Evaluator(env)
+        try:
+            condition = ev.truth(ev.value(statement.guard), statement.guard.span)
+        except Abort:
+            del env.entered[statement]
+            raise
+        for guard, body in ((condition, statement.body), (E.negate(condition), statement.otherwise)):
+            if not body or guard is E.FALSE:
+                continue
+            branch = env.branches.get(guard)
+            if branch is None:
+                scope = env.context.guard(env.scope, guard, f"{env.path}when {E.show(guard)}")
+                branch = env.branches[guard] = env.nested(scope, env.path)
+            announce(branch, body)
+            found.append((branch, body))
+    return env.entered[statement]
+
+
+def declares(statement: ast.WhenStmt, name: str) -> bool:
+    """Whether a branch of a ``when`` declares a name."""
+    return any(
+        declares(inner, name)
+        if isinstance(inner, ast.WhenStmt)
+        else name in names_of(inner) or isinstance(inner, ast.PortDecl) and inner.name == name
+        for inner in (*statement.body, *statement.otherwise)
+    )
+
+
+def bind_slots(env: Env, body: tuple[ast.Stmt, ...]) -> None:
+    """Slots of the instance: what ``slot x = ...`` lists; otherwise a part of the slot's name binds itself."""
+    instance = env.instance
+    if instance is None:
+        return
+    for statement in body:
+        if isinstance(statement, ast.SlotDecl) and statement.targets:
+            instance.bindings.setdefault(statement.name, []).append((env, statement))

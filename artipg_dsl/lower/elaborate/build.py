@@ -1,0 +1,263 @@
+"""Parts built from their declarations: the choice, the inputs, one instance for each alternative."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ...graph import expr as E
+from ...graph.expr import Expr
+from ...semantics.symbols import Symbol
+from ...semantics.types import DIMENSIONS
+from ...source import Span
+from ...syntax import ast
+from ..expressions.context import Unknown
+from ..expressions.env import Env
+from ..expressions.evaluate import Evaluator
+from ..values.kinds import Choice, Frame, Plane, Value
+from ..values.vectors import IDENTITY, along, normalized, product, rotation_about, signed_axis
+from .draws import draw_choice, open_parameter
+from .style import Style, complete_choice, sole_style
+
+if TYPE_CHECKING:
+    pass
+from .part import Instance, Option, Part
+
+
+def build_part(env: Env, declaration: ast.PartDecl) -> Part:
+    """Lower the declaration of a part: its choice, its inputs, its instances; registers its unknowns."""
+    context = env.context
+    part = Part(context, env, declaration.name, env.path + declaration.name, declaration)
+    env.parts.append(part)
+    context.parts.append(part)
+    alternatives, arguments = declaration.alternatives, declaration.arguments
+    if (
+        declaration.role is None
+        and len(alternatives) == 1
+        and isinstance(style := env.find(alternatives[0].name or ""), Style)
+    ):
+        arguments, guard = alternatives[0].arguments, alternatives[0].guard
+        part.style, part.role, alternatives = style, style.role, style.alternatives
+        if guard is not None:
+            part.exists = Evaluator(env).truth(Evaluator(env).value(guard), guard.span)
+    elif declaration.role is not None:
+        part.role = resolve(env, declaration.role, declaration.role_span or declaration.span)
+    if part.style is None:
+        alternatives = complete_choice(env, alternatives)
+    resolve_options(part, alternatives, env if part.style is None else part.style.env)
+    make_choice(part, alternatives)
+    if part.role is None and len(part.options) == 1:
+        arguments = arguments + part.options[0].source.arguments
+    interface = part.role if part.role is not None else part.options[0].symbol if len(part.options) == 1 else None
+    if interface is not None:
+        make_inputs(part, interface, arguments)
+    for option in part.options:
+        part.instances.append(instantiate(part, option))
+    return part
+
+
+def resolve(env: Env, name: str, span: Span) -> Symbol:
+    symbol = env.module.find(name)
+    if symbol is None:
+        raise env.context.error("unknown-name", span, f"there is no template, role or primitive `{name}`")
+    return symbol
+
+
+def resolve_options(part: Part, alternatives: tuple[ast.Alternative, ...], env: Env) -> None:
+    for code, alternative in enumerate(alternatives):
+        if alternative.name is None:
+            continue
+        if part.style is None and isinstance(env.find(alternative.name), Style):
+            raise part.context.error(
+                "wrong-kind", alternative.name_span, f"`{alternative.name}` is a style: it stands alone, without a role and other alternatives",
+                hint=f"write `part {part.name} : {alternative.name}`; what else it may be, and `none`, belongs into the style",
+            )  # fmt: skip
+        symbol = resolve(env, alternative.name, alternative.name_span)
+        if symbol.kind not in ("template", "primitive"):
+            raise part.context.error(
+                "wrong-kind", alternative.name_span, f"`{alternative.name}` is a {symbol.kind}; a part is made of a template or a primitive"
+            )  # fmt: skip
+        part.options.append(Option(alternative.name, symbol, alternative, code))
+    if not part.options:
+        raise part.context.error("wrong-kind", part.span, f"`{part.name}` has no alternative but none")
+
+
+def make_choice(part: Part, alternatives: tuple[ast.Alternative, ...]) -> None:
+    if len(alternatives) == 1:
+        return
+    names = tuple(a.name or "none" for a in alternatives)
+    if part.style is not None:
+        part.choice = part.style.choice
+    else:
+        part.choice = draw_choice(part.env, part.path, names, [(a,) for a in alternatives], part.span, part.declaration)
+    absent = [k for k, a in enumerate(alternatives) if a.name is None]
+    for code in absent:
+        part.exists = E.both(part.exists, E.negate(E.call("eq", part.choice.code, E.const(float(code)))))
+
+
+def option_guard(part: Part, option: Option) -> Expr:
+    if part.choice is None or len(part.options) == 1:
+        return part.exists
+    chosen = E.call("eq", part.choice.code, E.const(float(option.code)))
+    if part.style is not None and (alone := part.declaration.alternatives[0].guard) is not None:
+        return E.both(Evaluator(part.env).truth(Evaluator(part.env).value(alone), alone.span), chosen)
+    return chosen
+
+
+def make_inputs(part: Part, interface: Symbol, arguments: tuple[ast.Argument, ...]) -> None:
+    """Values of the interface's parameters: the arguments, and open columns for what is not given."""
+    from .body import parameters_of
+
+    env = part.env
+    given = {a.name: a for a in arguments if a.name is not None}
+    declared = parameters_of(interface)
+    for argument, (_, _, name, _) in zip([a for a in arguments if a.name is None], declared, strict=False):
+        given[name] = argument
+    names = {name for _, _, name, _ in declared}
+    counts = {s.name for s in interface.body if isinstance(s, ast.CountDecl)}
+    for name, argument in given.items():
+        if name in counts:
+            part.inputs[name] = Evaluator(env).scalar(argument.value)
+        elif name not in names and part.role is None:
+            raise part.context.error("unknown-argument", argument.span, f"`{interface.name}` has no parameter `{name}`")
+    local = Env(env.context, interface.module, interface, env.scope, part.path + ".", names=dict())
+    for symbol, declaration, name, span in declared:
+        if declaration.keyword == "out":
+            continue
+        local.module = symbol.module
+        stated = given.get(name)
+        if stated is not None and not has_hole(stated.value):
+            value = handed_in(part, symbol, declaration, name, stated)
+        else:
+            value = open_parameter(part, local, declaration, name, span, stated)
+        part.inputs[name] = value
+        local.names[name] = value
+
+
+def has_hole(node: ast.Expr) -> bool:
+    return isinstance(node, ast.VectorExpr) and any(isinstance(i, ast.HoleExpr) for i in node.items)
+
+
+def handed_in(part: Part, owner: Symbol, declaration: ast.ParamDecl, name: str, argument: ast.Argument) -> Value:
+    """The value of an argument for the parameter ``name`` that ``owner`` declares: an option (``open = front``), a template
+    as a style of its own (``pull = BarHandle``), or whatever else it says."""
+    env, node, kind = part.env, argument.value, declaration.type
+    if isinstance(node, ast.NameExpr):
+        if node.name in kind.values:
+            return Choice(E.const(float(kind.values.index(node.name))), kind.values)
+        symbol = env.module.find(node.name)
+        if kind.style and symbol is not None and symbol.kind == "template" and env.find(node.name) is None:
+            return sole_style(env, f"{part.name}.{name}", owner.module.find(kind.name), node)
+    value = Evaluator(env).value(node)
+    if isinstance(value, Frame | Plane) and kind.size is None and kind.name in DIMENSIONS:
+        return Evaluator(env).number(value, node.span)  # of a plane, the coordinate that it has here
+    return value
+
+
+def instantiate(part: Part, option: Option) -> Instance:
+    """The alternative in its own table (that of the environment when there is nothing to choose)."""
+    from ..solids.primitives import lower_primitive
+    from .body import lower_body, parameters_of
+
+    context = part.context
+    guard = option_guard(part, option)
+    scope = context.guard(part.env.scope, guard, f"{part.path}={option.name}")
+    instance = Instance(part, option.symbol, scope, part.path + ".")
+    if len(context.trace) > 40:
+        raise context.error("circular-definition", part.span, f"`{option.name}` contains itself")
+    context.trace.append((part.span, f"in `{part.path}` ({option.name})"))
+    try:
+        own = dict(part.inputs)
+        arguments = option.source.arguments if part.role is not None or len(part.options) > 1 else ()
+        declared = {name: (owner, declaration) for owner, declaration, name, _ in parameters_of(option.symbol)}
+        for argument in arguments:
+            name = argument.name or ""
+            if has_hole(argument.value):
+                raise context.error(
+                    "misplaced-hole", argument.value.span, f"`{option.name}` is one of several: it leaves nothing open to equations",
+                    hint="what all have open is handed in by a role: `part lid : Lid(size = [_, _, 1cm]) = Flat | Domed`",
+                )  # fmt: skip
+            if name in declared:
+                own[name] = handed_in(part, *declared[name], name, argument)
+            else:  # a count
+                own[name] = Evaluator(part.env).value(argument.value)
+        instance.values = own
+        if option.symbol.kind == "primitive":
+            complete(instance)
+            instance.solid = lower_primitive(context, option.symbol, own)
+            instance.solid.require(instance)
+        else:
+            instance.env = lower_body(instance, option, scope, own)
+    finally:
+        context.trace.pop()
+    return instance
+
+
+def complete(instance: Instance) -> None:
+    """Parameters of a primitive that one alternative among several leaves out: drawn, or their defaults."""
+    from .body import own_parameter, parameters_of
+
+    part, symbol = instance.part, instance.symbol
+    local = Env(part.context, symbol.module, symbol, instance.scope, instance.path, names=dict(instance.values))
+    for _, declaration, name, _ in parameters_of(symbol):
+        if name in instance.values:
+            continue
+        if declaration.default is None and declaration.domain is None:
+            raise part.context.error(
+                "missing-argument", part.span, f"`{symbol.name}` needs `{name}`",
+                hint=f"give it with the alternative: {symbol.name}({name} = ...)",
+            )  # fmt: skip
+        local.names[name] = instance.values[name] = own_parameter(local, declaration, name)
+
+
+def rotation_of(part: Part) -> tuple:
+    """``along`` and ``turned`` of the part and of the alternative that is there; the identity without any."""
+    own = part.declaration.placements
+    if part.style is not None:  # what the style says, then what its user does
+        user = part.declaration.alternatives[0].placements
+        found = [
+            (o, rotation(part.style.env, o.source.placements, rotation(part.env, (*own, *user)))) for o in part.options
+        ]
+    else:
+        found = [(o, rotation(part.env, (*own, *o.source.placements))) for o in part.options]
+    result = found[-1][1] if found else IDENTITY  # what could not be built has been reported
+    for option, turned in reversed(found[:-1]):
+        guard = option_guard(part, option)
+        result = tuple(
+            tuple(E.where(guard, a, b) for a, b in zip(row, other, strict=True))
+            for row, other in zip(turned, result, strict=True)
+        )
+    return result
+
+
+def rotation(env: Env, placements: tuple[ast.Placement, ...], outer: tuple = IDENTITY) -> tuple:
+    """The placements one after the other, then the rotation ``outer``."""
+    ev, made = Evaluator(env), IDENTITY
+    for placement in placements:
+        direction = ev.direction(placement.direction)
+        if placement.angle is None:
+            if signed_axis(direction) is None:
+                raise env.context.error(
+                    "bad-axis", placement.direction.span, "a part lies along x, y or z",
+                    hint="any other direction: `turned 20deg about y`, or a `connect` with frames",
+                )  # fmt: skip
+            step = along(direction)
+        elif all(c is E.ZERO for c in direction):
+            raise env.context.error(
+                "bad-axis", placement.direction.span, "an axis has a length: [0, 0, 0] points nowhere"
+            )
+        else:
+            step = rotation_about(normalized(direction), ev.scalar(placement.angle))
+        made = product(step, made)
+    return made if outer is IDENTITY else product(outer, made)
+
+
+def position_columns(part: Part) -> tuple:
+    """Three unknown coordinates of the part's origin, registered with its environment."""
+    context, columns = part.context, []
+    for axis, letter in enumerate("xyz"):
+        column = context.column(part.env.scope, f"{part.path}.at.{letter}", "real", part.span)
+        part.env.unknowns.append(
+            Unknown(column, "position", part.span, f"the position of `{part.name}` along {letter}", part, axis)
+        )
+        columns.append(E.col(column))
+    return tuple(columns)

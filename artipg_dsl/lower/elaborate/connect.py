@@ -1,0 +1,247 @@
+"""Statements that place and attach: ``align``, ``connect``, ``joint``; and those that are noted for the end."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from ...graph import expr as E
+from ...graph.expr import Scope, ScopeError
+from ...source import Span
+from ...syntax import ast
+from ..expressions.context import Abort, Equation, text_of
+from ..expressions.env import Env
+from ..expressions.evaluate import Evaluator
+from ..expressions.members import At, in_element
+from ..values.faces import FACES, squared
+from ..values.kinds import Box, Frame, Plane, Ref, Value, Vec
+from ..values.vectors import AXES, sole_axis
+from .place import mount_of, root_name
+
+if TYPE_CHECKING:
+    from ..values.kinds import Carrier
+    from .part import Part
+
+
+@dataclass(slots=True, eq=False)
+class Attachment:
+    """How a part hangs on the rest: ``to`` are the parts (or None: the base) whose link carries it."""
+
+    env: Env
+    span: Span
+    to: tuple[Carrier, ...]
+    base: bool
+    joint: ast.JointDecl | None = None
+
+
+def statements(env: Env) -> None:
+    """Process the statements of an environment and of those inside it."""
+    for part in env.parts:
+        try:
+            _ = part.pose
+        except (Abort, ScopeError) as error:
+            env.context.failed(error, part.span)
+    for statement in env.statements:
+        stated = len(env.equations)
+        try:
+            match statement:
+                case ast.AlignStmt():
+                    align(env, statement)
+                case ast.ConnectStmt():
+                    goes_with(connect(env, statement), env.equations[stated:])
+                case ast.JointDecl() if statement.kind is not None:
+                    goes_with(joint(env, statement), env.equations[stated:])
+                case _:
+                    pass
+        except (Abort, ScopeError) as error:
+            env.context.failed(error, statement.span)
+    for inner in env.inner:
+        statements(inner)
+
+
+def goes_with(part: Part, equations: list[Equation]) -> None:
+    """A statement goes with its subject: its equations hold where the part exists."""
+    for equation in equations:
+        equation.guard = E.both(equation.guard, part.exists)
+
+
+def align(env: Env, statement: ast.AlignStmt) -> None:
+    ev, stated = Evaluator(env), len(env.equations)
+    near = () if statement.near is None else statement.near.values
+    for left, right in zip(near[::2], near[1::2], strict=True):
+        equate(ev, ev.value(left), ev.value(right), left.span, right.span, statement.span)
+    starts = tuple((q.left, q.right) for q in env.equations[stated:])
+    del env.equations[stated:]
+    left, right = statement.left, statement.right
+    equate(ev, ev.value(left), ev.value(right), left.span, right.span, statement.span)
+    for equation in env.equations[stated:]:
+        equation.near = starts
+    if statement.near is not None:
+        env.context.near.setdefault(statement.span, False)
+
+
+def equate(ev: Evaluator, a: Value, b: Value, left: Span, right: Span, span: Span) -> None:
+    """One equation for planes and scalars, three for points."""
+    if isinstance(a, Vec) and isinstance(b, Vec):
+        for x, y in zip(a.items, b.items, strict=True):
+            ev.env.equations.append(Equation(x, y, span, text_of(span)))
+        return
+    if isinstance(a, Vec) or isinstance(b, Vec):
+        raise ev.wrong(left if isinstance(b, Vec) else right, "a point", a if isinstance(b, Vec) else b)
+    pa = ev.plane(a, left) if isinstance(a, Frame | Plane) else None
+    pb = ev.plane(b, right) if isinstance(b, Frame | Plane) else None
+    if pa is not None and pb is not None and pa.axis != pb.axis:
+        raise ev.across(span, pa, pb, left, right)
+    x = pa.coordinate if pa is not None else ev.number(a, left)
+    y = pb.coordinate if pb is not None else ev.number(b, right)
+    ev.env.equations.append(Equation(x, y, span, text_of(span)))
+
+
+def placing(
+    env: Env, part: Part, subject: ast.Expr, clauses: tuple[ast.Clause, ...], gap_default: E.Expr
+) -> Value | None:
+    """Equations of ``on``, ``in``, ``fit`` and ``at``; returns what the part is placed on, for its link."""
+    ev = Evaluator(env)
+    words = {c.word: c for c in clauses}
+    gap = ev.scalar(words["gap"].values[0]) if "gap" in words else gap_default
+    target: Value = None
+    if "on" in words:
+        node = words["on"].values[0]
+        target = ev.value(node)
+        if "sink" in words:
+            gap = E.sub(gap, ev.scalar(words["sink"].values[0]))
+        on_plane(ev, subject, node, target, gap, words["on"].span)
+    elif "in" in words:
+        node = words["in"].values[0]
+        box = squared(ev.box(node))
+        target = box
+        names = face_names(words["fit"]) if "fit" in words else tuple(FACES)
+        own = ev.box(ast.NameExpr(span=subject.span, name=part.name))
+        for name in names:
+            match_faces(ev, own, box, name, words["in"].span, gap if "gap" in words else E.ZERO)
+    if "fit" in words and "in" not in words:
+        owner = target_box(ev, words["on"].values[0], words["fit"].span)
+        own = ev.box(ast.NameExpr(span=subject.span, name=part.name))
+        for name in face_names(words["fit"]):
+            match_faces(ev, own, owner, name, words["fit"].span, E.ZERO)
+    if "at" in words and mount_less(words):
+        at_point(ev, subject, words["at"], target)
+    return target
+
+
+def mount_less(words: dict[str, ast.Clause]) -> bool:
+    return "to" not in words and "between" not in words and ("on" in words or "in" in words)
+
+
+def face_names(clause: ast.Clause) -> tuple[str, ...]:
+    return tuple(v.name for v in clause.values if isinstance(v, ast.NameExpr) and v.name in FACES)
+
+
+def on_plane(ev: Evaluator, subject: ast.Expr, node: ast.Expr, target: Value, gap: E.Expr, span: Span) -> None:
+    own = ev.value(subject)
+    if not isinstance(target, Frame | Plane) or not isinstance(own, Frame | Plane):
+        fine = isinstance(target, Frame | Plane)
+        raise ev.wrong(subject.span if fine else node.span, "a face", own if fine else target)
+    a, b = ev.plane(own, subject.span), ev.plane(target, node.span)
+    if a.axis != b.axis:
+        raise ev.across(span, a, b, subject.span, node.span)
+    sign = target.out[b.axis or 0] if isinstance(target, Frame) else E.ONE
+    ev.env.equations.append(Equation(a.coordinate, E.add(b.coordinate, E.mul(gap, sign)), span, text_of(span)))
+
+
+def target_box(ev: Evaluator, node: ast.Expr, span: Span) -> Box:
+    """The box whose face ``on`` names: ``body.bottom`` is a face of ``body``."""
+    if isinstance(node, ast.MemberExpr) and node.name in FACES:
+        return squared(ev.box(node.obj))
+    if isinstance(node, ast.NameExpr) and node.name in FACES and (own := ev.own_box()) is not None:
+        return squared(own)
+    raise ev.env.context.error("wrong-kind", span, "`fit` needs a target of the form part.face")
+
+
+def match_faces(ev: Evaluator, own: Box, other: Box, name: str, span: Span, gap: E.Expr) -> None:
+    axis, sign = FACES[name]
+    mine, theirs = squared(own), squared(other)
+    a, b = (mine.high, theirs.high) if sign > 0 else (mine.low, theirs.low)
+    right = E.sub(b[axis], gap) if sign > 0 else E.add(b[axis], gap)
+    ev.env.equations.append(Equation(a[axis], right, span, f"fit {name}"))
+
+
+def at_point(ev: Evaluator, subject: ast.Expr, clause: ast.Clause, target: Value | None) -> None:
+    """``at center`` equates the two other coordinates of the centres; ``at y = ...`` one coordinate each."""
+    own = ev.value(subject)
+    origin = own.origin if isinstance(own, Frame) else ev.box(subject).center
+    normal = sole_axis(own.out) if isinstance(own, Frame) else None
+    for name, node in zip(clause.names, clause.values, strict=True):
+        if name in AXES:
+            k = AXES.index(name)
+            ev.env.equations.append(Equation(origin[k], ev.scalar(node), node.span, f"at {name}"))
+        else:
+            own_center = isinstance(target, Frame) and isinstance(node, ast.NameExpr) and node.name == "center"
+            other = target.origin if own_center and target is not None else ev.vector(node)
+            for k in range(3):
+                if k != normal:
+                    ev.env.equations.append(Equation(origin[k], other[k], node.span, f"at {AXES[k]}"))
+
+
+# ---------------------------------------------------------------- attachments
+
+
+def connect(env: Env, statement: ast.ConnectStmt) -> Part:
+    part = part_of(env, statement.subject)
+    words = {c.word: c for c in statement.clauses}
+    ev = Evaluator(env)
+    if mount_of(env, statement, part.name) is None:
+        if "to" in words:
+            target: Value | None = ev.value(words["to"].values[0])
+        else:
+            target = placing(env, part, statement.subject, statement.clauses, E.ZERO)
+    elif "between" in words:
+        target = ev.value(words["between"].values[0])
+    else:
+        target = ev.value(words["to"].values[0])
+    carried = carriers(target, env.scope)
+    attach(part, Attachment(env, statement.span, carried, base=not carried))
+    return part
+
+
+def joint(env: Env, statement: ast.JointDecl) -> Part:
+    assert statement.child is not None and statement.parent is not None
+    part = part_of(env, statement.child)
+    placing(env, part, statement.child, joint_placing(statement), E.const(0.0))
+    if isinstance(statement.parent, ast.NameExpr) and statement.parent.name == "base" and env.find("base") is None:
+        attach(part, Attachment(env, statement.span, (), True, statement))
+        return part
+    carried = carriers(Evaluator(env).value(statement.parent), env.scope)
+    attach(part, Attachment(env, statement.span, carried, base=not carried, joint=statement))
+    return part
+
+
+def joint_placing(statement: ast.JointDecl) -> tuple[ast.Clause, ...]:
+    return tuple(c for c in statement.clauses if c.word in ("on", "in", "at", "fit", "gap", "sink"))
+
+
+def part_of(env: Env, node: ast.Expr) -> Part:
+    """The part that a path begins with."""
+    name = root_name(node)
+    value = env.find(name) if name is not None else None
+    if not isinstance(value, Ref):
+        raise env.context.error("wrong-kind", node.span, "a part is needed here")
+    return value.branches[0].members[0][0]
+
+
+def carriers(value: Value, scope: Scope) -> tuple[Carrier, ...]:
+    """The parts on which a value lies that is named from the rows of ``scope``."""
+    if isinstance(value, At):
+        return in_element(value, carriers(value.inner, value.element.scope), scope)
+    if isinstance(value, Ref):
+        return tuple(p for b in value.branches for p, _ in b.members)
+    box = getattr(value, "box", None)
+    return tuple(dict.fromkeys(getattr(value, "on", ()) or (getattr(box, "on", ()) if box is not None else ())))
+
+
+def attach(part: Part, attachment: Attachment) -> None:
+    found = part.attachment
+    if isinstance(found, list):
+        found.append(attachment)
+    else:
+        part.attachment = [attachment]

@@ -1,0 +1,180 @@
+"""Declared parameters to draws and unknowns."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import reduce
+from typing import TYPE_CHECKING
+
+from ...graph import expr as E
+from ...graph.expr import Column, Expr
+from ...graph.program import Draw
+from ...source import Span
+from ...syntax import ast
+from ...units import SI_UNITS
+from ..expressions.context import Unknown, where
+from ..expressions.env import Env
+from ..expressions.evaluate import Evaluator
+from ..values.kinds import Choice, Value, Vec
+
+if TYPE_CHECKING:
+    from .part import Part
+
+LETTERS = ("x", "y", "z")
+SMALL = 1e-9
+
+
+def address(env: Env, path: str, was: str | None) -> str:
+    """The name under which a variable is drawn: its path and the alternatives above it, or its old name."""
+    if was is not None:
+        path = ".".join([*path.split(".")[:-1], was])
+    alternatives = [s.name for s in env.scope.ancestors() if s.kind == "guard"]
+    return "/".join([*reversed(alternatives), path])
+
+
+def component_of(env: Env, node: ast.Expr, component: int | None) -> Expr:
+    value = Evaluator(env).value(node)
+    if component is not None and isinstance(value, Vec):
+        return value.items[component]
+    return Evaluator(env).number(value, node.span)
+
+
+def draw_scalar(env: Env, declaration: ast.ParamDecl | ast.CountDecl, path: str, component: int | None = None) -> Expr:
+    """A fresh drawn column in the environment's table."""
+    draw = make_draw(env, declaration, path, component)
+    env.context.draws.append(draw)
+    return E.col(draw.column)
+
+
+def make_draw(env: Env, declaration: ast.ParamDecl | ast.CountDecl, path: str, component: int | None = None) -> Draw:
+    counted = isinstance(declaration, ast.CountDecl) or declaration.type.name == "count"
+    column = env.context.column(env.scope, path, "count" if counted else "real", declaration.span)
+    domain = declaration.domain
+    assert domain is not None
+    low, high = component_of(env, domain.low, component), component_of(env, domain.high, component)
+    if low.constant is not None and high.constant is not None and low.constant > high.constant:
+        raise env.context.error("empty-range", domain.span, "the range is empty: its low end lies above its high end")
+    unit = SI_UNITS.get(declaration.type.name, "") if isinstance(declaration, ast.ParamDecl) else ""
+    draw = Draw(
+        column, address(env, path, declaration.was), "count" if counted else "real", low, high,
+        unit=unit, where=where(declaration.span), doc=declaration.doc,
+    )  # fmt: skip
+    if declaration.default is not None:
+        draw.default = component_of(env, declaration.default, component)
+        ends = low.constant, draw.default.constant, high.constant
+        if None not in ends and not ends[0] - SMALL <= ends[1] <= ends[2] + SMALL:  # type: ignore[operator]
+            raise env.context.error(
+                "default-outside-range", declaration.default.span, f"the default of `{path}` lies outside its range",
+                notes=((domain.span, "the range"),),
+            )  # fmt: skip
+    if declaration.distribution is not None:
+        draw.distribution = declaration.distribution.name
+        draw.arguments = tuple(component_of(env, a.value, component) for a in declaration.distribution.arguments)
+    vary = getattr(declaration, "vary", None)
+    if vary is not None:
+        relative = isinstance(vary, ast.NumberExpr) and vary.unit == "%"
+        draw.vary = (relative, component_of(env, vary, None))
+    return draw
+
+
+def draw_choice(
+    env: Env,
+    path: str,
+    names: tuple[str, ...],
+    alternatives: Sequence[tuple[ast.Alternative, ...]],
+    span: Span,
+    declaration: ast.Stmt,
+) -> Choice:
+    """A drawn choice among options of which each has one alternative or several, whose weights add up.
+
+    A false ``when`` is weight 0. ``names`` may repeat, of templates with different arguments; what is drawn is told apart as
+    ``BarHandle`` and ``BarHandle#2`` then.
+    """
+    weights = [reduce(E.add, [weight_of(env, alternative) for alternative in same]) for same in alternatives]
+    column = env.context.column(env.scope, path, "choice", span)
+    draw = Draw(
+        column, address(env, path, getattr(declaration, "was", None)), "choice", options=told_apart(names),
+        weights=tuple(weights), where=where(span), doc=declaration.doc,
+    )  # fmt: skip
+    env.context.draws.append(draw)
+    return Choice(E.col(column), names)
+
+
+def weight_of(env: Env, alternative: ast.Alternative) -> Expr:
+    ev = Evaluator(env)
+    weight = E.ONE if alternative.weight is None else ev.scalar(alternative.weight)
+    if alternative.guard is None:
+        return weight
+    return E.where(ev.truth(ev.value(alternative.guard), alternative.guard.span), weight, E.ZERO)
+
+
+def told_apart(names: Sequence[str]) -> tuple[str, ...]:
+    """Names with a number behind those that stand further up, too: a, b, a#2."""
+    seen: dict[str, int] = {}
+    found = []
+    for name in names:
+        seen[name] = seen.get(name, 0) + 1
+        found.append(name if seen[name] == 1 else f"{name}#{seen[name]}")
+    return tuple(found)
+
+
+def draw_option(env: Env, declaration: ast.ParamDecl, path: str) -> Choice:
+    """``param place : choice side | bail = side ~ values(side, side, bail)``."""
+    options = declaration.type.values
+    weights = tuple(E.ONE for _ in options)
+    if declaration.distribution is not None:
+        named = [a.value.name for a in declaration.distribution.arguments if isinstance(a.value, ast.NameExpr)]
+        weights = tuple(E.const(float(named.count(option))) for option in options)
+    column = env.context.column(env.scope, path, "choice", declaration.span)
+    draw = Draw(
+        column, address(env, path, declaration.was), "choice", options=options, weights=weights,
+        where=where(declaration.span), doc=declaration.doc,
+    )  # fmt: skip
+    env.context.draws.append(draw)
+    return Choice(E.col(column), options)
+
+
+def open_parameter(
+    part: Part, local: Env, declaration: ast.ParamDecl, name: str, span: Span, argument: ast.Argument | None
+) -> Value:
+    """Columns for a parameter that no argument gives: unknowns that equations may determine."""
+    kind = declaration.type
+    if kind.values:
+        return draw_option(local, declaration, f"{part.path}.{name}")
+    if kind.style:
+        raise part.context.error("wrong-arguments", part.span, f"the style `{name}` must be given as an argument")
+    if kind.name == "count" and declaration.domain is not None:
+        return draw_scalar(local, declaration, f"{part.path}.{name}")
+    if kind.size is None:
+        return open_scalar(part, local, declaration, name, span, None)
+    holes = argument.value.items if argument is not None else (None,) * kind.size  # type: ignore[attr-defined]
+    items = []
+    for k, item in enumerate(holes):
+        if item is not None and not isinstance(item, ast.HoleExpr):
+            items.append(Evaluator(part.env).scalar(item))
+        else:
+            items.append(open_scalar(part, local, declaration, f"{name}.{LETTERS[k]}", span, k))
+    return Vec(tuple(items))
+
+
+def open_scalar(
+    part: Part, local: Env, declaration: ast.ParamDecl, name: str, span: Span, component: int | None
+) -> Expr:
+    path = f"{part.path}.{name}"
+    shown = f"`{part.name}.{name}`"
+    if declaration.domain is not None:
+        draw = make_draw(local, declaration, path, component)
+        unknown = Unknown(draw.column, "param", part.span, shown, part, draw=draw)
+        if part.style is not None:
+            unknown.default = part.style.shared(None, name, declaration, component, local)
+            unknown.kind = "default"
+        else:
+            part.context.draws.append(draw)
+    else:
+        column: Column = part.context.column(local.scope, path, "real", part.span)
+        unknown = Unknown(column, "size", part.span, shown, part, positive=declaration.positive)
+        if declaration.default is not None:
+            unknown.kind = "default"
+            unknown.default = component_of(local, declaration.default, component)
+    part.env.unknowns.append(unknown)
+    return E.col(unknown.column)

@@ -1,0 +1,451 @@
+"""Labels, materials, grasps and keypoints: targets to sites, formulas into the frames of their targets."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from ...graph import expr as E
+from ...graph.expr import ONE, Expr, Scope, ScopeError
+from ...graph.formula import free_variables
+from ...graph.program import MEASURES, Grasp, Keypoint, Label, Pose, Target
+from ...syntax import ast
+from ..expressions.context import Abort, where
+from ..expressions.env import Element, Env
+from ..expressions.evaluate import Evaluator
+from ..solve.solve import lifted
+from ..values.carry import moved
+from ..values.faces import extent
+from ..values.kinds import Box, Frame, Line, Ref, Surface, Value, Vec
+from ..values.vectors import HERE, compose, inverse, place
+from .drives import FUNCTIONS, Drive
+from .guards import held
+from .links import Links
+from .part import Part
+from .place import root_name
+
+if TYPE_CHECKING:
+    from .part import Instance
+
+
+@dataclass(slots=True, eq=False)
+class Aim:
+    """What a target path names: parts (with the box of each group) or surfaces of one, in the object's frame."""
+
+    parts: list[Part]
+    surfaces: tuple[str, ...]
+    frame: Pose  # of the formula, in the object
+    box: Box  # in that frame
+    scope: Scope  # the table of one instance of the target
+    depth: int
+    there: Expr = E.TRUE  # where a slot that a `when` binds means it
+
+
+def statements(links: Links, env: Env) -> None:
+    """The labels and the like of a body in the order of its text, those inside parts first (so that outer ones may stand over
+    them)."""
+    homes = list(nested(env))
+    for home in homes:
+        for part in home.parts:
+            for instance in part.instances:
+                if instance.env is not None:
+                    statements(links, instance.env)
+    said = [(home, statement) for home in homes for statement in home.statements]
+    for home, statement in said:
+        if isinstance(statement, ast.SymmetryStmt):  # before those under a guard, which say more
+            attempt(links, home, statement, symmetry)
+    for home, statement in sorted(said, key=lambda pair: pair[1].span.start):
+        if type(statement) in MEANINGS:
+            attempt(links, home, statement, MEANINGS[type(statement)])
+
+
+def nested(env: Env) -> Iterator[Env]:
+    """An environment, then its repeats and branches and what is in them."""
+    yield env
+    for inner in env.inner:
+        yield from nested(inner)
+
+
+def attempt(links: Links, env: Env, statement: ast.Stmt, meaning: Callable[[Links, Env, Any], None]) -> None:
+    """One statement; after an error the next ones are still looked at."""
+    try:
+        meaning(links, env, statement)
+    except (Abort, ScopeError) as error:
+        env.context.failed(error, statement.span)
+
+
+# ---------------------------------------------------------------- targets
+
+
+def aims(links: Links, env: Env, node: ast.Expr) -> list[Aim]:
+    """The things a target names; a path may run through repeats and slots."""
+    found: list[Aim] = []
+    for value, home in walk(env, node):
+        reached = len(found)
+        if isinstance(value, Surface):
+            found.extend(aim_at(links, part, part, (name,)) for _, part, _, name in value.branches)
+        elif isinstance(value, Ref):
+            for branch in value.branches:
+                found.extend(aim_at(links, p, slot_owner(p, home, env), ()) for p, _ in branch.members)
+        elif isinstance(value, Element):
+            for part in value.env.all_parts():
+                found.append(aim_at(links, part, part, ()))
+        else:
+            raise env.context.error("wrong-kind", node.span, "a part, a slot or a surface is needed here")
+        for aim in found[reached:] if home.root is not env.root else ():
+            aim.there = held(home.scope, aim.scope)
+    return found
+
+
+def slot_owner(part: Part, home: Env, env: Env) -> Part:
+    """Whose axes a formula has: those of the instance whose role declares the slot, for a part reached through one."""
+    instance = home.root.instance
+    if instance is None or home.root is env.root:
+        return part
+    names = (
+        {s.name for s in instance.part.role.body if isinstance(s, ast.SlotDecl)}
+        if instance.part.role is not None
+        else set()
+    )
+    return instance.part if part.name in names or instance.bindings else part
+
+
+def walk(env: Env, node: ast.Expr) -> list[tuple[Value, Env]]:
+    """Values of a path without an index, through every repeat it names, each in its own environment."""
+    if isinstance(node, ast.NameExpr):
+        at: Env | None = env
+        while at is not None:  # each branch of a `when` that declares the name, on its own
+            if node.name not in at.names and (branched := at.branched(node.name)):
+                return [(value, branch) for branch, value in branched]
+            at = at.outer if node.name not in at.names else None
+        value = env.find(node.name)
+        if value is not None:
+            return [(value, env)]
+        raise env.context.error("unknown-name", node.span, f"`{node.name}` is not known here")
+    if isinstance(node, ast.IndexExpr):
+        return walk(env, node.obj)
+    if not isinstance(node, ast.MemberExpr):
+        raise env.context.error("wrong-kind", node.span, "a path of names is needed here")
+    found: list[tuple[Value, Env]] = []
+    for value, _ in walk(env, node.obj):
+        if isinstance(value, Element):
+            if node.name in value.env.names:
+                found.append((value.env.force(node.name), value.env))
+            else:
+                found.extend((v, branch) for branch, v in value.env.branched(node.name))
+        elif isinstance(value, Ref):
+            found.extend(inner_values(value, node.name))
+    if not found:
+        raise env.context.error("unknown-member", node.name_span, f"nothing here has `{node.name}`")
+    return found
+
+
+def inner_values(ref: Ref, name: str) -> list[tuple[Value, Env]]:
+    """A member of every alternative that has it."""
+    found: list[tuple[Value, Env]] = []
+    for branch in ref.branches:
+        for part, _ in branch.members:
+            for instance in part.instances:
+                if name in instance.bindings:
+                    found.extend(instance.bound(name))
+                    continue
+                found.extend((value, instance.env or part.env) for value in own_members(instance, name))
+    return found
+
+
+def own_members(instance: Instance, name: str) -> list[Value]:
+    """What an instance declares under a name: one value, or one in each branch that does."""
+    if instance.solid is not None:
+        return [Surface(((None, instance.part, HERE, name),))] if name in instance.solid.primitive.surfaces else []
+    assert instance.env is not None
+    if name in instance.env.names:
+        value = instance.env.force(name)
+        return [] if value is None else [value]
+    return [value for _, value in instance.env.branched(name)]
+
+
+def aim_at(links: Links, part: Part, owner: Part, surfaces: tuple[str, ...]) -> Aim:
+    """The formula's frame: axes of ``owner``, box of ``part`` in them."""
+    if owner is part:
+        return Aim([part], surfaces, links.part_world(part), part.box(), part.env.scope, depth_of(part))
+    frame = links.part_world(owner)
+    box = extent(moved(part.box(), compose(inverse(frame), links.part_world(part))))
+    return Aim([part], surfaces, frame, box, part.env.scope, depth_of(part))
+
+
+def depth_of(part: Part) -> int:
+    depth, instance = 1, part.env.root.instance
+    while instance is not None:
+        depth, instance = depth + 1, instance.part.env.root.instance
+    return depth
+
+
+def sites_of(links: Links, part: Part) -> list[int]:
+    """All elementary primitives of a part, those of its inner parts included."""
+    found = list(links.sites.get(part, []))
+    for instance in part.instances:
+        for inner in instance.parts():
+            found.extend(sites_of(links, inner))
+    return found
+
+
+def targets(links: Links, aim: Aim) -> tuple[Target, ...]:
+    center = aim.box.center
+    return tuple(
+        Target(site, aim.surfaces, aim.frame, aim.box.size, center)
+        for part in aim.parts
+        for site in sites_of(links, part)
+    )
+
+
+def formula(links: Links, env: Env, aim: Aim) -> Evaluator:
+    """Evaluates in the frame of the target with its centre as origin; p, n, u, v, size are the target's own."""
+    local: dict[str, Value] = {
+        "p": Vec(tuple(E.var(f"p.{a}") for a in "xyz")),
+        "n": Vec(tuple(E.var(f"n.{a}") for a in "xyz")),
+        "u": E.var("u"), "v": E.var("v"),
+        "size": Vec(tuple(E.var(f"size.{a}") for a in "xyz")),
+    }  # fmt: skip
+    origin = Pose(aim.frame.rotation, place(aim.frame, aim.box.center), aim.frame.mirror)
+    carry = compose(inverse(origin), links.world(env))
+    made = Evaluator(env, local, carry)
+    made.drive = Drive(links, env, aim, origin)
+    return made
+
+
+# ---------------------------------------------------------------- statements
+
+
+def label(links: Links, env: Env, statement: ast.LabelStmt) -> None:
+    program = env.context.program
+    for node in statement.targets:
+        for aim in aims(links, env, node):
+            ev = formula(links, env, aim)
+            guard, there = condition(ev, statement.where), standing(env, aim)
+            if statement.value is None:  # what holds or does not is its condition
+                made = Label(
+                    statement.vocabulary,
+                    statement.label,
+                    targets(links, aim),
+                    guard,
+                    where(statement.span),
+                    guard=there,
+                )
+            else:
+                degree = ev.scalar(statement.value)
+                made = Label(
+                    statement.vocabulary, statement.label, targets(links, aim), degree, where(statement.span),
+                    guard=E.both(there, guard),
+                )  # fmt: skip
+            made = replace(made, joints=acted(links, ev, statement), motion=motion(env, statement))
+            links.context.labels.append((aim.depth, made))
+            holds = E.both(there, guard)
+            whole = statement.vocabulary == "semantic" and statement.value is None and not aim.surfaces
+            if whole and not free_variables([holds]):  # it holds for a part as a whole, or does not
+                for part in aim.parts:
+                    for instance in part.instances:
+                        number = links.nodes.get((part, instance.symbol.name))
+                        if number is not None:
+                            made_of = program.parts[number]
+                            said = (*made_of.semantic, (statement.label, holds))
+                            program.parts[number] = replace(made_of, semantic=said)
+
+
+def acted(links: Links, ev: Evaluator, statement: ast.LabelStmt) -> tuple[int, ...]:
+    """The joints that a label is for: the one it names, else those that its formula asks about."""
+    assert ev.drive is not None
+    asked = (
+        [statement.joint] if statement.joint is not None else drives_in(statement.where) + drives_in(statement.value)
+    )
+    found = [joint for node in asked for joint in ev.drive.joints(node)]
+    return tuple(k for k, joint in enumerate(links.context.program.joints) if any(joint is one for one in found))
+
+
+def drives_in(node: ast.Node | None) -> list[ast.Expr]:
+    """What `pushes(joint)` and the like in a formula name."""
+    if isinstance(node, ast.CallExpr) and isinstance(node.function, ast.NameExpr) and node.function.name in FUNCTIONS:
+        return [node.arguments[0].value]
+    inner = [getattr(node, name) for name in node.__dataclass_fields__] if isinstance(node, ast.Node) else []
+    flat = [one for value in inner for one in (value if isinstance(value, tuple) else (value,))]
+    return [found for one in flat if isinstance(one, ast.Node) for found in drives_in(one)]
+
+
+def motion(env: Env, statement: ast.LabelStmt) -> str:
+    """The kind of joint that the word of a label moves by, as its vocabulary says."""
+    symbol = env.module.find(statement.vocabulary)
+    if symbol is None or not isinstance(symbol.decl, ast.VocabularyDecl) or statement.label not in symbol.decl.words:
+        return ""
+    return symbol.decl.motions[symbol.decl.words.index(statement.label)]
+
+
+def field_label(links: Links, env: Env, statement: ast.FieldStmt) -> None:
+    for node in statement.targets:
+        for aim in aims(links, env, node):
+            ev = formula(links, env, aim)
+            guard, value = condition(ev, statement.where), ev.value(statement.value)
+            vector: tuple[Expr, ...] = ()
+            if statement.type.name == "bool":
+                number = ev.truth(value, statement.value.span)
+            elif isinstance(value, Vec):
+                number, vector = E.ZERO, value.items
+            else:
+                number = ev.scalar(statement.value)
+            made = Label(
+                "field", statement.name, targets(links, aim), number, where(statement.span),
+                guard=E.both(standing(env, aim), guard), vector=vector,
+            )  # fmt: skip
+            links.context.labels.append((aim.depth, made))
+
+
+def standing(env: Env, aim: Aim) -> Expr:
+    """What the ``when`` around a statement says, as far as the target may be there without it."""
+    return E.both(held(env.scope, aim.scope), aim.there)
+
+
+def present(env: Env, aim: Aim) -> Expr:
+    """Where a statement about a part as a whole holds: where that part is, too, which may have `none` for an alternative."""
+    return E.both(standing(env, aim), aim.parts[0].exists)
+
+
+def condition(ev: Evaluator, node: ast.Expr | None) -> Expr:
+    return E.TRUE if node is None else ev.truth(ev.value(node), node.span)
+
+
+def material(links: Links, env: Env, statement: ast.MaterialStmt) -> None:
+    from .looks import Look, lower_material
+
+    look = env.find(statement.material)
+    pairs: tuple[tuple[str, Expr], ...]
+    if isinstance(look, Look):
+        pairs = look.options
+    else:
+        symbol = env.module.find(statement.material)
+        if symbol is None or symbol.kind != "material":
+            raise env.context.error(
+                "unknown-material", statement.material_span, f"there is no material `{statement.material}`"
+            )
+        lower_material(env.context, symbol)
+        pairs = ((symbol.name, E.TRUE),)
+    for node in statement.targets:
+        for aim in aims(links, env, node):
+            there = standing(env, aim)
+            looks = tuple((name, E.both(there, predicate)) for name, predicate in pairs)
+            for part in aim.parts:
+                for site in sites_of(links, part):
+                    links.context.materials.setdefault(site, []).append((aim.depth, looks))
+
+
+def grasp(links: Links, env: Env, statement: ast.GraspStmt) -> None:
+    words = {c.word: c for c in statement.clauses}
+    for word in ("at", "approach", "close", "opening"):
+        if word not in words:
+            raise env.context.error("wrong-arguments", statement.span, f"the grasp has no `{word}`")
+    for aim in aims(links, env, statement.target):
+        ev = formula(links, env, aim)
+        if statement.parameter is not None:
+            ev.local[statement.parameter] = E.var("t")
+        low = high = E.ZERO
+        if statement.range is not None:
+            low, high = Evaluator(env).scalar(statement.range.low), Evaluator(env).scalar(statement.range.high)
+        own = dict(ev.local)
+        plain = Evaluator(env, own, ev.pose)
+        directions = [Evaluator(env, {**own, **axes()}).direction(words[w].values[0]) for w in ("approach", "close")]
+        quality = plain.scalar(words["quality"].values[0]) if "quality" in words else ONE
+        hand = tuple((word, plain.scalar(words[word].values[0])) for word in MEASURES if word in words)
+        scope = env.context.guard(aim.scope, present(env, aim), f"{env.path}{statement.name}")
+        links.context.program.grasps.append(
+            Grasp(
+                statement.name,
+                scope,
+                links.of(aim.parts[0]),
+                aim.frame,
+                aim.box.size,
+                aim.box.center,
+                low,
+                high,
+                plain.vector(words["at"].values[0]),
+                directions[0],
+                directions[1],
+                plain.scalar(words["opening"].values[0]),
+                quality,
+                where(statement.span),
+                hand,
+            )  # fmt: skip
+        )
+
+
+def axes() -> dict[str, Value]:
+    """In a grasp, axis words are the target's own axes."""
+    from ..values.vectors import unit
+
+    return {letter: Vec(unit(k)) for k, letter in enumerate("xyz")}
+
+
+def keypoint(links: Links, env: Env, statement: ast.KeypointStmt) -> None:
+    program = env.context.program
+    try_part = [a for a in aims(links, env, statement.target)] if is_part_path(env, statement.target) else []
+    if try_part:
+        for aim in try_part:
+            point = place(aim.frame, aim.box.center)
+            if statement.at is not None:
+                own = formula(links, env, aim)
+                own.local.update({"size": Vec(aim.box.size)})
+                origin = Pose(aim.frame.rotation, point, aim.frame.mirror)
+                point = place(origin, Evaluator(env, own.local).vector(statement.at))
+            scope = env.context.guard(aim.scope, present(env, aim), f"{env.path}{statement.name}")
+            program.keypoints.append(
+                Keypoint(statement.name, scope, links.of(aim.parts[0]), point, where(statement.span))
+            )
+        return
+    value = Evaluator(env).value(statement.target)
+    point = (
+        value.origin
+        if isinstance(value, Frame)
+        else value.point
+        if isinstance(value, Line)
+        else Evaluator(env).vector(statement.target)
+    )
+    on = getattr(value, "on", ())
+    program.keypoints.append(
+        Keypoint(
+            statement.name,
+            env.scope,
+            links.carried(on, statement.span) if on else (0,),
+            place(links.world(env), point),
+            where(statement.span),
+        )
+    )
+
+
+def is_part_path(env: Env, node: ast.Expr) -> bool:
+    try:
+        quiet = len(env.context.report.diagnostics)
+        found = all(isinstance(v, Ref) for v, _ in walk(env, node)) if root_name(node) else False
+        return found and len(env.context.report.diagnostics) == quiet
+    except Abort:
+        env.context.report.retract()
+        return False
+
+
+def symmetry(links: Links, env: Env, statement: ast.SymmetryStmt) -> None:
+    direction = Evaluator(env).direction(statement.direction)
+    axis = E.const(float(next((k for k in range(3) if direction[k].constant in (1.0, -1.0)), 2)))
+    turns = E.ZERO if statement.turn is None else E.maximum(Evaluator(env).scalar(statement.turn), E.ONE)
+    program = env.context.program
+    for aim in aims(links, env, statement.target):
+        for part in aim.parts:
+            for instance in part.instances:
+                number = links.nodes.get((part, instance.symbol.name))
+                if number is not None:
+                    known = program.parts[number].symmetry or (E.ONE, axis)
+                    here = held(env.scope, instance.scope)
+                    told = (
+                        E.where(here, lifted(a, instance.scope), b) for a, b in zip((turns, axis), known, strict=True)
+                    )
+                    program.parts[number] = replace(program.parts[number], symmetry=tuple(told))  # type: ignore[arg-type]
+
+
+MEANINGS: dict[type[ast.Stmt], Callable[[Links, Env, Any], None]] = {
+    ast.LabelStmt: label, ast.FieldStmt: field_label, ast.MaterialStmt: material, ast.GraspStmt: grasp, ast.KeypointStmt: keypoint,
+}  # fmt: skip

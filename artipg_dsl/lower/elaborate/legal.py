@@ -1,0 +1,303 @@
+"""Every number of an object has a legal range: what is never legal is an error, what may not be becomes a requirement.
+
+What interval analysis shows to be legal whatever is drawn costs nothing; the rest is asked of each object, so that one with
+a size of nan or an axis of no length is drawn again, counted and reported as for a ``require``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from ...graph import expr as E
+from ...graph.defined import Defined, Sharp
+from ...graph.expr import Expr, Scope
+from ...graph.feasible import certain
+from ...graph.formula import row_values
+from ...graph.interval import Intervals
+from ...graph.linear import tidy
+from ...graph.program import Draw, Grasp, Joint, Label, Pose, Program, Requirement, Where
+from ...graph.program import Part as PartNode
+from ...source import Source, Span
+from ..expressions.context import Context, where
+from ..expressions.env import Env
+from ..values.vectors import cross, dot
+from .links import Links
+from .ranges import (
+    APART,
+    AXIS,
+    DIRECTION,
+    DISTANCE,
+    DRIVEN,
+    ELEMENTS,
+    HELD,
+    MOTION,
+    NUMBER,
+    OPENING,
+    OPTION,
+    PITCH,
+    PLACE,
+    ROWS,
+    SHARE,
+    SIZE,
+    SPREAD,
+    STEP,
+    TURN,
+    WEIGHT,
+    Legal,
+    Quantity,
+    plain,
+)
+
+SHARES = 5  # values of a grasp's parameter at which its formulas are asked for
+ROUNDING = E.const(1e-9)
+
+
+def legalize(links: Links, env: Env) -> None:
+    """Report what is never legal; require what might not be. Follows upon the bounds of draws: it narrows nothing."""
+    context, program = links.context, links.context.program
+    intervals = Sharp(program.draws, program.definitions)
+    defined = Defined(intervals)
+    asked: dict[tuple[Scope, str, Where | None], list[Quantity]] = {}
+    sources: dict[str, Source] | None = None
+    refused: set[object] = set()
+    seen: set[tuple[Scope, Expr, Legal, Expr]] = set()
+    for quantity in quantities(links):
+        key = (quantity.scope, quantity.value, quantity.legal, quantity.guard)
+        if key in seen or holds(quantity, intervals, defined):
+            continue
+        seen.add(key)
+        if never(quantity, intervals):
+            sources = sources or sources_of(env)
+            follows = SIZE in refused and quantity.legal is PLACE  # what is too large lies too far off
+            if not follows and str(quantity.where) not in refused:  # of one statement, what is told first
+                refuse(context, quantity, intervals, sources)
+            refused |= {str(quantity.where), quantity.legal}
+        else:
+            asked.setdefault((quantity.scope, f"{quantity.name}: {quantity.legal.words}", quantity.where), []).append(
+                quantity
+            )
+    for (scope, message, place), several in asked.items():
+        condition = E.TRUE
+        for quantity in several:
+            condition = E.both(condition, E.either(E.negate(quantity.guard), within(quantity)))
+        if condition is not E.TRUE:
+            program.requirements.append(Requirement(scope, condition, E.TRUE, message, place, text=several[0].name))
+
+
+def holds(quantity: Quantity, intervals: Intervals, defined: Defined) -> bool:
+    """Whether a number is legal whatever is drawn."""
+    value, legal = quantity.value, quantity.legal
+    if value.constant is not None:
+        return legal.holds(float(value.constant))
+    low, high = intervals.of(value)
+    return legal.low <= low and high <= legal.high and defined.certain(value)
+
+
+def never(quantity: Quantity, intervals: Intervals) -> bool:
+    """Whether a number is never legal, in what every object has."""
+    value, legal = quantity.value, quantity.legal
+    if quantity.guard is not E.TRUE or not certain(quantity.scope, intervals) and value.constant is None:
+        return False
+    low, high = intervals.of(value)
+    return value.constant is not None or high < legal.low or low > legal.high
+
+
+def within(quantity: Quantity) -> Expr:
+    """The predicate that a number is legal; nan is not."""
+    legal, value = quantity.legal, quantity.value
+    return E.both(E.call("le", E.const(legal.low), value), E.call("le", value, E.const(legal.high)))
+
+
+def refuse(context: Context, quantity: Quantity, intervals: Intervals, sources: dict[str, Source]) -> None:
+    value, place = quantity.value, quantity.where
+    low, high = intervals.of(value)
+    amount = (
+        plain(float(value.constant)) if value.constant is not None
+        else f"at least {plain(low)}" if low > quantity.legal.high else f"at most {plain(high)}"
+    )  # fmt: skip
+    span = None
+    if place is not None and place.file in sources:
+        span = line_of(sources[place.file], place)
+    context.report.error(
+        "illegal-value", span, f"{quantity.name} is {amount}, but {quantity.legal.words}",
+        hint="lengths are told in metres, angles in radians",
+    )  # fmt: skip
+
+
+def line_of(source: Source, place: Where) -> Span:
+    """From a place to the end of its line."""
+    text = source.line(place.line)
+    start = sum(len(line) + 1 for line in source.text.split("\n")[: place.line - 1]) + place.column - 1
+    code = text[place.column - 1 :].split("#")[0].rstrip()
+    return Span(source, start, start + max(len(code), 1))
+
+
+def sources_of(env: Env) -> dict[str, Source]:
+    """The texts of the category's file and of all that it uses, by name."""
+    found: dict[str, Source] = {}
+    waiting = [env.module]
+    while waiting:
+        module = waiting.pop()
+        if module.source.name not in found:
+            found[module.source.name] = module.source
+            waiting.extend(symbol.module for symbol in module.names.values())
+    return found
+
+
+# ---------------------------------------------------------------- the numbers of each record
+
+
+def quantities(links: Links) -> Iterator[Quantity]:
+    """All numbers of a program that have a legal range."""
+    program, context = links.context.program, links.context
+    yield from context.asked
+    for scope, span in context.counted.items():
+        yield from rows(scope, where(span))
+    for draw in program.draws:
+        yield from of_draw(draw)
+    places = {number: where(part.span) for (part, _), number in links.nodes.items()}
+    for number, part in enumerate(program.parts):
+        yield from of_box(part, places.get(number))
+    for number, part in enumerate(program.parts):
+        yield from of_pose(f"`{part.path}`", part.scope, part.pose, places.get(number))
+    for site in program.sites:
+        for name, value in zip(program.primitives[site.primitive].parameters, site.parameters, strict=True):
+            yield Quantity(f"`{name}` of `{site.path}`", site.scope, value, NUMBER, places.get(site.part))
+    for joint in program.joints:
+        yield from of_joint(joint)
+    for label in program.labels:
+        yield from of_label(label, program)
+    for grasp in program.grasps:
+        yield from of_grasp(grasp)
+    for keypoint in program.keypoints:
+        yield from each(f"the keypoint `{keypoint.name}`", keypoint.scope, keypoint.point, PLACE, keypoint.where)
+    for closure in program.closures:
+        for point in closure.points:
+            yield from each("a point of this `close`", closure.scope, point, PLACE, closure.where)
+    for clear in program.clear:
+        yield Quantity(f"the distance of `{clear.text}`", clear.scope, clear.distance, DISTANCE, clear.where)
+    for preference in program.preferences:
+        yield Quantity(
+            f"the weight of `{preference.text}`", preference.scope, preference.weight, WEIGHT, preference.where
+        )
+
+
+def each(name: str, scope: Scope, values: Iterable[Expr], legal: Legal, place: Where | None) -> Iterator[Quantity]:
+    for value in values:
+        yield Quantity(name, scope, value, legal, place)
+
+
+def rows(scope: Scope, place: Where) -> Iterator[Quantity]:
+    """How many elements a repeat has, and how many all repeats of an object have together."""
+    assert scope.count is not None and scope.parent is not None
+    yield Quantity(f"the number of elements of `{scope.name}`", scope.parent, scope.count, ELEMENTS, place)
+    total, above = scope.count, scope.parent
+    while above.parent is not None:
+        total = E.reduce("sum", above, total) if above.kind == "repeat" else E.phi(above.parent, [(above, total)])
+        above = above.parent
+    if total is not scope.count:
+        yield Quantity(f"the number of all elements of `{scope.name}`", above, total, ROWS, place)
+
+
+def of_draw(draw: Draw) -> Iterator[Quantity]:
+    name, scope, place = f"`{draw.column.name}`", draw.column.scope, draw.where
+    for end in (draw.low, draw.high):
+        if end is not None:
+            yield Quantity(f"an end of the range of {name}", scope, end, NUMBER, place)
+    for weight in draw.weights:
+        yield Quantity(f"a weight of {name}", scope, weight, WEIGHT, place)
+    if draw.weights and all(w.constant is not None for w in draw.weights):
+        total = E.maximum(*draw.weights)
+        yield Quantity(f"the largest weight of {name}", scope, total, OPTION, place)
+    for number, argument in enumerate(draw.arguments):
+        spread = draw.distribution in ("normal", "lognormal") and number == 1 or draw.distribution == "lognormal"
+        yield Quantity(
+            f"an argument of the distribution of {name}", scope, argument, SPREAD if spread else NUMBER, place
+        )
+    if draw.vary is not None:
+        yield Quantity(f"the step of {name}", scope, draw.vary[1], STEP, place)
+
+
+def of_pose(name: str, scope: Scope, pose: Pose, place: Where | None) -> Iterator[Quantity]:
+    yield from each(f"the place of {name}", scope, pose.translation, PLACE, place)
+    yield from each(f"the direction of {name}", scope, (cell for row in pose.rotation for cell in row), TURN, place)
+
+
+def of_box(part: PartNode, place: Where | None) -> Iterator[Quantity]:
+    name = f"`{part.path}`"
+    for axis, low, high in zip("xyz", part.low, part.high, strict=True):
+        yield Quantity(f"the size of {name} along {axis}", part.scope, tidy(E.sub(high, low)), SIZE, place)
+        yield from each(f"the box of {name}", part.scope, (low, high), PLACE, place)
+
+
+def of_joint(joint: Joint) -> Iterator[Quantity]:
+    name, scope, place = f"the joint `{joint.path}`", joint.scope, joint.where
+    yield from each(f"the place of {name}", scope, joint.origin, PLACE, place)
+    if joint.kind not in ("fixed", "ball"):
+        yield Quantity(f"the length of the axis of {name}", scope, dot(joint.axis, joint.axis), AXIS, place)
+    for end, value in (("low end", joint.low), ("high end", joint.high), ("rest value", joint.rest)):
+        if value is not None:
+            yield Quantity(f"the {end} of {name}", scope, value, MOTION, place)
+    if joint.low is not None and joint.high is not None:
+        ordered = Legal(-1e-9, 2e4, "its low end lies below its high end")
+        yield Quantity(f"the extent of the range of {name}", scope, E.sub(joint.high, joint.low), ordered, place)
+        if joint.rest is not E.minimum(E.maximum(E.ZERO, joint.low), joint.high):
+            inside = E.minimum(E.sub(joint.rest, joint.low), E.sub(joint.high, joint.rest))
+            words = "it has to lie in the range of the joint"
+            yield Quantity(
+                f"how far the rest value of {name} lies inside", scope, inside, Legal(-1e-9, 2e4, words), place
+            )
+    for word, legal in (("damping", HELD), ("friction", HELD), ("effort", DRIVEN), ("velocity", DRIVEN)):
+        value = getattr(joint, word)
+        if value is not None:
+            yield Quantity(f"the {word} of {name}", scope, value, legal, place)
+    if joint.pitch is not None:
+        yield Quantity(f"the pitch of {name}", scope, E.call("abs", joint.pitch), PITCH, place)
+    if joint.mimic is not None:
+        yield from each(f"the factor of {name}", scope, joint.mimic[1:], NUMBER, place)
+
+
+def of_label(label: Label, program: Program) -> Iterator[Quantity]:
+    """What a formula reads of each row; what it makes of points is asked where it is evaluated."""
+    name = f"the {'field' if label.vocabulary == 'field' else 'label'} `{label.name}`"
+    guard, *values = label.formulas
+    plain_guard = guard if not row_less(guard) else None
+    for scope in dict.fromkeys(program.sites[target.site].scope for target in label.targets):
+        for value in values:
+            degree = label.vocabulary != "field" and value.op not in E.PREDICATES and not isinstance(value.value, bool)
+            legal = SHARE if degree else NUMBER
+            if value.constant is not None or value.scope is not None and row_values([value]) == [value]:
+                if plain_guard is not None:
+                    yield Quantity(name, scope, value, legal, label.where, plain_guard)
+                continue
+            for read in row_values([value]):
+                if plain_guard is not None:
+                    yield Quantity(f"what {name} reads", scope, read, NUMBER, label.where, plain_guard)
+
+
+def row_less(node: Expr) -> bool:
+    """Whether a predicate reads more than the rows of a table: coordinates of points."""
+    return node.op != "const" and row_values([node]) != [node]
+
+
+def of_grasp(grasp: Grasp) -> Iterator[Quantity]:
+    """A grasp at the values of its parameter at which it is laid out, in boxes as large as they are."""
+    name, scope, place = f"the grasp `{grasp.name}`", grasp.scope, grasp.where
+    yield from each(f"the range of {name}", scope, (grasp.low, grasp.high), NUMBER, place)
+    box = {E.var(f"size.{axis}"): size for axis, size in zip("xyz", grasp.size, strict=True)}
+    for k in range(SHARES):
+        share = E.const(k / (SHARES - 1))
+        t = E.add(grasp.low, E.mul(E.sub(grasp.high, grasp.low), share))
+        formulas = [E.substitute(f, {**box, E.var("t"): t}) for f in grasp.formulas]
+        at, approach, close = (tuple(formulas[3 * i : 3 * i + 3]) for i in range(3))
+        yield from each(f"the place of {name}", scope, at, PLACE, place)
+        yield Quantity(f"the length of `approach` of {name}", scope, norm(approach), DIRECTION, place)
+        yield Quantity(f"the length of `close` of {name}", scope, norm(close), DIRECTION, place)
+        yield Quantity(f"`close` beside `approach` of {name}", scope, norm(cross(approach, close)), APART, place)  # type: ignore[arg-type]
+        yield Quantity(f"the opening of {name}", scope, formulas[9], OPENING, place)
+        yield Quantity(f"the quality of {name}", scope, formulas[10], SHARE, place)
+        yield from each(f"the hand of {name}", scope, formulas[11:], HELD, place)
+
+
+def norm(vector: Sequence[Expr]) -> Expr:
+    return E.call("sqrt", dot(vector, vector))

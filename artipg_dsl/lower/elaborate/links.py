@@ -1,0 +1,438 @@
+"""Attachments to links and joints, sites and the part tree, once every pose is known.
+
+What carries a part is a reference (``graph.reference``): alternatives of a part and branches of ``when`` may bring links of
+their own, and what lies on an element of a repeat rides on the link of that element.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from ...graph import expr as E
+from ...graph.expr import Expr, Scope, ScopeError
+from ...graph.program import Joint, Link, Pose, Site
+from ...graph.program import Part as PartNode
+from ...graph.reference import Elsewhere, Onward, Reference, Under
+from ...source import Span
+from ...syntax import ast
+from ..expressions.context import Abort, Context, where
+from ..expressions.env import Env, exists_in
+from ..expressions.evaluate import Evaluator
+from ..expressions.extents import union_of
+from ..solve.cases import TooManyCases, combinations
+from ..values.kinds import Carrier, Edge, Frame, InElement, Line, Vec, part_of
+from ..values.vectors import HERE, IDENTITY, Triple, compose, direct, normalized, place
+from .connect import Attachment
+from .part import Instance, Part
+from .place import bare
+
+KINDS = ("revolute", "prismatic", "continuous", "screw", "ball", "fixed")
+MOVING_ABOUT = ("revolute", "continuous", "screw")
+
+
+@dataclass(slots=True, eq=False)
+class Links:
+    """Numbers of links, joints, part nodes and sites while they are made."""
+
+    context: Context
+    worlds: dict[Env, Pose] = field(default_factory=dict)
+    own: dict[Attachment, int] = field(default_factory=dict)  # link that a joint moves
+    owners: dict[int, Part] = field(default_factory=dict)  # whose frame such a link takes
+    known: dict[Part, Reference] = field(default_factory=dict)
+    nodes: dict[tuple[Part, str], int] = field(default_factory=dict)
+    sites: dict[Part, list[int]] = field(default_factory=dict)
+    joints: dict[int, int] = field(default_factory=dict)  # link -> its joint
+    stated: dict[int, Span] = field(default_factory=dict)  # joint -> its statement
+    mimics: dict[int, tuple[Env, ast.Expr]] = field(default_factory=dict)  # joint -> what it follows, as it is written
+    resolving: set[Part] = field(default_factory=set)
+
+    # ------------------------------------------------------------ poses in the object's frame
+
+    def world(self, env: Env) -> Pose:
+        """The pose of an environment's frame in the object."""
+        found = self.worlds.get(env)
+        if found is None:
+            if env.outer is not None:
+                found = compose(self.world(env.outer), env.frame) if env.frame is not HERE else self.world(env.outer)
+            elif env.instance is not None:
+                found = self.part_world(env.instance.part)
+            else:  # the category: lifted so that the object stands on z = 0
+                found = Pose(IDENTITY, (E.ZERO, E.ZERO, E.neg(union_of(env, env.scope).low[2])), E.ONE)
+            self.worlds[env] = found
+        return found
+
+    def part_world(self, part: Part) -> Pose:
+        outer = self.world(part.env)
+        return compose(outer, part.pose) if outer is not HERE else part.pose
+
+    # ------------------------------------------------------------ links
+
+    def attachments(self, part: Part) -> list[Attachment]:
+        """How a part is attached: once, or once in each branch of a ``when``; joints first."""
+        found = part.attachment if isinstance(part.attachment, list) else []
+        return sorted(found, key=lambda a: a.joint is None)
+
+    def of(self, part: Part) -> Reference:
+        """The link that carries a part."""
+        if part in self.known:
+            return self.known[part]
+        if part in self.resolving:
+            found = [(p, a) for p in self.resolving for a in self.attachments(p)]
+            found.sort(key=lambda pair: pair[1].span.start)
+            raise self.context.error(
+                "circular-definition", part.span, f"what `{part.name}` is attached to is attached to `{part.name}` in turn",
+                hint="one of these has to hang on the root, or on a part that does",
+                notes=tuple((a.span, f"attaches `{p.name}`") for p, a in found[:4]),
+            )  # fmt: skip
+        self.resolving.add(part)
+        try:
+            self.known[part] = self.find(part)
+        finally:
+            self.resolving.discard(part)
+        return self.known[part]
+
+    def find(self, part: Part) -> Reference:
+        attachments = self.attachments(part)
+        found: list[tuple[Scope, Reference]] = []
+        onward: list[Scope] = []
+        repeat = None
+        for attachment in attachments:
+            before = next((to for to in attachment.to if isinstance(to, InElement) and self.rides(to, part)), None)
+            if attachment.joint is not None:
+                links: Reference = (self.own_link(part, attachment),)
+            elif attachment.base:
+                links = self.base(part.env)
+            elif before is not None:  # rigid on the element before
+                repeat = before.repeat
+                onward.append(attachment.env.scope)
+                continue
+            else:
+                links = self.carried(attachment.to, attachment.span)
+            found.append((attachment.env.scope, links))
+        if not self.everywhere(part, attachments):
+            owner = part.env.root.instance
+            first = None if owner is None else first_part(owner)
+            found.append((part.env.scope, self.base(part.env) if first is None or first is part else self.of(first)))
+        links = self.whichever(found)
+        return links if repeat is None or self.outside(links, repeat) else (Onward(repeat, tuple(onward), links),)
+
+    def rides(self, before: InElement, part: Part) -> bool:
+        """Whether what lies in the element before is rigid on ``part`` there, through other parts or not."""
+        at = before.part
+        seen: set[Part] = set()
+        while before.rank is None and not isinstance(at, InElement) and at not in seen:
+            if at is part:
+                return True
+            seen.add(at)
+            owner, attachments = at.env.root.instance, self.attachments(at)
+            if len(attachments) == 1 and attachments[0].env.scope is at.env.scope and len(attachments[0].to) == 1:
+                if attachments[0].joint is not None:
+                    return False
+                at = attachments[0].to[0]
+            elif owner is not None and all(a.base and a.joint is None for a in attachments):
+                first = first_part(owner)
+                at = owner.part if attachments or first is None or first is at else first
+            else:
+                return False
+        return False
+
+    def everywhere(self, part: Part, attachments: list[Attachment]) -> bool:
+        """Whether one of the attachments of a part holds wherever it exists."""
+        if any(a.env.scope is part.env.scope for a in attachments):
+            return True
+        if (
+            not attachments or part.env.root.instance is None
+        ):  # in a category each part is attached: it has been checked
+            return bool(attachments)
+        guards = [part.exists]
+        for attachment in attachments:
+            within = (
+                s for s in attachment.env.scope.ancestors() if s is not part.env.scope and s.within(part.env.scope)
+            )
+            guards.append(functools.reduce(E.both, (s.count for s in within if s.count is not None), E.TRUE))
+        try:
+            return all(any(held) for exists, *held in combinations(guards, self.context.draws) if exists)
+        except TooManyCases:
+            return False
+
+    def whichever(self, found: list[tuple[Scope, Reference]]) -> Reference:
+        """One reference out of those that hold in exclusive scopes, the last of them in all that is left."""
+        if all(links == found[-1][1] for _, links in found):
+            return found[-1][1] if found else ()
+        made: list[int | Under | Elsewhere | Onward] = []
+        for scope, links in found[:-1]:
+            own = all(isinstance(k, int) and self.context.program.links[k].scope.within(scope) for k in links)
+            made.extend(links if own else (Under(scope, links),))
+        return tuple(dict.fromkeys((*made, *found[-1][1])))
+
+    def outside(self, reference: Reference, repeat: Scope) -> bool:
+        """Whether a reference comes to the same link in all elements of a repeat."""
+        scopes = (self.context.program.links[k].scope if isinstance(k, int) else None for k in reference)
+        return all(scope is not None and repeat.within(scope) and repeat is not scope for scope in scopes)
+
+    def base(self, env: Env) -> Reference:
+        """What carries a template as a whole; the object's root link in a category."""
+        owner = env.root.instance
+        return (0,) if owner is None else self.of(owner.part)
+
+    def own_link(self, part: Part, attachment: Attachment) -> int:
+        """The link of a part that a joint moves (made at the first question)."""
+        if attachment not in self.own:
+            program = self.context.program
+            scope = attachment.env.scope
+            if part.exists is not E.TRUE and not exists_in(attachment.env, part.exists):
+                scope = self.context.guard(scope, part.exists, f"{part.path} exists")
+            self.own[attachment] = len(program.links)
+            self.owners[len(program.links)] = part
+            program.links.append(Link(part.path, scope, -1))
+        return self.own[attachment]
+
+    def carried(self, parts: tuple[Carrier, ...], span: Span) -> Reference:
+        """The link on which values of these parts lie; alternatives of one part give several."""
+        found: list[Reference] = []
+        for part in parts:
+            links = self.carrier(part)
+            if links not in found:
+                found.append(links)
+        if len(found) > 1 and not exclusive(parts):
+            raise self.context.error(
+                "two-links", span, "this lies on two links: " + " and ".join(f"`{part_of(p).name}`" for p in parts[:2]),
+                hint="joints may move them apart: name a face or a port of one of them alone",
+                notes=tuple((part_of(p).span, f"`{part_of(p).name}`") for p in parts[:2]),
+            )  # fmt: skip
+        return self.ordered(k for links in found for k in links)
+
+    def ordered(self, links: Iterable[int | Under | Elsewhere | Onward]) -> Reference:
+        """Links of several alternatives, those that exist seldom first: what carries one of them otherwise comes after all."""
+        scopes = {k: self.context.program.links[k].scope if isinstance(k, int) else k.scope for k in links}
+        return tuple(sorted(scopes, key=lambda k: -sum(1 for _ in scopes[k].ancestors())))
+
+    def carrier(self, part: Carrier) -> Reference:
+        """The link of a part's box and of ports that name no inner part: its first link."""
+        if isinstance(part, InElement):
+            links = self.carrier(part.part)
+            return (
+                links if self.outside(links, part.repeat) else (Elsewhere(part.scope, part.repeat, part.rank, links),)
+            )
+        found: list[int | Under | Elsewhere | Onward] = []
+        for instance in part.instances:
+            first = first_part(instance)
+            found.extend(self.of(part) if first is None else self.of(first))
+        return self.ordered(found) or self.of(part)
+
+    # ------------------------------------------------------------ the tree
+
+    def build(self, env: Env, parent: int) -> None:
+        """Nodes, sites and joints of the parts of an environment, depth first in the order of the text."""
+        for part in env.parts:
+            try:
+                self.build_part(part, parent)
+            except (Abort, ScopeError) as error:
+                self.context.failed(error, part.span)
+        for inner in env.inner:
+            self.build(inner, parent)
+
+    def build_part(self, part: Part, parent: int) -> None:
+        program = self.context.program
+        pose = self.part_world(part)
+        links = self.of(part)
+        for instance in part.instances:
+            box = instance.box()
+            number = len(program.parts)
+            self.nodes[part, instance.symbol.name] = number
+            first = first_part(instance)
+            carried = links if first is None else self.of(first)
+            program.parts.append(
+                PartNode(
+                    part.path, part.name, instance.scope, parent, instance.symbol.name, pose, box.low, box.high, carried
+                )
+            )
+            if instance.solid is not None:
+                self.sites.setdefault(part, []).append(len(program.sites))
+                program.sites.append(
+                    Site(
+                        part.path,
+                        instance.scope,
+                        instance.solid.primitive.name,
+                        instance.solid.scalars(instance),
+                        pose,
+                        links,
+                        number,
+                    )
+                )
+            elif instance.env is not None:
+                self.build(instance.env, number)
+        for attachment in self.attachments(part):
+            if attachment.joint is not None:
+                self.build_joint(part, attachment)
+
+    def hold(self) -> None:
+        """Note for every part which part carries it rigidly."""
+        program = self.context.program
+        numbers: dict[Part, list[int]] = {}
+
+        def held(by: Carrier) -> Reference:
+            if isinstance(by, InElement):
+                inner = held(by.part)
+                return (Elsewhere(by.scope, by.repeat, by.rank, inner),) if inner else ()
+            return tuple(numbers.get(by, ()))
+
+        for (part, _), number in self.nodes.items():
+            numbers.setdefault(part, []).append(number)
+        for part, nodes in numbers.items():
+            rigid = [a for a in self.attachments(part) if a.joint is None and not a.base]
+            holders = dict.fromkeys(n for a in rigid for p in a.to if p is not part for n in held(p))
+            for number in nodes if holders else ():
+                program.parts[number] = replace(program.parts[number], holder=tuple(holders))
+
+    # ------------------------------------------------------------ joints
+
+    def build_joint(self, part: Part, attachment: Attachment) -> None:
+        statement = attachment.joint
+        assert statement is not None and statement.child is not None
+        env, program = attachment.env, self.context.program
+        ev = Evaluator(env)
+        kind = statement.kind or "fixed"
+        if kind not in KINDS:
+            raise self.context.error(
+                "wrong-kind",
+                statement.kind_span or statement.span,
+                f"there is no joint kind `{kind}`",
+                hint=f"one of {', '.join(KINDS)}",
+            )
+        child = self.own_link(part, attachment)
+        parents = self.base(env) if attachment.base else self.carried(attachment.to, statement.span)
+        origin, axis = self.axis(ev, part, statement, kind)
+        outer = self.world(env)
+        words = {c.word: c for c in statement.clauses}
+        low = high = None
+        if "range" in words and kind != "continuous":
+            low, high = self.ends(ev, words["range"].values[0], words["range"].values[1], kind, len(program.joints))
+        elif kind in ("revolute", "prismatic", "screw"):
+            raise self.context.error(
+                "missing-clause", statement.span, f"the {kind} joint `{statement.name}` has no range",
+                hint="add `range 0cm .. 30cm`" if kind == "prismatic" else "add `range 0deg .. 90deg`, or make it continuous",
+            )  # fmt: skip
+        rest = self.rest(ev, words, low, high)
+        if "mimic" in words:
+            self.mimics[len(program.joints)] = (env, words["mimic"].values[0])
+        given = ("damping", "friction", "effort", "velocity", "pitch")
+        physics: dict[str, Any] = {w: ev.scalar(words[w].values[0]) for w in given if w in words}
+        name = part.path if statement.name in ("motion", "") else joint_name(env, statement)
+        joint = Joint(
+            joint_name(env, statement), name, program.links[child].scope, kind, parents, child,
+            place(outer, origin), carried_axis(outer, axis, kind), low, high, rest, where=where(statement.span),
+            **physics,
+        )  # fmt: skip
+        self.joints[child] = len(program.joints)
+        self.stated[len(program.joints)] = statement.span
+        program.joints.append(joint)
+
+    def limit(self, ev: Evaluator, node: ast.Expr, kind: str) -> Expr:
+        """An end of a range; ``clearance`` stands for a whole turn or ten metres, which is narrowed when objects are made."""
+        if clears(ev, node):
+            return E.const(2 * math.pi if kind == "revolute" else 10.0)
+        return ev.scalar(node)
+
+    def ends(self, ev: Evaluator, low: ast.Expr, high: ast.Expr, kind: str, joint: int) -> tuple[Expr, Expr]:
+        """Both ends of the range of a joint, by its number."""
+        if clears(ev, low) or clears(ev, high) and kind not in ("revolute", "prismatic"):
+            self.context.unclear.append((low if clears(ev, low) else high).span)
+        elif clears(ev, high):
+            self.context.clearances[joint] = high.span
+            if isinstance(high, ast.AllExpr):
+                self.context.whatever.add(joint)
+        return self.limit(ev, low, kind), self.limit(ev, high, kind)
+
+    def rest(self, ev: Evaluator, words: dict[str, ast.Clause], low: Expr | None, high: Expr | None) -> Expr:
+        """The given rest value, else the value of the range nearest 0."""
+        if "rest" in words:
+            return ev.scalar(words["rest"].values[0])
+        if low is None or high is None:
+            return E.ZERO
+        return E.minimum(E.maximum(E.ZERO, low), high)
+
+    def axis(self, ev: Evaluator, part: Part, statement: ast.JointDecl, kind: str) -> tuple[Triple, Triple]:
+        """Origin and direction in the frame of the statement."""
+        words = {c.word: c for c in statement.clauses}
+        if part.env is ev.env:
+            center = place(part.pose, part.box().center)
+        else:
+            center = ev.box(ast.NameExpr(span=part.span, name=part.name)).center
+        clause = words.get("about") or words.get("along")
+        if clause is None:
+            assert statement.parent is not None
+            value = None if bare(ev.env, statement.parent) else ev.value(statement.parent)
+            if isinstance(value, Frame):
+                return value.origin, value.out
+            if isinstance(value, Line):
+                return value.point, value.direction
+            if kind in ("fixed", "ball"):
+                at = words.get("at")
+                return (ev.vector(at.values[0]) if at is not None else center), (E.ONE, E.ZERO, E.ZERO)
+            raise self.context.error(
+                "bad-axis", statement.span, f"this {kind} joint has no axis",
+                hint="say `about` an edge or a line (door.left.back), or `along` a direction for a prismatic joint",
+            )  # fmt: skip
+        value = ev.value(clause.values[0])
+        if (
+            clause.word == "about"
+            and kind == "prismatic"
+            or clause.word == "along"
+            and kind in MOVING_ABOUT
+            and isinstance(value, Vec)
+        ):
+            right = "along x" if kind == "prismatic" else "about door.left.back"
+            raise self.context.error(
+                "bad-axis",
+                clause.span,
+                f"a {kind} joint does not move {clause.word} this",
+                hint=f"write for example `{right}`",
+            )
+        if isinstance(value, Edge | Line):
+            return value.point, value.direction
+        if isinstance(value, Frame):
+            return value.origin, value.out
+        if isinstance(value, Vec) and not value.point and len(value.items) == 3:
+            return center, value.items
+        raise self.context.error(
+            "bad-axis",
+            clause.span,
+            "this is no axis",
+            hint="an edge (door.left.back), a port of kind line, line(...), or a direction",
+        )
+
+
+def clears(ev: Evaluator, node: ast.Expr) -> bool:
+    """Whether an end of a range is as far as nothing is in the way."""
+    if isinstance(node, ast.AllExpr):
+        return True
+    return isinstance(node, ast.NameExpr) and node.name == "clearance" and ev.env.find("clearance") is None
+
+
+def carried_axis(outer: Pose, axis: Triple, kind: str) -> Triple:
+    """An axis in the object's frame; an axis of rotation is a pseudo-vector, which a mirror turns round once more."""
+    carried = normalized(direct(outer, axis))
+    return tuple(E.mul(outer.mirror, c) for c in carried) if kind in MOVING_ABOUT else carried  # type: ignore[return-value]
+
+
+def joint_name(env: Env, statement: ast.JointDecl) -> str:
+    return env.path + statement.name
+
+
+def first_part(instance: Instance) -> Part | None:
+    """The first part of a template's body; None for a primitive."""
+    parts = instance.parts()
+    return parts[0] if parts else None
+
+
+def exclusive(parts: tuple[Carrier, ...]) -> bool:
+    """Whether parts live in tables whose rows exclude one another (alternatives), or belong to one another."""
+    if len({part_of(p).env.root.instance for p in parts}) > 1:
+        return True
+    scopes = {p.scope if isinstance(p, InElement) else p.env.scope for p in parts}
+    return len(scopes) > 1

@@ -1,0 +1,81 @@
+"""``mimic``: a joint that follows another, by a factor."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from ...graph import expr as E
+from ...graph.expr import Expr
+from ...graph.reference import Elsewhere, Reference
+from ...syntax import ast
+from ..expressions.context import Abort
+from ..expressions.env import Element, Env
+from ..expressions.evaluate import Evaluator
+
+if TYPE_CHECKING:
+    from .links import Links
+
+
+def resolve(links: Links) -> None:
+    """Fill in which joint each ``mimic`` follows: of the alternatives and branches of ``when`` that bring one of the name,
+    the one that is there."""
+    program = links.context.program
+    named: dict[str, list[int]] = {}
+    for number, joint in enumerate(program.joints):
+        named.setdefault(joint.path, []).append(number)
+    for number, (env, node) in links.mimics.items():
+        try:
+            path, factor = followed(Evaluator(env), node)
+            leader = leader_of(links, named, path, env)
+        except Abort:
+            continue
+        program.joints[number] = replace(program.joints[number], mimic=(leader, factor, E.ZERO))
+
+
+def followed(ev: Evaluator, node: ast.Expr) -> tuple[ast.Expr, Expr]:
+    """The joint and the factor of ``mimic fold``, ``mimic -fold``, ``mimic 2 * fold``, ``mimic fold / 3``."""
+    if isinstance(node, ast.UnaryExpr) and node.op in ("-", "+"):
+        leader, factor = followed(ev, node.operand)
+        return leader, E.neg(factor) if node.op == "-" else factor
+    if isinstance(node, ast.BinaryExpr) and node.op == "*":
+        constant = node.left if isinstance(node.left, ast.NumberExpr | ast.UnaryExpr) else node.right
+        leader, factor = followed(ev, node.right if constant is node.left else node.left)
+        return leader, E.mul(factor, ev.scalar(constant))
+    if isinstance(node, ast.BinaryExpr) and node.op == "/":
+        leader, factor = followed(ev, node.left)
+        return leader, E.div(factor, ev.scalar(node.right))
+    return node, E.ONE
+
+
+def leader_of(links: Links, named: dict[str, list[int]], node: ast.Expr, env: Env) -> Reference:
+    """The joints that a path names, from inside outwards; ``previous`` and ``half[0]`` lead to another element."""
+    names: list[str] = []
+    at = node
+    while isinstance(at, ast.MemberExpr):
+        names.insert(0, at.name)
+        at = at.obj
+    ev = Evaluator(env)
+    if isinstance(at, ast.NameExpr) and at.name == "previous" and env.find("previous") is None:
+        element = ev.nearest_element()
+        if element is not None and (found := named.get(element.env.path + ".".join(names))):
+            return (Elsewhere(env.scope, element.scope, None, ordered(links, found)),)
+    elif isinstance(at, ast.IndexExpr):
+        element = ev.value(at.obj)
+        if isinstance(element, Element) and (found := named.get(element.env.path + ".".join(names))):
+            return (Elsewhere(env.scope, element.scope, ev.position(element, at.index), ordered(links, found)),)
+    elif isinstance(at, ast.NameExpr):
+        path, outer = ".".join([at.name, *names]), env
+        while True:
+            if found := named.get(outer.path + path):
+                return ordered(links, found)
+            if outer.outer is None:
+                break
+            outer = outer.outer
+    raise links.context.error("unknown-name", node.span, "there is no such joint to follow")
+
+
+def ordered(links: Links, joints: list[int]) -> Reference:
+    """Joints of one name, those that exist seldom first."""
+    depth = {k: links.context.program.joints[k].scope.depth for k in joints}
+    return tuple(sorted(joints, key=lambda k: -depth[k]))

@@ -1,0 +1,95 @@
+"""``limit``: a user narrows a template's motion; ``close``: two points that stay together."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ...graph import expr as E
+from ...graph.expr import ScopeError
+from ...graph.program import Closure
+from ...graph.reference import Reference
+from ...source import Span
+from ...syntax import ast
+from ..expressions.context import Abort, where
+from ..expressions.env import Env
+from ..expressions.evaluate import Evaluator
+from ..solve.solve import lifted
+from ..values.kinds import Frame, Line, Vec
+from ..values.vectors import Triple, direct, dot, minus, place, plus, times
+from .connect import carriers
+from .guards import held
+from .links import Links, clears
+
+
+def motions(links: Links, env: Env) -> None:
+    """The statements about joints of an environment and of all inside it, once every joint is made."""
+    for part in env.parts:
+        for instance in part.instances:
+            if instance.env is not None:
+                motions(links, instance.env)
+    for inner in env.inner:
+        motions(links, inner)
+    for statement in env.statements:
+        try:
+            if isinstance(statement, ast.LimitStmt):
+                limit(links, env, statement)
+            elif isinstance(statement, ast.CloseStmt):
+                close(links, env, statement)
+        except (Abort, ScopeError) as error:
+            env.context.failed(error, statement.span)
+
+
+def limit(links: Links, env: Env, statement: ast.LimitStmt) -> None:
+    """Narrow the range of the joint (of each alternative that brings one); its rest value moves into the range."""
+    program = links.context.program
+    path = env.path + text(statement.joint.span)
+    home = env.root.scope  # other alternatives of the part may bring a joint of the same name
+    found = [k for k, joint in enumerate(program.joints) if joint.path == path and joint.scope.within(home)]
+    if not found:
+        raise links.context.error("unknown-name", statement.joint.span, "there is no such joint to limit")
+    ev = Evaluator(env)
+    for number in found:
+        joint = program.joints[number]
+        if joint.low is None or joint.high is None:
+            raise links.context.error("wrong-kind", statement.joint.span, f"a {joint.kind} joint has no range to limit")
+        here = held(env.scope, joint.scope)
+        if here is not E.TRUE and clears(ev, statement.range.high):
+            raise links.context.error(
+                "needs-clearance", statement.range.high.span, "`clearance` cannot stand under a guard that the joint does not stand under",
+                hint="say it in the joint's own range, or state one joint in each branch",
+            )  # fmt: skip
+        ends = links.ends(ev, statement.range.low, statement.range.high, joint.kind, number)
+        low, high = (lifted(end, joint.scope) for end in ends)
+        low, high = E.maximum(joint.low, low), E.minimum(joint.high, high)
+        rest = E.minimum(E.maximum(joint.rest, low), high)
+        low, high, rest = (
+            E.where(here, new, old)
+            for new, old in zip((low, high, rest), (joint.low, joint.high, joint.rest), strict=True)
+        )
+        program.joints[number] = replace(joint, low=low, high=high, rest=rest)
+
+
+def close(links: Links, env: Env, statement: ast.CloseStmt) -> None:
+    """Record a loop: the two points, in the object's frame at joint values 0, and the links they lie on."""
+    sides: list[tuple[Reference, Triple]] = []
+    along: Triple | None = None
+    for node in (statement.subject, statement.other):
+        value = Evaluator(env).value(node)
+        if isinstance(value, Frame):
+            point = value.origin
+        elif isinstance(value, Line):  # axes that coincide: where along them does not matter
+            point, along = value.point, direct(links.world(env), value.direction)
+        elif isinstance(value, Vec) and value.point:
+            point = value.items  # type: ignore[assignment]
+        else:
+            raise Evaluator(env).wrong(node.span, "a port or a point", value)
+        on = carriers(value, env.scope)
+        sides.append((links.carried(on, node.span) if on else links.base(env), place(links.world(env), point)))
+    (first, a), (second, b) = sides
+    if along is not None:
+        b = plus(b, times(along, dot(minus(a, b), along)))
+    links.context.program.closures.append(Closure(env.scope, (first, second), (a, b), where(statement.span)))
+
+
+def text(span: Span) -> str:
+    return "".join(span.source.text[span.start : span.end].split())

@@ -1,0 +1,290 @@
+"""Parts: one use of a template, of a primitive, or of one of several alternatives of a role."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+from ...graph import expr as E
+from ...graph.expr import Expr, Scope
+from ...graph.program import Pose
+from ...semantics.symbols import Symbol, is_a
+from ...source import Span
+from ...syntax import ast
+from ..expressions.context import Abort, Context
+from ..expressions.env import Env
+from ..expressions.evaluate import Evaluator
+from ..expressions.extents import frame_in, union_of
+from ..values.carry import merged, moved
+from ..values.kinds import Box, Branch, Choice, Ports, Ref, Surface, Value, Vec
+from ..values.vectors import IDENTITY, compose, times
+from .guards import held
+from .style import Style
+
+if TYPE_CHECKING:
+    from ..solids.primitives import Lowered
+
+HALF = E.const(0.5)
+
+
+@dataclass(slots=True, eq=False)
+class Option:
+    """An alternative of a part as the text gives it, resolved."""
+
+    name: str
+    symbol: Symbol
+    source: ast.Alternative
+    code: int
+
+
+@dataclass(slots=True, eq=False)
+class Part:
+    context: Context
+    env: Env
+    name: str
+    path: str
+    declaration: ast.PartDecl
+    role: Symbol | None = None
+    options: list[Option] = field(default_factory=list)
+    instances: list[Instance] = field(default_factory=list)
+    choice: Choice | None = None
+    exists: Expr = E.TRUE
+    inputs: dict[str, Value] = field(default_factory=dict)
+    attachment: object = None  # set by ``attach``
+    style: Style | None = None
+    _pose: Pose | None = None
+    _posing: bool = False
+    _unplaced: bool = False
+    _chain: Pose | None = None
+    _box: Box | None = None
+
+    @property
+    def span(self) -> Span:
+        return self.declaration.name_span
+
+    @property
+    def pose(self) -> Pose:
+        """Its placement in the frame of the environment that declares it."""
+        if self._pose is None:
+            from .place import pose_of
+
+            if self._posing:
+                return self.chain()
+            if self._unplaced:
+                raise Abort(f"`{self.name}` could not be placed")
+            self._posing = True
+            try:
+                pose = pose_of(self)
+                self._pose = pose if self._chain is None else self.chained(pose, self._chain)
+            except Abort:
+                self._unplaced = True
+                raise
+            finally:
+                self._posing = False
+        return self._pose
+
+    def chain(self) -> Pose:
+        """The pose while it is being sought: of the element before, in a chain through ``previous``."""
+        if self.env.scope.kind != "repeat":
+            raise circular_place(self)
+        if self._chain is None:
+            names = [f"{self.path}.at.{letter}" for letter in "xyz"]
+            columns = [self.context.column(self.env.scope, name, "real", self.span) for name in names]
+            self._chain = Pose(IDENTITY, tuple(map(E.col, columns)), E.ONE)  # type: ignore[arg-type]
+        return self._chain
+
+    def chained(self, pose: Pose, chain: Pose) -> Pose:
+        """Close the chain: each element stands on the one before, all turned alike."""
+        from ..solve.recurrent import closed
+
+        if pose.rotation != chain.rotation or pose.mirror is not E.ONE:
+            raise self.context.error(
+                "recurrence", self.span, f"each `{self.name}` is turned against the one before, which is no sum of offsets",
+                hint="place the elements straight at joint values 0 and turn them by their joints",
+            )  # fmt: skip
+        for name, value in zip(chain.translation, pose.translation, strict=True):
+            self.context.program.definitions[name.value] = closed(self.context, name.value, value)
+        return chain
+
+    @property
+    def primitive(self) -> bool:
+        return all(i.symbol.kind == "primitive" for i in self.instances)
+
+    def own(self, name: str, span: Span) -> Value | None:
+        """A declared member in the part's own frame, in the table of its environment where alternatives differ."""
+        if name in self.inputs:
+            return self.inputs[name]
+        found: list[tuple[Scope, Value]] = []
+        for instance in self.instances:
+            value = instance.member(name)
+            if value is not None:
+                found.append((instance.scope, value))
+        if not found:
+            return None
+        if all(isinstance(v, Ref) for _, v in found):
+            branches = [
+                Branch(s if b.scope is None and s is not self.env.scope else b.scope, b.members)
+                for s, v in found
+                for b in v.branches
+            ]
+            return Ref(name, tuple(branches))
+        if len(found) == 1 and found[0][0] is self.env.scope:
+            return found[0][1]
+        if all(isinstance(v, Surface) for _, v in found):
+            return Surface(tuple(b if b[0] is not None else (s, *b[1:]) for s, v in found for b in v.branches))
+        if any(not hasattr(v, "__dataclass_fields__") and not isinstance(v, Expr) for _, v in found):
+            return found[0][1]
+        return merged(self.env.scope, found)
+
+    def box(self) -> Box:
+        """The box of the part in its own frame."""
+        if self._box is None:
+            size = self.inputs.get("size")
+            if isinstance(size, Vec) and len(size.items) == 3 and all(i.takes_size for i in self.instances):
+                half = times(size.items, HALF)
+                self._box = Box(times(half, E.const(-1.0)), half, on=(self,))
+            elif len(self.instances) == 1 and self.instances[0].scope is self.env.scope:
+                box = self.instances[0].box()
+                self._box = Box(box.low, box.high, on=(self,))
+            elif not self.instances:
+                raise Abort(f"`{self.name}` could not be built")
+            else:
+                boxes = [(i.scope, i.box()) for i in self.instances]
+                box = merged(self.env.scope, boxes)
+                self._box = Box(box.low, box.high, on=(self,))
+        return self._box
+
+
+@dataclass(slots=True, eq=False)
+class Instance:
+    """A template or primitive with its arguments, in the table where it exists."""
+
+    part: Part
+    symbol: Symbol
+    scope: Scope
+    path: str
+    env: Env | None = None  # the body of a template
+    solid: Lowered | None = None  # of a primitive
+    values: dict[str, Value] = field(default_factory=dict)
+    bindings: dict[str, list[tuple[Env, ast.SlotDecl]]] = field(default_factory=dict)  # one, or one in each branch
+    _box: Box | None = None
+
+    @property
+    def takes_size(self) -> bool:
+        if self.solid is not None:
+            return self.solid.centred_size
+        size = self.values.get("size")
+        return isinstance(size, Vec) and len(size.items) == 3
+
+    def member(self, name: str) -> Value | None:
+        """A member in the instance's own frame and table."""
+        if self.solid is not None:
+            found = self.solid.member(self, name)
+            return found if found is not None else self.values.get(name)
+        assert self.env is not None
+        if name in self.bindings:
+            return self.slot(name)
+        return self.env.declared(name)
+
+    def bound(self, name: str) -> list[tuple[Value, Env]]:
+        """What a slot binds, each value with the environment it lives in; paths may run through repeats."""
+        return [found for home, statement in self.bindings[name] for found in self.targets(home, statement)]
+
+    def targets(self, env: Env, statement: ast.SlotDecl) -> list[tuple[Value, Env]]:
+        """What one statement binds; under a guard, all of it lives in its branch."""
+        from .labels import walk
+
+        found: list[tuple[Value, Env]] = []
+        for node in statement.targets:
+            for value, home in walk(env, node):
+                within = env.scope is self.scope or home.scope.within(env.scope)
+                if not within and held(home.scope, self.scope) is not E.TRUE:
+                    raise self.part.context.error(
+                        "wrong-kind", node.span, "a slot that a `when` binds to a slot that another `when` binds cannot be followed",
+                        hint="name the part itself, or bind the slot in every branch of one `when`",
+                    )  # fmt: skip
+                found.append((value, home if within else env))
+        return found
+
+    def slot(self, name: str) -> Value:
+        """A slot as one reference to all the parts, or all the surfaces, it binds."""
+        surfaces: list[tuple[Scope | None, Part, Pose, str]] = []
+        branches: list[Branch] = []
+        for home, statement in self.bindings[name]:
+            scope = None if home.scope is self.scope else home.scope
+            members: list[tuple[Part, Pose]] = []
+            for value, _ in self.targets(home, statement):
+                if isinstance(value, Surface):
+                    for table, part, outer, surface in value.branches:
+                        pose = compose(frame_in(part.env, self.env), compose(part.pose, outer))
+                        surfaces.append((table or scope, part, pose, surface))
+                    continue
+                if not isinstance(value, Ref):
+                    return value
+                for branch in value.branches:
+                    members.extend((part, frame_in(part.env, self.env)) for part, _ in branch.members)
+            branches += [Branch(scope, tuple(members))] if members else []
+        return Surface(tuple(surfaces)) if surfaces else Ref(name, tuple(branches))
+
+    def box(self) -> Box:
+        if self._box is None:
+            if self.solid is not None:
+                self._box = self.solid.box(self)
+            elif self.takes_size:
+                half = times(self.values["size"].items, HALF)
+                self._box = Box(times(half, E.const(-1.0)), half)
+            else:
+                assert self.env is not None
+                self._box = union_of(self.env, self.env.scope)
+        return self._box
+
+    def parts(self) -> list[Part]:
+        return self.env.all_parts() if self.env is not None else []
+
+
+def circular_place(part: Part) -> Abort:
+    """Report a part whose mount leads back to it, with the statements that lead there."""
+    from .place import mounts
+
+    waiting = [p for p in part.env.parts if p._posing]
+    others = [p for p in waiting if p is not part]
+    via = f", by way of {' and '.join(f'`{p.name}`' for p in others)}" if others else ""
+    notes = [(m.statement.span, f"places `{p.name}`") for p in waiting for m in mounts(part.env, p.name)]
+    return part.context.error(
+        "circular-definition", part.span, f"the place of `{part.name}` depends on itself{via}", notes=tuple(notes[:4]),
+        hint="`to` and `between` take the place from their target: let one of these parts hang on something that stands",
+    )  # fmt: skip
+
+
+def part_member(part: Part, name: str, span: Span, ev: Evaluator, own: bool = False) -> Value | None:
+    """A declared member of a part in the frame of its environment (``own``: in its own frame)."""
+    value = part.own(name, span)
+    if value is None:
+        return None
+    if isinstance(value, Ports):
+        value = Ports(value.name, {k: carried(v, part) for k, v in value.settled().items()})
+    value = carried(value, part)
+    if own or name in part.inputs or isinstance(value, Expr | Choice):
+        return value
+    return moved(value, part.pose)
+
+
+def carried(value: Value, part: Part) -> Value:
+    """A value that names no inner part lies on the part itself."""
+    if isinstance(value, Ref) or not hasattr(value, "on") or value.on:
+        return value
+    return replace(value, on=(part,))
+
+
+def matches(part: Part, name: str, span: Span, env: Env) -> Expr:
+    """The guard of ``part is Name``."""
+    symbol = env.module.find(name)
+    if symbol is None:
+        raise part.context.error("unknown-name", span, f"there is no role or template `{name}`")
+    from .build import option_guard
+
+    options = [o for o in part.options if is_a(o.symbol, symbol)]
+    if len(options) == len(part.options):
+        return part.exists
+    return functools.reduce(E.either, (option_guard(part, o) for o in options), E.FALSE)

@@ -1,0 +1,329 @@
+"""Where a part stands: by a mount (frame to frame), between two points, or by unknown coordinates."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from ...graph import expr as E
+from ...graph.expr import ONE, ZERO, Scope
+from ...graph.linear import tidy
+from ...graph.program import Pose
+from ...syntax import ast
+from ..expressions.context import Equation, text_of
+from ..expressions.env import Env
+from ..expressions.evaluate import Evaluator
+from ..solve.cases import TooManyCases, combinations
+from ..values.carry import mapped_pose
+from ..values.kinds import Branch, Face, Frame, Line, Ref, Value
+from ..values.vectors import (
+    AXES,
+    HERE,
+    IDENTITY,
+    Matrix,
+    Triple,
+    columns,
+    cross,
+    dot,
+    minus,
+    norm,
+    normalized,
+    plus,
+    product,
+    times,
+    transpose,
+    turn,
+    unit,
+)
+from .guards import held
+
+if TYPE_CHECKING:
+    from .part import Part
+
+MINUS = E.const(-1.0)
+
+
+@dataclass(slots=True, eq=False)
+class Mount:
+    """A statement that fixes the whole pose of a part: ``subject`` on ``target`` (frames), or between two points."""
+
+    env: Env
+    statement: ast.ConnectStmt | ast.JointDecl
+    subject: ast.Expr
+    target: ast.Expr | None
+    clauses: tuple[ast.Clause, ...]
+
+    def clause(self, word: str) -> ast.Clause | None:
+        return next((c for c in self.clauses if c.word == word), None)
+
+
+def root_name(node: ast.Expr | None) -> str | None:
+    """The name a path begins with."""
+    while isinstance(node, ast.MemberExpr | ast.IndexExpr):
+        node = node.obj
+    return node.name if isinstance(node, ast.NameExpr) else None
+
+
+def bare(env: Env, node: ast.Expr | None) -> bool:
+    """Whether an expression is a part's name alone (or `base`), which attaches without placing."""
+    if not isinstance(node, ast.NameExpr):
+        return node is None
+    found = env.find(node.name)
+    return found is None or isinstance(found, Ref)
+
+
+def mount_of(env: Env, statement: ast.Stmt, name: str) -> Mount | None:
+    """The mount that a statement states for the part ``name``, if it is one."""
+    if isinstance(statement, ast.ConnectStmt) and root_name(statement.subject) == name:
+        words = {c.word: c for c in statement.clauses}
+        if "between" in words:
+            return Mount(env, statement, statement.subject, None, statement.clauses)
+        if "to" in words and isinstance(statement.subject, ast.MemberExpr):
+            return Mount(env, statement, statement.subject, words["to"].values[0], statement.clauses)
+    if isinstance(statement, ast.JointDecl) and statement.child is not None and root_name(statement.child) == name:
+        words = {c.word: c for c in statement.clauses}
+        if "between" in words:
+            return Mount(env, statement, statement.child, None, statement.clauses)
+        if "to" in words and isinstance(statement.child, ast.MemberExpr):
+            return Mount(env, statement, statement.child, words["to"].values[0], statement.clauses)
+        ported = isinstance(statement.child, ast.MemberExpr | ast.IndexExpr) and not bare(env, statement.parent)
+        if ported and not {"in", "on"} & set(words):
+            return Mount(env, statement, statement.child, statement.parent, statement.clauses)
+    return None
+
+
+def mounts(env: Env, name: str) -> list[Mount]:
+    """The mounts of a part in its environment, and under every ``when`` there, be it further down in the text."""
+    from .body import enter_when
+
+    for statement in env.statements:
+        if isinstance(statement, ast.WhenStmt) and mounting(statement, name):
+            enter_when(env, statement)
+    found = [m for s in env.statements if (m := mount_of(env, s, name)) is not None]
+    for branch in env.branches.values():
+        found.extend(mounts(branch, name))
+    return found
+
+
+def mounting(statement: ast.WhenStmt, name: str) -> bool:
+    """Whether a ``when`` may hold a mount of the part ``name``."""
+    for inner in (*statement.body, *statement.otherwise):
+        if isinstance(inner, ast.WhenStmt):
+            if mounting(inner, name):
+                return True
+        elif isinstance(inner, ast.ConnectStmt | ast.JointDecl):
+            subject = inner.subject if isinstance(inner, ast.ConnectStmt) else inner.child
+            if root_name(subject) == name:
+                return True
+    return False
+
+
+def rotation_of(part: Part) -> Matrix:
+    """How a part is turned before it is placed."""
+    from .build import rotation_of as turned
+
+    return turned(part)
+
+
+def pose_of(part: Part) -> Pose:
+    """The pose of a part in its environment; registers unknown coordinates where equations shall find them."""
+    from .build import position_columns
+
+    if part.declaration.root:
+        return Pose(rotation_of(part), (ZERO, ZERO, ZERO), ONE)
+    found = mounts(part.env, part.name)
+    if not found:
+        return Pose(rotation_of(part), position_columns(part), ONE)
+    poses = [(m.env.scope, mounted(part, m)) for m in found]
+    if not everywhere(part, [scope for scope, _ in poses]):
+        return partly(part, [(m, pose) for m, (_, pose) in zip(found, poses, strict=True)])
+    if len(poses) == 1:
+        return poses[0][1]
+    context = part.context
+    lists = [flat(pose) for _, pose in poses]
+    order = iter(range(len(lists[0])))
+
+    def pick(_: E.Expr) -> E.Expr:
+        k = next(order)
+        if all(scope is part.env.scope for scope, _ in poses):
+            raise context.error("over-determined", found[1].statement.span, f"`{part.name}` is mounted twice")
+        return E.phi(part.env.scope, [(scope, values[k]) for (scope, _), values in zip(poses, lists, strict=True)])
+
+    return mapped_pose(poses[0][1], pick)
+
+
+def everywhere(part: Part, scopes: list[Scope]) -> bool:
+    """Whether one of the tables has a row wherever the part exists."""
+    if any(scope is part.env.scope for scope in scopes):
+        return True
+    guards = [held(scope, part.env.scope) for scope in scopes]
+    try:
+        return all(any(there) for exists, *there in combinations([part.exists, *guards], part.context.draws) if exists)
+    except TooManyCases:
+        return False
+
+
+def partly(part: Part, mounts: list[tuple[Mount, Pose]]) -> Pose:
+    """The pose of a part that is mounted in some cases alone: there its place is an equation, else what others determine."""
+    from .build import position_columns
+
+    place, rotation = position_columns(part), rotation_of(part)
+    for mount, pose in mounts:
+        span = mount.statement.span
+        for column, value in zip(place, pose.translation, strict=True):
+            mount.env.equations.append(Equation(column, value, span, text_of(span), part.exists))
+    scope = part.env.scope
+    cells = [
+        [
+            E.phi(scope, [(m.env.scope, pose.rotation[i][j]) for m, pose in mounts], rotation[i][j])
+            if any(pose.rotation[i][j] is not rotation[i][j] for _, pose in mounts)
+            else rotation[i][j]
+            for j in range(3)
+        ]
+        for i in range(3)
+    ]
+    return Pose(tuple(map(tuple, cells)), place, ONE)  # type: ignore[arg-type]
+
+
+def flat(pose: Pose) -> list[E.Expr]:
+    found: list[E.Expr] = []
+    mapped_pose(Pose(pose.rotation, pose.translation, pose.mirror), lambda e: found.append(e) or e)  # type: ignore[func-returns-value]
+    return found
+
+
+def mounted(part: Part, mount: Mount) -> Pose:
+    ev = Evaluator(mount.env)
+    if mount.clause("between") is not None:
+        return bridged(part, mount, ev)
+    assert mount.target is not None
+    inner = rotation_of(part)
+    own = own_value(part, mount.subject, mount.env, inner)
+    if inner != IDENTITY and not isinstance(own, Face):
+        turned_in_vain(part, mount)
+    if isinstance(own, Line):
+        own = Frame(own.point, axes_from(own.direction), own.on)
+    if not isinstance(own, Frame):
+        raise ev.wrong(mount.subject.span, "a frame of the part (a port or a face)", own)
+    value = ev.value(mount.target)
+    if isinstance(value, Line):
+        value = Frame(value.point, axes_from(times(value.direction, MINUS)), value.on)
+    if not isinstance(value, Frame):
+        raise ev.wrong(mount.target.span, "a frame (a port or a face)", value)
+    origin = located(value, mount, ev)
+    out, up = value.out, value.up
+    side = tuple(row[1] for row in value.rotation)
+    rotation = product(columns(times(out, MINUS), times(side, MINUS), up), transpose(own.rotation))  # type: ignore[arg-type]
+    extra = mount.clause("gap")
+    offset = ev.scalar(extra.values[0]) if extra is not None else ZERO
+    sink = mount.clause("sink")
+    if sink is not None:
+        offset = E.sub(offset, ev.scalar(sink.values[0]))
+    origin = plus(origin, times(out, offset))
+    shift = minus(origin, turn(rotation, own.origin))
+    return Pose(rotation if inner == IDENTITY else product(rotation, inner), shift, ONE)
+
+
+def turned_in_vain(part: Part, mount: Mount) -> None:
+    """Refuse `along` and `turned` of a part that a port or two points place: turned or not, it would stand the same."""
+    said = [*part.declaration.placements, *(p for o in part.options for p in o.source.placements)]
+    said += part.declaration.alternatives[0].placements if part.style is not None else ()
+    raise part.context.error(
+        "over-determined", said[0].span, f"`{part.name}` is turned here, but what it is mounted by turns with it: this says nothing",
+        hint="turn the port in its template, or place the part by a face of its box (`connect lid.back on ...`) and equations",
+        notes=((mount.statement.span, "the mount"),),
+    )  # fmt: skip
+
+
+def axes_from(direction: Triple) -> Matrix:
+    """Axes for a line used as a frame: out along it, up z (x for a vertical one)."""
+    from ..values.faces import frame_of
+
+    return frame_of(direction, unit(0 if abs(direction[2].constant or 0.0) == 1.0 else 2))
+
+
+def own_value(part: Part, subject: ast.Expr, env: Env, rotation: Matrix = IDENTITY) -> Value:
+    """The subject of a mount in the part's own frame (its pose is what is sought), turned as the part says."""
+    frame = HERE if rotation == IDENTITY else Pose(rotation, (ZERO, ZERO, ZERO), ONE)
+    return Evaluator(env, {part.name: Ref(part.name, (Branch(None, ((part, frame),)),), own=True)}).value(subject)
+
+
+def located(frame: Frame, mount: Mount, ev: Evaluator) -> Triple:
+    """The origin of the target, moved by ``at y = ..., z = ...`` within its plane."""
+    clause = mount.clause("at")
+    origin = list(frame.origin)
+    if clause is None:
+        return frame.origin
+    for name, node in zip(clause.names, clause.values, strict=True):
+        if name in AXES:
+            axis = AXES.index(name)
+            if frame.out[axis].constant in (1.0, -1.0):
+                raise ev.env.context.error(
+                    "plane-across-axes", node.span, f"the target faces along {name}; `at` moves within its plane",
+                    hint=f"give the other two coordinates here, and the distance along {name} by `gap` or `sink`",
+                )  # fmt: skip
+            origin[axis] = ev.scalar(node)
+        elif isinstance(node, ast.NameExpr) and node.name == "center":
+            continue
+        else:
+            origin = list(ev.vector(node))
+    return tuple(origin)  # type: ignore[return-value]
+
+
+def bridged(part: Part, mount: Mount, ev: Evaluator) -> Pose:
+    """``between A and B [facing d] [sink s]``: the pose and the one parameter on which the length of ``ends`` depends."""
+    clause = mount.clause("between")
+    assert clause is not None
+    if rotation_of(part) != IDENTITY:
+        turned_in_vain(part, mount)
+    subject = mount.subject
+    line = part.own("ends", subject.span) if isinstance(subject, ast.NameExpr) else own_value(part, subject, mount.env)
+    if not isinstance(line, Line) or line.to is None:
+        raise ev.env.context.error(
+            "unknown-port", subject.span, f"`{part.name}` has no port `ends : line` with two ends, which `between` needs",
+            hint="declare it in the template: port ends = line(at = ..., to = ...)",
+        )  # fmt: skip
+    sink_clause = mount.clause("sink")
+    sink = ev.scalar(sink_clause.values[0]) if sink_clause is not None else ZERO
+    gap_clause = mount.clause("gap")
+    if gap_clause is not None:
+        sink = E.sub(sink, ev.scalar(gap_clause.values[0]))
+    a, b = sunk(ev, clause.values, sink)
+    x, y, z = map(tidy, minus(b, a))
+    outer, inner = (x, y, z), minus(line.to, line.point)
+    distance = norm(outer)
+    reach = next((c for c in inner if c is not ZERO), ZERO) if sum(c is not ZERO for c in inner) == 1 else norm(inner)
+    mount.env.equations.append(Equation(reach, distance, clause.span, "the distance of the two ends", part.exists))
+    facing = mount.clause("facing")
+    along = normalized(outer)
+    toward = ev.direction(facing.values[0]) if facing is not None else perpendicular(along)
+    own_axis = next((k for k in range(3) if inner[k] is not ZERO), 2)
+    own_along = unit(own_axis) if sum(c is not ZERO for c in inner) == 1 else normalized(inner)
+    own_toward = unit(0 if own_axis != 0 else 2)
+    world, local = basis(along, toward), basis(own_along, own_toward)
+    rotation = product(world, transpose(local))
+    return Pose(rotation, minus(a, turn(rotation, line.point)), ONE)
+
+
+def sunk(ev: Evaluator, places: tuple[ast.Expr, ...], sink: E.Expr) -> tuple[Triple, Triple]:
+    """The two places, each moved into what it lies on: against ``out`` of a frame; a point has none, so along the line of both."""
+    values = [ev.value(node) for node in places]
+    a, b = (ev.vector(node) for node in places)
+    if sink is ZERO:
+        return a, b
+    away = normalized(minus(b, a)) if any(not isinstance(v, Frame) for v in values) else (ZERO, ZERO, ZERO)
+    outs = [v.out if isinstance(v, Frame) else d for v, d in zip(values, (away, times(away, MINUS)), strict=True)]
+    return minus(a, times(outs[0], sink)), minus(b, times(outs[1], sink))
+
+
+def perpendicular(direction: Triple) -> Triple:
+    """z, or x where the direction is vertical by construction."""
+    return unit(0) if direction[0] is ZERO and direction[1] is ZERO else unit(2)
+
+
+def basis(along: Triple, toward: Triple) -> Matrix:
+    """Orthonormal columns: along, toward made square to it, and their cross product."""
+    square = toward
+    if dot(along, toward) is not ZERO:
+        square = minus(toward, times(along, dot(along, toward)))
+    square = normalized(square)
+    return columns(along, square, cross(along, square))

@@ -1,0 +1,82 @@
+"""The legal ranges of the numbers that an object is made of: one table, read by ``legal`` and by the materials.
+
+Lengths are in metres, angles in radians, all else in SI units.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ...graph import expr as E
+from ...graph.expr import Expr, Scope
+from ...graph.program import Where
+
+FAR = 1e3  # 1 km
+NEAR = 1e-6  # 1 um
+MOST_ELEMENTS = 5000
+MOST_ROWS = 20_000  # the runtime makes no more (``runtime.kernels``)
+
+
+@dataclass(frozen=True, slots=True)
+class Legal:
+    """A closed range, in ``words`` that stand behind the value ("..., but a size lies between ...")."""
+
+    low: float
+    high: float
+    words: str
+
+    def holds(self, value: float) -> bool:
+        """Whether a number is legal; nan is not."""
+        return self.low <= value <= self.high
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Quantity:
+    """A number of ``scope``, named for messages, with the range that is legal for it where ``guard`` holds."""
+
+    name: str
+    scope: Scope
+    value: Expr
+    legal: Legal
+    where: Where | None
+    guard: Expr = E.TRUE
+
+
+NUMBER = Legal(-1e12, 1e12, "what an object is made of is a finite number")
+PLACE = Legal(-FAR, FAR, "places lie within 1 km of the origin")
+SIZE = Legal(0.0, FAR, "sizes are not negative and at most 1 km")
+TURN = Legal(-1.0 - NEAR, 1.0 + NEAR, "a direction has a length")
+AXIS = Legal(1.0 - NEAR, 1.0 + NEAR, "an axis has a length")
+DIRECTION = Legal(NEAR, FAR, "a direction has a length")
+APART = Legal(NEAR, FAR, "a gripper closes across its approach")
+MOTION = Legal(-1e4, 1e4, "the range of a joint is finite")
+PITCH = Legal(NEAR, FAR, "the pitch of a screw is a length above 0 or below it, at most 1 km")
+HELD = Legal(0.0, 1e9, "it is finite and not negative")
+DRIVEN = Legal(1e-9, 1e9, "it is finite and above 0")
+OPENING = Legal(NEAR, FAR, "an opening is a length above 0")
+SHARE = Legal(0.0, 1.0, "it lies in 0 .. 1")
+DISTANCE = Legal(0.0, FAR, "a distance is not negative and at most 1 km")
+EVERY = Legal(NEAR, FAR, "the distance of elements lies above 0")
+OPTION = Legal(1e-12, 1e12, "one of several has a weight above 0")
+ELEMENTS = Legal(0.0, MOST_ELEMENTS, f"a repeat has at most {MOST_ELEMENTS:,} elements")
+ROWS = Legal(0.0, MOST_ROWS, f"an object has at most {MOST_ROWS:,} elements of one kind")
+WEIGHT = Legal(0.0, 1e12, "a weight is a finite number from 0 on")
+SPREAD = Legal(1e-12, 1e12, "a deviation is a finite number above 0")
+STEP = Legal(0.0, 1e12, "a step is finite and not negative")
+
+MATERIAL = {
+    "density": Legal(1e-3, 1e6, "a density lies between 1 g/m3 and 1000 t/m3"),
+    "friction_static": Legal(0.0, 1e3, "a coefficient of friction is not negative"),
+    "friction_dynamic": Legal(0.0, 1e3, "a coefficient of friction is not negative"),
+    "restitution": SHARE,
+    "metalness": SHARE,
+    "roughness": SHARE,
+    "transparency": SHARE,
+    "colour": Legal(0.0, 1.0, "red, green and blue lie in 0 .. 1"),
+}
+
+
+def plain(value: float) -> str:
+    """A value as messages show it."""
+    return "no number" if math.isnan(value) else f"{value:.6g}"

@@ -1,0 +1,162 @@
+"""Repeats: the table of elements, the box or frame of each, in closed form."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ...graph import expr as E
+from ...graph.expr import Expr, Scope
+from ...graph.program import Pose
+from ...syntax import ast
+from ..expressions.context import where
+from ..expressions.env import Element, Env
+from ..expressions.evaluate import Evaluator
+from ..values.faces import squared
+from ..values.kinds import Box, Line
+from ..values.vectors import HERE, IDENTITY, ORIGIN, norm, rotation_about, signed_axis
+from .ranges import EVERY, Quantity
+
+HALF = E.const(0.5)
+WATER_ROUNDS = 12
+
+
+def clause(statement: ast.RepeatStmt, word: str) -> ast.Clause | None:
+    return next((c for c in statement.clauses if c.word == word), None)
+
+
+def build_repeat(env: Env, statement: ast.RepeatStmt, declare: Callable[[Env, tuple[ast.Stmt, ...]], None]) -> Element:
+    """Open the table of a repeat, place its elements, lower its body."""
+    context = env.context
+    ev = Evaluator(env)
+    box = whole = None
+    if statement.form in ("split", "spread", "fill"):
+        found = clause(statement, statement.form)
+        assert found is not None
+        whole = ev.box(found.values[0])
+        box = squared(whole)
+    if statement.form == "mirror":
+        count: Expr = E.const(2.0)
+    elif statement.form == "fill" and statement.count is None:
+        count = filled(ev, statement, box)  # type: ignore[arg-type]
+        if (every := clause(statement, "every")) is not None:
+            name, place = f"`every` of `{statement.name}`", where(every.span)
+            context.asked.append(Quantity(name, env.scope, ev.scalar(every.values[0]), EVERY, place))
+    else:
+        assert statement.count is not None
+        count = ev.scalar(statement.count)
+    scope = context.scope(f"{env.path}{statement.name}", env.scope, "repeat", count)
+    context.counted[scope] = statement.name_span
+    inner = env.nested(scope, f"{env.path}{statement.name}.")
+    element = Element(statement.name, inner, scope, count, None)
+    inner.element = element
+    inner.names[statement.name] = element
+    if statement.index is not None:
+        inner.names[statement.index] = E.rank(scope)
+    inner_ev = Evaluator(inner)
+    match statement.form:
+        case "split":
+            from .body import register
+            from .split import split
+
+            split(inner, element, statement, box, register)  # type: ignore[arg-type]
+        case "spread" | "fill" | "pitch":
+            element.box = spaced(ev, inner_ev, statement, box, count, scope)
+        case "ring":
+            inner.frame = ring(ev, statement, count, scope)
+        case "mirror":
+            inner.frame = mirrored(ev, statement, scope)
+        case _:
+            pass
+    if element.box is None and env.root.box is not None and inner.frame is HERE:
+        element.box = ev.own_box()
+    declare(inner, statement.body)
+    return element
+
+
+def axis_of(ev: Evaluator, statement: ast.RepeatStmt) -> int:
+    """The axis of ``along``; for ``pitch`` too."""
+    found = clause(statement, "along")
+    if found is None:
+        raise ev.env.context.error(
+            "wrong-arguments", statement.span, f"`{statement.form}` needs `along x`, `along y` or `along z`"
+        )
+    axis = signed_axis(ev.direction(found.values[0]))
+    if axis is None:
+        raise ev.env.context.error("bad-axis", found.span, "a repeat runs along x, y or z")
+    return axis[0]
+
+
+def scalar(ev: Evaluator, statement: ast.RepeatStmt, word: str) -> Expr:
+    found = clause(statement, word)
+    return E.ZERO if found is None else ev.scalar(found.values[0])
+
+
+def filled(ev: Evaluator, statement: ast.RepeatStmt, box: Box) -> Expr:
+    """How many elements fit: ``fill A every d``."""
+    axis = axis_of(ev, statement)
+    length = E.sub(box.size[axis], E.mul(E.const(2.0), scalar(ev, statement, "margin")))
+    step = scalar(ev, statement, "every")
+    return E.maximum(E.ONE, E.add(E.call("floor", E.add(E.div(length, step), E.const(1e-9))), E.ONE))
+
+
+def spaced(
+    ev: Evaluator, inner: Evaluator, statement: ast.RepeatStmt, box: Box | None, count: Expr, scope: Scope
+) -> Box:
+    """Elements without extent along the axis: evenly spread, at a pitch, or as many as fit."""
+    axis = axis_of(ev, statement)
+    if box is None:
+        own = ev.own_box()
+        box = squared(own) if own is not None else Box(ORIGIN, ORIGIN)
+    margin, rank = scalar(ev, statement, "margin"), E.rank(scope)
+    length = box.size[axis]
+    if statement.form == "pitch":
+        center = E.add(E.add(box.low[axis], margin), E.mul(rank, scalar(ev, statement, "pitch")))
+    elif statement.form == "fill":
+        step = scalar(ev, statement, "every")
+        used = E.mul(E.sub(count, E.ONE), step)
+        start = E.mul(E.sub(length, used), HALF)
+        center = E.add(E.add(box.low[axis], start), E.mul(rank, step))
+    else:
+        room = E.sub(length, E.mul(E.const(2.0), margin))
+        step = E.div(room, E.maximum(E.ONE, E.sub(count, E.ONE)))
+        several = E.add(E.add(box.low[axis], margin), E.mul(rank, step))
+        center = E.where(E.call("le", count, E.ONE), E.mul(E.add(box.low[axis], box.high[axis]), HALF), several)
+    low, high = list(box.low), list(box.high)
+    low[axis] = high[axis] = center
+    return Box(tuple(low), tuple(high), on=box.on)  # type: ignore[arg-type]
+
+
+def ring(ev: Evaluator, statement: ast.RepeatStmt, count: Expr, scope: Scope) -> Pose:
+    """``ring n about axis``: the scope's frame turned by k / n about the axis, its origin on it."""
+    found = clause(statement, "about")
+    assert found is not None
+    value = ev.value(found.values[0])
+    line = value if isinstance(value, Line) else None
+    point = line.point if line is not None else getattr(value, "origin", ORIGIN)
+    direction = ev.direction(found.values[0])
+    if norm(direction) is not E.ONE:
+        raise ev.env.context.error("bad-axis", found.span, "a ring turns about an axis of unit length")
+    angle = E.mul(E.div(E.rank(scope), count), E.const(6.283185307179586))
+    # the origin: the point of the axis nearest the scope's origin keeps it independent of where the line starts
+    axis = signed_axis(direction)
+    if axis is not None:
+        point = tuple(E.ZERO if k == axis[0] else c for k, c in enumerate(point))
+    return Pose(rotation_about(direction, angle), point, E.ONE)
+
+
+def mirrored(ev: Evaluator, statement: ast.RepeatStmt, scope: Scope) -> Pose:
+    """``mirror across y``: element 0 as written, element 1 its mirror image in the plane through the scope's centre."""
+    found = clause(statement, "across")
+    assert found is not None
+    axis = signed_axis(ev.direction(found.values[0]))
+    if axis is None:
+        raise ev.env.context.error("bad-axis", found.span, "a mirror stands across x, y or z")
+    sign = E.where(E.call("eq", E.rank(scope), E.ZERO), E.ONE, E.const(-1.0))
+    if axis[0] == 1:
+        return Pose(IDENTITY, ORIGIN, sign)
+    # a reflection in another axis is the one in y followed by a half turn
+    other = 2 if axis[0] == 0 else 0
+    diagonal = [sign, sign, sign]
+    diagonal[other] = E.ONE
+    rows = tuple(tuple(diagonal[i] if i == j else E.ZERO for j in range(3)) for i in range(3))
+    return Pose(rows, ORIGIN, sign)  # type: ignore[arg-type]

@@ -1,0 +1,88 @@
+"""``split A along axis weight w gap g each lo .. hi``: elements that share a box, in closed form."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ...graph import expr as E
+from ...graph.expr import Expr, Scope
+from ...graph.program import Requirement
+from ...syntax import ast
+from ..expressions.context import where
+from ..expressions.env import Element, Env
+from ..expressions.evaluate import Evaluator
+from ..values.kinds import Box
+from .repeat import axis_of, clause, scalar
+
+ROUNDS = 8
+
+
+def split(
+    inner: Env, element: Element, statement: ast.RepeatStmt, box: Box, register: Callable[[Env, ast.Stmt], None]
+) -> None:
+    """Set the element's box and the gap before it. The weight may name what the body declares."""
+    outer = Evaluator(inner.outer)  # type: ignore[arg-type]
+    axis, scope = axis_of(outer, statement), element.scope
+    gap = scalar(outer, statement, "gap")
+    for declaration in statement.body:
+        if isinstance(declaration, ast.ParamDecl | ast.CountDecl | ast.LetDecl):
+            register(inner, declaration)
+    weighted = clause(statement, "weight")
+    weight = E.ONE if weighted is None else Evaluator(inner).scalar(weighted.values[0])
+    room = E.sub(box.size[axis], E.mul(E.sub(element.count, E.ONE), gap))
+    limits = clause(statement, "each")
+    if limits is None:
+        size = E.div(E.mul(room, weight), total(scope, weight, element.count))
+    else:
+        low, high = (outer.scalar(v) for v in limits.values)
+        size = limited(scope, room, weight, element.count, low, high)
+        bound_count(inner, element, statement, room, low, high)
+    if size.scope is scope:
+        before = E.scan(scope, size)
+    else:
+        before = E.mul(E.rank(scope), size)
+    start = E.add(E.add(box.low[axis], before), E.mul(E.rank(scope), gap))
+    low_end, high_end = list(box.low), list(box.high)
+    low_end[axis], high_end[axis] = start, E.add(start, size)
+    element.box = Box(tuple(low_end), tuple(high_end), on=box.on)  # type: ignore[arg-type]
+    gap_low, gap_high = list(box.low), list(box.high)
+    gap_low[axis], gap_high[axis] = E.sub(start, gap), start
+    present = E.negate(E.call("eq", E.rank(scope), E.ZERO))
+    element.gap = Box(tuple(gap_low), tuple(gap_high), on=box.on, exists=present)  # type: ignore[arg-type]
+
+
+def bound_count(inner: Env, element: Element, statement: ast.RepeatStmt, room: Expr, low: Expr, high: Expr) -> None:
+    """So many elements that each has room for its least size and all together fill the box."""
+    outer = inner.outer
+    assert outer is not None
+    for sides, message in (
+        ((E.mul(element.count, low), room), f"too many elements of `{element.name}` for the room there is"),
+        ((room, E.mul(element.count, high)), f"too few elements of `{element.name}` to fill the room there is"),
+    ):
+        holds = E.call("le", *sides)
+        if holds is not E.TRUE:
+            outer.context.program.requirements.append(
+                Requirement(
+                    outer.scope, holds, E.TRUE, message, where(statement.span), sides, text=f"each of {element.name}"
+                )
+            )
+
+
+def total(scope: Scope, value: Expr, count: Expr) -> Expr:
+    """The sum over the elements of one parent row; a value equal for all is multiplied."""
+    return E.reduce("sum", scope, value) if value.scope is scope else E.mul(count, value)
+
+
+def limited(scope: Scope, room: Expr, weight: Expr, count: Expr, low: Expr, high: Expr) -> Expr:
+    """Every element gets ``low``, the rest is shared by weight, and what exceeds ``high`` is shared again."""
+    rest = E.sub(room, E.mul(count, low))
+    span = E.sub(high, low)
+    if weight.scope is not scope:
+        return E.add(low, E.minimum(E.div(rest, count), span))
+    share: Expr = E.ZERO
+    for _ in range(ROUNDS):
+        free = E.where(E.call("lt", share, span), weight, E.ZERO)
+        left = E.sub(rest, E.reduce("sum", scope, share))
+        step = E.div(E.mul(left, free), E.maximum(E.reduce("sum", scope, free), E.const(1e-12)))
+        share = E.minimum(E.add(share, step), span)
+    return E.add(low, share)

@@ -1,0 +1,126 @@
+"""Styles: a choice and its parameters drawn once, used by many parts."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass, field
+
+from ...graph import expr as E
+from ...graph.expr import Expr, Scope
+from ...semantics.symbols import Symbol, is_a
+from ...syntax import ast
+from ..expressions.env import Env
+from ..expressions.evaluate import Evaluator
+from ..solve.cases import TooManyCases, combinations
+from ..values.kinds import Choice
+from .draws import draw_choice, draw_option, draw_scalar
+
+
+@dataclass(slots=True, eq=False)
+class Style:
+    """``style pull : Handle = A | B | none``: the choice, and per alternative the parameters drawn so far."""
+
+    env: Env
+    declaration: ast.StyleDecl
+    role: Symbol | None
+    choice: Choice
+    alternatives: tuple[ast.Alternative, ...]
+    drawn: dict[tuple[str, str], Expr] = field(default_factory=dict)
+
+    def chosen(self, name: str) -> Expr | None:
+        return self.choice.chosen(name)
+
+    def matches(self, name: str) -> Expr:
+        """The predicate of ``style is Name``."""
+        wanted, found = self.env.module.find(name), E.FALSE
+        for option in dict.fromkeys(self.choice.options):
+            symbol = self.env.module.find(option)
+            if wanted is not None and symbol is not None and is_a(symbol, wanted):
+                found = E.either(found, self.choice.chosen(option) or E.FALSE)
+        return found
+
+    def guard(self, option: str) -> Expr:
+        options = self.choice.options
+        return E.TRUE if len(options) == 1 else E.call("eq", self.choice.code, E.const(float(options.index(option))))
+
+    def scope(self, option: str) -> Scope:
+        return self.env.context.guard(self.env.scope, self.guard(option), f"{self.declaration.name}={option}")
+
+    def shared(
+        self,
+        option: str | None,
+        name: str,
+        declaration: ast.ParamDecl | ast.CountDecl,
+        component: int | None,
+        local: Env,
+    ) -> Expr:
+        """The style's own draw of a parameter: of the role (``option`` None) or of one alternative."""
+        key = (option or "", name)
+        if key not in self.drawn:
+            scope = self.env.scope if option is None else self.scope(option)
+            home = Env(local.context, local.module, local.symbol, scope, f"{self.env.path}{self.declaration.name}.")
+            home.names = dict(local.names)
+            value = draw_scalar(home, declaration, f"{self.env.path}{self.declaration.name}.{name}", component)
+            if scope is not self.env.scope:
+                value = E.phi(self.env.scope, [(scope, value)])
+            self.drawn[key] = value
+        return self.drawn[key]
+
+    def shared_option(self, option: str, name: str, declaration: ast.ParamDecl, local: Env) -> Choice:
+        """The style's own draw of a parameter that is one of some words, of one alternative."""
+        key = (option, name)
+        if key not in self.drawn:
+            home = Env(
+                local.context,
+                local.module,
+                local.symbol,
+                self.scope(option),
+                f"{self.env.path}{self.declaration.name}.",
+            )
+            code = draw_option(home, declaration, f"{self.env.path}{self.declaration.name}.{name}").code
+            self.drawn[key] = code if home.scope is self.env.scope else E.phi(self.env.scope, [(home.scope, code)])
+        return Choice(self.drawn[key], declaration.type.values)
+
+
+def build_style(env: Env, declaration: ast.StyleDecl) -> Style:
+    alternatives = complete_choice(env, declaration.alternatives)
+    names = tuple(a.name or "none" for a in alternatives)
+    role = env.module.find(declaration.role)
+    path = env.path + declaration.name
+    if len(names) == 1:
+        choice = Choice(E.ZERO, names)
+    else:
+        choice = draw_choice(env, path, names, [(a,) for a in alternatives], declaration.name_span, declaration)
+    return Style(env, declaration, role, choice, alternatives)
+
+
+def complete_choice(env: Env, alternatives: tuple[ast.Alternative, ...]) -> tuple[ast.Alternative, ...]:
+    """The alternatives, and `none` where all of them carry a guard and none of the guards need hold."""
+    guards = [a.guard for a in alternatives if a.guard is not None]
+    if len(guards) < len(alternatives):
+        return alternatives
+    ev = Evaluator(env)
+    conditions = [ev.truth(ev.value(guard), guard.span) for guard in guards]
+    try:
+        if all(any(held) for held in combinations(conditions, env.context.draws)):
+            return alternatives
+    except TooManyCases:
+        pass
+    span = alternatives[-1].span
+    some = functools.reduce(lambda a, b: ast.BinaryExpr(span=span, op="or", left=a, right=b), guards)
+    rest = ast.UnaryExpr(span=span, op="not", operand=some)
+    return (*alternatives, ast.Alternative(span=span, name=None, name_span=span, guard=rest))
+
+
+def sole_style(env: Env, name: str, role: Symbol | None, node: ast.NameExpr) -> Style:
+    """The style that a template's name stands for where a style is handed in: one alternative, its parameters drawn once."""
+    alternative = ast.Alternative(span=node.span, name=node.name, name_span=node.span)
+    declaration = ast.StyleDecl(
+        span=node.span,
+        name=name,
+        name_span=node.span,
+        role=node.name if role is None else role.name,
+        role_span=node.span,
+        alternatives=(alternative,),
+    )
+    return Style(env, declaration, role, Choice(E.ZERO, (node.name,)), declaration.alternatives)

@@ -1,0 +1,79 @@
+"""Frames on curved surfaces: ``body.wall.at(u, z = h)``."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from ...graph import expr as E
+from ...graph.derive import derive
+from ...graph.expr import Expr
+from ...graph.linear import Linear, isolate
+from ...syntax import ast
+from ..expressions.builtins import named
+from ..solve.solve import lifted
+from ..values.carry import mapped, mapped_pose, moved, scalars
+from ..values.faces import frame_of
+from ..values.kinds import Frame, Surface, Value
+from ..values.vectors import AXES, cross, normalized, unit
+from .guards import held
+
+if TYPE_CHECKING:
+    from ..expressions.evaluate import Evaluator
+
+
+def frame_on(ev: Evaluator, surface: Surface, node: ast.CallExpr) -> Frame:
+    """The frame at (u, v) of a surface, or at u and a given coordinate: out = outward normal, up = z.
+
+    Of several alternatives each is evaluated in the table of the statement, and the one that exists is taken.
+    """
+    arguments = named(node, "u", "v")
+    scope = ev.env.scope
+    u = ev.scalar(arguments["u"])
+    found: list[tuple[Expr, Frame]] = []
+    for _, part, outer, name in surface.branches:
+        for instance in part.instances:
+            patch = (
+                None
+                if instance.solid is None
+                else next((p for p in instance.solid.primitive.patches if p.name == name), None)
+            )
+            if patch is None or instance.solid is None:
+                continue
+            mapping = {k: lifted(e, scope) for k, e in instance.solid.mapping(instance).items()}
+            v = ev.scalar(arguments["v"]) if "v" in arguments else solve_v(ev, node, arguments, patch, mapping, u)
+            values: dict[Expr, Expr] = {**mapping, E.var("u"): u, E.var("v"): v}
+            position = tuple(E.substitute(c, values) for c in patch.position)
+            du, dv = (tuple(E.substitute(derive(c, name), values) for c in patch.position) for name in ("u", "v"))
+            frame = Frame(position, frame_of(normalized(cross(du, dv)), unit(2)), (part,))  # type: ignore[arg-type]
+            pose = mapped_pose(outer, lambda e: lifted(e, scope))
+            found.append((held(instance.scope, scope), moved(frame, pose)))
+    if not found:
+        raise ev.env.context.error("unknown-member", node.span, "none of the alternatives has this surface")
+    value: Value = found[-1][1]
+    for guard, other in reversed(found[:-1]):
+        cells = iter(scalars(other))
+        value = mapped(value, lambda e, guard=guard, cells=cells: E.where(guard, next(cells), e))  # type: ignore[misc]
+    carriers = tuple(dict.fromkeys(p for _, f in found for p in f.on))
+    return moved(replace(value, on=carriers), ev.pose)
+
+
+def solve_v(ev: Evaluator, node: ast.CallExpr, arguments: dict, patch, mapping: dict, u: Expr) -> Expr:  # noqa: ANN001
+    """The v at which a coordinate of the surface takes the given value."""
+    axis = next((a for a in AXES if a in arguments), None)
+    if axis is None:
+        raise ev.env.context.error(
+            "wrong-arguments", node.span, "`at` takes u and v, or u and one coordinate (z = ...)"
+        )
+    coordinate = E.substitute(patch.position[AXES.index(axis)], {**mapping, E.var("u"): u})
+    from ...graph.expr import Column, Scope
+
+    marker = Column(coordinate.scope or Scope("surface"), "v")
+    target = E.col(marker)
+    linear = Linear(lambda c: c is marker, {})
+    found = isolate(E.substitute(coordinate, {E.var("v"): target}), marker, ev.scalar(arguments[axis]), linear)
+    if found is None:
+        raise ev.env.context.error(
+            "not-solvable", node.span, f"this surface cannot be solved for the place where {axis} has a value", hint="give u and v",
+        )  # fmt: skip
+    return found

@@ -1,0 +1,58 @@
+"""Warns of surface without a semantic label, at the parts of the category that it belongs to."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ...graph.program import Site
+from ...graph.unlabelled import Bare, unlabelled
+from ...source import Span
+
+if TYPE_CHECKING:
+    from ..program import Lowering
+    from .part import Part
+
+_NAMED = 6  # primitives that a warning names
+
+
+def warn_unlabelled(lowering: Lowering, category: Span) -> None:
+    """One warning for each part of the category, or a single one where nothing at all is labelled."""
+    program, report = lowering.program, lowering.context.report
+    bare = unlabelled(program)
+    if not bare:
+        return
+    if len(bare) == len(program.sites) and not any(b.partly for b in bare):
+        report.warning(
+            "missing-label", category, f"no part of `{program.name}` has a semantic label",
+            hint="`label semantic.body on body` gives one to a part; `use vocabularies { semantic }` brings the words",
+        )  # fmt: skip
+        return
+    known = {part.path: part for part in lowering.context.parts}
+    of: dict[Part, list[Bare]] = {}
+    for one in bare:
+        of.setdefault(_outermost(known[program.sites[one.number].path]), []).append(one)
+    for part, several in of.items():
+        report.warning("missing-label", part.span, _message(several, program.sites), hint=_hint(part))
+
+
+def _outermost(part: Part) -> Part:
+    """The part of the category that a part belongs to."""
+    while (instance := part.env.root.instance) is not None:
+        part = instance.part
+    return part
+
+
+def _message(several: list[Bare], sites: list[Site]) -> str:
+    told = []
+    for path in dict.fromkeys(sites[b.number].path for b in several):
+        names = dict.fromkeys(s for b in several if sites[b.number].path == path for s in b.surfaces)
+        told.append(f"`{path}`" + (f" ({', '.join(names)})" if names else ""))
+    named = ", ".join(told[:_NAMED]) + (f" and {len(told) - _NAMED} more" if len(told) > _NAMED else "")
+    verb = "have" if len(told) > 1 else "has"
+    if all(b.partly for b in several):
+        return f"{named} {verb} a semantic label under conditions only, which need not hold"
+    return f"{named} {verb} no semantic label"
+
+
+def _hint(part: Part) -> str:
+    return f"`label semantic.WORD on {part.name}` covers all of it where no deeper label does; what has none is of class 0, `unlabelled`"

@@ -1,0 +1,226 @@
+"""Operators on values: numbers, planes (coordinates along one axis), vectors and conditions."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING
+
+from ...graph import expr as E
+from ...graph.expr import Expr
+from ...source import Span
+from ...syntax import ast
+from ..values.kinds import Box, Choice, Frame, Line, Plane, Ref, Value, Vec
+from ..values.vectors import AXES, sole_axis, times
+from .context import text_of
+
+if TYPE_CHECKING:
+    from .evaluate import Evaluator
+
+ROUNDING = 1e-9  # so far may what is to lie in -1 .. 1 lie outside
+OPERATIONS = {"+": E.add, "-": E.sub, "*": E.mul, "/": E.div, "^": E.power, "and": E.both, "or": E.either}
+
+
+def operate(ev: Evaluator, node: ast.BinaryExpr, a: Expr, b: Expr) -> Expr:
+    """A binary operation on numbers; one that has no value whatever is drawn is refused."""
+    if node.op == "/" and b.constant == 0:
+        raise undefined(ev, node.span, f"`{text_of(node.span)}` divides by zero")
+    result = OPERATIONS[node.op](a, b)
+    if node.op == "^" and b.constant is not None:
+        power, base = b.constant, a.constant
+        if base is not None and base < 0 and power != int(power):
+            raise undefined(
+                ev, node.span, f"{base:g} has no power {power:g}: only whole powers of a negative number exist"
+            )
+        if base == 0 and power < 0:
+            raise undefined(ev, node.span, f"`{text_of(node.span)}` divides by zero: 0 has no negative power")
+    return counted(ev, node.span, result, (a, b))
+
+
+def applied(ev: Evaluator, node: ast.CallExpr, name: str, arguments: list[Expr]) -> Expr:
+    """A function of numbers; one that has no value whatever is drawn is refused."""
+    value = arguments[0].constant
+    what = None
+    if name == "mod" and arguments[1].constant == 0:
+        what = f"`{text_of(node.span)}` divides by zero"
+    elif value is None:
+        pass
+    elif name == "log" and value <= 0:
+        what = f"{value:g} has no logarithm: only numbers above 0 have one"
+    elif name == "sqrt" and value < 0:
+        what = f"{value:g} has no square root: only numbers from 0 on have one"
+    elif name in ("asin", "acos") and abs(value) > 1:
+        if abs(value) > 1 + ROUNDING:
+            what = f"`{name}` takes numbers from -1 to 1, and this is {value:g}"
+        arguments = [E.const(1.0 if value > 0 else -1.0)]
+    if what is not None:
+        raise undefined(ev, node.span, what)
+    return counted(ev, node.span, E.call(name, *arguments), tuple(arguments))
+
+
+def counted(ev: Evaluator, span: Span, result: Expr, of: tuple[Expr, ...]) -> Expr:
+    """The result of an operation, which is a number if what it is made ``of`` are numbers."""
+    if result.constant is None or math.isfinite(result.constant):
+        return result
+    if all(a.constant is None or math.isfinite(a.constant) for a in of):
+        raise undefined(ev, span, f"`{text_of(span)}` is too large for a number")
+    return result
+
+
+def undefined(ev: Evaluator, span: Span, message: str) -> Exception:
+    return ev.env.context.error(
+        "undefined-value", span, message,
+        hint="where it is not meant to be reached, `a if c else b` or `when` with a condition keep it away",
+    )  # fmt: skip
+
+
+def plane(ev: Evaluator, value: Frame | Plane, span: Span) -> Plane:
+    """The coordinate plane of a face, in this environment's frame."""
+    if isinstance(value, Plane):
+        if value.axis is None:
+            raise tilted(ev, span)
+        return value
+    axis = sole_axis(value.out)
+    if axis is None:
+        raise tilted(ev, span)
+    return Plane(axis, value.origin[axis], value.on)
+
+
+def tilted(ev: Evaluator, span: Span) -> Exception:
+    return ev.env.context.error(
+        "plane-across-axes", span, "this face is turned: its plane is no coordinate of the frame of this statement",
+        hint="equate points instead (`align a.top.center = b.bottom.center`), or use `connect ... to` with frames",
+    )  # fmt: skip
+
+
+def unary(ev: Evaluator, node: ast.UnaryExpr) -> Value:
+    value = ev.value(node.operand)
+    if node.op == "not":
+        return E.negate(truth(ev, value, node.operand.span))
+    if node.op == "+":
+        return value
+    if isinstance(value, Vec):
+        return Vec(tuple(E.neg(c) for c in value.items), value.on)
+    if isinstance(value, Line):
+        return replace(value, direction=times(value.direction, E.const(-1.0)))
+    if isinstance(value, Frame | Plane):
+        return E.neg(plane(ev, value, node.span).coordinate)
+    if isinstance(value, Expr):
+        return E.neg(value)
+    raise ev.wrong(node.operand.span, "a number or a vector", value)
+
+
+def truth(ev: Evaluator, value: Value, span: Span) -> Expr:
+    """A guard: predicates, and names of optional parts and gaps (true where they exist)."""
+    if isinstance(value, Expr):
+        return value
+    if isinstance(value, Box):
+        return value.exists
+    if isinstance(value, Ref):
+        branches = value.branches
+        return branches[0].members[0][0].exists if len(branches) == 1 else E.TRUE
+    raise ev.wrong(span, "a condition", value)
+
+
+def binary(ev: Evaluator, node: ast.BinaryExpr) -> Value:
+    if node.op in ("and", "or"):
+        return OPERATIONS[node.op](*(truth(ev, ev.value(n), n.span) for n in (node.left, node.right)))
+    if node.op in ("==", "!="):
+        same = equal(ev, node)
+        return same if node.op == "==" else E.negate(same)
+    left: Value
+    right: Value
+    left, right = ev.value(node.left), ev.value(node.right)
+    if node.op in ("<", "<=", ">", ">="):
+        a, b = number(ev, left, node.left.span), number(ev, right, node.right.span)
+        if node.op in (">", ">="):
+            a, b = b, a
+        return E.call("lt" if node.op in ("<", ">") else "le", a, b)
+    if isinstance(left, Frame | Plane) and not (isinstance(left, Frame) and not left.face):
+        left = plane(ev, left, node.left.span)
+    if isinstance(right, Frame | Plane) and not (isinstance(right, Frame) and not right.face):
+        right = plane(ev, right, node.right.span)
+    if isinstance(left, Plane) or isinstance(right, Plane):
+        return plane_arithmetic(ev, node, left, right)
+    if isinstance(left, Frame) and isinstance(right, Vec):
+        left = Vec(left.origin, left.on, point=True)
+    if isinstance(left, Vec) or isinstance(right, Vec):
+        return vector_arithmetic(ev, node, left, right)
+    return operate(ev, node, number(ev, left, node.left.span), number(ev, right, node.right.span))
+
+
+def plane_arithmetic(ev: Evaluator, node: ast.BinaryExpr, left: Value, right: Value) -> Value:
+    a = left.coordinate if isinstance(left, Plane) else number(ev, left, node.left.span)
+    b = right.coordinate if isinstance(right, Plane) else number(ev, right, node.right.span)
+    result = operate(ev, node, a, b)
+    if isinstance(left, Plane) and isinstance(right, Plane):
+        if left.axis != right.axis:
+            raise across(ev, node.span, left, right, node.left.span, node.right.span)
+        if node.op == "-":
+            return result
+        return Plane(left.axis, result, left.on + right.on)
+    plane = left if isinstance(left, Plane) else right
+    return Plane(plane.axis, result, plane.on) if node.op in "+-" else result
+
+
+def across(ev: Evaluator, span: Span, left: Plane, right: Plane, a: Span, b: Span) -> Exception:
+    """Report planes of different axes; ``a`` and ``b`` are the places of the two."""
+    first, second = f"`{text_of(a)}`", f"`{text_of(b)}`"
+    return ev.env.context.error(
+        "plane-across-axes", span,
+        f"{first} is a plane across {AXES[left.axis or 0]}, {second} one across {AXES[right.axis or 0]}:"
+        " they have no coordinate in common",
+        hint="front and back are planes across x, left and right across y, top and bottom across z",
+    )  # fmt: skip
+
+
+def vector_arithmetic(ev: Evaluator, node: ast.BinaryExpr, left: Value, right: Value) -> Value:
+    operation = partial(operate, ev, node)
+    if isinstance(left, Vec) and isinstance(right, Vec):
+        if len(left.items) != len(right.items) or node.op not in "+-":
+            raise ev.wrong(node.span, "a sum or difference of vectors of one length", right)
+        items = tuple(operation(a, b) for a, b in zip(left.items, right.items, strict=True))
+        point = left.point and not (node.op == "-" and right.point) or (node.op == "+" and right.point)
+        return Vec(items, left.on + right.on, point)
+    if isinstance(left, Vec):
+        factor = number(ev, right, node.right.span)
+        return Vec(tuple(operation(a, factor) for a in left.items), left.on)
+    factor = number(ev, left, node.left.span)
+    return Vec(tuple(operation(factor, b) for b in right.items), right.on)
+
+
+def number(ev: Evaluator, value: Value, span: Span) -> Expr:
+    if isinstance(value, Choice):
+        return value.code
+    if isinstance(value, Plane):
+        return value.coordinate
+    if isinstance(value, Frame) and value.face:
+        return plane(ev, value, span).coordinate
+    if not isinstance(value, Expr):
+        raise ev.wrong(span, "a number", value)
+    return value
+
+
+def equal(ev: Evaluator, node: ast.BinaryExpr) -> Expr:
+    for choice_node, option in ((node.left, node.right), (node.right, node.left)):
+        if isinstance(option, ast.NameExpr) and not isinstance(choice_node, ast.NumberExpr):
+            chosen = getattr(ev.value(choice_node), "chosen", None)  # of a choice or a style
+            if chosen is not None and (found := chosen(option.name)) is not None:
+                return found
+    return E.call("eq", ev.scalar(node.left), ev.scalar(node.right))
+
+
+def conditional(ev: Evaluator, node: ast.IfExpr) -> Value:
+    condition = truth(ev, ev.value(node.condition), node.condition.span)
+    if condition.op == "const":  # what is never reached need not have a value
+        return ev.value(node.then if condition.constant else node.otherwise)
+    then, otherwise = ev.value(node.then), ev.value(node.otherwise)
+    if isinstance(then, Frame | Plane) and isinstance(otherwise, Frame | Plane) and not isinstance(then, Frame):
+        then, otherwise = plane(ev, then, node.then.span), plane(ev, otherwise, node.otherwise.span)
+    if isinstance(then, Plane) and isinstance(otherwise, Plane):
+        return Plane(then.axis, E.where(condition, then.coordinate, otherwise.coordinate), then.on + otherwise.on)
+    if isinstance(then, Vec) and isinstance(otherwise, Vec):
+        pairs = zip(then.items, otherwise.items, strict=True)
+        return Vec(tuple(E.where(condition, a, b) for a, b in pairs), then.on + otherwise.on, then.point)
+    return E.where(condition, number(ev, then, node.then.span), number(ev, otherwise, node.otherwise.span))

@@ -1,0 +1,167 @@
+"""What one lowering shares: the program that grows, the report, the order of draws, shared guard scopes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from ...diagnostics import Report
+from ...graph import expr as E
+from ...graph.expr import Column, Expr, Scope, ScopeError
+from ...graph.program import Draw, Program, Where
+from ...source import Span
+
+if TYPE_CHECKING:
+    from ..elaborate.part import Part
+    from ..elaborate.ranges import Quantity
+
+
+class Abort(Exception):
+    """A statement cannot be lowered; its diagnostic is in the report already."""
+
+
+@dataclass(slots=True, eq=False)
+class Equation:
+    """``left = right`` in the scope of the environment that states it, where ``guard`` holds.
+
+    ``near`` are pairs of sides that are about equal at the root that is meant.
+    """
+
+    left: Expr
+    right: Expr
+    span: Span
+    text: str
+    guard: Expr = E.TRUE
+    near: tuple[tuple[Expr, Expr], ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Settled:
+    """How an unknown is settled where ``when`` holds: by an equation, solved together with ``others`` (by name) of the
+    same block (known by its first column), searched from ``start`` (in words) where there is no closed form; or, without one, for a ``reason``.
+    """
+
+    when: Expr
+    equation: Equation | None = None
+    others: tuple[str, ...] = ()
+    block: Column | None = None
+    start: str = ""
+    reason: str = ""
+
+
+@dataclass(slots=True, eq=False)
+class Unknown:
+    """A scalar that equations may determine.
+
+    ``kind``: "position" (a coordinate of a part; free ones are centred), "size" (no domain: must be determined),
+    "default" (no domain, but a default), "param" (drawn when free) or "derived" (must be determined).
+    """
+
+    column: Column
+    kind: str
+    span: Span
+    name: str
+    part: Part | None = None
+    axis: int = 0
+    draw: Draw | None = None
+    default: Expr | None = None
+    positive: bool = False
+    reason: str = ""  # how it was settled, in short
+    settled: list[Settled] = field(default_factory=list)  # the same for the ledger, case by case
+
+
+@dataclass(slots=True, eq=False)
+class Context:
+    report: Report
+    program: Program
+    guards: dict[tuple[Scope, Expr], Scope] = field(default_factory=dict)
+    draws: list[Draw] = field(default_factory=list)
+    spans: dict[Column, Span] = field(default_factory=dict)
+    stated: dict[int, tuple[Span, bool]] = field(
+        default_factory=dict
+    )  # requirement -> its place, whether the category's own
+    ledger: list[tuple[Part | None, Unknown]] = field(default_factory=list)
+    parts: list[Part] = field(default_factory=list)
+    centred: dict[Part, int] = field(default_factory=dict)  # along how many axes nothing determines where a part is
+    counted: dict[Scope, Span] = field(default_factory=dict)  # the tables of repeats and where they are stated
+    asked: list[Quantity] = field(default_factory=list)  # numbers with a legal range that no record keeps
+    solids: dict = field(default_factory=dict)  # primitive symbol -> Lowered
+    labels: list = field(default_factory=list)  # (depth of the target, Label)
+    materials: dict = field(default_factory=dict)  # site -> [(depth, ((material, predicate), ...))]
+    near: dict[Span, bool] = field(default_factory=dict)  # statements with `near` -> whether a search began there
+    clearances: dict[int, Span] = field(
+        default_factory=dict
+    )  # joints whose high end is as far as nothing is in the way
+    whatever: set[int] = field(default_factory=set)  # those of them for which the other joints may be anywhere
+    unclear: list[Span] = field(default_factory=list)  # such ends that are not solved for
+    driven: dict[Span, bool] = field(default_factory=dict)  # `pushes(joint)` -> whether the joint carries a target
+    trace: list[tuple[Span, str]] = field(default_factory=list)
+    blamed: tuple[Span, str] | None = None  # where and how errors begin while a primitive is shaped by its user's curve
+
+    def error(self, code: str, span: Span, message: str, **more: object) -> Abort:
+        """Report an error with the present trace of instantiations; returns what the caller raises."""
+        if self.blamed is not None:
+            more["notes"] = (*more.get("notes", ()), (span, "what goes along it"))  # type: ignore[misc]
+            span, message = self.blamed[0], f"{self.blamed[1]}: {message}"
+        self.report.error(code, span, message, trace=tuple(self.trace), **more)  # type: ignore[arg-type]
+        return Abort(message)
+
+    def failed(self, error: Abort | ScopeError, span: Span) -> None:
+        """Go on after a statement that could not be lowered; what is not in the report yet is put there."""
+        if isinstance(error, ScopeError):
+            self.mixed(error, span)
+
+    def mixed(self, error: ScopeError, span: Span) -> Abort:
+        """Report that values of two tables meet that have no rows in common."""
+        first, second = in_words(error.first), in_words(error.second)
+        message = f"values of {first} and of {second} meet here, and nothing says which belong together"
+        hint = "state it inside the one that holds both, or reduce one side with sum, min or max"
+        if "guard" in (error.first.kind, error.second.kind):
+            hint = (
+                "state it in each `when` or template on its own, or for what all alternatives share: ports and `size`"
+            )
+        return self.error("unrelated-rows", span, message, hint=hint)
+
+    def scope(self, name: str, parent: Scope, kind: str, count: Expr) -> Scope:
+        scope = Scope(name, parent, kind, count)
+        self.program.scopes.append(scope)
+        return scope
+
+    def guard(self, parent: Scope, condition: Expr, name: str) -> Scope:
+        """The table of the rows of ``parent`` where ``condition`` holds; one table per condition."""
+        if condition is E.TRUE:
+            return parent
+        key = (parent, condition)
+        if key not in self.guards:
+            self.guards[key] = self.scope(name, parent, "guard", condition)
+        return self.guards[key]
+
+    def column(self, scope: Scope, name: str, kind: str, span: Span) -> Column:
+        column = Column(scope, name, kind)
+        self.spans[column] = span
+        return column
+
+
+def in_words(scope: Scope) -> str:
+    """A table as the author knows it: a repeat, an alternative, a ``when``."""
+    if scope.kind == "repeat":
+        return f"the repeat `{scope.name}`"
+    path, _, option = scope.name.partition("=")
+    if scope.kind == "guard" and option and "when " not in path:
+        return f"the alternative {option} of `{path}`"
+    if scope.kind == "guard":
+        return (
+            f"the optional part `{scope.name.removesuffix(' exists')}`"
+            if scope.name.endswith(" exists")
+            else "a `when`"
+        )
+    return f"`{scope.name}`"
+
+
+def where(span: Span) -> Where:
+    return Where(span.source.name, span.line, span.column)
+
+
+def text_of(span: Span) -> str:
+    """The source text of a span on one line."""
+    return " ".join(span.source.text[span.start : span.end].split())

@@ -1,0 +1,182 @@
+"""Environments: where names stand while a body is lowered.
+
+A body (a category or an instance of a template) has a root environment; each ``repeat`` and each ``when`` opens one
+inside. An environment has a table, a frame (a repeat's element may be turned or mirrored) and the unknowns and
+equations that are matched together.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+from ...graph import expr as E
+from ...graph.expr import Expr, Scope
+from ...graph.program import Pose
+from ...semantics.symbols import ModuleScope, Symbol
+from ...source import Span
+from ...syntax import ast
+from ..values.carry import merged, moved
+from ..values.kinds import Box, Choice, Frame, Line, Plane, Ports, Ref, Value, Vec
+from ..values.vectors import HERE, inverse
+from .context import Abort, Context, Equation, Unknown
+
+if TYPE_CHECKING:
+    from ..elaborate.part import Instance, Part
+
+
+MERGED = (Expr, Vec, Frame, Plane, Line, Box, Choice, Ports, Ref)  # one value out of those of branches
+
+
+@dataclass(slots=True, eq=False)
+class Thunk:
+    """A declaration that is lowered when its name is first read."""
+
+    make: Callable[[], Value]
+    span: Span
+    running: bool = False
+    failed: bool = False
+
+
+@dataclass(slots=True, eq=False)
+class Function:
+    """``let r(v) = ...`` with the environment it was written in."""
+
+    name: str
+    parameters: tuple[str, ...]
+    value: ast.Expr
+    env: Env
+    bindings: dict[str, Value] = field(default_factory=dict)
+
+
+@dataclass(slots=True, eq=False)
+class Element:
+    """What a repeat's name means: its environment, its scope, how many, and the box of an element."""
+
+    name: str
+    env: Env
+    scope: Scope
+    count: Expr
+    box: Box | None
+    gap: Box | None = None
+
+
+@dataclass(slots=True, eq=False)
+class Env:
+    context: Context
+    module: ModuleScope
+    symbol: Symbol | None
+    scope: Scope
+    path: str  # prefix of the columns declared here: "" or "door.handle."
+    outer: Env | None = None
+    frame: Pose = HERE  # this frame in the outer environment's
+    instance: Instance | None = None  # whose body this is
+    box: Box | None = None  # the template's own box, in the root environment of a body
+    names: dict[str, Value] = field(default_factory=dict)
+    unknowns: list[Unknown] = field(default_factory=list)
+    equations: list[Equation] = field(default_factory=list)
+    inner: list[Env] = field(default_factory=list)
+    branches: dict[Expr, Env] = field(default_factory=dict)
+    entered: dict[ast.WhenStmt, list[tuple[Env, tuple[ast.Stmt, ...]]]] = field(default_factory=dict)
+    statements: list[ast.Stmt] = field(default_factory=list)
+    parts: list[Part] = field(default_factory=list)
+    element: Element | None = None
+
+    @property
+    def root(self) -> Env:
+        env = self
+        while env.outer is not None:
+            env = env.outer
+        return env
+
+    def force(self, name: str) -> Value | None:
+        """The value of a name declared right here, lowering its declaration if that has not happened yet."""
+        value = self.names.get(name)
+        if isinstance(value, Thunk):
+            if value.failed:
+                raise Abort(f"`{name}` could not be lowered")
+            if value.running:
+                running = [n for n, v in self.names.items() if isinstance(v, Thunk) and v.running and n != name]
+                via = f", by way of {' and '.join(f'`{n}`' for n in running)}" if running else ""
+                raise self.context.error(
+                    "circular-definition", value.span, f"`{name}` needs itself{via}",
+                    hint="give one of them a value of its own, or leave a size open (`_`) and state an equation with `align`",
+                )  # fmt: skip
+            value.running = True
+            try:
+                made = value.make()
+            except Abort:
+                value.failed = True
+                raise
+            finally:
+                value.running = False
+            self.names[name] = made
+            return made
+        return value
+
+    def find(self, name: str) -> Value | None:
+        """A name from here outwards, in this environment's frame."""
+        found = self.declared(name)
+        if found is not None:
+            return found
+        if self.outer is None:
+            return None
+        value = self.outer.find(name)
+        if value is None or self.frame is HERE:
+            return value
+        return moved(value, inverse(self.frame))
+
+    def declared(self, name: str) -> Value | None:
+        """The value of a name that is declared here, or in branches of ``when``: of the branch that is there."""
+        if name in self.names:
+            return self.force(name)
+        found = [(branch.scope, value) for branch, value in self.branched(name)]
+        if not found or not all(isinstance(value, MERGED) for _, value in found):
+            return None
+        if all(isinstance(value, Ref) for _, value in found):
+            own = self.scope
+            return Ref(name, tuple(
+                replace(b, scope=b.scope or (None if scope is own else scope)) for scope, value in found for b in value.branches
+            ))  # fmt: skip
+        return found[0][1] if found[0][0] is self.scope else merged(self.scope, found)
+
+    def branched(self, name: str) -> list[tuple[Env, Value]]:
+        """What branches of ``when`` declare under a name, be they further down in the text."""
+        from ..elaborate.body import declares, enter_when
+
+        for statement in self.statements:
+            if isinstance(statement, ast.WhenStmt) and declares(statement, name):
+                enter_when(self, statement)
+        found: list[tuple[Env, Value]] = []
+        for branch in self.branches.values():
+            found.extend([(branch, branch.force(name))] if name in branch.names else branch.branched(name))
+        return found
+
+    def all_parts(self) -> list[Part]:
+        """Parts declared here and in the environments inside, in the order of the text."""
+        found = list(self.parts)
+        for env in self.inner:
+            found.extend(env.all_parts())
+        return found
+
+    def nested(self, scope: Scope, path: str, frame: Pose = HERE) -> Env:
+        env = Env(self.context, self.module, self.symbol, scope, path, outer=self, frame=frame, instance=self.instance)
+        self.inner.append(env)
+        return env
+
+    def to_root(self) -> Pose:
+        """This frame in the body's own."""
+        from ..values.vectors import compose
+
+        pose, env = HERE, self
+        while env.outer is not None:
+            if env.frame is not HERE:
+                pose = compose(env.frame, pose) if pose is not HERE else env.frame
+            env = env.outer
+        return pose
+
+
+def exists_in(env: Env, guard: Expr) -> bool:
+    """Whether rows of the environment's table are rows for which ``guard`` holds."""
+    return guard is E.TRUE or any(scope.count is guard for scope in env.scope.ancestors())

@@ -1,0 +1,264 @@
+"""Expressions of the text to values, in the frame and the table of one environment."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from ...graph import expr as E
+from ...graph.expr import Expr, Scope, ScopeError
+from ...graph.program import Pose
+from ...semantics import names
+from ...source import Span
+from ...syntax import ast
+from ...units import UNITS
+from ..values.carry import moved
+from ..values.faces import FACES
+from ..values.kinds import Box, Choice, Frame, Line, Plane, Ports, Ref, Value, Vec
+from ..values.vectors import AXES, HERE, unit
+from . import arithmetic, builtins, members
+from .context import text_of
+from .env import Element, Env, Function
+from .members import At, describe
+
+if TYPE_CHECKING:
+    from ..elaborate.drives import Drive
+
+
+class Evaluator:
+    """Evaluates in ``env``; ``local`` holds names that outrank everything (formula variables, function arguments)."""
+
+    _UnaryExpr, _BinaryExpr, _IfExpr = arithmetic.unary, arithmetic.binary, arithmetic.conditional
+    truth, number, plane, across = arithmetic.truth, arithmetic.number, arithmetic.plane, arithmetic.across
+    member, box_member, own_box, here = members.member, members.box_member, members.own_box, members.here
+    ref_box = members.ref_box
+
+    drive: Drive | None = None  # in formulas of labels: what a force on the surface does to a joint
+
+    def __init__(self, env: Env, local: dict[str, Value] | None = None, pose: Pose = HERE):
+        self.env = env
+        self.local = local or {}
+        self.pose = pose  # carries values of the environment into the frame of a formula (labels, grasps)
+
+    # ------------------------------------------------------------ entry points by expected kind
+
+    def scalar(self, node: ast.Expr) -> Expr:
+        value = self.value(node)
+        if isinstance(value, Choice):
+            return value.code
+        if isinstance(value, Plane):
+            return value.coordinate
+        if isinstance(value, Frame) and value.face:
+            return self.plane(value, node.span).coordinate
+        if isinstance(value, Box):
+            return value.exists
+        if not isinstance(value, Expr):
+            raise self.wrong(node.span, "a number", value)
+        return value
+
+    def vector(self, node: ast.Expr) -> tuple[Expr, Expr, Expr]:
+        """A point or direction as three scalars."""
+        value = self.value(node)
+        if isinstance(value, Frame):
+            return value.origin
+        if isinstance(value, Vec) and len(value.items) == 3:
+            return value.items
+        raise self.wrong(node.span, "a point or a vector of three", value)
+
+    def direction(self, node: ast.Expr) -> tuple[Expr, Expr, Expr]:
+        value = self.value(node)
+        if isinstance(value, Frame):
+            return value.out
+        if isinstance(value, Line):
+            return value.direction
+        if isinstance(value, Vec) and len(value.items) == 3:
+            return value.items
+        raise self.wrong(node.span, "a direction such as x or -z", value)
+
+    def frame(self, node: ast.Expr) -> Frame:
+        value = self.value(node)
+        if isinstance(value, Frame):
+            return value
+        raise self.wrong(node.span, "a frame (a port or a face)", value)
+
+    def box(self, node: ast.Expr) -> Box:
+        value = self.value(node)
+        if isinstance(value, Ref):
+            value = self.ref_box(value, node.span)
+        if isinstance(value, Element) and value.box is not None:
+            value = value.box
+        if isinstance(value, Box):
+            return value
+        raise self.wrong(node.span, "a box", value)
+
+    def wrong(self, span: Span, expected: str, value: Value) -> Exception:
+        return self.env.context.error("wrong-kind", span, f"this is {describe(value)}, but {expected} is needed here")
+
+    # ------------------------------------------------------------ dispatch
+
+    def value(self, node: ast.Expr) -> Value:
+        method = getattr(self, "_" + type(node).__name__, None)
+        if method is None:
+            raise self.env.context.error("wrong-kind", node.span, "this cannot stand here")
+        try:
+            return method(node)
+        except ScopeError as error:
+            raise self.env.context.mixed(error, node.span) from None
+
+    def _NumberExpr(self, node: ast.NumberExpr) -> Value:
+        factor = UNITS[node.unit][0] if node.unit else 1.0
+        return E.const(node.value * factor)
+
+    def _StringExpr(self, node: ast.StringExpr) -> Value:
+        return node.value
+
+    def _VectorExpr(self, node: ast.VectorExpr) -> Value:
+        items: list[Expr] = []
+        on: tuple = ()
+        for k, item in enumerate(node.items):
+            value = self.value(item)
+            if isinstance(value, Frame) and value.face:
+                value = self.plane(value, item.span)
+            if isinstance(value, Plane):
+                if value.axis != k:
+                    raise self.env.context.error(
+                        "plane-across-axes", item.span,
+                        f"`{text_of(item.span)}` is a plane across {AXES[value.axis or 0]}, but stands where the"
+                        f" {AXES[k]} coordinate goes",
+                    )  # fmt: skip
+                on += value.on
+                value = value.coordinate
+            if not isinstance(value, Expr):
+                raise self.wrong(item.span, "a number", value)
+            items.append(value)
+        return Vec(tuple(items), on)
+
+    def _IsExpr(self, node: ast.IsExpr) -> Value:
+        from ..elaborate.part import matches
+        from ..elaborate.style import Style
+
+        subject = self.value(node.subject)
+        if isinstance(subject, Style):
+            return subject.matches(node.type_name)
+        if not isinstance(subject, Ref) or len(subject.branches) != 1:
+            raise self.wrong(node.subject.span, "a part", subject)
+        part = subject.branches[0].members[0][0]
+        return matches(part, node.type_name, node.type_span, self.env)
+
+    # ------------------------------------------------------------ names, members, calls
+
+    def _NameExpr(self, node: ast.NameExpr) -> Value:
+        name = node.name
+        if name in self.local:
+            return self.local[name]
+        value = self.env.find(name)
+        if value is None or isinstance(value, Function) and name in AXES:  # `y(u)` is called, `y` the axis
+            value = self.builtin(name)
+        if value is None:
+            symbol = self.env.module.find(name)
+            if symbol is not None and symbol.kind == "function":
+                value = self.module_function(symbol)
+        if value is None:
+            raise self.unknown(node)
+        if isinstance(value, Element) and self.inside(value) and value.box is not None:
+            return moved(value, self.pose) if self.pose is not HERE else value
+        return moved(value, self.pose)
+
+    def module_function(self, symbol: object) -> Value:
+        declaration = symbol.decl  # type: ignore[attr-defined]
+        home = Env(self.env.context, symbol.module, None, self.env.scope, "")  # type: ignore[attr-defined]
+        if declaration.parameters:
+            return Function(declaration.name, declaration.parameters, declaration.value, home)
+        return Evaluator(home).value(declaration.value)
+
+    def unknown(self, node: ast.NameExpr) -> Exception:
+        symbol = self.env.module.find(node.name)
+        if symbol is not None and symbol.kind in ("template", "primitive", "role"):
+            return self.env.context.error(
+                "wrong-arguments", node.span, f"`{node.name}` is a {symbol.kind}: it cannot be handed in as a value",
+                hint="a parameter `style` takes a template's name, or a style: `style chosen : Role = A | B`",
+            )  # fmt: skip
+        return self.env.context.error("unknown-name", node.span, f"`{node.name}` is not known here")
+
+    def builtin(self, name: str) -> Value | None:
+        own = self.own_box()
+        if name in AXES:
+            return Vec(unit(AXES.index(name)))
+        if name == "pi":
+            return E.const(math.pi)
+        if name in ("true", "false"):
+            return E.const(name == "true")
+        if name == "previous" and (element := self.nearest_element()) is not None:
+            return At(element, None, element)
+        if own is not None and name in (*FACES, "center", "box", "size"):
+            return self.box_member(own, name)
+        return None
+
+    def nearest_element(self) -> Element | None:
+        env: Env | None = self.env
+        while env is not None:
+            if env.element is not None:
+                return env.element
+            env = env.outer
+        return None
+
+    def inside(self, element: Element) -> bool:
+        env: Env | None = self.env
+        while env is not None:
+            if env is element.env:
+                return True
+            env = env.outer
+        return False
+
+    def _MemberExpr(self, node: ast.MemberExpr) -> Value:
+        return self.member(self.value(node.obj), node.name, node.name_span, node)
+
+    def _IndexExpr(self, node: ast.IndexExpr) -> Value:
+        value = self.value(node.obj)
+        if isinstance(value, Ports):
+            return builtins.pick(value, self.scalar(node.index), self.env, node.span)
+        if isinstance(value, At) and isinstance(value.inner, Element):
+            inner = Evaluator(value.element.env)
+            index = inner.position(value.inner, node.index)
+            return At(value.element, value.index, At(value.inner, index, value.inner))
+        if not isinstance(value, Element):
+            raise self.wrong(node.obj.span, "a repeat", value)
+        return At(value, self.position(value, node.index), value)
+
+    def position(self, element: Element, index: ast.Expr) -> Expr:
+        if isinstance(index, ast.NameExpr) and index.name == "last":
+            return E.sub(element.count, E.ONE)
+        return self.scalar(index)
+
+    # ------------------------------------------------------------ parts
+
+    # ------------------------------------------------------------ calls
+
+    def _CallExpr(self, node: ast.CallExpr) -> Value:
+        if isinstance(node.function, ast.MemberExpr):
+            return builtins.method(self, node)
+        name = node.function.name
+        if self.drive is not None and name in names.DRIVES:
+            return self.drive.truth(node)
+        found = self.local.get(name) or self.env.find(name)
+        if not isinstance(found, Function):
+            symbol = self.env.module.find(name)
+            if symbol is not None and symbol.kind == "function":
+                found = self.module_function(symbol)
+        if isinstance(found, Function):
+            return self.apply(found, node)
+        return builtins.function(self, node)
+
+    def apply(self, function: Function, node: ast.CallExpr) -> Value:
+        values = [self.value(a.value) for a in node.arguments]
+        if len(values) != len(function.parameters):
+            raise self.env.context.error(
+                "wrong-arguments", node.span,
+                f"`{function.name}` takes {len(function.parameters)} arguments, {len(values)} are given",
+            )  # fmt: skip
+        local = {**function.bindings, **dict(zip(function.parameters, values, strict=True))}
+        return Evaluator(function.env, local).value(function.value)
+
+
+def _deep(e: Expr, scope: Scope) -> bool:
+    return e.scope is not None and e.scope.within(scope)

@@ -1,0 +1,276 @@
+"""What stands after a dot: members of parts, boxes, frames, lines and elements, in the frame of the expression."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from ...graph import expr as E
+from ...graph.expr import Expr, Scope
+from ...graph.program import Pose
+from ...source import Span
+from ...syntax import ast
+from ..values.carry import baked, mapped, merged, moved
+from ..values.faces import FACES, corner_of, edge_of, extent, face_of, squared
+from ..values.kinds import Box, Choice, Edge, Face, Frame, InElement, Line, Plane, Ref, Surface, Value, Vec
+from ..values.vectors import AXES, HERE, compose, place
+from .env import Element, Env, Function
+
+if TYPE_CHECKING:
+    from ..elaborate.part import Part
+    from ..values.kinds import Carrier
+    from .evaluate import Evaluator
+
+
+class At:
+    """An element of a repeat named from outside (``post[last]``, ``previous``): values are fetched row by row."""
+
+    __slots__ = ("element", "index", "inner")
+
+    def __init__(self, element: Element, index: Expr | None, inner: Value):
+        self.element, self.index, self.inner = element, index, inner
+
+
+def describe(value: Value) -> str:
+    """What a value is, in words for a message."""
+    names = {
+        Vec: "a vector", Frame: "a frame", Plane: "a plane", Line: "a line", Box: "a box", Choice: "a choice", Ref: "a part",
+        Element: "an element of a repeat", At: "an element of a repeat", Function: "a function", str: "a text", Expr: "a number",
+    }  # fmt: skip
+    if isinstance(value, Ref):
+        return f"the part `{value.name}`"
+    if isinstance(value, Frame) and value.face:
+        return "a face"
+    return next((text for kind, text in names.items() if isinstance(value, kind)), "something else")
+
+
+def own_box(ev: Evaluator) -> Box | None:
+    """The template's own box in this environment's frame."""
+    root = ev.env.root
+    if root.box is None:
+        return None
+    from ..values.vectors import inverse
+
+    pose = ev.env.to_root()
+    return root.box if pose is HERE else moved(root.box, inverse(pose))
+
+
+def box_member(ev: Evaluator, box: Box, name: str) -> Value | None:
+    straight = squared(box)
+    if name in FACES:
+        return face_of(straight, name)
+    if name == "center":
+        return Vec(place(straight.pose, straight.center), box.on, point=True)
+    if name == "size":
+        return Vec(straight.size)
+    if name == "box":
+        return box
+    return None
+
+
+def member(ev: Evaluator, value: Value, name: str, span: Span, node: ast.MemberExpr | None = None) -> Value:
+    found: Value | None = None
+    if isinstance(value, Vec):
+        if name in AXES and AXES.index(name) < len(value.items):
+            axis = AXES.index(name)
+            found = Plane(axis, value.items[axis], value.on) if value.point else value.items[axis]
+    elif isinstance(value, Ref):
+        found = ref_member(ev, value, name, span)
+    elif isinstance(value, Element):
+        found = element_member(ev, value, name, span)
+    elif isinstance(value, At):
+        found = at_member(ev, value, name, span)
+    elif isinstance(value, Box):
+        found = box_member(ev, value, name)
+    elif isinstance(value, Frame):
+        found = frame_member(ev, value, name)
+    elif isinstance(value, Line):
+        found = line_member(ev, value, name)
+    if found is None:
+        raise ev.env.context.error("unknown-member", span, f"{describe(value)} has no `{name}`")
+    return found
+
+
+def frame_member(ev: Evaluator, value: Frame, name: str) -> Value | None:
+    if name in ("origin", "center"):
+        return Vec(value.origin, value.on, point=True)
+    if name == "out":
+        return Vec(value.out)
+    if name == "up":
+        return Vec(value.up)
+    if isinstance(value, Face) and name in FACES:
+        return edge_of(value, name)
+    return None
+
+
+def line_member(ev: Evaluator, value: Line, name: str) -> Value | None:
+    if name in ("at", "origin", "center"):
+        return Vec(value.point, value.on, point=True)
+    if name == "to" and value.to is not None:
+        return Vec(value.to, value.on, point=True)
+    if name == "along":
+        return Vec(value.direction)
+    if isinstance(value, Edge) and name in FACES:
+        return corner_of(value, name)
+    return None
+
+
+def element_member(ev: Evaluator, value: Element, name: str, span: Span) -> Value | None:
+    if ev.inside(value):
+        if name == "gap":
+            return value.gap
+        if value.box is not None and (found := box_member(ev, here(ev, value, value.box), name)) is not None:
+            return found
+        inner = value.env.find(name)
+        return inner if inner is None else from_env(ev, value.env, inner)
+    raise ev.env.context.error(
+        "many-elements", span, f"`{value.name}` stands for all elements of a repeat here",
+        hint=f"name one, `{value.name}[0]` or `{value.name}[last]`, or reduce them with sum, min or max",
+    )  # fmt: skip
+
+
+def here(ev: Evaluator, element: Element, value: Value) -> Value:
+    return from_env(ev, element.env, value)
+
+
+def from_env(ev: Evaluator, env: Env, value: Value) -> Value:
+    """A value of an environment around this one, in this one's frame."""
+    from ..values.vectors import inverse
+
+    chain = HERE
+    at: Env | None = ev.env
+    while at is not None and at is not env:
+        if at.frame is not HERE:
+            chain = compose(at.frame, chain) if chain is not HERE else at.frame
+        at = at.outer
+    value = value if chain is HERE else moved(value, inverse(chain))
+    return moved(value, ev.pose)
+
+
+def at_member(ev: Evaluator, value: At, name: str, span: Span) -> Value:
+    within = type(ev)(value.element.env)
+    boxed = name in FACES or name in ("center", "size", "box")
+    if boxed and isinstance(value.inner, Ref):
+        found = box_member(ev, fetch(ev, value, within.ref_box(value.inner, span)), name)
+    elif boxed and isinstance(value.inner, Element) and value.inner.box is not None:
+        found = box_member(ev, fetch(ev, value, value.inner.box), name)
+    else:
+        return fetch(ev, value, within.member(value.inner, name, span))
+    return found
+
+
+def fetch(ev: Evaluator, at: At, inner: Value) -> Value:
+    if isinstance(inner, Ref | Element | At):
+        return At(at.element, at.index, inner)
+    scope = at.element.scope
+    if hasattr(inner, "on"):
+        inner = replace(inner, on=in_element(at, inner.on, ev.env.scope))
+    if at.index is None:
+        return mapped(inner, lambda e: E.previous(scope, e, E.ZERO) if e.scope is not None else e)
+    value = mapped(inner, lambda e: E.element(scope, e, at.index) if _deep(e, scope) else e)  # type: ignore[arg-type]
+    frame = at.element.env.frame
+    if frame is not HERE:
+        from ..values.carry import mapped_pose
+
+        outer = mapped_pose(frame, lambda e: E.element(scope, e, at.index) if _deep(e, scope) else e)  # type: ignore[arg-type]
+        value = moved(value, outer)
+    return moved(value, ev.pose)
+
+
+def in_element(at: At, on: tuple[Carrier, ...], scope: Scope) -> tuple[Carrier, ...]:
+    """Parts that a value of an element lies on, as they are named from the rows of ``scope``."""
+    repeat = at.element.scope
+    inside = ((p, p.scope if isinstance(p, InElement) else p.env.scope) for p in on)
+    return tuple(InElement(p, scope, repeat, at.index) if home.within(repeat) else p for p, home in inside)
+
+
+def lift(ev: Evaluator, value: Value, scope: Scope | None) -> Value:
+    """A value of the rows of ``scope`` in this environment's table: as it is, or by the one row that exists."""
+    while scope is not None and not ev.env.scope.within(scope):
+        if scope.kind != "guard" or scope.parent is None:
+            break
+        value = merged(scope.parent, [(scope, value)])
+        scope = scope.parent
+    return value
+
+
+def ref_member(ev: Evaluator, ref: Ref, name: str, span: Span) -> Value | None:
+    """A member of what a reference names, of whichever alternative exists; else of its box."""
+    from ..elaborate.part import part_member
+
+    results: list[tuple[Scope | None, Value]] = []
+    for branch in ref.branches:
+        if len(branch.members) != 1:
+            continue
+        part, outer = branch.members[0]
+        found = part_member(part, name, span, ev, ref.own)
+        if found is not None:
+            results.append((branch.scope, moved(found, outer)))
+    if not results or len(results) < len(ref.branches):
+        box = ref_box(ev, ref, span)
+        if (found := box_member(ev, box, name)) is not None:
+            return labelled(ev, found, box)
+        if not results:
+            return None
+    return moved(joined(ev, name, results), ref.frame)
+
+
+def joined(ev: Evaluator, name: str, results: list[tuple[Scope | None, Value]]) -> Value:
+    """One value out of those of alternatives, in this environment's table."""
+    if all(isinstance(v, Surface) for _, v in results):
+        return Surface(tuple(b if b[0] is not None else (s, *b[1:]) for s, v in results for b in v.branches))
+    if len(results) == 1:
+        scope, value = results[0]
+        if not isinstance(value, Ref):
+            return lift(ev, value, scope)
+        return replace(value, branches=tuple(replace(b, scope=b.scope or scope) for b in value.branches))
+    if all(isinstance(v, Ref) for _, v in results):
+        branches = [replace(b, scope=b.scope or s) for s, v in results for b in baked(v).branches]
+        return Ref(name, tuple(branches))
+    parent = results[0][0].parent  # type: ignore[union-attr]
+    return lift(ev, merged(parent, results), parent)  # type: ignore[arg-type]
+
+
+def labelled(ev: Evaluator, value: Value, box: Box) -> Value:
+    return replace(value, on=box.on) if hasattr(value, "on") else value
+
+
+def ref_box(ev: Evaluator, ref: Ref, span: Span) -> Box:
+    """The box of what a reference names, in the frame of the environment that names it."""
+    return moved(branch_box(ev, ref, span), ref.frame)
+
+
+def branch_box(ev: Evaluator, ref: Ref, span: Span) -> Box:
+    """The box of what a reference names; for several parts, the axis-aligned box around them."""
+    boxes: list[tuple[Scope | None, Box]] = []
+    carriers: list = []
+    for branch in ref.branches:
+        held = [member_box(ev, part, outer, ref.own, branch.scope) for part, outer in branch.members]
+        carriers += [part for part, _ in branch.members if part not in carriers]
+        if len(held) > 1:
+            held = [extent(b) for b in held]
+            low = tuple(E.minimum(*(b.low[k] for b in held)) for k in range(3))
+            high = tuple(E.maximum(*(b.high[k] for b in held)) for k in range(3))
+            held = [Box(low, high)]  # type: ignore[arg-type]
+        boxes.append((branch.scope, held[0]))
+    on = tuple(carriers)
+    if len(boxes) == 1:
+        return lift(ev, replace(boxes[0][1], on=on), boxes[0][0])
+    parent = boxes[0][0].parent  # type: ignore[union-attr]
+    value = merged(parent, boxes)  # type: ignore[arg-type]
+    return lift(ev, replace(value, on=on), parent)
+
+
+def member_box(ev: Evaluator, part: Part, outer: Pose, own: bool, scope: Scope | None) -> Value:
+    """The box of one part of a reference; over all rows where the part stands in a repeat of its template."""
+    from .extents import raised
+
+    box = moved(part.box(), outer if own else compose(outer, part.pose))
+    target = scope if scope is not None else ev.env.scope
+    if part.env.scope.within(target) and part.env.scope is not target:
+        return raised(extent(box), part.env.scope, target)
+    return box
+
+
+def _deep(e: Expr, scope: Scope) -> bool:
+    return e.scope is not None and e.scope.within(scope)

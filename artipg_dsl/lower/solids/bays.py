@@ -1,0 +1,181 @@
+"""A stretch of a path with sections at its ends, and the convex pieces that fill it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...graph import expr as E
+from ...graph.expr import ONE, ZERO, Expr
+from ...graph.primitive import Piece, Triple
+from ..values.vectors import dot, minus, plus, times
+from .curves import TURN
+from .frames import Frames, turned, turning
+from .paths import Stretch
+from .probe import Probe
+from .profiles import Point, Span, V, equal_steps, extreme, orientation, straight
+from .strips import parts
+
+BLEND = E.var("section")  # 0 at the first section of a bay, 1 at its last
+CUT = 0.2  # of the inradius of a section may be cut off by a step of a piece
+GAP = 0.06  # of that of a part of a section: the gaps lie within the solid
+MOST = 24  # steps of a bay, for each turn of a path that winds
+Chains = list[list[Span]]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Bay:
+    """A stretch of the path with the sections at its ends, and how they stand across it."""
+
+    rail: Stretch
+    frames: Frames
+    first: Chains
+    last: Chains
+
+    def section(self, blend: Expr) -> Chains:
+        """The section between the two."""
+        return [
+            [mixed(a, b, blend) for a, b in zip(*pair, strict=True)] for pair in zip(self.first, self.last, strict=True)
+        ]
+
+    def place(self, across: Point, v: Expr | float) -> Triple:
+        at = tuple(E.substitute(c, {V: E.wrap(v)}) for c in self.rail.place)
+        return plus(at, plus(times(self.frames.side(v), across[0]), times(self.frames.up(v), across[1])))  # type: ignore[arg-type]
+
+    @property
+    def even(self) -> bool:
+        return self.first is self.last
+
+    @property
+    def ends(self) -> tuple[Chains, Chains]:
+        return self.first, self.last
+
+
+def mixed(a: Span, b: Span, blend: Expr) -> Span:
+    """A curve between two, both over v = 0 .. 1."""
+    if a is b:
+        return a
+    ends = zip(a.by_fraction, b.by_fraction, strict=True)
+    position = tuple(E.add(p, E.mul(blend, E.sub(q, p))) for p, q in ends)
+    return Span(a.name, position, ZERO, ONE, a.closing)  # type: ignore[arg-type]
+
+
+def swapped(point: Sequence[Expr], mapping: dict[Expr, Expr]) -> Point:
+    return tuple(E.substitute(c, mapping) for c in point)  # type: ignore[return-value]
+
+
+# ---------------------------------------------------------------- pieces
+
+
+def polygons(probe: Probe, loops: list, fill: list, solid_section: bool) -> list[list[Point]]:
+    """Convex polygons that fill a section: one, or the steps of its strips."""
+    if solid_section:
+        corners = []
+        for side in loops[0][0]:
+            count = 1 if straight(probe, side.span) else equal_steps(probe, side.span, np.radians(30.0), 12)
+            corners += [side.span.fraction(k / count) for k in range(count)]
+        return [corners]
+    return parts(probe, fill, orientation(probe, loops[0][0]))
+
+
+def bay_pieces(seen: Probe, probe: Probe, bay: Bay, name: str, sections: list[list[Point]]) -> list[Piece]:
+    """Hulls between the polygons at the ends of steps, drawn in by what the bend and the change of section cut off."""
+    made = []
+    spans = [span for side in (bay.first, bay.last) for span in side[0]]
+    ends: list[Point] = [(extreme(probe, spans, 0, sign), ZERO) for sign in (-1, 1)]
+    if not bay.frames.plain:
+        ends += [(ZERO, extreme(probe, spans, 1, sign)) for sign in (-1, 1)]
+    twist, wide = turning(probe, bay.rail, bay.frames), E.maximum(*(E.call("hypot", *end) for end in ends))
+    bent = bay.rail.center is not None or bay.rail.length is ZERO
+    for number, corners in enumerate(sections):
+        corners = [c for k, c in enumerate(corners) if not seen.same(c, corners[k - 1])]
+        middle = tuple(E.div(sum_of([c[k] for c in corners]), E.const(float(len(corners)))) for k in (0, 1))
+        narrow = inradius(corners, middle)  # type: ignore[arg-type]
+        turns = turned(probe, bay.rail) / TURN if bay.rail.length is ZERO else 1.0
+        most = MOST if turns < 1.01 else 2 * MOST * np.ceil(turns)
+        for count in (c for c in (1, 2, 3, 4, 6, 8, 12, 16, 24, 48, 72, 96, 144, 192) if c <= most):
+            if bent and count < 3:
+                continue
+            lost = [change(probe, corners, narrow, k / count, (k + 1) / count) for k in range(count)]
+            cuts = [sagitta(bay, ends, k / count, (k + 1) / count) if bent else ZERO for k in range(count)]
+            if twist is not ZERO:
+                cuts = [E.add(c, screwed(bay, wide, twist, k / count, (k + 1) / count)) for k, c in enumerate(cuts)]
+            least = [E.substitute(narrow, {BLEND: E.const((k + 0.5) / count)}) for k in range(count)]
+            share = probe(*(E.div(a, b) for a, b in zip(cuts, least, strict=True)))
+            if ((share.max(axis=0) + max(lost)) <= (CUT if len(sections) == 1 else GAP)).mean() > 0.98:
+                break
+        for k in range(count):
+            keep = E.maximum(E.sub(E.const(1.0 - lost[k]), E.div(cuts[k], least[k])), E.const(0.02))
+            points = []
+            for v in (k / count, (k + 1) / count):
+                hub = swapped(middle, {BLEND: E.const(v)})
+                for corner in corners:
+                    here = swapped(corner, {BLEND: E.const(v)})
+                    drawn = tuple(E.add(h, E.mul(keep, E.sub(c, h))) for c, h in zip(here, hub, strict=True))
+                    points.append(bay.place(drawn, v))  # type: ignore[arg-type]
+            made.append(Piece(f"{name}_{number}_{k}", tuple(points)))
+    return made
+
+
+def sum_of(values: Sequence[Expr]) -> Expr:
+    total = ZERO
+    for value in values:
+        total = E.add(total, value)
+    return total
+
+
+def inradius(corners: list[Point], middle: Point) -> Expr:
+    """How far the edges of a polygon lie from its middle, at least."""
+    found = []
+    for a, b in zip(corners, [*corners[1:], corners[0]], strict=True):
+        edge, away = (
+            [E.sub(q, p) for p, q in zip(a, b, strict=True)],
+            [E.sub(m, p) for m, p in zip(middle, a, strict=True)],
+        )
+        area = E.sub(E.mul(edge[0], away[1]), E.mul(edge[1], away[0]))
+        found.append(E.div(E.call("abs", area), E.maximum(E.call("hypot", *edge), E.const(1e-300))))
+    return E.minimum(*found)
+
+
+def change(probe: Probe, corners: list[Point], narrow: Expr, low: float, high: float) -> float:
+    """By what share a hull between two polygons must be drawn in to lie within the straight lines between partners.
+
+    Halfway the hull is the polygon of all middles between a corner of one and a corner of the other.
+    """
+    places = []
+    for blend in (low, high, (low + high) / 2):
+        values = probe(*(c for corner in corners for c in swapped(corner, {BLEND: E.const(blend)})))
+        places.append(values.T.reshape(values.shape[1], len(corners), 2))
+    first, last, half = places
+    between = (first[:, :, None] + last[:, None]).reshape(len(half), -1, 2) / 2
+    edge = np.roll(half, -1, axis=1) - half
+    away = between[:, :, None] - half[:, None]
+    turns = np.sign(
+        (half[..., 0] * np.roll(half, -1, axis=1)[..., 1] - half[..., 1] * np.roll(half, -1, axis=1)[..., 0]).sum(
+            axis=1
+        )
+    )
+    reach = (away[..., 0] * edge[:, None, :, 1] - away[..., 1] * edge[:, None, :, 0]) * turns[:, None, None]
+    reach = reach / np.sqrt((edge**2).sum(axis=-1))[:, None]
+    least = probe(E.substitute(narrow, {BLEND: E.const((low + high) / 2)}))[0]
+    share = float((reach.max(axis=(1, 2)) / least).max())
+    return 0.0 if share < 1e-7 else min(1.05 * share, 0.9)
+
+
+def sagitta(bay: Bay, ends: list[Point], low: float, high: float) -> Expr:
+    """How far a chord along the path cuts off a bend, at the sides of the section."""
+    cuts = []
+    for across in ends:
+        a, b, half = (bay.place(across, v) for v in (low, high, (low + high) / 2))
+        away = minus(half, times(plus(a, b), E.const(0.5)))
+        cuts.append(E.call("sqrt", dot(away, away)))
+    return E.mul(E.maximum(*cuts), E.const(1.02 if bay.rail.center is not None else 1.2))
+
+
+def screwed(bay: Bay, wide: Expr, twist: Expr, low: float, high: float) -> Expr:
+    """What a hull between two sections reaches beyond what turns about the path from one to the other, at most."""
+    way = minus(bay.rail.at(high), bay.rail.at(low))
+    angle = E.mul(twist, E.call("sqrt", dot(way, way)))
+    return E.mul(wide, E.mul(angle, angle))

@@ -1,0 +1,147 @@
+"""Curves: what the name of a curve means, and the curves that the language brings along.
+
+A curve of a primitive is a formula over its parameter or one of ``circle``, ``rectangle``, ``polygon``; ``offset``
+moves a curve sideways. A path in space is a chain of lines and arcs (see ``paths``) or a formula.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ...graph import expr as E
+from ...graph.derive import derive
+from ...graph.expr import ONE, ZERO, Expr
+from ...syntax import ast
+from ..expressions.builtins import named, need
+from ..expressions.env import Env, Function
+from ..expressions.evaluate import Evaluator
+from ..expressions.members import describe
+from ..values.kinds import Vec
+from .profiles import Point, Span, V, between, right_of
+
+if TYPE_CHECKING:
+    from ...source import Span as Place
+    from .paths import Handed
+
+TURN = 6.283185307179586
+
+
+class Curve(Function):
+    """``curve skin (v in 0 .. 1) = [radius, height]``, or a chain; where it has a parameter it can be called."""
+
+    __slots__ = ("statement", "handed")
+
+    def __init__(self, statement: ast.CurveDecl | ast.LetDecl, env: Env):
+        parameters = (statement.parameter,) if isinstance(statement, ast.CurveDecl) else ()
+        super().__init__(statement.name, parameters, statement.value, env)
+        self.statement = statement
+        self.handed: dict[str, Handed] = {}  # by the parameter that it is the value of
+
+    def ends(self) -> tuple[Expr, Expr]:
+        """The ends of the parameter's range; 0 and 1 for a chain, which has none."""
+        if not isinstance(self.statement, ast.CurveDecl):
+            return ZERO, ONE
+        ev, interval = Evaluator(self.env), self.statement.parameter_range
+        return ev.scalar(interval.low), ev.scalar(interval.high)
+
+    def point(self, ev: Evaluator | None = None) -> tuple[Expr, ...]:
+        """The place at the parameter ``v``, of two or three coordinates."""
+        value = Evaluator(self.env, {p: V for p in self.parameters}).value(self.value)
+        if isinstance(value, Vec) and len(value.items) in (2, 3):
+            return value.items
+        raise self.env.context.error(
+            "wrong-kind", self.value.span, f"this is {describe(value)}, not a point of the curve `{self.name}`",
+            hint="a curve in a plane gives [a, b], a path in space [x, y, z]",
+        )  # fmt: skip
+
+
+def offset(ev: Evaluator, node: ast.CallExpr) -> Vec:
+    """``offset(skin(v), d)``: the place at distance d to the right of the curve (outwards where it runs upwards)."""
+    arguments = named(node, "curve", "distance")
+    call, distance = need(ev, node, arguments, "curve"), ev.scalar(need(ev, node, arguments, "distance"))
+    curve, at = None, V
+    if isinstance(call, ast.CallExpr) and isinstance(call.function, ast.NameExpr) and len(call.arguments) == 1:
+        curve, at = ev.env.find(call.function.name), ev.scalar(call.arguments[0].value)
+    elif isinstance(call, ast.NameExpr):
+        curve = ev.env.find(call.name)
+    if not isinstance(curve, Curve) or len(curve.parameters) != 1:
+        raise ev.env.context.error(
+            "wrong-kind", call.span, "`offset` takes a curve at a value of its parameter",
+            hint="write offset(skin(v), -2mm)",
+        )  # fmt: skip
+    point = curve.point()
+    if len(point) != 2:
+        message = f"`offset` needs a curve in a plane; `{curve.name}` lies in space"
+        raise ev.env.context.error("wrong-kind", call.span, message)
+    normal = right_of((derive(point[0], "v"), derive(point[1], "v")), ONE)
+    moved = (E.add(p, E.mul(distance, n)) for p, n in zip(point, normal, strict=True))
+    return Vec(tuple(E.substitute(c, {V: at}) for c in moved))
+
+
+def spans_of(ev: Evaluator, node: ast.Expr) -> list[Span]:
+    """The curves in a plane that an argument of an operator names: one, a list of them, or a constructor's."""
+    if isinstance(node, ast.VectorExpr):
+        return [span for item in node.items for span in spans_of(ev, item)]
+    if isinstance(node, ast.NameExpr):
+        curve = ev.env.find(node.name)
+        if isinstance(curve, Curve):
+            if curve.parameters:
+                return [Span(curve.name, plane(ev, curve.point(), node.span), *curve.ends())]
+            return [
+                Span(curve.name, s.position, s.low, s.high) for s in spans_of(Evaluator(curve.env), curve.value)
+            ]  # fmt: skip
+    if isinstance(node, ast.CallExpr) and isinstance(node.function, ast.NameExpr):
+        if node.function.name in OUTLINES:
+            return OUTLINES[node.function.name](ev, node)
+        if node.function.name == "offset":
+            return offset_spans(ev, node)
+    raise ev.env.context.error(
+        "wrong-kind", node.span, "a curve is needed here",
+        hint="name a curve of this primitive, a list of them, or write circle(...), rectangle(...), polygon(...)",
+    )  # fmt: skip
+
+
+def plane(ev: Evaluator, point: tuple[Expr, ...], place: Place) -> Point:
+    if len(point) != 2:
+        raise ev.env.context.error("wrong-kind", place, "a curve in a plane is needed here, but this one lies in space")
+    return point
+
+
+def offset_spans(ev: Evaluator, node: ast.CallExpr) -> list[Span]:
+    value = offset(Evaluator(ev.env, ev.local), node)
+    first = node.arguments[0].value
+    name = first.name if isinstance(first, ast.NameExpr) else first.function.name  # type: ignore[attr-defined]
+    curve = ev.env.find(name)
+    return [Span(f"{name}_offset", value.items, *curve.ends())]  # type: ignore[arg-type,union-attr]
+
+
+def circle(ev: Evaluator, node: ast.CallExpr) -> list[Span]:
+    radius = ev.scalar(need(ev, node, named(node, "radius"), "radius"))
+    return [Span("skin", (E.mul(radius, E.call("cos", V)), E.mul(radius, E.call("sin", V))), ZERO, E.const(TURN))]
+
+
+def rectangle(ev: Evaluator, node: ast.CallExpr) -> list[Span]:
+    arguments = named(node, "width", "height")
+    a, b = (E.mul(ev.scalar(need(ev, node, arguments, k)), E.const(0.5)) for k in ("width", "height"))
+    corners = [(E.neg(a), E.neg(b)), (a, E.neg(b)), (a, b), (E.neg(a), b)]
+    return closed("skin", corners)
+
+
+def polygon(ev: Evaluator, node: ast.CallExpr) -> list[Span]:
+    corners: list[Point] = []
+    for argument in node.arguments:
+        value = ev.value(argument.value)
+        if not isinstance(value, Vec) or len(value.items) != 2:
+            raise ev.wrong(argument.span, "a corner [a, b]", value)
+        corners.append(value.items)
+    if len(corners) < 3:
+        raise ev.env.context.error("wrong-arguments", node.span, "a polygon has at least three corners")
+    return closed("skin", corners)
+
+
+def closed(name: str, corners: list[Point]) -> list[Span]:
+    ends = zip(corners, [*corners[1:], corners[0]], strict=True)
+    return [Span(name, between(name, a, b).position) for a, b in ends]
+
+
+OUTLINES = {"circle": circle, "rectangle": rectangle, "polygon": polygon}

@@ -1,0 +1,298 @@
+"""Sections along a path: ``loft`` between two or more of them, and ``sweep`` of one that is not a circle.
+
+* ``loft(base, ..., top) along z from a to b`` (or ``at [a, ..., b]``): closed curves at levels of an axis, given in the
+  two coordinates across it in cyclic order; from one to the next every place runs straight.
+* ``loft(first, last) along path up y``: a bar whose section changes evenly over the length of a path.
+* ``sweep(outer[, inner]) along path up y``: one section all along. Sections are given in (side, up) coordinates, side
+  = up x direction of the path.
+
+How a section stands across its path is told in ``frames``. Curves of two sections are paired in their order. Surfaces
+bear the names of the first section's curves; the ends are ``start`` and ``end``.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...graph import expr as E
+from ...graph.expr import ONE, ZERO, Expr
+from ...graph.primitive import Patch, Triple
+from ...syntax import ast
+from ..expressions.env import Env
+from ..expressions.evaluate import Evaluator
+from ..values.vectors import dot, unit
+from .bays import BLEND, Bay, Chains, bay_pieces, polygons, sum_of, swapped
+from .curves import TURN, Curve, spans_of
+from .frames import Frames, bend, turning
+from .frames import frames as frames_of
+from .made import Made, U, clause
+from .paths import Handed, Stretch, steps_of, stretches
+from .probe import Probe
+from .profiles import SLOPE, Side, Span, V, circular, distance, extreme, orientation, straight
+from .rails import NEAR, check_directions, foot, path_of, ports_of, reach
+from .regions import axis_of, chains_of, outline
+from .regions import turned as at_level
+from .strips import convex
+from .summits import W
+from .summits import reached as summits
+
+X, Y = E.var("section.x"), E.var("section.y")
+BLENDS = (0.0, 0.25, 0.5, 0.75, 1.0)
+
+
+def loft(env: Env, solid: ast.SolidDecl) -> Made:
+    """A solid through several sections."""
+    if len(solid.arguments) < 2:
+        raise env.context.error(
+            "wrong-arguments",
+            solid.span,
+            "`loft` takes two sections or more",
+            hint="loft(base, top) along z from 0 to h",
+        )
+    probe = Probe(env, solid.span)
+    node = clause(solid, "along")
+    path = env.find(node.name) if isinstance(node, ast.NameExpr) else None
+    sections = alike(probe, [spans_of(Evaluator(env), a.value) for a in solid.arguments])
+    for section, argument in zip(sections, solid.arguments, strict=True):
+        if len(section) != len(sections[0]):
+            raise env.context.error(
+                "broken-chain", argument.span,
+                f"the first section has {len(sections[0])} curves, this one {len(section)}",
+                hint="sections have as many curves each, in the same order: each runs to its partner",
+            )  # fmt: skip
+        ends = zip(section, [*section[1:], section[0]], strict=True)
+        if not all(probe.same(a.end, b.start) for a, b in ends):
+            raise env.context.error("broken-chain", argument.span, "a section is a closed curve, but this one is open")
+    if isinstance(path, Curve | Handed):
+        if len(sections) != 2:
+            raise env.context.error("wrong-arguments", solid.span, "along a path `loft` takes two sections")
+        return along_path(env, probe, solid, path, [sections[0]], [sections[1]])
+    axis = axis_of(env, solid, "along")
+    levels = levels_of(env, solid, len(sections))
+    bays = []
+    for k in range(len(sections) - 1):
+        height = E.sub(levels[k + 1], levels[k])
+        rail = Stretch(at_level(axis, (ZERO, ZERO), E.add(levels[k], E.mul(V, height))), unit(axis), height)
+        across = Frames(lambda v: unit((axis + 1) % 3), lambda v: unit((axis + 2) % 3), plain=True)
+        bays.append(Bay(rail, across, [sections[k]], [sections[k + 1]]))
+    spans = [span for section in sections for span in section]
+    low, high = (
+        at_level(axis, (extreme(probe, spans, 0, s), extreme(probe, spans, 1, s)), levels[-(s > 0)]) for s in (-1, 1)
+    )
+    rises = tuple((a, b, "the sections do not rise") for a, b in zip(levels, levels[1:], strict=False))
+    return made_of(env, probe, solid, bays, low, high, {}, rises)
+
+
+def alike(probe: Probe, sections: Chains) -> Chains:
+    """Sections where a circle beside outlines of several curves is cut into as many arcs, from the nearest 15 degrees."""
+    pattern = next((s for s in sections if len(s) > 1), None)
+    if pattern is None:
+        return sections
+    found = []
+    for section in sections:
+        arc = circular(probe, section[0]) if len(section) == 1 else None
+        if arc is None or not probe.same(section[0].start, section[0].end):
+            found.append(section)
+            continue
+        x, y = probe(*pattern[0].start)
+        step = TURN / 24
+        begin = round(float(np.arctan2(np.sign(y).mean(), np.sign(x).mean())) / step) * step
+        way = float(probe(orientation(probe, tuple(map(Side, pattern))))[0, 0]) * TURN / len(pattern)
+        arcs = []
+        for k in range(len(pattern)):
+            angle = E.add(E.const(begin + way * k), E.mul(V, E.const(way)))
+            place = (
+                E.add(c, E.mul(arc.radius, E.call(f, angle))) for c, f in zip(arc.center, ("cos", "sin"), strict=True)
+            )
+            arcs.append(Span(section[0].name, tuple(place)))  # type: ignore[arg-type]
+        found.append(arcs)
+    return found
+
+
+def levels_of(env: Env, solid: ast.SolidDecl, count: int) -> list[Expr]:
+    """Where the sections of a loft along an axis stand."""
+    ev = Evaluator(env)
+    at, ends = clause(solid, "at"), [clause(solid, word) for word in ("from", "to")]
+    if at is not None:
+        if isinstance(at, ast.VectorExpr) and len(at.items) == count:
+            return [ev.scalar(level) for level in at.items]
+        raise env.context.error(
+            "wrong-arguments", at.span, f"there are {count} sections, so `at` takes a list of {count} levels"
+        )
+    if ends[0] is None or ends[1] is None:
+        raise env.context.error(
+            "wrong-arguments", solid.span, "`loft` needs the levels of its sections",
+            hint="loft(base, top) along z from 0 to h, or: along z at [0, h1, h2]",
+        )  # fmt: skip
+    low, high = (ev.scalar(node) for node in ends if node is not None)
+    return [E.add(low, E.mul(E.const(k / (count - 1)), E.sub(high, low))) for k in range(count - 1)] + [high]
+
+
+def swept(env: Env, solid: ast.SolidDecl) -> Made:
+    """``sweep`` of a section that is no circle."""
+    probe, path = Probe(env, solid.span), path_of(env, solid)
+    chains = chains_of(env, probe, solid)
+    return along_path(env, probe, solid, path, chains, chains)
+
+
+def along_path(env: Env, probe: Probe, solid: ast.SolidDecl, path: Curve | Handed, first: Chains, last: Chains) -> Made:
+    node = clause(solid, "up")
+    rails = stretches(path.steps if isinstance(path, Handed) else steps_of(path))
+    check_directions(env, probe, solid, rails)
+    across = frames_of(probe, rails, None if node is None else Evaluator(env).direction(node))
+    if first is not last and any(rail.length is ZERO for rail in rails):
+        raise env.context.error(
+            "bad-curve", solid.span, "a section that changes goes along a path of lines and arcs",
+            hint="write the path as from(point, direction) line(length) arc(...)",
+        )  # fmt: skip
+    total = sum_of([rail.length for rail in rails])
+    bays, gone = [], ZERO
+    whole = Bay(rails[0], across[0], first, last)
+    for rail, made in zip(rails, across, strict=True):
+        ahead = E.add(gone, rail.length)
+        if first is last:
+            ends = first, first
+        elif len(rails) == 1:
+            ends = first, last
+        else:
+            ends = whole.section(E.div(gone, total)), last if rail is rails[-1] else whole.section(E.div(ahead, total))
+        bays.append(Bay(rail, made, *ends))
+        gone = ahead
+    narrow = "an arc of the path is narrower than the section"
+    requires = [(inwards(probe, bay), bay.rail.radius, narrow) for bay in bays if bay.rail.center is not None]
+    bounds = [tuple(far(probe, bays, axis, sign) for axis in range(3)) for sign in (-1, 1)]
+    ports = ports_of(rails, across[0].up, across[-1].up)
+    return made_of(env, probe, solid, bays, bounds[0], bounds[1], ports, tuple(requires))  # type: ignore[arg-type]
+
+
+def inwards(probe: Probe, bay: Bay) -> Expr:
+    """How far the sections of an arc reach towards its axis."""
+    assert bay.rail.out is not None
+    x, y = (E.neg(dot(across(0.0), bay.rail.out)) for across in (bay.frames.side, bay.frames.up))
+    spans = [span for section in bay.ends for span in section[0]]
+    turned = [
+        Span(s.name, (E.add(E.mul(x, s.position[0]), E.mul(y, s.position[1])), ZERO), s.low, s.high) for s in spans
+    ]
+    return extreme(probe, turned, 0, 1)
+
+
+def far(probe: Probe, bays: list[Bay], axis: int, sign: int) -> Expr:
+    """The greatest (``sign`` 1) or least (-1) coordinate along an axis."""
+    if all(bay.frames.plain for bay in bays):
+        upright = bays[0].frames.up(0.0)[axis].constant or 0.0
+        if upright:
+            spans = [span for section in (bays[0].first, bays[-1].last) for span in section[0]]
+            level = bays[0].rail.at(0.0)[axis]
+            return E.add(level, E.mul(E.const(upright), extreme(probe, spans, 1, int(sign * upright))))
+        reached = [[extreme(probe, c[0], 0, s) for c in bay.ends] for bay in bays for s in (-1, 1)]
+        return reach(probe, [(b.rail, b.frames.side) for b in bays for _ in (0, 1)], reached, axis, sign)
+    factor, found = E.const(float(sign)), []
+    for bay in bays:
+        level, x, y = (E.mul(factor, vector[axis]) for vector in (bay.rail.place, bay.frames.side(V), bay.frames.up(V)))
+        found += summits(probe, moving(bay), level, x, y, line=bay.rail.center is None and bay.rail.length is not ZERO)
+    greatest = probe.greatest(found)
+    return greatest if sign > 0 else E.neg(greatest)
+
+
+def moving(bay: Bay) -> list[Span]:
+    """The outer curves of a bay's section over W, where the section changes along the path by its v."""
+    found = []
+    for a, b in zip(bay.first[0], bay.last[0], strict=True):
+        one, other = (tuple(E.substitute(c, {V: W}) for c in span.by_fraction) for span in (a, b))
+        mixing = (E.add(p, E.mul(V, E.sub(q, p))) for p, q in zip(one, other, strict=True))
+        found.append(Span(a.name, tuple(mixing), closing=a.closing))  # type: ignore[arg-type]
+    return found
+
+
+def made_of(
+    env: Env,
+    probe: Probe,
+    solid: ast.SolidDecl,
+    bays: list[Bay],
+    low: Triple,
+    high: Triple,
+    ports: dict,
+    requires: tuple,
+) -> Made:
+    """Surfaces, inside function and pieces of bays one after another."""
+    patches, pieces = [], []
+    inside: Expr | None = None
+    slowest = E.maximum(*(lean(probe, bay) for bay in bays))
+    for number, bay in enumerate(bays):
+        chains = bay.section(BLEND)
+        seen = probe if bay.even else probe.spread(str(BLEND.value), BLENDS)
+        loops, fill = outline(env, seen, solid, chains)
+        if any(side.span.closing for loop, _ in loops for side in loop):
+            raise env.context.error("broken-chain", solid.span, "a section is a closed curve, but this one is open")
+        for chain in chains:
+            for span in chain:
+                across = swapped(span.position, {V: U, BLEND: V})
+                patches.append(Patch(span.name, bay.place(across, V), (span.low, span.high), (ZERO, ONE)))
+        for name, here, end in (("start", number == 0, 0.0), ("end", number == len(bays) - 1, 1.0)):
+            for one, other in fill if here else ():
+                within = [E.add(b, E.mul(U, E.sub(a, b))) for a, b in zip(one.position, other.position, strict=True)]
+                place = bay.place(swapped(within, {BLEND: E.const(end)}), end)
+                patches.append(Patch(name, place, (ZERO, ONE), (one.low, one.high)))
+        value = inside_bay(
+            probe, bay, E.div(distance(seen, loops, (X, Y)), slowest), number == 0, number == len(bays) - 1
+        )
+        inside = value if inside is None else E.minimum(inside, value)
+        solid_section = len(loops) == 1 and convex(seen, loops[0][0], mirrored=False)
+        pieces += bay_pieces(seen, probe, bay, f"bay_{number}", polygons(seen, loops, fill, solid_section))
+    assert inside is not None
+    return Made(tuple(patches), tuple(pieces), inside, low, high, ports, requires)
+
+
+def inside_bay(probe: Probe, bay: Bay, flat: Expr, begins: bool, closes: bool) -> Expr:
+    """``flat``, a length in the section, where the foot of p on the path lies; cut off at the ends of the whole path."""
+    wide = widest(probe, bay)
+    at = foot(probe, bay.rail, bay.frames.side, bay.frames.up, wide)
+    value = E.substitute(flat, {X: at.x, Y: at.y, BLEND: at.v})
+    if bay.rail.length is ZERO:  # further out than the section reaches, the distance to the path counts
+        value = E.maximum(E.div(value, twisted(probe, bay, wide)), at.start, at.end)
+        return E.mul(E.maximum(E.minimum(value, E.mul(wide, NEAR)), E.sub(at.gap, wide)), SLOPE)
+    if not bay.even and bay.rail.center is not None:  # near the axis of an arc the section changes ever faster
+        value = E.mul(value, E.minimum(ONE, E.div(at.away, clearance(probe, bay))))
+    gaps = [gap for gap, cut in ((at.before, begins), (at.after, closes)) if not cut]
+    if gaps:  # beyond a joint the next bay goes on
+        gap = E.maximum(*gaps)
+        value = E.where(E.call("lt", ZERO, gap), E.maximum(value, gap), value)
+    return E.maximum(value, *(cap for cap, cut in ((at.start, begins), (at.end, closes)) if cut))
+
+
+def widest(probe: Probe, bay: Bay) -> Expr:
+    """A circle about the path that no section reaches beyond."""
+    spans = [span for side in (bay.first, bay.last) for span in side[0]]
+    ends = [[E.call("abs", extreme(probe, spans, k, sign)) for sign in (-1, 1)] for k in (0, 1)]
+    return E.call("hypot", E.maximum(*ends[0]), E.maximum(*ends[1]))
+
+
+def twisted(probe: Probe, bay: Bay, wide: Expr) -> Expr:
+    """The greatest slope in space of a distance in a section that turns about the path of a formula."""
+    outer = E.mul(wide, E.const(1.1))
+    tight = E.maximum(E.sub(ONE, E.mul(outer, bend(bay.rail))), E.const(0.1))
+    return E.call("hypot", ONE, E.div(E.mul(outer, turning(probe, bay.rail, bay.frames)), tight))
+
+
+def clearance(probe: Probe, bay: Bay) -> Expr:
+    """How far the sections of an arc stay from its axis."""
+    return E.sub(bay.rail.radius, inwards(probe, bay))
+
+
+def lean(probe: Probe, bay: Bay) -> Expr:
+    """The greatest slope that a distance in the section has in space, for the section changes along the path."""
+    if bay.even:
+        return ONE
+    moves = []
+    for a, b in zip(bay.first[0], bay.last[0], strict=True):
+        count = 1 if straight(probe, a) and straight(probe, b) else 16
+        for k in range(count + 1):
+            d = [E.sub(q, p) for p, q in zip(a.fraction(k / count), b.fraction(k / count), strict=True)]
+            moves.append(E.mul(E.call("hypot", *d), E.const(1.0 if count == 1 else 1.05)))
+    change = E.div(E.maximum(*moves), bay.rail.length)
+    if bay.rail.center is None:
+        return E.call("hypot", ONE, change)
+    steep = E.div(bay.rail.radius, clearance(probe, bay))
+    half = E.mul(bay.rail.angle, E.const(0.5))
+    change = E.mul(change, E.maximum(ONE, E.div(half, E.sub(E.const(TURN / 2), half))))  # behind the axis it turns back
+    return E.add(E.call("hypot", ONE, E.mul(change, steep)), E.mul(E.const(1.5), steep))  # the second for the fading

@@ -1,0 +1,238 @@
+"""Paths in space: chains of lines and arcs, or a formula over one parameter.
+
+``curve neck = from([0, 0, 0], z) line(a) arc(radius = r, angle = 180deg, towards = x) line(b)``: each piece goes on
+where the last one ends, in its direction; an arc turns towards the side that is named.
+
+A path that is handed to a primitive (``param path : curve``) keeps its shape - which pieces, which constants - and its
+other numbers become parameters ``path.0``, ``path.1`` ... of that primitive, tested over what the domains of its author's
+parameters allow.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from ...graph import expr as E
+from ...graph.derive import derive
+from ...graph.expr import ONE, ZERO, Expr
+from ...graph.interval import Interval, Intervals
+from ...syntax import ast
+from ..expressions.builtins import named, need
+from ..expressions.evaluate import Evaluator
+from ..values.vectors import Triple, dot, minus, normalized, plus, times
+from .curves import Curve
+from .profiles import V
+
+# how the numbers of a path are tested where nothing is known of them: metres and radians
+TESTS = {"at": (-0.1, 0.1), "along": (0.4, 1.0), "length": (0.03, 0.2), "radius": (0.05, 0.12), "angle": (0.3, 2.6)}
+TESTS["formula"] = (0.05, 0.2)
+POSITIVE = ("length", "radius", "angle")
+KINDS = {
+    "from": ("at",) * 3 + ("along",) * 3, "line": ("length",), "arc": ("radius", "angle") + ("along",) * 3,
+    "formula": ("formula",) * 3,
+}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A word of a path with its numbers: from (at, along), line (length), arc (radius, angle, towards), formula."""
+
+    word: str
+    numbers: tuple[Expr, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stretch:
+    """A piece of a path: place and unit direction over v = 0 .. 1, and for an arc what it turns about."""
+
+    place: Triple
+    direction: Triple
+    length: Expr = ZERO
+    center: Triple | None = None
+    out: Triple | None = None  # from the centre to the start
+    radius: Expr = ZERO
+    angle: Expr = ZERO
+
+    def at(self, value: float | Expr) -> Triple:
+        return tuple(E.substitute(c, {V: E.wrap(value)}) for c in self.place)  # type: ignore[return-value]
+
+    def towards(self, value: float | Expr) -> Triple:
+        return tuple(E.substitute(c, {V: E.wrap(value)}) for c in self.direction)  # type: ignore[return-value]
+
+
+def steps_of(curve: Curve) -> tuple[Step, ...]:
+    """The words of a path; raises Abort after a diagnostic where the curve is none."""
+    ev = Evaluator(curve.env)
+    if not isinstance(curve.value, ast.ChainExpr):
+        low, high = curve.ends()
+        point = curve.point()
+        if len(point) != 3:
+            raise curve.env.context.error(
+                "bad-curve", curve.value.span, f"the curve `{curve.name}` lies in a plane; a path lies in space",
+                hint="give [x, y, z], or from(point, direction) line(length) ...",
+            )  # fmt: skip
+        v = E.add(low, E.mul(V, E.sub(high, low)))
+        return (Step("formula", tuple(E.substitute(c, {V: v}) for c in point)),)
+    found = []
+    numbers: tuple[Expr, ...]
+    for piece in curve.value.pieces:
+        word = piece.function.name
+        if word == "from":
+            given = named(piece, "at", "along")
+            numbers = (*ev.vector(need(ev, piece, given, "at")), *ev.direction(need(ev, piece, given, "along")))
+        elif word == "line":
+            numbers = (ev.scalar(need(ev, piece, named(piece, "length"), "length")),)
+        else:
+            given = named(piece, "radius", "angle", "towards")
+            radius, angle = (ev.scalar(need(ev, piece, given, k)) for k in ("radius", "angle"))
+            numbers = (radius, angle, *ev.direction(need(ev, piece, given, "towards")))
+        found.append(Step(word, numbers))
+    if len(found) < 2:
+        raise curve.env.context.error(
+            "bad-curve", curve.value.span, f"the path `{curve.name}` has no length", hint="add line(...) or arc(...)"
+        )
+    return tuple(found)
+
+
+def stretches(steps: Iterable[Step]) -> list[Stretch]:
+    """The pieces of a path with their places and directions."""
+    found: list[Stretch] = []
+    at: Triple = (ZERO, ZERO, ZERO)
+    along: Triple = (ONE, ZERO, ZERO)
+    for step in steps:
+        if step.word == "from":
+            at, along = step.numbers[:3], normalized(step.numbers[3:])  # type: ignore[assignment,arg-type]
+            continue
+        if step.word == "formula":
+            place: Triple = step.numbers  # type: ignore[assignment]
+            speed = tuple(derive(c, "v") for c in place)
+            found.append(Stretch(place, normalized(speed)))  # type: ignore[arg-type]
+            continue
+        if step.word == "line":
+            length = step.numbers[0]
+            found.append(Stretch(plus(at, times(along, E.mul(V, length))), along, length))
+        else:
+            radius, angle, *towards = step.numbers
+            found.append(arc(at, along, radius, angle, (towards[0], towards[1], towards[2])))
+        at, along = found[-1].at(1.0), found[-1].towards(1.0)
+    return found
+
+
+def arc(at: Triple, along: Triple, radius: Expr, angle: Expr, towards: Triple) -> Stretch:
+    """An arc that begins at ``at`` in the unit direction ``along`` and turns towards a side."""
+    aside = dot(along, towards)
+    inward = normalized(towards if aside is ZERO else minus(towards, times(along, aside)))
+    turned = E.mul(V, angle)
+    c, s = E.call("cos", turned), E.call("sin", turned)
+    place = plus(at, plus(times(inward, E.mul(radius, E.sub(ONE, c))), times(along, E.mul(radius, s))))
+    direction = plus(times(along, c), times(inward, s))
+    center = plus(at, times(inward, radius))
+    return Stretch(place, direction, E.mul(radius, angle), center, times(inward, E.const(-1.0)), radius, angle)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Handed:
+    """A path as a parameter: its steps over variables ``names``, whose values are ``scalars``; ``key`` is its shape."""
+
+    curve: Curve
+    steps: tuple[Step, ...]
+    names: tuple[str, ...]
+    scalars: tuple[Expr, ...]
+    tests: tuple[tuple[float, float], ...]
+
+    @property
+    def key(self) -> tuple:
+        return tuple((s.word, s.numbers) for s in self.steps), self.tests
+
+    def in_words(self, text: str) -> str:
+        """A message with the formulas of the author where it has variables."""
+        for name, value in zip(self.names, self.scalars, strict=True):
+            told = (
+                E.show(value, 40).removeprefix("(").removesuffix(")")
+                if value.op in ("add", "sub")
+                else E.show(value, 40)
+            )
+            text = re.sub(rf"(?<![\w.]){re.escape(name)} = ", lambda _, told=told: f"{told} = ", text)  # type: ignore[misc]
+        return text
+
+
+def test_range(kind: str, known: Interval) -> Interval:
+    """The values at which a number of a path is tested: those that the domains allow, else the usual ones of its kind."""
+    usual = TESTS[kind]
+    low, high = (k if math.isfinite(k) else u for k, u in zip(known, usual, strict=True))
+    if kind in POSITIVE and high > 0:  # where sizes depend on one another, bounds of a difference are too wide
+        low = max(low, min(usual[0], 0.1 * high))
+    return (
+        (low, high)
+        if low <= high
+        else (low, low + usual[1] - usual[0])
+        if math.isfinite(known[0])
+        else (high - usual[1] + usual[0], high)
+    )
+
+
+def handed(curve: Curve, name: str) -> Handed:
+    """What a use of a primitive hands in for its curve parameter ``name``."""
+    if name not in curve.handed:
+        curve.handed[name] = _handed(curve, name)
+    return curve.handed[name]
+
+
+def _handed(curve: Curve, name: str) -> Handed:
+    context = curve.env.context
+    known = Intervals(context.draws, context.program.definitions)
+    steps = steps_of(curve)
+    numbers = {number: kind for step in steps for number, kind in zip(step.numbers, KINDS[step.word], strict=True)}
+    found = variables_of(numbers)
+    variables = {node: E.var(f"{name}.{k}") for k, node in enumerate(found)}
+    moved = tuple(Step(s.word, tuple(E.substitute(e, variables) for e in s.numbers)) for s in steps)
+    names = tuple(str(v.value) for v in variables.values())
+    return Handed(curve, moved, names, tuple(found), tuple(test_range(kind, known.of(e)) for e, kind in found.items()))
+
+
+def variables_of(numbers: dict[Expr, str]) -> dict[Expr, str]:
+    """What a path's numbers are made of, with their kinds: the greatest terms without v, or, where they are no more, the
+    columns that these read, which depend on one another in no way.
+    """
+    terms: dict[Expr, str] = {}
+    moving: dict[Expr, bool] = {}
+
+    def moves(node: Expr) -> bool:
+        if node not in moving:
+            moving[node] = node is V or any([moves(a) for a in node.args])
+        return moving[node]
+
+    seen: set[Expr] = set()
+
+    def visit(node: Expr, kind: str) -> None:
+        if node in seen or node.op == "const" or node is V:
+            return
+        if not moves(node):
+            terms.setdefault(node, kind)
+            return
+        seen.add(node)
+        for arg in node.args:
+            visit(arg, kind)
+
+    for number, kind in numbers.items():
+        visit(number, kind)
+    columns = dict.fromkeys(sorted({c for node in terms for c in E.leaves(node)}, key=lambda c: c.path))
+    plain = all(c.kind == "real" for c in columns) and not any(crosses(node) for node in terms)
+    shorter = len(columns) < len(terms) or len(columns) == len(terms) and "formula" in terms.values()
+    return {E.col(c): "formula" for c in columns} if columns and plain and shorter else terms
+
+
+def crosses(root: Expr) -> bool:
+    """Whether a value reads other tables, or is no formula of columns alone."""
+    seen: set[Expr] = set()
+    stack = [root]
+    while stack:
+        node = stack.pop()
+        if node.op in E.CROSSING or node.op in ("solve", "root", "rank", "var"):
+            return True
+        stack += [a for a in node.args if a not in seen]
+        seen.update(node.args)
+    return False

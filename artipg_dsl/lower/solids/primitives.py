@@ -1,0 +1,350 @@
+"""Declared primitives: their formulas once per declaration, boxes and ports per use."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import partial
+from typing import TYPE_CHECKING
+
+from ...graph import expr as E
+from ...graph.expr import Expr
+from ...graph.interval import Interval, Intervals
+from ...graph.primitive import Patch, Piece, Primitive
+from ...graph.program import Requirement
+from ...semantics.symbols import Symbol
+from ...source import Span
+from ...syntax import ast
+from ..expressions.context import Context, where
+from ..expressions.env import Env, Function
+from ..expressions.evaluate import Evaluator
+from ..values.carry import mapped
+from ..values.kinds import Box, Surface, Value, Vec
+from .curves import Curve
+from .operators import solid_of
+from .paths import Handed, handed
+
+if TYPE_CHECKING:
+    from ..elaborate.part import Instance
+
+
+MOST_COPIES = 64  # of an indexed surface
+
+
+@dataclass(slots=True, eq=False)
+class Lowered:
+    """A primitive's formulas over variables, and what else its declaration offers."""
+
+    primitive: Primitive
+    names: tuple[tuple[str, int], ...]  # parameter, components (0: a scalar)
+    ports: dict[str, Value] = field(default_factory=dict)
+    conditions: list[tuple[Expr, tuple[Expr, Expr] | None, str, ast.RequireStmt | ast.ParamDecl, str]] = field(
+        default_factory=list
+    )
+    centred_size: bool = False
+    paths: tuple[Handed, ...] = ()  # what its first use handed in
+    trace: tuple[tuple[Span, str], ...] = ()  # and where
+
+    @property
+    def blamed(self) -> tuple[Span, str] | None:
+        """The author's curve that gives it its shape, where there is one."""
+        return blame(self.paths, self.primitive.name) if self.paths else None
+
+    def scalars(self, instance: Instance) -> tuple[Expr, ...]:
+        """The arguments of a use in the order of the primitive's parameters."""
+        found: list[Expr] = []
+        for name, components in self.names:
+            value = instance.values.get(name)
+            if isinstance(value, Curve):
+                found.extend(handed(value, name).scalars)
+            elif components:
+                found.extend(value.items)  # type: ignore[union-attr]
+            else:
+                found.append(value if isinstance(value, Expr) else value.code)  # type: ignore[union-attr]
+        return tuple(found)
+
+    def mapping(self, instance: Instance) -> dict[Expr, Expr]:
+        names = self.primitive.parameters
+        return {E.var(n): v for n, v in zip(names, self.scalars(instance), strict=True)}
+
+    def box(self, instance: Instance) -> Box:
+        mapping = self.mapping(instance)
+        low, high = (tuple(E.substitute(c, mapping) for c in end) for end in (self.primitive.low, self.primitive.high))
+        return Box(low, high)  # type: ignore[arg-type]
+
+    def member(self, instance: Instance, name: str) -> Value | None:
+        if name in self.ports:
+            mapping = self.mapping(instance)
+            return mapped(self.ports[name], lambda e: E.substitute(e, mapping))
+        if name in self.primitive.surfaces:
+            from ..values.faces import FACES
+            from ..values.vectors import HERE
+
+            if name in FACES:
+                return None  # the face of the box is the same plane, and a frame
+            return Surface(((None, instance.part, HERE, name),))
+        return None
+
+    def require(self, instance: Instance) -> None:
+        """The declaration's requirements (and positive parameters) for this use, in its table."""
+        from ...graph.interval import always
+
+        mapping = self.mapping(instance)
+        program = instance.part.context.program
+        for condition, slack, message, _, text in self.conditions:
+            here = E.substitute(condition, mapping)
+            if here is E.TRUE or always(here, instance.part.context.draws):
+                continue
+            sides = None if slack is None else tuple(E.substitute(s, mapping) for s in slack)
+            instance.part.context.stated[len(program.requirements)] = instance.part.span, False
+            program.requirements.append(
+                Requirement(
+                    instance.scope,
+                    here,
+                    E.TRUE,
+                    f"{instance.part.path}: {message}",
+                    where(instance.part.span),
+                    sides,  # type: ignore[arg-type]
+                    text=f"{instance.part.path}: {text}",
+                )  # fmt: skip
+            )
+
+
+def lower_primitive(context: Context, symbol: Symbol, values: dict[str, Value] | None = None) -> Lowered:
+    """The formulas of a primitive, once per declaration, and per shape of the paths that uses hand in."""
+    paths: dict[str, Handed] = {}
+    for statement in symbol.body:
+        if isinstance(statement, ast.ParamDecl) and statement.type.name == "curve":
+            for name, span in zip(statement.names, statement.name_spans, strict=True):
+                curve = (values or {}).get(name)
+                if not isinstance(curve, Curve):
+                    raise context.error("wrong-kind", span, f"`{name}` of `{symbol.name}` is no path")
+                paths[name] = handed(curve, name)
+    key = (symbol, *(path.key for path in paths.values())) if paths else symbol
+    found = context.solids.get(key)
+    if found is None:
+        name, number = symbol.name, 2
+        while name in context.program.primitives:
+            name, number = f"{symbol.name}_{number}", number + 1
+        try:
+            context.blamed = blame(tuple(paths.values()), symbol.name) if paths else None
+            found = context.solids[key] = make(context, symbol, name, paths)
+        finally:
+            context.blamed = None
+        found.paths, found.trace = tuple(paths.values()), tuple(context.trace)
+        context.program.primitives[name] = found.primitive
+    return found
+
+
+def blame(paths: tuple[Handed, ...], primitive: str) -> tuple[Span, str]:
+    """Where the curves are written that give a primitive its shape, and the beginning of a message about them."""
+    names = " and ".join(f"`{path.curve.name}`" for path in paths)
+    verb = "is no path" if len(paths) == 1 else "are no paths"
+    return paths[0].curve.statement.name_span, f"{names} {verb} for `{primitive}`"
+
+
+def make(context: Context, symbol: Symbol, title: str, paths: dict[str, Handed]) -> Lowered:
+    from ...graph.expr import Scope
+
+    root = Scope(f"primitive {symbol.name}")
+    env = Env(context, symbol.module, symbol, root, "")
+    names: list[tuple[str, int]] = []
+    parameters: list[str] = []
+    tests: list[tuple[float, float]] = []
+    conditions: list = []
+    for statement in symbol.body:
+        if isinstance(statement, ast.ParamDecl):
+            for name in statement.names:
+                if name in paths:
+                    env.names[name] = paths[name]
+                    names.append((name, len(paths[name].names)))
+                    parameters.extend(paths[name].names)
+                    tests.extend(paths[name].tests)
+                    continue
+                declare_parameter(env, statement, name, names, parameters, tests, conditions)
+    for statement in symbol.body:
+        if isinstance(statement, ast.LetDecl):
+            if statement.parameters:
+                env.names[statement.name] = Function(statement.name, statement.parameters, statement.value, env)
+            elif isinstance(statement.value, ast.ChainExpr):
+                env.names[statement.name] = Curve(statement, env)
+            else:
+                from ..expressions.env import Thunk
+
+                env.names[statement.name] = Thunk(partial(Evaluator(env).value, statement.value), statement.name_span)
+        elif isinstance(statement, ast.CurveDecl):
+            env.names[statement.name] = Curve(statement, env)
+        elif isinstance(statement, ast.SurfaceDecl):
+            env.names[statement.name] = Function(statement.name, (statement.u, statement.v), statement.value, env)
+    for statement in symbol.body:
+        if isinstance(statement, ast.RequireStmt) and statement.condition is not None:
+            conditions.append(condition_of(Evaluator(env), statement))
+    limits = domains(env, symbol.body)
+    whole = [n for s in symbol.body if isinstance(s, ast.ParamDecl) and s.type.name == "count" for n in s.names]
+    patches, pieces = [], []
+    inside: Expr | None = None
+    low = high = None
+    solid: ast.SolidDecl | None = None
+    ports: dict[str, Value] = {}
+    for statement in symbol.body:
+        match statement:
+            case ast.SurfaceDecl():
+                patches.append(patch_of(env, statement, limits))
+            case ast.PieceDecl():
+                pieces.append(piece_of(env, statement))
+            case ast.InsideDecl():
+                point = Vec(tuple(E.var(f"p.{a}") for a in "xyz"))
+                inside = Evaluator(env, {statement.parameter: point}).scalar(statement.value)
+            case ast.BoxDecl():
+                low, high = box_of(Evaluator(env), statement)
+            case ast.SolidDecl():
+                solid = statement
+            case ast.PortDecl(value=ast.Expr() as value) if solid is None:
+                ports[statement.name] = Evaluator(env).value(value)
+            case _:
+                pass
+    if solid is not None:
+        made = solid_of(env, solid)
+        patches, pieces, inside = list(made.patches), pieces or list(made.pieces), made.inside
+        for small, large, message in made.requires:
+            within = E.call("le", small, large)
+            if within is not E.TRUE:
+                conditions.append((within, (small, large), message, solid, "requirement of the operator"))
+        low, high = (low, high) if low is not None else (made.low, made.high)
+        stated = [(s.name, s.value) for s in symbol.body if isinstance(s, ast.PortDecl) and s.value is not None]
+        ports = {**made.ports, **{name: Evaluator(env).value(value) for name, value in stated}}
+    if inside is None or low is None or high is None or not patches:
+        raise context.error(
+            "incomplete-primitive", symbol.decl.name_span,
+            f"the primitive `{symbol.name}` needs surfaces, `inside (p) = ...` and `box = ...`, or a `solid`",
+        )  # fmt: skip
+    primitive = Primitive(
+        title, tuple(parameters), tuple(tests), tuple(patches), inside, low, high, tuple(pieces),
+        tuple(c[0] for c in conditions), str(where(symbol.decl.span)), tuple(dict.fromkeys(p.name for p in patches)),
+        tuple(whole),
+    )  # fmt: skip
+    lowered = Lowered(primitive, tuple(names), ports, conditions)
+    size = [E.var(f"size.{a}") for a in "xyz"]
+    half = [E.mul(s, E.const(0.5)) for s in size]
+    lowered.centred_size = all(h is c for h, c in zip(half, high, strict=True))
+    return lowered
+
+
+def declare_parameter(
+    env: Env, statement: ast.ParamDecl, name: str, names: list, parameters: list, tests: list, conditions: list
+) -> None:
+    size = statement.type.size
+    components = [f"{name}.{'xyz'[k]}" for k in range(size)] if size else [name]
+    names.append((name, size or 0))
+    parameters.extend(components)
+    value: Value = Vec(tuple(E.var(c) for c in components)) if size else E.var(name)
+    env.names[name] = value
+    source = statement.test or statement.domain
+    for k, component in enumerate(components):
+        if source is not None:
+            ends = []
+            for node in (source.low, source.high):
+                end = Evaluator(env).value(node)
+                end = end.items[k] if isinstance(end, Vec) else end
+                ends.append(float(end.constant) if isinstance(end, Expr) and end.constant is not None else 0.1)
+            tests.append((ends[0], ends[1]))
+        else:
+            tests.append((0.01, 0.5))
+        if statement.positive:
+            small = E.const(1e-5)
+            pair = (small, E.var(component))
+            conditions.append(
+                (E.call("le", *pair), pair, f"{component} must be positive", statement, f"{component} > 0")
+            )
+        elif statement.domain is not None:
+            low, high = (Evaluator(env).scalar(n) for n in (statement.domain.low, statement.domain.high))
+            for pair in ((low, E.var(component)), (E.var(component), high)):
+                told, text = f"{component} lies outside its domain", f"{component} in its domain"
+                conditions.append((E.call("le", *pair), pair, told, statement, text))
+
+
+def condition_of(ev: Evaluator, statement: ast.RequireStmt) -> tuple:
+    condition, slack = comparison(ev, statement.condition)  # type: ignore[arg-type]
+    return condition, slack, statement.message or "a requirement of the primitive fails", statement, "requirement"
+
+
+def comparison(ev: Evaluator, node: ast.Expr) -> tuple[Expr, tuple[Expr, Expr] | None]:
+    """A condition and, for an inequality, its two sides (low, high)."""
+    if isinstance(node, ast.BinaryExpr) and node.op in ("<", "<=", ">", ">="):
+        left, right = ev.number(ev.value(node.left), node.left.span), ev.number(ev.value(node.right), node.right.span)
+        pair = (left, right) if node.op in ("<", "<=") else (right, left)
+        if node.op in ("<", ">") and whole(left) and whole(right):  # of reals, sampling cannot tell < from <=
+            pair = (pair[0], E.sub(pair[1], E.ONE))
+        return E.call("le", *pair), pair
+    return ev.truth(ev.value(node), node.span), None
+
+
+def whole(node: Expr) -> bool:
+    """Whether a value is seen to be a whole number: counts, ranks, constants, and what is made of these."""
+    if node.op == "const":
+        return isinstance(node.value, float) and node.value.is_integer()
+    if node.op == "col":
+        return node.value.kind == "count"
+    if node.op in ("rank", "floor", "ceil"):
+        return True
+    if node.op in ("add", "sub", "mul", "neg", "abs", "min", "max"):
+        return all(map(whole, node.args))
+    return False
+
+
+def box_of(ev: Evaluator, statement: ast.BoxDecl) -> tuple:
+    if statement.value is not None:
+        size = ev.vector(statement.value)
+        half = tuple(E.mul(c, E.const(0.5)) for c in size)
+        return tuple(E.neg(c) for c in half), half
+    assert statement.low is not None and statement.high is not None
+    return ev.vector(statement.low), ev.vector(statement.high)
+
+
+def domains(env: Env, body: tuple[ast.Stmt, ...]) -> dict[Expr, Interval]:
+    """The constant domains of scalar parameters."""
+    found: dict[Expr, Interval] = {}
+    for statement in body:
+        if isinstance(statement, ast.ParamDecl) and statement.domain is not None and not statement.type.size:
+            low, high = (Evaluator(env).scalar(n).constant for n in (statement.domain.low, statement.domain.high))
+            if low is not None and high is not None:
+                found |= {E.var(name): (float(low), float(high)) for name in statement.names}
+    return found
+
+
+def copies(env: Env, number: Expr, node: ast.Expr, limits: dict[Expr, Interval]) -> tuple[int, Expr | None]:
+    """The greatest number of copies of an indexed surface, and where it varies, which of them exist."""
+    if number.constant is not None:
+        return int(number.constant), None
+    known = Intervals((), {})
+    known.memo.update(limits)
+    _, most = known.of(number)
+    if not most <= MOST_COPIES:
+        raise env.context.error(
+            "open-count", node.span, f"how many copies of this surface there are at most is not known, or above {MOST_COPIES}",
+            hint="a count with a domain tells: param sides : count in 3 .. 12",
+        )  # fmt: skip
+    return int(most + 1e-9), E.call("lt", E.var("i"), number)
+
+
+def patch_of(env: Env, statement: ast.SurfaceDecl, limits: dict[Expr, Interval]) -> Patch:
+    local: dict[str, Value] = {statement.u: E.var("u"), statement.v: E.var("v")}
+    if statement.index is not None:
+        local[statement.index] = E.var("i")
+    ev = Evaluator(env, local)
+    plain = Evaluator(env, {statement.index: E.var("i")} if statement.index is not None else None)
+    u = (plain.scalar(statement.u_range.low), plain.scalar(statement.u_range.high))
+    v = (plain.scalar(statement.v_range.low), plain.scalar(statement.v_range.high))
+    guard = None if statement.guard is None else ev.truth(ev.value(statement.guard), statement.guard.span)
+    count = None
+    if statement.index_count is not None:
+        count, present = copies(env, plain.scalar(statement.index_count), statement.index_count, limits)
+        guard = present if guard is None else guard if present is None else E.both(guard, present)
+    return Patch(statement.name, ev.vector(statement.value), u, v, guard, count)
+
+
+def piece_of(env: Env, statement: ast.PieceDecl) -> Piece:
+    local: dict[str, Value] = {statement.index: E.var("i")} if statement.index is not None else {}
+    ev = Evaluator(env, local)
+    count = None if statement.count is None else Evaluator(env).scalar(statement.count)
+    guard = None if statement.guard is None else ev.truth(ev.value(statement.guard), statement.guard.span)
+    return Piece(statement.name, tuple(ev.vector(p) for p in statement.points), count, guard)

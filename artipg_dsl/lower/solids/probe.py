@@ -1,0 +1,124 @@
+"""Test values of a primitive while it is lowered: what its formulas are like is asked of them, never assumed.
+
+An operator asks whether a curve is straight, ends on the axis or meets the next one. The answer must hold for every
+test value that meets the primitive's requirements.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from ... import random
+from ...graph import expr as E
+from ...graph.expr import Expr
+from ...graph.formula import evaluate
+from ...source import Span
+from ...syntax import ast
+from ..expressions.env import Env
+from ..expressions.evaluate import Evaluator
+from ..values.kinds import Vec
+
+ROWS = 48
+CANDIDATES = 64 * ROWS
+SMALL = 1e-11  # metres: two places this close are one
+
+
+class Probe:
+    """Rows of test values; every answer is over all of them."""
+
+    def __init__(self, env: Env, span: Span):
+        ranges = dict(test_ranges(env))
+        conditions = [
+            Evaluator(env).truth(Evaluator(env).value(s.condition), s.condition.span)
+            for s in env.symbol.body if isinstance(s, ast.RequireStmt) and s.condition is not None  # type: ignore[union-attr]
+        ]  # fmt: skip
+        number = np.arange(CANDIDATES, dtype=np.uint64)
+        self.values: dict[str, np.ndarray] = {"": np.zeros(CANDIDATES)}
+        for name, (low, high) in ranges.items():
+            q = random.uniform(random.key(0, "probe", env.symbol.name, name), number)  # type: ignore[union-attr]
+            value = low + q * (high - low)
+            if low > 0:  # small ones too: every other row by ratio
+                value = np.where(number % 2 == 1, np.clip(low * np.power(high / low, q), low, high), value)
+            self.values[name] = value
+        good = np.ones(CANDIDATES, dtype=bool)
+        for condition in conditions:
+            good &= self(condition)[0].astype(bool)
+        kept = np.flatnonzero(good)[:ROWS]
+        if not len(kept):
+            raise env.context.error(
+                "impossible", span, "no value of the test ranges meets the requirements of this primitive",
+                hint="widen the ranges after `test`",
+            )  # fmt: skip
+        self.values = {name: value[kept] for name, value in self.values.items()}
+
+    def spread(self, name: str, values: tuple[float, ...]) -> Probe:
+        """The same rows once for each value of another variable."""
+        other = object.__new__(Probe)
+        count = len(next(iter(self.values.values())))
+        other.values = {key: np.tile(column, len(values)) for key, column in self.values.items()}
+        other.values[name] = np.repeat(np.array(values), count)
+        return other
+
+    def __call__(self, *exprs: Expr) -> np.ndarray:
+        """(expressions, rows): their values; nan where a formula has none."""
+        with np.errstate(all="ignore"):
+            return np.array([np.asarray(v, dtype=np.float64) for v in evaluate(exprs, {**self.values})])
+
+    def zero(self, *exprs: Expr) -> bool:
+        """Whether all of the lengths vanish for every test value."""
+        return all(e is E.ZERO for e in exprs) or bool((np.abs(self(*exprs)) < SMALL).all())
+
+    def same(self, a: Iterable[Expr], b: Iterable[Expr]) -> bool:
+        return self.zero(*(E.sub(x, y) for x, y in zip(a, b, strict=True)))
+
+    def tidy(self, value: Expr) -> Expr:
+        """A simpler expression of the same value, where there is one: 0 or a parameter."""
+        if value.op in ("const", "var"):
+            return value
+        seen = self(value)[0]
+        if (np.abs(seen) < SMALL).all():
+            return E.ZERO
+        for name, own in self.values.items():
+            if name and (np.abs(seen - own) < SMALL).all():
+                return E.var(name)
+            if name and (np.abs(seen + own) < SMALL).all():
+                return E.neg(E.var(name))
+        return value
+
+    def greatest(self, values: list[Expr]) -> Expr:
+        """The greatest of the values: without those that another one never falls below."""
+        seen = self(*values)
+        kept: list[int] = []
+        for k in range(len(values)):
+            others = [j for j in range(len(values)) if j != k and (j in kept or j > k)]
+            if not any((seen[j] >= seen[k] - SMALL / 10).all() for j in others):
+                kept.append(k)
+        return E.maximum(*(self.tidy(values[k]) for k in kept))
+
+    def least(self, values: list[Expr]) -> Expr:
+        return E.neg(self.greatest([E.neg(v) for v in values]))
+
+
+def test_ranges(env: Env) -> Iterable[tuple[str, tuple[float, float]]]:
+    """The test range of each scalar parameter of the primitive, as its declaration states it."""
+    for statement in env.symbol.body:  # type: ignore[union-attr]
+        if not isinstance(statement, ast.ParamDecl):
+            continue
+        if statement.type.name == "curve":
+            for name in statement.names:
+                path = env.names[name]
+                yield from zip(path.names, path.tests, strict=True)
+            continue
+        source = statement.test or statement.domain
+        for name in statement.names:
+            size = statement.type.size
+            for k in range(size or 1):
+                ends = [0.01, 0.5]
+                for side, node in enumerate((source.low, source.high) if source is not None else ()):
+                    end = Evaluator(env).value(node)
+                    end = end.items[k] if isinstance(end, Vec) else end
+                    if isinstance(end, Expr) and end.constant is not None:
+                        ends[side] = float(end.constant)
+                yield (f"{name}.{'xyz'[k]}" if size else name), (ends[0], ends[1])

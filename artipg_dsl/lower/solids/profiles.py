@@ -1,0 +1,378 @@
+"""Plane regions bounded by curves: how far a point is from the boundary, on which side, and how far the region reaches.
+
+A boundary is made of spans. The distance of a point to a straight span or a circular arc is exact; on others the foot of the
+perpendicular is found by Newton's method, written out, within brackets so short that the curve bends little in them.
+On the boundary itself the distance is 0 to rounding.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...graph import expr as E
+from ...graph.derive import derive
+from ...graph.expr import ONE, ZERO, Expr
+from .probe import SMALL, Probe
+
+Point = tuple[Expr, Expr]
+V = E.var("v")
+TINY = E.const(1e-300)
+SLOPE = E.const(0.95)  # takes what Newton's method leaves open far from a curve out of the slope
+STEPS = 4
+SLOW = 3
+LEAST = 0.5  # of the squared speed: the least denominator of a step, near the centre of curvature
+BEND = np.radians(50.0)  # the most that a curve turns within a bracket
+TURN = 6.283185307179586
+FINE = 64  # steps at which a curve's turning is looked at; a power of 2
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Span:
+    """A curve ``position`` over the variable v from ``low`` to ``high``; ``closing`` where an operator made it."""
+
+    name: str
+    position: Point
+    low: Expr = ZERO
+    high: Expr = ONE
+    closing: bool = False
+
+    def at(self, value: Expr) -> Point:
+        return substituted(self.position, value)
+
+    @property
+    def start(self) -> Point:
+        return self.at(self.low)
+
+    @property
+    def end(self) -> Point:
+        return self.at(self.high)
+
+    @property
+    def by_fraction(self) -> Point:
+        """The position over v = 0 .. 1."""
+        return self.at(E.add(self.low, E.mul(V, E.sub(self.high, self.low))))
+
+    def fraction(self, value: float | Expr) -> Point:
+        return substituted(self.by_fraction, E.wrap(value))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Side:
+    """A span in a boundary, ``back`` where the way round the region runs against it."""
+
+    span: Span
+    back: bool = False
+
+    @property
+    def start(self) -> Point:
+        return self.span.end if self.back else self.span.start
+
+    @property
+    def end(self) -> Point:
+        return self.span.start if self.back else self.span.end
+
+
+Loop = tuple[Side, ...]
+
+
+def substituted(point: Point, value: Expr) -> Point:
+    return tuple(E.substitute(c, {V: value}) for c in point)  # type: ignore[return-value]
+
+
+def between(name: str, a: Point, b: Point) -> Span:
+    """The straight span from a to b that closes a boundary."""
+    x, y = (E.add(p, E.mul(V, E.sub(q, p))) for p, q in zip(a, b, strict=True))
+    return Span(name, (x, y), closing=True)
+
+
+def minus(a: Point, b: Point) -> Point:
+    return E.sub(a[0], b[0]), E.sub(a[1], b[1])
+
+
+def dot(a: Point, b: Point) -> Expr:
+    return E.add(E.mul(a[0], b[0]), E.mul(a[1], b[1]))
+
+
+def scale(a: Point, factor: Expr) -> Point:
+    return E.mul(a[0], factor), E.mul(a[1], factor)
+
+
+def right_of(direction: Point, sign: Expr) -> Point:
+    """The unit normal to the right of a direction, times a sign."""
+    length = E.call("sqrt", E.maximum(dot(direction, direction), TINY))
+    return scale((direction[1], E.neg(direction[0])), E.div(sign, length))
+
+
+def clamp(value: Expr, low: float, high: float) -> Expr:
+    return E.minimum(E.maximum(value, E.const(low)), E.const(high))
+
+
+def samples(probe: Probe, span: Span, count: int) -> np.ndarray:
+    """(rows, count + 1, 2): places at equal steps."""
+    points = [span.fraction(k / count) for k in range(count + 1)]
+    values = probe(*(c for p in points for c in p))
+    return np.ascontiguousarray(values.T).reshape(-1, count + 1, 2)
+
+
+def turning(points: np.ndarray) -> np.ndarray:
+    """(rows, n - 2): signed angles between successive chords of (rows, n, 2)."""
+    chords = np.diff(points, axis=1)
+    a, b = chords[:, :-1], chords[:, 1:]
+    return np.arctan2(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0], a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1])
+
+
+def straight(probe: Probe, span: Span) -> bool:
+    """Whether a span is a straight line, for every test value."""
+    if all(derive(derive(c, "v"), "v") is ZERO for c in span.position):
+        return True
+    return bool((np.abs(np.nan_to_num(turning(samples(probe, span, 12)), nan=1.0)) < 1e-9).all())
+
+
+def brackets(probe: Probe, span: Span) -> list[tuple[float, float]]:
+    """A span halved and halved again until it turns by little in each bracket."""
+    turns = np.abs(np.nan_to_num(turning(samples(probe, span, FINE))))
+    return halved(np.concatenate([turns, turns[:, -1:]], axis=1))
+
+
+def halved(turns: np.ndarray, bend: float = BEND) -> list[tuple[float, float]]:
+    """Brackets of 0 .. 1 from the angles (rows, steps) that a curve turns through in equal steps, a power of 2."""
+    found: list[tuple[float, float]] = []
+    fine = turns.shape[1]
+
+    def halve(low: int, high: int) -> None:
+        if high - low <= 2 or turns[:, low:high].sum(axis=1).max() <= bend:
+            found.append((low / fine, high / fine))
+        else:
+            halve(low, (low + high) // 2)
+            halve((low + high) // 2, high)
+
+    halve(0, fine)
+    return found
+
+
+def equal_steps(probe: Probe, span: Span, bend: float, most: int) -> int:
+    """Into how many equal steps a span is cut so that it turns by little in each; at most ``most``."""
+    fine = 48
+    turns = np.abs(np.nan_to_num(turning(samples(probe, span, fine))))
+    turns = np.concatenate([turns, turns[:, -1:]], axis=1)
+    for count in (1, 2, 3, 4, 6, 8, 12, 16, 24):
+        if count >= most or turns.reshape(len(turns), count, fine // count).sum(axis=2).max() <= bend:
+            return min(count, most)
+    return most
+
+
+def area(loop: Loop, count: int = 4) -> Expr:
+    """Twice the signed area of a loop through a few places of each span: positive where it runs anticlockwise."""
+    points: list[Point] = []
+    for side in loop:
+        steps = [k / count for k in range(count + 1)]
+        points += [side.span.fraction(s) for s in (reversed(steps) if side.back else steps)]
+    total = ZERO
+    for a, b in zip(points, [*points[1:], points[0]], strict=True):
+        total = E.add(total, E.sub(E.mul(a[0], b[1]), E.mul(b[0], a[1])))
+    return total
+
+
+def orientation(probe: Probe, loop: Loop) -> Expr:
+    """+1 where a loop runs anticlockwise, -1 where clockwise; a constant where the test values agree."""
+    twice = area(loop)
+    seen = np.sign(probe(twice)[0])
+    return E.const(float(seen[0])) if (seen == seen[0]).all() else E.call("sign", twice)
+
+
+def distance(probe: Probe, loops: Sequence[tuple[Loop, bool]], point: Point) -> Expr:
+    """How far ``point`` lies from the boundary, negative within.
+
+    ``loops`` pairs a loop with whether it is a hole. A loop may be open where both its ends lie on x = 0: the region
+    goes on beyond as its mirror image, and the point has x >= 0.
+    """
+    nearest: list[tuple[Expr, Expr]] = []
+    for loop, hole in loops:
+        sign = orientation(probe, loop)
+        sign = E.neg(sign) if hole else sign
+        for k, side in enumerate(loop):
+            outward = E.neg(sign) if side.back else sign
+            before, after = loop[k - 1], loop[(k + 1) % len(loop)]
+            first, last = corner(probe, before, side, side, sign), corner(probe, side, after, side, sign)
+            ends = (last, first) if side.back else (first, last)
+            nearest += reaches(probe, side.span, outward, ends, point)
+    square, way = nearest[0]
+    for other, other_way in nearest[1:]:
+        way = E.where(E.call("lt", other, square), other_way, way)
+        square = E.minimum(square, other)
+    length = E.mul(E.call("sqrt", square), SLOPE)
+    return E.where(E.call("lt", way, ZERO), E.neg(length), length)
+
+
+def direction(side: Side, at_end: bool) -> Point:
+    """The tangent at an end of a side, in the direction of the way round."""
+    span = side.span
+    place = span.high if at_end != side.back else span.low
+    tangent = substituted(tuple(derive(c, "v") for c in span.position), place)  # type: ignore[arg-type]
+    away = E.sub(span.high, span.low)
+    tangent = scale(tangent, away)
+    return (E.neg(tangent[0]), E.neg(tangent[1])) if side.back else tangent
+
+
+def corner(probe: Probe, before: Side, after: Side, own: Side, sign: Expr) -> Point:
+    """What tells the sides of a corner apart: the sum of the outward normals of the two spans that meet there.
+
+    Where they do not meet, ``own`` ends on the axis and goes on as its mirror image.
+    """
+    a, b = right_of(direction(before, True), sign), right_of(direction(after, False), sign)
+    if probe.same(before.end, after.start):
+        return E.add(a[0], b[0]), E.add(a[1], b[1])
+    return ZERO, (a if own is before else b)[1]
+
+
+def reaches(
+    probe: Probe, span: Span, outward: Expr, ends: tuple[Point, Point], point: Point
+) -> list[tuple[Expr, Expr]]:
+    """Squared distance of the point to each bracket of a span, and a number with the sign of its side."""
+    if straight(probe, span):
+        a, b = span.start, span.end
+        along = minus(b, a)
+        t = E.div(dot(minus(point, a), along), E.maximum(dot(along, along), TINY))
+        t = clamp(t, 0.0, 1.0)
+        away = minus(minus(point, a), scale(along, t))
+        return [(dot(away, away), side_of(away, right_of(along, outward), t, ends, ZERO, ONE))]
+    arc = circular(probe, span)
+    if arc is not None:
+        return [arc.reach(outward, ends, point)]
+    cuts = brackets(probe, span)
+    curve = span.by_fraction
+    speed: Point = tuple(derive(c, "v") for c in curve)  # type: ignore[assignment]
+    bend: Point = tuple(derive(c, "v") for c in speed)  # type: ignore[assignment]
+    found = []
+    for k, (low, high) in enumerate(cuts):
+        t = E.const((low + high) / 2)
+        for number in range(STEPS):
+            t = clamp(E.add(t, step(point, curve, speed, bend, t, number)), low, high)
+        last = clamp(E.add(t, step(point, curve, speed, bend, t, STEPS)), low, high)
+        here, tangent = substituted(curve, t), substituted(speed, t)
+        away = minus(minus(point, here), scale(tangent, E.sub(last, t)))
+        normal = right_of(tangent, outward)
+        own = (ends[0] if k == 0 else normal, ends[1] if k == len(cuts) - 1 else normal)
+        found.append((dot(away, away), side_of(away, normal, last, own, E.const(low), E.const(high))))
+    return found
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Arc:
+    """A circular span: its centre and radius, the direction from the centre to its middle, +1 where it turns left,
+    and half its angle.
+    """
+
+    center: Point
+    radius: Expr
+    middle: Point
+    left: Expr
+    half: Expr
+
+    def reach(self, outward: Expr, ends: tuple[Point, Point], point: Point) -> tuple[Expr, Expr]:
+        """Squared distance of a point, and a number with the sign of its side."""
+        away = minus(point, self.center)
+        onwards = scale((E.neg(self.middle[1]), self.middle[0]), self.left)
+        angle = E.call("atan2", dot(away, onwards), dot(away, self.middle))
+        angle = E.minimum(E.maximum(angle, E.neg(self.half)), self.half)
+        c, s = E.call("cos", angle), E.call("sin", angle)
+        out = (
+            E.add(E.mul(self.middle[0], c), E.mul(onwards[0], s)),
+            E.add(E.mul(self.middle[1], c), E.mul(onwards[1], s)),
+        )
+        rest = minus(away, scale(out, self.radius))
+        normal = scale(out, E.mul(self.left, outward))
+        return dot(rest, rest), side_of(rest, normal, angle, ends, E.neg(self.half), self.half)
+
+
+def circular(probe: Probe, span: Span) -> Arc | None:
+    """The circle that a span is an arc of, for every test value; None where it is none."""
+    points = samples(probe, span, FINE)
+    turns = turning(points)
+    if not (np.abs(turns - turns[:, :1]) < 1e-6).all() or (np.abs(turns.sum(axis=1)) * 64 / 63 > TURN + 1e-6).any():
+        return None
+    start, middle = span.start, span.fraction(0.5)
+    speed = tuple(derive(c, "v") for c in span.by_fraction)
+    bend = tuple(derive(c, "v") for c in speed)
+    (x, y), (ax, ay) = (substituted(q, ZERO) for q in (speed, bend))  # type: ignore[arg-type]
+    square, cross = E.add(E.mul(x, x), E.mul(y, y)), E.sub(E.mul(x, ay), E.mul(y, ax))
+    to_center = E.div(square, cross)
+    center = E.sub(start[0], E.mul(y, to_center)), E.add(start[1], E.mul(x, to_center))
+    center = probe.tidy(center[0]), probe.tidy(center[1])
+    radius = probe.tidy(E.call("abs", E.mul(E.call("sqrt", square), to_center)))
+    seen = np.stack([probe(c)[0] for c in center], axis=-1)[:, None]
+    off = np.sqrt(((points - seen) ** 2).sum(axis=-1)) / probe(radius)[0][:, None] - 1
+    if not (np.abs(off) < 1e-11).all():
+        return None
+    to_middle = tuple(probe.tidy(E.div(c, radius)) for c in minus(middle, center))
+    to_start = minus(start, center)
+    side, ahead = E.sub(E.mul(to_middle[0], to_start[1]), E.mul(to_middle[1], to_start[0])), dot(to_middle, to_start)  # type: ignore[arg-type]
+    half = E.call("atan2", E.call("abs", side), ahead)
+    whole = bool((np.abs(points[:, 0] - points[:, -1]).max(axis=1) < SMALL).all())
+    left = probe(cross)[0]
+    sign = E.const(float(np.sign(left[0]))) if (np.sign(left) == np.sign(left[0])).all() else E.call("sign", cross)
+    return Arc(center, radius, to_middle, sign, E.const(TURN / 2) if whole else half)  # type: ignore[arg-type]
+
+
+def step(point: Point, curve: Point, speed: Point, bend: Point, t: Expr, number: int) -> Expr:
+    """One step towards the foot of the perpendicular on a curve."""
+    away, tangent = minus(point, substituted(curve, t)), substituted(speed, t)
+    return onwards(dot(away, tangent), dot(tangent, tangent), dot(away, substituted(bend, t)), number)
+
+
+def onwards(residual: Expr, square: Expr, curved: Expr, number: int) -> Expr:
+    """A step of Newton's method; the first ones go slowly where the point lies on the hollow side of the curve."""
+    square = E.maximum(square, TINY)
+    least = ONE if number < SLOW else E.const(LEAST)
+    return E.div(residual, E.maximum(E.sub(square, curved), E.mul(least, square)))
+
+
+def side_of(away: Point, normal: Point, t: Expr, ends: tuple[Point, Point], low: Expr, high: Expr) -> Expr:
+    """Positive outside: by the normal at the foot, or where the foot is an end by what tells the sides apart there."""
+    way = dot(away, normal)
+    if ends[0] is not normal:
+        way = E.where(E.call("le", t, low), dot(away, ends[0]), way)
+    if ends[1] is not normal:
+        way = E.where(E.call("le", high, t), dot(away, ends[1]), way)
+    return way
+
+
+def extreme(probe: Probe, spans: Sequence[Span], axis: int, sign: int) -> Expr:
+    """The greatest (``sign`` 1) or least (-1) coordinate along an axis that the spans reach."""
+    factor = E.const(float(sign))
+    found: list[Expr] = []
+    for span in spans:
+        height = E.mul(factor, span.by_fraction[axis])
+        ends = [E.substitute(height, {V: E.const(float(v))}) for v in (0, 1)]
+        found += ends
+        if straight(probe, span):
+            continue
+        fine = 32
+        values = probe(*(E.substitute(height, {V: E.const(k / fine)}) for k in range(fine + 1)))
+        best = np.maximum(values[0], values[-1])
+        if (values.max(axis=0) <= best + 1e-12).all():
+            continue
+        found.append(E.substitute(height, {V: summit(height)}))
+    greatest = probe.greatest(found)
+    return greatest if sign > 0 else E.neg(greatest)
+
+
+def summit(height: Expr, count: int = 12) -> Expr:
+    """Where a function of v is greatest over 0 .. 1: the best of equal steps, then Newton's method on the slope."""
+    first = derive(height, "v")
+    second = derive(first, "v")
+    best: Expr = ZERO
+    top = E.substitute(height, {V: ZERO})
+    for k in range(1, count + 1):
+        value = E.substitute(height, {V: E.const(k / count)})
+        best = E.where(E.call("lt", top, value), E.const(k / count), best)
+        top = E.maximum(top, value)
+    low, high = (E.add(best, E.const(d / count)) for d in (-1.0, 1.0))
+    for _ in range(5):
+        slope, bend = (E.substitute(f, {V: best}) for f in (first, second))
+        moved = E.sub(best, E.div(slope, E.minimum(bend, E.const(-1e-12))))
+        best = clamp(E.minimum(E.maximum(moved, low), high), 0.0, 1.0)
+    return best

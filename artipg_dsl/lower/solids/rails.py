@@ -1,0 +1,220 @@
+"""Places beside a path in a plane: the foot of a point on it, and how far what goes along it reaches."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...graph import expr as E
+from ...graph.derive import derive
+from ...graph.expr import ONE, ZERO, Expr
+from ...graph.primitive import Triple
+from ...syntax import ast
+from ..expressions.env import Env
+from ..values.faces import frame_of
+from ..values.kinds import Frame, Value
+from ..values.vectors import cross, dot, minus, plus, times
+from .curves import TURN, Curve
+from .made import clause
+from .paths import Handed, Stretch
+from .probe import Probe
+from .profiles import FINE, SLOW, STEPS, V, clamp, halved, onwards, summit
+
+BRACKET = np.radians(25.0)  # how far a path turns within one
+NEAR = E.const(0.1)  # of the width of a section: further off, the distance to the path tells how far it is
+MOST = 1024  # steps at which a path's turning is looked at
+
+P: Triple = tuple(E.var(f"p.{a}") for a in "xyz")  # type: ignore[assignment]
+Across = Callable[[float | Expr], Triple]  # the vector beside the path at v
+
+
+def path_of(env: Env, solid: ast.SolidDecl) -> Curve | Handed:
+    """The path that follows ``along``; raises Abort after a diagnostic where there is none."""
+    node = clause(solid, "along")
+    path = env.find(node.name) if isinstance(node, ast.NameExpr) else None
+    if node is not None and isinstance(path, Curve | Handed):
+        return path
+    raise env.context.error(
+        "wrong-kind", solid.span if node is None else node.span, f"`{solid.operator}` needs a path",
+        hint="sweep(circle(r)) along path up y",
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Foot:
+    """Where p lies by a stretch: beside its foot ``v`` by ``x`` and ``y``; how far ``before`` its start or ``after`` its
+    end; ``start`` and ``end``, the distances beyond the planes there; ``away``, from the axis of an arc; ``gap``, from the
+    path of a formula.
+    """
+
+    v: Expr
+    x: Expr
+    y: Expr
+    before: Expr
+    after: Expr
+    start: Expr
+    end: Expr
+    away: Expr = ZERO
+    gap: Expr = ZERO
+
+
+def foot(probe: Probe, rail: Stretch, side: Across, up: Across, wide: Expr) -> Foot:
+    """The nearest place of a stretch, across which a section stands along ``side`` and ``up`` and reaches ``wide``."""
+    if rail.center is not None and rail.out is not None:
+        return foot_on_arc(rail, side, up)
+    if rail.length is not ZERO:
+        from_start = minus(P, rail.at(0.0))
+        along = dot(from_start, rail.direction)
+        before, after = E.neg(along), E.sub(along, rail.length)
+        v = clamp(E.div(along, rail.length), 0.0, 1.0)
+        return Foot(v, dot(from_start, side(0.0)), dot(from_start, up(0.0)), before, after, before, after)
+    square, v = nearest(probe, rail)
+    away = minus(P, tuple(E.substitute(c, {V: v}) for c in rail.place))  # type: ignore[arg-type]
+    before, after = (disc(rail, v, end, wide) for end in (0.0, 1.0))
+    gap = E.call("sqrt", square)
+    return Foot(v, dot(away, side(v)), dot(away, up(v)), before, after, before, after, gap=gap)
+
+
+def about_arc(rail: Stretch) -> tuple[Expr, Expr, Expr]:
+    """The angle of p about an arc's axis from the middle of the arc, its distance from that axis, half the arc."""
+    assert rail.center is not None and rail.out is not None
+    along, half = rail.towards(0.0), E.mul(rail.angle, E.const(0.5))
+    c, s = E.call("cos", half), E.call("sin", half)
+    away = minus(P, rail.center)
+    a = dot(away, plus(times(rail.out, c), times(along, s)))
+    b = dot(away, minus(times(along, c), times(rail.out, s)))
+    return E.call("atan2", b, a), E.call("hypot", a, b), half
+
+
+def cap(turned: Expr, away: Expr) -> Expr:
+    """The distance beyond a half plane through an axis, for an angle counted away from what lies behind it."""
+    return E.mul(away, E.call("sin", clamp(turned, -TURN / 4, TURN / 4)))
+
+
+def foot_on_arc(rail: Stretch, side: Across, up: Across) -> Foot:
+    """The angle of p is cut to the arc; the distances beyond its ends are measured about its axis."""
+    assert rail.center is not None and rail.out is not None
+    angle, away, half = about_arc(rail)
+    turned = E.minimum(E.maximum(angle, E.neg(half)), half)
+    beyond = E.sub(angle, turned)
+    outward = E.sub(E.mul(away, E.call("cos", beyond)), rail.radius)
+    axis = cross(rail.out, rail.towards(0.0))
+    high = dot(minus(P, rail.center), axis)
+    gap = E.mul(away, E.call("sin", clamp(beyond, -TURN / 4, TURN / 4)))
+    start, end = cap(E.neg(E.add(angle, half)), away), cap(E.sub(angle, half), away)
+    back = E.mul(beyond, E.div(E.const(0.5), E.sub(E.const(TURN / 2), half)))  # so that it is one behind the axis
+    v = E.sub(E.div(E.add(turned, half), rail.angle), back)
+    x, y = (
+        E.add(E.mul(dot(across(0.0), rail.out), outward), E.mul(dot(across(0.0), axis), high)) for across in (side, up)
+    )
+    return Foot(v, x, y, E.neg(gap), gap, start, end, away)
+
+
+def disc(rail: Stretch, v: Expr, end: float, radius: Expr) -> Expr:
+    """How far p, nearest to the path of a formula at v, lies beyond the disc that closes it; negative before it.
+
+    A path may wind back to the plane of its end, so the disc alone tells, not the plane.
+    """
+    away = minus(P, rail.at(end))
+    along = dot(away, rail.towards(end))
+    beyond = along if end else E.neg(along)
+    aside = E.call("sqrt", E.maximum(E.sub(dot(away, away), E.mul(along, along)), ZERO))
+    before = E.neg(E.call("hypot", along, E.maximum(E.sub(aside, radius), ZERO)))
+    here = E.both(E.call("le", E.const(1.0), v) if end else E.call("le", v, ZERO), E.call("lt", ZERO, beyond))
+    return E.where(here, beyond, before)
+
+
+def check_directions(env: Env, probe: Probe, solid: ast.SolidDecl, rails: list[Stretch]) -> None:
+    """Raises Abort after a diagnostic where a path stands still or has no value at some of the test values."""
+    seen = probe(*(c for rail in rails for k in range(9) for v in (rail.at(k / 8), rail.towards(k / 8)) for c in v))
+    if not np.isfinite(seen).all():
+        raise env.context.error(
+            "bad-curve", solid.span, "the path has no place or no direction somewhere, at some of the test values",
+            hint="it goes on everywhere: narrow the ranges it is made of",
+        )  # fmt: skip
+
+
+def ports_of(rails: list[Stretch], first: Across, last: Across) -> dict[str, Value]:
+    """The frames at the ends of what goes along a path, ``out`` away from it."""
+    start, end = times(rails[0].towards(0.0), E.const(-1.0)), rails[-1].towards(1.0)
+    return {
+        "start": Frame(rails[0].at(0.0), frame_of(start, first(0.0))),
+        "end": Frame(rails[-1].at(1.0), frame_of(end, last(1.0))),
+    }
+
+
+def nearest(probe: Probe, rail: Stretch) -> tuple[Expr, Expr]:
+    """Squared distance of p to the path of a formula, and its parameter there, by Newton's method in brackets.
+
+    A few steps in each bracket tell which is nearest; the others are made there and in the halves of its neighbours.
+    """
+    speed: Triple = tuple(derive(c, "v") for c in rail.place)  # type: ignore[assignment]
+    bend: Triple = tuple(derive(c, "v") for c in speed)  # type: ignore[assignment]
+
+    def moved(t: Expr, turn: int) -> tuple[Triple, Triple, Expr]:
+        here, tangent, curved = (tuple(E.substitute(c, {V: t}) for c in vector) for vector in (rail.place, speed, bend))
+        away = minus(P, here)  # type: ignore[arg-type]
+        move = onwards(dot(away, tangent), dot(tangent, tangent), dot(away, curved), turn)
+        return away, tangent, move  # type: ignore[return-value]
+
+    best: tuple[Expr, ...] | None = None
+    cuts = brackets(probe, rail)
+    for ends in ((0.0, 0.0), *cuts, (1.0, 1.0)):  # also the ends themselves, which in a hollow have a rise beside them
+        t: Expr = E.const(sum(ends) / 2)
+        for turn in range(SLOW if ends[0] < ends[1] else 0):
+            t = clamp(E.add(t, moved(t, turn)[2]), *ends)
+        away = minus(P, tuple(E.substitute(c, {V: t}) for c in rail.place))  # type: ignore[arg-type]
+        more = (ends[1] - ends[0]) / 2 or cuts[0][1] / 2
+        found = dot(away, away), t, E.const(max(ends[0] - more, 0.0)), E.const(min(ends[1] + more, 1.0))
+        if best is None:
+            best = found
+        else:
+            nearer = E.call("lt", found[0], best[0])
+            best = (
+                E.minimum(found[0], best[0]),
+                *(E.where(nearer, a, b) for a, b in zip(found[1:], best[1:], strict=True)),
+            )
+    assert best is not None
+    _, t, low, high = best
+    for turn in range(SLOW, SLOW + STEPS):
+        away, tangent, move = moved(t, turn)
+        after = E.minimum(E.maximum(E.add(t, move), low), high)
+        if turn == SLOW + STEPS - 1:
+            away = minus(away, times(tangent, E.sub(after, t)))
+        t = after
+    return dot(away, away), t
+
+
+def brackets(probe: Probe, rail: Stretch) -> list[tuple[float, float]]:
+    """A formula's path cut so that it turns by little in each bracket."""
+    fine = FINE
+    while True:
+        places = [rail.towards(k / fine) for k in range(fine + 1)]
+        seen = np.nan_to_num(probe(*(c for d in places for c in d)).reshape(fine + 1, 3, -1))
+        turns = np.arccos(np.clip((seen[1:] * seen[:-1]).sum(axis=1), -1.0, 1.0)).T
+        if fine >= MOST or turns.max() <= BRACKET / 2:
+            return halved(turns, BRACKET)
+        fine *= 2
+
+
+def reach(
+    probe: Probe, rails: list[tuple[Stretch, Across]], wide: Sequence[Sequence[Expr]], axis: int, sign: int
+) -> Expr:
+    """The greatest (``sign`` 1) or least (-1) coordinate of lines beside stretches, at distances that change from
+    ``wide[k][0]`` to ``wide[k][1]``.
+    """
+    factor = E.const(float(sign))
+    found: list[Expr] = []
+    for (rail, side), (low, high) in zip(rails, wide, strict=True):
+        beside = E.add(low, E.mul(V, E.sub(high, low)))
+        height = E.mul(factor, E.add(rail.place[axis], E.mul(side(V)[axis], beside)))
+        found += [E.substitute(height, {V: end}) for end in (ZERO, ONE)]
+        if rail.center is None and rail.length is not ZERO:
+            continue
+        values = probe(*(E.substitute(height, {V: E.const(k / 32)}) for k in range(33)))
+        if (values.max(axis=0) > np.maximum(values[0], values[-1]) + 1e-12).any():
+            found.append(E.substitute(height, {V: summit(height)}))
+    greatest = probe.greatest(found)
+    return greatest if sign > 0 else E.neg(greatest)

@@ -1,0 +1,84 @@
+"""How far a section that goes along a path reaches, wherever it stands: the greatest of a function of two variables."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...graph import expr as E
+from ...graph.derive import derive
+from ...graph.expr import ONE, ZERO, Expr
+from .probe import Probe
+from .profiles import Span, V, clamp, straight, summit
+
+W = E.var("section.w")  # along a curve of the section, as V is along the path
+GRID = 8
+
+
+def reached(probe: Probe, spans: Sequence[Span], place: Expr, side: Expr, up: Expr, *, line: bool) -> list[Expr]:
+    """Places of which the highest is the highest of all ``place + side * x + up * y``, x and y on the curves of a section.
+
+    ``place``, ``side``, ``up`` and the curves are formulas over the path's v; the curves themselves run over ``W``. On a
+    ``line`` all of them are straight in v.
+    """
+    found: list[Expr] = []
+    for span in spans:
+        x, y = span.position
+        height = E.add(place, E.add(E.mul(side, x), E.mul(up, y)))
+        found += along(probe, E.substitute(height, {W: ZERO}), line)
+        if straight(probe, in_v(span)):
+            continue
+        for end in (ZERO, ONE):
+            found += along(probe, E.substitute(height, {V: end, W: V}), False)
+        if not line:
+            found += between(probe, height)
+    return found
+
+
+def in_v(span: Span) -> Span:
+    """A curve of a section at the beginning of its path, as a curve of its own."""
+    x, y = (E.substitute(E.substitute(c, {V: ZERO}), {W: V}) for c in span.position)
+    return Span(span.name, (x, y))
+
+
+def along(probe: Probe, height: Expr, line: bool) -> list[Expr]:
+    """The ends of a function of v, and its summit where it has one between them."""
+    ends = [E.substitute(height, {V: end}) for end in (ZERO, ONE)]
+    if line:
+        return ends
+    values = probe(*(E.substitute(height, {V: E.const(k / 32)}) for k in range(33)))
+    if (values.max(axis=0) > np.maximum(values[0], values[-1]) + 1e-12).any():
+        ends.append(E.substitute(height, {V: summit(height)}))
+    return ends
+
+
+def between(probe: Probe, height: Expr) -> list[Expr]:
+    """The summit of a function of v and w, where it has one off the edges for some test value."""
+    steps = [k / 16 for k in range(17)]
+    places = [E.substitute(height, {V: E.const(v), W: E.const(w)}) for v in steps for w in steps]
+    values = probe(*places).reshape(17, 17, -1)
+    edges = np.concatenate([values[0], values[-1], values[:, 0], values[:, -1]])
+    if not (values.max(axis=(0, 1)) > edges.max(axis=0) + 1e-12).any():
+        return []
+    v, w = E.const(0.5), E.const(0.5)
+    top = E.substitute(height, {V: v, W: w})
+    for i in range(GRID + 1):
+        for j in range(GRID + 1):
+            here = E.const(i / GRID), E.const(j / GRID)
+            value = E.substitute(height, {V: here[0], W: here[1]})
+            higher = E.call("lt", top, value)
+            v, w, top = E.where(higher, here[0], v), E.where(higher, here[1], w), E.maximum(top, value)
+    first = [derive(height, name) for name in (V, W)]
+    second = [derive(first[0], V), derive(first[0], W), derive(first[1], W)]
+    tiny = E.const(-1e-12)
+    for _ in range(6):
+        at = {V: v, W: w}
+        (a, b), (p, q, r) = ([E.substitute(f, at) for f in group] for group in (first, second))
+        spread = E.sub(E.mul(p, r), E.mul(q, q))
+        good = E.both(E.call("lt", ZERO, spread), E.call("lt", p, ZERO))
+        safe = E.where(good, spread, ONE)
+        dv = E.where(good, E.div(E.sub(E.mul(q, b), E.mul(r, a)), safe), E.neg(E.div(a, E.minimum(p, tiny))))
+        dw = E.where(good, E.div(E.sub(E.mul(q, a), E.mul(p, b)), safe), E.neg(E.div(b, E.minimum(r, tiny))))
+        v, w = (clamp(E.add(t, clamp(d, -1 / GRID, 1 / GRID)), 0.0, 1.0) for t, d in ((v, dv), (w, dw)))
+    return [E.substitute(height, {V: v, W: w})]

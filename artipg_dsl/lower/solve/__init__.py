@@ -1,0 +1,1 @@
+"""Equations to explicit values and requirements to conditional ranges: which unknown yields to which statement."""

@@ -1,0 +1,81 @@
+"""Findings on requirements: ranges that can never be met, with the chain of reasons, and requirements that always hold."""
+
+from __future__ import annotations
+
+import math
+
+from ...graph.expr import Scope
+from ...graph.feasible import Conflict, certain, conflicts, idle
+from ...graph.interval import Intervals
+from ...source import Span
+from ..expressions.context import Context, in_words, text_of
+
+
+def judge(context: Context, hollow: list[tuple[Scope, tuple[int, ...]]], own: str) -> None:
+    """Report what can never be met: an error where every object has it, else a warning.
+
+    ``hollow`` are requirements that contradict one another; ``own`` names the main file.
+    """
+    program = context.program
+    intervals = Intervals(program.draws, program.definitions)
+    for scope, reasons in hollow[:1]:
+        tell(context, Conflict(None, reasons[0], reasons, (), math.nan, math.nan, scope, certain(scope, intervals)))
+    told: set[frozenset[int]] = set()
+    for conflict in conflicts(program):
+        if frozenset(conflict.reasons) not in told:  # one contradiction empties several ranges: the first tells it
+            told.add(frozenset(conflict.reasons))
+            tell(context, conflict)
+    if context.report.failed:
+        return
+    for number in idle(program):
+        span, root = context.stated.get(number, (None, False))
+        if span is not None and root and span.source.name == own:
+            context.report.warning(
+                "always-true", span, "this requirement always holds: the ranges leave no way to break it",
+                hint="drop it, or correct what it compares",
+            )  # fmt: skip
+
+
+def tell(context: Context, conflict: Conflict) -> None:
+    program = context.program
+    spans = list(dict.fromkeys(context.stated[r][0] for r in conflict.reasons if r in context.stated))
+    chain: list[tuple[Span, str]] = [(span, "and this is required") for span in spans[1:]]
+    for k in conflict.draws:
+        column = program.draws[k].column
+        if column in context.spans:
+            chain.append((context.spans[column], f"`{column.name}` is drawn here"))
+    if conflict.draw is not None:
+        draw = program.draws[conflict.draw]
+        own = context.spans.get(draw.column)
+        message = (
+            f"`{draw.column.name}` has no room: it would have to be at least {plain(conflict.low, draw.unit)} "
+            f"and at most {plain(conflict.high, draw.unit)}"
+        )
+        if own is not None and spans:
+            chain.insert(0, (own, "its range"))
+        span = spans[0] if spans else own
+    else:
+        message = "this requirement can never hold: " + (
+            "others contradict it" if len(spans) > 1 else "the ranges leave no way to keep it"
+        )
+        span = spans[0] if spans else None
+        said = program.requirements[conflict.reasons[0]].message if len(conflict.reasons) == 1 else ""
+        if span is not None and said not in ("", text_of(span)):
+            message = f"{said}, whatever is drawn"
+    if span is None:
+        return  # what a primitive requires of its parameters is told where it is used
+    hint = "widen a range, or correct the requirement"
+    if conflict.certain:
+        context.report.error("impossible", span, message, hint=hint, notes=tuple(chain))
+    else:
+        message += f"; so {in_words(conflict.scope)} is never drawn"
+        context.report.warning("impossible", span, message, hint=hint, notes=tuple(chain))
+
+
+def plain(value: float, unit: str) -> str:
+    """A number in the unit that people use for its size."""
+    if unit == "m":
+        return f"{1000 * value:.4g}mm" if abs(value) < 0.01 else f"{100 * value:.4g}cm"
+    if unit == "rad":
+        return f"{math.degrees(value):.4g}deg"
+    return f"{value:.4g}{unit}"

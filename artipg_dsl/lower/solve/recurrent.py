@@ -1,0 +1,74 @@
+"""Values that need themselves in the row before: ``x = previous.x + d`` in closed form, as a running sum."""
+
+from __future__ import annotations
+
+from ...graph import expr as E
+from ...graph.expr import Column, Expr, Scope
+from ...graph.linear import Linear
+from ..expressions.context import Context
+from .systems import inline
+
+
+def closed(context: Context, column: Column, value: Expr) -> Expr:
+    """The value of ``column`` without ``previous`` of itself. Raises Abort where the recurrence is of another kind."""
+    if column not in deep(value, context.program.definitions):
+        return value
+    value = inline(value, [column], context.program.definitions, through=True)
+    steps = [node for node in nodes(value) if node.op == "previous" and column in E.leaves(node)]
+    if not steps:
+        raise refused(context, column)
+    scope: Scope = steps[0].value
+    before = Column(scope, f"{column.name} before")
+    mapping: dict[Expr, Expr] = {}
+    for node in steps:
+        form = Linear(lambda c: c is column, {}).form(node.args[0])
+        if node.value is not scope or form is None or form[0].get(column) is not E.ONE:
+            raise refused(context, column)
+        mapping[node] = E.add(E.col(before), E.previous(scope, form[1], node.args[1]))
+    form = Linear(lambda c: c is before, {}).form(E.substitute(value, mapping))
+    if form is None or column in E.leaves(form[1]) or not carried_on(form[0].get(before, E.ZERO), scope):
+        raise refused(context, column)
+    return E.add(E.scan(scope, form[1]), form[1])
+
+
+def carried_on(factor: Expr, scope: Scope) -> bool:
+    """Whether the row before counts with factor 1 in every row but the first (where it is 0 anyway)."""
+    first = E.call("eq", E.rank(scope), E.ZERO)
+    if factor.op == "where":
+        condition, then, otherwise = factor.args
+        return condition is first and otherwise is E.ONE or condition is E.negate(first) and then is E.ONE
+    if factor.op == "phi":
+        pairs = zip(factor.value, factor.args[:-1], strict=True)
+        return all(value is E.ONE or value is E.ZERO and child.count is first for child, value in pairs)
+    return factor is E.ONE
+
+
+def deep(value: Expr, definitions: dict[Column, Expr]) -> set[Column]:
+    """All columns on which a value depends, through definitions and through ``previous``."""
+    found: set[Column] = set()
+    stack = [value]
+    while stack:
+        for column in E.leaves(stack.pop()):
+            if column not in found:
+                found.add(column)
+                if column in definitions:
+                    stack.append(definitions[column])
+    return found
+
+
+def nodes(root: Expr) -> list[Expr]:
+    found: dict[Expr, None] = {}
+    stack = [root]
+    while stack:
+        node = stack.pop()
+        if node not in found:
+            found[node] = None
+            stack.extend(node.args)
+    return list(found)
+
+
+def refused(context: Context, column: Column) -> Exception:
+    return context.error(
+        "recurrence", context.spans[column], f"`{column.name}` needs itself in the element before in a way that is no sum",
+        hint="write it as previous.x plus something, or by the element's rank",
+    )  # fmt: skip

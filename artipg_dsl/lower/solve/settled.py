@@ -1,0 +1,135 @@
+"""What becomes of an unknown once it is known whether equations determine it: centred, drawn, its default, a requirement."""
+
+from __future__ import annotations
+
+from ...graph import expr as E
+from ...graph.expr import Expr
+from ...graph.linear import tidy
+from ...graph.program import Draw, Requirement
+from ..expressions.context import Equation, Unknown, where
+from ..expressions.env import Env
+from ..values.faces import squared
+from ..values.kinds import Box
+from ..values.vectors import turn
+
+SMALL = E.const(1e-4)  # the least size of something that equations determine, in metres
+
+
+def default(
+    env: Env, unknown: Unknown, near: list[tuple[Equation, str]], *, fresh: bool, guard: str = ""
+) -> tuple[Expr, str]:
+    """The value where no equation determines an unknown, and why; with ``fresh``, where only some cases do.
+
+    ``near`` are the equations that name it, each with what it determines instead; ``guard`` says in words where.
+    """
+    context = env.context
+    definitions = context.program.definitions
+    if unknown.kind == "position":
+        value = tidy(centred(unknown))
+        reason = "centred"
+        if not fresh and unknown.part is not None:
+            context.centred[unknown.part] = context.centred.get(unknown.part, 0) + 1
+    elif unknown.kind == "default":
+        assert unknown.default is not None
+        value, reason = unknown.default, "default"
+    elif unknown.draw is not None:
+        return drawn(env, unknown, unknown.draw, fresh), "drawn"
+    else:
+        notes = tuple((q.span, f"this names it, but determines {what}") for q, what in near[:3] if what)
+        if fresh:
+            notes = tuple((q.span, "determines it, but under a guard only") for q, _ in near[:3])
+        message = f"nothing determines {degree(unknown)}{guard if fresh else ''}"
+        context.error("under-determined", unknown.span, message, hint=remedy(unknown), notes=notes)
+        value, reason = E.const(0.1), ""
+    if not fresh:
+        definitions[unknown.column] = value
+    return value, reason
+
+
+def degree(unknown: Unknown) -> str:
+    """The degree of freedom in words: the size of a part along an axis, or a parameter."""
+    owner, _, axis = unknown.name.strip("`").rpartition(".size.")
+    return f"the size of `{owner}` along {axis} ({unknown.name})" if owner else unknown.name
+
+
+def remedy(unknown: Unknown) -> str:
+    """What to write so that something determines it."""
+    name = unknown.name.strip("`")
+    owner, _, axis = name.rpartition(".size.")
+    if unknown.kind == "derived":
+        return f"state an equation that it follows from (`align ... = {name}`), or drop `derived` and give it a range"
+    if owner:
+        low, high = {"x": ("back", "front"), "y": ("right", "left"), "z": ("bottom", "top")}[axis]
+        return (
+            f"say where its faces lie (`align {owner}.{high} = ...`, `align {owner}.{low} = ...`, or `fit {high}, {low}`),"
+            " or give the size as an argument"
+        )
+    parameter = name.rpartition(".")[2]
+    return f"give it as an argument (`{parameter} = ...`), state an equation that names it, or give it a range (`in a .. b`)"
+
+
+def drawn(env: Env, unknown: Unknown, draw: Draw, fresh: bool) -> Expr:
+    """Draw it; where some cases determine it, what is drawn for the others is a column of its own."""
+    context = env.context
+    if draw not in context.draws:
+        context.draws.append(draw)
+    if not fresh:
+        return E.col(draw.column)
+    column = context.column(draw.column.scope, f"{draw.column.name} (drawn)", draw.column.kind, unknown.span)
+    draw.column = column
+    return E.col(column)
+
+
+def centred(unknown: Unknown) -> Expr:
+    """A free position: the part's box is centred on the box of its scope."""
+    from ..elaborate.build import rotation_of
+    from ..expressions.evaluate import Evaluator
+
+    part, axis = unknown.part, unknown.axis
+    assert part is not None
+    offset = turn(rotation_of(part), part.box().center)[axis]
+    at: Env | None = part.env
+    center: Expr = E.ZERO
+    while at is not None:
+        if at.element is not None and at.element.box is not None:
+            box: Box = squared(Evaluator(part.env).here(at.element, at.element.box))
+            center = box.center[axis]
+            break
+        at = at.outer
+    return E.sub(center, offset)
+
+
+def determined(env: Env, unknown: Unknown, guard: Expr) -> None:
+    """The domain of a determined parameter is a requirement on those that determine it, where ``guard`` holds."""
+    context = env.context
+    value = E.col(unknown.column)
+    name = unknown.name.strip("`")
+    if unknown.draw is not None and unknown.kind in ("param", "derived", "default"):
+        draw = unknown.draw
+        if draw.column is unknown.column:
+            context.draws = [d for d in context.draws if d is not draw]
+        assert draw.low is not None and draw.high is not None
+        for a, b, side in ((draw.low, value, "below"), (value, draw.high, "above")):
+            context.program.requirements.append(
+                Requirement(
+                    unknown.column.scope,
+                    E.call("le", a, b),
+                    guard,
+                    f"{name} would lie {side} its domain",
+                    where(unknown.span),
+                    (a, b),
+                    text=f"{name} in its domain",
+                )  # fmt: skip
+            )
+    elif unknown.positive or unknown.kind == "size" and unknown.part is not None and ".size." in unknown.column.name:
+        context.program.requirements.append(
+            Requirement(
+                unknown.column.scope,
+                E.call("le", SMALL, value),
+                guard,
+                f"{name} would not be positive",
+                where(unknown.span),
+                (SMALL, value),
+                text=f"{name} > 0",
+            )  # fmt: skip
+        )

@@ -1,0 +1,143 @@
+"""Matched equations to explicit values: in the order of dependence, coupled ones together, by search where nothing else does."""
+
+from __future__ import annotations
+
+from ...graph import expr as E
+from ...graph.expr import Column, Expr
+from ...graph.linear import Form, Linear, Parts, combine, isolate, solve_block, tidy
+from ...graph.matching import Matching, components
+from ..expressions.context import Abort, Equation, Settled, Unknown
+from ..expressions.env import Env
+from .roots import numeric, start
+
+
+def solve_system(
+    env: Env,
+    unknowns: list[Unknown],
+    equations: list[Equation],
+    forms: list[Form | None],
+    matching: Matching,
+    guard: Expr,
+) -> tuple[dict[Column, Expr], dict[Column, Settled]]:
+    """A value for each matched unknown (it may read others that are matched before it) where ``guard`` holds, and how."""
+    definitions = env.context.program.definitions
+    places = {u.column: k for k, u in enumerate(unknowns)}
+    matched = [u for u in range(len(unknowns)) if matching.equation_of[u] >= 0]
+    chosen = set(matched)
+    linear = Linear(lambda c: c in places, definitions)
+    reads: list[set[int]] = [set() for _ in unknowns]
+    for u in matched:
+        e = matching.equation_of[u]
+        form = forms[e]
+        names = (
+            set(form[0]) if form is not None else linear.columns(equations[e].left) | linear.columns(equations[e].right)
+        )
+        reads[u] = {places[c] for c in names if c in places and places[c] != u and places[c] in chosen}
+    values: dict[Column, Expr] = {}
+    told: dict[Column, Settled] = {}
+    for group in components(matched, reads):
+        searched = False
+        columns = [unknowns[u].column for u in group]
+        rows = [forms[matching.equation_of[u]] for u in group]
+        solution = solve_block(rows, columns) if all(row is not None for row in rows) else None  # type: ignore[arg-type]
+        if solution is None:
+            sides = [equations[matching.equation_of[u]] for u in group]
+            differences = [inline(E.sub(q.left, q.right), columns, definitions) for q in sides]
+            solution = None if any(q.near for q in sides) else eliminate(differences, columns)
+            if solution is None and any(row is None for row in rows):
+                solution = numeric(env, [unknowns[u] for u in group], sides, differences, guard)
+                searched = solution is not None
+                env.context.near.update((q.span, True) for q in sides if searched and q.near)
+        if solution is None:
+            raise unsolved(env, [unknowns[u] for u in group], [equations[matching.equation_of[u]] for u in group], rows)
+        for u, column in zip(group, columns, strict=True):
+            values[column] = solution[column] if searched else tidy(solution[column])
+            others = tuple(unknowns[v].name for v in group if v != u)
+            begun = (
+                E.show(start(env, unknowns[u], columns, [equations[matching.equation_of[v]] for v in group]))
+                if searched
+                else ""
+            )
+            told[column] = Settled(guard, equations[matching.equation_of[u]], others, columns[0], begun)
+    return values, told
+
+
+def unsolved(env: Env, unknowns: list[Unknown], equations: list[Equation], forms: list[Form | None]) -> Abort:
+    """Report equations that have no solution in closed form: linear ones that hang on one another alone, or others."""
+    equations = sorted(equations, key=lambda q: q.span.start)
+    listed = " and ".join(u.name for u in unknowns)
+    linear = [form for form in forms if form is not None]
+    left_over = None if len(linear) < len(forms) else remainder(linear, [u.column for u in unknowns])
+    if left_over is E.ZERO:
+        message = f"these equations say the same of {listed}: one more is needed"
+        hint = "state where another face lies in place of one of them, or give a size as an argument"
+    elif left_over is not None and left_over.constant is not None:
+        raise env.context.error(
+            "contradictory", equations[-1].span,
+            f"this equation contradicts the others: its sides always differ by {abs(float(left_over.constant)) * 1000:.6g}mm",
+            hint="drop or correct one of them", notes=tuple((q.span, "the other") for q in equations[:-1]),
+        )  # fmt: skip
+    elif len(linear) == len(forms):
+        message = f"these equations place {listed} against one another only: nothing ties them to the rest"
+        hint = "let one of them follow from something that stands already, such as a face of the root"
+    else:
+        message = f"this cannot be solved for {listed}"
+        hint = "state the equation so that the unknown stands alone on one side, or give it as an argument"
+    notes = tuple((q.span, "together with this") for q in equations[1:])
+    return env.context.error("not-solvable", equations[0].span, message, hint=hint, notes=notes)
+
+
+def remainder(forms: list[Form], columns: list[Column]) -> Expr | None:
+    """What is left of linear equations that depend on one another, once the columns are eliminated; None if that is open."""
+    rows: list[Parts] = list(forms)
+    for column in columns:
+        pivot = next((row for row in rows if row[0].get(column, E.ZERO).constant not in (None, 0.0)), None)
+        if pivot is None:
+            continue
+        factor = pivot[0][column]
+        others = [row for row in rows if row is not pivot]
+        rows = [
+            combine(row, pivot, E.neg(E.div(row[0][column], factor))) if column in row[0] else row for row in others
+        ]
+    left = [tidy(rest) for terms, rest in rows if not terms]
+    return left[0] if left else None
+
+
+def inline(node: Expr, columns: list[Column], definitions: dict[Column, Expr], *, through: bool = False) -> Expr:
+    """An expression with every defined column that depends on one of ``columns`` written out."""
+    reader = Linear(lambda c: c in columns, definitions, through=through)
+    while True:
+        hidden = [c for c in E.leaves(node) if c not in columns and c in definitions and reader.reads(E.col(c))]
+        if not hidden:
+            return node
+        node = E.substitute(node, {E.col(c): definitions[c] for c in hidden})
+
+
+def eliminate(differences: list[Expr], columns: list[Column]) -> dict[Column, Expr] | None:
+    """Solve ``difference = 0`` one by one: the first unknown that can stand alone is put into the others."""
+    if not differences:
+        return {}
+    for k, difference in enumerate(differences):
+        for column in columns:
+            value = alone(difference, column)
+            if value is None:
+                continue
+            mapping = {E.col(column): value}
+            rest = [E.substitute(d, mapping) for j, d in enumerate(differences) if j != k]
+            found = eliminate(rest, [c for c in columns if c is not column])
+            if found is not None:
+                return {column: E.substitute(value, {E.col(c): v for c, v in found.items()}), **found}
+    return None
+
+
+def alone(difference: Expr, column: Column) -> Expr | None:
+    """The value of a column for which a difference is 0, in closed form."""
+    linear = Linear(lambda c: c is column, {})
+    form = linear.form(difference)
+    if form is not None:
+        factor = form[0].get(column)
+        return None if factor is None else E.div(E.neg(form[1]), factor)
+    if difference.op == "sub" and linear.reads(difference.args[0]) != linear.reads(difference.args[1]):
+        left, right = difference.args
+        return isolate(left, column, right, linear) if linear.reads(left) else isolate(right, column, left, linear)
+    return isolate(difference, column, E.ZERO, linear)

@@ -1,0 +1,129 @@
+"""Values carried from frame to frame and from table to table."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from ...graph import expr as E
+from ...graph.expr import ONE, Expr, Scope
+from ...graph.program import Pose
+from .faces import extent
+from .kinds import Box, Choice, Frame, Line, Plane, Ports, Ref, Surface, Value, Vec
+from .vectors import HERE, compose, direct, place, sole_axis, times, unit
+
+if TYPE_CHECKING:
+    from ..elaborate.part import Part
+
+
+def mapped(value: Value, scalar: Callable[[Expr], Expr]) -> Value:
+    """A geometric value with every scalar replaced by a function of it (gather, element, ...)."""
+    if isinstance(value, Expr):
+        return scalar(value)
+    if isinstance(value, Vec):
+        return replace(value, items=tuple(map(scalar, value.items)))
+    if isinstance(value, Frame):
+        rotation = tuple(tuple(map(scalar, row)) for row in value.rotation)
+        return Frame(tuple(map(scalar, value.origin)), rotation, value.on, value.face)  # type: ignore[arg-type]
+    if isinstance(value, Plane):
+        return replace(value, coordinate=scalar(value.coordinate))
+    if isinstance(value, Line):
+        to = None if value.to is None else tuple(map(scalar, value.to))
+        point, direction = tuple(map(scalar, value.point)), tuple(map(scalar, value.direction))
+        return Line(point, direction, to, value.on)  # type: ignore[arg-type]
+    if isinstance(value, Box):
+        low: Any = tuple(map(scalar, value.low))
+        high: Any = tuple(map(scalar, value.high))
+        return replace(value, low=low, high=high, pose=mapped_pose(value.pose, scalar))
+    if isinstance(value, Choice):
+        return replace(value, code=scalar(value.code))
+    if isinstance(value, Ports):
+        return Ports(value.name, {k: mapped(v, scalar) for k, v in value.settled().items()})
+    return value
+
+
+def mapped_pose(pose: Pose, scalar: Callable[[Expr], Expr]) -> Pose:
+    if pose is HERE:
+        return pose
+    rotation = tuple(tuple(map(scalar, row)) for row in pose.rotation)
+    return Pose(rotation, tuple(map(scalar, pose.translation)), scalar(pose.mirror))  # type: ignore[arg-type]
+
+
+def scalars(value: Value) -> tuple[Expr, ...]:
+    """The scalars of a value in the order in which ``mapped`` visits them."""
+    found: list[Expr] = []
+
+    def note(e: Expr) -> Expr:
+        found.append(e)
+        return e
+
+    mapped(value, note)
+    return tuple(found)
+
+
+def merged(parent: Scope, branches: list[tuple[Scope, Value]], on: tuple[Part, ...] = ()) -> Value:
+    """One value in ``parent`` out of values of exclusive child scopes (of equal kinds)."""
+    first = branches[0][1]
+    if isinstance(first, Ports):
+        arrays = [(s, v.settled()) for s, v in branches if isinstance(v, Ports)]
+        keys = sorted({k for _, a in arrays for k in a})
+        return Ports(first.name, {k: merged(parent, [(s, a[k]) for s, a in arrays if k in a], on) for k in keys})
+    lists = [scalars(extent(v) if isinstance(v, Box) and len(branches) > 1 else v) for _, v in branches]
+    if isinstance(first, Box) and len(branches) > 1:
+        first = extent(first)
+    position = iter(range(len(lists[0])))
+
+    def pick(_: Expr) -> Expr:
+        k = next(position)
+        return E.phi(parent, [(s, values[k]) for (s, _), values in zip(branches, lists, strict=True)])
+
+    value = mapped(first, pick)
+    carriers: list[Part] = list(on)
+    for _, v in branches:
+        carriers.extend(p for p in getattr(v, "on", ()) if p not in carriers)
+    return replace(value, on=tuple(carriers)) if hasattr(value, "on") else value
+
+
+def moved(value: Value, pose: Pose) -> Value:
+    """A value of an inner frame in the outer frame that ``pose`` places it in."""
+    if pose is HERE or isinstance(value, Expr | Choice):
+        return value
+    if isinstance(value, Vec):
+        return replace(value, items=place(pose, value.items)) if value.point else value  # type: ignore[arg-type]
+    if isinstance(value, Frame):
+        inner = compose(pose, Pose(value.rotation, value.origin, ONE))
+        return Frame(inner.translation, inner.rotation, value.on, value.face)
+    if isinstance(value, Line):
+        to = None if value.to is None else place(pose, value.to)
+        return Line(place(pose, value.point), direct(pose, value.direction), to, value.on)
+    if isinstance(value, Plane):
+        return moved_plane(value, pose)
+    if isinstance(value, Box):
+        return replace(value, pose=compose(pose, value.pose))
+    if isinstance(value, Ports):
+        return Ports(value.name, {k: moved(v, pose) for k, v in value.settled().items()})
+    if isinstance(value, Surface):
+        return Surface(tuple((s, part, compose(pose, outer), name) for s, part, outer, name in value.branches))
+    if isinstance(value, Ref):
+        return replace(value, frame=compose(pose, value.frame) if value.frame is not HERE else pose)
+    return value
+
+
+def baked(ref: Ref) -> Ref:
+    """A reference with its common frame carried by each member."""
+    if ref.frame is HERE:
+        return ref
+    held = (replace(b, members=tuple((p, compose(ref.frame, q)) for p, q in b.members)) for b in ref.branches)
+    return Ref(ref.name, tuple(held), ref.own)
+
+
+def moved_plane(value: Plane, pose: Pose) -> Plane:
+    if value.axis is None:
+        return value
+    normal = direct(pose, unit(value.axis))
+    axis = sole_axis(normal)
+    if axis is None:
+        return replace(value, axis=None)
+    point = place(pose, times(unit(value.axis), value.coordinate))
+    return replace(value, axis=axis, coordinate=point[axis])

@@ -1,0 +1,109 @@
+"""Faces, edges and corners of boxes, and boxes written in the frame of their environment."""
+
+from __future__ import annotations
+
+from ...graph import expr as E
+from ...graph.expr import ZERO
+from .kinds import Box, Edge, Face, Vec
+from .vectors import (
+    HERE,
+    Matrix,
+    Triple,
+    columns,
+    cross,
+    direct,
+    dot,
+    minus,
+    normalized,
+    place,
+    plus,
+    signed_axis,
+    sole_axis,
+    times,
+    transpose,
+    unit,
+)
+
+FACES = {"front": (0, 1), "back": (0, -1), "left": (1, 1), "right": (1, -1), "top": (2, 1), "bottom": (2, -1)}
+
+
+def frame_of(out: Triple, up: Triple) -> Matrix:
+    """Axes from ``out`` and ``up``; ``up`` is made square to ``out`` where it is not."""
+    out = normalized(out)
+    if dot(out, up) is not ZERO:
+        up = minus(up, times(out, dot(out, up)))
+    up = normalized(up)
+    return columns(out, cross(up, out), up)
+
+
+def face_of(box: Box, name: str) -> Face:
+    """A face of a box by its name."""
+    axis, sign = FACES[name]
+    center = list(box.center)
+    center[axis] = box.high[axis] if sign > 0 else box.low[axis]
+    out, up = unit(axis, sign), unit(0 if axis == 2 else 2)
+    axes = frame_of(direct(box.pose, out), direct(box.pose, up))
+    return Face(place(box.pose, tuple(center)), axes, box.on, True, box, axis, sign)  # type: ignore[arg-type]
+
+
+def edge_of(first: Face, name: str) -> Edge | None:
+    """The edge where a face meets the named other face; None for a parallel one."""
+    box = first.box
+    axis, sign = FACES[name]
+    if box is None or axis == first.axis:
+        return None
+    second = face_of(box, name)
+    at = list(box.center)
+    at[first.axis] = box.high[first.axis] if first.sign > 0 else box.low[first.axis]
+    at[axis] = box.high[axis] if sign > 0 else box.low[axis]
+    direction = cross(unit(first.axis, first.sign), unit(axis, sign))
+    return Edge(place(box.pose, tuple(at)), direct(box.pose, direction), None, box.on, first, second)  # type: ignore[arg-type]
+
+
+def corner_of(edge: Edge, name: str) -> Vec | None:
+    """The corner where an edge meets the named third face."""
+    axis, sign = FACES[name]
+    first, second = edge.first, edge.second
+    if first is None or second is None or first.box is None or axis in (first.axis, second.axis):
+        return None
+    at = [first.box.low[k] for k in range(3)]
+    for k, s in ((first.axis, first.sign), (second.axis, second.sign), (axis, sign)):
+        at[k] = first.box.high[k] if s > 0 else first.box.low[k]
+    return Vec(place(first.box.pose, tuple(at)), edge.on, point=True)  # type: ignore[arg-type]
+
+
+def squared(box: Box) -> Box:
+    """The same box written in the frame of the environment, when its pose turns it by right angles only.
+
+    Where a direction may differ from row to row (the halves of a mirror), low and high follow from centre and size.
+    """
+    if box.pose is HERE:
+        return box
+    turned = box.pose.rotation
+    if any(sole_axis(row) is None for row in turned) or any(sole_axis(row) is None for row in transpose(turned)):
+        return box
+    if box.pose.mirror.constant is None or any(signed_axis(row) is None for row in turned):
+        center = place(box.pose, box.center)
+        half = tuple(E.mul(box.size[sole_axis(row)], E.const(0.5)) for row in turned)  # type: ignore[index]
+        return Box(minus(center, half), plus(center, half), HERE, box.on, box.exists)  # type: ignore[arg-type]
+    ends = place(box.pose, box.low), place(box.pose, box.high)
+    low, high = [], []
+    for k in range(3):
+        sign = next(c.constant for c in box.pose.rotation[k] if c is not ZERO)
+        own = next(j for j, c in enumerate(box.pose.rotation[k]) if c is not ZERO)
+        if own == 1:
+            sign *= box.pose.mirror.constant  # type: ignore[operator]
+        low.append(ends[0 if sign > 0 else 1][k])  # type: ignore[operator]
+        high.append(ends[1 if sign > 0 else 0][k])  # type: ignore[operator]
+    return Box(tuple(low), tuple(high), HERE, box.on, box.exists)  # type: ignore[arg-type]
+
+
+def extent(box: Box) -> Box:
+    """The axis-aligned box of the environment's frame that holds a box, turned however."""
+    straight = squared(box)
+    if straight.pose is HERE:
+        return straight
+    half = times(box.size, E.const(0.5))
+    center = place(box.pose, box.center)
+    reach = tuple(dot((E.call("abs", c) for c in row), half) for row in box.pose.rotation)
+    return Box(minus(center, reach), plus(center, reach), HERE, box.on, box.exists)  # type: ignore[arg-type]

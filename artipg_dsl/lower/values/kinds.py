@@ -1,0 +1,175 @@
+"""What an expression of the text means while it is lowered: scalars are ``graph`` expressions, the rest is built of them.
+
+Every geometric value is expressed in the frame of the environment that evaluates it. ``on`` lists the parts whose
+links a value lies on (see ``links``).
+"""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from ...graph import expr as E
+from ...graph.expr import Expr, Scope
+from ...graph.linear import tidy
+from ...graph.program import Pose
+from .vectors import HERE, Matrix, Triple, minus, plus, times
+
+if TYPE_CHECKING:
+    from ..elaborate.part import Part
+
+
+Carrier: TypeAlias = "Part | InElement"  # what a value lies on
+
+
+@dataclass(frozen=True, slots=True)
+class Vec:
+    """Two or three scalars: a size or displacement, or (``point``) a place, which moves with its frame."""
+
+    items: tuple[Expr, ...]
+    on: tuple[Carrier, ...] = ()
+    point: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """Origin and axes; ``rotation`` has the columns out, up x out, up. A face of a box is a frame with ``face``."""
+
+    origin: Triple
+    rotation: Matrix
+    on: tuple[Carrier, ...] = ()
+    face: bool = False
+
+    @property
+    def out(self) -> Triple:
+        return tuple(row[0] for row in self.rotation)  # type: ignore[return-value]
+
+    @property
+    def up(self) -> Triple:
+        return tuple(row[2] for row in self.rotation)  # type: ignore[return-value]
+
+
+@dataclass(frozen=True, slots=True)
+class Plane:
+    """A plane across ``axis`` (None where its normal is no axis by construction) at ``coordinate``."""
+
+    axis: int | None
+    coordinate: Expr
+    on: tuple[Carrier, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A directed line through ``point``; ``to`` is its other end where it has one."""
+
+    point: Triple
+    direction: Triple
+    to: Triple | None = None
+    on: tuple[Carrier, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Box:
+    """A box: ``low`` and ``high`` in the frame that ``pose`` places. ``exists`` where it may be absent (a gap)."""
+
+    low: Triple
+    high: Triple
+    pose: Pose = HERE
+    on: tuple[Carrier, ...] = ()
+    exists: Expr = E.TRUE
+
+    @property
+    def size(self) -> Triple:
+        return tuple(tidy(c) for c in minus(self.high, self.low))  # type: ignore[return-value]
+
+    @property
+    def center(self) -> Triple:
+        return tuple(tidy(c) for c in times(plus(self.low, self.high), E.const(0.5)))  # type: ignore[return-value]
+
+
+@dataclass(frozen=True, slots=True)
+class Face(Frame):
+    """A face of ``box``: the plane and the frame (its centre, out = normal, up = z, or x on top and bottom)."""
+
+    box: Box | None = None
+    axis: int = 0
+    sign: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Edge(Line):
+    """The edge of two faces of a box, directed along normal(first) x normal(second)."""
+
+    first: Face | None = None
+    second: Face | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """One of named options, as a number."""
+
+    code: Expr
+    options: tuple[str, ...]
+
+    def chosen(self, name: str) -> Expr | None:
+        """The predicate that the option ``name`` is the one (an option may stand there twice); None without such an option."""
+        codes = [E.call("eq", self.code, E.const(float(k))) for k, option in enumerate(self.options) if option == name]
+        return functools.reduce(E.either, codes) if codes else None
+
+
+@dataclass(frozen=True, slots=True)
+class Branch:
+    """Parts that exist together in ``scope`` (None: wherever the reference is made), each with its pose."""
+
+    scope: Scope | None
+    members: tuple[tuple[Part, Pose], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Ref:
+    """A reference to parts: a part has one branch with one member, a slot of a role one branch per alternative."""
+
+    name: str
+    branches: tuple[Branch, ...]
+    own: bool = False  # seen from the part's own frame, while its pose is being sought
+    frame: Pose = HERE  # carries what all branches have in common into the frame of the environment that names it
+
+
+@dataclass(frozen=True, slots=True)
+class Surface:
+    """A surface of a primitive part, or one of each alternative: (table, part, pose of the part's frame, name)."""
+
+    branches: tuple[tuple[Scope | None, Part, Pose, str], ...]
+
+
+@dataclass(slots=True, eq=False)
+class Ports:
+    """``port socket[2]``: values by index."""
+
+    name: str
+    values: dict[int, Any]
+
+    def settled(self) -> dict[int, Any]:
+        return self.values
+
+
+@dataclass(frozen=True, slots=True)
+class InElement:
+    """A part of an element of ``repeat`` that is named from the rows of ``scope``: of the element of ``rank``, or (None) of the
+    one before."""
+
+    part: Carrier
+    scope: Scope
+    repeat: Scope
+    rank: Expr | None
+
+
+def part_of(carrier: Carrier) -> Part:
+    """The part that a value lies on, whichever element it is of."""
+    while isinstance(carrier, InElement):
+        carrier = carrier.part
+    return carrier
+
+
+Value = Any  # one of the above: the checker has made sure which

@@ -1,0 +1,173 @@
+"""Vectors, matrices and poses whose entries are expressions of the graph, with exact zeros and ones kept."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from ...graph import expr as E
+from ...graph.expr import ONE, ZERO, Expr
+from ...graph.program import Pose
+
+Triple = tuple[Expr, Expr, Expr]
+Matrix = tuple[Triple, Triple, Triple]
+AXES = ("x", "y", "z")
+MINUS = E.const(-1.0)
+IDENTITY: Matrix = ((ONE, ZERO, ZERO), (ZERO, ONE, ZERO), (ZERO, ZERO, ONE))
+ORIGIN: Triple = (ZERO, ZERO, ZERO)
+HERE = Pose(IDENTITY, ORIGIN, ONE)
+
+
+def unit(axis: int, sign: int = 1) -> Triple:
+    return tuple(E.const(float(sign)) if k == axis else ZERO for k in range(3))  # type: ignore[return-value]
+
+
+def plus(a: Triple, b: Triple) -> Triple:
+    return tuple(E.add(x, y) for x, y in zip(a, b, strict=True))  # type: ignore[return-value]
+
+
+def minus(a: Triple, b: Triple) -> Triple:
+    return tuple(E.sub(x, y) for x, y in zip(a, b, strict=True))  # type: ignore[return-value]
+
+
+def times(a: Triple, factor: Expr) -> Triple:
+    return tuple(E.mul(x, factor) for x in a)  # type: ignore[return-value]
+
+
+def dot(a: Iterable[Expr], b: Iterable[Expr]) -> Expr:
+    total = ZERO
+    for x, y in zip(a, b, strict=True):
+        total = E.add(total, E.mul(x, y))
+    return total
+
+
+def cross(a: Triple, b: Triple) -> Triple:
+    return (
+        E.sub(E.mul(a[1], b[2]), E.mul(a[2], b[1])),
+        E.sub(E.mul(a[2], b[0]), E.mul(a[0], b[2])),
+        E.sub(E.mul(a[0], b[1]), E.mul(a[1], b[0])),
+    )
+
+
+def norm(a: Triple) -> Expr:
+    nonzero = [c for c in a if c is not ZERO]
+    if len(nonzero) == 1:
+        return E.call("abs", nonzero[0])
+    return E.call("sqrt", dot(a, a))
+
+
+def normalized(a: Triple) -> Triple:
+    length = norm(a)
+    return a if length is ONE else tuple(E.div(c, length) for c in a)  # type: ignore[return-value]
+
+
+def transpose(m: Matrix) -> Matrix:
+    return tuple(zip(*m, strict=True))  # type: ignore[return-value]
+
+
+def turn(m: Matrix, v: Triple) -> Triple:
+    return tuple(dot(row, v) for row in m)  # type: ignore[return-value]
+
+
+def product(a: Matrix, b: Matrix) -> Matrix:
+    columns = transpose(b)
+    return tuple(tuple(dot(row, c) for c in columns) for row in a)  # type: ignore[return-value]
+
+
+def columns(a: Triple, b: Triple, c: Triple) -> Matrix:
+    return transpose((a, b, c))
+
+
+def rotation_about(axis: Triple, angle: Expr) -> Matrix:
+    """Rotation about a unit axis (Rodrigues' formula; about x, y or z with exact zeros and ones)."""
+    c, s = E.call("cos", angle), E.call("sin", angle)
+    found = signed_axis(axis)
+    if found is not None:
+        at, sign = found
+        i, j = (at + 1) % 3, (at + 2) % 3
+        rows = [list(row) for row in IDENTITY]
+        rows[i][i] = rows[j][j] = c
+        turned = E.mul(E.const(float(sign)), s)
+        rows[i][j], rows[j][i] = E.neg(turned), turned
+        return tuple(map(tuple, rows))  # type: ignore[return-value]
+    k = E.sub(ONE, c)
+    x, y, z = axis
+
+    def entry(a: Expr, b: Expr, rest: Expr) -> Expr:
+        return E.add(E.mul(E.mul(a, b), k), rest)
+
+    return (
+        (entry(x, x, c), entry(x, y, E.neg(E.mul(z, s))), entry(x, z, E.mul(y, s))),
+        (entry(y, x, E.mul(z, s)), entry(y, y, c), entry(y, z, E.neg(E.mul(x, s)))),
+        (entry(z, x, E.neg(E.mul(y, s))), entry(z, y, E.mul(x, s)), entry(z, z, c)),
+    )
+
+
+def flip(v: Triple, mirror: Expr) -> Triple:
+    return v if mirror is ONE else (v[0], E.mul(mirror, v[1]), v[2])
+
+
+def place(pose: Pose, point: Triple) -> Triple:
+    """A point of the inner frame in the outer one."""
+    return plus(turn(pose.rotation, flip(point, pose.mirror)), pose.translation)
+
+
+def direct(pose: Pose, direction: Triple) -> Triple:
+    return turn(pose.rotation, flip(direction, pose.mirror))
+
+
+def unplace(pose: Pose, point: Triple) -> Triple:
+    """A point of the outer frame in the inner one."""
+    return flip(turn(transpose(pose.rotation), minus(point, pose.translation)), pose.mirror)
+
+
+def undirect(pose: Pose, direction: Triple) -> Triple:
+    return flip(turn(transpose(pose.rotation), direction), pose.mirror)
+
+
+def compose(outer: Pose, inner: Pose) -> Pose:
+    """The pose of something placed by ``inner`` in a frame that ``outer`` places.
+
+    A mirror in the outer frame is carried to the geometry: M (R x + t) = (M R M)(M x) + M t, M R M being proper.
+    """
+    rotation, mirror = inner.rotation, outer.mirror
+    if mirror is not ONE:
+        rotation = tuple(
+            tuple(E.mul(mirror, c) if (i == 1) != (j == 1) else c for j, c in enumerate(row))
+            for i, row in enumerate(rotation)
+        )  # type: ignore[assignment]
+    return Pose(product(outer.rotation, rotation), place(outer, inner.translation), E.mul(outer.mirror, inner.mirror))
+
+
+def inverse(pose: Pose) -> Pose:
+    rotation = transpose(pose.rotation)
+    if pose.mirror is not ONE:
+        rotation = tuple(
+            tuple(E.mul(pose.mirror, c) if (i == 1) != (j == 1) else c for j, c in enumerate(row))
+            for i, row in enumerate(rotation)
+        )  # type: ignore[assignment]
+    at = unplace(pose, ORIGIN)
+    return Pose(rotation, at, pose.mirror)
+
+
+def along(direction: Triple) -> Matrix:
+    """The axis orientation that takes z to a signed axis, the others in cyclic order."""
+    axis = next((k for k in range(3) if direction[k].constant in (1.0, -1.0)), 2)
+    sign = direction[axis].constant
+    x, y, z = unit((axis + 1) % 3), unit((axis + 2) % 3), unit(axis)
+    if sign == -1.0:
+        x, z = times(x, MINUS), times(z, MINUS)
+    return columns(x, y, z)
+
+
+def signed_axis(direction: Triple) -> tuple[int, int] | None:
+    """(axis, sign) when a direction is an axis by construction, else None."""
+    for k in range(3):
+        if direction[k].constant in (1.0, -1.0) and all(direction[j] is ZERO for j in range(3) if j != k):
+            return k, int(direction[k].constant)  # type: ignore[arg-type]
+    return None
+
+
+def sole_axis(direction: Triple) -> int | None:
+    """The axis of a unit direction whose other components are 0 by construction (its sign may differ from row to row)."""
+    nonzero = [k for k in range(3) if direction[k] is not ZERO]
+    return nonzero[0] if len(nonzero) == 1 else None

@@ -1,0 +1,70 @@
+"""A program as a Python module that needs NumPy alone."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from types import ModuleType
+
+from jinja2 import Environment, PackageLoader
+
+from .. import random
+from ..graph.expr import Expr, Scope
+from ..graph.text import digest
+from ..runtime import kernels, laws, newton
+from ..runtime.needs import pose_cells
+from ..runtime.plan import Plan, make_plan
+from .sample import ATTEMPTS
+
+
+def to_module(program, version: str) -> str:  # noqa: ANN001 - graph.program.Program
+    """Python source of the module."""
+    wanted = []
+    for site in program.sites:
+        wanted += [(e, site.scope) for e in (*site.parameters, *pose_cells(site.pose))]
+    for joint in program.joints:
+        limits = [e for e in (joint.low, joint.high) if e is not None]
+        wanted += [(e, joint.scope) for e in (*joint.origin, *joint.axis, *limits)]
+    plan = make_plan(program, wanted)
+    sites = [
+        (
+            site.path, site.primitive, plan.scopes[site.scope], program.primitives[site.primitive].parameters,
+            indices(plan, site.parameters, site.scope), indices(plan, pose_cells(site.pose), site.scope),
+        )
+        for site in program.sites
+    ]  # fmt: skip
+    joints = [
+        (
+            joint.path, joint.kind, plan.scopes[joint.scope], indices(plan, joint.origin, joint.scope),
+            indices(plan, joint.axis, joint.scope), limit(plan, joint.low, joint.scope), limit(plan, joint.high, joint.scope),
+        )
+        for joint in program.joints
+    ]  # fmt: skip
+    environment = Environment(loader=PackageLoader("artipg_dsl.sampling"), keep_trailing_newline=True, autoescape=False)
+    return environment.get_template("module.py.j2").render(
+        program=program, version=version, hash=digest(program), plan=plan, scopes=plan.scopes, sites=sites, joints=joints,
+        random=body(random), kernels=body(laws) + "\n\n" + body(kernels), newton=body(newton), attempts=ATTEMPTS, about=spoken(program.doc),
+        name=" ".join(spoken(program.name).split()),
+    )  # fmt: skip
+
+
+def indices(plan: Plan, exprs, scope: Scope) -> tuple:  # noqa: ANN001 - any sequence of expressions
+    """Output indices of expressions; a constant as a tuple of its value."""
+    return tuple((e.value,) if e.op == "const" else plan.outputs[e, scope] for e in exprs)
+
+
+def limit(plan: Plan, expr: Expr | None, scope: Scope):  # noqa: ANN201
+    return None if expr is None else indices(plan, (expr,), scope)[0]
+
+
+def spoken(text: str) -> str:
+    """A text that can stand in a docstring or in a comment, whatever is in it; only the lines stay lines."""
+    plain = text.replace("\\", "\\\\").replace('"', "'")
+    return "".join(c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in plain)
+
+
+def body(module: ModuleType) -> str:
+    """The source of a module behind its docstring and imports."""
+    lines = inspect.getsource(module).split("\n")
+    last = max(k for k, line in enumerate(lines) if re.match(r"(from|import) ", line))
+    return "\n".join(lines[last + 1 :]).strip("\n") + "\n"

@@ -1,0 +1,390 @@
+"""New objects from old ones: APA swaps templates, DPA changes counts, CPA perturbs parameters (Arti-PG, section 3).
+
+Each operation is the sampler's own evaluation with most draws kept, and takes the object that the one before has made:
+the inputs of a role outlive a swap, elements of a repeat keep their values by rank, new rows and new templates are drawn
+in their conditional range, determined parameters follow, and what no longer fits is moved as little as possible. An
+object that fails a requirement or collides is repaired, or tried again where that finds nothing; after several attempts what
+is kept may give way, too.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from ..errors import UsageError, UserError
+from ..graph.expr import leaves
+from ..graph.program import Draw, Program
+from ..random import key, uniform
+from ..runtime.batch import Batch
+from ..runtime.kernels import Kept, State, full
+from ..runtime.repairs import Repairs
+from .clips import CLIPPED, Asked, Blame, logged
+from .repair import Mended, joined, mended, tally
+from .sample import ATTEMPTS, Exhausted, Sampler, Statistics, colliding
+from .settled import again, chosen, differing, kept, made
+
+OPERATIONS = ("apa", "dpa", "cpa")
+PATIENCE = 6  # attempts before what is kept may give way, a little more with each further one
+TRIALS = 40  # attempts to change one value alone, each but the first few with a shorter step
+SHARE = 0.5
+MOST_VARIANTS = 2**31
+KIND = {"apa": "choice", "dpa": "count", "cpa": "real"}
+
+
+@dataclass(frozen=True, slots=True)
+class Mutation:
+    """One step of making new objects from old ones, as ``mutate`` takes it.
+
+    ``only`` lists names of parts and values that may be changed, with commas between: ``door`` (all of it), ``handle*``,
+    ``cell[1].share``; ``share`` of the eligible templates and counts are changed, at least one; ``strength`` scales the
+    steps of CPA. With ``one`` a single value of the names is changed and all other draws stay what they were.
+    ``variant`` gives others; ``each`` so many of every object. ``sources`` are the numbers, as runs, of the objects that
+    are changed if the new ones are numbered anew: the variants of the first, of the second, ...; with ``one`` each
+    group begins with the object itself.
+    """
+
+    operations: tuple[str, ...] = OPERATIONS
+    variant: int = 0
+    strength: float = 1.0
+    share: float = SHARE
+    only: str = "*"
+    one: bool = False
+    each: int = 1
+    sources: tuple[tuple[int, int], ...] | None = None
+
+    def __post_init__(self) -> None:
+        if not abs(self.variant) < MOST_VARIANTS:
+            raise UsageError(f"the variant is {self.variant}: a number below {MOST_VARIANTS} is needed")
+
+    def plain(self) -> dict[str, Any]:
+        sources = None if self.sources is None else [list(run) for run in self.sources]
+        return {**asdict(self), "operations": list(self.operations), "sources": sources}
+
+    @staticmethod
+    def of(plain: Mapping[str, Any]) -> Mutation:
+        """The step that ``plain`` has written."""
+        sources = plain.get("sources")
+        runs = None if sources is None else tuple((int(first), int(last)) for first, last in sources)
+        return Mutation(**{**plain, "operations": tuple(plain["operations"]), "sources": runs})
+
+    @property
+    def group(self) -> int:
+        """How many new objects there are of each old one."""
+        return self.each + self.one
+
+    def origins(self, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The number of the object that each new one is made from, and its variant (-1: that object itself)."""
+        if self.sources is None:
+            return numbers, np.full(len(numbers), self.variant)
+        stock = np.concatenate([np.arange(first, last + 1) for first, last in self.sources])
+        beyond = numbers[numbers >= len(stock) * self.group]
+        if len(beyond):
+            raise UserError(f"there is no object {beyond[0]}: these are {len(stock) * self.group}, numbered from 0")
+        return stock[numbers // self.group], numbers % self.group - self.one + np.where(
+            numbers % self.group < self.one, 0, self.variant
+        )
+
+    def apply(
+        self, sampler: Sampler, batch: Batch, numbers: np.ndarray, variants: np.ndarray, statistics: Statistics, checked: bool
+    ) -> Batch:  # fmt: skip
+        """The mutants ``numbers`` of the objects of a batch, one of each, in its order."""
+        found = mutate(
+            sampler, batch, operations=self.operations, variant=variants, strength=self.strength, share=self.share,
+            only=self.only, one=self.one, statistics=statistics, checked=checked,
+        )  # fmt: skip
+        found.numbers = numbers
+        return found
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stage:
+    """One operation on a batch: what it was, what it became, and which rows of each draw were to change."""
+
+    operation: str
+    before: Batch
+    after: Batch
+    wanted: list[np.ndarray] = field(repr=False)
+
+
+def structural(program: Program) -> set[int]:
+    """The choices that decide which parts there are (not which material they have)."""
+    read = {column for scope in program.scopes if scope.count is not None for column in leaves(scope.count)}
+    return {k for k, d in enumerate(program.draws) if d.kind == "choice" and d.column in read}
+
+
+def mutate(
+    sampler: Sampler, batch: Batch, *, operations: Sequence[str] = OPERATIONS, variant: int | np.ndarray = 0,
+    strength: float = 1.0, share: float = SHARE, only: str = "*", one: bool = False,
+    statistics: Statistics | None = None, checked: bool = False,
+) -> Batch:  # fmt: skip
+    """Mutants of all objects of a batch, one each; the arguments are those of ``Mutation``.
+
+    ``variant`` may differ from object to object; an object of variant -1 stays what it is. ``checked``: only mutants
+    without collisions. The batch remembers in ``history`` what each operation did. Raises ValueError for an unknown
+    operation, Exhausted when no attempt is valid.
+    """
+    unknown = [o for o in operations if o not in OPERATIONS]
+    if unknown:
+        raise ValueError(f"unknown operation {unknown[0]!r}; there are {', '.join(OPERATIONS)}")
+    variants = np.broadcast_to(np.asarray(variant, dtype=np.int64), (len(batch),))
+    salt = f"mutant of {batch.state.salt or 'the original'}"
+    lane = (batch.state.lanes() * 1_000_003 + variants + 1) % (1 << 32)
+    statistics = statistics if statistics is not None else Statistics()
+    history: list[Stage] = []
+    rejected = np.zeros(len(batch), dtype=np.int64)
+    repairs: list[Repairs] = []
+    now = batch
+    for operation in [o for o in OPERATIONS if o in operations]:
+        step = _Step(
+            sampler, now, operation, f"{salt} by {operation}", lane, variants >= 0, strength, share, Names(only)
+        )
+        after, tries = step.one(statistics, checked) if one else step.run(statistics, checked)
+        rejected += tries
+        logs = [moved(sampler, now, after, step.purpose()), *step.logs()]
+        tally(statistics, logs[0], {}, np.zeros(len(batch), dtype=bool))
+        repairs += logs
+        history.append(Stage(operation, now, after, step.purpose()))
+        now = after
+        if one and any(w.any() for w in step.swaps):
+            break
+    found = again(now, np.arange(len(batch)), attempt=rejected, lane=lane, salt=salt)
+    found.history = tuple(history)
+    found.repairs = Repairs.joined(repairs)
+    return found
+
+
+def moved(sampler: Sampler, before: Batch, after: Batch, meant: Sequence[np.ndarray]) -> Repairs:
+    """What an operation has moved without meaning to: kept values that no longer fitted, each with what forbids it."""
+    asked = Asked(Asked.all(before).values, [~rows for rows in meant])
+    return logged(sampler, before, asked, after, Blame(lambda _: [], {})).only(CLIPPED)
+
+
+class Names:
+    """Which values a list of names means: their own, of parts above them, or patterns; ranks may be left out."""
+
+    def __init__(self, only: str):
+        pieces = [p.strip() for p in only.split(",") if p.strip()]
+        parts = ["".join(".*" if c == "*" else "." if c == "?" else re.escape(c) for c in p) for p in pieces]
+        self.ranked = any("[" in p for p in pieces)
+        self.everything = "*" in pieces
+        self.pattern = re.compile(f"(?:{'|'.join(parts) or '(?!)'})(?:[.\\[].*)?")
+
+    @staticmethod
+    def unknown(only: str, program: Program) -> list[str]:
+        """The names of a list that mean no value of the program at all."""
+        pieces = [p.strip() for p in only.split(",")]
+        drawn = {d.column.name for d in program.draws}
+        plain = {p: Names(re.sub(r"\[\d+\]", "", p)) for p in pieces}
+        return [
+            p for p, names in plain.items() if not any(names.everything or names.pattern.fullmatch(n) for n in drawn)
+        ]
+
+    def of(self, batch: Batch, draw: Draw) -> np.ndarray:
+        """The rows of a draw that are meant, as a mask."""
+        size = batch.rowmap.rows(draw.column.scope).size
+        if self.everything or self.pattern.fullmatch(draw.column.name):
+            return np.ones(size, dtype=bool)
+        if not self.ranked:
+            return np.zeros(size, dtype=bool)
+        names = batch.rowmap.names(draw.column.scope, draw.column.name)
+        return np.array([self.pattern.fullmatch(n) is not None for n in names], dtype=bool)
+
+
+class _Step:
+    """One operation on a batch: which rows it is about, and the attempts at it."""
+
+    def __init__(
+        self, sampler: Sampler, batch: Batch, operation: str, salt: str, lane: np.ndarray, able: np.ndarray,
+        strength: float, share: float, names: Names,
+    ):  # fmt: skip
+        self.sampler, self.batch, self.operation = sampler, batch, operation
+        self.salt, self.lane, self.able, self.strength, self.share = salt, lane, able, strength, share
+        draws = batch.program.draws
+        parts = structural(batch.program)
+        self.meant = [np.zeros(batch.rowmap.rows(d.column.scope).size, dtype=bool) for d in draws]
+        self.swaps = [np.zeros_like(m) for m in self.meant]
+        for number, draw in enumerate(draws):
+            if draw.kind == KIND[operation] and (draw.kind != "choice" or number in parts or not names.everything):
+                self.meant[number] = names.of(batch, draw) & self.can_change(draw) & able[self.owner(draw)]
+        self.reaches = [self.reach(number) for number in range(len(draws))]
+        self.mended: list[Mended] = []  # attempts that were put right, by their places in the batch
+
+    def owner(self, draw: Draw) -> np.ndarray:
+        return self.batch.rowmap.rows(draw.column.scope).owner
+
+    def can_change(self, draw: Draw) -> np.ndarray | bool:
+        """A count of one possible value cannot."""
+        if draw.kind == "choice":
+            return len(draw.options) > 1
+        low, high = self.batch.read([draw.low, draw.high], draw.column.scope)  # type: ignore[list-item]
+        return np.asarray(high) > np.asarray(low)
+
+    def lots(self) -> list[np.ndarray]:
+        """A number in 0 .. 1 for each row that may change, 2 for the others."""
+        found = []
+        for draw, meant in zip(self.batch.program.draws, self.meant, strict=True):
+            rows = self.batch.rowmap.rows(draw.column.scope)
+            lot = uniform(key(self.batch.seed, draw.address, self.salt, "which"), rows.address, self.lane[rows.owner])
+            found.append(np.where(meant, lot, 2.0))
+        return found
+
+    def lowest(self, lots: list[np.ndarray]) -> np.ndarray:
+        found = np.full(len(self.batch), np.inf)
+        for draw, lot in zip(self.batch.program.draws, lots, strict=True):
+            np.minimum.at(found, self.owner(draw), lot)
+        return found
+
+    def purpose(self) -> list[np.ndarray]:
+        """The rows that were to change."""
+        return [s | (r > 0) for s, r in zip(self.swaps, self.reaches, strict=True)]
+
+    def reach(self, number: int) -> np.ndarray:
+        """How far CPA may move each row of a draw: the declared step, or a tenth of the domain."""
+        draw, meant = self.batch.program.draws[number], self.meant[number]
+        if draw.kind != "real" or not meant.any():
+            return np.zeros(len(meant))
+        if draw.vary is None:
+            return np.where(meant, 0.1 * self.strength * self.width(draw), 0.0)
+        relative, amount = draw.vary
+        rows = self.batch.rowmap.rows(draw.column.scope)
+        step = full(rows, self.batch.read([amount], draw.column.scope)[0])
+        if relative:
+            step = step * np.abs(self.batch.state.values[number])
+        return np.where(meant, self.strength * step, 0.0)
+
+    def width(self, draw: Draw) -> np.ndarray:
+        low, high = self.batch.read([draw.low, draw.high], draw.column.scope)  # type: ignore[list-item]
+        return np.asarray(high, dtype=np.float64) - np.asarray(low, dtype=np.float64)
+
+    # ------------------------------------------------------------ attempts
+
+    def run(self, statistics: Statistics, checked: bool) -> tuple[Batch, np.ndarray]:
+        """The operation on every object, and how many attempts of each failed. Raises Exhausted."""
+        lots = self.lots()
+        if self.operation != "cpa":
+            lowest = self.lowest(lots)
+            for number, (draw, lot) in enumerate(zip(self.batch.program.draws, lots, strict=True)):
+                self.swaps[number] = (lot < 1.0) & ((lot < self.share) | (lot == lowest[self.owner(draw)]))
+        attempt = np.zeros(len(self.batch), dtype=np.int64)
+        left, first = self.concerned(), True
+        touched = left
+        while len(left):
+            trial = self.trial(left, attempt, self.giving)
+            bad = self.failing(trial, left, statistics, checked, first)
+            if first and bad.any():
+                self.mend(trial, left, bad, statistics, checked)
+            left, first = left[bad], False
+            attempt[left] += 1
+            if len(left) and attempt.max() >= ATTEMPTS:
+                raise Exhausted(self.batch.numbers[left], statistics, ATTEMPTS)
+        if not len(touched):
+            return self.batch, attempt
+        found = self.trial(np.arange(len(self.batch)), attempt, self.giving)
+        return joined(found, [(m.batch, m.places) for m in self.mended]), attempt
+
+    def mend(self, trial: Batch, objects: np.ndarray, bad: np.ndarray, statistics: Statistics, checked: bool) -> None:
+        """Put attempts right that failed, by their numbers: templates and counts are what the operation is about."""
+        fixed = [number for number, draw in enumerate(trial.program.draws) if draw.kind != "real"]
+        found = mended(self.sampler, trial, np.flatnonzero(bad), statistics, checked, fixed)
+        bad[found.places] = False
+        self.mended.append(replace(found, places=objects[found.places]))
+
+    def logs(self) -> list[Repairs]:
+        """What was moved to put attempts right, by the places of the objects in the batch."""
+        return [replace(m.batch.repairs, owner=m.places[m.batch.repairs.owner]) for m in self.mended]
+
+    def one(self, statistics: Statistics, checked: bool) -> tuple[Batch, np.ndarray]:
+        """One value of each object changed and no other that both have; unchanged where that cannot be."""
+        lots = self.lots()
+        lowest = self.lowest(lots)
+        single = [
+            (lot < 1.0) & (lot == lowest[self.owner(d)]) for d, lot in zip(self.batch.program.draws, lots, strict=True)
+        ]
+        if self.operation == "cpa":
+            self.reaches = [np.where(s, r, 0.0) for s, r in zip(single, self.reaches, strict=True)]
+        else:
+            self.swaps = single
+        attempt = np.zeros(len(self.batch), dtype=np.int64)
+        left, first = self.concerned(), True
+        lost = np.zeros(len(self.batch), dtype=bool)
+        while len(left):
+            trial = self.trial(left, attempt, self.shortening)
+            bad = self.failing(trial, left, statistics, checked, first, alone=True)
+            left, first = left[bad], False
+            attempt[left] += 1
+            lost[left[attempt[left] >= TRIALS]] = True
+            left = left[attempt[left] < TRIALS]
+        for number, draw in enumerate(self.batch.program.draws):  # those stay as they are
+            stays = lost[self.owner(draw)]
+            self.reaches[number] = np.where(stays, 0.0, self.reaches[number])
+            self.swaps[number] = self.swaps[number] & ~stays
+        return self.trial(np.arange(len(self.batch)), attempt, self.shortening), attempt
+
+    def concerned(self) -> np.ndarray:
+        """The objects in which something is to change."""
+        found = np.zeros(len(self.batch), dtype=bool)
+        for draw, wanted in zip(self.batch.program.draws, self.purpose(), strict=True):
+            found[self.owner(draw)[wanted]] = True
+        return np.flatnonzero(found)
+
+    def trial(self, objects: np.ndarray, attempt: np.ndarray, how: Callable[[int, np.ndarray], np.ndarray]) -> Batch:
+        """An attempt at the objects at some places of the batch, what is kept reaching as far as ``how`` says."""
+        old = self.batch.state
+        state = State(
+            old.seed, old.objects[objects], attempt[objects], dict(old.given), salt=self.salt, lane=self.lane[objects]
+        )
+        for number in range(len(self.batch.program.draws)):
+            state.kept[number] = self.held(number, objects, how(number, attempt))
+        return made(self.batch.program, self.batch.plan, state, self.batch.numbers[objects])
+
+    def held(self, number: int, objects: np.ndarray, reach: np.ndarray) -> Kept:
+        return kept(self.batch, number, objects, reach, self.swaps[number])
+
+    def giving(self, number: int, attempt: np.ndarray) -> np.ndarray:
+        """The reach of each row, and after many attempts that failed, a little for all that is kept."""
+        draw = self.batch.program.draws[number]
+        late = np.maximum(attempt[self.owner(draw)] - PATIENCE, 0)
+        if draw.kind != "real" or not late.any():
+            return self.reaches[number]
+        return self.reaches[number] + 0.05 * late * self.width(draw)
+
+    def shortening(self, number: int, attempt: np.ndarray) -> np.ndarray:
+        """The reach of each row, halved with every other attempt that failed."""
+        late = attempt[self.owner(self.batch.program.draws[number])] // 2
+        return self.reaches[number] * 0.5 ** np.minimum(late, 16)
+
+    def failing(
+        self, trial: Batch, objects: np.ndarray, statistics: Statistics, checked: bool, first: bool, alone: bool = False
+    ) -> np.ndarray:
+        """Which objects of an attempt are not valid, or with ``alone`` differ in more than they should."""
+        bad = trial.state.failed.copy()
+        if alone:
+            bad |= self.spoiled(trial, objects)
+        sound = np.flatnonzero(~bad)
+        if checked and len(sound):
+            part = trial if len(sound) == len(trial) else again(trial, sound)
+            bad[sound[colliding(part, statistics)]] = True
+        statistics.add(trial.state, first, bad)
+        return bad
+
+    def spoiled(self, trial: Batch, objects: np.ndarray) -> np.ndarray:
+        """Objects of which a value that was to stay has moved, or the one that was to change has not."""
+        bad = np.zeros(len(trial), dtype=bool)
+        moved = np.zeros(len(trial), dtype=bool)
+        everything = np.arange(len(trial))
+        for number, wanted in enumerate(self.purpose()):
+            old, new = chosen(self.batch, number, objects), chosen(trial, number, everything)
+            _, here, there = np.intersect1d(old.key, new.key, assume_unique=True, return_indices=True)
+            apart = self.batch.state.values[number][old.row[here]] != trial.state.values[number][new.row[there]]
+            meant = wanted[old.row[here]]
+            bad[new.owner[there[apart & ~meant]]] = True
+            moved[new.owner[there[apart & meant]]] = True
+        return bad | ~moved
+
+
+__all__ = ["OPERATIONS", "Mutation", "Names", "Stage", "differing", "mutate", "structural"]

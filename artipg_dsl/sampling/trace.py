@@ -1,0 +1,342 @@
+"""What was done to objects, step by step: as plain data, in words, and done again.
+
+A step says ``op`` (apa, dpa, cpa), ``how`` and the ``path`` of a value with what it was and is (``from``, ``to``). How:
+"changed" on purpose, "clipped" (moved because it no longer fitted), "new", "gone", or "determined" (it follows from
+others). ``draw`` and ``at`` (the ranks of the repeats) say exactly which value it is; determined ones have none, for they
+need no saying: the first four kinds alone make the object again.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from hashlib import blake2b
+from typing import Annotated, Any, Literal, NotRequired, TypedDict
+
+import numpy as np
+
+from ..errors import UserError
+from ..graph import expr as E
+from ..graph.expr import Scope
+from ..graph.program import Draw
+from ..random import mix
+from ..runtime import repairs
+from ..runtime.batch import Batch, plain
+from ..runtime.kernels import Kept
+from ..runtime.repairs import HOW, Repairs
+from ..shapes import Misfit, Rule, fit
+from .mutate import OPERATIONS, Stage
+from .sample import Exhausted, Sampler, Statistics, colliding
+from .settled import again, chosen
+
+WRITTEN = "give a trace-*.jsonl that `apgc mutate` has written"
+TOLD = 1e-9  # determined values that move by less are not told
+
+
+Place = Annotated[int, Rule("a whole number from 0 on", lambda value: 0 <= value < 2**62)]
+Value = float | int | str | None
+Changed = TypedDict(
+    "Changed",
+    {
+        "op": Literal["apa", "dpa", "cpa"], "how": Literal["changed", "clipped", "new", "gone", "determined"], "path": str, "from": Value,
+        "to": Value, "draw": NotRequired[str], "at": NotRequired[list[Place]],
+    },
+)  # fmt: skip
+Repaired = TypedDict(
+    "Repaired",
+    {
+        "path": str, "from": Value, "to": Value, "how": Annotated[str, Rule(f"one of {', '.join(HOW)}", lambda value: value in HOW)],
+        "because": str, "where": str | None,
+    },
+)  # fmt: skip
+
+
+class Record(TypedDict):
+    """What a line of a trace holds."""
+
+    object: Place
+    source: Place
+    steps: list[Changed]
+    rejected: NotRequired[Place]
+    salt: NotRequired[str]
+    lane: NotRequired[Annotated[int, Rule("a whole number of 32 bits", lambda value: 0 <= value < 2**32)]]
+    program: NotRequired[str]
+    repairs: NotRequired[list[Repaired]]
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One value of one object before and after an operation, in metres or radians; choices by name."""
+
+    op: str
+    how: str
+    path: str
+    before: Any
+    after: Any
+    draw: str | None = None
+    at: tuple[int, ...] = ()
+
+    def plain(self) -> dict[str, Any]:
+        found = {"op": self.op, "how": self.how, "path": self.path, "from": self.before, "to": self.after}
+        return found | ({} if self.draw is None else {"draw": self.draw, "at": list(self.at)})
+
+
+def traces(batch: Batch) -> list[list[Step]]:
+    """The steps that made each object of a batch from the one it was made from; none for those that were drawn."""
+    found: list[list[Step]] = [[] for _ in range(len(batch))]
+    for stage in batch.history:
+        steps(stage, found)
+    return found
+
+
+def steps(stage: Stage, into: list[list[Step]]) -> None:
+    """Append what one operation did, per object: what was changed on purpose, then what followed."""
+    lists: tuple[list, ...] = tuple([] for _ in into), tuple([] for _ in into)  # type: ignore[assignment]
+    for owner, step in _drawn(stage):
+        lists[step.how != "changed"][owner].append(step)
+    for owner, step in _determined(stage):
+        lists[1][owner].append(step)
+    for mine, first, rest in zip(into, *lists, strict=True):
+        mine.extend(first)
+        mine.extend(rest)
+
+
+def _drawn(stage: Stage) -> Iterable[tuple[int, Step]]:
+    before, after = stage.before, stage.after
+    everything = np.arange(len(after))
+    for number, draw in enumerate(after.program.draws):
+        scope = draw.column.scope
+        old, new = chosen(before, number, everything), chosen(after, number, everything)
+        a, b = before.state.values[number], after.state.values[number]
+        _, here, there = np.intersect1d(old.key, new.key, assume_unique=True, return_indices=True)
+        apart = a[old.row[here]] != b[new.row[there]]
+        here_gone = np.setdiff1d(np.arange(len(old.key)), here, assume_unique=True)
+        there_new = np.setdiff1d(np.arange(len(new.key)), there, assume_unique=True)
+        if not (apart.any() or len(here_gone) or len(there_new)):
+            continue
+        names = [batch.rowmap.names(scope, draw.column.name) for batch in (before, after)]
+        ranks = [_ranks(batch, scope) for batch in (before, after)]
+        for i, j in zip(here[apart].tolist(), there[apart].tolist(), strict=True):
+            p, q = int(old.row[i]), int(new.row[j])
+            how = "changed" if stage.wanted[number][p] else "clipped"
+            step = Step(
+                stage.operation, how, names[1][q], plain(draw, a[p]), plain(draw, b[q]), draw.address, ranks[1][q]
+            )
+            yield int(new.owner[j]), step
+        for j in there_new.tolist():
+            q = int(new.row[j])
+            yield (
+                int(new.owner[j]),
+                Step(stage.operation, "new", names[1][q], None, plain(draw, b[q]), draw.address, ranks[1][q]),
+            )
+        for i in here_gone.tolist():
+            p = int(old.row[i])
+            yield (
+                int(old.owner[i]),
+                Step(stage.operation, "gone", names[0][p], plain(draw, a[p]), None, draw.address, ranks[0][p]),
+            )
+
+
+def _ranks(batch: Batch, scope: Scope) -> list[tuple[int, ...]]:
+    """The ranks of the repeats above each row, outermost first."""
+    found = [rank.tolist() for _, rank in batch.rowmap.ranks(scope)]
+    return list(zip(*found, strict=True)) if found else [()] * batch.rowmap.rows(scope).size
+
+
+def _determined(stage: Stage) -> Iterable[tuple[int, Step]]:
+    """Parameters and sizes that follow from others. Where parts lie is told by the correspondence of their primitives."""
+    before, after = stage.before, stage.after
+    for column in after.program.definitions:
+        if ".at." in column.name or column.kind != "real":
+            continue
+        expr, scope = E.col(column), column.scope
+        rows = [batch.rowmap.rows(scope) for batch in (before, after)]
+        was, now = (mix(r.address, r.owner) for r in rows)
+        a, b = (batch.read([expr], scope)[0] for batch in (before, after))
+        _, here, there = np.intersect1d(was, now, assume_unique=True, return_indices=True)
+        apart = np.abs(a[here] - b[there]) > TOLD
+        if not apart.any():
+            continue
+        names = after.rowmap.names(scope, column.name)
+        for i, j in zip(here[apart].tolist(), there[apart].tolist(), strict=True):
+            yield int(rows[1].owner[j]), Step(stage.operation, "determined", names[j], float(a[i]), float(b[j]))
+
+
+# ---------------------------------------------------------------- files
+
+
+def record(batch: Batch, index: int, made: Sequence[Step], sources: np.ndarray) -> dict[str, Any]:
+    """The trace of one object as a line of a file holds it."""
+    return {
+        "object": int(batch.numbers[index]), "source": int(sources[index]), "rejected": int(batch.state.attempt[index]),
+        "salt": batch.state.salt, "lane": int(batch.state.lanes()[index]), "program": batch.program.hash,
+        "steps": [s.plain() for s in made],
+    } | ({"repairs": found} if (found := batch.repairs.of(np.array([index])).plain(batch.program)) else {})  # fmt: skip
+
+
+def trace_lines(batch: Batch) -> bytes:
+    """The traces of a batch, one object a line (JSON)."""
+    sources = batch.history[0].before.numbers if batch.history else batch.numbers
+    found = [record(batch, i, made, sources) for i, made in enumerate(traces(batch))]
+    return "".join(json.dumps(line, ensure_ascii=False, separators=(",", ":")) + "\n" for line in found).encode()
+
+
+def checked(record: Any) -> Mapping[str, Any]:
+    """A record that is one. Raises UserError."""
+    try:
+        fit(record, Record)
+    except Misfit as wrong:
+        raise UserError(f"this is no record of a trace: {wrong}", WRITTEN) from None
+    return record
+
+
+def read_traces(text: str, name: str) -> dict[int, dict[str, Any]]:
+    """The records of a trace file by the number of their object. Raises UserError."""
+    found: dict[int, dict[str, Any]] = {}
+    for number, line in enumerate(text.splitlines(), 1):
+        if not line.strip():
+            continue
+        try:
+            entry = json.loads(line)
+            fit(entry, Record)
+        except (ValueError, RecursionError) as error:
+            raise UserError(f"{name}:{number} is no trace of a mutation: {error}", WRITTEN) from None
+        found[entry["object"]] = entry
+    return found
+
+
+# ---------------------------------------------------------------- again
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Replay:
+    """A step of a job as ``Mutation`` is one: the records of traces, by the number of the object they made."""
+
+    records: Mapping[int, Mapping[str, Any]]
+
+    def plain(self) -> dict[str, Any]:
+        text = json.dumps([self.records[n] for n in sorted(self.records)], sort_keys=True)
+        return {"replay": blake2b(text.encode(), digest_size=16).hexdigest()}
+
+    def origins(self, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        missing = [n for n in numbers.tolist() if n not in self.records]
+        if missing:
+            raise UserError(f"the trace says nothing of object {missing[0]}", "give all its files, trace-*.jsonl")
+        return np.array([self.records[n]["source"] for n in numbers.tolist()], dtype=np.int64), np.zeros(
+            len(numbers), dtype=np.int64
+        )
+
+    def apply(
+        self, sampler: Sampler, batch: Batch, numbers: np.ndarray, variants: np.ndarray, statistics: Statistics, checked: bool
+    ) -> Batch:  # fmt: skip
+        """The objects ``numbers``, made from those of the batch as their records say. Raises Exhausted, UserError."""
+        found = replay(batch, [self.records[n] for n in numbers.tolist()])
+        bad = found.state.failed.copy()
+        if checked and not bad.all():
+            sound = np.flatnonzero(~bad)
+            bad[sound[colliding(again(found, sound), statistics)]] = True
+        statistics.add(found.state, True, bad)
+        if bad.any():
+            raise Exhausted(numbers[bad], statistics, 1)
+        found.numbers = numbers
+        return found
+
+
+def replay(batch: Batch, records: Sequence[Mapping[str, Any]]) -> Batch:
+    """Do the steps of a record to each object of a batch; the same bytes as when they were done first. Raises UserError."""
+    everything = np.arange(len(batch))
+    lane = np.array([entry.get("lane", 0) for entry in records], dtype=np.int64)
+    attempt = np.array([entry.get("rejected", 0) for entry in records], dtype=np.int64)
+    salt = str(records[0].get("salt", "")) if records else ""
+    history, now = [], batch
+    for operation in OPERATIONS:
+        changed, wanted = _asked(now, operation, records)
+        if changed:
+            after = again(now, everything, values=_overlaid(now, changed))
+            history.append(Stage(operation, now, after, wanted))
+            now = after
+    found = again(now, everything, attempt=attempt, lane=lane, salt=salt)
+    try:
+        told = [repairs.read(batch.program, place, entry.get("repairs", ())) for place, entry in enumerate(records)]
+    except ValueError as error:
+        raise UserError(f"the repairs of a trace mean nothing here: {error}", WRITTEN) from None
+    found.repairs = Repairs.joined(told)
+    found.history = tuple(history) or (Stage(OPERATIONS[0], batch, found, _asked(batch, "", [])[1]),)
+    return found
+
+
+def _asked(
+    batch: Batch, operation: str, records: Sequence[Mapping[str, Any]]
+) -> tuple[dict[int, dict[int, float]], list[np.ndarray]]:
+    """The values that an operation gives, per draw by key, and the rows of each draw that it changes on purpose."""
+    program = batch.program
+    known = {draw.address: number for number, draw in enumerate(program.draws)}
+    changed: dict[int, dict[int, float]] = {}
+    purpose: list[set[int]] = [set() for _ in program.draws]
+    for owner, entry in enumerate(records):
+        for step in entry["steps"]:
+            if step["op"] != operation or step.get("draw") is None or step["to"] is None:
+                continue
+            number = known.get(step["draw"])
+            if number is None:
+                raise UserError(
+                    f"{program.name} draws no `{step['path']}`", "replay a trace with the program it was made with"
+                )
+            draw = program.draws[number]
+            found = int(mix(_address(draw, int(batch.state.objects[owner]), step), owner).item())
+            changed.setdefault(number, {})[found] = _number(draw, step)
+            if step["how"] == "changed":
+                purpose[number].add(found)
+    wanted = []
+    for draw, keys in zip(program.draws, purpose, strict=True):
+        rows = batch.rowmap.rows(draw.column.scope)
+        wanted.append(np.isin(mix(rows.address, rows.owner), np.array(sorted(keys), dtype=np.uint64)))
+    return changed, wanted
+
+
+def _overlaid(batch: Batch, changed: Mapping[int, Mapping[int, float]]) -> list[Kept]:
+    """All values of a batch, some of them replaced and some added."""
+    values = []
+    for number in range(len(batch.program.draws)):
+        old = chosen(batch, number, np.arange(len(batch)))
+        new = changed.get(number, {})
+        keys = np.concatenate([np.array(list(new), dtype=np.uint64), old.key])
+        held = np.concatenate([np.array(list(new.values()), dtype=np.float64), batch.state.values[number][old.row]])
+        keys, first = np.unique(keys, return_index=True)
+        values.append(Kept(keys, held[first], np.zeros(len(keys)), np.zeros(len(keys), dtype=bool)))
+    return values
+
+
+def _address(draw: Draw, number: int, step: Mapping[str, Any]) -> np.ndarray:
+    """The random address of the row that a step is about."""
+    address = np.array([number], dtype=np.uint64)
+    repeats = sum(scope.kind == "repeat" for scope in draw.column.scope.ancestors())
+    ranks = step.get("at", [])
+    if len(ranks) != repeats:
+        raise UserError(f"`{step['path']}` stands in {repeats} repeats, but the trace gives {len(ranks)} ranks")
+    for rank in ranks:
+        address = mix(address, np.array([rank]))
+    return address
+
+
+def _number(draw: Draw, step: Mapping[str, Any]) -> float:
+    value = step["to"]
+    if draw.kind == "choice":
+        if value not in draw.options:
+            raise UserError(f"`{step['path']}` cannot be `{value}`: it is one of {', '.join(draw.options)}")
+        return float(draw.options.index(value))
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise UserError(f"`{step['path']}` cannot be {value!r}: a number is needed")
+    return float(value)
+
+
+# ---------------------------------------------------------------- two states of the same objects
+
+
+def difference(before: Batch, after: Batch) -> list[list[Step]]:
+    """What sets objects of two batches of one program apart, object by object in their order."""
+    nothing = [np.zeros(before.rowmap.rows(d.column.scope).size, dtype=bool) for d in before.program.draws]
+    found: list[list[Step]] = [[] for _ in range(len(after))]
+    steps(Stage("", again(before, np.arange(len(before))), after, nothing), found)
+    return found

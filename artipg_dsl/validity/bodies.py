@@ -1,0 +1,300 @@
+"""The convex pieces of a batch, placed at rest and sorted by link, and what joints make of them.
+
+Pieces are inset by half the depth that counts, so that what touches does not meet. They lie in arrays by their number
+of corners; a piece that moves is the piece at rest with a turn and a shift, or the hull of its two ends.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..geometry import pieces
+from ..geometry.collide import DEPTH, cross, dot, inset
+from ..runtime.batch import Batch
+from ..runtime.motion import apply
+
+FULL = 2 * np.pi
+
+
+@dataclass(slots=True, eq=False)
+class Pieces:
+    """N pieces sorted by link (links by object): corners by class and slot, box, object, link (a row of the link table).
+
+    ``corners`` holds (n, P, 3) per class, P a power of two; a piece with fewer corners repeats its last. ``shape`` is
+    the index of its faces in ``faces``. ``solid`` is the row of its primitive in the tables of sites, one after the
+    other. Only pieces that come near others are inset, in place, by ``ready``; ``done`` tells which, by class and slot.
+    ``source`` tells where a piece stood before it was sorted, ``met`` which pieces have been found to meet another.
+    """
+
+    corners: list[np.ndarray]
+    faces: list[np.ndarray]
+    done: list[np.ndarray]
+    kind: np.ndarray
+    slot: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    owner: np.ndarray
+    link: np.ndarray
+    shape: np.ndarray
+    solid: np.ndarray
+    met: np.ndarray
+    source: np.ndarray
+    gap: np.ndarray | None = None  # metres: pieces that are nearer than this meet; their boxes are larger by half of it
+    side: np.ndarray | None = None  # 1, 2 or 3, of two sides: pieces of one meet only those of the other
+    group: np.ndarray | None = (
+        None  # pieces of one side meet those of the other of the same group, or where either has none (-1)
+    )
+
+    def __len__(self) -> int:
+        return len(self.owner)
+
+    def part(self, rows: slice | np.ndarray) -> Pieces:
+        """Some of the pieces; they share the corners."""
+        names = ("kind", "slot", "low", "high", "owner", "link", "shape", "solid", "met", "source")
+        columns = (getattr(self, name)[rows] for name in names)
+        found = Pieces(self.corners, self.faces, self.done, *columns)
+        found.gap, found.side, found.group = (
+            None if column is None else column[rows] for column in (self.gap, self.side, self.group)
+        )
+        return found
+
+    def boxes(self, turn: np.ndarray | None = None, chosen: np.ndarray | None = None) -> Pieces:
+        """The boxes of the pieces at rest in place of the pieces; with the turns (L, 3, 3) of the links from joint values 0
+        to rest, boxes along the axes that the links had there, right for the pieces ``chosen`` alone."""
+        ends = np.stack([self.low, self.high], axis=1)  # (N, 2, 3)
+        if turn is not None and chosen is not None:
+            back = turn[self.link[chosen]].transpose(0, 2, 1)
+            for at, corners in self.classes(chosen):
+                straight = turned(back[at], corners)
+                half = 0.0 if self.gap is None else self.gap[chosen[at], None] / 2
+                ends[chosen[at]] = np.stack([straight.min(axis=1) - half, straight.max(axis=1) + half], axis=1)
+        pick = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+        corners = np.stack([ends[:, pick[:, axis], axis] for axis in range(3)], axis=-1)
+        if turn is not None and chosen is not None:
+            corners[chosen] = turned(back.transpose(0, 2, 1), corners[chosen])
+        count = np.arange(len(self))
+        return replace(self, corners=[corners], kind=np.zeros(len(self), dtype=np.int64), slot=count, gap=None)
+
+    def ready(self, *chosen: np.ndarray) -> None:
+        """Inset the pieces of some numbers (repeated ones too)."""
+        piece = np.zeros(len(self), dtype=bool)
+        for rows in chosen:
+            piece[rows] = True
+        for number, known in enumerate(self.done):
+            at = np.flatnonzero(piece & (self.kind == number))
+            piece[at] = ~known[self.slot[at]]
+            known[self.slot[at]] = True
+        rows = np.flatnonzero(piece)
+        rows = rows[np.argsort(self.shape[rows], kind="stable")]
+        for group in np.split(rows, np.flatnonzero(np.diff(self.shape[rows])) + 1) if len(rows) else ():
+            faces, corners = self.faces[self.shape[group[0]]], self.corners[self.kind[group[0]]]
+            slot = self.slot[group]
+            count = int(faces.max()) + 1
+            moved = inset(corners[slot, :count], faces)
+            corners[slot, :count] = moved
+            corners[slot, count:] = moved[:, -1:]
+
+    def classes(self, piece: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+        """(positions within ``piece``, their corners (m, P, 3)) for each class that occurs."""
+        kind = self.kind[piece]
+        found = []
+        for number, corners in enumerate(self.corners):
+            at = np.flatnonzero(kind == number)
+            if len(at):
+                found.append((at, corners[self.slot[piece[at]]]))
+        return found
+
+
+@dataclass(slots=True, eq=False)
+class Placed:
+    """Pieces ``piece`` (k,), each with a turn and a shift from rest, or swept between two shifts (``ends``)."""
+
+    pieces: Pieces
+    piece: np.ndarray
+    turn: np.ndarray | None = None
+    shift: np.ndarray | None = None
+    ends: tuple[np.ndarray, np.ndarray] | None = None
+
+    def __len__(self) -> int:
+        return len(self.piece)
+
+    def at(self, rows: np.ndarray) -> Placed:
+        """Some of them."""
+        turn, shift = (None if column is None else column[rows] for column in (self.turn, self.shift))
+        ends = None if self.ends is None else (self.ends[0][rows], self.ends[1][rows])
+        return Placed(self.pieces, self.piece[rows], turn, shift, ends)
+
+    def center(self) -> np.ndarray:
+        middle = (self.pieces.low[self.piece] + self.pieces.high[self.piece]) / 2
+        if self.ends is not None:
+            return middle + (self.ends[0] + self.ends[1]) / 2
+        if self.turn is None or self.shift is None:
+            return middle
+        return apply(self.turn, middle) + self.shift
+
+    def support(self, rows: np.ndarray, direction: np.ndarray) -> np.ndarray:
+        own = direction if self.turn is None else apply(self.turn[rows].transpose(0, 2, 1), direction)
+        found = np.empty((len(rows), 3))
+        for at, corners in self.pieces.classes(self.piece[rows]):
+            best = np.argmax(dot(corners, own[at, None]), axis=1)
+            found[at] = corners[np.arange(len(at)), best]
+        if self.ends is not None:
+            first, last = self.ends[0][rows], self.ends[1][rows]
+            return found + np.where((dot(first, own) >= dot(last, own))[:, None], first, last)
+        if self.turn is None or self.shift is None:
+            return found
+        return apply(self.turn[rows], found) + self.shift[rows]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Alike:
+    """Convex pieces with common faces (F, 3): corners (k, P, 3) at rest, object and link (a row of the link table) of each."""
+
+    corners: np.ndarray
+    faces: np.ndarray
+    owner: np.ndarray
+    link: np.ndarray
+    solid: np.ndarray | None = None  # rows of their primitives in the tables of sites, one after the other
+
+
+def gather(batch: Batch, first: np.ndarray, turn: np.ndarray, shift: np.ndarray) -> Pieces:
+    """All pieces of a batch; ``first`` (B,) is each object's first link, ``turn`` and ``shift`` carry links to rest."""
+    groups, start = [], 0
+    for table in batch.sites():
+        for group in pieces.build(table.primitive, table.params) if len(table) else ():
+            rows = group.rows
+            sign = np.stack([np.ones(len(rows)), table.mirror[rows], np.ones(len(rows))], axis=-1)
+            link = first[table.owner[rows]] + table.link[rows]
+            placed = turned(table.rotation[rows], group.vertices * sign[:, None])
+            placed = turned(turn[link], placed + table.translation[rows][:, None]) + shift[link][:, None]
+            groups.append(Alike(placed, group.faces, table.owner[rows], link, start + rows))
+        start += len(table)
+    return packed(groups)
+
+
+def packed(groups: list[Alike]) -> Pieces:
+    """Pieces group by group, sorted by link."""
+    by_size: dict[int, list[np.ndarray]] = {}
+    kinds, slots, shapes = [], [], []
+    filled: dict[int, int] = {}  # pieces of each size so far
+    alike: dict[int, int] = {}  # by the identity of their faces: what has the same is inset together
+    for group in groups:
+        count, corners = group.corners.shape[:2]
+        size = max(8, 1 << (corners - 1).bit_length())
+        fill = np.repeat(group.corners[:, -1:], size - corners, axis=1)
+        known = by_size.setdefault(size, [])
+        shapes.append(np.full(count, alike.setdefault(id(group.faces), len(alike))))
+        kinds.append(np.full(count, size))
+        slots.append(np.arange(count) + filled.get(size, 0))
+        filled[size] = filled.get(size, 0) + count
+        known.append(np.concatenate([group.corners, fill], axis=1))
+    if not groups:
+        none, flags = np.zeros(0, dtype=np.int64), np.zeros(0, dtype=bool)
+        return Pieces([], [], [], none, none, np.zeros((0, 3)), np.zeros((0, 3)), none, none, none, none, flags, none)
+    sizes = sorted(by_size)
+    corners = [np.concatenate(by_size[size]) for size in sizes]
+    owner, link = (np.concatenate([getattr(group, name) for group in groups]) for name in ("owner", "link"))
+    slot, kind = np.concatenate(slots), np.searchsorted(sizes, np.concatenate(kinds))
+    low, high = np.empty((len(owner), 3)), np.empty((len(owner), 3))
+    for number, points in enumerate(corners):
+        at = kind == number
+        low[at], high[at] = points.min(axis=1)[slot[at]], points.max(axis=1)[slot[at]]
+    order = np.argsort(link, kind="stable")
+    solid = np.concatenate([np.full(len(group.owner), -1) if group.solid is None else group.solid for group in groups])
+    shape, met, source = np.concatenate(shapes), np.zeros(len(owner), dtype=bool), np.arange(len(owner))
+    columns = (kind, slot, low + DEPTH / 2, high - DEPTH / 2, owner, link, shape, solid, met, source)
+    done = [np.zeros(len(points), dtype=bool) for points in corners]
+    faces = list({id(group.faces): group.faces for group in groups}.values())  # in the order of ``alike``
+    return Pieces(corners, faces, done, *(column[order] for column in columns))
+
+
+def turned(rotation: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Matrices (k, 3, 3) times points (k, P, 3), written out."""
+    r = rotation[:, None]
+    cells = [r[..., i, 0] * points[..., 0] for i in range(3)]
+    for i, cell in enumerate(cells):
+        cell += r[..., i, 1] * points[..., 1]
+        cell += r[..., i, 2] * points[..., 2]
+    return np.stack(cells, axis=-1)
+
+
+@dataclass(slots=True, eq=False)
+class Rings:
+    """Bounds of pieces about an axis: height along it, distance from it, and angle ``start .. stop`` around it.
+
+    A piece that holds the axis has the whole circle.
+    """
+
+    height: np.ndarray  # (k, 2)
+    reach: np.ndarray  # (k, 2)
+    angle: np.ndarray  # (k, 2)
+
+    def grow(self, gap: np.ndarray) -> None:
+        """The bounds of all that is nearer than ``gap`` (k,) to the pieces."""
+        whole = self.reach[:, 0] <= gap
+        wide = np.arcsin(np.minimum(gap / np.where(whole, 1.0, self.reach[:, 0]), 1.0))
+        self.height += np.stack([-gap, gap], axis=-1)
+        self.reach = np.stack([np.maximum(self.reach[:, 0] - gap, 0.0), self.reach[:, 1] + gap], axis=-1)
+        middle = (self.angle[:, 0] + self.angle[:, 1]) / 2
+        self.angle = np.where(
+            whole[:, None],
+            np.stack([middle - np.pi, middle + np.pi], axis=-1),
+            self.angle + np.stack([-wide, wide], axis=-1),
+        )
+
+
+def rings(body: Pieces, piece: np.ndarray, axis: np.ndarray, origin: np.ndarray) -> Rings:
+    """The bounds of pieces (k,) about axes (k, 3) through origins (k, 3)."""
+    margin = DEPTH / 2  # as far as insetting moves every side
+    along, across = frame(axis)
+    height, reach, angle = (np.empty((len(piece), 2)) for _ in range(3))
+    for at, corners in body.classes(piece):
+        local = corners - origin[at, None]
+        h, x, y = (dot(local, d[at, None]) for d in (axis, along, across))
+        height[at] = np.stack([h.min(axis=1) + margin, h.max(axis=1) - margin], axis=-1)
+        r = np.sqrt(x * x + y * y)
+        cx, cy = (x.min(axis=1) + x.max(axis=1)) / 2, (y.min(axis=1) + y.max(axis=1)) / 2
+        length = np.maximum(np.sqrt(cx * cx + cy * cy), 1e-300)
+        ux, uy = (cx / length)[:, None], (cy / length)[:, None]
+        ahead, aside = x * ux + y * uy, y * ux - x * uy
+        least = ahead.min(axis=1)
+        reach[at] = np.stack([np.maximum(least, -margin) + margin, r.max(axis=1) - margin], axis=-1)
+        turn = np.where(r > 1e-7, np.arctan2(aside, ahead), 0.0)
+        middle = np.arctan2(cy, cx)
+        whole = (least < -1e-9) | (length < 1e-9)
+        start = np.where(whole, -np.pi, turn.min(axis=1))
+        stop = np.where(whole, np.pi, turn.max(axis=1))
+        angle[at] = np.stack([middle + start, middle + stop], axis=-1)
+    return Rings(height, reach, angle)
+
+
+def frame(axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Two unit vectors (k, 3) each, square to unit axes (k, 3) and to one another, right-handed."""
+    other = np.where((np.abs(axis[:, 0]) < 0.6)[:, None], (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+    along = cross(other, axis)
+    along = along / np.sqrt(dot(along, along))[:, None]
+    return along, cross(axis, along)
+
+
+def swept_extent(
+    moved: Placed, axis: np.ndarray, origin: np.ndarray, half: np.ndarray, direction: np.ndarray
+) -> np.ndarray:
+    """How far (k,) placed pieces reach along ``direction`` (k, 3) while they turn by up to ``half`` (k,) either way.
+
+    Exact for the corners: each runs along an arc.
+    """
+    assert moved.turn is not None and moved.shift is not None
+    found = np.empty(len(moved))
+    along = dot(axis, direction)
+    flat = direction - axis * along[:, None]
+    side = cross(flat, axis)
+    for at, corners in moved.pieces.classes(moved.piece):
+        local = turned(moved.turn[at], corners) + (moved.shift - origin)[at, None]
+        c, s = dot(local, flat[at, None]), np.abs(dot(local, side[at, None]))
+        w = half[at, None]
+        radius = np.sqrt(c * c + s * s)
+        reach = np.where(c >= radius * np.cos(w), radius, c * np.cos(w) + s * np.sin(w))
+        found[at] = (along[at, None] * dot(local, axis[at, None]) + reach).max(axis=1)
+    return found + dot(origin, direction)

@@ -1,0 +1,114 @@
+"""What is known of the validity of some objects: what is wrong with them, and which links block one another.
+
+Two links block one another when they meet only while joints of several chains are moved at once: two doors on one
+divider. That is no failure; it is found in random configurations of all joints together, and counted.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..random import key, mix, uniform
+from ..runtime.batch import Batch
+from .bodies import gather
+from .contact import Contact, contact
+from .faults import faults
+from .parting import Parting
+from .tree import Tree
+from .validate import blocks, posed
+
+STATES = 64  # random configurations per object
+
+
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """Two links, by path, of ``objects`` objects; ``joint`` makes them meet ("" at rest), at the least at ``value``.
+
+    ``example``: the parts of one of these objects that meet, and where.
+    """
+
+    first: str
+    second: str
+    joint: str
+    objects: int
+    value: float
+    example: Contact | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """Pairs that collide and pairs that block one another, and what else is wrong by how many objects have it, the most
+    frequent first; how many objects are ``invalid``, how many of them have links that collide, and how many have links that
+    block one another; joints seen."""
+
+    objects: int
+    invalid: int
+    colliding: int
+    faults: tuple[tuple[str, int], ...]
+    pairs: tuple[Pair, ...]
+    blocking: tuple[Pair, ...]
+    blocked: int
+    joints: int
+    states: int
+
+
+def evidence(batch: Batch, states: int = STATES) -> Evidence:
+    """What is wrong with a batch at rest and joint by joint, and which links meet in ``states`` random
+    configurations of all joints."""
+    wrong = faults(batch)
+    found, tree = wrong.collisions, wrong.tree
+    pairs = []
+    for (first, second, joint), rows in tree.named(found).items():
+        value = float(found.value[rows].min())
+        row = int(rows[np.argmin(found.value[rows])])
+        example = contact(tree, wrong.body, found, row)
+        pairs.append(Pair(first, second, joint, len(np.unique(found.owner[rows])), value, example))
+    known = _codes(tree, found.owner, found.first, found.second)
+    blocking, blocked = _blocking(tree, states, known) if states else ([], 0)
+    count = len(tree.joints.owner)
+    others = sorted(((fault.words, len(fault.objects)) for fault in wrong.others), key=lambda f: (-f[1], f[0]))
+    invalid, colliding = len(wrong.objects()), len(found.objects())
+    return Evidence(
+        len(batch), invalid, colliding, tuple(others), _sorted(pairs), _sorted(blocking), blocked, count, states
+    )
+
+
+def _sorted(pairs: list[Pair]) -> tuple[Pair, ...]:
+    return tuple(sorted(pairs, key=lambda p: (-p.objects, p.first, p.second, p.joint)))
+
+
+def _codes(tree: Tree, owner: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """One number per pair of links of an object."""
+    one, two = tree.first[owner] + first, tree.first[owner] + second
+    return np.minimum(one, two) * len(tree.links.owner) + np.maximum(one, two)
+
+
+def random_states(batch: Batch, number: int) -> np.ndarray:
+    """Joint values (J,), uniform within the range of each; the same for an object whatever else is in the batch."""
+    tree = Tree(batch)
+    address = mix(batch.numbers[tree.joints.owner].astype(np.uint64), tree.joints.number)
+    lot = uniform(key(batch.seed, "configuration"), address, number, np.zeros(len(address), dtype=np.int64))
+    return tree.low + lot * (tree.high - tree.low)
+
+
+def _blocking(tree: Tree, states: int, known: np.ndarray) -> tuple[list[Pair], int]:
+    """Pairs of links that meet in random states alone, and how many objects have any."""
+    batch, count = tree.batch, len(tree.links.owner)
+    body = gather(batch, tree.first, tree.turn, tree.shift)
+    met: list[np.ndarray] = [np.zeros(0, dtype=np.int64)]
+    for part in blocks(body):
+        parting = Parting()
+        for number in range(states if len(tree.joints.owner) else 0):
+            first, second = posed(tree, part, random_states(batch, number), parting)
+            keep = ~tree.permitted(first, second)
+            met.append(np.unique(np.minimum(first, second)[keep] * count + np.maximum(first, second)[keep]))
+    pair = np.setdiff1d(np.concatenate(met), known)
+    paths = [link.path for link in batch.program.links]
+    found: dict[tuple[str, str], set[int]] = {}
+    for low, high in zip((pair // count).tolist(), (pair % count).tolist(), strict=True):
+        names = sorted(paths[tree.links.definition[link]] for link in (low, high))
+        found.setdefault((names[0], names[1]), set()).add(int(tree.links.owner[low]))
+    pairs = [Pair(first, second, "", len(owners), 0.0) for (first, second), owners in found.items()]
+    return pairs, len(set().union(*found.values()))

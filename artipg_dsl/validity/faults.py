@@ -1,0 +1,57 @@
+"""All that makes objects invalid once their requirements hold: what their solids show."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..runtime.batch import Batch
+from .apart import too_near
+from .bodies import Pieces, gather
+from .floating import Solids, inverted
+from .stance import falling
+from .tree import Tree
+from .validate import Collisions, collisions
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """What is wrong, in words with its place in the text, and the indices of the objects that have it."""
+
+    words: str
+    objects: np.ndarray
+
+
+@dataclass(frozen=True, slots=True)
+class Faults:
+    """Links that collide, and what else is wrong with the objects of a batch."""
+
+    tree: Tree
+    body: Pieces
+    collisions: Collisions
+    others: tuple[Fault, ...]
+
+    def objects(self) -> np.ndarray:
+        """Indices of the objects that have any."""
+        return np.unique(np.concatenate([self.collisions.objects(), *(fault.objects for fault in self.others)]))
+
+
+def faults(batch: Batch) -> Faults:
+    """Everything that is wrong with the objects of a batch."""
+    tree = Tree(batch)
+    body = gather(batch, tree.first, tree.turn, tree.shift)
+    solids = Solids(tree, body)
+    others = [
+        Fault(*wrong)
+        for wrong in (
+            *solids.degenerate(),
+            *solids.floating(),
+            *solids.unheld(),
+            *inverted(tree),
+            *too_near(tree, body),
+        )
+    ]
+    for statement, objects in zip(batch.program.stable, falling(tree, body), strict=False):
+        others.append(Fault(f"{statement.where}: {statement.message}", objects))
+    return Faults(tree, body, collisions(batch, tree, body), tuple(fault for fault in others if len(fault.objects)))

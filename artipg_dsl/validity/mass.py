@@ -1,0 +1,123 @@
+"""Mass, centre and inertia of every link of a batch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..geometry.block import block
+from ..geometry.overlap import overlaps
+from ..geometry.quadrature import volume_inertia
+from ..runtime.motion import apply, product
+from .materials import catalogue, drawn, material_rows
+
+if TYPE_CHECKING:
+    from ..geometry.sites import SiteTable
+    from ..runtime.batch import Batch
+
+
+@dataclass(frozen=True, slots=True)
+class Mass:
+    """Per link of the batch: mass (L,) kg, centre (L, 3) and inertia about it (L, 3, 3), axes of the object."""
+
+    mass: np.ndarray
+    center: np.ndarray
+    inertia: np.ndarray
+
+
+def masses(batch: Batch) -> Mass:
+    """The mass of every link of a batch, in the object's frame at joint values 0."""
+    links, tables = batch.links(), batch.sites()
+    start = np.searchsorted(links.owner, np.arange(len(batch)))
+    density = np.stack([drawn(batch, material, "density") for material in catalogue(batch)])
+    densities = [density[material_rows(batch, table), table.owner] for table in tables]
+    return link_mass(tables, densities, start, len(links.owner), welded(batch, start))
+
+
+def welded(batch: Batch, start: np.ndarray) -> np.ndarray:
+    """(L,) the first link (a row of the table) of those that fixed joints hold together."""
+    joints = batch.joints()
+    holder = np.arange(len(batch.links().owner))
+    fixed = np.array([kind == "fixed" for kind in joints.kind], dtype=bool)
+    first = start[joints.owner]
+    holder[(first + joints.child)[fixed]] = (first + joints.parent)[fixed]
+    while not np.array_equal(holder, holder[holder]):
+        holder = holder[holder]
+    return holder
+
+
+def link_mass(
+    tables: list[SiteTable], densities: list[np.ndarray], link_start: np.ndarray, n_links: int, body: np.ndarray
+) -> Mass:
+    """Mass of every link. Where primitives of one body overlap, as a post sunk in a wall does, the denser one counts.
+
+    ``densities`` one array (k,) kg/m3 per table; ``link_start`` (B,) the first link row of each object; ``body`` (L,)
+    the same number for links that do not move against one another. Of equally dense ones the first in the text counts.
+    """
+    own = [_whole(table, density, link_start) for table, density in zip(tables, densities, strict=True) if len(table)]
+    rows = [*own, *_shared(tables, densities, link_start, body, own)]
+    total = np.zeros(n_links)
+    first = np.zeros((n_links, 3))
+    for link, mass, center, _ in rows:
+        total += np.bincount(link, mass, n_links)
+        first += np.stack([np.bincount(link, mass * center[:, i], n_links) for i in range(3)], axis=1)
+    middle = first / np.where(total > 0, total, 1.0)[:, None]
+    summed = np.zeros((n_links, 3, 3))
+    for link, mass, center, inertia in rows:
+        about = inertia + parallel_axis(mass, center - middle[link])
+        for i in range(3):
+            for j in range(3):
+                summed[:, i, j] += np.bincount(link, about[:, i, j], n_links)
+    return Mass(total, middle, summed)
+
+
+Portion = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]  # link, mass, centre, inertia about it, of k bodies
+
+
+def _whole(table: SiteTable, density: np.ndarray, link_start: np.ndarray) -> Portion:
+    """The primitives of a site."""
+    volume, center, inertia = volume_inertia(table.primitive, table.params)
+    center = center * np.stack([np.ones_like(table.mirror), table.mirror, np.ones_like(table.mirror)], axis=-1)
+    center = apply(table.rotation, center) + table.translation
+    about = turned_inertia(table, inertia * density[:, None, None])
+    return link_start[table.owner] + table.link, np.abs(volume) * density, center, about
+
+
+def _shared(
+    tables: list[SiteTable], densities: list[np.ndarray], link_start: np.ndarray, body: np.ndarray, own: list[Portion]
+) -> list[Portion]:
+    """What primitives lose to denser ones that they overlap: portions of negative mass."""
+    rows = block(tables, 0, len(link_start))
+    if not len(rows.owner):
+        return []
+    start = np.cumsum([0, *(len(table) for table in tables)])
+    places = dict(zip((table.number for table in tables), start.tolist(), strict=False))
+    at = np.array([places[number] for number in rows.site.tolist()]) + rows.row
+    density = np.concatenate(densities)[at]
+    link, mass = (np.concatenate([part[k] for part in own])[at] for k in (0, 1))
+    order = np.empty(len(at), dtype=np.int64)
+    order[np.lexsort((rows.rank, -density))] = np.arange(len(at))
+    found = overlaps(rows, body[link], order, density / np.bincount(link, mass, len(body))[link])
+    lost = found.volume * density[found.row]
+    # measured in points: a primitive that lies in others altogether loses what it has, and no more
+    most = mass / np.maximum(np.bincount(found.row, lost, len(at)), 1e-300)
+    share = np.minimum(most, 1.0)[found.row]
+    inertia = found.inertia * (density[found.row] * share)[:, None, None]
+    return [(link[found.row], -lost * share, found.center, -inertia)]
+
+
+def turned_inertia(table: SiteTable, inertia: np.ndarray) -> np.ndarray:
+    """Inertia tensors (k, 3, 3) of local frames in the axes of the object."""
+    sign = np.stack([np.ones_like(table.mirror), table.mirror, np.ones_like(table.mirror)], axis=-1)
+    inertia = inertia * sign[:, :, None] * sign[:, None, :]
+    return product(product(table.rotation, inertia), table.rotation.transpose(0, 2, 1))
+
+
+def parallel_axis(mass: np.ndarray, offset: np.ndarray) -> np.ndarray:
+    """What a mass (k,) at ``offset`` (k, 3) adds to the inertia: m (|d|^2 1 - d d^T)."""
+    x, y, z = offset[:, 0], offset[:, 1], offset[:, 2]
+    square = x * x + y * y + z * z
+    outer = offset[:, :, None] * offset[:, None, :]
+    return mass[:, None, None] * (square[:, None, None] * np.eye(3) - outer)

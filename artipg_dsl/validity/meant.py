@@ -1,0 +1,90 @@
+"""What statements about parts mean in the rows where they are said: which parts, and which of two sides belong together.
+
+A statement stands in a table: that of the category, of a `when`, of the elements of a repeat. It speaks of the parts of
+each of its rows; of what lies around those, or in none of them, it speaks wherever it has a row at all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..graph.expr import Scope
+from ..graph.program import Allowed, Clear, Program
+from ..runtime.batch import Batch
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Meant:
+    """Parts of one side of a statement: ``row`` (k,) of the table of parts, ``said`` (k,) the row that the statement is said
+    in, ``group`` (k,) the element of the repeat that it stands in; -1 where it is said of all elements."""
+
+    row: np.ndarray
+    said: np.ndarray
+    group: np.ndarray
+
+
+def meant(batch: Batch, statement: Allowed | Clear, nodes: Sequence[int], ranks: Sequence[tuple[str, int]]) -> Meant:
+    """The parts that one side of a statement names, where it is said."""
+    found = [_of(batch, statement.scope, node, ranks) for node in nodes]
+    return Meant(*(np.concatenate([np.zeros(0, dtype=np.int64), *columns]) for columns in zip(*found, strict=True)))
+
+
+def _of(
+    batch: Batch, scope: Scope, node: int, ranks: Sequence[tuple[str, int]]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    rowmap, part = batch.rowmap, batch.program.parts[node]
+    common = next(s for s in scope.ancestors() if part.scope.within(s))
+    said = np.full(rowmap.rows(common).size, -1)
+    of = rowmap.up(scope, common)
+    said[of[::-1]] = np.arange(len(of))[::-1]  # of several rows the first
+    row = rowmap.up(part.scope, common)
+    repeat = next((s for s in scope.ancestors() if s.kind == "repeat"), None)
+    grouped = repeat is not None and part.scope.within(repeat)
+    group = rowmap.up(part.scope, repeat) if grouped and repeat is not None else np.full(len(row), -1)
+    keep = np.flatnonzero((said[row] >= 0) & elements(batch, part.scope, ranks))
+    return batch.part_rows(node)[keep], said[row[keep]], group[keep]
+
+
+def elements(batch: Batch, scope: Scope, ranks: Sequence[tuple[str, int]]) -> np.ndarray:
+    """Which rows of a scope lie in the elements (name of a repeat, rank; -1 for the last) that are meant."""
+    keep = np.ones(batch.rowmap.rows(scope).size, dtype=bool)
+    for repeat in scope.ancestors():
+        for name, rank in ranks:
+            if repeat.kind == "repeat" and repeat.name.rpartition(".")[2] == name:
+                rows = batch.rowmap.rows(repeat)
+                at = batch.rowmap.up(scope, repeat)
+                wanted = rows.count[rows.parent[at]] - 1 if rank < 0 else rank
+                keep &= rows.rank[at] == wanted
+    return keep
+
+
+def pairs(owner: np.ndarray, first: Meant, second: Meant) -> tuple[np.ndarray, np.ndarray]:
+    """Rows of the table of parts, of the objects ``owner``, that one another side of a statement are: all of the first with
+    all of the second, of one element with those of the same."""
+    mine, theirs = owner[first.row], owner[second.row]
+    order = np.argsort(theirs, kind="stable")
+    start = np.searchsorted(theirs[order], mine)
+    count = np.searchsorted(theirs[order], mine, side="right") - start
+    i = np.repeat(np.arange(len(mine)), count)
+    j = order[np.arange(len(i)) - np.repeat(np.cumsum(count) - count, count) + np.repeat(start, count)]
+    together = (first.group[i] == second.group[j]) | (first.group[i] < 0) | (second.group[j] < 0)
+    return first.row[i[together]], second.row[j[together]]
+
+
+def sites_of(batch: Batch, row: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """For each table of primitives, its rows that lie in parts ``row`` of the table of parts: (row of the table, index into ``row``)."""
+    program: Program = batch.program
+    place = np.full(len(batch.parts().owner), -1)
+    place[row] = np.arange(len(row))
+    found = []
+    for site in program.sites:
+        at, index = site.part, np.full(batch.rowmap.rows(site.scope).size, -1)
+        while at >= 0:
+            own = place[batch.part_rows(at)[batch.rowmap.up(site.scope, program.parts[at].scope)]]
+            index = np.where(index < 0, own, index)
+            at = program.parts[at].parent
+        found.append((np.flatnonzero(index >= 0), index[index >= 0]))
+    return found

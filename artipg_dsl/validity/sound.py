@@ -1,0 +1,129 @@
+"""The last look at objects before they are handed out: numbers that are none, parts inside out, links that are no tree.
+
+Lowering makes requirements of all this, or shows that it cannot be; a compiled program that anyone may have edited can lack
+them, and is asked for its tree, too. What is wrong is an error of the program, told with the object and what it is in it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..errors import UserError
+from ..geometry.patches import evaluate_rows
+
+if TYPE_CHECKING:
+    from ..geometry.sites import SiteTable
+    from ..runtime.batch import Batch
+
+FAR = 1e6  # metres, radians and what else objects have: beyond all that is meant
+SQUARE = 1e-6  # how far a rotation or an axis may be from one
+AGAIN = "compile it again from its .apg file"
+
+
+def prove(batch: Batch) -> None:
+    """Raises UserError for the first object that cannot be one."""
+    for table in batch.sites():
+        if len(table.owner):
+            _site(batch, table)
+    links, joints, parts = batch.links(), batch.joints(), batch.parts()
+    _numbers(batch, "link", links.owner, links.name, links.rotation, links.translation)
+    _numbers(batch, "part", parts.owner, parts.name, parts.rotation, parts.translation, parts.low, parts.high)
+    _turned(batch, "link", links.owner, links.name, links.rotation)
+    _turned(batch, "part", parts.owner, parts.name, parts.rotation)
+    _numbers(
+        batch,
+        "joint",
+        joints.owner,
+        joints.name,
+        joints.origin,
+        joints.axis,
+        joints.rest,
+        joints.multiplier,
+        joints.offset,
+    )
+    long = np.abs(np.sqrt((joints.axis**2).sum(axis=1)) - 1.0) <= SQUARE
+    _refuse(batch, "joint", joints.owner, joints.name, ~long, "its axis is no direction")
+    low, high = joints.low, joints.high  # nan: no limit
+    _refuse(
+        batch,
+        "joint",
+        joints.owner,
+        joints.name,
+        (low > high) | (np.abs(low) > FAR) | (np.abs(high) > FAR),
+        "it has no range",
+    )
+    physics = np.stack([joints.damping, joints.friction, joints.effort, joints.velocity])
+    _refuse(
+        batch,
+        "joint",
+        joints.owner,
+        joints.name,
+        ((physics < 0) | np.isinf(physics)).any(axis=0),
+        "its damping or force is no amount",
+    )
+    if batch.program.foreign:
+        _tree(batch)
+
+
+def _site(batch: Batch, table: SiteTable) -> None:
+    names = [table.path] * len(table.owner)
+    _numbers(batch, "primitive", table.owner, names, table.rotation, table.translation, *table.params.values())
+    _turned(batch, "primitive", table.owner, names, table.rotation)
+    flat: np.ndarray = np.abs(table.mirror) != 1.0
+    _refuse(batch, "primitive", table.owner, names, flat, "its mirror is neither 1 nor -1")
+    if table.primitive.requires:
+        holds = evaluate_rows(table.primitive, table.primitive.requires, table.params, bool).all(axis=0)
+        _refuse(
+            batch,
+            "primitive",
+            table.owner,
+            names,
+            np.logical_not(holds),
+            "its parameters are not what a primitive of its kind requires",
+        )
+
+
+def _numbers(batch: Batch, what: str, owner: np.ndarray, names: list[str], *columns: np.ndarray) -> None:
+    wrong = np.zeros(len(owner), dtype=bool)
+    for column in columns:
+        wrong |= ~(np.abs(column) <= FAR).all(axis=tuple(range(1, column.ndim)))
+    _refuse(batch, what, owner, names, wrong, "a number of it is not finite, or beyond all bounds")
+
+
+def _turned(batch: Batch, what: str, owner: np.ndarray, names: list[str], rotation: np.ndarray) -> None:
+    off = np.abs((rotation[:, :, None, :] * rotation[:, None, :, :]).sum(axis=-1) - np.eye(3)).max(
+        axis=(1, 2), initial=0.0
+    )
+    a, b, c = rotation[:, 0], rotation[:, 1], rotation[:, 2]
+    wrong: np.ndarray = np.logical_or(off > SQUARE, (np.cross(a, b) * c).sum(axis=1) < 0)
+    _refuse(batch, what, owner, names, wrong, "its rotation is none")
+
+
+def _tree(batch: Batch) -> None:
+    links, joints = batch.links(), batch.joints()
+    first = np.searchsorted(links.owner, joints.owner)
+    child, parent = first + joints.child, first + joints.parent
+    twice = np.bincount(child, minlength=len(links.owner))[child] > 1
+    _refuse(batch, "joint", joints.owner, joints.name, twice, "the link that it moves has another joint above it")
+    above = np.full(len(links.owner), -1)
+    above[child] = parent
+    at = np.arange(len(above))
+    for _ in range(int(links.number.max(initial=0)) + 1):
+        at = np.where(at >= 0, above[np.maximum(at, 0)], -1)
+    _refuse(batch, "link", links.owner, links.name, at >= 0, "it hangs on itself: the links form a ring")
+    loose = (above < 0) & (links.number > 0)
+    _refuse(batch, "link", links.owner, links.name, loose, "nothing joins it to the others")
+    base = np.searchsorted(joints.owner, joints.owner)
+    leader = np.where(joints.mimic >= 0, base + joints.mimic, np.arange(len(base)))
+    _refuse(
+        batch, "joint", joints.owner, joints.name, leader != leader[leader], "it follows a joint that follows another"
+    )
+
+
+def _refuse(batch: Batch, what: str, owner: np.ndarray, names: list[str], wrong: np.ndarray, words: str) -> None:
+    rows = np.flatnonzero(wrong)
+    if len(rows):
+        number = int(batch.numbers[owner[rows[0]]])
+        raise UserError(f"{batch.program.name} {number}: {what} {names[rows[0]]}: {words}", AGAIN)

@@ -1,0 +1,149 @@
+"""Do objects stand by themselves: is the centre of mass well inside the polygon on which they stand?
+
+The polygon is the hull of all corners of convex pieces within a millimetre of the floor, which is the lowest of them at
+rest. It must hold the point below the centre of mass with a margin: the object still stands when the floor is tilted by
+two degrees in any direction. ``open``: also with each joint alone anywhere in its range, and, for each of eight
+directions, with all joints together that move the centre of mass that way, each where it does so most (the test of an
+empty chest of drawers with everything open, ASTM F2057). Nobody sits on anything and nothing lies in the drawers.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..runtime.motion import apply, product, rotation_about
+from .bodies import Pieces
+from .hull import depth, hulls
+from .mass import masses
+from .tree import Tree, led
+
+FLOOR = 1e-3  # metres: what is higher does not stand on it
+TILT = float(np.tan(np.radians(2.0)))
+SHARES = np.linspace(0.0, 1.0, 9)
+WAYS = tuple((np.cos(angle), np.sin(angle)) for angle in np.arange(8) * (np.pi / 4))
+
+
+def falling(tree: Tree, body: Pieces) -> list[np.ndarray]:
+    """For each ``require stable`` of the program, the indices of the objects that do not stand."""
+    program, batch = tree.batch.program, tree.batch
+    if not program.stable:
+        return []
+    stance = Stance(tree, body)
+    still = stance.margin(tree.turn, tree.shift) < 0.0
+    tipped = still | stance.tipping() if any(statement.open for statement in program.stable) else still
+    found = []
+    for statement in program.stable:
+        asked = np.zeros(len(batch), dtype=bool)
+        asked[batch.owner(statement.scope)] = True
+        found.append(np.flatnonzero(asked & (tipped if statement.open else still)))
+    return found
+
+
+class Stance:
+    """Masses and feet of a batch."""
+
+    def __init__(self, tree: Tree, body: Pieces):
+        self.tree = tree
+        made = masses(tree.batch)
+        self.mass = made.mass
+        self.center = made.center
+        self.owner = tree.links.owner
+        self.count = len(tree.batch)
+        self.total = np.bincount(self.owner, self.mass, self.count)
+        self.link, self.point = self._feet(body)
+        order = np.argsort(self.owner[self.link], kind="stable")
+        self.link, self.point = self.link[order], self.point[order]
+        whose = self.owner[self.link]
+        self.place = whose, np.arange(len(whose)) - np.searchsorted(whose, whose)  # (object, rank) of each point
+        self.still = (tree.joint[tree.chain[self.link]] < 0) | (tree.chain[self.link] < 0)
+        self.base = hulls(*self._padded(self.point))
+
+    def _feet(self, body: Pieces) -> tuple[np.ndarray, np.ndarray]:
+        """Links (n,) and corners (n, 3), at rest, of all that is near the floor."""
+        self.floor = np.full(self.count, np.inf)
+        np.minimum.at(self.floor, body.owner, body.low[:, 2])
+        near = np.flatnonzero(body.low[:, 2] <= self.floor[body.owner] + FLOOR)
+        links, points = [np.zeros(0, dtype=np.int64)], [np.zeros((0, 3))]
+        for at, corners in body.classes(near):
+            low = corners[..., 2] <= (self.floor[body.owner[near[at]]] + FLOOR)[:, None]
+            links.append(np.broadcast_to(body.link[near[at]][:, None], low.shape)[low])
+            points.append(corners[low])
+        return np.concatenate(links), np.concatenate(points)
+
+    def _padded(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Points (n, 3) as (B, K, 2), and which of them stand on the floor (B, K)."""
+        most = int(self.place[1].max(initial=0)) + 1
+        flat, valid = np.zeros((self.count, most, 2)), np.zeros((self.count, most), dtype=bool)
+        flat[self.place] = points[:, :2]
+        valid[self.place] = points[:, 2] <= self.floor[self.place[0]] + FLOOR
+        return flat, valid
+
+    def centers(self, turn: np.ndarray, shift: np.ndarray) -> np.ndarray:
+        """Centres of mass (B, 3) of the objects with their links placed."""
+        placed = (apply(turn, self.center) + shift) * self.mass[:, None]
+        sums = np.stack([np.bincount(self.owner, placed[:, k], self.count) for k in range(3)], axis=-1)
+        return sums / np.where(self.total > 0.0, self.total, 1.0)[:, None]
+
+    def margin(self, turn: np.ndarray, shift: np.ndarray) -> np.ndarray:
+        """By how much (B,) the centres of mass lie within what is asked for, negative where they do not."""
+        base = self.base
+        if not self.still.all():  # feet that move along
+            back = product(turn, self.tree.turn.transpose(0, 2, 1))
+            from_rest = shift - apply(back, self.tree.shift)
+            base = hulls(*self._padded(apply(back[self.link], self.point) + from_rest[self.link]))
+        return self._within(base, self.centers(turn, shift), np.arange(self.count))
+
+    def _within(self, base: np.ndarray, center: np.ndarray, whose: np.ndarray) -> np.ndarray:
+        height = np.maximum(center[:, 2] - self.floor[whose], 0.0)
+        return depth(base, center[:, :2]) - TILT * height
+
+    def tipping(self) -> np.ndarray:
+        """(B,) which objects tip over for some state of their joints."""
+        tree, joints = self.tree, self.tree.joints
+        rest = self.centers(tree.turn, tree.shift)
+        bad = np.zeros(self.count, dtype=bool)
+        values, moved = self._alone()
+        moved = rest[joints.owner][:, None] + moved
+        for number in range(len(SHARES)):
+            bad[joints.owner[self._within(self.base[joints.owner], moved[:, number], joints.owner) < 0.0]] = True
+        moves_feet = np.zeros(len(joints.owner), dtype=bool)
+        above = tree.chain[self.link]
+        above = tree.joint[above[above >= 0]]
+        moves_feet[above[above >= 0]] = True
+        for lead, states, number in led(tree, ~tree.alone | moves_feet, SHARES):
+            turn, shift = tree.batch.pose(states)
+            bad |= (self.margin(turn, shift) < 0.0) & (lead >= 0)
+            some = np.flatnonzero(lead >= 0)
+            moved[lead[some], number] = self.centers(turn, shift)[some]
+        off = moved - rest[joints.owner][:, None]
+        for x, y in WAYS:
+            gain = off[..., 0] * x + off[..., 1] * y  # (J, S)
+            best = np.argmax(gain, axis=1) if len(gain) else np.zeros(0, dtype=np.int64)
+            rows = np.arange(len(best))
+            states = np.where(gain[rows, best] > 0.0, values[rows, best], joints.rest)
+            bad |= self.margin(*tree.batch.pose(states)) < 0.0
+        return bad
+
+    def _alone(self) -> tuple[np.ndarray, np.ndarray]:
+        """Values (J, S) of every joint, and how each moves the centre of mass (J, S, 3) by itself with what it carries."""
+        tree, joints = self.tree, self.tree.joints
+        count = len(joints.owner)
+        carried, first = np.zeros(count), np.zeros((count, 3))
+        placed = (apply(tree.turn, self.center) + tree.shift) * self.mass[:, None]
+        for level in range(tree.chain.shape[1]):
+            link = tree.chain[:, level]
+            joint = np.where(link >= 0, tree.joint[np.maximum(link, 0)], -1)
+            on = np.flatnonzero(joint >= 0)
+            carried += np.bincount(joint[on], self.mass[on], count)
+            first += np.stack([np.bincount(joint[on], placed[on, k], count) for k in range(3)], axis=-1)
+        middle = first / np.where(carried > 0.0, carried, 1.0)[:, None]
+        share = carried / np.where(self.total > 0.0, self.total, 1.0)[joints.owner]
+        values = tree.low[:, None] + SHARES * (tree.high - tree.low)[:, None]
+        moved = np.zeros((count, len(SHARES), 3))
+        arm = middle - tree.origin
+        for number in range(len(SHARES)):
+            by = values[:, number] - joints.rest
+            turned = apply(rotation_about(tree.axis, np.where(tree.turns, by, 0.0)), arm) - arm
+            slid = tree.axis * (by * (tree.slides + tree.advance))[:, None]
+            moved[:, number] = np.where(tree.alone[:, None], (turned + slid) * share[:, None], 0.0)
+        return values, moved

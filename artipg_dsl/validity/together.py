@@ -1,0 +1,377 @@
+"""Do two links ever meet, whatever the joints between them do? ``clearance all`` and ``clear a from b by d all``.
+
+The joints that matter to two links are those on the way from either up to the nearest link that carries both. A *cell* is
+two pieces and an interval of each of these joints. In its middle a plane that keeps the pieces apart is looked for and
+proved for the whole cell: every corner runs along an arc or a line. What is not proved is halved, where it loses most,
+until it is decided, or nothing in it moves by more than a tenth of a millimetre, which counts as a meeting.
+
+Joints that go on as far as nothing is in the way share what there is: each cell has a share of their ways at which it
+begins, and the least share at which anything meets is how far all of them go that have a part in it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..geometry.collide import dot, examine
+from ..runtime.motion import apply, product, rotation_about
+from .bodies import Pieces, Placed, swept_extent, turned
+from .tree import Tree, spread
+from .validate import EXACT
+
+ROUNDS = 60  # halvings of a cell, of all its joints together
+LOSS = 1e-4  # metres: cells in which corners move by less and that are not proved free count as meeting
+TIE = 1e-3  # of what a joint moves, where nothing tells which one matters
+NEAR = 2e-4  # of a way: how well shares are known
+EIGHTH = np.pi / 4
+SLICES = 16  # of a turn, for boxes
+MOST = 4_000  # cells of two links; what is left beyond counts as meeting
+OWN = np.eye(3)
+
+
+@dataclass(slots=True, eq=False)
+class Ways:
+    """Pairs of links (k,) and the joints between them (k, C), -1 for none: those of the first from the innermost on, in the
+    first half of the columns, those of the second in the other half."""
+
+    first: np.ndarray
+    second: np.ndarray
+    joint: np.ndarray
+    levels: tuple[np.ndarray, np.ndarray]  # how many links up the nearest is that carries both
+
+    def at(self, rows: np.ndarray) -> Ways:
+        levels = self.levels[0][rows], self.levels[1][rows]
+        return Ways(self.first[rows], self.second[rows], self.joint[rows], levels)
+
+
+def ways(tree: Tree) -> Ways:
+    """All pairs of links of the objects of a batch, each once."""
+    count, depth = len(tree.links.owner), tree.chain.shape[1]
+    first, second = spread(np.arange(count) + 1, tree.start[tree.links.owner + 1] - np.arange(count) - 1)
+    same = (tree.chain[first][:, :, None] == tree.chain[second][:, None, :]) & (tree.chain[first] >= 0)[:, :, None]
+    one = np.argmax(same.any(axis=2), axis=1)
+    two = np.argmax(same[np.arange(len(first)), one], axis=1) if len(first) else one
+    columns = []
+    moves = np.append(np.array([kind != "fixed" for kind in tree.joints.kind], dtype=bool), False)
+    for link, level in ((first, one), (second, two)):
+        joint = np.where(np.arange(depth) < level[:, None], tree.joint[tree.chain[link]], -1)
+        columns.append(np.where(moves[joint], joint, -1))
+    return Ways(first, second, np.concatenate(columns, axis=1), (one, two))
+
+
+@dataclass(slots=True, eq=False)
+class Reach:
+    """Boxes of things (k,) swept by the joints above them, (levels + 1, k, 3): by none, by the innermost, ...; and how far
+    from the axis of each joint they reach (levels, k)."""
+
+    low: np.ndarray
+    high: np.ndarray
+    radius: np.ndarray
+
+
+def reach(tree: Tree, link: np.ndarray, low: np.ndarray, high: np.ndarray) -> Reach:
+    """Of the boxes of things on links (k,), at rest."""
+    lows, highs, radii = [low], [high], []
+    for level in range(tree.chain.shape[1]):
+        above = tree.chain[link, level]
+        joint = np.where(above >= 0, tree.joint[above], -1)
+        rows = np.flatnonzero(joint >= 0)
+        low, high, radius = lows[-1].copy(), highs[-1].copy(), np.zeros(len(link))
+        if len(rows):
+            low[rows], high[rows], radius[rows] = swept(tree, joint[rows], low[rows], high[rows])
+        lows.append(low)
+        highs.append(high)
+        radii.append(radius)
+    return Reach(np.stack(lows), np.stack(highs), np.stack(radii))
+
+
+def swept(
+    tree: Tree, joint: np.ndarray, low: np.ndarray, high: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Boxes (k, 3) that hold boxes wherever their joints put them, and how far from the axes the boxes reach."""
+    axis, origin, rest = tree.axis[joint], tree.origin[joint], tree.joints.rest[joint]
+    least, most = tree.low[joint] - rest, tree.high[joint] - rest
+    middle, half = (low + high) / 2, (high - low) / 2
+    arm = middle - origin
+    across = arm - axis * dot(axis, arm)[:, None]
+    radius = np.sqrt(dot(across, across)) + np.sqrt(dot(half, half))
+    slides, turns = tree.slides[joint], tree.turns[joint]
+    along = np.where(slides, 1.0, tree.advance[joint])
+    ends = np.stack([axis * (along * least)[:, None], axis * (along * most)[:, None]])
+    found_low, found_high = low + ends.min(axis=0), high + ends.max(axis=0)
+    rows = np.flatnonzero(turns)
+    if len(rows):
+        least, most, axis, arm, half = least[rows], most[rows], axis[rows], arm[rows], half[rows]
+        lows, highs = np.full((len(rows), 3), np.inf), np.full((len(rows), 3), -np.inf)
+        step = (most - least) / SLICES
+        for k in range(SLICES):
+            turn = rotation_about(axis, least + (k + 0.5) * step)
+            at, wide = apply(turn, arm), apply(np.abs(turn), half)
+            lows, highs = np.minimum(lows, at - wide), np.maximum(highs, at + wide)
+        slack = (radius[rows] * step / 2)[:, None]
+        found_low[rows] = origin[rows] + lows - slack + ends[:, rows].min(axis=0)
+        found_high[rows] = origin[rows] + highs + slack + ends[:, rows].max(axis=0)
+    balls, corner = ~(slides | turns), np.maximum(np.abs(low - origin), np.abs(high - origin))
+    radius = np.where(balls, np.sqrt(dot(corner, corner)), radius)
+    tilt = np.where(balls, radius * np.maximum(np.abs(tree.low[joint]), np.abs(tree.high[joint])), 0.0)[:, None]
+    return found_low - tilt, found_high + tilt, np.where(slides, 1.0, np.hypot(radius, np.where(turns, along, 0.0)))
+
+
+@dataclass(slots=True, eq=False)
+class Cells:
+    """Two pieces, and of each joint between their links (k, C) where its interval begins and ends, less its rest value."""
+
+    row: np.ndarray  # of the pairs of links
+    piece: np.ndarray
+    other: np.ndarray
+    start: np.ndarray
+    stop: np.ndarray
+    radius: np.ndarray  # (k, C): how far a corner moves for one unit of a joint
+    slack: np.ndarray  # (k,): and for all that balls between them can tilt
+
+    def at(self, rows: np.ndarray) -> Cells:
+        return Cells(*(getattr(self, name)[rows] for name in self.__slots__))
+
+    def halved(self, column: np.ndarray) -> Cells:
+        """Each halved along one of its joints."""
+        count = len(self.row)
+        rows, both = np.arange(count), self.at(np.tile(np.arange(count), 2))
+        middle = (self.start[rows, column] + self.stop[rows, column]) / 2
+        both.stop[rows, column], both.start[rows + count, column] = middle, middle
+        return both
+
+
+def cells(tree: Tree, body: Pieces, way: Ways) -> Cells:
+    """The pairs of pieces of pairs of links that can come near one another, with all that their joints can do."""
+    links = len(tree.links.owner)
+    begin = np.searchsorted(body.link, np.arange(links))
+    count = np.searchsorted(body.link, np.arange(links), side="right") - begin
+    half = way.joint.shape[1] // 2
+    lows, highs = np.full((links, 3), np.inf), np.full((links, 3), -np.inf)
+    full = np.flatnonzero(count)
+    if len(full):
+        lows[full], highs[full] = (
+            np.minimum.reduceat(body.low, begin[full]),
+            np.maximum.reduceat(body.high, begin[full]),
+        )
+    seen = np.flatnonzero((count[way.first] > 0) & (count[way.second] > 0))
+    whole = reach(tree, full, lows[full], highs[full])
+    place = np.zeros(links, dtype=np.int64)
+    place[full] = np.arange(len(full))
+    levels = way.levels[0][seen], way.levels[1][seen]
+    seen = seen[meet(whole, levels, place[way.first[seen]], place[way.second[seen]])]
+    # their pieces
+    used = np.flatnonzero(np.isin(body.link, np.union1d(way.first[seen], way.second[seen])))
+    own = reach(tree, body.link[used], body.low[used], body.high[used])
+    place = np.zeros(len(body), dtype=np.int64)
+    place[used] = np.arange(len(used))
+    index, piece = spread(begin[way.first[seen]], count[way.first[seen]])
+    at, other = spread(begin[way.second[seen]][index], count[way.second[seen]][index])
+    row, piece = seen[index[at]], piece[at]
+    if body.side is not None:
+        one, two = body.side[piece], body.side[other]
+        keep = (((one & 1) * (two >> 1)) | ((one >> 1) * (two & 1))).astype(bool)
+        row, piece, other = row[keep], piece[keep], other[keep]
+    near = meet(own, (way.levels[0][row], way.levels[1][row]), place[piece], place[other])
+    row, piece, other = row[near], piece[near], other[near]
+    joint = way.joint[row]
+    known = np.maximum(joint, 0)
+    start, stop = (
+        np.where(joint >= 0, (end - tree.joints.rest)[known], 0.0) if len(known) else np.zeros(joint.shape)
+        for end in (tree.low, tree.high)
+    )
+    radius = np.concatenate([own.radius[:half, place[piece]], own.radius[:half, place[other]]]).T
+    radius = np.where(joint >= 0, radius, 0.0)
+    balls = (joint >= 0) & np.append(~(tree.slides | tree.turns), False)[joint]
+    slack = add(np.where(balls, radius * np.maximum(np.abs(start), np.abs(stop)), 0.0))
+    start, stop = np.where(balls, 0.0, start), np.where(balls, 0.0, stop)
+    return Cells(row, piece, other, start, stop, radius, slack)
+
+
+def meet(own: Reach, levels: tuple[np.ndarray, np.ndarray], first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Which of two things (k,), each swept as far up as told, have boxes that overlap."""
+    lows, highs = (
+        [getattr(own, name)[level, at] for level, at in zip(levels, (first, second), strict=True)]
+        for name in ("low", "high")
+    )
+    return ((lows[0] < highs[1]) & (lows[1] < highs[0])).all(axis=1)
+
+
+@dataclass(slots=True, eq=False)
+class Posed:
+    """Turns (k, 3, 3) and shifts (k, 3) from rest, and the axes and points on them of joints (k, C, 3) there."""
+
+    turn: np.ndarray
+    shift: np.ndarray
+    axis: np.ndarray
+    origin: np.ndarray
+
+
+def posed(tree: Tree, joint: np.ndarray, value: np.ndarray) -> Posed:
+    """What joints (k, c), from the innermost to the outermost, do at values (k, c)."""
+    known = np.maximum(joint, 0)
+    found = Posed(
+        np.tile(OWN, (len(joint), 1, 1)), np.zeros((len(joint), 3)), tree.axis[known].copy(), tree.origin[known].copy()
+    )
+    for column in range(joint.shape[1]):
+        rows = np.flatnonzero(joint[:, column] >= 0)
+        at, by = joint[rows, column], value[rows, column]
+        own = rotation_about(tree.axis[at], np.where(tree.turns[at], by, 0.0))
+        shift = tree.origin[at] - apply(own, tree.origin[at])
+        shift = shift + tree.axis[at] * (np.where(tree.slides[at], 1.0, tree.advance[at]) * by)[:, None]
+        found.turn[rows] = product(own, found.turn[rows])
+        found.shift[rows] = apply(own, found.shift[rows]) + shift
+        for inner in range(column):
+            found.axis[rows, inner] = apply(own, found.axis[rows, inner])
+            found.origin[rows, inner] = apply(own, found.origin[rows, inner]) + shift
+    return found
+
+
+def examined(tree: Tree, body: Pieces, way: Ways, part: Cells) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Of cells: which meet in the middle (k,), which are proved to stay apart, how far each joint alone takes the pieces
+    towards one another (k, C), and all of them together at most (k,)."""
+    joint, half = way.joint[part.row], way.joint.shape[1] // 2
+    middle, wide = (part.start + part.stop) / 2, (part.stop - part.start) / 2
+    columns = slice(0, half), slice(half, 2 * half)
+    poses = [posed(tree, joint[:, side], middle[:, side]) for side in columns]
+    sides = [
+        Placed(body, piece, pose.turn, pose.shift) for piece, pose in zip((part.piece, part.other), poses, strict=True)
+    ]
+    gap = None if body.gap is None else body.gap[part.piece]
+    hit, away = examine(sides[0], sides[1], 0.5 if gap is None else EXACT)
+    length = np.maximum(np.sqrt(dot(away, away)), 1e-12)
+    away = away / length[:, None]
+    rows, loss = np.arange(len(part.row)), np.zeros(joint.shape)
+    between, bounds, many = np.zeros(len(part.row)), [], []
+    for side, pose, to, ahead in zip(sides, poses, columns, (-away, away), strict=True):
+        least = dot(side.support(rows, ahead), ahead)
+        between -= least
+        moving = (joint[:, to] >= 0) & (wide[:, to] > 0.0)
+        for column in range(half):
+            at = np.flatnonzero(moving[:, column])
+            known, by, axis = joint[at, to.start + column], wide[at, to.start + column], pose.axis[at, column]
+            turn = np.where(tree.turns[known], np.minimum(by, np.pi), 0.0)
+            far = swept_extent(side.at(at), axis, pose.origin[at, column], turn, ahead[at])
+            along = np.where(tree.slides[known], 1.0, np.abs(tree.advance[known])) * by
+            loss[at, to.start + column] = np.maximum(far - least[at], 0.0) + np.abs(dot(axis, ahead[at])) * along
+        several = moving.sum(axis=1) > 1
+        # the outermost exactly, those within by the way that corners can make
+        last = half - 1 - np.argmax(moving[:, ::-1], axis=1)
+        inner = np.where(np.arange(half) < last[:, None], wide[:, to] * part.radius[:, to], 0.0)
+        bounds.append(np.where(several, loss[rows, to.start + last] + add(inner), add(loss[:, to])))
+        many.append(several)
+    need = between if gap is None else between - gap
+    for number, (side, to, ahead) in enumerate(zip(sides, columns, (-away, away), strict=True)):
+        at = np.flatnonzero(many[number] & ~hit & (need < bounds[0] + bounds[1] + part.slack))
+        if len(at):  # these more exactly
+            far = cloud(tree, body, side.piece[at], joint[at, to], middle[at, to], wide[at, to], ahead[at])
+            far -= dot(side.support(at, ahead[at]), ahead[at])
+            bounds[number][at] = np.minimum(np.maximum(far, 0.0), bounds[number][at])
+    total = bounds[0] + bounds[1] + part.slack
+    if gap is not None:
+        hit |= length < gap
+    return hit, ~hit & (need >= total), loss, total
+
+
+def cloud(
+    tree: Tree,
+    body: Pieces,
+    piece: np.ndarray,
+    joint: np.ndarray,
+    middle: np.ndarray,
+    wide: np.ndarray,
+    ahead: np.ndarray,
+) -> np.ndarray:
+    """How far (k,) pieces reach along unit vectors (k, 3) while their joints (k, c) go through their intervals together.
+
+    In place of an arc stand its ends and where its tangents meet, which hold it between them; in place of a long one the corners
+    of an octagon about the whole circle.
+    """
+    found = np.empty(len(piece))
+    for at, corners in body.classes(piece):
+        points, spare = corners, np.zeros(len(at))
+        for column in range(joint.shape[1]):
+            own = joint[at, column]
+            known, by = np.maximum(own, 0), np.where(own >= 0, wide[at, column], 0.0)
+            turns, slides = (own >= 0) & tree.turns[known], (own >= 0) & tree.slides[known]
+            axis, origin = tree.axis[known], tree.origin[known]
+            local = points - origin[:, None]
+            height = dot(local, axis[:, None])[..., None] * axis[:, None]
+            across = local - height
+            long = turns & (by > EIGHTH / 2)
+            spare += np.where(turns, np.abs(tree.advance[known]) * by, 0.0)
+            bend = np.where(turns & ~long, by, 0.0)
+            made = []
+            for step in range(8 if long.any() else 3 if (by > 0.0).any() else 1):
+                sign = (0.0, -1.0, 1.0)[step % 3]
+                angle = np.where(turns, middle[at, column], 0.0) + np.where(long, step * EIGHTH, sign * bend)
+                turn = rotation_about(axis, angle)
+                wider = 1.0 / np.cos(bend) if sign == 0.0 else np.ones(len(at))
+                wider = np.where(long, 1.0 / np.cos(EIGHTH / 2), wider)
+                slide = np.where(slides, middle[at, column] + sign * by, 0.0)
+                slide = slide + np.where(turns, tree.advance[known] * middle[at, column], 0.0)
+                made.append(
+                    turned(turn, across * wider[:, None, None] + height) + (origin + axis * slide[:, None])[:, None]
+                )
+            points = np.concatenate(made, axis=1)
+        found[at] = dot(points, ahead[at][:, None]).max(axis=1) + spare
+    return found
+
+
+def add(columns: np.ndarray) -> np.ndarray:
+    """Sums of rows, column by column."""
+    total = np.zeros(len(columns))
+    for column in columns.T:
+        total = total + column
+    return total
+
+
+def least(tree: Tree, body: Pieces, way: Ways, yields: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The least share of the ways of joints that ``yield`` (J,) at which any of the pairs of links meet.
+
+    Returns that share of each joint (J,), 1 where nothing meets, and which pairs of links meet where none of their joints yields.
+    """
+    room, met = np.ones(len(yields)), np.zeros(len(way.first), dtype=bool)
+    part = cells(tree, body, way)
+    joint = way.joint
+    giving = (joint >= 0) & np.append(yields, False)[joint]
+    far = np.where(giving, np.append(tree.high - tree.joints.rest, 1.0)[joint], np.inf)
+    far = np.where(far > 0.0, far, np.inf)
+    body.ready(part.piece, part.other)
+    for number in range(ROUNDS):
+        own = giving[part.row]
+        begins = shares(part.start, far[part.row])
+        limit = np.where(own, np.append(room, 0.0)[joint[part.row]], -np.inf).max(axis=1, initial=-np.inf)
+        limit = np.where(own.any(axis=1), limit, np.where(met[part.row], -np.inf, np.inf))
+        part = part.at(np.flatnonzero(begins < limit - NEAR))
+        if not len(part.row):
+            break
+        own, begins = giving[part.row], shares(part.start, far[part.row])
+        hit, apart, loss, total = examined(tree, body, way, part)
+        crowd = np.bincount(part.row, minlength=len(met))[part.row] > MOST
+        giving_way = np.where(own, (part.stop - part.start) * part.radius, 0.0).max(axis=1, initial=0.0)
+        bound = hit & own.any(axis=1)
+        small = ~apart & (crowd | (np.where(bound, giving_way, total) < LOSS) | (number == ROUNDS - 1))
+        share = np.where(small, begins, shares((part.start + part.stop) / 2, far[part.row]))
+        told = np.flatnonzero(hit | small)
+        for column in range(joint.shape[1]):
+            rows = told[own[told, column]]
+            np.minimum.at(room, joint[part.row[rows], column], share[rows])
+        met[part.row[told[~own[told].any(axis=1)]]] = True
+        going = np.flatnonzero(~apart & ~small)
+        # of what meets in the middle, the joint that has gone farthest of its way gives way
+        ends = np.where(own[going], part.stop[going] / far[part.row[going]], -np.inf)
+        # what each does alone, and of what they do together a share by how far each moves
+        moved = ((part.stop - part.start) / 2 * part.radius)[going]
+        mixed = np.maximum(total[going] - add(loss[going]), 0.0) / np.maximum(add(moved), 1e-300)
+        weight = loss[going] + np.maximum(np.minimum(mixed, 1.0), TIE)[:, None] * moved
+        column = np.where(bound[going], np.argmax(ends, axis=1), np.argmax(weight, axis=1))
+        part = part.at(going).halved(column)
+    return room, met
+
+
+def shares(value: np.ndarray, far: np.ndarray) -> np.ndarray:
+    """The share (k,) of the ways of joints (k, C) at which states lie: the greatest of them."""
+    return np.maximum(value / far, 0.0).max(axis=1, initial=0.0)

@@ -1,0 +1,148 @@
+"""The links of a batch as trees: what is above what, which joint moves what, and how far it can move."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..runtime.batch import Batch
+from ..runtime.motion import apply, product
+from .bodies import Pieces
+from .meant import meant, pairs
+
+if TYPE_CHECKING:
+    from .validate import Collisions
+
+KEPT = 5_000  # links of which the poses in all states are kept
+TURNING = ("revolute", "continuous", "screw")
+
+
+class Tree:
+    """Links above each link, joint axes at rest, and which joints move others along."""
+
+    def __init__(self, batch: Batch):
+        self.batch, self.links, self.joints = batch, batch.links(), batch.joints()
+        count = len(self.links.owner)
+        self.first = np.searchsorted(self.links.owner, np.arange(len(batch)))
+        self.start = np.append(self.first, count)
+        self.above = np.full(count, -1, dtype=np.int64)  # parent link of each link
+        self.joint = np.full(count, -1, dtype=np.int64)
+        self.child = self.first[self.joints.owner] + self.joints.child
+        self.above[self.child] = self.first[self.joints.owner] + self.joints.parent
+        self.joint[self.child] = np.arange(len(self.child))
+        chain = [np.arange(count)]
+        while (chain[-1] >= 0).any():
+            assert len(chain) <= count, "the links form a ring"
+            chain.append(np.where(chain[-1] >= 0, self.above[np.maximum(chain[-1], 0)], -1))
+        self.chain = np.stack(chain, axis=1)  # (L, depth): the link itself, its parent, ...
+        self.turn, self.shift = batch.pose()
+        holder = np.maximum(self.above[self.child], 0)
+        self.axis = apply(self.turn[holder], self.joints.axis)
+        self.origin = apply(self.turn[holder], self.joints.origin) + self.shift[holder]
+        kinds = np.array(self.joints.kind, dtype=object)
+        self.turns, self.slides = np.isin(kinds, TURNING), kinds == "prismatic"
+        # what a turn by a radian advances: a screw's pitch
+        self.advance = np.where(kinds == "screw", np.nan_to_num(self.joints.pitch) / (2 * np.pi), 0.0)
+        self.low = np.where(np.isnan(self.joints.low), -np.pi, self.joints.low)
+        self.high = np.where(np.isnan(self.joints.high), np.pi, self.joints.high)
+        base = np.searchsorted(self.joints.owner, self.joints.owner)
+        self.leader = np.where(self.joints.mimic >= 0, base + self.joints.mimic, np.arange(len(base)))
+        assert np.array_equal(self.leader, self.leader[self.leader]), "a joint follows one that follows another"
+        if batch.loops is not None:  # what the loops of an object determine follows its first driving joint
+            self.leader = batch.loops.driven(self.leader)
+        self._states: dict[bytes, tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray]]] = {}
+        self.alone = np.bincount(self.leader, minlength=len(base))[self.leader] == 1
+        self.alone &= self.turns | self.slides | (kinds == "fixed")  # a ball turns about what is no axis of the table
+
+    def named(self, found: Collisions) -> dict[tuple[str, str, str], np.ndarray]:
+        """Per pair of paths of links and path of the joint ("" at rest): the rows of ``found``."""
+        program, start = self.batch.program, np.searchsorted(self.joints.owner, found.owner)
+        first, second = (self.links.definition[self.first[found.owner] + link] for link in (found.first, found.second))
+        kinds = np.append(self.joints.definition, -1)
+        joint = np.where(found.joint >= 0, kinds[np.minimum(start + found.joint, len(kinds) - 1)], -1)
+        groups: dict[tuple[str, str, str], list[int]] = {}
+        for row, (a, b, j) in enumerate(zip(first.tolist(), second.tolist(), joint.tolist(), strict=True)):
+            pair = sorted((program.links[a].path, program.links[b].path))
+            groups.setdefault((pair[0], pair[1], program.joints[j].path if j >= 0 else ""), []).append(row)
+        return {key: np.array(rows) for key, rows in groups.items()}
+
+    def at(self, states: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray]]:
+        """Turn and shift of the links from rest with the joints at ``states`` (J,), and the links where loops do not close."""
+        key = states.tobytes()
+        if key not in self._states:
+            if len(self.links.owner) > KEPT:
+                self._states.clear()
+            turn, shift = self.batch.pose(states)
+            none = np.zeros(0, dtype=np.int64)
+            apart = (none, none) if self.batch.loops is None else self.batch.loops.apart(turn, shift)
+            turn = product(turn, self.turn.transpose(0, 2, 1))
+            self._states[key] = turn, shift - apply(turn, self.shift), apart
+        return self._states[key]
+
+    def blame(self, body: Pieces, i: np.ndarray, j: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The links of pairs of pieces that meet; where the text does not allow it, the pieces remember."""
+        first, second = body.link[i], body.link[j]
+        wrong = ~self.permitted(first, second)
+        body.met[i[wrong]] = body.met[j[wrong]] = True
+        return first, second
+
+    def permitted(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+        """Pairs that the text allows to overlap or to block one another."""
+        return np.isin(np.minimum(first, second) * len(self.above) + np.maximum(first, second), self._allowed)
+
+    @cached_property
+    def _allowed(self) -> np.ndarray:
+        """The pairs of links that ``allow overlap`` and ``free`` name in each object: the lower times their number, plus the higher."""
+        parts, found = self.batch.parts(), [np.zeros(0, dtype=np.int64)]
+        link = self.first[parts.owner] + parts.link
+        for said in self.batch.program.allowed:
+            if said.kind in ("overlap", "free"):
+                sides = (said.first, said.second)
+                one, two = (
+                    link[row]
+                    for row in pairs(
+                        parts.owner, *(meant(self.batch, said, n, r) for n, r in zip(sides, said.ranks, strict=True))
+                    )
+                )
+                found.append(np.minimum(one, two) * len(self.above) + np.maximum(one, two))
+        return np.unique(np.concatenate(found))
+
+    def carried(self, body: Pieces, chosen: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        """(pieces, joints): the pieces that each of the joints ``chosen`` (J,) bool moves, level by level of the tree."""
+        for level in range(self.chain.shape[1] - 1):
+            link = self.chain[body.link, level]
+            joint = np.where(link >= 0, self.joint[np.maximum(link, 0)], -1)
+            piece = np.flatnonzero((joint >= 0) & np.append(chosen, False)[joint])
+            if len(piece):
+                yield piece, joint[piece]
+
+
+def spread(first: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(index, value): the values ``first .. first + count - 1`` of each index."""
+    count = np.maximum(count, 0)
+    index = np.repeat(np.arange(len(first)), count)
+    return index, np.arange(len(index)) - np.repeat(np.cumsum(count) - count, count) + np.repeat(first, count)
+
+
+def led(tree: Tree, chosen: np.ndarray, shares: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, int]]:
+    """States (J,) in which one leading joint of ``chosen`` (J,) bool of every object stands at each share of its range.
+
+    The first such joint of every object, then the second, ...: (that joint of each object (B,), -1 for none; states with
+    the others at rest; which share).
+    """
+    joints = tree.joints
+    leads = chosen & (tree.leader == np.arange(len(joints.owner)))
+    base = np.searchsorted(joints.owner, joints.owner)
+    rank = np.cumsum(leads) - leads
+    rank = rank - rank[base] if len(rank) else rank
+    for turn in range(int(rank[leads].max(initial=-1)) + 1):
+        at = np.flatnonzero(leads & (rank == turn))
+        lead = np.full(len(tree.first), -1)
+        lead[joints.owner[at]] = at
+        for number, share in enumerate(shares):
+            states = joints.rest.copy()
+            states[at] = tree.low[at] + share * (tree.high[at] - tree.low[at])
+            yield lead, states, number

@@ -1,0 +1,400 @@
+"""Do the links of an object penetrate one another, at rest or while one joint runs through its range?
+
+The truth is the convex pieces; what an export makes of them is examined here, too. Every pair of links counts, parents and children too.
+Each joint moves alone, all others at rest, with everything that hangs on its link. Sliding is swept exactly (the hull
+of a piece at both ends). Turning is decided over whole intervals: bounds about the axis leave the angles at which two
+pieces can meet at all; there a plane that keeps them apart is looked for in the middle and proved for the interval, or
+the interval is halved. A joint that others follow is looked at in many states.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..geometry.collide import dot, examine, overlap, within
+from ..runtime.batch import Batch
+from ..runtime.motion import apply, rotation_about
+from .bodies import FULL, Pieces, Placed, gather, rings, swept_extent
+from .parting import Parting
+from .tree import Tree, led, spread
+
+BLOCK = 20_000  # pieces at a time
+HALVINGS = 16  # of an interval of angles; what is not decided then is nearer than a turn by 0.005 degrees
+EXACT = 1 - 1e-6  # of the distance: how well it is known where a gap is asked for
+COARSE = 12  # halvings for which boxes stand for the pieces
+TILTED = 8  # and for which the boxes of tilted links do
+SHARES = np.unique(np.concatenate([[0.002, 0.005, 0.01, 0.02, 0.035], np.linspace(0.0, 1.0, 41), [0.98, 0.995]]))
+Pairs = tuple[np.ndarray, np.ndarray]
+
+
+@dataclass(frozen=True, slots=True)
+class Collisions:
+    """One row per pair of links that penetrate: object index, link numbers, and the joint (-1: at rest) and its value.
+
+    The value is one at which they meet, the least that was found; between the ends of a sliding joint it is its high end.
+    ``pieces`` (m, 2): one of either link that meet then, by ``Pieces.source``; -1 where a loop does not close.
+    """
+
+    owner: np.ndarray
+    first: np.ndarray
+    second: np.ndarray
+    joint: np.ndarray
+    value: np.ndarray
+    pieces: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.owner)
+
+    def objects(self) -> np.ndarray:
+        """Indices of the objects that have any."""
+        return np.unique(self.owner)
+
+
+def collisions(batch: Batch, tree: Tree | None = None, body: Pieces | None = None) -> Collisions:
+    """All penetrations of a batch, each pair of links once per joint that brings it about.
+
+    ``body``: given pieces instead of the batch's own; their ``met`` tells afterwards which are to blame.
+    """
+    tree = tree or Tree(batch)
+    body = body or gather(batch, tree.first, tree.turn, tree.shift)
+    return told(tree, checked(tree, body))
+
+
+def checked(tree: Tree, body: Pieces) -> np.ndarray:
+    """Rows (link, link, joint, value, piece, piece) of all that meet: rows of the tables of links and joints, -1 at rest;
+    pieces of either link by their ``source``."""
+    return np.concatenate([_nothing(), *(_block(tree, part) for part in blocks(body))])
+
+
+def at_rest(tree: Tree, body: Pieces) -> np.ndarray:
+    """As ``checked``, of what meets at rest."""
+    return np.concatenate([_nothing(), *(_resting(tree, part) for part in blocks(body))])
+
+
+def told(tree: Tree, rows: np.ndarray) -> Collisions:
+    """Hits as tables number things, without those that the text allows."""
+    first, second, joint = (rows[:, k].astype(np.int64) for k in range(3))
+    keep = ~tree.permitted(first, second)
+    first, second, joint, value = first[keep], second[keep], joint[keep], rows[keep, 3]
+    number = tree.links.number
+    named = np.where(joint >= 0, np.append(tree.joints.number, -1)[joint], -1)
+    pieces = rows[keep, 4:].astype(np.int64)
+    return Collisions(tree.links.owner[first], number[first], number[second], named, value, pieces)
+
+
+@dataclass(slots=True, eq=False)
+class Hits:
+    """Pairs of links (rows of the link table) that meet, the joint (a row of the joint table, -1: rest) and its value.
+
+    ``pieces``: those of either that meet.
+    """
+
+    first: np.ndarray
+    second: np.ndarray
+    joint: np.ndarray
+    value: np.ndarray
+    pieces: tuple[np.ndarray, np.ndarray]
+
+    def rows(self) -> np.ndarray:
+        """(m, 6), each pair once per joint, at its least value."""
+        low, high = np.minimum(self.first, self.second), np.maximum(self.first, self.second)
+        one, two = (np.where((self.first == low) == same, *self.pieces) for same in (True, False))
+        table = np.stack([low, high, self.joint, self.value, one, two], axis=1).astype(np.float64)
+        table = table[np.lexsort(table.T[::-1])]
+        new = np.ones(len(table), dtype=bool)
+        new[1:] = (table[1:, :3] != table[:-1, :3]).any(axis=1)
+        return table[new]
+
+
+def _nothing() -> np.ndarray:
+    return np.zeros((0, 6))
+
+
+def blocks(body: Pieces) -> Iterator[Pieces]:
+    """Pieces of whole objects, some at a time."""
+    edges = np.flatnonzero(np.diff(body.owner, prepend=-1, append=-1))
+    start = 0
+    while start < len(body):
+        fits = edges[(edges > start) & (edges <= start + BLOCK)]
+        stop = int(fits[-1] if len(fits) else edges[edges > start][0])
+        yield body.part(slice(start, stop))
+        start = stop
+
+
+def _block(tree: Tree, body: Pieces) -> np.ndarray:
+    """Rows (link, link, joint, value) of some objects."""
+    found = [_resting(tree, body)]
+    for piece, joint in tree.carried(body, tree.slides & tree.alone):
+        found.append(_sliding(tree, body, piece, joint))
+    for piece, joint in tree.carried(body, tree.turns & tree.alone):
+        found.append(_turning(tree, body, piece, joint))
+    found.extend(_following(tree, body))
+    return np.concatenate(found)
+
+
+# ---------------------------------------------------------------- which pairs of pieces come near one another
+
+
+def near(
+    tree: Tree, body: Pieces, piece: np.ndarray, low: np.ndarray, high: np.ndarray, joint: np.ndarray | None
+) -> Pairs:
+    """Pairs (index into ``piece``, other piece) whose boxes overlap: the links' first, then the pieces' own.
+
+    With joints, the other piece stays where it is; without, its link comes later in the table.
+    """
+    first, stop = tree.start[body.owner[piece]], tree.start[body.owner[piece] + 1]
+    if joint is None:
+        first = body.link[piece] + (1 if body.side is None else 0)
+    i, link = spread(first, stop - first)
+    lows, highs, begin, end = _link_boxes(body, len(tree.links.owner))
+    if joint is not None:  # what hangs on the joint's link moves along
+        child = tree.child[joint]
+        stays = ~(tree.chain[link] == child[i][:, None]).any(axis=1)
+        i, link = i[stays], link[stays]
+    i, link = _touching(i, link, low, high, lows, highs)
+    k, other = spread(begin[link], (end - begin)[link])
+    i, other = _touching(i[k], other, low, high, body.low, body.high)
+    if body.side is None:
+        return i, other
+    one, two = body.side[piece[i]], body.side[other]
+    apart = (body.link[piece[i]] != body.link[other]) | (body.solid[piece[i]] < body.solid[other])
+    keep = (((one & 1) * (two >> 1)) | ((one >> 1) * (two & 1))).astype(bool) & apart
+    if body.group is not None:
+        own, others = body.group[piece[i]], body.group[other]
+        keep &= (own == others) | (own < 0) | (others < 0)
+    return i[keep], other[keep]
+
+
+def meeting(body: Pieces, first: Placed, second: Placed) -> np.ndarray:
+    """Which pairs of placed pieces meet: penetrate one another, or are nearer than their gap."""
+    if body.gap is None:
+        return overlap(first, second)
+    return within(first, second, body.gap[first.piece], EXACT)
+
+
+def _link_boxes(body: Pieces, links: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Box (L, 3) and range of pieces of every link; those without pieces here have none."""
+    begin, end = (
+        np.searchsorted(body.link, np.arange(links)),
+        np.searchsorted(body.link, np.arange(links), side="right"),
+    )
+    low, high = np.full((links, 3), np.inf), np.full((links, 3), -np.inf)
+    full = np.flatnonzero(end > begin)
+    if len(full):
+        low[full], high[full] = np.minimum.reduceat(body.low, begin[full]), np.maximum.reduceat(body.high, begin[full])
+    return low, high, begin, end
+
+
+def _touching(
+    i: np.ndarray, j: np.ndarray, low: np.ndarray, high: np.ndarray, lows: np.ndarray, highs: np.ndarray
+) -> Pairs:
+    """The pairs (i, j) whose boxes overlap."""
+    for k in range(3):
+        close = (low[i, k] < highs[j, k]) & (lows[j, k] < high[i, k])
+        i, j = i[close], j[close]
+    return i, j
+
+
+# ---------------------------------------------------------------- at rest, sliding, turning
+
+
+def _resting(tree: Tree, body: Pieces) -> np.ndarray:
+    piece = np.arange(len(body))
+    i, j = near(tree, body, piece, body.low, body.high, None)
+    body.ready(i, j)
+    hit = meeting(body, Placed(body, i), Placed(body, j))
+    i, j = i[hit], j[hit]
+    return Hits(*tree.blame(body, i, j), np.full(len(i), -1), np.zeros(len(i)), (body.source[i], body.source[j])).rows()
+
+
+def _sliding(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> np.ndarray:
+    axis, rest = tree.axis[joint], tree.joints.rest[joint]
+    ends = tuple(axis * (end[joint] - rest)[:, None] for end in (tree.low, tree.high))
+    low = body.low[piece] + np.minimum(*ends)
+    high = body.high[piece] + np.maximum(*ends)
+    i, j = near(tree, body, piece, low, high, joint)
+    body.ready(piece[i], j)
+    hit = meeting(body, Placed(body, piece[i], ends=(ends[0][i], ends[1][i])), Placed(body, j))
+    i, j = i[hit], j[hit]
+    met = body.source[piece[i]], body.source[j]
+    return Hits(*tree.blame(body, piece[i], j), joint[i], tree.high[joint[i]], met).rows()
+
+
+def _turning(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> np.ndarray:
+    i, turns = turnings(tree, body, piece, joint)
+    hit, value = _decide(tree, body, turns)
+    i, j = i[hit], turns.other[hit]
+    met = body.source[piece[i]], body.source[j]
+    return Hits(*tree.blame(body, piece[i], j), joint[i], value + tree.joints.rest[joint[i]], met).rows()
+
+
+def turnings(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> tuple[np.ndarray, Turns]:
+    """The turns by which pieces could meet others: (index into ``piece``, the turn, less the joint's rest value)."""
+    axis, origin = tree.axis[joint], tree.origin[joint]
+    own = rings(body, piece, axis, origin)
+    ends = [tree.advance[joint] * (end[joint] - tree.joints.rest[joint]) for end in (tree.low, tree.high)]
+    own.height += np.stack([np.minimum(*ends), np.maximum(*ends)], axis=-1)
+    if body.gap is not None:
+        own.grow(body.gap[piece])
+    middle = origin + axis * ((own.height[:, 0] + own.height[:, 1]) / 2)[:, None]
+    wide = own.reach[:, 1][:, None] * np.sqrt(np.maximum(1.0 - axis * axis, 0.0))
+    wide += np.abs(axis) * ((own.height[:, 1] - own.height[:, 0]) / 2)[:, None]
+    i, j = near(tree, body, piece, middle - wide, middle + wide, joint)
+    # the others' bounds about the same axes, each once
+    pair, back = np.unique(joint[i] * len(body) + j, return_inverse=True)
+    other = rings(
+        body, pair % max(len(body), 1), tree.axis[pair // max(len(body), 1)], tree.origin[pair // max(len(body), 1)]
+    )
+    meet = np.ones(len(i), dtype=bool)
+    for mine, theirs in ((own.height, other.height), (own.reach, other.reach)):
+        meet &= (mine[i, 0] < theirs[back, 1]) & (theirs[back, 0] < mine[i, 1])
+    i, j, back = i[meet], j[meet], back[meet]
+    rest = tree.joints.rest[joint[i]]
+    at, start, stop = _angles(own.angle[i], other.angle[back], tree.low[joint[i]] - rest, tree.high[joint[i]] - rest)
+    i, j = i[at], j[at]
+    return i, Turns(piece[i], j, axis[i], origin[i], start, stop, tree.advance[joint[i]], np.arange(len(i)))
+
+
+def _angles(
+    own: np.ndarray, other: np.ndarray, low: np.ndarray, high: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """By how much pieces with angles ``own`` (k, 2) can turn within ``low .. high`` and meet others: (index, start, stop)."""
+    whole = (own[:, 1] - own[:, 0]) + (other[:, 1] - other[:, 0]) >= FULL - 1e-9
+    index, starts, stops = [np.flatnonzero(whole)], [low[whole]], [high[whole]]
+    most = int(np.ceil(max(np.abs(low).max(initial=0.0), np.abs(high).max(initial=0.0)) / FULL)) + 2
+    for k in range(-most, most + 1):
+        start = np.maximum(other[:, 0] - own[:, 1] + FULL * k, low)
+        stop = np.minimum(other[:, 1] - own[:, 0] + FULL * k, high)
+        at = np.flatnonzero(~whole & (stop - start > 1e-7))
+        index.append(at)
+        starts.append(start[at])
+        stops.append(stop[at])
+    found = np.concatenate(index)
+    order = np.argsort(found, kind="stable")
+    return found[order], np.concatenate(starts)[order], np.concatenate(stops)[order]
+
+
+@dataclass(slots=True, eq=False)
+class Turns:
+    """Pieces ``piece`` (k,) that turn about axes by ``start`` to ``stop`` beside others that stay."""
+
+    piece: np.ndarray
+    other: np.ndarray
+    axis: np.ndarray
+    origin: np.ndarray
+    start: np.ndarray
+    stop: np.ndarray
+    advance: np.ndarray  # metres along the axis for a radian
+    row: np.ndarray  # what it is a part of
+
+    def at(self, rows: np.ndarray) -> Turns:
+        return Turns(*(getattr(self, name)[rows] for name in self.__slots__))
+
+    def halved(self) -> Turns:
+        rows, count = np.tile(np.arange(len(self.row)), 2), len(self.row)
+        middle, found = (self.start + self.stop) / 2, self.at(rows)
+        found.stop[:count], found.start[count:] = middle, middle
+        return found
+
+    def examined(self, body: Pieces) -> tuple[np.ndarray, np.ndarray]:
+        """Which meet in the middle, and which are proved to stay apart."""
+        middle, half = (self.start + self.stop) / 2, (self.stop - self.start) / 2
+        turn = rotation_about(self.axis, middle)
+        along = self.axis * (self.advance * middle)[:, None]
+        moved = Placed(body, self.piece, turn, self.origin - apply(turn, self.origin) + along)
+        still = Placed(body, self.other)
+        gap = None if body.gap is None else body.gap[self.piece]
+        hit, away = examine(moved, still, 0.5 if gap is None else EXACT)
+        # moved lies beyond still along ``away``: does it while it turns by half the interval either way?
+        least = -swept_extent(moved, self.axis, self.origin, np.minimum(half, np.pi), -away)
+        least -= np.abs(dot(self.axis, away) * self.advance * half)
+        most = dot(still.support(np.arange(len(self.row)), away), away)
+        if gap is None:
+            return hit, ~hit & (least >= most)
+        length = np.sqrt(dot(away, away))
+        hit |= length < gap
+        return hit, ~hit & (least - most >= gap * length)
+
+
+def _decide(tree: Tree, body: Pieces, turns: Turns) -> tuple[np.ndarray, np.ndarray]:
+    """Rows that meet while they turn, and an angle at which they do."""
+    boxes, open_ones = body.boxes(), []
+    for _ in range(COARSE):  # the boxes alone tell most pairs apart
+        hit, apart = turns.examined(boxes)
+        open_ones.append(turns.at(np.flatnonzero(hit)))
+        turns = turns.at(np.flatnonzero(~hit & ~apart)).halved()
+    left = [turns, *open_ones]
+    turns = Turns(*(np.concatenate([getattr(part, name) for part in left]) for name in Turns.__slots__))
+    body.ready(turns.piece, turns.other)
+    turns = turns.at(_possible(tree, body, turns))
+    hits, values = [np.zeros(0, dtype=np.int64)], [np.zeros(0)]
+    for _ in range(HALVINGS):
+        if not len(turns.row):
+            break
+        hit, apart = turns.examined(body)
+        hits.append(turns.row[hit])
+        values.append(((turns.start + turns.stop) / 2)[hit])
+        turns = turns.at(np.flatnonzero(~hit & ~apart)).halved()
+    return np.concatenate(hits), np.concatenate(values)
+
+
+def _possible(tree: Tree, body: Pieces, turns: Turns) -> np.ndarray:
+    """The turns that boxes do not rule out which lie straight in the frames of their links, tilted where these rest tilted."""
+    away = np.abs(tree.turn - np.eye(3)).reshape(-1, 9).max(axis=1)
+    tilted = away[body.link] > 1e-9
+    possible = ~(tilted[turns.piece] | tilted[turns.other])
+    rest = turns.at(np.flatnonzero(~possible))
+    if len(rest.row):
+        rest.row = np.flatnonzero(~possible)
+        boxes = body.boxes(tree.turn, np.union1d(rest.piece, rest.other))
+        for _ in range(TILTED):
+            hit, apart = rest.examined(boxes)
+            possible[rest.row[hit]] = True
+            rest = rest.at(np.flatnonzero(~apart & ~possible[rest.row])).halved()
+        possible[rest.row] = True
+    return np.flatnonzero(possible)
+
+
+# ---------------------------------------------------------------- states of several joints
+
+
+def _following(tree: Tree, body: Pieces) -> Iterator[np.ndarray]:
+    """Joints that others follow, in many states."""
+    parting = Parting()
+    for lead, states, _ in led(tree, ~tree.alone, SHARES):
+        i, j = met(tree, body, states, parting)
+        pairs = [(*tree.blame(body, i, j), body.source[i], body.source[j])]
+        if tree.batch.loops is not None:
+            first, second = tree.at(states)[2]
+            pairs.append((first, second, np.full(len(first), -1), np.full(len(first), -1)))
+        for first, second, one, two in pairs:
+            at = lead[tree.links.owner[first]]
+            keep = at >= 0
+            yield Hits(first[keep], second[keep], at[keep], states[at[keep]], (one[keep], two[keep])).rows()
+
+
+def posed(
+    tree: Tree, body: Pieces, states: np.ndarray, parting: Parting | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of links that meet with the joints at ``states`` (J,); ``parting`` knows the state before."""
+    return tree.blame(body, *met(tree, body, states, parting))
+
+
+def met(tree: Tree, body: Pieces, states: np.ndarray, parting: Parting | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of pieces that meet with the joints at ``states`` (J,)."""
+    turn, shift, _ = tree.at(states)
+    turn, shift = turn[body.link], shift[body.link]
+    middle = apply(turn, (body.low + body.high) / 2) + shift
+    half = apply(np.abs(turn), (body.high - body.low) / 2)
+    placed = replace(body, low=middle - half, high=middle + half)
+    i, j = near(tree, placed, np.arange(len(body)), placed.low, placed.high, None)
+    body.ready(i, j)
+    first, second = Placed(body, i, turn[i], shift[i]), Placed(body, j, turn[j], shift[j])
+    if parting is None or body.gap is not None:
+        hit = meeting(body, first, second)
+    else:
+        hit = parting.meeting(body, first, second)
+    return i[hit], j[hit]
