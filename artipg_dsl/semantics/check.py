@@ -83,29 +83,23 @@ def _body(ck: Checker, symbol: Symbol) -> None:
         attachments.check(ck, scope)
 
 
-_RATIO = Scalar(DIMENSIONS["ratio"])
-_PROPERTIES: dict[str, Type] = {
-    "density": Scalar(DIMENSIONS["density"]),
-    "friction": _RATIO,
-    "static_friction": _RATIO,
-    "dynamic_friction": _RATIO,
-    "restitution": _RATIO,
-    "colour": Vec(3, DIMENSIONS["ratio"]),
-    "roughness": _RATIO,
-    "metalness": _RATIO,
-    "transparency": _RATIO,
-}
+_DENSITY, _RATIO = Scalar(DIMENSIONS["density"]), Scalar(DIMENSIONS["ratio"])
 
 
 def _material(ck: Checker, symbol: Symbol, decl: ast.MaterialDecl) -> None:
     ctx = Context(symbol.module)
-    for clause in decl.properties:
-        wanted = _PROPERTIES.get(clause.word)
-        if wanted is None:
-            ck.error(
-                "unknown-argument", clause.span, f"a material has no property `{clause.word}`",
-                hint=did_you_mean(clause.word, _PROPERTIES) or "it has " + ", ".join(_PROPERTIES),
-            )  # fmt: skip
-            continue
-        for value in clause.values:
-            ck.expect(ctx, value, wanted, f"`{clause.word}`")
+    ratios = (
+        decl.friction, decl.static_friction, decl.dynamic_friction, decl.restitution, decl.roughness, decl.metalness,
+        decl.transparency,
+    )  # fmt: skip
+    wanted: list[tuple[ast.Clause[ast.RangeExpr] | None, Type]] = [(clause, _RATIO) for clause in ratios]
+    for clause, kind in ((decl.density, _DENSITY), (decl.colour, Vec(3, DIMENSIONS["ratio"])), *wanted):
+        if clause is not None:
+            for end in (clause.value.low, clause.value.high):
+                ck.expect(ctx, end, kind, f"`{clause.word}`")
+    for clause in decl.unknown:
+        words = ast.clause_words(ast.MaterialDecl)
+        ck.error(
+            "unknown-argument", clause.span, f"a material has no property `{clause.word}`",
+            hint=did_you_mean(clause.word, words) or "it has " + ", ".join(words),
+        )  # fmt: skip

@@ -7,7 +7,6 @@ from dataclasses import fields
 from typing import TYPE_CHECKING
 
 from ..diagnostics.suggest import did_you_mean
-from ..graph.program import MEASURES
 from ..syntax import ast
 from ..units import UNITS
 from .calls import range_type
@@ -202,28 +201,28 @@ def _inside(node: object) -> Iterator[ast.Node]:
             yield from _inside(item)
 
 
-_GRASP: dict[str, Type] = {"at": POINT, "approach": DIRECTION, "close": DIRECTION, "opening": LENGTH, "quality": RATIO}
-_GRASP |= dict.fromkeys(MEASURES, LENGTH)
-
-
 def _grasp(ck: Checker, ctx: Context, stmt: ast.GraspStmt) -> None:
     ctx = target(ck, ctx, stmt.target, "a grasp lies on")
     place = formula(ctx)
     if stmt.range is not None and stmt.parameter is not None:
         kind = range_type(ck, place, stmt.range)
         place = place.but(extra={**place.extra, stmt.parameter: kind})
-    for clause in stmt.clauses:
-        if clause.word not in _GRASP:
-            ck.error(
-                "unknown-clause", clause.span, f"`grasp` takes no `{clause.word}`",
-                hint=did_you_mean(clause.word, _GRASP),
-            )  # fmt: skip
-            continue
-        for value in clause.values:
-            ck.expect(place, value, _GRASP[clause.word], f"`{clause.word}` of a grasp")
-    missing = [w for w in ("at", "approach", "close", "opening") if all(c.word != w for c in stmt.clauses)]
+    wanted: tuple[tuple[ast.Clause[ast.Expr] | None, Type], ...] = (
+        (stmt.at, POINT), (stmt.approach, DIRECTION), (stmt.close, DIRECTION), (stmt.opening, LENGTH), (stmt.quality, RATIO),
+        *((measure, LENGTH) for measure in stmt.hand),
+    )  # fmt: skip
+    for clause, kind in wanted:
+        if clause is not None:
+            ck.expect(place, clause.value, kind, f"`{clause.word}` of a grasp")
+    for clause in stmt.unknown:
+        ck.error(
+            "unknown-clause", clause.span, f"`grasp` takes no `{clause.word}`",
+            hint=did_you_mean(clause.word, ast.clause_words(ast.GraspStmt)),
+        )  # fmt: skip
+    needed = {"at": stmt.at, "approach": stmt.approach, "close": stmt.close, "opening": stmt.opening}
+    missing = [f"`{word}`" for word, clause in needed.items() if clause is None]
     if missing:
-        ck.error("missing-clause", stmt.name_span, f"the grasp lacks {' and '.join(f'`{w}`' for w in missing)}")
+        ck.error("missing-clause", stmt.name_span, f"the grasp lacks {' and '.join(missing)}")
 
 
 def _material(ck: Checker, ctx: Context, stmt: ast.MaterialStmt) -> None:

@@ -230,5 +230,5 @@ def _along_path(symbol: Symbol, solid: ast.SolidDecl) -> bool:
         or isinstance(stmt, ast.ParamDecl)
         and stmt.type.name == "curve"
     }
-    along = (clause.values[0] for clause in solid.clauses if clause.word == "along")
-    return any(isinstance(node, ast.NameExpr) and node.name in curves for node in along)
+    along = solid.along.value if solid.along is not None else None
+    return isinstance(along, ast.NameExpr) and along.name in curves

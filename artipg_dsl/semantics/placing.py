@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..diagnostics.suggest import did_you_mean
 from ..syntax import ast
@@ -35,7 +35,6 @@ if TYPE_CHECKING:
 
 KINDS = ("revolute", "prismatic", "continuous", "screw", "ball", "fixed")
 
-_PLACING = ("to", "on", "in", "at", "fit", "between", "gap", "sink", "facing", "turned")
 _PHYSICS = ("damping", "friction", "effort", "velocity", "rest", "mimic")
 _TAKES: dict[str, tuple[str, ...]] = {
     "revolute": ("about", "range", *_PHYSICS),
@@ -45,6 +44,7 @@ _TAKES: dict[str, tuple[str, ...]] = {
     "ball": ("range", *_PHYSICS),
     "fixed": (),
 }
+Given = TypeVar("Given", bound="ast.Clause[Any] | None")
 _TURNS = ("revolute", "continuous", "screw")
 
 
@@ -58,17 +58,9 @@ def subject(ck: Checker, ctx: Context, expr: ast.Expr) -> tuple[Type, Context]:
 def check_connect(ck: Checker, ctx: Context, node: ast.ConnectStmt) -> None:
     kind, ctx = subject(ck, ctx, node.subject)
     _end(ck, node.subject, kind, "what is connected")
-    for clause in node.clauses:
-        if clause.word in _PLACING:
-            check_clause(ck, ctx, clause)
-        else:
-            _unknown_clause(ck, clause, "connect", _PLACING)
-    if not any(c.word in ("to", "on", "in", "between") for c in node.clauses):
+    _placing(ck, ctx, node)
+    if node.to is node.on is node.in_ is node.between is None:
         ck.error("missing-clause", node.span, "`connect` says to what: `to`, `on`, `in` or `between` is missing")
-
-
-def _unknown_clause(ck: Checker, clause: ast.Clause, what: str, known: tuple[str, ...]) -> None:
-    ck.error("unknown-clause", clause.span, f"`{what}` takes no `{clause.word}`", hint=did_you_mean(clause.word, known))
 
 
 def _end(ck: Checker, expr: ast.Expr, kind: Type, what: str) -> None:
@@ -78,57 +70,50 @@ def _end(ck: Checker, expr: ast.Expr, kind: Type, what: str) -> None:
         ck.error("wrong-type", expr.span, f"{what} is a part or one of its ports and faces, but this is {kind}")
 
 
-def check_clause(ck: Checker, ctx: Context, clause: ast.Clause) -> None:
-    """A clause that places."""
-    match clause.word:
-        case "to" | "on":
-            for value in clause.values:
-                _end(ck, value, ck.infer(ctx.but(ends=True), value), f"what follows `{clause.word}`")
-        case "between":
-            for value in clause.values:
-                _end(ck, value, ck.infer(ctx.but(ends=True), value), "what follows `between`")
-        case "in":
-            for value in clause.values:
-                kind = ck.infer(ctx.but(ends=True), value)
-                if not isinstance(kind, Part | Slot | Element) and kind not in (BOX, UNKNOWN):
-                    ck.error("wrong-type", value.span, f"`in` needs a box, but this is {kind}")
-        case "gap" | "sink":
-            for value in clause.values:
-                ck.expect(ctx, value, LENGTH, f"the `{clause.word}`")
-        case "facing":
-            for value in clause.values:
-                ck.expect(ctx, value, DIRECTION, "what follows `facing`")
-        case "turned":
-            for value, wanted in zip(clause.values, (ANGLE, DIRECTION), strict=False):
-                ck.expect(ctx, value, wanted, "what follows `turned`")
-        case "fit":
-            for value in clause.values:
-                if not isinstance(value, ast.NameExpr) or value.name not in (*FACES, *DIRECTIONS):
-                    hint = did_you_mean(value.name, FACES) if isinstance(value, ast.NameExpr) else None
-                    ck.error("wrong-type", value.span, "`fit` takes names of faces", hint=hint)
-        case "at":
-            _at(ck, ctx, clause)
+def _placing(ck: Checker, ctx: Context, node: ast.Attaching) -> None:
+    """The clauses that place."""
+    ends = ctx.but(ends=True)
+    for clause in (node.to, node.on):
+        if clause is not None:
+            _end(ck, clause.value, ck.infer(ends, clause.value), f"what follows `{clause.word}`")
+    for value in node.between.value if node.between is not None else ():
+        _end(ck, value, ck.infer(ends, value), "what follows `between`")
+    if node.in_ is not None:
+        kind = ck.infer(ends, node.in_.value)
+        if not isinstance(kind, Part | Slot | Element) and kind not in (BOX, UNKNOWN):
+            ck.error("wrong-type", node.in_.value.span, f"`in` needs a box, but this is {kind}")
+    for clause in (node.gap, node.sink):
+        if clause is not None:
+            ck.expect(ctx, clause.value, LENGTH, f"the `{clause.word}`")
+    if node.facing is not None:
+        ck.expect(ctx, node.facing.value, DIRECTION, "what follows `facing`")
+    if node.turned is not None:
+        ck.expect(ctx, node.turned.value, ANGLE, "what follows `turned`")
+    for value in node.fit.value if node.fit is not None else ():
+        if not isinstance(value, ast.NameExpr) or value.name not in (*FACES, *DIRECTIONS):
+            hint = did_you_mean(value.name, FACES) if isinstance(value, ast.NameExpr) else None
+            ck.error("wrong-type", value.span, "`fit` takes names of faces", hint=hint)
+    for argument in node.at.value if node.at is not None else ():
+        _at(ck, ctx, argument.name, argument.value)
 
 
-def _at(ck: Checker, ctx: Context, clause: ast.Clause) -> None:
-    names = clause.names or ("",) * len(clause.values)
-    for name, value in zip(names, clause.values, strict=True):
-        if name in DIRECTIONS:
-            ck.expect(ctx, value, LENGTH, f"the coordinate `{name}`")
-        elif name in ("u", "v"):
-            ck.infer(ctx, value)
-        elif name:
+def _at(ck: Checker, ctx: Context, name: str | None, value: ast.Expr) -> None:
+    if name in DIRECTIONS:
+        ck.expect(ctx, value, LENGTH, f"the coordinate `{name}`")
+    elif name in ("u", "v"):
+        ck.infer(ctx, value)
+    elif name:
+        ck.error(
+            "unknown-argument", value.span, f"`at` takes coordinates x, y and z, not `{name}`",
+            hint=did_you_mean(name, DIRECTIONS),
+        )  # fmt: skip
+    elif not (isinstance(value, ast.NameExpr) and value.name in ("center", *FACES)):
+        kind = ck.infer(ctx, value)
+        if kind not in (UNKNOWN, FRAME, EDGE, LINE, PLANE) and not fits(kind, POINT):
             ck.error(
-                "unknown-argument", value.span, f"`at` takes coordinates x, y and z, not `{name}`",
-                hint=did_you_mean(name, DIRECTIONS),
+                "wrong-type", value.span, f"`at` needs `center`, coordinates or a point, but this is {kind}",
+                hint="write `at y = ..., z = ...`",
             )  # fmt: skip
-        elif not (isinstance(value, ast.NameExpr) and value.name in ("center", *FACES)):
-            kind = ck.infer(ctx, value)
-            if kind not in (UNKNOWN, FRAME, EDGE, LINE, PLANE) and not fits(kind, POINT):
-                ck.error(
-                    "wrong-type", value.span, f"`at` needs `center`, coordinates or a point, but this is {kind}",
-                    hint="write `at y = ..., z = ...`",
-                )  # fmt: skip
 
 
 # ---------------------------------------------------------------- joints
@@ -153,19 +138,16 @@ def check_joint(ck: Checker, ctx: Context, node: ast.JointDecl) -> None:
         ck.error("wrong-type", node.child.span, "`base` is what the template is attached to: it cannot be moved")
     if parent == BASE and ctx.scope.owner.kind == "category":
         ck.error("wrong-type", node.parent.span, "`base` has a meaning only in a template", hint="name the root part")
-    takes = _TAKES.get(node.kind)
-    for clause in node.clauses:
-        if clause.word in _PLACING:
-            check_clause(ck, ctx, clause)
-        elif takes is not None and clause.word not in takes:
-            _not_taken(ck, node.kind, clause)
-        else:
-            _motion(ck, ctx, node.kind, clause)
-    if takes is not None:
+    _placing(ck, ctx, node)
+    _motion(ck, ctx, node, node.kind)
+    if node.kind in KINDS:
         _axis(ck, node, parent, child)
 
 
-def _not_taken(ck: Checker, kind: str, clause: ast.Clause) -> None:
+def _taken(ck: Checker, kind: str, clause: Given) -> Given:
+    """The clause, if there is one and a joint of this kind takes it; that it takes none is an error."""
+    if clause is None or kind not in KINDS or clause.word in _TAKES[kind]:
+        return clause
     hint = None
     if kind == "continuous" and clause.word == "range":
         hint = "a joint with ends is `revolute`"
@@ -173,45 +155,40 @@ def _not_taken(ck: Checker, kind: str, clause: ast.Clause) -> None:
         hint = "a prismatic joint slides `along` a direction"
     elif clause.word == "along" and kind in _TURNS:
         hint = "it turns `about` an edge or a line"
-    known = any(clause.word in words for words in _TAKES.values())
     code = "bad-axis" if clause.word in ("about", "along") else "unknown-clause"
-    if not known:
-        hint = did_you_mean(clause.word, [*_TAKES.get(kind, ()), *_PLACING])
     ck.error(code, clause.span, f"a {kind} joint takes no `{clause.word}`", hint=hint)
+    return None  # type: ignore[return-value]
 
 
-def _motion(ck: Checker, ctx: Context, kind: str, clause: ast.Clause) -> None:
+def _motion(ck: Checker, ctx: Context, node: ast.JointDecl, kind: str) -> None:
+    """The clauses that say how a joint moves, each if its kind takes it."""
     wanted = LENGTH if kind == "prismatic" else ANGLE
-    match clause.word:
-        case "range":
-            motion_range(ck, ctx, clause.values, wanted if kind in KINDS else UNKNOWN, clause)
-        case "rest":
-            for value in clause.values:
-                ck.expect(ctx, value, wanted, "the rest of the joint")
-        case "about" | "along":
-            for value in clause.values:
-                axis_value(ck, clause.word, value, ck.infer(ctx, value))
-        case "mimic":
-            for value in clause.values:
-                _mimic(ck, ctx, value, wanted)
-        case "pitch":
-            for value in clause.values:
-                given = ck.infer(ctx, value)
-                if not isinstance(given, Scalar) and given != UNKNOWN:
-                    ck.mismatch(value, given, LENGTH, "the pitch")
-        case _:
-            for value in clause.values:
-                given = ck.infer(ctx, value)
-                if not isinstance(given, Scalar) and given != UNKNOWN:
-                    ck.error("wrong-type", value.span, f"`{clause.word}` is a number, but this is {given}")
+    if (interval := _taken(ck, kind, node.range)) is not None:
+        motion_range(ck, ctx, interval.value, wanted if kind in KINDS else UNKNOWN)
+    if (rest := _taken(ck, kind, node.rest)) is not None:
+        ck.expect(ctx, rest.value, wanted, "the rest of the joint")
+    for axis in (_taken(ck, kind, node.about), _taken(ck, kind, node.along)):
+        if axis is not None:
+            axis_value(ck, axis.word, axis.value, ck.infer(ctx, axis.value))
+    if (mimic := _taken(ck, kind, node.mimic)) is not None:
+        _mimic(ck, ctx, mimic.value, wanted)
+    if (pitch := _taken(ck, kind, node.pitch)) is not None:
+        given = ck.infer(ctx, pitch.value)
+        if not isinstance(given, Scalar) and given != UNKNOWN:
+            ck.mismatch(pitch.value, given, LENGTH, "the pitch")
+    for physics in (node.damping, node.friction, node.effort, node.velocity):
+        if (number := _taken(ck, kind, physics)) is not None:
+            given = ck.infer(ctx, number.value)
+            if not isinstance(given, Scalar) and given != UNKNOWN:
+                ck.error("wrong-type", number.value.span, f"`{number.word}` is a number, but this is {given}")
 
 
-def motion_range(ck: Checker, ctx: Context, values: tuple[ast.Expr, ...], wanted: Type, node: ast.Node) -> None:
+def motion_range(ck: Checker, ctx: Context, interval: ast.RangeExpr, wanted: Type) -> None:
     """A range of motion; either end may be ``clearance``, the high one ``clearance all``."""
+    values = interval.low, interval.high
     free = [isinstance(v, ast.AllExpr) or isinstance(v, ast.NameExpr) and v.name == "clearance" for v in values]
     plain = [v for v, is_free in zip(values, free, strict=True) if not is_free]
     if len(plain) == 2:
-        interval = ast.RangeExpr(span=node.span, low=plain[0], high=plain[1])
         check_range(ck, ctx, interval, wanted, "an end of the range of motion")
     else:
         for value in plain:
@@ -262,18 +239,18 @@ def _axis(ck: Checker, node: ast.JointDecl, parent: Type, child: Type) -> None:
     word = "about" if node.kind in _TURNS else "along" if node.kind == "prismatic" else None
     if word is None or UNKNOWN in (parent, child):
         return
-    clause = next((c for c in node.clauses if c.word == word), None)
+    clause = node.about if word == "about" else node.along
     ends = (FRAME, PLANE, LINE, EDGE, SURFACE)
-    placed = any(c.word in ("to", "on", "in", "at", "between") for c in node.clauses)
+    placed = any(c is not None for c in (node.to, node.on, node.in_, node.at, node.between))
     if clause is None:
-        if any(c.word in ("about", "along") for c in node.clauses):
+        if node.about is not None or node.along is not None:
             return
-        if parent not in ends and child not in ends and not any(c.word in ("to", "on") for c in node.clauses):
+        if parent not in ends and child not in ends and node.to is node.on is None:
             hint = "add `about` an edge or a line" if word == "about" else "add `along` a direction"
             ck.error("bad-axis", node.span, f"the {node.kind} joint `{node.name}` has no axis", hint=hint)
         return
-    value = clause.values[0] if clause.values else None
-    if word == "about" and value is not None and ck.types.get(id(value)) == DIRECTION:
+    value = clause.value
+    if word == "about" and ck.types.get(id(value)) == DIRECTION:
         if parent not in (*ends, POINT) and child not in (*ends, POINT) and not placed:
             ck.error(
                 "bad-axis", value.span, "a direction alone is no axis: nothing says where it lies",

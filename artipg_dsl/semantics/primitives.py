@@ -88,18 +88,19 @@ def _solid(ck: Checker, ctx: Context, stmt: ast.SolidDecl) -> None:
         chain = argument.value.items if isinstance(argument.value, ast.VectorExpr) else (argument.value,)
         for curve in chain:  # one curve, or a chain of them in brackets
             ck.expect(ctx, curve, CURVE, f"an argument of `{stmt.operator}`")
-    for clause in stmt.clauses:
-        for value in clause.values:
-            if clause.word in ("from", "to"):
-                ck.expect(ctx, value, LENGTH, f"`{clause.word}`")
-                continue
-            if clause.word == "at" and isinstance(value, ast.VectorExpr):
-                for level in value.items:  # any number of them, so no vector
-                    ck.expect(ctx, level, LENGTH, "a level")
-                continue
-            kind = ck.infer(ctx, value)
+    for end in (stmt.from_, stmt.to):
+        if end is not None:
+            ck.expect(ctx, end.value, LENGTH, f"`{end.word}`")
+    levels = stmt.at
+    if levels is not None and isinstance(levels.value, ast.VectorExpr):
+        for level in levels.value.items:  # any number of them, so no vector
+            ck.expect(ctx, level, LENGTH, "a level")
+        levels = None
+    for clause in (stmt.about, stmt.along, stmt.up, levels):
+        if clause is not None:
+            kind = ck.infer(ctx, clause.value)
             if kind != CURVE and not fits(kind, DIRECTION):
-                ck.mismatch(value, kind, DIRECTION, f"what follows `{clause.word}`")
+                ck.mismatch(clause.value, kind, DIRECTION, f"what follows `{clause.word}`")
 
 
 def check_whole(ck: Checker, symbol: Symbol, scope: Scope) -> None:

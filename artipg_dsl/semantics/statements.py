@@ -97,9 +97,8 @@ def _statement(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
             placing.check_connect(ck, ctx, stmt)
         case ast.AlignStmt():
             _align(ck, ctx, stmt.left, stmt.right, "align")
-            near = () if stmt.near is None else stmt.near.values
-            for left, right in zip(near[::2], near[1::2], strict=True):
-                _align(ck, ctx, left, right, "near")
+            for start in stmt.near.value if stmt.near is not None else ():
+                _align(ck, ctx, start.left, start.right, "near")
         case ast.RequireStmt() | ast.PreferStmt():
             _condition(ck, ctx, stmt)
         case ast.ClearStmt(subject=subject, other=other, distance=distance):
@@ -114,7 +113,7 @@ def _statement(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
             wanted: Type = UNKNOWN
             if isinstance(kind, Joint) and kind.kind in ("revolute", "prismatic"):
                 wanted = LENGTH if kind.kind == "prismatic" else placing.ANGLE
-            placing.motion_range(ck, inside, (interval.low, interval.high), wanted, interval)
+            placing.motion_range(ck, inside, interval, wanted)
         case ast.CloseStmt(subject=subject, other=other):
             kind, inside = placing.subject(ck, ctx, subject)
             for expr, found in ((subject, kind), (other, ck.infer(inside, other))):
@@ -268,43 +267,28 @@ def _parts(ck: Checker, ctx: Context, subject: ast.Expr, other: ast.Expr | None,
 
 # ---------------------------------------------------------------- repeats
 
-_CLAUSES: dict[str, Type] = {
-    "pitch": LENGTH,
-    "margin": LENGTH,
-    "every": LENGTH,
-    "weight": RATIO,
-    "gap": LENGTH,
-    "each": LENGTH,
-    "along": DIRECTION,
-    "across": DIRECTION,
-}
-
 
 def _repeat(ck: Checker, ctx: Context, stmt: ast.RepeatStmt) -> None:
     assert ctx.scope is not None
     if stmt.count is not None:
         ck.expect(ctx, stmt.count, COUNT, "the number of elements")
-    inner = ck.context(ctx.scope.inner[id(stmt)])
-    for clause in stmt.clauses:
-        for value in clause.values:
-            place = inner if clause.word == "weight" else ctx
-            if clause.word in _CLAUSES:
-                ck.expect(place, value, _CLAUSES[clause.word], f"the `{clause.word}`")
-            elif clause.word in ("spread", "split", "fill"):
-                kind = ck.infer(ctx, value)
-                if not isinstance(kind, Part | Slot | Element) and kind not in (BOX, UNKNOWN):
-                    ck.error(
-                        "wrong-type", value.span, f"`{clause.word}` needs a box, but this is {kind}",
-                        hint="name a part, a box or an element of another repeat",
-                    )  # fmt: skip
-            elif clause.word == "about":
-                placing.axis_value(ck, "about", value, ck.infer(ctx, value))
-            elif clause.word in ("ring", "mirror"):
-                ck.infer(ctx, value)
-            else:
-                known = [*_CLAUSES, "about"]
+    for box in (stmt.spread, stmt.split, stmt.fill):
+        if box is not None:
+            kind = ck.infer(ctx, box.value)
+            if not isinstance(kind, Part | Slot | Element) and kind not in (BOX, UNKNOWN):
                 ck.error(
-                    "unknown-clause", clause.span, f"`repeat` takes no `{clause.word}`",
-                    hint=did_you_mean(clause.word, known),
+                    "wrong-type", box.value.span, f"`{box.word}` needs a box, but this is {kind}",
+                    hint="name a part, a box or an element of another repeat",
                 )  # fmt: skip
-                break
+    for length in (stmt.pitch, stmt.margin, stmt.every, stmt.gap):
+        if length is not None:
+            ck.expect(ctx, length.value, LENGTH, f"the `{length.word}`")
+    for axis in (stmt.along, stmt.across):
+        if axis is not None:
+            ck.expect(ctx, axis.value, DIRECTION, f"the `{axis.word}`")
+    if stmt.each is not None:
+        declarations.check_range(ck, ctx, stmt.each.value, LENGTH, "the `each`")
+    if stmt.about is not None:
+        placing.axis_value(ck, "about", stmt.about.value, ck.infer(ctx, stmt.about.value))
+    if stmt.weight is not None:
+        ck.expect(ck.context(ctx.scope.inner[id(stmt)]), stmt.weight.value, RATIO, "the `weight`")

@@ -6,9 +6,12 @@ The tree knows no types and resolves no names. Expressions end in ``Expr``, stat
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import Any, Generic, TypeVar
 
 from ..source import Span
+
+Value = TypeVar("Value")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -185,17 +188,14 @@ class Alternative(Node):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Clause(Node):
-    """A clause of ``connect``, ``joint``, ``repeat`` ...: ``to E``, ``fit a, b``, ``range a .. b``.
+class Clause(Node, Generic[Value]):
+    """A word and what stands behind it: ``to E``, ``fit a, b``, ``range a .. b``; the span is that of both.
 
-    ``word`` is the clause word; ``values`` its expressions, ``names`` their argument names where the clause has
-    ``name = value`` items (``at y = ..., z = ...``; "" for a bare item such as ``at center``); a range puts its
-    two ends into ``values``. ``between A and B`` has two values.
+    Clauses are fields of their statement, named as their word is (``in_`` and ``from_`` with an underscore). ``word`` is for messages.
     """
 
     word: str
-    values: tuple[Expr, ...] = ()
-    names: tuple[str, ...] = ()
+    value: Value
 
 
 # ---------------------------------------------------------------- statements
@@ -309,12 +309,26 @@ class PortDecl(Stmt):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class JointDecl(Stmt):
+class Attaching(Stmt):
+    """What ``connect`` and ``joint`` share: the clauses that place."""
+
+    to: Clause[Expr] | None = None
+    on: Clause[Expr] | None = None
+    in_: Clause[Expr] | None = None
+    between: Clause[tuple[Expr, Expr]] | None = None
+    at: Clause[tuple[Argument, ...]] | None = None
+    fit: Clause[tuple[Expr, ...]] | None = None
+    gap: Clause[Expr] | None = None
+    sink: Clause[Expr] | None = None
+    facing: Clause[Expr] | None = None
+    turned: Clause[Expr] | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JointDecl(Attaching):
     """``joint open : revolute body -> door about door.left.back range 0deg .. 110deg``; in a role ``joint motion ?``.
 
-    ``kind`` is None for a role's joint. Clauses: to on in at fit gap between sink facing, about along range rest
-    mimic damping friction effort velocity pitch; ``clearance`` in a range is a NameExpr, in an AllExpr where it is
-    ``clearance all``.
+    ``kind`` is None for a role's joint. In a range ``clearance`` is a NameExpr, in an AllExpr where it is ``clearance all``.
     """
 
     name: str
@@ -324,24 +338,40 @@ class JointDecl(Stmt):
     kind_span: Span | None = None
     parent: Expr | None = None
     child: Expr | None = None
-    clauses: tuple[Clause, ...] = ()
+    about: Clause[Expr] | None = None
+    along: Clause[Expr] | None = None
+    range: Clause[RangeExpr] | None = None
+    rest: Clause[Expr] | None = None
+    mimic: Clause[Expr] | None = None
+    damping: Clause[Expr] | None = None
+    friction: Clause[Expr] | None = None
+    effort: Clause[Expr] | None = None
+    velocity: Clause[Expr] | None = None
+    pitch: Clause[Expr] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ConnectStmt(Stmt):
+class ConnectStmt(Attaching):
     """``connect handle.mount to door.front at y = ..., z = ...``."""
 
     subject: Expr
-    clauses: tuple[Clause, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Start(Node):
+    """``a = 1cm`` behind ``near``: where the search for a solution begins."""
+
+    left: Expr
+    right: Expr
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AlignStmt(Stmt):
-    """``align a = b near c = d``: ``near`` holds the sides of all its pairs, one after the other."""
+    """``align a = b near c = d``."""
 
     left: Expr
     right: Expr
-    near: Clause | None = None
+    near: Clause[tuple[Start, ...]] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -403,8 +433,6 @@ class RepeatStmt(Stmt):
 
     ``count`` is the upper end (``in 0 ..< count``) or, for ``ring 2 about``, the number after ``ring``; None for
     ``fill`` and for ``mirror`` (two). ``form`` is "", "pitch", "spread", "fill", "split", "ring" or "mirror".
-    Clauses: the form's own values under its word (``spread``: the box; ``pitch``: the distance; ``mirror``: nothing)
-    and along, margin, every, weight, gap, each (two values), about, across.
     """
 
     name: str
@@ -412,8 +440,21 @@ class RepeatStmt(Stmt):
     index: str | None
     count: Expr | None
     form: str
-    clauses: tuple[Clause, ...]
     body: tuple[Stmt, ...]
+    spread: Clause[Expr] | None = None
+    fill: Clause[Expr] | None = None
+    split: Clause[Expr] | None = None
+    ring: Clause[Expr] | None = None
+    pitch: Clause[Expr] | None = None
+    mirror: Clause[None] | None = None
+    along: Clause[Expr] | None = None
+    across: Clause[Expr] | None = None
+    about: Clause[Expr] | None = None
+    margin: Clause[Expr] | None = None
+    every: Clause[Expr] | None = None
+    weight: Clause[Expr] | None = None
+    gap: Clause[Expr] | None = None
+    each: Clause[RangeExpr] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -453,14 +494,38 @@ class FieldStmt(Stmt):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GraspStmt(Stmt):
-    """``grasp pull_handle on handle.grip for t in -0.4 .. 0.4 { at ... approach -x close y opening ... }``."""
+    """``grasp pull_handle on handle.grip for t in -0.4 .. 0.4 { at ... approach -x close y opening ... }``.
+
+    Any word may stand in the braces: ``unknown`` are those that a grasp does not have.
+    """
 
     name: str
     name_span: Span
     target: Expr
     parameter: str | None
     range: RangeExpr | None
-    clauses: tuple[Clause, ...]  # at, approach, close, opening, quality
+    at: Clause[Expr] | None = None
+    approach: Clause[Expr] | None = None
+    close: Clause[Expr] | None = None
+    opening: Clause[Expr] | None = None
+    quality: Clause[Expr] | None = None
+    stroke: Clause[Expr] | None = None
+    length: Clause[Expr] | None = None
+    width: Clause[Expr] | None = None
+    thickness: Clause[Expr] | None = None
+    pad: Clause[Expr] | None = None
+    palm: Clause[Expr] | None = None
+    palm_width: Clause[Expr] | None = None
+    palm_depth: Clause[Expr] | None = None
+    unknown: tuple[Clause[Any], ...] = ()
+
+    @property
+    def hand(self) -> tuple[Clause[Expr], ...]:
+        """The measures of the gripper that the grasp is meant for, as far as they are given."""
+        measures = (
+            self.stroke, self.length, self.width, self.thickness, self.pad, self.palm, self.palm_width, self.palm_depth
+        )  # fmt: skip
+        return tuple(m for m in measures if m is not None)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -558,11 +623,16 @@ class PieceDecl(Stmt):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SolidDecl(Stmt):
-    """``solid = lathe(skin, lining) about z``; ``operator`` lathe extrude sweep loft; clauses about along up ..."""
+    """``solid = lathe(skin, lining) about z``; ``operator`` lathe extrude sweep loft."""
 
     operator: str
     arguments: tuple[Argument, ...]
-    clauses: tuple[Clause, ...]
+    about: Clause[Expr] | None = None
+    along: Clause[Expr] | None = None
+    up: Clause[Expr] | None = None
+    from_: Clause[Expr] | None = None
+    to: Clause[Expr] | None = None
+    at: Clause[Expr] | None = None
 
 
 # ---------------------------------------------------------------- top level
@@ -602,9 +672,21 @@ class CategoryDecl(Decl):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MaterialDecl(Decl):
-    """``material oak { density 700kg/m3  colour [0.6, 0.4, 0.2] }``: property names with values or ranges."""
+    """``material oak { density 700kg/m3  colour [0.6, 0.4, 0.2] .. [0.7, 0.5, 0.3] }``: a value is a range with equal ends.
 
-    properties: tuple[Clause, ...]
+    Any word may stand in the braces: ``unknown`` are those that a material does not have.
+    """
+
+    density: Clause[RangeExpr] | None = None
+    friction: Clause[RangeExpr] | None = None
+    static_friction: Clause[RangeExpr] | None = None
+    dynamic_friction: Clause[RangeExpr] | None = None
+    restitution: Clause[RangeExpr] | None = None
+    colour: Clause[RangeExpr] | None = None
+    roughness: Clause[RangeExpr] | None = None
+    metalness: Clause[RangeExpr] | None = None
+    transparency: Clause[RangeExpr] | None = None
+    unknown: tuple[Clause[Any], ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -637,3 +719,25 @@ class Module(Node):
     version: int
     uses: tuple[UseDecl, ...]
     declarations: tuple[Decl, ...]
+
+
+# ---------------------------------------------------------------- clauses of a statement
+
+
+def clause_words(kind: type[Stmt]) -> tuple[str, ...]:
+    """The words of the clauses that a statement of this kind may have, as messages list them."""
+    return tuple(f.name.rstrip("_") for f in fields(kind) if str(f.type).startswith("Clause["))
+
+
+def value_of(clause: Clause[Value] | None) -> Value | None:
+    """What stands behind the word of a clause; None without it."""
+    return None if clause is None else clause.value
+
+
+def clauses(statement: Stmt) -> list[Clause[Any]]:
+    """The clauses of a statement in the order of the text, known or not."""
+    found: list[Clause[Any]] = []
+    for field in fields(statement):
+        value = getattr(statement, field.name)
+        found += [c for c in (value if isinstance(value, tuple) else (value,)) if isinstance(c, Clause)]
+    return sorted(found, key=lambda c: c.span.start)

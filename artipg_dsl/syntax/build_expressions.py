@@ -104,31 +104,45 @@ class ExpressionBuilder(BuilderBase):
     def arguments(self, c: Children) -> Piece:
         return self.piece("arguments", tuple(a for a in c if isinstance(a, ast.Argument)), c)
 
-    def clause(self, c: Children) -> ast.Clause:
-        """``word e``, ``word e, e``, ``word low .. high``, ``between a and b``, ``mirror``."""
-        values = exprs(c)
-        if len(c) == 2 and isinstance(c[1], ast.RangeExpr):
-            values = (c[1].low, c[1].high)
-        return ast.Clause(span=self.span(c), word=c[0].value, values=values, names=("",) * len(values))
+    def word(self, value: Any, c: Children) -> ast.Clause[Any]:
+        return ast.Clause(span=self.span(c), word=c[0].value, value=value)
+
+    def clause(self, c: Children) -> ast.Clause[Any]:
+        """``word e``, ``word low .. high``."""
+        return self.word(c[1], c)
 
     property = clause
 
-    def at_clause(self, c: Children) -> ast.Clause:
-        items = [a for a in c if isinstance(a, ast.Argument)]
-        return ast.Clause(
-            span=self.span(c), word="at", values=tuple(a.value for a in items), names=tuple(a.name or "" for a in items)
-        )
+    def fit_clause(self, c: Children) -> ast.Clause[Any]:
+        return self.word(exprs(c), c)
 
-    def start(self, c: Children) -> Piece:
-        return self.piece("start", (c[0], c[2]), c)
+    def between_clause(self, c: Children) -> ast.Clause[Any]:
+        return self.word((c[1], c[3]), c)
 
-    def near(self, c: Children) -> ast.Clause:
-        """``near a = 1cm, b = 2cm``: what each search begins from, as ``values`` a, 1cm, b, 2cm."""
-        values = tuple(side for item in c if isinstance(item, Piece) for side in item.value)
-        return ast.Clause(span=self.span(c), word="near", values=values, names=("",) * len(values))
+    def at_clause(self, c: Children) -> ast.Clause[Any]:
+        return self.word(tuple(a for a in c if isinstance(a, ast.Argument)), c)
+
+    def mirror_clause(self, c: Children) -> ast.Clause[Any]:
+        return self.word(None, c)
+
+    def range_clause(self, c: Children) -> ast.Clause[Any]:
+        value = c[1]
+        if not isinstance(value, ast.RangeExpr):
+            self.problem(
+                c[1], "a range of motion has two ends", "for example `range 0deg .. 90deg`, `range 0cm .. 30cm`"
+            )
+            value = ast.RangeExpr(span=value.span, low=value, high=value)
+        return self.word(value, c)
+
+    def start(self, c: Children) -> ast.Start:
+        return ast.Start(span=self.span(c), left=c[0], right=c[2])
+
+    def near(self, c: Children) -> ast.Clause[Any]:
+        """``near a = 1cm, b = 2cm``."""
+        return self.word(tuple(s for s in c if isinstance(s, ast.Start)), c)
 
     def properties(self, c: Children) -> Piece:
-        return self.piece("properties", tuple(p for p in c if isinstance(p, ast.Clause)), c)
+        return self.piece("properties", [p for p in c if isinstance(p, ast.Clause)], c)
 
     def names(self, c: Children) -> Piece:
         return self.piece("names", [t for t in c if t.type == "NAME"], c)

@@ -78,7 +78,7 @@ class TreeBuilder(StatementBuilder):
 
     def solid(self, c: Children) -> ast.Stmt:
         return ast.SolidDecl(
-            **self.stmt(c), operator=c[2].value, arguments=self.pieces(c)["arguments"], clauses=self.clauses(c)
+            **self.stmt(c), operator=c[2].value, arguments=self.pieces(c)["arguments"], **self.clauses(c)
         )
 
     # ---------------------------------------------------------------- top level
@@ -105,8 +105,15 @@ class TreeBuilder(StatementBuilder):
         return ast.CategoryDecl(**self.stmt(c), **self.named(c[1]), body=body_of(c))
 
     def material(self, c: Children) -> ast.Decl:
-        properties = self.clauses(self.pieces(c)["properties"])
-        return ast.MaterialDecl(**self.stmt(c), **self.named(c[1]), properties=properties)
+        properties = [self.ranged(p) for p in self.pieces(c)["properties"]]
+        return ast.MaterialDecl(**self.stmt(c), **self.named(c[1]), **self.known(ast.MaterialDecl, properties))
+
+    def ranged(self, clause: ast.Clause[Any]) -> ast.Clause[ast.RangeExpr]:
+        """A property with its range; one value is both ends of it."""
+        value = clause.value
+        if not isinstance(value, ast.RangeExpr):
+            value = ast.RangeExpr(span=value.span, low=value, high=value)
+        return ast.Clause(span=clause.span, word=clause.word, value=value)
 
     def vocabulary(self, c: Children) -> ast.Decl:
         words = tokens(c, "WORD")

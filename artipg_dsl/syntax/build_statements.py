@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from keyword import iskeyword
 from typing import Any
 
 from lark import Token
@@ -151,20 +152,28 @@ class StatementBuilder(ExpressionBuilder):
         at = 3 + optional
         return ast.JointDecl(
             **self.stmt(c), **self.named(c[1]), optional=optional, kind=c[at].value, kind_span=self.at(c[at]),
-            parent=c[at + 1], child=c[at + 3], clauses=self.clauses(c),
+            parent=c[at + 1], child=c[at + 3], **self.clauses(c),
         )  # fmt: skip
 
-    def clauses(self, c: Children) -> tuple[ast.Clause, ...]:
-        found = tuple(x for x in c if isinstance(x, ast.Clause))
-        seen: set[str] = set()
-        for clause in found:
-            if clause.word in seen:
-                self.problem(clause, f"`{clause.word}` is given twice", "keep one of them")
-            seen.add(clause.word)
+    def clauses(self, c: Children) -> dict[str, Any]:
+        """The clauses among the children by the field of the tree that holds each; one that is given twice is a problem."""
+        found: dict[str, ast.Clause[Any]] = {}
+        for clause in c:
+            if isinstance(clause, ast.Clause):
+                field = clause.word + "_" * iskeyword(clause.word)
+                if field in found:
+                    self.problem(clause, f"`{clause.word}` is given twice", "keep one of them")
+                found.setdefault(field, clause)
         return found
 
+    def known(self, kind: type[ast.Stmt], clauses: list[ast.Clause[Any]]) -> dict[str, Any]:
+        """The clauses of a block in which any word may stand: those that the statement has, and the others."""
+        words = ast.clause_words(kind)
+        unknown = tuple(c for c in clauses if c.word not in words)
+        return {**self.clauses([c for c in clauses if c.word in words]), "unknown": unknown}
+
     def connect(self, c: Children) -> ast.Stmt:
-        return ast.ConnectStmt(**self.stmt(c), subject=c[1], clauses=self.clauses(c))
+        return ast.ConnectStmt(**self.stmt(c), subject=c[1], **self.clauses(c))
 
     def align(self, c: Children) -> ast.Stmt:
         return ast.AlignStmt(**self.stmt(c), left=c[1], right=c[3], near=c[4] if len(c) > 4 else None)
@@ -224,15 +233,15 @@ class StatementBuilder(ExpressionBuilder):
     def repeat(self, c: Children) -> ast.Stmt:
         found = self.pieces(c)
         clauses = self.clauses(c)
-        forms = [x for x in clauses if x.word in FORMS]
-        form = forms[0].word if forms else ""
+        forms = [word for word in clauses if word in FORMS]
+        form = forms[0] if forms else ""
         if len(forms) > 1:
-            self.problem(forms[1], f"a repeat has one form, and `{form}` is already given", "keep one of them")
+            self.problem(clauses[forms[1]], f"a repeat has one form, and `{form}` is already given", "keep one of them")
         number = found.get("in")
         if form == "ring":
             if number is not None:
-                self.problem(forms[0], "the number of elements is given twice", "`repeat x[k] ring n about axis`")
-            number = forms[0].values[0]
+                self.problem(clauses[form], "the number of elements is given twice", "`repeat x[k] ring n about axis`")
+            number = clauses[form].value
         elif form in ("fill", "mirror"):
             if number is not None:
                 fixed = "two elements" if form == "mirror" else "a number of elements that follows from the space"
@@ -240,8 +249,8 @@ class StatementBuilder(ExpressionBuilder):
         elif number is None:
             self.problem(c[1], f"how often? the repeat `{c[1].value}` has no number", "for example `in 0 ..< 4`")
         return ast.RepeatStmt(
-            **self.stmt(c), **self.named(c[1]), index=found.get("index"), count=number, form=form, clauses=clauses,
-            body=body_of(c),
+            **self.stmt(c), **self.named(c[1]), index=found.get("index"), count=number, form=form, body=body_of(c),
+            **clauses,
         )  # fmt: skip
 
     def when(self, c: Children) -> ast.Stmt:
@@ -278,10 +287,17 @@ class StatementBuilder(ExpressionBuilder):
     def grasp(self, c: Children) -> ast.Stmt:
         found = self.pieces(c)
         parameter, range_ = found.get("for", (None, None))
+        clauses = self.known(ast.GraspStmt, found["properties"])
+        for clause in found["properties"]:
+            if isinstance(clause.value, ast.RangeExpr):
+                self.problem(
+                    clause,
+                    f"`{clause.word}` of a grasp is one value, not a range",
+                    "a family of grasps: `grasp g on grip for t in -0.4 .. 0.4 { ... }`",
+                )
         return ast.GraspStmt(
-            **self.stmt(c), **self.named(c[1]), target=c[3], parameter=parameter, range=range_,
-            clauses=self.clauses(found["properties"]),
-        )  # fmt: skip
+            **self.stmt(c), **self.named(c[1]), target=c[3], parameter=parameter, range=range_, **clauses
+        )
 
     def keypoint(self, c: Children) -> ast.Stmt:
         return ast.KeypointStmt(**self.stmt(c), **self.named(c[1]), target=c[3], at=c[5] if len(c) > 4 else None)

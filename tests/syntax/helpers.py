@@ -56,8 +56,7 @@ def prefix(e: Any) -> str:
         case ast.IndexExpr():
             return f"{prefix(e.obj)}[{prefix(e.index)}]"
         case ast.CallExpr():
-            given = [(f"{a.name}=" if a.name else "") + prefix(a.value) for a in e.arguments]
-            return f"{prefix(e.function)}({' '.join(given)})"
+            return f"{prefix(e.function)}({' '.join(map(prefix, e.arguments))})"
         case ast.StringExpr():
             return repr(e.value)
         case ast.ChainExpr():
@@ -65,9 +64,10 @@ def prefix(e: Any) -> str:
         case ast.RangeExpr():
             return f"{prefix(e.low)}..{prefix(e.high)}"
         case ast.Clause():
-            named = e.names or ("",) * len(e.values)
-            values = [(f"{n}=" if n else "") + prefix(v) for n, v in zip(named, e.values, strict=True)]
-            return " ".join([e.word, *values])
+            values = e.value if isinstance(e.value, tuple) else (e.value,)
+            return " ".join([e.word, *(prefix(v) for v in values if v is not None)])
+        case ast.Argument():
+            return (f"{e.name}=" if e.name else "") + prefix(e.value)
     raise TypeError(e)
 
 

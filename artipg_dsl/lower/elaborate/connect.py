@@ -16,7 +16,7 @@ from ..expressions.members import At, in_element
 from ..values.faces import FACES, squared
 from ..values.kinds import Box, Frame, Plane, Ref, Value, Vec
 from ..values.vectors import AXES, sole_axis
-from .place import mount_of, root_name
+from .place import root_name
 
 if TYPE_CHECKING:
     from ..values.kinds import Carrier
@@ -67,9 +67,8 @@ def goes_with(part: Part, equations: list[Equation]) -> None:
 
 def align(env: Env, statement: ast.AlignStmt) -> None:
     ev, stated = Evaluator(env), len(env.equations)
-    near = () if statement.near is None else statement.near.values
-    for left, right in zip(near[::2], near[1::2], strict=True):
-        equate(ev, ev.value(left), ev.value(right), left.span, right.span, statement.span)
+    for start in ast.value_of(statement.near) or ():
+        equate(ev, ev.value(start.left), ev.value(start.right), start.left.span, start.right.span, statement.span)
     starts = tuple((q.left, q.right) for q in env.equations[stated:])
     del env.equations[stated:]
     left, right = statement.left, statement.right
@@ -97,44 +96,37 @@ def equate(ev: Evaluator, a: Value, b: Value, left: Span, right: Span, span: Spa
     ev.env.equations.append(Equation(x, y, span, text_of(span)))
 
 
-def placing(
-    env: Env, part: Part, subject: ast.Expr, clauses: tuple[ast.Clause, ...], gap_default: E.Expr
-) -> Value | None:
+def placing(env: Env, part: Part, subject: ast.Expr, statement: ast.Attaching) -> Value | None:
     """Equations of ``on``, ``in``, ``fit`` and ``at``; returns what the part is placed on, for its link."""
     ev = Evaluator(env)
-    words = {c.word: c for c in clauses}
-    gap = ev.scalar(words["gap"].values[0]) if "gap" in words else gap_default
+    on, within, fit = statement.on, statement.in_, statement.fit
+    gap = ev.scalar(statement.gap.value) if statement.gap is not None else E.ZERO
     target: Value = None
-    if "on" in words:
-        node = words["on"].values[0]
-        target = ev.value(node)
-        if "sink" in words:
-            gap = E.sub(gap, ev.scalar(words["sink"].values[0]))
-        on_plane(ev, subject, node, target, gap, words["on"].span)
-    elif "in" in words:
-        node = words["in"].values[0]
-        box = squared(ev.box(node))
+    if on is not None:
+        target = ev.value(on.value)
+        if statement.sink is not None:
+            gap = E.sub(gap, ev.scalar(statement.sink.value))
+        on_plane(ev, subject, on.value, target, gap, on.span)
+    elif within is not None:
+        box = squared(ev.box(within.value))
         target = box
-        names = face_names(words["fit"]) if "fit" in words else tuple(FACES)
         own = ev.box(ast.NameExpr(span=subject.span, name=part.name))
-        for name in names:
-            match_faces(ev, own, box, name, words["in"].span, gap if "gap" in words else E.ZERO)
-    if "fit" in words and "in" not in words:
-        owner = target_box(ev, words["on"].values[0], words["fit"].span)
+        for name in FACES if fit is None else face_names(fit):
+            match_faces(ev, own, box, name, within.span, gap)
+    if fit is not None and within is None:
+        assert on is not None
+        owner = target_box(ev, on.value, fit.span)
         own = ev.box(ast.NameExpr(span=subject.span, name=part.name))
-        for name in face_names(words["fit"]):
-            match_faces(ev, own, owner, name, words["fit"].span, E.ZERO)
-    if "at" in words and mount_less(words):
-        at_point(ev, subject, words["at"], target)
+        for name in face_names(fit):
+            match_faces(ev, own, owner, name, fit.span, E.ZERO)
+    mounted = statement.to is not None or statement.between is not None
+    if statement.at is not None and not mounted and (on is not None or within is not None):
+        at_point(ev, subject, statement.at.value, target)
     return target
 
 
-def mount_less(words: dict[str, ast.Clause]) -> bool:
-    return "to" not in words and "between" not in words and ("on" in words or "in" in words)
-
-
-def face_names(clause: ast.Clause) -> tuple[str, ...]:
-    return tuple(v.name for v in clause.values if isinstance(v, ast.NameExpr) and v.name in FACES)
+def face_names(clause: ast.Clause[tuple[ast.Expr, ...]]) -> tuple[str, ...]:
+    return tuple(v.name for v in clause.value if isinstance(v, ast.NameExpr) and v.name in FACES)
 
 
 def on_plane(ev: Evaluator, subject: ast.Expr, node: ast.Expr, target: Value, gap: E.Expr, span: Span) -> None:
@@ -166,12 +158,13 @@ def match_faces(ev: Evaluator, own: Box, other: Box, name: str, span: Span, gap:
     ev.env.equations.append(Equation(a[axis], right, span, f"fit {name}"))
 
 
-def at_point(ev: Evaluator, subject: ast.Expr, clause: ast.Clause, target: Value | None) -> None:
+def at_point(ev: Evaluator, subject: ast.Expr, places: tuple[ast.Argument, ...], target: Value | None) -> None:
     """``at center`` equates the two other coordinates of the centres; ``at y = ...`` one coordinate each."""
     own = ev.value(subject)
     origin = own.origin if isinstance(own, Frame) else ev.box(subject).center
     normal = sole_axis(own.out) if isinstance(own, Frame) else None
-    for name, node in zip(clause.names, clause.values, strict=True):
+    for place in places:
+        name, node = place.name, place.value
         if name in AXES:
             k = AXES.index(name)
             ev.env.equations.append(Equation(origin[k], ev.scalar(node), node.span, f"at {name}"))
@@ -188,17 +181,13 @@ def at_point(ev: Evaluator, subject: ast.Expr, clause: ast.Clause, target: Value
 
 def connect(env: Env, statement: ast.ConnectStmt) -> Part:
     part = part_of(env, statement.subject)
-    words = {c.word: c for c in statement.clauses}
     ev = Evaluator(env)
-    if mount_of(env, statement, part.name) is None:
-        if "to" in words:
-            target: Value | None = ev.value(words["to"].values[0])
-        else:
-            target = placing(env, part, statement.subject, statement.clauses, E.ZERO)
-    elif "between" in words:
-        target = ev.value(words["between"].values[0])
+    if statement.between is not None:
+        target: Value | None = ev.value(statement.between.value[0])
+    elif statement.to is not None:
+        target = ev.value(statement.to.value)
     else:
-        target = ev.value(words["to"].values[0])
+        target = placing(env, part, statement.subject, statement)
     carried = carriers(target, env.scope)
     attach(part, Attachment(env, statement.span, carried, base=not carried))
     return part
@@ -207,17 +196,13 @@ def connect(env: Env, statement: ast.ConnectStmt) -> Part:
 def joint(env: Env, statement: ast.JointDecl) -> Part:
     assert statement.child is not None and statement.parent is not None
     part = part_of(env, statement.child)
-    placing(env, part, statement.child, joint_placing(statement), E.const(0.0))
+    placing(env, part, statement.child, statement)
     if isinstance(statement.parent, ast.NameExpr) and statement.parent.name == "base" and env.find("base") is None:
         attach(part, Attachment(env, statement.span, (), True, statement))
         return part
     carried = carriers(Evaluator(env).value(statement.parent), env.scope)
     attach(part, Attachment(env, statement.span, carried, base=not carried, joint=statement))
     return part
-
-
-def joint_placing(statement: ast.JointDecl) -> tuple[ast.Clause, ...]:
-    return tuple(c for c in statement.clauses if c.word in ("on", "in", "at", "fit", "gap", "sink"))
 
 
 def part_of(env: Env, node: ast.Expr) -> Part:

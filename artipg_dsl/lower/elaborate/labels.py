@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from ...graph import expr as E
 from ...graph.expr import ONE, Expr, Scope, ScopeError
 from ...graph.formula import free_variables
-from ...graph.program import MEASURES, Grasp, Keypoint, Label, Pose, Target
+from ...graph.program import Grasp, Keypoint, Label, Pose, Target
 from ...syntax import ast
 from ..expressions.context import Abort, where
 from ..expressions.env import Element, Env
@@ -337,10 +337,8 @@ def material(links: Links, env: Env, statement: ast.MaterialStmt) -> None:
 
 
 def grasp(links: Links, env: Env, statement: ast.GraspStmt) -> None:
-    words = {c.word: c for c in statement.clauses}
-    for word in ("at", "approach", "close", "opening"):
-        if word not in words:
-            raise env.context.error("wrong-arguments", statement.span, f"the grasp has no `{word}`")
+    at, approach, close, opening = statement.at, statement.approach, statement.close, statement.opening
+    assert at is not None and approach is not None and close is not None and opening is not None
     for aim in aims(links, env, statement.target):
         ev = formula(links, env, aim)
         if statement.parameter is not None:
@@ -350,9 +348,9 @@ def grasp(links: Links, env: Env, statement: ast.GraspStmt) -> None:
             low, high = Evaluator(env).scalar(statement.range.low), Evaluator(env).scalar(statement.range.high)
         own = dict(ev.local)
         plain = Evaluator(env, own, ev.pose)
-        directions = [Evaluator(env, {**own, **axes()}).direction(words[w].values[0]) for w in ("approach", "close")]
-        quality = plain.scalar(words["quality"].values[0]) if "quality" in words else ONE
-        hand = tuple((word, plain.scalar(words[word].values[0])) for word in MEASURES if word in words)
+        turned = Evaluator(env, {**own, **axes()})
+        quality = plain.scalar(statement.quality.value) if statement.quality is not None else ONE
+        hand = tuple((measure.word, plain.scalar(measure.value)) for measure in statement.hand)
         scope = env.context.guard(aim.scope, present(env, aim), f"{env.path}{statement.name}")
         links.context.program.grasps.append(
             Grasp(
@@ -364,10 +362,10 @@ def grasp(links: Links, env: Env, statement: ast.GraspStmt) -> None:
                 aim.box.center,
                 low,
                 high,
-                plain.vector(words["at"].values[0]),
-                directions[0],
-                directions[1],
-                plain.scalar(words["opening"].values[0]),
+                plain.vector(at.value),
+                turned.direction(approach.value),
+                turned.direction(close.value),
+                plain.scalar(opening.value),
                 quality,
                 where(statement.span),
                 hand,

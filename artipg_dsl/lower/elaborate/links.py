@@ -308,20 +308,19 @@ class Links:
         parents = self.base(env) if attachment.base else self.carried(attachment.to, statement.span)
         origin, axis = self.axis(ev, part, statement, kind)
         outer = self.world(env)
-        words = {c.word: c for c in statement.clauses}
         low = high = None
-        if "range" in words and kind != "continuous":
-            low, high = self.ends(ev, words["range"].values[0], words["range"].values[1], kind, len(program.joints))
+        if statement.range is not None and kind != "continuous":
+            low, high = self.ends(ev, statement.range.value, kind, len(program.joints))
         elif kind in ("revolute", "prismatic", "screw"):
             raise self.context.error(
                 "missing-clause", statement.span, f"the {kind} joint `{statement.name}` has no range",
                 hint="add `range 0cm .. 30cm`" if kind == "prismatic" else "add `range 0deg .. 90deg`, or make it continuous",
             )  # fmt: skip
-        rest = self.rest(ev, words, low, high)
-        if "mimic" in words:
-            self.mimics[len(program.joints)] = (env, words["mimic"].values[0])
-        given = ("damping", "friction", "effort", "velocity", "pitch")
-        physics: dict[str, Any] = {w: ev.scalar(words[w].values[0]) for w in given if w in words}
+        rest = self.rest(ev, statement, low, high)
+        if statement.mimic is not None:
+            self.mimics[len(program.joints)] = (env, statement.mimic.value)
+        given = (statement.damping, statement.friction, statement.effort, statement.velocity, statement.pitch)
+        physics: dict[str, Any] = {c.word: ev.scalar(c.value) for c in given if c is not None}
         name = part.path if statement.name in ("motion", "") else joint_name(env, statement)
         joint = Joint(
             joint_name(env, statement), name, program.links[child].scope, kind, parents, child,
@@ -338,8 +337,9 @@ class Links:
             return E.const(2 * math.pi if kind == "revolute" else 10.0)
         return ev.scalar(node)
 
-    def ends(self, ev: Evaluator, low: ast.Expr, high: ast.Expr, kind: str, joint: int) -> tuple[Expr, Expr]:
+    def ends(self, ev: Evaluator, interval: ast.RangeExpr, kind: str, joint: int) -> tuple[Expr, Expr]:
         """Both ends of the range of a joint, by its number."""
+        low, high = interval.low, interval.high
         if clears(ev, low) or clears(ev, high) and kind not in ("revolute", "prismatic"):
             self.context.unclear.append((low if clears(ev, low) else high).span)
         elif clears(ev, high):
@@ -348,22 +348,21 @@ class Links:
                 self.context.whatever.add(joint)
         return self.limit(ev, low, kind), self.limit(ev, high, kind)
 
-    def rest(self, ev: Evaluator, words: dict[str, ast.Clause], low: Expr | None, high: Expr | None) -> Expr:
+    def rest(self, ev: Evaluator, statement: ast.JointDecl, low: Expr | None, high: Expr | None) -> Expr:
         """The given rest value, else the value of the range nearest 0."""
-        if "rest" in words:
-            return ev.scalar(words["rest"].values[0])
+        if statement.rest is not None:
+            return ev.scalar(statement.rest.value)
         if low is None or high is None:
             return E.ZERO
         return E.minimum(E.maximum(E.ZERO, low), high)
 
     def axis(self, ev: Evaluator, part: Part, statement: ast.JointDecl, kind: str) -> tuple[Triple, Triple]:
         """Origin and direction in the frame of the statement."""
-        words = {c.word: c for c in statement.clauses}
         if part.env is ev.env:
             center = place(part.pose, part.box().center)
         else:
             center = ev.box(ast.NameExpr(span=part.span, name=part.name)).center
-        clause = words.get("about") or words.get("along")
+        clause = statement.about or statement.along
         if clause is None:
             assert statement.parent is not None
             value = None if bare(ev.env, statement.parent) else ev.value(statement.parent)
@@ -372,20 +371,15 @@ class Links:
             if isinstance(value, Line):
                 return value.point, value.direction
             if kind in ("fixed", "ball"):
-                at = words.get("at")
-                return (ev.vector(at.values[0]) if at is not None else center), (E.ONE, E.ZERO, E.ZERO)
+                at = statement.at
+                return (ev.vector(at.value[0].value) if at is not None else center), (E.ONE, E.ZERO, E.ZERO)
             raise self.context.error(
                 "bad-axis", statement.span, f"this {kind} joint has no axis",
                 hint="say `about` an edge or a line (door.left.back), or `along` a direction for a prismatic joint",
             )  # fmt: skip
-        value = ev.value(clause.values[0])
-        if (
-            clause.word == "about"
-            and kind == "prismatic"
-            or clause.word == "along"
-            and kind in MOVING_ABOUT
-            and isinstance(value, Vec)
-        ):
+        value = ev.value(clause.value)
+        wrong = kind == "prismatic" if clause is statement.about else kind in MOVING_ABOUT and isinstance(value, Vec)
+        if wrong:
             right = "along x" if kind == "prismatic" else "about door.left.back"
             raise self.context.error(
                 "bad-axis",

@@ -16,12 +16,6 @@ from ..values.kinds import Choice, Vec
 from .draws import draw_choice
 from .ranges import MATERIAL, plain
 
-RANGES = {
-    "density": "density", "friction_static": "friction_static", "static_friction": "friction_static",
-    "friction_dynamic": "friction_dynamic", "dynamic_friction": "friction_dynamic", "restitution": "restitution",
-    "metalness": "metalness", "roughness": "roughness", "transparency": "transparency",
-}  # fmt: skip
-
 
 @dataclass(slots=True, eq=False)
 class Look:
@@ -61,34 +55,40 @@ def lower_material(context: Context, symbol: Symbol) -> Material:
     values: dict = {"name": symbol.name}
     declaration = symbol.decl
     assert isinstance(declaration, ast.MaterialDecl)
-    for clause in declaration.properties:
-        if clause.word in ("colour", "color"):
-            colours = []
-            for node in clause.values:
-                value = ev.value(node)
-                if not isinstance(value, Vec):
-                    raise context.error(
-                        "wrong-kind", node.span, "a colour is a vector [red, green, blue] of numbers in 0 .. 1"
-                    )
-                colours.append(tuple(settled(context, "colour", node, c) for c in value.items))
-            values["colour"] = tuple(colours)
-        elif clause.word in RANGES:
-            values[RANGES[clause.word]] = span_of(ev, RANGES[clause.word], clause)
-        elif clause.word == "friction":
-            values["friction_static"] = values["friction_dynamic"] = span_of(ev, "friction_static", clause)
-        else:
-            known = sorted({*RANGES, "colour", "friction"})
-            raise context.error(
-                "unknown-clause", clause.span, f"a material has no `{clause.word}`", hint=f"it has {', '.join(known)}"
-            )
+    if declaration.colour is not None:
+        colours = []
+        for node in ends(declaration.colour):
+            value = ev.value(node)
+            if not isinstance(value, Vec):
+                raise context.error(
+                    "wrong-kind", node.span, "a colour is a vector [red, green, blue] of numbers in 0 .. 1"
+                )
+            colours.append(tuple(settled(context, "colour", node, c) for c in value.items))
+        values["colour"] = tuple(colours)
+    properties = {
+        "density": declaration.density,
+        "friction_static": declaration.static_friction or declaration.friction,
+        "friction_dynamic": declaration.dynamic_friction or declaration.friction,
+        "restitution": declaration.restitution,
+        "metalness": declaration.metalness,
+        "roughness": declaration.roughness,
+        "transparency": declaration.transparency,
+    }
+    values |= {name: span_of(ev, name, clause) for name, clause in properties.items() if clause is not None}
     made = Material(**values)
     context.program.materials[symbol.name] = made
     return made
 
 
-def span_of(ev: Evaluator, name: str, clause: ast.Clause) -> tuple[float, float]:
+def ends(clause: ast.Clause[ast.RangeExpr]) -> tuple[ast.Expr, ...]:
+    """The two ends of a property's range, or its one value."""
+    low, high = clause.value.low, clause.value.high
+    return (low,) if low is high else (low, high)
+
+
+def span_of(ev: Evaluator, name: str, clause: ast.Clause[ast.RangeExpr]) -> tuple[float, float]:
     """The range of a property: one value, or the two ends."""
-    numbers = [settled(ev.env.context, name, node, ev.scalar(node)) for node in clause.values]
+    numbers = [settled(ev.env.context, name, node, ev.scalar(node)) for node in ends(clause)]
     if numbers[0] > numbers[-1]:
         raise ev.env.context.error(
             "empty-range", clause.span, "the range is empty: its low end lies above its high end", hint="swap the ends"

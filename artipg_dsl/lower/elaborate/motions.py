@@ -58,7 +58,7 @@ def limit(links: Links, env: Env, statement: ast.LimitStmt) -> None:
                 "needs-clearance", statement.range.high.span, "`clearance` cannot stand under a guard that the joint does not stand under",
                 hint="say it in the joint's own range, or state one joint in each branch",
             )  # fmt: skip
-        ends = links.ends(ev, statement.range.low, statement.range.high, joint.kind, number)
+        ends = links.ends(ev, statement.range, joint.kind, number)
         low, high = (lifted(end, joint.scope) for end in ends)
         low, high = E.maximum(joint.low, low), E.minimum(joint.high, high)
         rest = E.minimum(E.maximum(joint.rest, low), high)

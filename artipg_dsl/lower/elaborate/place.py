@@ -48,13 +48,9 @@ class Mount:
     """A statement that fixes the whole pose of a part: ``subject`` on ``target`` (frames), or between two points."""
 
     env: Env
-    statement: ast.ConnectStmt | ast.JointDecl
+    statement: ast.Attaching
     subject: ast.Expr
     target: ast.Expr | None
-    clauses: tuple[ast.Clause, ...]
-
-    def clause(self, word: str) -> ast.Clause | None:
-        return next((c for c in self.clauses if c.word == word), None)
 
 
 def root_name(node: ast.Expr | None) -> str | None:
@@ -74,21 +70,18 @@ def bare(env: Env, node: ast.Expr | None) -> bool:
 
 def mount_of(env: Env, statement: ast.Stmt, name: str) -> Mount | None:
     """The mount that a statement states for the part ``name``, if it is one."""
-    if isinstance(statement, ast.ConnectStmt) and root_name(statement.subject) == name:
-        words = {c.word: c for c in statement.clauses}
-        if "between" in words:
-            return Mount(env, statement, statement.subject, None, statement.clauses)
-        if "to" in words and isinstance(statement.subject, ast.MemberExpr):
-            return Mount(env, statement, statement.subject, words["to"].values[0], statement.clauses)
-    if isinstance(statement, ast.JointDecl) and statement.child is not None and root_name(statement.child) == name:
-        words = {c.word: c for c in statement.clauses}
-        if "between" in words:
-            return Mount(env, statement, statement.child, None, statement.clauses)
-        if "to" in words and isinstance(statement.child, ast.MemberExpr):
-            return Mount(env, statement, statement.child, words["to"].values[0], statement.clauses)
-        ported = isinstance(statement.child, ast.MemberExpr | ast.IndexExpr) and not bare(env, statement.parent)
-        if ported and not {"in", "on"} & set(words):
-            return Mount(env, statement, statement.child, statement.parent, statement.clauses)
+    if not isinstance(statement, ast.ConnectStmt | ast.JointDecl):
+        return None
+    subject = statement.subject if isinstance(statement, ast.ConnectStmt) else statement.child
+    if subject is None or root_name(subject) != name:
+        return None
+    if statement.between is not None:
+        return Mount(env, statement, subject, None)
+    if statement.to is not None and isinstance(subject, ast.MemberExpr):
+        return Mount(env, statement, subject, statement.to.value)
+    if isinstance(statement, ast.JointDecl) and statement.in_ is statement.on is None:
+        if isinstance(subject, ast.MemberExpr | ast.IndexExpr) and not bare(env, statement.parent):
+            return Mount(env, statement, subject, statement.parent)
     return None
 
 
@@ -193,7 +186,8 @@ def flat(pose: Pose) -> list[E.Expr]:
 
 def mounted(part: Part, mount: Mount) -> Pose:
     ev = Evaluator(mount.env)
-    if mount.clause("between") is not None:
+    statement = mount.statement
+    if statement.between is not None:
         return bridged(part, mount, ev)
     assert mount.target is not None
     inner = rotation_of(part)
@@ -213,11 +207,9 @@ def mounted(part: Part, mount: Mount) -> Pose:
     out, up = value.out, value.up
     side = tuple(row[1] for row in value.rotation)
     rotation = product(columns(times(out, MINUS), times(side, MINUS), up), transpose(own.rotation))  # type: ignore[arg-type]
-    extra = mount.clause("gap")
-    offset = ev.scalar(extra.values[0]) if extra is not None else ZERO
-    sink = mount.clause("sink")
-    if sink is not None:
-        offset = E.sub(offset, ev.scalar(sink.values[0]))
+    offset = ev.scalar(statement.gap.value) if statement.gap is not None else ZERO
+    if statement.sink is not None:
+        offset = E.sub(offset, ev.scalar(statement.sink.value))
     origin = plus(origin, times(out, offset))
     shift = minus(origin, turn(rotation, own.origin))
     return Pose(rotation if inner == IDENTITY else product(rotation, inner), shift, ONE)
@@ -249,11 +241,9 @@ def own_value(part: Part, subject: ast.Expr, env: Env, rotation: Matrix = IDENTI
 
 def located(frame: Frame, mount: Mount, ev: Evaluator) -> Triple:
     """The origin of the target, moved by ``at y = ..., z = ...`` within its plane."""
-    clause = mount.clause("at")
     origin = list(frame.origin)
-    if clause is None:
-        return frame.origin
-    for name, node in zip(clause.names, clause.values, strict=True):
+    for argument in ast.value_of(mount.statement.at) or ():
+        name, node = argument.name, argument.value
         if name in AXES:
             axis = AXES.index(name)
             if frame.out[axis].constant in (1.0, -1.0):
@@ -271,7 +261,8 @@ def located(frame: Frame, mount: Mount, ev: Evaluator) -> Triple:
 
 def bridged(part: Part, mount: Mount, ev: Evaluator) -> Pose:
     """``between A and B [facing d] [sink s]``: the pose and the one parameter on which the length of ``ends`` depends."""
-    clause = mount.clause("between")
+    statement = mount.statement
+    clause = statement.between
     assert clause is not None
     if rotation_of(part) != IDENTITY:
         turned_in_vain(part, mount)
@@ -282,20 +273,17 @@ def bridged(part: Part, mount: Mount, ev: Evaluator) -> Pose:
             "unknown-port", subject.span, f"`{part.name}` has no port `ends : line` with two ends, which `between` needs",
             hint="declare it in the template: port ends = line(at = ..., to = ...)",
         )  # fmt: skip
-    sink_clause = mount.clause("sink")
-    sink = ev.scalar(sink_clause.values[0]) if sink_clause is not None else ZERO
-    gap_clause = mount.clause("gap")
-    if gap_clause is not None:
-        sink = E.sub(sink, ev.scalar(gap_clause.values[0]))
-    a, b = sunk(ev, clause.values, sink)
+    sink = ev.scalar(statement.sink.value) if statement.sink is not None else ZERO
+    if statement.gap is not None:
+        sink = E.sub(sink, ev.scalar(statement.gap.value))
+    a, b = sunk(ev, clause.value, sink)
     x, y, z = map(tidy, minus(b, a))
     outer, inner = (x, y, z), minus(line.to, line.point)
     distance = norm(outer)
     reach = next((c for c in inner if c is not ZERO), ZERO) if sum(c is not ZERO for c in inner) == 1 else norm(inner)
     mount.env.equations.append(Equation(reach, distance, clause.span, "the distance of the two ends", part.exists))
-    facing = mount.clause("facing")
     along = normalized(outer)
-    toward = ev.direction(facing.values[0]) if facing is not None else perpendicular(along)
+    toward = ev.direction(statement.facing.value) if statement.facing is not None else perpendicular(along)
     own_axis = next((k for k in range(3) if inner[k] is not ZERO), 2)
     own_along = unit(own_axis) if sum(c is not ZERO for c in inner) == 1 else normalized(inner)
     own_toward = unit(0 if own_axis != 0 else 2)

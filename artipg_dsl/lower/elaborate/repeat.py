@@ -20,27 +20,21 @@ HALF = E.const(0.5)
 WATER_ROUNDS = 12
 
 
-def clause(statement: ast.RepeatStmt, word: str) -> ast.Clause | None:
-    return next((c for c in statement.clauses if c.word == word), None)
-
-
 def build_repeat(env: Env, statement: ast.RepeatStmt, declare: Callable[[Env, tuple[ast.Stmt, ...]], None]) -> Element:
     """Open the table of a repeat, place its elements, lower its body."""
     context = env.context
     ev = Evaluator(env)
     box = whole = None
-    if statement.form in ("split", "spread", "fill"):
-        found = clause(statement, statement.form)
-        assert found is not None
-        whole = ev.box(found.values[0])
+    if (within := statement.split or statement.spread or statement.fill) is not None:
+        whole = ev.box(within.value)
         box = squared(whole)
     if statement.form == "mirror":
         count: Expr = E.const(2.0)
     elif statement.form == "fill" and statement.count is None:
         count = filled(ev, statement, box)  # type: ignore[arg-type]
-        if (every := clause(statement, "every")) is not None:
+        if (every := statement.every) is not None:
             name, place = f"`every` of `{statement.name}`", where(every.span)
-            context.asked.append(Quantity(name, env.scope, ev.scalar(every.values[0]), EVERY, place))
+            context.asked.append(Quantity(name, env.scope, ev.scalar(every.value), EVERY, place))
     else:
         assert statement.count is not None
         count = ev.scalar(statement.count)
@@ -75,27 +69,26 @@ def build_repeat(env: Env, statement: ast.RepeatStmt, declare: Callable[[Env, tu
 
 def axis_of(ev: Evaluator, statement: ast.RepeatStmt) -> int:
     """The axis of ``along``; for ``pitch`` too."""
-    found = clause(statement, "along")
+    found = statement.along
     if found is None:
         raise ev.env.context.error(
             "wrong-arguments", statement.span, f"`{statement.form}` needs `along x`, `along y` or `along z`"
         )
-    axis = signed_axis(ev.direction(found.values[0]))
+    axis = signed_axis(ev.direction(found.value))
     if axis is None:
         raise ev.env.context.error("bad-axis", found.span, "a repeat runs along x, y or z")
     return axis[0]
 
 
-def scalar(ev: Evaluator, statement: ast.RepeatStmt, word: str) -> Expr:
-    found = clause(statement, word)
-    return E.ZERO if found is None else ev.scalar(found.values[0])
+def scalar(ev: Evaluator, clause: ast.Clause[ast.Expr] | None) -> Expr:
+    return E.ZERO if clause is None else ev.scalar(clause.value)
 
 
 def filled(ev: Evaluator, statement: ast.RepeatStmt, box: Box) -> Expr:
     """How many elements fit: ``fill A every d``."""
     axis = axis_of(ev, statement)
-    length = E.sub(box.size[axis], E.mul(E.const(2.0), scalar(ev, statement, "margin")))
-    step = scalar(ev, statement, "every")
+    length = E.sub(box.size[axis], E.mul(E.const(2.0), scalar(ev, statement.margin)))
+    step = scalar(ev, statement.every)
     return E.maximum(E.ONE, E.add(E.call("floor", E.add(E.div(length, step), E.const(1e-9))), E.ONE))
 
 
@@ -107,12 +100,12 @@ def spaced(
     if box is None:
         own = ev.own_box()
         box = squared(own) if own is not None else Box(ORIGIN, ORIGIN)
-    margin, rank = scalar(ev, statement, "margin"), E.rank(scope)
+    margin, rank = scalar(ev, statement.margin), E.rank(scope)
     length = box.size[axis]
     if statement.form == "pitch":
-        center = E.add(E.add(box.low[axis], margin), E.mul(rank, scalar(ev, statement, "pitch")))
+        center = E.add(E.add(box.low[axis], margin), E.mul(rank, scalar(ev, statement.pitch)))
     elif statement.form == "fill":
-        step = scalar(ev, statement, "every")
+        step = scalar(ev, statement.every)
         used = E.mul(E.sub(count, E.ONE), step)
         start = E.mul(E.sub(length, used), HALF)
         center = E.add(E.add(box.low[axis], start), E.mul(rank, step))
@@ -128,12 +121,12 @@ def spaced(
 
 def ring(ev: Evaluator, statement: ast.RepeatStmt, count: Expr, scope: Scope) -> Pose:
     """``ring n about axis``: the scope's frame turned by k / n about the axis, its origin on it."""
-    found = clause(statement, "about")
+    found = statement.about
     assert found is not None
-    value = ev.value(found.values[0])
+    value = ev.value(found.value)
     line = value if isinstance(value, Line) else None
     point = line.point if line is not None else getattr(value, "origin", ORIGIN)
-    direction = ev.direction(found.values[0])
+    direction = ev.direction(found.value)
     if norm(direction) is not E.ONE:
         raise ev.env.context.error("bad-axis", found.span, "a ring turns about an axis of unit length")
     angle = E.mul(E.div(E.rank(scope), count), E.const(6.283185307179586))
@@ -146,9 +139,9 @@ def ring(ev: Evaluator, statement: ast.RepeatStmt, count: Expr, scope: Scope) ->
 
 def mirrored(ev: Evaluator, statement: ast.RepeatStmt, scope: Scope) -> Pose:
     """``mirror across y``: element 0 as written, element 1 its mirror image in the plane through the scope's centre."""
-    found = clause(statement, "across")
+    found = statement.across
     assert found is not None
-    axis = signed_axis(ev.direction(found.values[0]))
+    axis = signed_axis(ev.direction(found.value))
     if axis is None:
         raise ev.env.context.error("bad-axis", found.span, "a mirror stands across x, y or z")
     sign = E.where(E.call("eq", E.rank(scope), E.ZERO), E.ONE, E.const(-1.0))

@@ -12,7 +12,7 @@ from ..expressions.context import where
 from ..expressions.env import Element, Env
 from ..expressions.evaluate import Evaluator
 from ..values.kinds import Box
-from .repeat import axis_of, clause, scalar
+from .repeat import axis_of, scalar
 
 ROUNDS = 8
 
@@ -23,18 +23,16 @@ def split(
     """Set the element's box and the gap before it. The weight may name what the body declares."""
     outer = Evaluator(inner.outer)  # type: ignore[arg-type]
     axis, scope = axis_of(outer, statement), element.scope
-    gap = scalar(outer, statement, "gap")
+    gap = scalar(outer, statement.gap)
     for declaration in statement.body:
         if isinstance(declaration, ast.ParamDecl | ast.CountDecl | ast.LetDecl):
             register(inner, declaration)
-    weighted = clause(statement, "weight")
-    weight = E.ONE if weighted is None else Evaluator(inner).scalar(weighted.values[0])
+    weight = E.ONE if statement.weight is None else Evaluator(inner).scalar(statement.weight.value)
     room = E.sub(box.size[axis], E.mul(E.sub(element.count, E.ONE), gap))
-    limits = clause(statement, "each")
-    if limits is None:
+    if statement.each is None:
         size = E.div(E.mul(room, weight), total(scope, weight, element.count))
     else:
-        low, high = (outer.scalar(v) for v in limits.values)
+        low, high = outer.scalar(statement.each.value.low), outer.scalar(statement.each.value.high)
         size = limited(scope, room, weight, element.count, low, high)
         bound_count(inner, element, statement, room, low, high)
     if size.scope is scope:

@@ -25,7 +25,7 @@ from .bays import BLEND, Bay, Chains, bay_pieces, polygons, sum_of, swapped
 from .curves import TURN, Curve, spans_of
 from .frames import Frames, bend, turning
 from .frames import frames as frames_of
-from .made import Made, U, clause
+from .made import Made, U
 from .paths import Handed, Stretch, steps_of, stretches
 from .probe import Probe
 from .profiles import SLOPE, Side, Span, V, circular, distance, extreme, orientation, straight
@@ -50,7 +50,7 @@ def loft(env: Env, solid: ast.SolidDecl) -> Made:
             hint="loft(base, top) along z from 0 to h",
         )
     probe = Probe(env, solid.span)
-    node = clause(solid, "along")
+    node = ast.value_of(solid.along)
     path = env.find(node.name) if isinstance(node, ast.NameExpr) else None
     sections = alike(probe, [spans_of(Evaluator(env), a.value) for a in solid.arguments])
     for section, argument in zip(sections, solid.arguments, strict=True):
@@ -67,7 +67,7 @@ def loft(env: Env, solid: ast.SolidDecl) -> Made:
         if len(sections) != 2:
             raise env.context.error("wrong-arguments", solid.span, "along a path `loft` takes two sections")
         return along_path(env, probe, solid, path, [sections[0]], [sections[1]])
-    axis = axis_of(env, solid, "along")
+    axis = axis_of(env, solid, solid.along)
     levels = levels_of(env, solid, len(sections))
     bays = []
     for k in range(len(sections) - 1):
@@ -112,7 +112,7 @@ def alike(probe: Probe, sections: Chains) -> Chains:
 def levels_of(env: Env, solid: ast.SolidDecl, count: int) -> list[Expr]:
     """Where the sections of a loft along an axis stand."""
     ev = Evaluator(env)
-    at, ends = clause(solid, "at"), [clause(solid, word) for word in ("from", "to")]
+    at, ends = ast.value_of(solid.at), (ast.value_of(solid.from_), ast.value_of(solid.to))
     if at is not None:
         if isinstance(at, ast.VectorExpr) and len(at.items) == count:
             return [ev.scalar(level) for level in at.items]
@@ -136,7 +136,7 @@ def swept(env: Env, solid: ast.SolidDecl) -> Made:
 
 
 def along_path(env: Env, probe: Probe, solid: ast.SolidDecl, path: Curve | Handed, first: Chains, last: Chains) -> Made:
-    node = clause(solid, "up")
+    node = ast.value_of(solid.up)
     rails = stretches(path.steps if isinstance(path, Handed) else steps_of(path))
     check_directions(env, probe, solid, rails)
     across = frames_of(probe, rails, None if node is None else Evaluator(env).direction(node))

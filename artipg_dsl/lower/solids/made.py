@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from ...graph import expr as E
 from ...graph.expr import ZERO, Expr
 from ...graph.primitive import Patch, Piece, Triple
-from ...syntax import ast
 from ..values.kinds import Value
 from .curves import TURN
 
@@ -26,8 +25,3 @@ class Made:
     high: Triple
     ports: dict[str, Value] = field(default_factory=dict)
     requires: tuple[tuple[Expr, Expr, str], ...] = ()
-
-
-def clause(solid: ast.SolidDecl, word: str) -> ast.Expr | None:
-    """The value of a clause of ``solid = ...``, where it is given."""
-    return next((c.values[0] for c in solid.clauses if c.word == word), None)

@@ -29,7 +29,7 @@ from ..expressions.evaluate import Evaluator
 from .curves import TURN
 from .holes import holed, several
 from .loft import loft, swept
-from .made import FULL, Made, U, clause
+from .made import FULL, Made, U
 from .parity import signed
 from .probe import SMALL, Probe
 from .profiles import (
@@ -71,7 +71,7 @@ def solid_of(env: Env, solid: ast.SolidDecl) -> Made:
 def lathe(env: Env, solid: ast.SolidDecl) -> Made:
     """A solid of revolution; profile curves give [radius, height]."""
     probe = Probe(env, solid.span)
-    axis = axis_of(env, solid, "about")
+    axis = axis_of(env, solid, solid.about)
     chains = chains_of(env, probe, solid)
     loop = profile_loop(probe, chains)
     for side in loop:
@@ -211,8 +211,8 @@ def check_radius(env: Env, probe: Probe, solid: ast.SolidDecl, span: Span) -> No
 def extrude(env: Env, solid: ast.SolidDecl) -> Made:
     """A prism over a region of the plane; curves give the two coordinates across the axis, in cyclic order."""
     probe = Probe(env, solid.span)
-    axis = axis_of(env, solid, "along")
-    start, end = (clause(solid, word) for word in ("from", "to"))
+    axis = axis_of(env, solid, solid.along)
+    start, end = ast.value_of(solid.from_), ast.value_of(solid.to)
     if start is None or end is None:
         raise env.context.error(
             "wrong-arguments", solid.span, "`extrude` needs both its ends", hint="extrude(edge) along z from 0 to thick"

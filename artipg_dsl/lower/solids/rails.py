@@ -17,7 +17,6 @@ from ..values.faces import frame_of
 from ..values.kinds import Frame, Value
 from ..values.vectors import cross, dot, minus, plus, times
 from .curves import TURN, Curve
-from .made import clause
 from .paths import Handed, Stretch
 from .probe import Probe
 from .profiles import FINE, SLOW, STEPS, V, clamp, halved, onwards, summit
@@ -32,7 +31,7 @@ Across = Callable[[float | Expr], Triple]  # the vector beside the path at v
 
 def path_of(env: Env, solid: ast.SolidDecl) -> Curve | Handed:
     """The path that follows ``along``; raises Abort after a diagnostic where there is none."""
-    node = clause(solid, "along")
+    node = ast.value_of(solid.along)
     path = env.find(node.name) if isinstance(node, ast.NameExpr) else None
     if node is not None and isinstance(path, Curve | Handed):
         return path

@@ -12,7 +12,6 @@ from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..values.vectors import signed_axis
 from .curves import spans_of
-from .made import clause
 from .probe import Probe
 from .profiles import Loop, Point, Side, Span, V, between, samples, straight
 
@@ -34,14 +33,14 @@ def chains_of(env: Env, probe: Probe, solid: ast.SolidDecl, most: int = 2) -> li
     return chains
 
 
-def axis_of(env: Env, solid: ast.SolidDecl, word: str) -> int:
+def axis_of(env: Env, solid: ast.SolidDecl, clause: ast.Clause[ast.Expr] | None) -> int:
     """The axis that follows ``about`` or ``along``; z where the clause is left out."""
-    node = clause(solid, word)
-    if node is None:
+    if clause is None:
         return 2
-    found = signed_axis(Evaluator(env).direction(node))
+    found = signed_axis(Evaluator(env).direction(clause.value))
     if found is None or found[1] < 0:
-        raise env.context.error("bad-axis", node.span, f"`{solid.operator}` takes x, y or z after `{word}`")
+        message = f"`{solid.operator}` takes x, y or z after `{clause.word}`"
+        raise env.context.error("bad-axis", clause.value.span, message)
     return found[0]
 
 

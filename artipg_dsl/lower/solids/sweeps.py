@@ -18,7 +18,7 @@ from ..expressions.evaluate import Evaluator
 from ..values.vectors import cross, dot, minus, plus, times
 from .curves import TURN
 from .frames import frames as frames_of
-from .made import FULL, Made, U, clause
+from .made import FULL, Made, U
 from .paths import Handed, Stretch, steps_of, stretches
 from .probe import Probe
 from .profiles import SLOPE, V, summit
@@ -34,7 +34,7 @@ def sweep(env: Env, solid: ast.SolidDecl) -> Made:
     radii = [section_radius(ev, a) for a in solid.arguments]
     if len(radii) not in (1, 2):
         raise env.context.error("wrong-arguments", solid.span, "`sweep` takes a section, or an outer and an inner one")
-    upwards = clause(solid, "up")
+    upwards = ast.value_of(solid.up)
     pieces = stretches(path.steps if isinstance(path, Handed) else steps_of(path))
     probe = Probe(env, solid.span)
     check_directions(env, probe, solid, pieces)
