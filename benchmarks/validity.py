@@ -24,7 +24,7 @@ from artipg_dsl.geometry import pieces
 from artipg_dsl.resources import categories_dir
 from artipg_dsl.run.job import open_job
 from artipg_dsl.runtime.batch import Batch
-from artipg_dsl.sampling.sample import Statistics
+from artipg_dsl.sampling.statistics import Statistics
 from artipg_dsl.session import Session
 from artipg_dsl.validity.bodies import gather, turned
 from artipg_dsl.validity.evidence import evidence

@@ -45,7 +45,7 @@ def examine(
     """All evidence as plain data. ``drawn`` are objects that meet the requirements, ``delivered`` what is handed out;
     ``meshes``: what is delivered, by what is seen of it. ``progress`` is told (step, steps) before each step."""
     from ..export.strict import ready, strict
-    from ..sampling.sample import Statistics
+    from ..sampling.statistics import Statistics
     from ..validity.evidence import evidence
 
     if meshes:

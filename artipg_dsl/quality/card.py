@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..run.job import Job
-from ..sampling.sample import Statistics
+from ..sampling.statistics import Statistics
 from .coverage import Coverage, coverage
 from .dead import Dead, dead_alternatives, dead_parameters
 from .distance import mean_distance

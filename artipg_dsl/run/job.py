@@ -18,8 +18,9 @@ from ..runtime.kernels import TooMany
 from ..runtime.repairs import Cause, in_short
 from ..sampling.mutate import Mutation, Names
 from ..sampling.prior import CANDIDATES, MOST_CANDIDATES
-from ..sampling.sample import Exhausted, Sampler, Statistics
+from ..sampling.sample import Sampler
 from ..sampling.settled import again
+from ..sampling.statistics import Exhausted, Statistics
 from ..sampling.trace import Replay, read_traces
 from ..sampling.values import Values
 from ..validity.sound import prove

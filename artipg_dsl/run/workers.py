@@ -18,7 +18,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..errors import UserError
-from ..sampling.sample import Statistics
+from ..sampling.statistics import Statistics
 
 if TYPE_CHECKING:
     from ..export.chunk import Chunk

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from copy import copy
 from functools import cached_property, lru_cache
 from operator import itemgetter
@@ -17,7 +17,7 @@ from ..graph.reference import Reference
 from . import motion
 from .kernels import State
 from .loops import Loops, loops_of
-from .needs import pose_cells
+from .needs import pose_cells, wanted
 from .plan import Plan, make_plan
 from .referred import Referred
 from .repairs import Repairs
@@ -30,19 +30,22 @@ UNLIKE = np.array([1.0, 2.0])  # turns and axis of a part that is like itself on
 class Batch:
     """Objects of one program as columns. ``numbers`` (B,) are the object numbers, ``seed`` what they were drawn with.
 
+    ``ends`` gives the joints of a batch the ends that they have where they go on as far as nothing is in the way, which
+    solids tell (``validity.clearance``); without it they keep the ends of their ranges.
     ``history``: the operations that made them from others (``sampling.mutate.Stage``), the first first. ``repairs``: what was
     moved to make them valid.
     """
 
     def __init__(
-        self, program: Program, plan: Plan, state: State, tables: list, values: list, numbers: np.ndarray | None = None
-    ):
+        self, program: Program, plan: Plan, state: State, tables: list, values: list, numbers: np.ndarray | None = None,
+        ends: Callable[[Batch], JointTable] | None = None,
+    ):  # fmt: skip
         self.program, self.plan, self.state = program, plan, state
         self.seed = state.seed
         self.numbers = (state.objects if numbers is None else np.asarray(numbers)).astype(np.int64)
         self.history: tuple[Any, ...] = ()
         self.repairs: Repairs = Repairs.none()
-        self._tables, self._values = tables, values
+        self._tables, self._values, self._ends = tables, values, ends
         self.rowmap = Rowmap(plan.scopes, tables)
 
     def __len__(self) -> int:
@@ -55,9 +58,7 @@ class Batch:
 
     def __reduce__(self) -> tuple[Any, tuple[Any, ...]]:
         """To another process goes what it was evaluated with: the code and what was worked out since are made anew there."""
-        from ..sampling.sample import revived  # late: samplers make batches
-
-        return revived, (self.program, self._asked(), self.numbers, self.history, self.repairs)
+        return revived, (self.program, self._asked(), self.numbers, self._ends, self.history, self.repairs)
 
     def _asked(self) -> State:
         """The state to evaluate again what this is."""
@@ -220,13 +221,11 @@ class Batch:
     @cached_property
     def _limited(self) -> JointTable:
         """The joints, those that go on as far as nothing is in the way with the ends that they have."""
-        if not any(joint.clearance for joint in self.program.joints):
+        if self._ends is None or not any(joint.clearance for joint in self.program.joints):
             return self._joints
-        from ..validity.clearance import limited  # late: it needs the solids
-
         wide = copy(self)
         wide.__dict__["_limited"] = self._joints
-        return limited(wide)
+        return self._ends(wide)
 
     @cached_property
     def _joints(self) -> JointTable:
@@ -398,3 +397,21 @@ def apart(names: Sequence[str], owner: np.ndarray) -> list[str]:
             tags[k] = f"{place[1]}_{found[place]}"
             taken.add((owners[k], tags[k]))
     return tags
+
+
+@lru_cache(maxsize=8)
+def full_plan(program: Program) -> Plan:
+    """The plan of all that a batch is asked for; one for all batches of a program that came from another process."""
+    return make_plan(program, wanted(program))
+
+
+def revived(
+    program: Program, state: State, numbers: np.ndarray, ends: Callable[[Batch], JointTable] | None,
+    history: tuple[Any, ...], repairs: Repairs,
+) -> Batch:  # fmt: skip
+    """A batch from what it was evaluated with; the same to the bit."""
+    plan = full_plan(program)
+    tables, values = plan.function(state)
+    batch = Batch(program, plan, state, tables, values, numbers, ends)
+    batch.history, batch.repairs = history, repairs
+    return batch

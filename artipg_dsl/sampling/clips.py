@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,9 +12,11 @@ from ..graph.program import Program
 from ..runtime.batch import Batch
 from ..runtime.kernels import TOLERANCE, full
 from ..runtime.repairs import HOW, Cause, Repairs, giving
-from .sample import Sampler
 from .search import domain
 from .settled import again, chosen, matched
+
+if TYPE_CHECKING:
+    from .sample import Sampler
 
 CLIPPED, HINT, SEARCH, REDRAWN = range(len(HOW))
 

@@ -14,7 +14,7 @@ from ..graph.text import digest
 from ..runtime import kernels, laws, newton
 from ..runtime.needs import pose_cells
 from ..runtime.plan import Plan, make_plan
-from .sample import ATTEMPTS
+from .statistics import ATTEMPTS
 
 
 def to_module(program, version: str) -> str:  # noqa: ANN001 - graph.program.Program

@@ -25,8 +25,9 @@ from ..runtime.kernels import Kept, State, full
 from ..runtime.repairs import Repairs
 from .clips import CLIPPED, Asked, Blame, logged
 from .repair import Mended, joined, mended, tally
-from .sample import ATTEMPTS, Exhausted, Sampler, Statistics, colliding
+from .sample import Sampler, colliding
 from .settled import again, chosen, differing, kept, made
+from .statistics import ATTEMPTS, Exhausted, Statistics
 
 OPERATIONS = ("apa", "dpa", "cpa")
 PATIENCE = 6  # attempts before what is kept may give way, a little more with each further one

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,10 +23,14 @@ from ..runtime.batch import Batch
 from ..runtime.kernels import Kept
 from ..runtime.needs import pose_cells
 from ..runtime.repairs import Cause, Repairs, giving
+from ..validity.faults import faults
 from .clips import Asked, Blame, Clips, clipped, logged
-from .sample import Sampler, Statistics
 from .search import AGAIN, Search, Spots, at_fault, domain
 from .settled import again, chosen, matched
+from .statistics import Statistics
+
+if TYPE_CHECKING:
+    from .sample import Sampler
 
 GROUP = 64  # objects that are searched together
 Solved = tuple[Batch, np.ndarray]  # a batch of objects put right, and their places among all
@@ -145,8 +150,6 @@ def causes(batch: Batch, checked: bool, statistics: Statistics) -> dict[Cause, n
 
 def solids(batch: Batch) -> dict[Cause, np.ndarray]:
     """What is wrong with the solids of objects, and with which."""
-    from ..validity.faults import faults  # late: only who asks for it pays for it
-
     found = faults(batch)
     struck = found.collisions
     named = found.tree.named(struck) if len(struck) else {}

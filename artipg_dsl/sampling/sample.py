@@ -2,111 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..graph.feasible import conflicts
 from ..graph.program import Program
-from ..runtime.batch import Batch
+from ..runtime.batch import Batch, full_plan
 from ..runtime.kernels import State, preferred
-from ..runtime.needs import narrowing, wanted
+from ..runtime.needs import narrowing
 from ..runtime.plan import Plan, make_plan
-from ..runtime.repairs import Cause, Repairs
+from ..validity.contact import contact, in_words
+from ..validity.faults import faults
 from ..validity.sound import prove
 from .prior import BLOCK, Resampling
+from .repair import Mended, mended
+from .settled import made
+from .statistics import ATTEMPTS, Exhausted, Statistics
 
-if TYPE_CHECKING:
-    from .repair import Mended
-
-ATTEMPTS = 100
 COLLIDING = 25  # attempts that end in a collision, until it is the program's fault
 GROUP = 32  # objects that try again together
-
-
-@dataclass(slots=True)
-class Statistics:
-    """How often what failed: ``missed`` draws without room and ``broken`` requirements, in objects, over all attempts.
-
-    ``collided`` counts objects per pair of links, by path, and the joint that makes them meet ("" at rest); ``unsound``
-    those whose solids are at fault otherwise, by what is wrong. ``outside`` counts values that were asked for out of their
-    domain, per draw; ``repaired`` how many of all these failures were put right, by cause.
-    ``examples`` tell of what ``collided`` counts the parts that meet, where and when, in the first object seen.
-    ``declined`` are valid objects that preferences passed over, ``unkept`` objects per preference, over all attempts.
-    ``candidates``: how many attempts each object considered, where they were resampled; ``candidates_valid`` of all of
-    them, ``effective`` the effective number of candidates, summed over the objects.
-    """
-
-    objects: int = 0
-    first_valid: int = 0
-    attempts: int = 0
-    missed: dict[int, int] = field(default_factory=dict)
-    broken: dict[int, int] = field(default_factory=dict)
-    collided: dict[tuple[str, str, str], int] = field(default_factory=dict)
-    unsound: dict[str, int] = field(default_factory=dict)
-    declined: int = 0
-    unkept: dict[int, int] = field(default_factory=dict)
-    candidates: int = 0
-    candidates_valid: int = 0
-    effective: float = 0.0
-    outside: dict[int, int] = field(default_factory=dict)
-    repaired: dict[Cause, int] = field(default_factory=dict)
-    examples: dict[tuple[str, str, str], str] = field(default_factory=dict)
-
-    def _tables(self) -> dict[str, dict[Any, int]]:
-        return {
-            "requirement": self.broken, "domain": self.outside, "draw": self.missed, "collision": self.collided, "solid": self.unsound
-        }  # fmt: skip
-
-    def fail(self, cause: Cause, count: int) -> None:
-        """Count what failed in so many objects."""
-        table = self._tables()[cause[0]]
-        table[cause[1]] = table.get(cause[1], 0) + count
-
-    def failures(self) -> dict[Cause, int]:
-        """In how many attempts what failed, by cause."""
-        return {(kind, about): count for kind, table in self._tables().items() for about, count in table.items()}
-
-    def add(self, state: State, first: bool, bad: np.ndarray | None = None) -> None:
-        """Count one attempt of some objects; ``bad`` says which of them failed, where that is more than the state knows."""
-        self.attempts += len(state.objects)
-        if first:
-            self.objects += len(state.objects)
-            self.first_valid += int((~(state.failed if bad is None else bad)).sum())
-        for total, new in ((self.missed, state.missed), (self.broken, state.broken), (self.unkept, state.unkept)):
-            _sum(total, new)
-
-    def take(self, other: Statistics) -> None:
-        """Add what was counted elsewhere."""
-        self.objects += other.objects
-        self.first_valid += other.first_valid
-        self.attempts += other.attempts
-        self.declined += other.declined
-        self.candidates = max(self.candidates, other.candidates)
-        self.candidates_valid += other.candidates_valid
-        self.effective += other.effective
-        for total, new in zip(self._tables().values(), other._tables().values(), strict=True):
-            _sum(total, new)
-        _sum(self.unkept, other.unkept)
-        _sum(self.repaired, other.repaired)
-        self.examples = other.examples | self.examples
-
-
-def _sum(total: dict[Any, int], new: Mapping[Any, int]) -> None:
-    for key, value in new.items():
-        total[key] = total.get(key, 0) + value
-
-
-class Exhausted(Exception):
-    """Objects for which none of ``attempts`` was valid; ``statistics`` says what failed how often."""
-
-    def __init__(self, numbers: np.ndarray, statistics: Statistics, attempts: int, hopeless: bool = False):
-        super().__init__(f"no valid object after {attempts} attempts for {len(numbers)} objects")
-        self.numbers, self.statistics, self.attempts = numbers, statistics, attempts
-        self.hopeless = hopeless  # the values given leave nothing, whatever else is drawn
 
 
 @lru_cache(maxsize=8)
@@ -115,21 +31,12 @@ def planned(program: Program) -> Sampler:
     return Sampler(program)
 
 
-def revived(program: Program, state: State, numbers: np.ndarray, history: tuple[Any, ...], repairs: Repairs) -> Batch:
-    """A batch from what it was evaluated with; the same to the bit."""
-    plan = planned(program).plan
-    tables, values = plan.function(state)
-    batch = Batch(program, plan, state, tables, values, numbers)
-    batch.history, batch.repairs = history, repairs
-    return batch
-
-
 class Sampler:
     """A program ready to be sampled: planned once, evaluated for any object numbers."""
 
     def __init__(self, program: Program, plan: Plan | None = None):
         self.program = program
-        self.plan = plan or make_plan(program, wanted(program))
+        self.plan = plan or full_plan(program)
 
     def __reduce__(self) -> tuple[Callable[[Program], Sampler], tuple[Program]]:
         """To another process goes the program, which is planned anew there."""
@@ -208,8 +115,7 @@ class _Trials:
 
     def made(self, numbers: np.ndarray, attempt: np.ndarray) -> tuple[State, Batch]:
         state = State(self.seed, numbers, attempt.copy(), dict(self.given), self.defaults)
-        tables, values = self.sampler.plan.function(state)
-        return state, Batch(self.sampler.program, self.sampler.plan, state, tables, values)
+        return state, made(self.sampler.program, self.sampler.plan, state)
 
     def run(self, numbers: np.ndarray, attempt: np.ndarray, first: bool) -> tuple[np.ndarray, Batch]:
         """One attempt each: which objects it fails, and the batch it makes."""
@@ -231,8 +137,6 @@ class _Trials:
 
     def mended(self, batch: Batch, bad: np.ndarray) -> Mended:
         """The objects of first attempts that a repair puts right; they are no longer ``bad``."""
-        from .repair import mended  # late: the repair evaluates samplers
-
         declined = np.isin(batch.numbers, np.array(list(self.spare), dtype=np.int64))
         found = mended(self.sampler, batch, np.flatnonzero(bad & ~declined), self.statistics, self.checked)
         bad[found.places] = False
@@ -266,9 +170,6 @@ class _Trials:
 
 def colliding(batch: Batch, statistics: Statistics) -> np.ndarray:
     """Indices of the objects of a batch whose solids are at fault: that collide, tip over, ...; counted."""
-    from ..validity.contact import contact, in_words  # late: only who asks for it pays for it
-    from ..validity.faults import faults
-
     if batch.program.foreign:
         prove(batch)
     found = faults(batch)

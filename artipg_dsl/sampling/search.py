@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,7 +18,6 @@ from ..random import key, mix, uniform
 from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State, full
 from ..runtime.plan import Plan
-from .sample import Sampler
 from .settled import made
 
 STEPS = 2.0 ** -np.arange(6, -1, -1)  # of the width of a domain, for a value that moves alone
@@ -29,6 +29,9 @@ WAVES = (
     (0.7, np.inf),
     (-1.0, 0.05),
 )  # in what order candidates are examined for solids, by cost
+
+if TYPE_CHECKING:
+    from .sample import Sampler
 EXAMINED = 40  # of them of an object at a time, evenly over the wave
 BLOCK = 2048  # candidates evaluated at a time
 AGAIN = 2  # searches from what was better and not yet valid

@@ -16,6 +16,7 @@ from ..random import mix
 from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State
 from ..runtime.plan import Plan
+from ..validity.clearance import limited
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,7 +74,7 @@ def again(
 
 def made(program: Program, plan: Plan, state: State, numbers: np.ndarray | None = None) -> Batch:
     tables, values = plan.function(state)
-    return Batch(program, plan, state, tables, values, numbers)
+    return Batch(program, plan, state, tables, values, numbers, ends=limited)
 
 
 def differing(before: Batch, objects: np.ndarray, after: Batch, numbers: Sequence[int] | None = None) -> np.ndarray:

@@ -27,8 +27,9 @@ from ..runtime.kernels import Kept
 from ..runtime.repairs import HOW, Repairs
 from ..shapes import Misfit, Rule, fit
 from .mutate import OPERATIONS, Stage
-from .sample import Exhausted, Sampler, Statistics, colliding
+from .sample import Sampler, colliding
 from .settled import again, chosen
+from .statistics import Exhausted, Statistics
 
 WRITTEN = "give a trace-*.jsonl that `apgc mutate` has written"
 TOLD = 1e-9  # determined values that move by less are not told

@@ -14,8 +14,9 @@ from ..runtime.kernels import Kept, State
 from ..runtime.repairs import Repairs
 from .clips import Asked, Blame, logged
 from .repair import Handler, Outcome, causes, joined, repair
-from .sample import Exhausted, Sampler, Statistics
+from .sample import Sampler
 from .settled import again, chosen, made
+from .statistics import Exhausted, Statistics
 
 TRIALS = 25  # attempts where a repair finds nothing
 DRAWN = 5  # of these, so many draw what is not given alone; then what failed gives way, at last everything

@@ -24,7 +24,7 @@ from artipg_dsl.annotate.states import joint_values, read_states
 from artipg_dsl.diagnostics.model import CompileError
 from artipg_dsl.geometry import points
 from artipg_dsl.runtime.batch import Batch
-from artipg_dsl.sampling.sample import Exhausted
+from artipg_dsl.sampling.statistics import Exhausted
 from artipg_dsl.session import Session, categories
 
 OBJECTS, POINTS, STATES = 3, 400, "rest,random:3"

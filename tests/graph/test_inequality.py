@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from artipg_dsl.sampling.sample import Statistics
+from artipg_dsl.sampling.statistics import Statistics
 from artipg_dsl.session import Session
 
 TEXT = """apg 1

@@ -7,7 +7,7 @@ import pytest
 
 from artipg_dsl.graph.text import digest, from_text, to_text
 from artipg_dsl.resources import categories_dir
-from artipg_dsl.sampling.sample import Statistics
+from artipg_dsl.sampling.statistics import Statistics
 from artipg_dsl.session import Session
 
 FILES = sorted(categories_dir().glob("*.apg"))

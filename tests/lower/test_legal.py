@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from artipg_dsl.sampling.sample import Exhausted, Statistics
+from artipg_dsl.sampling.statistics import Exhausted, Statistics
 from artipg_dsl.session import Session
 
 USES = {

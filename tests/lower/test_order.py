@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from artipg_dsl.sampling.sample import Statistics
+from artipg_dsl.sampling.statistics import Statistics
 from artipg_dsl.session import Session
 from artipg_dsl.source import Source
 

@@ -11,7 +11,8 @@ import pytest
 from artipg_dsl.graph.text import from_text, to_text
 from artipg_dsl.runtime.newton import newton
 from artipg_dsl.sampling.module import to_module
-from artipg_dsl.sampling.sample import Exhausted, Sampler, Statistics
+from artipg_dsl.sampling.sample import Sampler
+from artipg_dsl.sampling.statistics import Exhausted, Statistics
 
 from .test_solve import HEAD, Session, category, codes, compiled, sampled, value
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from artipg_dsl.runtime.kernels import State
-from artipg_dsl.sampling.sample import Statistics
+from artipg_dsl.sampling.statistics import Statistics
 
 
 def test_first_attempts_are_valid(microwave):

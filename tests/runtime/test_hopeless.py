@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from artipg_dsl.diagnostics import CompileError
-from artipg_dsl.sampling.sample import Exhausted, Statistics
+from artipg_dsl.sampling.statistics import Exhausted, Statistics
 from artipg_dsl.session import Session
 
 HEAD = "apg 1\nuse primitives { Cuboid }\ncategory Box {\n"

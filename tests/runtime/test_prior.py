@@ -8,7 +8,8 @@ from artipg_dsl.graph.text import from_text, to_text
 from artipg_dsl.run.job import read_sampling
 from artipg_dsl.sampling.module import to_module
 from artipg_dsl.sampling.prior import CANDIDATES, effective
-from artipg_dsl.sampling.sample import ATTEMPTS, Sampler, Statistics
+from artipg_dsl.sampling.sample import Sampler
+from artipg_dsl.sampling.statistics import ATTEMPTS, Statistics
 from artipg_dsl.session import Session
 
 HEAD = "apg 1\nuse primitives { Cuboid }\ncategory C {\n"

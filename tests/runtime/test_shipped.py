@@ -10,7 +10,8 @@ import os
 import numpy as np
 import pytest
 
-from artipg_dsl.sampling.sample import Sampler, Statistics
+from artipg_dsl.sampling.sample import Sampler
+from artipg_dsl.sampling.statistics import Statistics
 from artipg_dsl.session import Session, categories
 from artipg_dsl.validity.faults import faults
 

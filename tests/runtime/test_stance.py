@@ -5,7 +5,8 @@ import pytest
 from scipy.spatial import ConvexHull
 
 from artipg_dsl.run.job import make_job
-from artipg_dsl.sampling.sample import Sampler, Statistics
+from artipg_dsl.sampling.sample import Sampler
+from artipg_dsl.sampling.statistics import Statistics
 from artipg_dsl.session import Session
 from artipg_dsl.validity.faults import faults
 from artipg_dsl.validity.hull import depth, hulls

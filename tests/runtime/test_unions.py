@@ -7,7 +7,8 @@ from artipg_dsl.graph.text import from_text, to_text
 from artipg_dsl.runtime import laws
 from artipg_dsl.sampling.module import to_module
 from artipg_dsl.sampling.mutate import mutate
-from artipg_dsl.sampling.sample import Exhausted, Sampler, Statistics
+from artipg_dsl.sampling.sample import Sampler
+from artipg_dsl.sampling.statistics import Exhausted, Statistics
 from artipg_dsl.session import Session
 
 TWO = "param a : length in 0cm .. 10cm = 2cm\nparam b : length in 0cm .. 10cm = 2cm\n"

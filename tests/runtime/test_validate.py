@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from artipg_dsl.geometry import pieces
-from artipg_dsl.sampling.sample import Exhausted, Sampler, Statistics
+from artipg_dsl.sampling.sample import Sampler
+from artipg_dsl.sampling.statistics import Exhausted, Statistics
 from artipg_dsl.session import Session
 from artipg_dsl.validity.bodies import turned
 from artipg_dsl.validity.evidence import evidence, random_states
