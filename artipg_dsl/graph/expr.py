@@ -187,6 +187,17 @@ class ScopeError(Exception):
         self.first, self.second = first, second
 
 
+def truth(a: Expr) -> bool:
+    """Whether a value is true or false rather than a number."""
+    if a.op in ("where", "phi"):
+        return all(map(truth, a.args[a.op == "where" :]))
+    if a.op in ("element", "previous"):
+        return truth(a.args[0])
+    if a.op == "col":
+        return bool(a.value.kind == "bool")
+    return a.op in PREDICATES or isinstance(a.value, bool) or a.op == "reduce" and a.value[0] in ("any", "all")
+
+
 def const(value: float | bool) -> Expr:
     if not isinstance(value, bool):
         value = float(value)

@@ -13,6 +13,7 @@ import pytest
 from artipg_dsl.annotate.annotation import describe
 from artipg_dsl.annotate.cloud import Points, sample_points
 from artipg_dsl.annotate.sampling import Sampling
+from artipg_dsl.graph.text import from_text, to_text
 from artipg_dsl.runtime.batch import Batch
 from artipg_dsl.session import Session
 from artipg_dsl.validity.faults import faults
@@ -207,6 +208,63 @@ def test_both_branches_act(
     assert {truth for _, _, truth in seen} == {True, False}
     for number, prefix, truth in seen:
         assert look(batch, number, prefix) == (holds if truth else fails), (number, prefix)
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize(
+    ("declared", "said", "look", "holds", "fails"),
+    [
+        pytest.param("param s : ratio in {} .. {}", "field wear : ratio on p = s", labelled("field.wear"), [0.25], [0.75], id="field"),
+        pytest.param("count s in {} .. {}", "label affordance.lift on p where s == 1", labelled("affordance.lift"), [1], [0], id="label"),
+        pytest.param("count s in {} .. {}", "label affordance.lift on p = 1 / (3 * s - 1)", labelled("affordance.lift"), [0.5], [0.2],
+                     id="degree"),
+        pytest.param("count s in {} .. {}", "label semantic.lid on p where s == 1", rows("parts", "semantic"), ["lid"], [None],
+                     id="semantic"),
+        pytest.param("style s : material = {}", "material s on p", material, {"oak"}, {"steel"}, id="material"),
+        pytest.param("count s in {} .. {}", "symmetry p : turn 2 * s about z", rows("parts", "symmetry"),
+                     ["2 about z"], ["4 about z"], id="symmetry"),
+        pytest.param("param s : length in {} .. {}", "keypoint tip on p at [0, 0, s]", rows("keypoints", "name", "link"),
+                     ["tip"], ["tip"], id="keypoint"),
+        pytest.param("param s : length in {} .. {}",
+                     "grasp above on p {{ at [0, 0, s - 1cm]  approach -z  close y  opening size.y + s }}", names_of("grasps"),
+                     {"above"}, {"above"}, id="grasp"),
+    ],
+)  # fmt: skip
+def test_what_a_branch_declares_is_used_on_a_part_outside(
+    way: Callable[..., str], declared: str, said: str, look: Look, holds: Any, fails: Any
+) -> None:
+    pairs = {"ratio": (0.25, 0.75), "count": (1, 2), "length": ("1cm", "2cm"), "material": ("oak", "steel")}
+    values = next(pair for word, pair in pairs.items() if word in declared)
+    one, two = (f"{declared.format(value, value)}\n{said.format()}\n" for value in values)
+    sampler = Session.of_text(HEAD + way(MOVING, one, two)).sampler
+    batch = sampler.batch(np.arange(MADE if way in (when, role) else 1), seed=2)
+    for number, prefix, truth in units(way, batch):
+        assert look(batch, number, prefix) == (holds if truth else fails), (number, prefix)
+    again = from_text(to_text(sampler.program))  # what has been made reads back
+    assert [str(label) for label in again.labels] == [str(label) for label in sampler.program.labels]
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        "field wear : ratio on stand = s / 10cm", "label affordance.lift on stand where p.x < s", "symmetry stand : turn ceil(s / 1cm) about z",
+        "keypoint tip on stand at [0, 0, s]", "style m : material = oak | steel\nmaterial m on stand",
+        "grasp above on stand { at [0, 0, 0]  approach -z  close y  opening s }",
+    ],
+)  # fmt: skip
+def test_what_each_element_has_is_not_used_on_a_part_that_they_share(said: str) -> None:
+    program = f"""{HEAD}category T {{
+  {ROOT}  {STAND}  connect stand.bottom on body.top at center
+  repeat e[i] in 0 ..< 2 {{
+    param s : length in 1cm .. 2cm
+    {said}
+  }}
+}}"""
+    session = Session.of_text(program)
+    assert session.lowering is None
+    (found,) = [d for d in session.report.diagnostics if d.code == "unrelated-rows"]
+    assert "each element of the repeat `e` has a value of its own" in found.message
+    assert found.span is not None and said.endswith(found.span.source.text[found.span.start : found.span.end])
 
 
 # ---------------------------------------------------------------- what makes objects invalid

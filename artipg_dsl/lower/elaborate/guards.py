@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from ...graph import expr as E
-from ...graph.expr import Expr, Scope
+from ...graph.expr import Expr, Scope, ScopeError
+from ...graph.formula import row_values
+from ..solve.solve import lifted
 
 
 def held(scope: Scope, to: Scope) -> Expr:
@@ -19,3 +21,21 @@ def held(scope: Scope, to: Scope) -> Expr:
             found = E.both(scope.count, found)
         scope = scope.parent
     return found
+
+
+def shown(value: Expr, to: Scope) -> Expr:
+    """A value of a statement, or a formula, as one of the rows of ``to``: what a ``when`` around the statement declares is
+    carried out of it. Raises ScopeError where it reads what each element of a repeat has of its own and ``to`` is not in it.
+    """
+    carried: dict[Expr, Expr] = {}
+    for row in row_values([value]):
+        carried[row] = lifted(row, to, E.FALSE if E.truth(row) else E.ZERO)
+        table = carried[row].scope
+        if table is not None and not to.within(table):
+            raise ScopeError(table, common(table, to))
+    return E.substitute(value, carried)
+
+
+def common(scope: Scope, other: Scope) -> Scope:
+    """The nearest table around both."""
+    return next(table for table in other.ancestors() if scope.within(table))

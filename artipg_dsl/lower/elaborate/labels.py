@@ -9,18 +9,18 @@ from typing import TYPE_CHECKING, Any
 from ...graph import expr as E
 from ...graph.expr import ONE, Expr, Scope, ScopeError
 from ...graph.formula import free_variables
+from ...graph.primitive import Triple
 from ...graph.program import Grasp, Keypoint, Label, Pose, Target
 from ...syntax import ast
 from ..expressions.context import Abort, where
 from ..expressions.env import Element, Env
 from ..expressions.evaluate import Evaluator
-from ..solve.solve import lifted
 from ..values.carry import moved
 from ..values.faces import extent
 from ..values.kinds import Box, Frame, Line, Ref, Surface, Value, Vec
 from ..values.vectors import HERE, compose, inverse, place
 from .drives import FUNCTIONS, Drive
-from .guards import held
+from .guards import held, shown
 from .links import Links
 from .part import Part
 from .place import root_name
@@ -222,7 +222,7 @@ def label(links: Links, env: Env, statement: ast.LabelStmt) -> None:
     for node in statement.targets:
         for aim in aims(links, env, node):
             ev = formula(links, env, aim)
-            guard, there = condition(ev, statement.where), standing(env, aim)
+            guard, there = shown(condition(ev, statement.where), aim.scope), standing(env, aim)
             if statement.value is None:  # what holds or does not is its condition
                 made = Label(
                     statement.vocabulary,
@@ -233,7 +233,7 @@ def label(links: Links, env: Env, statement: ast.LabelStmt) -> None:
                     guard=there,
                 )
             else:
-                degree = ev.scalar(statement.value)
+                degree = shown(ev.scalar(statement.value), aim.scope)
                 made = Label(
                     statement.vocabulary, statement.label, targets(links, aim), degree, where(statement.span),
                     guard=E.both(there, guard),
@@ -283,16 +283,16 @@ def field_label(links: Links, env: Env, statement: ast.FieldStmt) -> None:
     for node in statement.targets:
         for aim in aims(links, env, node):
             ev = formula(links, env, aim)
-            guard, value = condition(ev, statement.where), ev.value(statement.value)
+            guard, value = shown(condition(ev, statement.where), aim.scope), ev.value(statement.value)
             vector: tuple[Expr, ...] = ()
             if statement.type.name == "bool":
                 number = ev.truth(value, statement.value.span)
             elif isinstance(value, Vec):
-                number, vector = E.ZERO, value.items
+                number, vector = E.ZERO, tuple(shown(v, aim.scope) for v in value.items)
             else:
                 number = ev.scalar(statement.value)
             made = Label(
-                "field", statement.name, targets(links, aim), number, where(statement.span),
+                "field", statement.name, targets(links, aim), shown(number, aim.scope), where(statement.span),
                 guard=E.both(standing(env, aim), guard), vector=vector,
             )  # fmt: skip
             links.context.labels.append((aim.depth, made))
@@ -330,7 +330,7 @@ def material(links: Links, env: Env, statement: ast.MaterialStmt) -> None:
     for node in statement.targets:
         for aim in aims(links, env, node):
             there = standing(env, aim)
-            looks = tuple((name, E.both(there, predicate)) for name, predicate in pairs)
+            looks = tuple((name, E.both(there, shown(predicate, aim.scope))) for name, predicate in pairs)
             for part in aim.parts:
                 for site in sites_of(links, part):
                     links.context.materials.setdefault(site, []).append((aim.depth, looks))
@@ -343,15 +343,19 @@ def grasp(links: Links, env: Env, statement: ast.GraspStmt) -> None:
         ev = formula(links, env, aim)
         if statement.parameter is not None:
             ev.local[statement.parameter] = E.var("t")
-        low = high = E.ZERO
-        if statement.range is not None:
-            low, high = Evaluator(env).scalar(statement.range.low), Evaluator(env).scalar(statement.range.high)
-        own = dict(ev.local)
-        plain = Evaluator(env, own, ev.pose)
-        turned = Evaluator(env, {**own, **axes()})
-        quality = plain.scalar(statement.quality.value) if statement.quality is not None else ONE
-        hand = tuple((measure.word, plain.scalar(measure.value)) for measure in statement.hand)
         scope = env.context.guard(aim.scope, present(env, aim), f"{env.path}{statement.name}")
+        own = dict(ev.local)
+        plain, turned = Evaluator(env, own, ev.pose), Evaluator(env, {**own, **axes()})
+
+        def number(node: ast.Expr, scope: Scope = scope, plain: Evaluator = plain) -> Expr:
+            return shown(plain.scalar(node), scope)
+
+        def triple(values: Triple, scope: Scope = scope) -> Triple:
+            x, y, z = (shown(value, scope) for value in values)
+            return x, y, z
+
+        ends = () if statement.range is None else (statement.range.low, statement.range.high)
+        low, high = (shown(Evaluator(env).scalar(end), scope) for end in ends) if ends else (E.ZERO, E.ZERO)
         links.context.program.grasps.append(
             Grasp(
                 statement.name,
@@ -362,13 +366,13 @@ def grasp(links: Links, env: Env, statement: ast.GraspStmt) -> None:
                 aim.box.center,
                 low,
                 high,
-                plain.vector(at.value),
-                turned.direction(approach.value),
-                turned.direction(close.value),
-                plain.scalar(opening.value),
-                quality,
+                triple(plain.vector(at.value)),
+                triple(turned.direction(approach.value)),
+                triple(turned.direction(close.value)),
+                number(opening.value),
+                ONE if statement.quality is None else number(statement.quality.value),
                 where(statement.span),
-                hand,
+                tuple((measure.word, number(measure.value)) for measure in statement.hand),
             )  # fmt: skip
         )
 
@@ -392,8 +396,9 @@ def keypoint(links: Links, env: Env, statement: ast.KeypointStmt) -> None:
                 origin = Pose(aim.frame.rotation, point, aim.frame.mirror)
                 point = place(origin, Evaluator(env, own.local).vector(statement.at))
             scope = env.context.guard(aim.scope, present(env, aim), f"{env.path}{statement.name}")
+            x, y, z = (shown(c, scope) for c in point)
             program.keypoints.append(
-                Keypoint(statement.name, scope, links.of(aim.parts[0]), point, where(statement.span))
+                Keypoint(statement.name, scope, links.of(aim.parts[0]), (x, y, z), where(statement.span))
             )
         return
     value = Evaluator(env).value(statement.target)
@@ -439,7 +444,7 @@ def symmetry(links: Links, env: Env, statement: ast.SymmetryStmt) -> None:
                     known = program.parts[number].symmetry or (E.ONE, axis)
                     here = held(env.scope, instance.scope)
                     told = (
-                        E.where(here, lifted(a, instance.scope), b) for a, b in zip((turns, axis), known, strict=True)
+                        E.where(here, shown(a, instance.scope), b) for a, b in zip((turns, axis), known, strict=True)
                     )
                     program.parts[number] = replace(program.parts[number], symmetry=tuple(told))  # type: ignore[arg-type]
 

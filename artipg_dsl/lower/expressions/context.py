@@ -116,7 +116,10 @@ class Context:
         first, second = in_words(error.first), in_words(error.second)
         message = f"values of {first} and of {second} meet here, and nothing says which belong together"
         hint = "state it inside the one that holds both, or reduce one side with sum, min or max"
-        if "guard" in (error.first.kind, error.second.kind):
+        if error.first.within(error.second):
+            message = f"each element of {first} has a value of its own here, and what this is on lies outside"
+            hint = "name a part of the repeat, or reduce the values to one with sum, min or max"
+        elif "guard" in (error.first.kind, error.second.kind):
             hint = (
                 "state it in each `when` or template on its own, or for what all alternatives share: ports and `size`"
             )
