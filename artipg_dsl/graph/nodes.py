@@ -34,6 +34,7 @@ class Nodes:
         self.free: dict[Expr, frozenset[str]] = {}
         self.truth: dict[Expr, bool] = {}
         self.formula: dict[Expr, bool] = {}  # made of constants, variables and operations on them alone
+        self.make("const", True, ())  # what records have where nothing is written
 
     def make(self, op: str, value: Any, args: tuple[Any, ...]) -> Expr:
         """The node. Raises Fault."""

@@ -20,6 +20,19 @@ def test_text_round_trips(program):
     assert digest(again) == digest(program) == program.hash
 
 
+def test_a_label_under_no_guard_round_trips():
+    text = """apg 1
+use primitives { Cuboid }
+use vocabularies { affordance }
+category A {
+  root part body : Cuboid(size = [1m, 1m, 1m])
+  label affordance.lift on body where p.z > 0.2 * size.z
+}
+"""
+    text = to_text(Session.of_text(text).sampler.program)
+    assert to_text(from_text(text)) == text
+
+
 def test_a_program_read_back_samples_the_same(program):
     numbers = np.arange(40)
     first = Sampler(program).batch(numbers, 3)
