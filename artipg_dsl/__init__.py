@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.1.0"
+from .version import __version__
+
 _PUBLIC = ("Object", "Samples", "categories", "load", "open_samples", "sample")
 
 if TYPE_CHECKING:

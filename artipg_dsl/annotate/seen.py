@@ -9,7 +9,7 @@ import numpy as np
 
 from ..geometry.block import to_local
 from ..geometry.bound import normals_at
-from ..geometry.hidden import inside_split
+from ..geometry.patches import inside_split
 from .frames import rotate, rotate_rows, unrotate
 from .points import Labels, label_points
 from .poses import diagonal, middles

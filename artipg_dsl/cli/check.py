@@ -15,8 +15,8 @@ def run(options: argparse.Namespace) -> int:
         report.extend(examine(name))
     found = report.diagnostics
     if options.json or options.sarif:
-        from .. import __version__
         from ..diagnostics.data import to_json, to_sarif
+        from ..version import __version__
 
         print(to_sarif(found, __version__) if options.sarif else to_json(found))
     else:

@@ -55,8 +55,8 @@ def emit_plan(session: Session) -> str | None:
 
 
 def emit_python(session: Session) -> str | None:
-    from .. import __version__
     from ..sampling.module import to_module
+    from ..version import __version__
 
     return to_module(session.sampler.program, __version__)
 

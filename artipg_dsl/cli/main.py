@@ -29,7 +29,7 @@ EPILOG = "apgc COMMAND --help tells about a command. Exit codes: 0 done, 1 error
 
 class Version(argparse.Action):
     def __call__(self, parser, *_) -> None:
-        from .. import __version__
+        from ..version import __version__
 
         print(f"apgc {__version__}")
         parser.exit()

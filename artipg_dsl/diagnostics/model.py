@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from ..source import Span
 from .codes import CODES
+from .text import render
 
 Notes = tuple[tuple[Span, str], ...]
 
@@ -91,7 +92,5 @@ class CompileError(Exception):
     """A program has errors; ``report`` holds them. The text is the first message with its place."""
 
     def __init__(self, report: Report):
-        from .text import render
-
         self.report = report
         super().__init__("\n" + render(report.diagnostics, colour=False))

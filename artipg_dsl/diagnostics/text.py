@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import TYPE_CHECKING
 from unicodedata import combining, east_asian_width
 
 from ..errors import printable
 from ..source import Span
-from .model import Diagnostic
+
+if TYPE_CHECKING:
+    from .model import Diagnostic
 
 COLOURS = {"error": "\x1b[1;31m", "warning": "\x1b[1;33m"}
 BOLD, RESET, BLUE = "\x1b[1m", "\x1b[0m", "\x1b[34m"

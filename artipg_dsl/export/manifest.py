@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .. import __version__
 from ..annotate.points import field_kinds
 from ..shapes import Misfit
+from ..version import __version__
 from . import schema
 from .content import Content
 from .meanings import ACTING, AREA, MOTIONS, MOVING, OBJECT, POINTS, STATE, VIEWS, Meaning

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .naming import Names
+from .pose import rest_poses
 
 if TYPE_CHECKING:
     from .robot import Look, Robot, RobotLink, Visual
@@ -74,8 +75,6 @@ def obj_files(robot: Robot) -> dict[str, bytes]:
 
     z up, x front, metres: the files of an object loaded together show it as it stands.
     """
-    from .pose import rest_poses
-
     poses = rest_poses(robot)
     files: dict[str, bytes] = {}
     own = Names()

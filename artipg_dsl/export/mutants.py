@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ..sampling.correspondence import correspondence
+from ..sampling.trace import trace_lines
 from .content import Content
 from .shards import npz_bytes
 
@@ -25,15 +27,11 @@ MEANINGS = {
 
 def trace_shard(batch: Batch, content: Content) -> bytes:
     """The bytes of ``trace-<shard>.jsonl``: one object per line."""
-    from ..sampling.trace import trace_lines
-
     del content
     return trace_lines(batch)
 
 
 def correspondence_shard(batch: Batch, content: Content) -> bytes:
     """The bytes of ``correspondence-<shard>.npz``: a row per primitive of the objects."""
-    from ..sampling.correspondence import correspondence
-
     del content
     return npz_bytes(correspondence(batch.history[0].before if batch.history else batch, batch).arrays())

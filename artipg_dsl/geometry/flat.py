@@ -12,7 +12,7 @@ import numpy as np
 from ..graph.derive import derive
 from ..graph.expr import ONE, ZERO, Expr, substitute
 from ..graph.primitive import Primitive
-from .patches import Params, U, V, existing, grid, parameter_formula, position_split, rows_of, surfaces
+from .patches import Params, U, V, existing, grid, inside_split, parameter_formula, position_split, rows_of, surfaces
 from .topology import shown
 from .trial import trial
 
@@ -78,8 +78,6 @@ def convex(primitive: Primitive) -> bool:
     """Whether the solid is convex: it declares no pieces, and points between its surface points never lie outside."""
     if primitive.pieces:
         return False
-    from .hidden import inside_split
-
     params = trial(primitive)
     there = existing(primitive, params)
     u, v = (a.ravel() for a in np.meshgrid(_INNER, _INNER, indexing="ij"))

@@ -10,17 +10,15 @@ point falls on them are not prepared for that: their points are asked as those o
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 
-from ..graph.primitive import Primitive
 from .block import Block, Coordinates, to_local
 from .box import bounds
 from .cells import Cells
 from .enclosure import most_inside
 from .flat import BENT, PLANAR, convex
-from .patches import Split
+from .patches import inside_split
 
 OFF = 1e-6  # how far off its surface a point is asked, relative to the largest primitive of its object
 _ABOUT = 1.5  # a coincident surface lies within this many times that distance of the point asked
@@ -29,12 +27,6 @@ _LOOSE = 1e-9  # rectangles are wider, cells smaller by this fraction
 _SIGNS = np.uint32(0x80008000)
 _CHUNK = 4096  # pairs of cells and rows at a time: their arrays stay in the cache
 _PAIRS = 100_000  # pairs of rows, or of a point and a row, looked at together
-
-
-@lru_cache(maxsize=512)
-def inside_split(primitive: Primitive) -> Split:
-    """The inside function over p.x, p.y, p.z."""
-    return Split(primitive, (primitive.inside,), ("p.x", "p.y", "p.z"))
 
 
 def scales(rows: Block) -> np.ndarray:

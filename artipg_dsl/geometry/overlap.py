@@ -17,7 +17,7 @@ import numpy as np
 from ..graph.primitive import Primitive
 from .block import Block, placed_points, to_local
 from .box import bounds
-from .hidden import inside_split
+from .patches import inside_split
 
 FEW, MANY = 512, 4096  # points of a pair: to see whether there is an overlap, and to measure it
 SMALL = 0.05  # of the mass of a link: the box of a pair that is measured with few points

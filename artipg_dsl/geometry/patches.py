@@ -111,6 +111,12 @@ def position_split(primitive: Primitive, patch: int) -> Split:
 
 
 @lru_cache(maxsize=512)
+def inside_split(primitive: Primitive) -> Split:
+    """The inside function over p.x, p.y, p.z."""
+    return Split(primitive, (primitive.inside,), ("p.x", "p.y", "p.z"))
+
+
+@lru_cache(maxsize=512)
 def tangent_split(primitive: Primitive, patch: int) -> Split:
     """Both tangents of a patch, by fractions: six values."""
     du, dv = surfaces(primitive)[patch].tangents

@@ -16,8 +16,7 @@ from ..graph.primitive import Primitive
 from . import mesh, pieces, quadrature, surface
 from .box import bounds
 from .errors import PrimitiveError
-from .hidden import inside_split
-from .patches import Params, rows_of, surfaces
+from .patches import Params, inside_split, rows_of, surfaces
 from .trial import trial
 
 ON_SURFACE = 1e-9  # how far the inside function may be from 0 on a surface, relative to the diagonal

@@ -416,13 +416,13 @@ class Program:
 
     def __reduce__(self) -> tuple[Any, tuple[str, str]]:
         """To another process goes the text: nodes of expressions are known by identity."""
-        from .text import to_text  # late: the text knows all of this
+        from .text import to_text  # circle: the text knows all of this
 
         return _read, (to_text(self), self.hash)
 
 
 def _read(text: str, found: str) -> Program:
-    from .text import from_text
+    from .text import from_text  # circle: the text knows all of this
 
     program = from_text(text)
     program.hash = found

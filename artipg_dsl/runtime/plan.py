@@ -42,7 +42,7 @@ class Plan:
     @property
     def function(self) -> Callable:
         if self._function is None:
-            from . import kernels, newton
+            from . import kernels, newton  # start-up: a plan is made and shown without them
 
             namespace: dict[str, object] = {**vars(kernels), "newton": newton.newton}
             exec(compile(self.source, "<plan>", "exec"), namespace)  # noqa: S102 - no text of a program but literals

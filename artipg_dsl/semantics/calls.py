@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from ..diagnostics.suggest import did_you_mean
 from ..syntax import ast
+from .fold import is_unitless
 from .names import CONSTRUCTORS, DRIVES, FACES, FUNCTIONS
 from .scope import Entry
 from .types import (
@@ -180,8 +181,6 @@ def _same(ck: Checker, ctx: Context, expr: ast.CallExpr, kinds: list[Type]) -> T
         elif found is None or (isinstance(found, Scalar) and found.zero):
             found, first = kind, argument
         elif dimension_of(kind) != dimension_of(found):
-            from .expressions import is_unitless
-
             if first is not None and is_unitless(first.value):
                 ck.mismatch(first.value, found, kind, "this argument")
             else:

@@ -11,6 +11,7 @@ from ..source import Span
 from ..syntax import ast
 from ..units import Dimension
 from . import conditions, entries, expressions
+from .fold import is_unitless
 from .guards import TRUE, Condition, conjunction, implies
 from .modules import Workspace
 from .scope import Entry, Guards, Scope, build_scope, interface
@@ -133,7 +134,7 @@ class Checker:
         """Reports that ``expr`` of type ``given`` stands where ``wanted`` is expected."""
         if isinstance(wanted, Scalar | Vec) and isinstance(given, Scalar | Vec):
             need = wanted.dimension
-            if given.dimension == NONE and need not in (NONE, None) and expressions.is_unitless(expr):
+            if given.dimension == NONE and need not in (NONE, None) and is_unitless(expr):
                 unit = expressions.usual_unit(need)
                 text = expr.span.source.text[expr.span.start : expr.span.end]
                 hint = f"write {text}{unit}" if isinstance(expr, ast.NumberExpr) else f"give the numbers a unit: {unit}"

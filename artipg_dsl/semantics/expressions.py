@@ -9,7 +9,7 @@ from ..diagnostics.suggest import did_you_mean
 from ..syntax import ast
 from ..units import UNITS, Dimension
 from . import calls, conditions, paths
-from .fold import constant
+from .fold import constant, is_unitless
 from .guards import Not
 from .types import (
     BOOL,
@@ -30,6 +30,7 @@ from .types import (
     Scalar,
     Type,
     Vec,
+    dimension_name,
     dimension_of,
     fits,
     is_number,
@@ -105,24 +106,8 @@ def _number(ck: Checker, expr: ast.NumberExpr) -> Type:
     return Scalar(NONE, count=float(expr.value).is_integer())
 
 
-def is_unitless(expr: ast.Expr) -> bool:
-    """Whether an expression consists of numbers without units alone."""
-    match expr:
-        case ast.NumberExpr(unit=unit):
-            return unit == ""
-        case ast.UnaryExpr(operand=operand):
-            return is_unitless(operand)
-        case ast.BinaryExpr(left=left, right=right):
-            return is_unitless(left) and is_unitless(right)
-        case ast.VectorExpr(items=items):
-            return all(isinstance(i, ast.HoleExpr) or is_unitless(i) for i in items)
-    return False
-
-
 def usual_unit(dimension: Dimension) -> str:
     """The unit to suggest for a dimension."""
-    from .types import dimension_name
-
     return _USUAL_UNITS.get(dimension_name(dimension), "")
 
 

@@ -48,3 +48,17 @@ def components(expr: ast.Expr, module: ModuleScope | None = None) -> tuple[float
     if isinstance(expr, ast.VectorExpr):
         return tuple(constant(item, module) for item in expr.items)
     return (constant(expr, module),)
+
+
+def is_unitless(expr: ast.Expr) -> bool:
+    """Whether an expression consists of numbers without units alone."""
+    match expr:
+        case ast.NumberExpr(unit=unit):
+            return unit == ""
+        case ast.UnaryExpr(operand=operand):
+            return is_unitless(operand)
+        case ast.BinaryExpr(left=left, right=right):
+            return is_unitless(left) and is_unitless(right)
+        case ast.VectorExpr(items=items):
+            return all(isinstance(i, ast.HoleExpr) or is_unitless(i) for i in items)
+    return False

@@ -14,6 +14,7 @@ from lark import Token, UnexpectedCharacters, UnexpectedInput, UnexpectedToken
 
 from ..diagnostics.suggest import suggest
 from ..source import Source, Span
+from ..units import UNITS
 from .grammar import Machine, keywords
 from .mistakes import key, table
 from .recover import opening_brace
@@ -296,8 +297,6 @@ def _brace(at: int, source: Source) -> Found:
 
 def _two_values(token: Token, last: Token, history: list[Token], accepted: set[str], found: Maker) -> Found | None:
     """Two values in a row."""
-    from ..units import UNITS
-
     if last.type == "NUMBER" and last.value[-1].isdigit() and token.value in UNITS:
         return found("a unit stands right behind its number", f"write `{last.value}{token.value}`")
     if _open_bracket(history) is not None:

@@ -59,8 +59,8 @@ def parse(source: Source, report: Report) -> ast.Module | None:
 
 
 def _parse(tools: Machine, source: Source, report: Report) -> ast.Module | None:
-    from .messages import describe
-    from .recover import without_statement
+    from .messages import describe  # start-up: for texts with mistakes alone
+    from .recover import without_statement  # start-up: for texts with mistakes alone
 
     text, broken = source.text, False
     for _ in range(MOST_ERRORS):

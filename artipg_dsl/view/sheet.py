@@ -43,14 +43,14 @@ def renderer(name: str, size: int) -> Any:
 def _make(name: str, size: int) -> Any:
     backdrop = hex_colour(BACKDROP)
     if name == "moderngl":
-        from .raster_gl import Renderer as Gl
+        from .raster_gl import Renderer as Gl  # extra: render
 
         return Gl(size, backdrop)
     if name == "embreex":
-        from .raster_rays import Renderer as Rays
+        from .raster_rays import Renderer as Rays  # extra: rays
 
         return Rays(size, backdrop)
-    from .raster_cpu import Renderer as Plain
+    from .raster_cpu import Renderer as Plain  # start-up: where neither is there
 
     return Plain(size, backdrop)
 
