@@ -16,7 +16,12 @@ from .types import COUNT, CURVE, DIRECTION, LENGTH, LENGTH_DIM, POINT, SIZE, UNK
 if TYPE_CHECKING:
     from .checker import Checker, Context
 
-_OPERATORS = ("lathe", "extrude", "sweep", "loft")
+_OPERATORS = {
+    "lathe": ("about",),
+    "extrude": ("along", "from", "to"),
+    "sweep": ("along", "up"),
+    "loft": ("along", "up", "from", "to", "at", "smooth"),
+}
 
 
 def check(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
@@ -88,6 +93,13 @@ def _solid(ck: Checker, ctx: Context, stmt: ast.SolidDecl) -> None:
         chain = argument.value.items if isinstance(argument.value, ast.VectorExpr) else (argument.value,)
         for curve in chain:  # one curve, or a chain of them in brackets
             ck.expect(ctx, curve, CURVE, f"an argument of `{stmt.operator}`")
+    known = _OPERATORS.get(stmt.operator, ())
+    for given in ast.clauses(stmt) if known else ():
+        if given.word not in known:
+            ck.error(
+                "unknown-clause", given.span, f"`{stmt.operator}` takes no `{given.word}`",
+                hint="it takes " + ", ".join(f"`{w}`" for w in known),
+            )  # fmt: skip
     for end in (stmt.from_, stmt.to):
         if end is not None:
             ck.expect(ctx, end.value, LENGTH, f"`{end.word}`")

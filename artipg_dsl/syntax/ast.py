@@ -633,6 +633,7 @@ class SolidDecl(Stmt):
     from_: Clause[Expr] | None = None
     to: Clause[Expr] | None = None
     at: Clause[Expr] | None = None
+    smooth: Clause[None] | None = None
 
 
 # ---------------------------------------------------------------- top level

@@ -122,7 +122,7 @@ class ExpressionBuilder(BuilderBase):
     def at_clause(self, c: Children) -> ast.Clause[Any]:
         return self.word(tuple(a for a in c if isinstance(a, ast.Argument)), c)
 
-    def mirror_clause(self, c: Children) -> ast.Clause[Any]:
+    def bare_clause(self, c: Children) -> ast.Clause[Any]:
         return self.word(None, c)
 
     def range_clause(self, c: Children) -> ast.Clause[Any]:

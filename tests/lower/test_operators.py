@@ -4,8 +4,11 @@ import numpy as np
 import pytest
 
 from artipg_dsl.diagnostics import Report
+from artipg_dsl.geometry.box import bounds
 from artipg_dsl.geometry.mesh import build, moments
+from artipg_dsl.geometry.patches import rows_of
 from artipg_dsl.geometry.selftest import check_primitive
+from artipg_dsl.geometry.surface import evaluate
 from artipg_dsl.geometry.trial import trial
 from artipg_dsl.graph.expr import Scope, show, var
 from artipg_dsl.graph.program import Program
@@ -176,6 +179,23 @@ primitive Hook {{{SIZES}
   solid = sweep(circle(a)) along way up y
 }}
 """
+BALUSTER = f"""
+primitive Baluster {{{SIZES}
+  solid = loft(circle(a), circle(2 * b), circle(b / 2), circle(b)) along z at [0, l / 3, l, 3 * l] smooth
+}}
+"""
+SHOULDER = f"""
+primitive Shoulder {{{SIZES}
+  curve oval (u in 0turn .. 1turn) = [2 * r * cos(u), r * sin(u)]
+  solid = loft(oval, oval, circle(a), circle(a)) along z at [0, l, 2 * l, 2 * l + a] smooth
+}}
+"""
+HANDLE = f"""
+primitive Handle {{{SIZES}
+  let tip = r + 2 * a
+  solid = loft(rectangle(a, b), rectangle(3 * a, 2 * b), polygon([a, 0], [tip, -r], [tip, r], [r, r])) along x at [-l, 0, l / 2] smooth
+}}
+"""
 
 SIDEWAYS = BEND.replace("Bend", "Sideways").replace("up y", "up x")
 UPRIGHT = BEND.replace("Bend", "Upright").replace("up y", "")
@@ -222,10 +242,37 @@ def test_any_path_takes_any_section(text):
     assert check_primitive(lowered(text).primitive, samples=1) == []
 
 
-@pytest.mark.parametrize("text", [CHANNEL, PLINTH, BEND, DUCT, HORN, HOOK], ids=lambda text: text.split()[1].lower())
+@pytest.mark.parametrize(
+    "text",
+    [CHANNEL, PLINTH, BEND, DUCT, HORN, HOOK, BALUSTER, SHOULDER, HANDLE],
+    ids=lambda text: text.split()[1].lower(),
+)
 def test_sections_and_outlines_pass_the_self_test(text):
     findings = check_primitive(lowered(text).primitive, samples=2)
     assert findings == []
+
+
+@pytest.mark.parametrize(
+    ("text", "curves"), [(BALUSTER, 1), (SHOULDER, 1), (HANDLE, 4)], ids=["circles", "ovals", "corners"]
+)
+def test_a_smooth_loft_has_no_kink_and_reaches_no_further_than_its_sections(text, curves):
+    """The normals on both sides of a section agree, which they do not without the word; the box is that of the sections."""
+    kinks, boxes = [], []
+    for way in (text, text.replace(" smooth", "")):
+        primitive = lowered(way).primitive
+        params = trial(primitive, 6)
+        walls = [k for k, patch in enumerate(primitive.patches) if patch.name not in ("start", "end")]
+        row, u = np.repeat(np.arange(rows_of(params)), 9), np.tile(np.linspace(0.0, 1.0, 9), rows_of(params))
+        turns = [0.0]
+        for low, high in zip(walls, walls[curves:], strict=False):
+            below, above = (
+                evaluate(primitive, k, params, row, u, np.full_like(u, v))[1] for k, v in ((low, 1.0), (high, 0.0))
+            )
+            turns.append(np.sqrt(((above - below) ** 2).sum(axis=-1)).max())
+        kinks.append(max(turns))
+        boxes.append(np.stack(bounds(primitive, params)))
+    assert kinks[0] < 1e-6 and kinks[1] > 0.1
+    assert boxes[0] == pytest.approx(boxes[1], abs=1e-12)
 
 
 def test_a_circle_between_rectangles_is_cut_into_arcs_that_close():
@@ -253,6 +300,18 @@ def test_a_circle_between_rectangles_is_cut_into_arcs_that_close():
             "this one 3",
         ),
         ("sweep(rectangle(a, b))", "sweep(rectangle(a, b), circle(a))", "broken-chain", "do not fit"),
+        (
+            "sweep(rectangle(a, b)) along way up y",
+            "loft(circle(a), circle(b)) along z from 0 to l smooth",
+            "wrong-arguments",
+            "`smooth` needs a third section",
+        ),
+        (
+            "sweep(rectangle(a, b)) along way up y",
+            "loft(circle(a), circle(b)) along way up y smooth",
+            "wrong-arguments",
+            "no meaning along a path",
+        ),
     ],
 )
 def test_what_sections_cannot_be_is_said_in_words(old, new, code, words):

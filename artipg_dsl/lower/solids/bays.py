@@ -15,12 +15,16 @@ from .curves import TURN
 from .frames import Frames, turned, turning
 from .paths import Stretch
 from .probe import Probe
-from .profiles import Point, Span, V, equal_steps, extreme, orientation, straight
+from .profiles import Point, Side, Span, V, between, equal_steps, extreme, orientation, right_of, straight
+from .profiles import dot as flat_dot
+from .profiles import minus as flat_minus
+from .smooth import Course
 from .strips import parts
 
 BLEND = E.var("section")  # 0 at the first section of a bay, 1 at its last
 CUT = 0.2  # of the inradius of a section may be cut off by a step of a piece
 GAP = 0.06  # of that of a part of a section: the gaps lie within the solid
+INNER = (0.25, 0.5, 0.75)  # places of a step at which a smooth course is compared with a straight one
 MOST = 24  # steps of a bay, for each turn of a path that winds
 Chains = list[list[Span]]
 
@@ -33,11 +37,13 @@ class Bay:
     frames: Frames
     first: Chains
     last: Chains
+    course: Course | None = None  # how one becomes the other; None: along straight lines
 
     def section(self, blend: Expr) -> Chains:
         """The section between the two."""
+        mix = mixed if self.course is None else self.course.mixed
         return [
-            [mixed(a, b, blend) for a, b in zip(*pair, strict=True)] for pair in zip(self.first, self.last, strict=True)
+            [mix(a, b, blend) for a, b in zip(*pair, strict=True)] for pair in zip(self.first, self.last, strict=True)
         ]
 
     def place(self, across: Point, v: Expr | float) -> Triple:
@@ -93,6 +99,8 @@ def bay_pieces(seen: Probe, probe: Probe, bay: Bay, name: str, sections: list[li
         corners = [c for k, c in enumerate(corners) if not seen.same(c, corners[k - 1])]
         middle = tuple(E.div(sum_of([c[k] for c in corners]), E.const(float(len(corners)))) for k in (0, 1))
         narrow = inradius(corners, middle)  # type: ignore[arg-type]
+        ring = zip(corners, [*corners[1:], corners[0]], strict=True)
+        sign = ONE if bay.course is None else orientation(seen, tuple(Side(between("", a, b)) for a, b in ring))
         turns = turned(probe, bay.rail) / TURN if bay.rail.length is ZERO else 1.0
         most = MOST if turns < 1.01 else 2 * MOST * np.ceil(turns)
         for count in (c for c in (1, 2, 3, 4, 6, 8, 12, 16, 24, 48, 72, 96, 144, 192) if c <= most):
@@ -103,6 +111,12 @@ def bay_pieces(seen: Probe, probe: Probe, bay: Bay, name: str, sections: list[li
             if twist is not ZERO:
                 cuts = [E.add(c, screwed(bay, wide, twist, k / count, (k + 1) / count)) for k, c in enumerate(cuts)]
             least = [E.substitute(narrow, {BLEND: E.const((k + 0.5) / count)}) for k in range(count)]
+            if bay.course is not None:
+                cuts = [hollow(corners, sign, k / count, (k + 1) / count) for k in range(count)]
+                least = [
+                    E.minimum(*(E.substitute(narrow, {BLEND: E.const((k + f) / count)}) for f in INNER))
+                    for k in range(count)
+                ]
             share = probe(*(E.div(a, b) for a, b in zip(cuts, least, strict=True)))
             if ((share.max(axis=0) + max(lost)) <= (CUT if len(sections) == 1 else GAP)).mean() > 0.98:
                 break
@@ -139,28 +153,52 @@ def inradius(corners: list[Point], middle: Point) -> Expr:
     return E.minimum(*found)
 
 
+def hollow(corners: list[Point], sign: Expr, low: float, high: float) -> Expr:
+    """How far a hull between two polygons reaches beyond the edges of what a smooth course leaves between them, at most.
+
+    ``sign`` is +1 where they run anticlockwise. Three places of the step are asked: between them a cubic lies no more than
+    a twentieth further off.
+    """
+    ends = [[swapped(c, {BLEND: E.const(v)}) for c in corners] for v in (low, high)]
+    found = []
+    for f in INNER:
+        ring = [swapped(c, {BLEND: E.const(low + f * (high - low))}) for c in corners]
+        away = [flat_minus(toward(a, b, f), c) for a, b, c in zip(*ends, ring, strict=True)]
+        edges = [right_of(flat_minus(b, a), sign) for a, b in zip(ring, [*ring[1:], ring[0]], strict=True)]
+        found += [flat_dot(away[(k + d) % len(ring)], edge) for k, edge in enumerate(edges) for d in (0, 1)]
+    return E.mul(E.maximum(ZERO, *found), E.const(1.1))
+
+
+def toward(a: Point, b: Point, share: float) -> Point:
+    return tuple(E.add(p, E.mul(E.const(share), E.sub(q, p))) for p, q in zip(a, b, strict=True))  # type: ignore[return-value]
+
+
+def shown(probe: Probe, corners: Sequence[Point]) -> np.ndarray:
+    """(rows, corners, 2): the test values of places."""
+    values = probe(*(c for corner in corners for c in corner))
+    return values.T.reshape(values.shape[1], len(corners), 2)
+
+
+def beyond(ring: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """(rows, points, edges): how far points (rows, points, 2) lie beyond each edge of a polygon (rows, edges, 2)."""
+    following = np.roll(ring, -1, axis=1)
+    edge = following - ring
+    turns = np.sign((ring[..., 0] * following[..., 1] - ring[..., 1] * following[..., 0]).sum(axis=1))
+    away = points[:, :, None] - ring[:, None]
+    reach = (away[..., 0] * edge[:, None, :, 1] - away[..., 1] * edge[:, None, :, 0]) * turns[:, None, None]
+    return reach / np.sqrt((edge**2).sum(axis=-1))[:, None]
+
+
 def change(probe: Probe, corners: list[Point], narrow: Expr, low: float, high: float) -> float:
     """By what share a hull between two polygons must be drawn in to lie within the straight lines between partners.
 
     Halfway the hull is the polygon of all middles between a corner of one and a corner of the other.
     """
-    places = []
-    for blend in (low, high, (low + high) / 2):
-        values = probe(*(c for corner in corners for c in swapped(corner, {BLEND: E.const(blend)})))
-        places.append(values.T.reshape(values.shape[1], len(corners), 2))
-    first, last, half = places
-    between = (first[:, :, None] + last[:, None]).reshape(len(half), -1, 2) / 2
-    edge = np.roll(half, -1, axis=1) - half
-    away = between[:, :, None] - half[:, None]
-    turns = np.sign(
-        (half[..., 0] * np.roll(half, -1, axis=1)[..., 1] - half[..., 1] * np.roll(half, -1, axis=1)[..., 0]).sum(
-            axis=1
-        )
-    )
-    reach = (away[..., 0] * edge[:, None, :, 1] - away[..., 1] * edge[:, None, :, 0]) * turns[:, None, None]
-    reach = reach / np.sqrt((edge**2).sum(axis=-1))[:, None]
+    first, last = (shown(probe, [swapped(c, {BLEND: E.const(v)}) for c in corners]) for v in (low, high))
+    half = (first + last) / 2
+    pairs = (first[:, :, None] + last[:, None]).reshape(len(half), -1, 2) / 2
     least = probe(E.substitute(narrow, {BLEND: E.const((low + high) / 2)}))[0]
-    share = float((reach.max(axis=(1, 2)) / least).max())
+    share = float((beyond(half, pairs).max(axis=(1, 2)) / least).max())
     return 0.0 if share < 1e-7 else min(1.05 * share, 0.9)
 
 

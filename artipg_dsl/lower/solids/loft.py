@@ -1,7 +1,8 @@
 """Sections along a path: ``loft`` between two or more of them, and ``sweep`` of one that is not a circle.
 
 * ``loft(base, ..., top) along z from a to b`` (or ``at [a, ..., b]``): closed curves at levels of an axis, given in the
-  two coordinates across it in cyclic order; from one to the next every place runs straight.
+  two coordinates across it in cyclic order; from one to the next every place runs straight, or, with ``smooth``, so
+  that the outline has no kink (see ``smooth``).
 * ``loft(first, last) along path up y``: a bar whose section changes evenly over the length of a path.
 * ``sweep(outer[, inner]) along path up y``: one section all along. Sections are given in (side, up) coordinates, side
   = up x direction of the path.
@@ -32,6 +33,7 @@ from .profiles import SLOPE, Side, Span, V, circular, distance, extreme, orienta
 from .rails import NEAR, check_directions, foot, path_of, ports_of, reach
 from .regions import axis_of, chains_of, outline
 from .regions import turned as at_level
+from .smooth import courses
 from .strips import convex
 from .summits import W
 from .summits import reached as summits
@@ -51,6 +53,7 @@ def loft(env: Env, solid: ast.SolidDecl) -> Made:
         )
     probe = Probe(env, solid.span)
     node = ast.value_of(solid.along)
+    flowing = solid.smooth
     path = env.find(node.name) if isinstance(node, ast.NameExpr) else None
     sections = alike(probe, [spans_of(Evaluator(env), a.value) for a in solid.arguments])
     for section, argument in zip(sections, solid.arguments, strict=True):
@@ -66,15 +69,26 @@ def loft(env: Env, solid: ast.SolidDecl) -> Made:
     if isinstance(path, Curve | Handed):
         if len(sections) != 2:
             raise env.context.error("wrong-arguments", solid.span, "along a path `loft` takes two sections")
+        if flowing is not None:
+            raise env.context.error(
+                "wrong-arguments", flowing.span, "`smooth` has no meaning along a path: its two sections have none between them",
+                hint="leave `smooth` out",
+            )  # fmt: skip
         return along_path(env, probe, solid, path, [sections[0]], [sections[1]])
     axis = axis_of(env, solid, solid.along)
     levels = levels_of(env, solid, len(sections))
+    if flowing is not None and len(sections) < 3:
+        raise env.context.error(
+            "wrong-arguments", flowing.span, "`smooth` needs a third section: between two of them there is no kink",
+            hint="add a section, or leave `smooth` out",
+        )  # fmt: skip
+    ways = [None] * (len(sections) - 1) if flowing is None else courses(probe, sections, levels)
     bays = []
     for k in range(len(sections) - 1):
         height = E.sub(levels[k + 1], levels[k])
         rail = Stretch(at_level(axis, (ZERO, ZERO), E.add(levels[k], E.mul(V, height))), unit(axis), height)
         across = Frames(lambda v: unit((axis + 1) % 3), lambda v: unit((axis + 2) % 3), plain=True)
-        bays.append(Bay(rail, across, [sections[k]], [sections[k + 1]]))
+        bays.append(Bay(rail, across, [sections[k]], [sections[k + 1]], ways[k]))
     spans = [span for section in sections for span in section]
     low, high = (
         at_level(axis, (extreme(probe, spans, 0, s), extreme(probe, spans, 1, s)), levels[-(s > 0)]) for s in (-1, 1)
@@ -283,6 +297,9 @@ def lean(probe: Probe, bay: Bay) -> Expr:
     """The greatest slope that a distance in the section has in space, for the section changes along the path."""
     if bay.even:
         return ONE
+    if bay.course is not None:
+        speed = bay.course.fastest(list(zip(bay.first[0], bay.last[0], strict=True)))
+        return E.call("hypot", ONE, E.div(speed, bay.rail.length))
     moves = []
     for a, b in zip(bay.first[0], bay.last[0], strict=True):
         count = 1 if straight(probe, a) and straight(probe, b) else 16
