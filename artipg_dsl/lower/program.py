@@ -16,6 +16,7 @@ from ..graph.reference import definitions
 from ..graph.text import digest
 from ..semantics.symbols import Symbol
 from ..syntax import ast
+from ..syntax.walk import walk
 from .elaborate import drives, labels, mimic, rings
 from .elaborate.body import lower_statements
 from .elaborate.connect import carriers
@@ -269,16 +270,6 @@ def presence(env: Env, node: ast.Node) -> Expr:
                 part: Part = value.branches[0].members[0][0]
                 guard = E.both(guard, part.exists)
     return guard
-
-
-def walk(node: ast.Node) -> list[ast.Node]:
-    found = [node]
-    for name in node.__dataclass_fields__:
-        value = getattr(node, name)
-        for item in value if isinstance(value, tuple) else (value,):
-            if isinstance(item, ast.Node):
-                found.extend(walk(item))
-    return found
 
 
 def allow(links: Links, env: Env, statement: ast.AllowStmt) -> None:

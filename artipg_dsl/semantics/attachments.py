@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 from ..source import Span
 from ..syntax import ast
-from .conditions import VERSUS
-from .guards import And, Atom, Condition, Not, Or, assignments, conjunction, consistent
+from .guards import VERSUS, And, Atom, Condition, Not, Or, assignments, conjunction, consistent
 from .scope import Entry, Guards, Scope, Variant
 from .types import Part
 

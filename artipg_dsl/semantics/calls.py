@@ -370,7 +370,7 @@ def _drive(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
             "wrong-type", expr.span, f"`{word}` asks about a point of a surface: it stands in formulas of labels and fields",
             hint=f"as in `label affordance.push on door.panel where {word}(open)`",
         )  # fmt: skip
-    (kind,) = _positional(ck, ctx.but(lenient=[], many=True), expr, 1, word)
+    (kind,) = _positional(ck, ctx.but(lenient=[], asked=True, many=True), expr, 1, word)
     if not isinstance(kind, Joint) and kind != UNKNOWN:
         ck.error("wrong-type", expr.arguments[0].span, f"`{word}` takes a joint, but this is {kind}")
     return BOOL

@@ -27,6 +27,7 @@ class Context:
     ``extra``: names that only this place has (parameters of a function, ``p`` and ``n`` in a label).
     ``many``: the name of a repeat stands for all of its elements.
     ``lenient``: where a list, presence is not demanded but noted in it.
+    ``asked``: so is that of values, since the question is whether they are there.
     ``subject``: the statement goes with what is named, so what only some alternatives have may be named too.
     ``ends``: it names an end of a connection.
     ``holes``: ``_`` may stand for a component.
@@ -40,6 +41,7 @@ class Context:
     extra: Mapping[str, Type] = field(default_factory=dict)
     many: bool = False
     lenient: list[Condition] | None = None
+    asked: bool = False
     holes: bool = False
     silent: bool = False
     ends: bool = False
@@ -187,11 +189,18 @@ class Checker:
         """The plain context of a body, with what its outer guards ensure."""
         return Context(scope.owner.module, scope, self.condition(scope.guards))
 
-    def demand(self, ctx: Context, wanted: Condition, span: Span, message: str, hint: str | None) -> None:
-        """Reports an optional name outside a guard that ensures it, unless the place is lenient."""
+    def demand(
+        self, ctx: Context, wanted: Condition, span: Span, message: str, hint: str | None,
+        notes: tuple[tuple[Span, str], ...] = (), value: bool = False,
+    ) -> None:  # fmt: skip
+        """Reports an optional name outside a guard that ensures it, unless the place is lenient.
+
+        Nothing can do without a ``value``: it may be absent only where it is ``asked`` for.
+        """
         if implies(ctx.condition, wanted):
             return
-        if ctx.lenient is not None:
+        needed = ctx.lenient is None or value and not ctx.asked
+        if ctx.lenient is not None and (self._muted or not needed):
             ctx.lenient.append(wanted)
-        else:
-            self.error("optional-outside-when", span, message, hint=hint)
+        if needed:
+            self.error("optional-outside-when", span, message, hint=hint, notes=notes)

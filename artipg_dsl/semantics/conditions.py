@@ -8,7 +8,7 @@ from ..diagnostics.suggest import did_you_mean
 from ..syntax import ast
 from . import expressions
 from .fold import constant
-from .guards import OPERATORS, TRUE, Atom, Compare, Condition, Not, Or, conjunction
+from .guards import OPERATORS, TRUE, VERSUS, Atom, Compare, Condition, Not, Or, conjunction
 from .offers import TEMPLATES, missing
 from .scope import Guard
 from .symbols import is_a
@@ -17,13 +17,12 @@ from .types import BOOL, BOX, UNKNOWN, Choice, Part, Scalar, Style, Type
 if TYPE_CHECKING:
     from .checker import Checker, Context
 
-VERSUS = " <> "  # in the name of a variable that says how two values compare: -1, 0 or 1
 _FLIPPED = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "==": "==", "!=": "!="}
 
 
 def truth(ck: Checker, ctx: Context, expr: ast.Expr) -> None:
     """Checks that an expression can be asked: it is true or false, or a part that may be there."""
-    kind = ck.infer(ctx.but(lenient=[]) if _asks_presence(expr) else ctx, expr)
+    kind = ck.infer(ctx.but(lenient=[], asked=True) if _asks_presence(expr) else ctx, expr)
     if kind in (BOOL, UNKNOWN) or isinstance(kind, Part) or (kind == BOX and isinstance(expr, ast.MemberExpr)):
         return
     ck.error("wrong-type", expr.span, f"a condition is true or false, but this is {kind}")
@@ -35,7 +34,7 @@ def _asks_presence(expr: ast.Expr) -> bool:
 
 def check_is(ck: Checker, ctx: Context, expr: ast.IsExpr) -> Type:
     """``part is Template``: the subject is a part or a style (absence is just false), the name something it can be."""
-    subject = ck.infer(ctx.but(lenient=[]), expr.subject)
+    subject = ck.infer(ctx.but(lenient=[], asked=True), expr.subject)
     wanted = ctx.module.find(expr.type_name)
     if wanted is None or wanted.kind not in ("role", "template", "primitive"):
         names = [s.name for s in ctx.module.names.values() if s.kind in ("role", "template", "primitive")]

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ..diagnostics.suggest import did_you_mean
 from ..syntax import ast
 from . import conditions
-from .guards import Or, implies, possible
+from .fold import constant
+from .guards import Condition, Or, implies, possible
 from .names import TYPE_NAMES
+from .presence import given
 from .scope import Entry, Scope, Variant
 from .types import (
     COUNT,
@@ -52,7 +55,8 @@ def type_of(ck: Checker, entry: Entry) -> Type:
             return kind
         case ast.PartDecl():
             domain = choices(ck, entry)
-            return Part(tuple(v for v in domain if v is not None), entry.key, domain)
+            part = Part(tuple(v for v in domain if v is not None), entry.key, domain)
+            return replace(part, given=given(ck, entry, part))
         case ast.StyleDecl(role=role):
             return MATERIAL if role == "material" else Style(choices(ck, entry), role)
         case ast.RepeatStmt():
@@ -83,7 +87,18 @@ def _port(ck: Checker, ctx: Context, entry: Entry, node: ast.PortDecl) -> Type:
         item = ck.infer(port_context(ctx, node), node.value)
     else:
         item = UNKNOWN
-    return Array(item) if node.index is not None else item
+    return item if node.index is None else Array(item, _bindings(ck, entry))
+
+
+def _bindings(ck: Checker, entry: Entry) -> tuple[tuple[int | None, Condition], ...]:
+    """The bindings of an indexed port: of which index (None: of any), and what holds where each stands."""
+    found = []
+    for binding in entry.scope.root.table[entry.name]:
+        node = binding.node
+        if isinstance(node, ast.PortDecl) and node.index is not None and node.value is not None:
+            number = constant(node.index, entry.scope.owner.module)
+            found.append((None if number is None else int(number), ck.entry_condition(binding)))
+    return tuple(found)
 
 
 def port_context(ctx: Context, node: ast.PortDecl) -> Context:
@@ -164,4 +179,4 @@ def narrowed(ctx: Context, part: Part) -> Part:
     if len(part.domain) < 2:
         return part
     left = possible(ctx.condition, part.key, part.domain)
-    return Part(tuple(v for v in part.domain if v is not None and v in left), part.key, part.domain, part.many)
+    return replace(part, variants=tuple(v for v in part.domain if v is not None and v in left))

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from itertools import product
 
 MAX_ASSIGNMENTS = 20_000
+VERSUS = " <> "  # in the name of a variable that says how two values compare: -1, 0 or 1
 
 Assignment = dict[str, Hashable]
 

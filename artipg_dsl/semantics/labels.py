@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import fields
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from ..diagnostics.suggest import did_you_mean
 from ..syntax import ast
+from ..syntax.walk import walk
 from ..units import UNITS
 from .calls import range_type
 from .declarations import unknown_material
@@ -143,7 +143,7 @@ def _acted(ck: Checker, ctx: Context, joint: ast.Expr, vocabulary: str) -> None:
             "wrong-type", joint.span, "`semantic` says what a part is, which is for no joint",
             hint="`for` belongs to what one does: `label affordance.lift for raise on lid`",
         )  # fmt: skip
-    kind = ck.infer(ctx.but(lenient=[], many=True), joint)
+    kind = ck.infer(ctx.but(lenient=[], asked=True, many=True), joint)
     if not isinstance(kind, Joint) and kind != UNKNOWN:
         ck.error("wrong-type", joint.span, f"a label is for a joint, but this is {kind}")
 
@@ -174,10 +174,10 @@ def _condition(ck: Checker, place: Context, where: ast.Expr | None) -> None:
 
 def _relative(ck: Checker, expr: ast.Expr) -> None:
     """Warns of lengths written into the comparisons of a formula: what holds for one size is wrong for another."""
-    for compared in _inside(expr):
+    for compared in walk(expr):
         if not isinstance(compared, ast.BinaryExpr) or compared.op not in COMPARED:
             continue
-        for number in _inside(compared):
+        for number in walk(compared):
             if isinstance(number, ast.NumberExpr) and number.value and _is_length(number.unit):
                 ck.warning(
                     "absolute-tolerance", number.span, "a fixed length in a label does not follow the size of the part",
@@ -187,18 +187,6 @@ def _relative(ck: Checker, expr: ast.Expr) -> None:
 
 def _is_length(unit: str) -> bool:
     return unit in UNITS and UNITS[unit][1] == LENGTH_DIM
-
-
-def _inside(node: object) -> Iterator[ast.Node]:
-    """A node and all nodes in it."""
-    if isinstance(node, ast.Node):
-        yield node
-        for field in fields(node):
-            if field.name != "span":
-                yield from _inside(getattr(node, field.name))
-    elif isinstance(node, tuple):
-        for item in node:
-            yield from _inside(item)
 
 
 def _grasp(ck: Checker, ctx: Context, stmt: ast.GraspStmt) -> None:

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ..diagnostics.suggest import did_you_mean
 from ..source import Span
 from ..syntax import ast
 from .entries import narrowed
-from .guards import TRUE, Atom, Condition
+from .guards import TRUE, Atom, Condition, Not, Or, conjunction
 from .names import DIRECTIONS, FACES
-from .scope import Scope, Variant
+from .presence import declared, guarded, optional, relevant, renamed
+from .scope import Entry, Scope, Variant
 from .symbols import Symbol
 from .types import (
     BOX,
@@ -25,7 +27,9 @@ from .types import (
     SIZE,
     SURFACE,
     UNKNOWN,
+    Array,
     Element,
+    Joint,
     Named,
     Part,
     Scalar,
@@ -95,7 +99,7 @@ def part_member(ck: Checker, ctx: Context, part: Part, word: str, span: Span, pa
         if kind is None:
             lacking.append(variant)
         else:
-            found.append((variant, kind))
+            found.append((variant, _of_instance(part, variant.symbol, kind)))
     if lacking:
         instead = _lacking(ck, ctx, part, [v for v, _ in found], word, span, path)
         if instead is not None or not found:
@@ -103,14 +107,14 @@ def part_member(ck: Checker, ctx: Context, part: Part, word: str, span: Span, pa
     if not found:
         return UNKNOWN
     kinds = [kind for _, kind in found]
+    _demand_guards(ck, ctx, part, found, word, span, path)
     parts = [k for k in kinds if isinstance(k, Part)]
     if len(parts) == len(kinds):
         domain = tuple(dict.fromkeys(v for k in parts for v in k.domain))
-        whole = Part(tuple(v for v in domain if v is not None), f"{part.key}.{word}", domain, part.many)
-        there = present(whole)
-        if there != TRUE and not part.many:
-            hint = f"put this under `when {path}.{word} {{ }}`"
-            ck.demand(ctx, there, span, f"`{word}` is optional: it may not be there", hint)
+        given = conjunction((part.given, *(k.given for k in parts)) if len(parts) == 1 else (part.given,))
+        whole = Part(tuple(v for v in domain if v is not None), f"{part.key}.{word}", domain, part.many, given)
+        if (there := present(whole)) != TRUE:
+            ck.demand(ctx, there, span, *optional(f"{path}.{word}"), value=not ctx.subject)
         return narrowed(ctx, whole)
     first = kinds[0]
     if isinstance(first, Element):
@@ -119,10 +123,48 @@ def part_member(ck: Checker, ctx: Context, part: Part, word: str, span: Span, pa
                 "many-elements", span, f"`{word}` stands for all elements of a repeat here",
                 hint=f"name one: `{word}[0]` or `{word}[last]`",
             )  # fmt: skip
-        return Element(first.entry, f"{part.key}.{word}", many=True)
+        return replace(first, key=f"{part.key}.{word}", many=True)
     if len(set(kinds)) == 1:
         return first
     return _common(kinds, word)
+
+
+def _of_instance(part: Part, symbol: Symbol, kind: Type) -> Type:
+    """The type of a member as those see it who name it through an instance."""
+    home = (symbol.name, part.key)
+    match kind:
+        case Part(given=given) if given != TRUE:
+            return replace(kind, given=renamed(given, (home,)))
+        case Element():
+            return replace(kind, home=home)
+        case Array(bound=bound):
+            return replace(kind, bound=tuple((k, renamed(c, (home,))) for k, c in bound))
+    return kind
+
+
+def _demand_guards(
+    ck: Checker, ctx: Context, part: Part, found: list[tuple[Variant, Type]], word: str, span: Span, path: str
+) -> None:
+    """What a template declares under a guard is there where the guard holds for the instance."""
+    wanted: list[Condition] = []
+    first: Entry | None = None
+    for variant, kind in found:
+        assert variant.symbol is not None
+        entries = [e for e in ck.scope_of(variant.symbol).table.get(word, ()) if not e.private]
+        there = declared(ck, entries)
+        if there == TRUE or isinstance(kind, Array):  # of indexed ports each has guards of its own
+            continue
+        there = renamed(there, ((variant.symbol.name, part.key),))
+        first = first or entries[0]
+        wanted.append(
+            there if len(part.domain) == 1 else Or((Not(Atom(part.key, frozenset((variant,)), part.domain)), there))
+        )
+    if first is not None:
+        all_wanted = conjunction(wanted)
+        known = ctx.given(relevant(all_wanted, part.given))
+        followed = ctx.subject and all(isinstance(kind, Part | Slot | Element | Joint) for _, kind in found)
+        message, hint = guarded(first, span, path)
+        ck.demand(known, all_wanted, span, message, hint, ((first.span, "declared here"),), value=not followed)
 
 
 def _common(kinds: list[Type], word: str) -> Type:
@@ -189,9 +231,9 @@ def symbol_member(ck: Checker, symbol: Symbol, word: str) -> Type | None:
             return PLANE
         if symbol.kind == "primitive" and kind == CURVE and not isinstance(entry.node, ast.ParamDecl):
             return SURFACE  # surfaces bear the names of the curves that make them
-        if isinstance(kind, Part) and (entry.guards or len(entries) > 1):
+        if isinstance(kind, Part) and len(entries) > 1:
             kinds = [k for e in entries if isinstance(k := ck.entry_type(e), Part)]
-            domain = tuple(dict.fromkeys((*(v for k in kinds for v in k.domain), None)))
+            domain = tuple(dict.fromkeys(v for k in kinds for v in k.domain))
             return Part(tuple(v for v in domain if v is not None), kind.key, domain)
         return kind
     if symbol.kind == "primitive":

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ..diagnostics.suggest import did_you_mean
 from ..source import Span
 from ..syntax import ast
 from .entries import narrowed
-from .guards import TRUE, And, Or, consistent
+from .fold import constant
+from .guards import TRUE, And, Or, conjunction, consistent
 from .names import DIRECTIONS, FACES, FUNCTIONS
 from .parts import BOX_MEMBERS, below, box_member, listed, part_member, path_text, place_member, place_names, present
+from .presence import declared, guarded, of_element, optional
 from .scope import Entry, Variant
 from .symbols import Symbol
 from .types import (
@@ -28,6 +31,7 @@ from .types import (
     Array,
     Element,
     Function,
+    Joint,
     Named,
     Part,
     Scalar,
@@ -104,8 +108,10 @@ def _use(ck: Checker, ctx: Context, entries: list[Entry], span: Span) -> Type:
             wanted = [And((w, there)) for w in wanted]
     demanded = wanted[0] if len(wanted) == 1 else Or(tuple(wanted))
     if demanded != TRUE:
-        message, hint = _absent(entry, kind)
-        ck.demand(ctx, demanded, span, message, hint)
+        optional_part = isinstance(kind, Part) and None in kind.domain
+        message, hint = optional(entry.name) if optional_part else guarded(entry, span)
+        if not isinstance(kind, Array):
+            ck.demand(ctx, demanded, span, message, hint, value=not isinstance(kind, Part | Slot | Element | Joint))
     return narrowed(ctx, kind) if isinstance(kind, Part) else kind
 
 
@@ -115,27 +121,11 @@ def _either(parts: list[Part]) -> Part:
     return Part(tuple(v for v in domain if v is not None), "|".join(p.key for p in parts), domain)
 
 
-def _absent(entry: Entry, kind: Type) -> tuple[str, str]:
-    if isinstance(kind, Part) and None in kind.domain:
-        return (
-            f"`{entry.name}` is optional: it may not be there",
-            f"put this under `when {entry.name} {{ }}`",
-        )
-    where = ""
-    if entry.guards:
-        guard = entry.guards[-1]
-        test = " ".join(guard.test.span.source.text[guard.test.span.start : guard.test.span.end].split())
-        where = (
-            f": it is declared in line {entry.span.line} {'under' if guard.truth else 'in the `else` of'} `when {test}`"
-        )
-    return f"`{entry.name}` exists only under a guard{where}", "put this under the same `when`"
-
-
 def _repeat(ck: Checker, ctx: Context, entry: Entry, span: Span) -> Type:
     inside = ctx.scope is not None and any(s.repeat is entry.node for s in ctx.scope.chain())
     condition = ck.entry_condition(entry)
     if condition != TRUE and not inside:
-        ck.demand(ctx, condition, span, f"`{entry.name}` exists only under a guard", "put this under the same `when`")
+        ck.demand(ctx, condition, span, *guarded(entry, span))
     if not inside and not ctx.many:
         return ck.error(
             "many-elements", span, f"`{entry.name}` stands for all elements of a repeat here",
@@ -173,7 +163,7 @@ def _previous(ck: Checker, ctx: Context, span: Span) -> Type:
                 "put this under a guard such as `when i > 0 { }`",
             )  # fmt: skip
             entry = next(e for e in scope.parent.table[scope.repeat.name] if e.node is scope.repeat)
-            return Element(entry, f"{entry.key}.previous")
+            return Element(entry, f"{entry.key}.previous", shift=1)
     return ck.error("unknown-name", span, "`previous` has a meaning only inside a repeat")
 
 
@@ -200,7 +190,7 @@ def member(ck: Checker, ctx: Context, expr: ast.MemberExpr) -> Type:
         case Part():
             return part_member(ck, ctx, obj, word, span, path_text(expr.obj))
         case Element():
-            return _element_member(ck, ctx, obj, word, span)
+            return _element_member(ck, ctx, obj, word, span, path_text(expr.obj))
         case Slot():
             found = box_member(word)
         case Vec(size=size, dimension=dimension):
@@ -220,22 +210,31 @@ def member(ck: Checker, ctx: Context, expr: ast.MemberExpr) -> Type:
     return found
 
 
-def _element_member(ck: Checker, ctx: Context, obj: Element, word: str, span: Span) -> Type:
+def _element_member(ck: Checker, ctx: Context, obj: Element, word: str, span: Span, path: str) -> Type:
     entry = obj.entry
     inner = entry.scope.inner[id(entry.node)]
     found = [e for e in inner.table.get(word, []) if not e.private or e.kind == "index"]
     if found:
         target = found[0]
         if target.kind == "repeat":
+            there = of_element(obj, declared(ck, found))
+            ck.demand(ctx, there, span, *guarded(target, span, path), value=not ctx.subject)
             return _inner(ck, ctx, obj, target, span)
         kind = ck.entry_type(target)
+        there = of_element(obj, declared(ck, found))
+        if isinstance(kind, Array):
+            return replace(kind, bound=tuple((k, of_element(obj, c)) for k, c in kind.bound))
+        if there != TRUE:
+            message, hint = guarded(target, span, path)
+            followed = ctx.subject and isinstance(kind, Part | Slot | Element | Joint)
+            around = ctx.given(of_element(obj, ck.condition(inner.guards)))
+            ck.demand(around, there, span, message, hint, ((target.span, "declared here"),), value=not followed)
         if isinstance(kind, Part):
             current = obj.key == entry.key and not obj.many
-            part = Part(kind.variants, kind.key if current else f"{obj.key}.{word}", kind.domain, obj.many)
-            wanted = And((ck.entry_condition(target), present(part))) if current else present(part)
-            if wanted != TRUE and not obj.many:
-                message, hint = _absent(target, kind)
-                ck.demand(ctx, wanted, span, message, hint)
+            key = kind.key if current else f"{obj.key}.{word}"
+            part = replace(kind, key=key, many=obj.many, given=of_element(obj, kind.given))
+            if (wanted := present(part)) != TRUE:
+                ck.demand(ctx, wanted, span, *optional(f"{path}.{word}"), value=not ctx.subject)
             return narrowed(ctx, part)
         return kind
     if word == "gap":
@@ -256,14 +255,14 @@ def _element_member(ck: Checker, ctx: Context, obj: Element, word: str, span: Sp
 
 def _inner(ck: Checker, ctx: Context, obj: Element, target: Entry, span: Span) -> Type:
     if obj.many:
-        return Element(target, f"{obj.key}.{target.name}", many=True)
+        return Element(target, f"{obj.key}.{target.name}", many=True, outer=obj)
     if obj.key != obj.entry.key:  # of one named element, all of an inner repeat
         if not ctx.many:
             return ck.error(
                 "many-elements", span, f"`{target.name}` stands for all elements of a repeat here",
                 hint=f"name one: `{target.name}[0]` or `{target.name}[last]`",
             )  # fmt: skip
-        return Element(target, f"{obj.key}.{target.name}", many=True)
+        return Element(target, f"{obj.key}.{target.name}", many=True, outer=obj)
     return _repeat(ck, ctx, target, span)
 
 
@@ -273,9 +272,22 @@ def index(ck: Checker, ctx: Context, expr: ast.IndexExpr) -> Type:
     if not (isinstance(expr.index, ast.NameExpr) and expr.index.name == "last"):
         ck.expect(ctx, expr.index, COUNT, "an index")
     if isinstance(obj, Element):
-        return Element(obj.entry, f"{obj.key}[]")
+        return replace(obj, key=f"{obj.key}[{path_text(expr.index)}]", many=False, index=expr.index)
     if isinstance(obj, Array):
-        return obj.item
+        return _port(ck, ctx, obj, expr)
     if obj == UNKNOWN:
         return UNKNOWN
     return ck.error("wrong-type", expr.span, f"only elements of repeats and indexed ports have an index; this is {obj}")
+
+
+def _port(ck: Checker, ctx: Context, ports: Array, expr: ast.IndexExpr) -> Type:
+    """One of several ports: wherever a binding of that index stands, or, of an index that is computed, all of them."""
+    number = constant(expr.index, ctx.module)
+    own = [there for k, there in ports.bound if k is None or number is None or k == int(number)]
+    wanted = conjunction(own) if number is None else TRUE if TRUE in own or not own else Or(tuple(own))
+    if wanted != TRUE:
+        ck.demand(
+            ctx, wanted, expr.span, f"`{path_text(expr)}` exists only under a guard",
+            "put this under the same `when`, or bind the port in every branch of it", value=True,
+        )  # fmt: skip
+    return ports.item

@@ -206,7 +206,7 @@ def _mimic(ck: Checker, ctx: Context, value: ast.Expr, wanted: Type) -> None:
         case ast.NumberExpr():
             ck.infer(ctx, value)
         case _:
-            given = ck.infer(ctx.but(lenient=[]), value)
+            given = ck.infer(ctx.but(lenient=[], asked=True), value)
             if not isinstance(given, Joint | Scalar) and given != UNKNOWN:
                 ck.error("wrong-type", value.span, f"`mimic` follows a joint, but this is {given}")
 

@@ -253,7 +253,7 @@ def _condition(ck: Checker, ctx: Context, stmt: ast.RequireStmt | ast.PreferStmt
         if stmt.weight is not None:
             ck.expect(ctx, stmt.weight, RATIO, "the weight")
     elif stmt.repair is not None:
-        kind = ck.infer(ctx.but(lenient=[]), stmt.repair)
+        kind = ck.infer(ctx.but(lenient=[], asked=True), stmt.repair)
         if not is_number(kind) and not isinstance(kind, Choice | Part) and kind != UNKNOWN:
             ck.error("wrong-type", stmt.repair.span, f"`repair` names what should give way, but this is {kind}")
 

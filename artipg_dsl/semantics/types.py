@@ -6,7 +6,9 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from ..syntax import ast
 from ..units import Dimension
+from .guards import TRUE, Condition
 
 if TYPE_CHECKING:
     from .scope import Entry, Variant
@@ -116,9 +118,10 @@ class Choice(Type):
 
 @dataclass(frozen=True, slots=True)
 class Array(Type):
-    """Indexed ports: ``port socket[2] : frame``."""
+    """Indexed ports: ``port socket[2] : frame``. ``bound``: which index each binding is of (None: any), and what it takes."""
 
     item: Type
+    bound: tuple[tuple[int | None, Condition], ...] = field(default=(), compare=False)
 
     def __str__(self) -> str:
         return f"several of {self.item}"
@@ -145,6 +148,7 @@ class Part(Type):
     key: str
     domain: tuple[Variant | None, ...]
     many: bool = False
+    given: Condition = field(default=TRUE, compare=False)  # what its arguments say of its choices and counts
 
     def __str__(self) -> str:
         names = sorted({v.name for v in self.variants})
@@ -164,11 +168,19 @@ class Style(Type):
 
 @dataclass(frozen=True, slots=True)
 class Element(Type):
-    """An element of a repeat; ``inside`` when the expression stands in its body. ``many``: all of them."""
+    """An element of a repeat. ``many``: all of them.
+
+    ``index``: which one, ``shift``: or how many before one's own. ``outer``: the element that holds its repeat,
+    ``home``: or the template that does and the path of its instance.
+    """
 
     entry: Entry = field(compare=False)
     key: str
     many: bool = False
+    index: ast.Expr | None = field(default=None, compare=False)
+    shift: int = field(default=0, compare=False)
+    outer: Element | None = field(default=None, compare=False)
+    home: tuple[str, str] | None = field(default=None, compare=False)
 
     def __str__(self) -> str:
         return "an element of a repeat"

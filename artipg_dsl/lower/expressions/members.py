@@ -174,7 +174,7 @@ def fetch(ev: Evaluator, at: At, inner: Value) -> Value:
 
         outer = mapped_pose(frame, lambda e: E.element(scope, e, at.index) if _deep(e, scope) else e)  # type: ignore[arg-type]
         value = moved(value, outer)
-    return moved(value, ev.pose)
+    return moved(lift(ev, value, scope.parent), ev.pose)
 
 
 def in_element(at: At, on: tuple[Carrier, ...], scope: Scope) -> tuple[Carrier, ...]:

@@ -1,0 +1,19 @@
+"""All nodes in a node of the tree."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from .ast import Node
+
+
+def walk(node: object) -> Iterator[Node]:
+    """A node, then all nodes in it, in the order of the text; the nodes of a tuple of them."""
+    if isinstance(node, Node):
+        yield node
+        for name in node.__dataclass_fields__:
+            if name != "span":
+                yield from walk(getattr(node, name))
+    elif isinstance(node, tuple):
+        for item in node:
+            yield from walk(item)
