@@ -1,6 +1,13 @@
 """Options of the test suite."""
 
+from collections.abc import Iterator
+
 import pytest
+
+from artipg_dsl.graph.text import from_text, to_text
+from artipg_dsl.lower import program as lowering
+
+SMALL = 40  # parts: larger programs are verified pass by pass in tests/lower/test_passes.py
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -10,3 +17,17 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 @pytest.fixture
 def update_golden(request: pytest.FixtureRequest) -> bool:
     return request.config.getoption("--update-golden")
+
+
+def verified(step: lowering.Pass, done: lowering.Lowering) -> None:
+    """What a pass leaves behind is a program: it is written and read back, which verifies it."""
+    if step.gives and not done.context.report.failed and len(done.program.parts) < SMALL:
+        from_text(to_text(done.program))
+
+
+@pytest.fixture(autouse=True, scope="session")
+def verified_passes() -> Iterator[None]:
+    """Every program that a test compiles is verified after each pass of the lowering."""
+    lowering.WATCHERS.append(verified)
+    yield
+    lowering.WATCHERS.remove(verified)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 from ..diagnostics import Report
@@ -37,8 +37,9 @@ from .values.kinds import Choice, Ref, Value, part_of
 
 @dataclass(slots=True, eq=False)
 class Lowering:
-    """The program and what the ledger and other views of it need."""
+    """What the passes share and leave behind: the program, and what the ledger and other views of it need."""
 
+    category: Symbol
     program: Program
     context: Context
     root: Env
@@ -56,65 +57,162 @@ class Lowering:
 
 
 def lower_category(category: Symbol, report: Report) -> Lowering | None:
-    """Lower a category; None after errors."""
+    """Lower a category by the passes; None after errors."""
     program = Program(category.name, category.decl.doc)
     root = Scope(category.name)
     program.scopes.append(root)
     context = Context(report, program)
     env = Env(context, category.module, category, root, "")
-    try:
-        lower_statements(env, category.body)
-    except (Abort, ScopeError) as error:
-        context.failed(error, category.decl.name_span)
-        return None
-    except Circle as error:
-        circular(env, error.columns)
-        return None
-    if report.failed:
-        return None
-    links = Links(context)
-    try:
-        finish(links, env)
-    except (Abort, ScopeError) as error:
-        context.failed(error, category.decl.name_span)
-        return None
-    except Circle as error:
-        circular(env, error.columns)
-        return None
-    return None if report.failed else Lowering(program, context, env, links)
+    lowering = Lowering(category, program, context, env, Links(context))
+    for stage in STAGES:
+        for step in stage:
+            try:
+                step.run(lowering)
+            except (Abort, ScopeError) as error:
+                context.failed(error, category.decl.name_span)
+                return None
+            except Circle as error:
+                circular(lowering.root, error.columns)
+                return None
+            for watch in WATCHERS:
+                watch(step, lowering)
+        if report.failed:
+            return None
+    return lowering
 
 
-def finish(links: Links, env: Env) -> None:
-    context = links.context
-    program = context.program
-    program.links.append(Link(root_path(env), program.scopes[0], -1))
-    links.build(env, -1)
-    mimic.resolve(links)
-    rings.refuse(links)
-    if context.report.failed:
-        return
-    motions(links, env)
-    clearances(links)
-    number_links(links)
-    links.hold()
-    program.draws = context.draws
-    labels.statements(links, env)
+# ---------------------------------------------------------------- the passes
+
+
+def statements(lowering: Lowering) -> None:
+    """Take the category apart: tables of its repeats and guards, instances of its parts, equations, and each unknown settled."""
+    lower_statements(lowering.root, lowering.category.body)
+    lowering.program.draws = lowering.context.draws
+
+
+def tree(lowering: Lowering) -> None:
+    """Place the parts in the object's frame, in the order of the text, with their primitives, and say what moves them."""
+    program = lowering.program
+    program.links.append(Link(root_path(lowering.root), program.scopes[0], -1))
+    lowering.links.build(lowering.root, -1)
+
+
+def followers(lowering: Lowering) -> None:
+    """Say of each joint with ``mimic`` which joint it follows."""
+    mimic.resolve(lowering.links)
+
+
+def no_rings(lowering: Lowering) -> None:
+    """Refuse links that hang on one another, and joints that follow one another."""
+    rings.refuse(lowering.links)
+
+
+def motion(lowering: Lowering) -> None:
+    """Narrow joints by ``limit``, tie loops by ``close``, mark the joints that go as far as ``clearance``."""
+    motions(lowering.links, lowering.root)
+    clearances(lowering.links)
+
+
+def carried(lowering: Lowering) -> None:
+    """Say of each link whose frame it takes, and of each part what carries it rigidly."""
+    number_links(lowering.links)
+    lowering.links.hold()
+
+
+def what_is_said(lowering: Lowering) -> None:
+    """What is said about surfaces and parts: labels, fields, grasps, keypoints, symmetries, materials."""
+    context = lowering.context
+    labels.statements(lowering.links, lowering.root)
     drives.report(context)
     order_labels(context)
     dress(context)
-    conditions(links, env)
-    slots(links, env)
-    vocabularies(env)
-    for span, searched in context.near.items():
-        if not searched and span.source is env.module.source:
-            context.report.warning(
+
+
+def conditions(lowering: Lowering) -> None:
+    """What objects have to fulfil, and which parts may touch."""
+    conditions_of(lowering.links, lowering.root)
+
+
+def counterparts(lowering: Lowering) -> None:
+    """What templates of a role bind to its slots."""
+    slots(lowering.links, lowering.root)
+
+
+def vocabularies(lowering: Lowering) -> None:
+    """The words that labels may have, of all modules that are used."""
+    spoken(lowering.root)
+
+
+def idle_starts(lowering: Lowering) -> None:
+    """Warn of ``near`` where nothing is searched."""
+    for span, searched in lowering.context.near.items():
+        if not searched and span.source is lowering.root.module.source:
+            lowering.context.report.warning(
                 "idle-near", span, "`near` says nothing here: the equation is solved without a search",
                 hint="drop it; which value is drawn is said by a range, a default or a requirement",
             )  # fmt: skip
-    judge(context, attach_bounds(program), env.module.source.name)
-    if not context.report.failed and not context.unclear:
-        legalize(links, env)
-    program.hash = digest(program)
+
+
+def bounds(lowering: Lowering) -> None:
+    """Turn requirements into ranges of the draws; refuse those that nothing can meet."""
+    judge(lowering.context, attach_bounds(lowering.program), lowering.root.module.source.name)
+
+
+def legality(lowering: Lowering) -> None:
+    """Refuse numbers that are never legal; require of others that they are. It narrows no draw."""
+    if not lowering.context.unclear:
+        legalize(lowering.links, lowering.root)
+
+
+def seal(lowering: Lowering) -> None:
+    """The hash of what the program computes."""
+    lowering.program.hash = digest(lowering.program)
+
+
+@dataclass(frozen=True, slots=True)
+class Pass:
+    """A step of the lowering: the fields of the program that it reads and those that it fills or changes."""
+
+    run: Callable[[Lowering], None]
+    needs: str
+    gives: str
+
+    @property
+    def name(self) -> str:
+        return self.run.__name__
+
+
+STAGES = (
+    (Pass(statements, "", "scopes draws definitions requirements materials primitives"),),
+    (
+        Pass(tree, "scopes draws definitions primitives", "scopes links joints parts sites"),
+        Pass(followers, "joints", "joints"),
+        Pass(no_rings, "draws links joints", ""),
+    ),
+    (
+        Pass(motion, "scopes links joints", "scopes joints closures"),
+        Pass(carried, "links parts", "links parts"),
+        Pass(vocabularies, "", "vocabularies"),
+        Pass(
+            what_is_said,
+            "scopes vocabularies joints parts sites",
+            "scopes parts sites labels grasps keypoints materials",
+        ),
+        Pass(conditions, "scopes draws definitions parts", "requirements preferences stable allowed clear"),
+        Pass(counterparts, "parts", "slots"),
+        Pass(idle_starts, "", ""),
+        Pass(bounds, "draws definitions requirements", "draws"),
+    ),
+    (
+        Pass(legality, "draws definitions parts sites joints labels grasps keypoints requirements", "requirements"),
+        Pass(seal, "", "hash"),
+    ),
+)
+"""The lowering in the order of its passes. A stage begins when none before it has reported an error; its passes all run, so that
+as much as possible is reported at once."""
+
+WATCHERS: list[Callable[[Pass, Lowering], None]] = []
+"""What is called after each pass: tests verify the program there."""
 
 
 def clearances(links: Links) -> None:
@@ -156,15 +254,15 @@ def dress(context: Context) -> None:
         program.sites[number] = replace(program.sites[number], materials=tuple(ordered))
 
 
-def conditions(links: Links, env: Env) -> None:
+def conditions_of(links: Links, env: Env) -> None:
     """Requirements and pairs of links that may touch, of an environment and all inside it."""
     context = links.context
     for part in env.parts:
         for instance in part.instances:
             if instance.env is not None:
-                conditions(links, instance.env)
+                conditions_of(links, instance.env)
     for inner in env.inner:
-        conditions(links, inner)
+        conditions_of(links, inner)
     for statement in env.statements:
         try:
             match statement:
@@ -319,7 +417,7 @@ def nodes(links: Links, env: Env, node: ast.Expr) -> tuple[int, ...]:
     return tuple(sorted(number for (part, _), number in links.nodes.items() if part in parts))
 
 
-def vocabularies(env: Env) -> None:
+def spoken(env: Env) -> None:
     """The vocabularies in sight of the category and of everything it uses.
 
     Words of vocabularies of one name add up, those of what a module uses before its own: numbers stay. The first is
