@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from functools import cached_property
 from html import escape
 from pathlib import Path
@@ -14,19 +13,20 @@ import numpy as np
 
 from .diagnostics.suggest import did_you_mean
 from .errors import UsageError
-from .run.job import Job, make_job, open_job, reopen, whole
+from .run.job import Job, open_job, prepare
+from .run.params import read_params
+from .run.request import SEQUENTIAL, Request, numbered, read_sampling
+from .run.resume import reopen
 from .run.settings import Value
 from .session import Session, categories
 
 if TYPE_CHECKING:
     import trimesh
 
-    from .annotate.cameras import Cameras
     from .annotate.cloud import Points
     from .annotate.grasps import GraspTable, KeypointTable
     from .annotate.gripper import Gripper
     from .annotate.views import Views
-    from .geometry.resolution import Resolution
     from .runtime.repairs import Repairs
     from .runtime.tables import JointTable, LinkTable, PartTable
     from .sampling.correspondence import Correspondence
@@ -59,29 +59,27 @@ def sample(
     Raises CompileError, SettingError, NoObject, UserError.
     """
     if values is None:
-        return Samples(
-            open_job(category, seed, set, checked=checked, sampling=sampling, repair=repair), _numbers(n, numbers)
+        asked = Request(
+            str(category),
+            seed,
+            numbered(n, numbers),
+            {} if set is None else set,
+            checked,
+            read_sampling(sampling),
+            repair,
         )
-    if set or n is not None or sampling != "sequential":
+        return Samples(open_job(asked))
+    if set or n is not None or sampling != SEQUENTIAL:
         raise UsageError(
             "objects given by values have their number and values from there", "leave n, set and sampling out"
         )
-    from .run.params import read_params, values_of
-
-    values = [values] if isinstance(values, Mapping) else values
-    job = open_job(category, seed, checked=checked)
-    program = job.sampler.program
-    found = (
-        read_params(values, program)
-        if isinstance(values, str | Path)
-        else values_of([dict(v) for v in values], program, "values")
-    )
-    if not found.records:
-        raise UsageError("no objects are given: values is empty")
-    beyond = [k for k in ([] if numbers is None else np.asarray(numbers).tolist()) if not 0 <= k < len(found.records)]
+    named = str(values) if isinstance(values, str | Path) else "values"
+    found = read_params(values) if isinstance(values, str | Path) else _entries(values)
+    beyond = [k for k in ([] if numbers is None else np.asarray(numbers).tolist()) if not 0 <= k < len(found)]
     if beyond:
-        raise UsageError(f"there is no object {beyond[0]}: {len(found.records)} are given, numbered from 0")
-    return Samples(replace(job, values=found), _numbers(None if numbers is not None else len(found.records), numbers))
+        raise UsageError(f"there is no object {beyond[0]}: {len(found)} are given, numbered from 0")
+    which = numbered(None if numbers is not None else len(found), numbers)
+    return Samples(open_job(Request(str(category), seed, which, checked=checked, values=found), values=named))
 
 
 def load(
@@ -91,57 +89,22 @@ def load(
     if text.strip().endswith((".apg", ".apgc")) and "\n" not in text.strip():
         raise UsageError(f"load takes the text of a program, not its name, {text}", f'write sample("{text}")')
     sampler = Session.of_text(text).sampler
-    return Samples(make_job(sampler, sampler.program.name, seed, set, checked=checked), _numbers(n, None))
+    return Samples(
+        prepare(sampler, Request(sampler.program.name, seed, numbered(n, None), {} if set is None else set, checked))
+    )
 
 
 def open_samples(folder: str | Path) -> Samples:
     """The objects of a folder that ``apgc sample`` has written, made again. Raises ExportError, UserError."""
-    return Samples(*reopen(folder))
+    return Samples(reopen(folder))
 
 
-def _cameras(views: int | str | Path | Mapping[str, Any], more: Mapping[str, Any]) -> Cameras:
-    """Cameras as a number, a file or its contents tell them."""
-    from .annotate.camera_file import from_description, read_cameras
-
-    if isinstance(views, str | Path):
-        views = read_cameras(str(views)).plain()
-    described = {"views": views} if isinstance(views, int | np.integer) else dict(views)
-    described |= {k: list(v) if isinstance(v, tuple) else v for k, v in more.items()}
-    return from_description({k: int(v) if isinstance(v, np.integer) else v for k, v in described.items()})
-
-
-def _resolution(tolerance: float | None, triangles: int | None) -> Resolution:
-    from .geometry.resolution import COARSEST, FINEST, Resolution
-
-    if tolerance is not None and not FINEST <= tolerance <= COARSEST:
-        raise UsageError(f"tolerance={tolerance} is no distance from {FINEST} to {COARSEST} metres")
-    if triangles is not None and triangles < 1:
-        raise UsageError(f"triangles={triangles} is no number above 0")
-    return Resolution(tolerance=tolerance, triangles=triangles)
-
-
-def _gripper(gripper: Gripper | str) -> Gripper | None:
-    """A gripper as it is, or as text tells it."""
-    from .annotate.gripper import read_gripper
-
-    return read_gripper(gripper) if isinstance(gripper, str) else gripper
-
-
-def _numbers(n: int | None, numbers: Sequence[int] | np.ndarray | None) -> np.ndarray:
-    if numbers is not None:
-        if n is not None:
-            raise UsageError("both n and numbers are given", "n objects are the numbers 0 .. n - 1")
-        asked = np.asarray(numbers).reshape(-1)
-        if len(asked) and asked.dtype.kind not in "iu":
-            raise UsageError(f"the numbers of objects are whole, not {asked[0]!r}")
-        found = np.unique(asked.astype(np.int64))
-        if not len(found) or found[0] < 0:
-            raise UsageError("the numbers of objects are whole and from 0 on, and there is at least one")
-        return found
-    count = 1 if n is None else whole("n", n)
-    if count < 1:
-        raise UsageError(f"n is {n}: there must be at least one object")
-    return np.arange(count)
+def _entries(values: Iterable[Mapping[str, Any]]) -> tuple[Mapping[str, Any], ...]:
+    """Objects given as dictionaries, one alone or several."""
+    found = tuple(dict(entry) for entry in ([values] if isinstance(values, Mapping) else values))
+    if not found:
+        raise UsageError("no objects are given: values is empty")
+    return found
 
 
 class Samples:
@@ -150,9 +113,9 @@ class Samples:
     Frames are right-handed, x to the front, y to the left, z up; metres and radians.
     """
 
-    def __init__(self, job: Job, numbers: np.ndarray):
+    def __init__(self, job: Job):
         self.job = job
-        self.batch = job.batch(numbers)
+        self.batch = job.batch()
 
     def __len__(self) -> int:
         return len(self.batch)
@@ -162,7 +125,7 @@ class Samples:
 
     def _title(self) -> str:
         count = "1 object" if len(self) == 1 else f"{len(self)} objects"
-        return f"{self.category}: {count}, seed {self.job.seed}"
+        return f"{self.category}: {count}, seed {self.seed}"
 
     @property
     def category(self) -> str:
@@ -170,7 +133,7 @@ class Samples:
 
     @property
     def seed(self) -> int:
-        return self.job.seed
+        return self.job.request.seed
 
     @property
     def numbers(self) -> np.ndarray:
@@ -183,7 +146,7 @@ class Samples:
 
     def object(self, number: int) -> Object:
         """The object of a number, the same whether it is among these or not."""
-        return Object(self.job, _numbers(None, [number]))
+        return Object(self.job.of([number]))
 
     # ------------------------------------------------------------ mutation
 
@@ -204,14 +167,10 @@ class Samples:
         change, ``strength`` scales the steps of cpa. ``one`` names a value: that one changes and no other draw (where
         that cannot be, the object stays as it is). Raises NoObject, UsageError.
         """
-        from .sampling.mutate import OPERATIONS, Mutation
+        from .sampling.mutate import Mutation, read_operations
 
-        wanted = [o.strip() for o in operations.split(",")] if isinstance(operations, str) else list(operations)
-        unknown = [o for o in wanted if o not in OPERATIONS]
-        if unknown:
-            raise UsageError(f"there is no operation `{unknown[0]}`", f"the operations are {', '.join(OPERATIONS)}")
-        step = Mutation(tuple(wanted), variant, strength, share, one or only, one is not None)
-        return Samples(self.job.mutated(step), self.numbers)
+        step = Mutation(read_operations(operations), variant, strength, share, one or only, one is not None)
+        return Samples(self.job.mutated(step))
 
     def changes(self, number: int) -> list[Step]:
         """What made the object of a number from the one before, step by step; nothing for one that was drawn."""
@@ -224,7 +183,7 @@ class Samples:
         from .sampling.trace import Replay, checked
 
         made = {record["object"]: record for record in map(checked, records)}
-        return Samples(self.job.mutated(Replay(made)), np.array(sorted(made), dtype=np.int64))
+        return Samples(self.job.mutated(Replay(made), sorted(made)))
 
     def repairs(self) -> Repairs:
         """Which values were moved to make these objects valid, from what to what, and which requirement asked for it."""
@@ -259,8 +218,9 @@ class Samples:
         such as "stroke=8cm,width=2cm", or "any". Raises UsageError.
         """
         from .annotate.annotation import describe
+        from .annotate.gripper import read_gripper
 
-        return describe(self.batch, states, _gripper(gripper))
+        return describe(self.batch, states, read_gripper(gripper))
 
     def __getitem__(self, name: str) -> np.ndarray:
         """A drawn value, one per object: ``batch["width"]`` (B,) float64, nan where an object has none of the name.
@@ -374,9 +334,10 @@ class Samples:
         ``n`` may be a camera file or its contents; ``camera``: what such a file says beside ``views`` (width=640,
         height=480, fov=35, azimuth=[-60, 60], points=2048, ...). Raises UserError, UsageError.
         """
+        from .annotate.camera_file import cameras_of
         from .annotate.views import make_views
 
-        return make_views(self.batch, _cameras(n, camera), states, engine)
+        return make_views(self.batch, cameras_of(n, **camera), states, engine)
 
     def meshes(
         self, states: np.ndarray | None = None, *, tolerance: float | None = None, triangles: int | None = None
@@ -387,8 +348,9 @@ class Samples:
         have, spread by curvature. Neither: 24 steps per full turn. Raises UsageError.
         """
         from .export.scenes import scenes
+        from .geometry.resolution import Resolution
 
-        return scenes(self.batch, states, _resolution(tolerance, triangles))
+        return scenes(self.batch, states, Resolution(tolerance=tolerance, triangles=triangles))
 
     def grasps(
         self, values: int = 5, *, gripper: Gripper | str = "standard", states: np.ndarray | None = None
@@ -398,9 +360,9 @@ class Samples:
         Only those that the ``gripper`` can make with the joints at ``states`` (J,), by default at rest; "any": all.
         """
         from .annotate.grasps import sample_grasps
-        from .annotate.gripper import judge
+        from .annotate.gripper import judge, read_gripper
 
-        found, hand = sample_grasps(self.batch, values), _gripper(gripper)
+        found, hand = sample_grasps(self.batch, values), read_gripper(gripper)
         return found if hand is None else found.take(np.flatnonzero(judge(self.batch, found, hand, states) == 0))
 
     def keypoints(self) -> KeypointTable:
@@ -434,28 +396,15 @@ class Samples:
         The options are those of the command, of ``points`` and of ``meshes``: ``states`` such as "open,random:4",
         ``views`` a number or cameras.
         """
-        from .annotate.sampling import Sampling, read_weights
-        from .annotate.states import read_states
-        from .export.content import Content
         from .export.registry import choose
+        from .run.output import Output, read_content
 
         names = formats if formats is None or isinstance(formats, str) else list(formats)
-        how = Sampling(points, surface, spread, per, balance, read_weights(weights))
-        cameras = None if views is None else _cameras(views, {})
-        meshes = _resolution(tolerance, triangles)
-        content = Content(
-            int(how.count),
-            read_states(states),
-            motion,
-            cameras,
-            surface,
-            spread,
-            per,
-            resolution=meshes,
-            balance=how.balance,
-            weights=how.weights,
-        )
-        self.job.write(folder, self.numbers, choose(names, views=views is not None), content=content, force=force)
+        content = read_content(
+            points=points, surface=surface, spread=spread, per=per, balance=balance, weights=weights, states=states,
+            motion=motion, views=views, tolerance=tolerance, triangles=triangles,
+        )  # fmt: skip
+        self.job.write(folder, Output.of(choose(names, views=views is not None), content), force=force)
         return Path(folder)
 
     def export(
@@ -472,14 +421,16 @@ class Samples:
         Formats are those of ``apgc export``, ``tolerance`` and ``triangles`` as in ``meshes``. What is there is refused
         unless ``force``. Raises ExportError.
         """
-        from .export.chunk import object_folder, write_objects
+        from .export.objects import object_folder, write_objects
         from .export.registry import named, per_object
+        from .geometry.resolution import Resolution
 
         chosen = named(formats if isinstance(formats, str) else list(formats))
         for entry in chosen:
             if not entry.per_object:
                 raise UsageError(f"{entry.name} is written by `to`", f"export writes {', '.join(per_object())}")
-        write_objects(self.batch, Path(folder), chosen, force=force, resolution=_resolution(tolerance, triangles))
+        fine = Resolution(tolerance=tolerance, triangles=triangles)
+        write_objects(self.batch, Path(folder), chosen, force=force, resolution=fine)
         return [object_folder(Path(folder), n) for n in self.numbers.tolist()]
 
     def to_urdf(self, folder: str | Path, *, force: bool = False) -> list[Path]:
@@ -567,7 +518,7 @@ class Object(Samples):
         return self.meshes(states, tolerance=tolerance, triangles=triangles)[0]
 
     def _title(self) -> str:
-        return f"{self.category} {self.number}, seed {self.job.seed}"
+        return f"{self.category} {self.number}, seed {self.seed}"
 
 
 __all__ = ["Object", "Samples", "categories", "load", "open_samples", "sample"]

@@ -59,8 +59,9 @@ def fit(value: Any, kind: Any, at: str = "") -> None:
     if kind is Any:
         return
     if origin is Annotated:
-        plain, *rules = get_args(kind)
-        if rules and isinstance(rules[0], Rule) and not _fits(value, plain):
+        plain, *notes = get_args(kind)
+        rules = [note for note in notes if isinstance(note, Rule)]
+        if rules and not _fits(value, plain):
             if _within(value, plain):
                 fit(value, plain, at)
             raise Misfit(at, rules[0].words, shown(value))

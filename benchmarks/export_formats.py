@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from artipg_dsl.export.chunk import write_objects
+from artipg_dsl.export.objects import write_objects
 from artipg_dsl.export.registry import FORMATS, per_object
 from artipg_dsl.export.robot import Robots
 from artipg_dsl.resources import categories_dir

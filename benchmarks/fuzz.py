@@ -225,7 +225,8 @@ def run(name: str, text: str) -> str:
     from artipg_dsl.errors import UserError
     from artipg_dsl.graph.text import TextError, from_text
     from artipg_dsl.run.compiled import planned
-    from artipg_dsl.run.job import make_job
+    from artipg_dsl.run.job import prepare
+    from artipg_dsl.run.request import Request
     from artipg_dsl.session import Session
     from artipg_dsl.source import Source
 
@@ -243,7 +244,7 @@ def run(name: str, text: str) -> str:
     except (CompileError, UserError, TextError):
         return "refused"
     try:
-        return delivered(make_job(sampler, name, 0))
+        return delivered(prepare(sampler, Request(name, numbers=((0, OBJECTS - 1),))))
     except UserError:
         return "no object"
 
@@ -255,7 +256,7 @@ def delivered(job) -> str:  # noqa: ANN001 - job.Job
     from artipg_dsl.api import Samples
     from artipg_dsl.validity.mass import masses
 
-    made = Samples(job, np.arange(OBJECTS))
+    made = Samples(job)
     points = made.points(POINTS)
     joints, links, mass = made.joints(), made.links(), masses(made.batch)
     annotations = made.annotations()

@@ -23,7 +23,8 @@ from artipg_dsl.geometry.patches import grid
 from artipg_dsl.graph import expr as E
 from artipg_dsl.graph.program import Pose, Program
 from artipg_dsl.lower.values.vectors import compose, direct, place, rotation_about
-from artipg_dsl.run.job import make_job
+from artipg_dsl.run.job import prepare
+from artipg_dsl.run.request import Request
 from artipg_dsl.sampling.mutate import Mutation
 from artipg_dsl.sampling.sample import Sampler
 
@@ -192,7 +193,7 @@ def equivariant(program: Program) -> tuple[str, str]:
 
 def bound(sampler) -> tuple[str, str]:
     """Points taken to a mutant and back, in double precision and with u and v in single precision."""
-    job = make_job(sampler, sampler.program.name, 7, None, checked=False)
+    job = prepare(sampler, Request(sampler.program.name, 7, checked=False))
     here, there = (j.batch(np.arange(OBJECTS)) for j in (job, job.mutated(Mutation(("cpa",)))))
     made = sample_points(here, 1024)
     away = rebind(there, made)

@@ -22,7 +22,7 @@ import numpy as np
 
 from artipg_dsl.geometry import pieces
 from artipg_dsl.resources import categories_dir
-from artipg_dsl.run.job import open_job
+from artipg_dsl.run.job import open_program
 from artipg_dsl.runtime.batch import Batch
 from artipg_dsl.sampling.statistics import Statistics
 from artipg_dsl.session import Session
@@ -42,7 +42,7 @@ HEAD = """| category | first attempts valid | repaired | delivered valid | joint
 def table(name: str, n: int, blocking: int) -> str:
     """One row: first attempts that are valid, how many of the others a repair puts right, delivered objects that are valid,
     joints, pairs of links that block one another and how often, milliseconds of processor time to draw and to check one."""
-    sampler, told = open_job(name, 0).sampler, Statistics()
+    sampler, told = open_program(name)[0], Statistics()
     faults(sampler.batch(np.arange(8), 0))
     drawn = checked = 0.0
     unsound = repaired = failed = invalid = joints = 0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -34,6 +35,21 @@ def read_cameras(text: str) -> Cameras:
     except UnicodeDecodeError:
         raise UserError(f"{text} is not a text file", hint) from None
     return from_description(described, text)
+
+
+def cameras_of(views: int | str | Path | Mapping[str, Any], **more: Any) -> Cameras:
+    """Cameras as a number, the name of a camera file or its contents tell them; ``more`` overrules what these say.
+
+    Raises UsageError, UserError.
+    """
+    if isinstance(views, str | Path):
+        found = read_cameras(str(views))
+        if not more:
+            return found
+        views = found.plain()
+    described = {"views": views} if isinstance(views, int | np.integer) else dict(views)
+    described |= {k: list(v) if isinstance(v, tuple) else v for k, v in more.items()}
+    return from_description({k: int(v) if isinstance(v, np.integer) else v for k, v in described.items()})
 
 
 def from_description(described: Any, name: str = "the cameras") -> Cameras:

@@ -83,11 +83,13 @@ class Gripper:
 STANDARD = Gripper()
 
 
-def read_gripper(text: str) -> Gripper | None:
+def read_gripper(text: str | Gripper) -> Gripper | None:
     """``stroke=10cm,width=15mm``: the standard gripper but for these; ``standard``; ``any`` is None: no hand is minded.
 
-    Raises UsageError.
+    A gripper stays as it is. Raises UsageError.
     """
+    if isinstance(text, Gripper):
+        return text
     if text.strip() in ("any", "standard"):
         return STANDARD if text.strip() == "standard" else None
     names, found = [f.name for f in fields(Gripper)], {}

@@ -10,7 +10,7 @@ from ..errors import UsageError
 from .messages import say
 from .progress import Progress
 from .render import wanted
-from .sample import in_the_way, resolution
+from .sample import counted, in_the_way, resolution
 
 
 def run(options: argparse.Namespace) -> int:
@@ -18,6 +18,7 @@ def run(options: argparse.Namespace) -> int:
     from ..export.registry import named, per_object
     from ..export.write import ExportError
     from ..geometry.resolution import STANDARD
+    from ..run.output import Output
 
     begun = time.monotonic()
     try:
@@ -31,19 +32,17 @@ def run(options: argparse.Namespace) -> int:
     folder = Path(options.program)
     out = Path(options.out or (folder if folder.is_dir() else "out"))
     in_the_way(out)
-    job, numbers = wanted(options, every=True)
-    with Progress(job.sampler.program.name) as progress:
+    job = wanted(options, every=True)
+    with Progress(job.program.name) as progress:
         if folder.is_dir() and out.resolve() == folder.resolve():
             job.add(
-                out, numbers, formats, resolution=resolution(options), force=options.force, progress=progress,
+                out, formats, resolution=resolution(options), force=options.force, progress=progress,
                 workers=options.workers,
             )  # fmt: skip
         else:
-            content = Content(resolution=resolution(options) or STANDARD)
-            job.write(
-                out, numbers, formats, content=content, force=options.force, progress=progress, workers=options.workers
-            )
-    done = "1 object" if len(numbers) == 1 else f"{len(numbers)} objects"
+            output = Output.of(formats, Content(resolution=resolution(options) or STANDARD))
+            job.write(out, output, force=options.force, progress=progress, workers=options.workers)
+    done = counted(len(job.request.objects))
     names = ", ".join(entry.name for entry in formats)
     say(f"{done} as {names} in {out} ({time.monotonic() - begun:.1f} s)")
     return 0

@@ -13,11 +13,11 @@ import numpy as np
 from ..errors import UsageError, UserError
 from ..run.settings import shown
 from .messages import say
-from .progress import Progress
-from .sample import in_the_way, statistics
+from .sample import counted, in_the_way, statistics, written
 
 if TYPE_CHECKING:
     from ..run.job import Job
+    from ..run.output import Output
     from ..sampling.mutate import Mutation
     from ..sampling.trace import Step
 
@@ -39,107 +39,96 @@ def run(options: argparse.Namespace) -> int:
 
 def write(options: argparse.Namespace) -> int:
     """Write the mutants of a folder to another one."""
-    from ..export.content import Content
     from ..export.registry import choose
     from ..export.write import ExportError
+    from ..run.output import Output
 
     begun = time.monotonic()
-    job, numbers, manifest = opened(options)
+    job, output = originals(options)
     out = Path(options.out)
     in_the_way(out)
     if Path(options.folder).is_dir() and out.resolve() == Path(options.folder).resolve():
         raise UsageError(f"the mutants cannot go into {out}, where their originals are", "name another folder with -o")
-    if options.only is not None:
-        numbers = among(numbers, options.only, options.folder)
-    named = manifest["formats"] if options.format is None else [n.strip() for n in options.format.split(",")]
+    named = output.formats if options.format is None else [n.strip() for n in options.format.split(",")]
     try:
         formats = choose([*named, *TOLD])
-        content = Content.read(manifest)
-        content = content if options.points is None else replace(content, points=options.points)
     except ExportError as wrong:
         raise UsageError(wrong.message, wrong.hint) from None
-    job, numbers = planned(options, job, numbers)
-    with Progress(job.sampler.program.name) as progress:
-        progress(0, len(numbers))
-        made = job.write(
-            out, numbers, formats, content=content, force=options.force, part=options.shard, progress=progress,
-            workers=options.workers,
-        )  # fmt: skip
+    content = output.content
+    if options.points is not None:
+        content = replace(content, points=replace(content.points, count=options.points))
+    job = mutants(options, job)
+    made, count = written(job, out, Output.of(formats, content), options)
     if options.stats:
         print(statistics(job, made))
-    done = "1 object" if len(numbers) == 1 else f"{len(numbers)} objects"
-    say(f"{done} in {out} ({time.monotonic() - begun:.1f} s)")
+    say(f"{counted(count)} in {out} ({time.monotonic() - begun:.1f} s)")
     return 0
 
 
-def opened(options: argparse.Namespace) -> tuple[Job, np.ndarray, dict[str, Any]]:
-    """The originals: a job, their numbers, and what is known of how they were written."""
-    from ..export import manifest as manifests
-    from ..export.content import STANDARD
+def originals(options: argparse.Namespace) -> tuple[Job, Output]:
+    """The job of the originals, and how they are written. Raises UserError."""
     from ..export.registry import DEFAULT
-    from ..run.job import open_job, reopen
+    from ..run.job import open_job
+    from ..run.output import Output
+    from ..run.params import read_params
+    from ..run.request import Request, numbered
+    from ..run.resume import read, remake
 
     if options.params is not None:
-        from ..run.params import read_params
-
-        job = open_job(options.folder, 0, checked=not options.unchecked)
-        values = read_params(options.params, job.sampler.program)
-        return (
-            replace(job, values=values),
-            np.arange(len(values.records)),
-            {"formats": [*DEFAULT], **STANDARD.identity()},
+        values = read_params(options.params)
+        request = Request(
+            options.folder, numbers=numbered(len(values), None), checked=not options.unchecked, values=values
         )
-    folder = Path(options.folder)
-    if not folder.is_dir():
+        job, output = open_job(request, values=options.params), Output(DEFAULT)
+    elif Path(options.folder).is_dir():
+        manifest = read(options.folder)
+        job, output = remake(options.folder, manifest), Output.from_manifest(manifest["identity"])
+        job = job.but(checked=False) if options.unchecked else job
+    else:
         raise UserError(
-            f"{folder} is no folder of samples", "make one with apgc sample, or give values with --params FILE"
+            f"{options.folder} is not a folder of samples",
+            "make one with apgc sample, or give values with --params FILE",
         )
-    job, numbers = reopen(folder)
-    manifest = manifests.read(folder)
-    assert manifest is not None
-    return (replace(job, checked=False) if options.unchecked else job), numbers, manifest["identity"]
+    return (job if options.only is None else picked(job, options.only, options.folder)), output
 
 
-def among(numbers: np.ndarray, wanted: list[int], folder: str) -> np.ndarray:
-    missing = sorted(set(wanted) - set(numbers.tolist()))
+def picked(job: Job, wanted: list[int], folder: str) -> Job:
+    """The job of some of the objects alone. Raises UserError."""
+    missing = sorted(set(wanted) - set(job.request.objects.tolist()))
     if missing:
         raise UserError(f"{folder} holds no object {missing[0]}", "see `numbers` in its manifest.json")
-    return np.array(wanted, dtype=np.int64)
+    return job.of(wanted)
 
 
-def planned(options: argparse.Namespace, job: Job, numbers: np.ndarray) -> tuple[Job, np.ndarray]:
-    """The job of the mutants, and their numbers."""
-    from ..run.job import traces_of
+def mutants(options: argparse.Namespace, job: Job) -> Job:
+    """The job of the mutants of a job's objects. Raises UserError."""
+    from ..run.traces import traces_of
     from ..sampling.trace import Replay
 
-    if options.replay is not None:
-        records = traces_of(options.replay)
-        if options.only is not None:
-            records = {n: r for n, r in records.items() if r["source"] in set(numbers.tolist())}
-        strange = sorted({r["source"] for r in records.values()} - set(numbers.tolist()))
-        if strange:
-            raise UserError(f"{options.folder} holds no object {strange[0]}, which the trace begins from")
-        return job.mutated(Replay(records)), np.array(sorted(records), dtype=np.int64)
-    step = mutation(options, numbers)
-    return job.mutated(step), np.arange(len(numbers) * step.group)
+    if options.replay is None:
+        step = mutation(options, job)
+        return job.mutated(step, np.arange(len(job.request.objects) * step.group))
+    there = set(job.request.objects.tolist())
+    records = traces_of(options.replay)
+    if options.only is not None:
+        records = {n: r for n, r in records.items() if r["source"] in there}
+    strange = sorted({r["source"] for r in records.values()} - there)
+    if strange:
+        raise UserError(f"{options.folder} holds no object {strange[0]}, which the trace begins from")
+    return job.mutated(Replay(records), sorted(records))
 
 
-def mutation(options: argparse.Namespace, numbers: np.ndarray) -> Mutation:
+def mutation(options: argparse.Namespace, job: Job) -> Mutation:
     """The mutation that the options ask for. Raises UsageError."""
-    from ..export.manifest import spans
-    from ..sampling.mutate import OPERATIONS, Mutation
+    from ..sampling.mutate import Mutation, read_operations
 
-    wanted = tuple(name.strip() for name in options.ops.split(","))
-    unknown = [name for name in wanted if name not in OPERATIONS]
-    if unknown:
-        raise UsageError(f"there is no operation `{unknown[0]}`", f"the operations are {', '.join(OPERATIONS)}")
     if options.one is not None and options.parts != "*":
         raise UsageError("--one names the value itself: --parts has no meaning beside it")
     if options.one is not None and (options.ops, options.strength, options.share) != PLAIN:
         raise UsageError("--one draws its value anew: --ops, --strength and --share have no meaning beside it")
     return Mutation(
-        wanted, options.variant, options.strength, options.share, options.one or options.parts, options.one is not None,
-        options.number or 1, tuple((first, last) for first, last in spans(numbers)),
+        read_operations(options.ops), options.variant, options.strength, options.share, options.one or options.parts,
+        options.one is not None, options.number or 1, job.request.numbers,
     )  # fmt: skip
 
 
@@ -162,39 +151,40 @@ def compare(first: str, second: str, *, everything: bool) -> int:
 
 def folders(first: str, second: str, everything: bool) -> list[str]:
     """The differences of the objects of two folders, those of the same number or a mutant and its original."""
-    from ..run.job import reopen
+    from ..run.resume import reopen
     from ..sampling.settled import again
     from ..sampling.trace import difference
 
-    (a, numbers), (b, others) = reopen(first), reopen(second)
-    if a.sampler.program.hash != b.sampler.program.hash:
+    a, b = reopen(first), reopen(second)
+    if a.program.hash != b.program.hash:
         raise UserError(f"{first} and {second} hold objects of different programs")
     a = replace(a, sampler=b.sampler)  # tables are told apart by the program object they belong to
-    sources = b.mutations[-1].origins(others)[0] if len(b.mutations) == len(a.mutations) + 1 else others
+    numbers, others, steps = a.request.objects, b.request.objects, b.request.mutations
+    sources = steps[-1].origins(others)[0] if len(steps) == len(a.request.mutations) + 1 else others
     both = np.isin(sources, numbers)
     if not both.any():
         raise UserError(f"{first} and {second} have no object in common")
     after = b.batch(others[both])
     stock, place = np.unique(sources[both], return_inverse=True)
     before = again(a.batch(stock), place)
-    units = {draw.address: draw.unit for draw in a.sampler.program.draws}
+    units = {draw.address: draw.unit for draw in a.program.draws}
     lines: list[str] = []
-    for number, source, steps in zip(
+    for number, source, changes in zip(
         others[both].tolist(), sources[both].tolist(), difference(before, after), strict=True
     ):
-        if not steps:
+        if not changes:
             continue
         lines.append(f"object {number}" + (f" of {source}" if number != source else ""))
-        told = steps if everything else steps[:SHOWN]
-        lines += [f"  {in_words(step, units)}" for step in told]
-        if len(told) < len(steps):
-            lines.append(f"  and {len(steps) - len(told)} more: --all tells them")
+        told = changes if everything else changes[:SHOWN]
+        lines += [f"  {in_words(change, units)}" for change in told]
+        if len(told) < len(changes):
+            lines.append(f"  and {len(changes) - len(told)} more: --all shows them")
     return lines
 
 
 def files(first: str, second: str) -> list[str]:
     """The steps that only one of two traces has, or that end elsewhere."""
-    from ..run.job import traces_of
+    from ..run.traces import traces_of
 
     a, b = traces_of(first), traces_of(second)
     lines: list[str] = []

@@ -5,14 +5,14 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-import numpy as np
-
 from ..errors import UsageError, UserError
-from ..run.job import Job, open_job, reopen
+from ..run.job import Job, open_job
+from ..run.request import Request
+from ..run.resume import reopen
 from ..run.settings import split
 from .messages import say
 from .progress import Progress
-from .sample import chosen, resolution
+from .sample import objects, resolution
 
 
 def run(options: argparse.Namespace) -> int:
@@ -22,28 +22,29 @@ def run(options: argparse.Namespace) -> int:
     if Path(options.out).suffix.lower() != ".png":
         raise UsageError(f"the picture is written as PNG, not to {options.out}", "choose a name that ends in .png")
     direction(options.view)
-    job, numbers = wanted(options)
+    job = wanted(options)
     with Progress("drawing") as progress:
         write_sheet(
-            job.batch(numbers), options.out, force=True, colour=options.colour, tile=options.tile, progress=progress,
+            job.batch(), options.out, force=True, colour=options.colour, tile=options.tile, progress=progress,
             states="open" if options.open else "alternate", view=options.view, resolution=resolution(options) or SMOOTH,
         )  # fmt: skip
-    say(f"drew {len(numbers)} of {job.sampler.program.name} to {options.out}")
+    say(f"drew {len(job.request.objects)} of {job.program.name} to {options.out}")
     return 0
 
 
-def wanted(options: argparse.Namespace, *, every: bool = False) -> tuple[Job, np.ndarray]:
-    """The job to take objects from, and their numbers; of a folder the first ones, or ``every`` one."""
+def wanted(options: argparse.Namespace, *, every: bool = False) -> Job:
+    """The job to take objects from; of a folder the first ones, or ``every`` one."""
     if not Path(options.program).is_dir():
-        return open_job(options.program, options.seed or 0, split(options.set)), chosen(options)
+        return open_job(Request(options.program, options.seed or 0, objects(options), split(options.set)))
     if options.set or options.seed is not None:
         raise UsageError(f"the samples in {options.program} are made", "leave out --seed and --set, or name a category")
-    job, numbers = reopen(options.program)
+    job = reopen(options.program)
+    numbers = job.request.objects
     if options.only is None:
-        return job, numbers[: options.number or (len(numbers) if every else options.default_number)]
-    absent = np.setdiff1d(options.only, numbers)
-    if len(absent):
+        return job.of(numbers[: options.number or (len(numbers) if every else options.default_number)])
+    absent = sorted(set(options.only) - set(numbers.tolist()))
+    if absent:
         raise UserError(
             f"there is no object {absent[0]} in {options.program}", f"its manifest lists {len(numbers)} objects"
         )
-    return job, np.array(options.only, dtype=np.int64)
+    return job.of(options.only)

@@ -9,14 +9,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from ..errors import UsageError
 from ..run.settings import split
 from .arguments import STREAM
 from .messages import say
 from .progress import Progress
-from .sample import chosen
+from .sample import objects
 
 if TYPE_CHECKING:
     from ..quality.card import Card
@@ -33,14 +31,13 @@ def run(options: argparse.Namespace) -> int:
     from ..run.workers import each
 
     names = wanted(options)
-    numbers = chosen(options)
     known = reference(options.reference)
     alone = options.html == STREAM  # the page is what is printed
     if alone and (options.json or options.markdown):
         raise UsageError("--html - writes the page to standard output, where the figures go", "give the page a name")
     if options.html is not None and not alone:
         refuse_existing(Path(options.html), options.force)
-    tasks = [Task(options, name, numbers, known, options.workers == 1) for name in names]
+    tasks = [Task(options, name, known, options.workers == 1) for name in names]
     cards, pictures = [], []
     for card, seen in each(examined, tasks, options.workers) if options.workers > 1 else map(examined, tasks):
         cards.append(card)
@@ -83,30 +80,36 @@ class Task:
 
     options: argparse.Namespace
     name: str
-    numbers: np.ndarray
     known: dict[str, Real]
     watched: bool
 
 
 def examined(task: Task) -> tuple[Card, bytes]:
     """The card of a category, and a picture where there is to be a page."""
-    from ..quality.card import card
+    from ..quality.card import STEPS, Valid, card
     from ..run.job import open_job
+    from ..run.request import Request
     from ..session import categories
 
     options, name = task.options, task.name
-    job = open_job(name, options.seed or 0, split(options.set), checked=not options.unchecked)
-    category = job.sampler.program.name
+    request = Request(name, options.seed or 0, objects(options), split(options.set), checked=not options.unchecked)
+    job = open_job(request)
+    category = job.program.name
     path = Path(name) if Path(name).is_file() else categories().get(category)
     with Progress(category) if task.watched else nullcontext() as progress:
+
+        def step(_: str, done: int, total: int) -> None:
+            if progress:
+                progress(done, total)
+
+        step("sampling", 0, len(STEPS))
+        batch = job.batch()
+        valid = Valid(job.statistics.first_valid, job.statistics.attempts, job.failures())
         found = card(
-            job,
-            task.numbers,
-            real=task.known.get(category),
-            lines=own_lines(path),
-            progress=(lambda _, done, total: progress(done, total)) if progress else None,
-        )
-    return found, picture(job, task.numbers[:PICTURED]) if options.html is not None else b""
+            job.sampler, batch, valid, checked=request.checked, real=task.known.get(category), lines=own_lines(path),
+            progress=step,
+        )  # fmt: skip
+    return found, picture(job.of(job.request.objects[:PICTURED])) if options.html is not None else b""
 
 
 def own_lines(path: Path | None) -> int | None:
@@ -118,9 +121,10 @@ def own_lines(path: Path | None) -> int | None:
     return text_lines(path.read_text(encoding="utf-8"))
 
 
-def picture(job: Job, numbers: np.ndarray) -> bytes:
+def picture(job: Job) -> bytes:
     """A small contact sheet as PNG."""
     from ..view.png import png_bytes
     from ..view.sheet import sheet
 
-    return png_bytes(sheet(job.batch(numbers), columns=min(COLUMNS, len(numbers)), tile=TILE, colour="material"))
+    batch = job.batch()
+    return png_bytes(sheet(batch, columns=min(COLUMNS, len(batch)), tile=TILE, colour="material"))

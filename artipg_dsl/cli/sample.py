@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import argparse
 import time
-from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from ..errors import UsageError, UserError
 from ..run.settings import split
@@ -19,17 +16,11 @@ if TYPE_CHECKING:
     from ..export.content import Content
     from ..geometry.resolution import Resolution
     from ..run.job import Job
-    from ..sampling.mutate import Mutation
+    from ..run.manifest import Manifest
+    from ..run.output import Output
+    from ..run.schema import Runs
 
-
-PLAIN = {"motion": False, "surface": "boundary", "spread": "random", "per": "object", "balance": None}
-
-
-def chosen(options: argparse.Namespace) -> np.ndarray:
-    """The numbers of the objects asked for."""
-    if options.only is not None:
-        return np.array(options.only, dtype=np.int64)
-    return np.arange(options.number or options.default_number)
+ABOUT_POINTS = {"motion": False, "surface": "boundary", "spread": "random", "per": "object", "balance": None}
 
 
 def in_the_way(folder: Path) -> None:
@@ -39,22 +30,64 @@ def in_the_way(folder: Path) -> None:
             raise UserError(f"{place} is a file: a folder is needed there", "choose another output folder")
 
 
-def held(options: argparse.Namespace) -> Content:
-    """What the shards are to hold."""
-    from ..annotate.camera_file import read_cameras
-    from ..annotate.gripper import read_gripper
-    from ..annotate.sampling import Sampling, read_weights
-    from ..annotate.states import read_states
-    from ..export.content import Content
-    from ..geometry.resolution import STANDARD
+def run(options: argparse.Namespace) -> int:
+    from ..export.registry import choose
+    from ..export.write import ExportError
+    from ..run.output import Output
 
-    cameras = None if options.views is None else read_cameras(options.views)
-    weights = read_weights(options.weights)
-    how = Sampling(options.points, options.surface, options.spread, options.per, options.balance or "", weights)
-    kind = how.surface, how.spread, how.per
-    hand, meshes = read_gripper(options.gripper), resolution(options) or STANDARD
-    return Content(
-        how.count, read_states(options.states), options.motion, cameras, *kind, hand, meshes, how.balance, how.weights
+    begun = time.monotonic()
+    try:
+        formats = choose(options.format, views=options.views is not None)
+    except ExportError as wrong:
+        raise UsageError(wrong.message, wrong.hint) from None
+    output = Output.of(formats, content(options))
+    for name, usual in ABOUT_POINTS.items():
+        if getattr(options, name) != usual and "points" not in output.formats:
+            raise UsageError(f"--{name} is about points, which are not among the formats", "add points to --format")
+    if resolution(options) and not any(entry.per_object for entry in formats):
+        raise UsageError(
+            "--tolerance and --triangles are about meshes, which none of the formats has",
+            "add one such as glb to --format",
+        )
+    if options.variant is not None and not options.mutate:
+        raise UsageError("--variant is about mutants, which are not asked for", "add --mutate apa,dpa,cpa")
+    in_the_way(Path(options.out))
+    if options.views is not None:
+        tell_engine()
+    job = requested(options)
+    manifest, count = written(job, Path(options.out), output, options)
+    if options.stats:
+        print(statistics(job, manifest))
+    share = "" if options.shard[1] == 1 else f", part {options.shard[0]} of {options.shard[1]}"
+    say(f"{counted(count)} in {options.out}{share} ({time.monotonic() - begun:.1f} s)")
+    return 0
+
+
+def written(job: Job, out: Path, output: Output, options: argparse.Namespace) -> tuple[Manifest, int]:
+    """Write the objects of a job, with progress; the manifest, and how many they are. Raises ExportError."""
+    count = len(job.request.objects)
+    with Progress(job.program.name) as progress:
+        progress(0, count)
+        manifest = job.write(
+            out, output, force=options.force, part=options.shard, progress=progress, workers=options.workers
+        )
+    return manifest, count
+
+
+def counted(objects: int) -> str:
+    return "1 object" if objects == 1 else f"{objects} objects"
+
+
+# ---------------------------------------------------------------- what is asked for
+
+
+def content(options: argparse.Namespace) -> Content:
+    """What the files are to hold."""
+    from ..run.output import read_content
+
+    names = ("points", "surface", "spread", "per", "balance", "weights", "states", "motion", "views", "gripper")
+    return read_content(
+        **{name: getattr(options, name) for name in names}, tolerance=options.tolerance, triangles=options.triangles
     )
 
 
@@ -66,99 +99,52 @@ def resolution(options: argparse.Namespace) -> Resolution | None:
     return None if asked == (None, None) else Resolution(tolerance=options.tolerance, triangles=options.triangles)
 
 
-def mutation(options: argparse.Namespace) -> Mutation:
-    """The mutation asked for. Raises UsageError."""
-    from ..sampling.mutate import OPERATIONS, Mutation
+def objects(options: argparse.Namespace) -> Runs:
+    """The numbers of the objects asked for."""
+    from ..run.request import numbered
 
-    wanted = tuple(name.strip() for name in options.mutate.split(","))
-    unknown = [name for name in wanted if name not in OPERATIONS]
-    if unknown:
-        raise UsageError(f"there is no operation `{unknown[0]}`", f"the operations are {', '.join(OPERATIONS)}")
-    return Mutation(wanted, options.variant or 0)
+    return numbered(None if options.only else options.number or options.default_number, options.only)
 
 
-def run(options: argparse.Namespace) -> int:
-    from ..export.registry import choose
-    from ..export.write import ExportError
-
-    begun = time.monotonic()
-    settings = split(options.set)
-    try:
-        formats = choose(options.format, views=options.views is not None)
-    except ExportError as wrong:
-        raise UsageError(wrong.message, wrong.hint) from None
-    content = held(options)
-    asked = {name: getattr(options, name) for name in PLAIN}
-    for name, value in asked.items():
-        if value != PLAIN[name] and "points" not in [entry.name for entry in formats]:
-            raise UsageError(f"--{name} is about points, which are not among the formats", "add points to --format")
-    if resolution(options) and not any(entry.per_object for entry in formats):
-        raise UsageError(
-            "--tolerance and --triangles are about meshes, which none of the formats has",
-            "add one such as glb to --format",
-        )
-    if options.variant is not None and not options.mutate:
-        raise UsageError("--variant is about mutants, which are not asked for", "add --mutate apa,dpa,cpa")
-    in_the_way(Path(options.out))
-    if content.cameras is not None:
-        tell_engine()
-    job = opened(options, settings)
-    if options.mutate:
-        job = job.mutated(mutation(options))
-    numbers = chosen(options) if job.values is None else among(options, len(job.values.records))
-    with Progress(job.sampler.program.name) as progress:
-        progress(0, len(numbers))
-        manifest = job.write(
-            options.out,
-            numbers,
-            formats,
-            content=content,
-            force=options.force,
-            part=options.shard,
-            progress=progress,
-            workers=options.workers,
-        )
-    if options.stats:
-        print(statistics(job, manifest))
-    done = "1 object" if len(numbers) == 1 else f"{len(numbers)} objects"
-    share = "" if options.shard[1] == 1 else f", part {options.shard[0]} of {options.shard[1]}"
-    say(f"{done} in {options.out}{share} ({time.monotonic() - begun:.1f} s)")
-    return 0
-
-
-def opened(options: argparse.Namespace, settings: dict[str, str]) -> Job:
-    """The job: objects that are drawn, or those of a file of values. Raises UsageError, UserError."""
-    from ..run.job import SEQUENTIAL, open_job
-
-    sampling = options.sampling
-    if options.params is None:
-        job = open_job(
-            options.program,
-            options.seed or 0,
-            settings,
-            checked=not options.unchecked,
-            sampling=sampling,
-            repair=options.repair,
-        )
-        return job
+def requested(options: argparse.Namespace) -> Job:
+    """The job: objects that are drawn, or those of a file of values, or mutants of them. Raises UsageError, UserError."""
+    from ..run.job import open_job
     from ..run.params import read_params
+    from ..run.request import SEQUENTIAL, Request, read_sampling
+    from ..sampling.mutate import Mutation, read_operations
 
-    if settings or sampling != SEQUENTIAL:
-        raise UsageError("--params gives the values: --set and --sampling have no meaning beside it")
-    job = open_job(options.program, options.seed or 0, checked=not options.unchecked)
-    return replace(job, values=read_params(options.params, job.sampler.program))
+    step = Mutation(read_operations(options.mutate), options.variant or 0) if options.mutate else None
+    settings, values, numbers = split(options.set), None, objects(options)
+    if options.params is not None:
+        if settings or options.sampling != SEQUENTIAL:
+            raise UsageError("--params gives the values: --set and --sampling have no meaning beside it")
+        values = read_params(options.params)
+        numbers = among(options, len(values))
+    request = Request(
+        options.program,
+        options.seed or 0,
+        numbers,
+        settings,
+        checked=not options.unchecked,
+        candidates=read_sampling(options.sampling),
+        repair=options.repair and values is None,  # values are repaired anyway
+        values=values,
+    )
+    job = open_job(request, values=options.params or "values")
+    return job if step is None else job.mutated(step)
 
 
-def among(options: argparse.Namespace, count: int) -> np.ndarray:
+def among(options: argparse.Namespace, count: int) -> Runs:
     """The numbers of the objects asked for, of those that a file gives. Raises UsageError."""
+    from ..run.request import numbered
+
     beyond = [n for n in options.only or () if n >= count]
     if beyond:
         raise UsageError(f"there is no object {beyond[0]}: {options.params} gives {count}, numbered from 0")
-    return (
-        np.array(options.only, dtype=np.int64)
-        if options.only is not None
-        else np.arange(min(options.number or count, count))
-    )
+    return numbered(None if options.only else min(options.number or count, count), options.only)
+
+
+# ---------------------------------------------------------------- what is told
 
 
 def tell_engine() -> None:
@@ -171,13 +157,13 @@ def tell_engine() -> None:
         )
 
 
-def statistics(job: Job, manifest: dict[str, Any]) -> str:
+def statistics(job: Job, manifest: Manifest) -> str:
     """How well the text of the category leads to valid objects: counts, and what failed with its line."""
     counts = manifest.get("counts") or job.counts()
     made, valid = counts["objects"], counts["first_valid"]
     if not made:
         return "nothing was left to sample"
-    what = "steps of mutation" if job.mutations else "objects"
+    what = "steps of mutation" if job.request.mutations else "objects"
     lines = [f"{made} {what}, {100 * valid / made:.1f}% valid at first, {counts['attempts']} attempts"]
     if not counts.get("checked", False):
         lines.append("collisions were not checked")

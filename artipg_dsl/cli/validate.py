@@ -6,10 +6,8 @@ import argparse
 import json
 import math
 from collections.abc import Callable
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
 
 from ..errors import NoObject, UserError
 from .progress import Progress
@@ -24,11 +22,11 @@ SHOWN = 12  # of what meshes share
 
 
 def run(options: argparse.Namespace) -> int:
-    job, numbers = wanted(options)
-    if not len(numbers):
+    job = wanted(options)
+    if not job.request.numbers:
         raise UserError("there is no object to examine", "sample at least one")
     with Progress("validating") as progress:
-        found = examine(job, numbers, options.states, options.meshes, progress)
+        found = examine(job, options.states, options.meshes, progress)
     print(json.dumps(found, indent=1) if options.json else text(found))
     delivered, meshes = found["delivered"], found["meshes"]
     sound = delivered is not None and not delivered["invalid"]
@@ -37,7 +35,6 @@ def run(options: argparse.Namespace) -> int:
 
 def examine(
     job: Job,
-    numbers: np.ndarray,
     states: int,
     meshes: bool = False,
     progress: Callable[[int, int], None] = lambda *_: None,
@@ -45,22 +42,21 @@ def examine(
     """All evidence as plain data. ``drawn`` are objects that meet the requirements, ``delivered`` what is handed out;
     ``meshes``: what is delivered, by what is seen of it. ``progress`` is told (step, steps) before each step."""
     from ..export.strict import ready, strict
-    from ..sampling.statistics import Statistics
     from ..validity.evidence import evidence
 
     if meshes:
         ready()
-    free = replace(job, checked=False, statistics=Statistics())
+    free = job.but(checked=False)
     steps = 4 + meshes
     progress(0, steps)
-    batch = free.batch(numbers)
+    batch = free.batch()
     progress(1, steps)
     drawn = evidence(batch, 0)
     progress(2, steps)
-    job = replace(job, statistics=Statistics())
+    job = job.but()  # what was counted before does not matter here
     seen: Strict | None = None
     try:
-        batch = job.batch(numbers)
+        batch = job.batch()
         progress(3, steps)
         delivered: Evidence | None = evidence(batch, states)
         progress(4, steps)
@@ -69,17 +65,17 @@ def examine(
         delivered, why = None, error.message
     made = job.statistics
     return {
-        "category": job.sampler.program.name,
-        "seed": job.seed,
-        "objects": len(numbers),
-        "checked": job.checked,
+        "category": job.program.name,
+        "seed": job.request.seed,
+        "objects": len(batch),
+        "checked": job.request.checked,
         "first_valid": made.first_valid / max(made.objects, 1),
         "attempts": made.attempts,
         "drawn": asdict(drawn),
         "delivered": None if delivered is None else asdict(delivered),
         "meshes": None if seen is None else asdict(seen),
         "exhausted": why,
-        "kinds": {joint.path: joint.kind for joint in job.sampler.program.joints},
+        "kinds": {joint.path: joint.kind for joint in job.program.joints},
     }
 
 

@@ -2,7 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+from ..annotate.points import field_kinds
+
+if TYPE_CHECKING:
+    from ..graph.program import Program
+    from .content import Content
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,3 +92,72 @@ VIEWS = {
     "cloud_instance": Meaning("as instance", _CLOUD),
     "cloud_link": Meaning("as link", _CLOUD),
 }  # fmt: skip
+
+KINDS = {
+    "mask": "the label holds",
+    "grade": "how far the label holds, 0 .. 1",
+    "field": "value, nan where undefined",
+    "vectors": "vector, nan where undefined",
+}
+
+
+def vocabularies(program: Program) -> dict[str, list[str]]:
+    """Words by vocabulary: the program's, those its labels use, and the names of its joints, grasps and materials."""
+    words = {name: list(entries) for name, entries in program.vocabularies.items()}
+    for label in program.labels:
+        known = words.setdefault(label.vocabulary, [])
+        if label.name not in known:
+            known.append(label.name)
+    words["joints"] = list(dict.fromkeys(joint.name for joint in program.joints))
+    words["grasps"] = list(dict.fromkeys(grasp.name for grasp in program.grasps))
+    words["materials"] = list(program.materials)
+    return words
+
+
+def point_arrays(program: Program, content: Content) -> dict[str, dict[str, Any]]:
+    """Meaning, dtype, shape, frame and unit of every array of a points shard."""
+    points = content.points
+    meant = POINTS | {"object": OBJECT} | (AREA if points.uneven else {}) | (MOTIONS if content.motion else {})
+    meant |= {name: _label(kind, "objects, points") for name, kind in field_kinds(program.labels).items()}
+    if content.motion:
+        meant |= {
+            f"{name}.joint": ACTING
+            for name, kind in field_kinds(program.labels).items()
+            if not name.startswith("field.")
+        }
+    lengths: dict[str, int | str] = {"points": points.count}
+    if points.per != "object":  # a row for each of them, whose object `object` tells
+        lengths["objects"] = "classes" if points.per == "semantic" else f"{points.per}s"
+    moving = {*MOVING, *(name for name, kind in field_kinds(program.labels).items() if kind == "vectors")}
+    return {name: _entry(m, content, lengths, name in moving) for name, m in _with_states(meant, content).items()}
+
+
+def view_arrays(program: Program, content: Content) -> dict[str, dict[str, Any]]:
+    """The same of a views shard."""
+    cameras = content.cameras
+    assert cameras is not None
+    meant = {"object": OBJECT} | VIEWS
+    kinds = field_kinds(program.labels)
+    meant |= {f"cloud_{name}": _label(kind, "objects, views, cloud") for name, kind in kinds.items()}
+    lengths = {"views": cameras.count, "height": cameras.height, "width": cameras.width, "cloud": cameras.points}
+    return {name: _entry(m, content, lengths, name != "object") for name, m in _with_states(meant, content).items()}
+
+
+def _with_states(meant: dict[str, Meaning], content: Content) -> dict[str, Meaning]:
+    return meant if content.states.only_rest else meant | {"state": STATE}
+
+
+def _label(kind: str, shape: str) -> Meaning:
+    if kind == "vectors":
+        return Meaning(KINDS[kind], f"{shape}, 3", "object", dtype="float32")
+    return Meaning(KINDS[kind], shape, dtype="bool" if kind == "mask" else "float32")
+
+
+def _entry(meaning: Meaning, content: Content, lengths: Mapping[str, int | str], moving: bool) -> dict[str, Any]:
+    """A meaning as plain data, its shape with the lengths known: one more axis where an array depends on the state."""
+    axes = meaning.shape.split(", ")
+    if moving and not content.states.only_rest and "states" not in axes:
+        axes.insert(1, "states")
+    known = {**lengths, "states": content.states.count}
+    described = {"dtype": meaning.dtype} | asdict(meaning)
+    return described | {"shape": ", ".join(str(known.get(axis, axis)) for axis in axes)}

@@ -95,7 +95,7 @@ def npz_bytes(arrays: dict[str, np.ndarray], *, pack: bool = False) -> bytes:
 
 def points_shard(batch: Batch, content: Content) -> bytes:
     """The bytes of ``points-<shard>.npz``."""
-    return npz_bytes(point_arrays(batch, content.sampling, content.states, content.motion))
+    return npz_bytes(point_arrays(batch, content.points, content.states, content.motion))
 
 
 def views_shard(batch: Batch, content: Content) -> bytes:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..errors import UsageError
 from ..graph.primitive import Primitive
 from .patches import Params, grid, position_split, rows_of, tangent_split
 from .topology import Topology
@@ -32,12 +33,18 @@ _AT_ONCE = 1024  # instances
 class Resolution:
     """``steps`` per full turn; or, where given, no chord further than ``tolerance`` (metres) off the true surface, and
     no object of more than ``triangles``, as fine as that allows. An object that has more triangles at its coarsest, a
-    quarter turn a step, keeps them.
+    quarter turn a step, keeps them. Raises UsageError.
     """
 
     steps: int = 24
     tolerance: float | None = None
     triangles: int | None = None
+
+    def __post_init__(self) -> None:
+        if self.tolerance is not None and not FINEST <= self.tolerance <= COARSEST:
+            raise UsageError(f"tolerance={self.tolerance} is not a distance from {FINEST} to {COARSEST} metres")
+        if self.triangles is not None and self.triangles < 1:
+            raise UsageError(f"triangles={self.triangles} is not a number above 0")
 
     @property
     def by_error(self) -> bool:

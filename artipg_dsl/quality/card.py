@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import Any
 
-import numpy as np
-
-from ..run.job import Job
-from ..sampling.statistics import Statistics
+from ..runtime.batch import Batch
+from ..sampling.sample import Sampler
 from .coverage import Coverage, coverage
 from .dead import Dead, dead_alternatives, dead_parameters
 from .distance import mean_distance
@@ -138,18 +136,18 @@ STEPS = ("sampling", "graphs", "near-duplicates", "pairs", "sizes", "dead parame
 
 
 def card(
-    job: Job, numbers: np.ndarray, *, real: Real | None = None, lines: int | None = None,
+    sampler: Sampler, batch: Batch, valid: Valid, *, checked: bool, real: Real | None = None, lines: int | None = None,
     progress: Callable[[str, int, int], None] | None = None,
 ) -> Card:  # fmt: skip
-    """The card of a job's program over the objects of the given numbers. Raises NoObject."""
+    """The card of a program over the objects of a batch; ``valid``: how often the sampling of these succeeded at first.
+
+    ``checked``: collisions were looked for. ``progress`` hears of each step after the sampling.
+    """
 
     def step(number: int) -> None:
         if progress is not None:
             progress(STEPS[number], number, len(STEPS))
 
-    step(0)
-    job = replace(job, statistics=Statistics())
-    batch, made = job.batch(numbers), job.statistics
     step(1)
     found = graphs(batch)
     distance, pairs = mean_distance(found)
@@ -162,17 +160,16 @@ def card(
     step(2)
     close = int(near_duplicates(batch, found.code).sum())
     step(3)
-    together = coverage(job.sampler, batch)
+    together = coverage(sampler, batch)
     step(4)
     size = extents(batch)
     step(5)
     parameters = tuple(dead_parameters(batch))
     step(6)
-    alternatives = tuple(dead_alternatives(job.sampler, batch))
+    alternatives = tuple(dead_alternatives(sampler, batch))
     return Card(
-        batch.program.name, batch.program.hash, job.seed, len(batch), job.checked,
-        Valid(made.first_valid, made.attempts, job.failures()), variety, close, together, tuple(compare(size, real)), real,
-        parameters, alternatives, lines,
+        batch.program.name, batch.program.hash, batch.seed, len(batch), checked, valid, variety, close, together,
+        tuple(compare(size, real)), real, parameters, alternatives, lines,
     )  # fmt: skip
 
 

@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 FORM = 'write {"width": 0.5, "handle": "BarHandle"}, one object a line; annotations of samples do, too'
 
 
-def read_params(path: str | Path, program: Program) -> Values:
-    """The values in a file, checked by the domains of the program. Raises UserError, SettingError."""
+def read_params(path: str | Path) -> tuple[Mapping[str, Any], ...]:
+    """The objects in a file, as names and values. Raises UserError."""
     try:
         text = Path(path).read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         raise UserError(f"{path} cannot be read: {getattr(error, 'strerror', None) or 'it is no text'}") from None
-    return values_of(entries(text, str(path)), program, str(path))
+    return tuple(entries(text, str(path)))
 
 
 def entries(text: str, name: str) -> list[Mapping[str, Any]]:

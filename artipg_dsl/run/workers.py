@@ -21,7 +21,7 @@ from ..errors import UserError
 from ..sampling.statistics import Statistics
 
 if TYPE_CHECKING:
-    from ..export.chunk import Chunk
+    from .chunk import Chunk
     from .job import Job
 
 T = TypeVar("T")

@@ -10,7 +10,7 @@ is kept may give way, too.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
@@ -59,6 +59,9 @@ class Mutation:
     sources: tuple[tuple[int, int], ...] | None = None
 
     def __post_init__(self) -> None:
+        unknown = [name for name in self.operations if name not in OPERATIONS]
+        if unknown:
+            raise UsageError(f"there is no operation `{unknown[0]}`", f"the operations are {', '.join(OPERATIONS)}")
         if not abs(self.variant) < MOST_VARIANTS:
             raise UsageError(f"the variant is {self.variant}: a number below {MOST_VARIANTS} is needed")
 
@@ -100,6 +103,11 @@ class Mutation:
         )  # fmt: skip
         found.numbers = numbers
         return found
+
+
+def read_operations(names: str | Iterable[str]) -> tuple[str, ...]:
+    """``"apa,cpa"``, or a list of these."""
+    return tuple(name.strip() for name in (names.split(",") if isinstance(names, str) else names))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

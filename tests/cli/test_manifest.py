@@ -7,13 +7,17 @@ import json
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, get_type_hints
 
 import numpy as np
 import pytest
 
-from artipg_dsl.export import manifest
+from artipg_dsl.export.content import Content
 from artipg_dsl.export.write import ExportError
+from artipg_dsl.run import manifest
+from artipg_dsl.run.counts import Counts
+from artipg_dsl.run.output import Output
+from artipg_dsl.run.request import Made, Request
 
 from .helpers import CHEST, Apgc
 
@@ -164,25 +168,34 @@ def test_validate_has_something_to_examine(folder: Path, tmp_path: Path, apgc: A
     assert code == 1 and "there is no object to examine" in err
 
 
-@pytest.mark.parametrize(
-    "name", ["repair", "sampling", "mutations", "unchecked", "values", "checked", "made", "settings", "seed"]
+RECORDS = (manifest.Manifest, manifest.Identity, Made, Counts, Request, Output, Content)
+OWN = sorted(
+    {name for record in RECORDS for name in get_type_hints(record)} | {"n", "set", "only", "unchecked", "drawn"}
 )
-def test_a_parameter_may_be_called_what_the_record_calls_its_own(tmp_path: Path, name: str, apgc: Apgc) -> None:
+REFUSED = {"category", "surface", "frame"}  # words and types of the language
+
+
+def test_a_parameter_may_be_called_what_the_records_call_their_own(tmp_path: Path, apgc: Apgc) -> None:
+    """Every key of the manifest and every field of a record is a parameter here, and all of them are set."""
+    names = [name for name in OWN if name not in REFUSED]
+    assert len(names) > 50
+    values = {name: round(1e-3 + 1e-5 * k, 6) for k, name in enumerate(names)}
     program, out = tmp_path / "box.apg", tmp_path / "o"
     program.write_text(
-        f"apg 1\nuse primitives {{ Cuboid }}\ncategory Box {{\n  param {name} : length in 10cm .. 20cm\n"
-        f"  root part body : Cuboid(size = [{name}, {name}, {name}])\n}}\n",
+        "apg 1\nuse primitives { Cuboid }\ncategory Box {\n"
+        + "".join(f"  param {name} : length in 1mm .. 2mm\n" for name in names)
+        + f"  root part body : Cuboid(size = [{' + '.join(names)}, 4cm, 4cm])\n}}\n",
         encoding="utf-8",
     )
-    assert apgc("sample", program, "-n", 1, "--points", 16, "--set", f"{name}=12cm", "-o", out)[0] == 0
+    settings = [word for name in names for word in ("--set", f"{name}={1e3 * values[name]:.6g}mm")]
+    assert apgc("sample", program, "-n", 1, "--points", 16, *settings, "-o", out)[0] == 0
     assert apgc("export", out, "--format", "obj")[0] == 0
     drawn = json.loads((out / "annotation-00000.jsonl").read_text(encoding="utf-8"))["drawn"]
-    corners = [
-        line.split()[1:]
-        for line in (out / "objects/000000/obj/body.obj").read_text().splitlines()
-        if line.startswith("v ")
-    ]
-    assert drawn == {name: pytest.approx(0.12)}
-    assert np.ptp(np.array(corners, dtype=float)[:, 0]) == pytest.approx(0.12)
+    lines = (out / "objects/000000/obj/body.obj").read_text().splitlines()
+    corners = np.array([line.split()[1:] for line in lines if line.startswith("v ")], dtype=float)
+    assert drawn == {name: pytest.approx(value) for name, value in values.items()}
+    assert np.ptp(corners[:, 0]) == pytest.approx(sum(values.values()), abs=1e-5)
+    whole = json.loads((out / manifest.NAME).read_text(encoding="utf-8"))
+    assert whole["identity"]["settings"] == {name: pytest.approx(value) for name, value in values.items()}
     assert apgc("mutate", out, "-o", tmp_path / "m", "--points", 16)[0] == 0
     assert apgc("validate", tmp_path / "m")[0] == 0

@@ -39,7 +39,7 @@ def test_mutants_in_python():
     assert [s.path for s in found if s.how == "changed"] == ["width"]
     assert batch.changes(7) == []
     assert mutants.object(7).drawn == mutants.batch.drawn(7)
-    assert mutants.mutate("apa").job.mutations[1].operations == ("apa",)
+    assert mutants.mutate("apa").job.request.mutations[1].operations == ("apa",)
 
 
 @pytest.mark.parametrize("wrong", ["xpa", "apa,", ""])

@@ -101,7 +101,8 @@ def test_a_compiled_program_samples_the_same_without_the_parser(apgc: Apgc, tmp_
     written, again = tree(tmp_path / ".apg"), tree(tmp_path / ".apgc")
     assert written.keys() == again.keys()
     assert all(written[name] == again[name] for name in written if name != "manifest.json")
-    code = f"import sys; from artipg_dsl.run.job import open_job; open_job({str(tmp_path / 'chest.apgc')!r}).batch([3])"
+    code = "import sys; from artipg_dsl.run.job import open_job; from artipg_dsl.run.request import Request"
+    code += f"; open_job(Request({str(tmp_path / 'chest.apgc')!r})).batch([3])"
     code += "; assert not {'lark', 'artipg_dsl.lower', 'artipg_dsl.syntax'} & sys.modules.keys()"
     subprocess.run([sys.executable, "-c", code], env=environment(), check=True)
 

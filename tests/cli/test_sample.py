@@ -125,7 +125,7 @@ def test_wrong_input(apgc: Apgc, tmp_path: Path, arguments: list[str], expected:
 def test_no_valid_object_names_the_worst(apgc: Apgc, tmp_path: Path) -> None:
     fixed = ["--set", "width=30cm", "--set", "height=40cm"]
     code, _, err = apgc("sample", CHEST, "-n", 3, "-o", tmp_path / "o", *fixed)
-    assert code == 1 and "what was set leaves no valid Chest" in err and "3 times: " in err and "`height`" in err
+    assert code == 1 and "no valid Chest exists with these settings" in err and "3 times: " in err and "`height`" in err
 
 
 def test_unknown_category(apgc: Apgc) -> None:

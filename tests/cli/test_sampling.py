@@ -25,7 +25,7 @@ def test_prior_is_made_again_from_its_folder(apgc: Apgc, tmp_path: Path) -> None
     code, out, _ = apgc("sample", program, "-n", 30, "-o", folder, "--points", 4, "--stats", "--sampling", "prior:16")
     assert code == 0 and "resampled among 16 attempts for each object" in out
     again = open_samples(folder)
-    assert again.job.candidates == 16 and again.batch.state.attempt.max() > 2
+    assert again.job.request.candidates == 16 and again.batch.state.attempt.max() > 2
     assert np.isfinite(again.batch.log_weight).all()
 
 

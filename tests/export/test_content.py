@@ -12,17 +12,21 @@ import pytest
 from artipg_dsl.annotate.annotation import describe
 from artipg_dsl.annotate.cameras import Cameras
 from artipg_dsl.annotate.poses import part_poses
+from artipg_dsl.annotate.sampling import Sampling
 from artipg_dsl.annotate.states import joint_values, read_states
-from artipg_dsl.export.content import SHARD, STANDARD, Content
-from artipg_dsl.export.dataset import write_dataset
+from artipg_dsl.export.content import SHARD, Content
 from artipg_dsl.export.registry import choose
 from artipg_dsl.export.shards import point_arrays, view_arrays
 from artipg_dsl.export.write import ExportError
+from artipg_dsl.run.dataset import write_dataset
+from artipg_dsl.run.output import Output
+from artipg_dsl.run.request import Request
 from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.session import Session
 
 CAMERAS = Cameras(count=2, width=40, height=30, points=50)
-CONTENT = Content(32, read_states("rest,random:2"), motion=True, cameras=CAMERAS)
+STANDARD = Content()
+CONTENT = Content(Sampling(32), read_states("rest,random:2"), motion=True, cameras=CAMERAS)
 FORMATS = "points,views"
 
 
@@ -35,8 +39,8 @@ def write(
     sampler: Sampler, out: Path, content: Content = CONTENT, formats: str = FORMATS, n: int = 5
 ) -> dict[str, Any]:
     return write_dataset(
-        sampler.program, lambda numbers: sampler.batch(numbers, seed=1), out, seed=1, numbers=np.arange(n),
-        formats=choose(formats), content=content, shard=3,
+        sampler.program, lambda numbers: sampler.batch(numbers, seed=1), out, Request("Microwave", 1, ((0, n - 1),)),
+        Output(tuple(entry.name for entry in choose(formats)), content, shard=3),
     )  # fmt: skip
 
 
@@ -115,9 +119,9 @@ def test_a_second_run_completes_the_same_bytes(sampler: Sampler, written: Path) 
 @pytest.mark.parametrize(
     "content, message",
     [
-        (Content(32, read_states("open"), True, CAMERAS), "the joint states (rest,random:2, now open)"),
-        (Content(32, CONTENT.states, False, CAMERAS), "velocities of points (True, now False)"),
-        (Content(32, CONTENT.states, True, Cameras(count=3, width=40, height=30, points=50)), "the cameras"),
+        (Content(Sampling(32), read_states("open"), True, CAMERAS), "the joint states (rest,random:2, now open)"),
+        (Content(Sampling(32), CONTENT.states, False, CAMERAS), "velocities of points (True, now False)"),
+        (Content(Sampling(32), CONTENT.states, True, Cameras(count=3, width=40, height=30, points=50)), "the cameras"),
     ],
 )
 def test_other_contents_are_refused(sampler: Sampler, written: Path, content: Content, message: str) -> None:

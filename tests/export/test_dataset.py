@@ -11,12 +11,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from artipg_dsl.export import manifest
+from artipg_dsl.annotate.sampling import Sampling
 from artipg_dsl.export.content import Content
-from artipg_dsl.export.dataset import write_dataset
 from artipg_dsl.export.registry import FORMATS, choose
 from artipg_dsl.export.shards import npz_bytes
 from artipg_dsl.export.write import ExportError
+from artipg_dsl.run import manifest
+from artipg_dsl.run.dataset import write_dataset
+from artipg_dsl.run.output import Output
+from artipg_dsl.run.request import Request
+from artipg_dsl.run.schema import expand, runs
 
 from .fake_batch import FakeBatch
 
@@ -35,16 +39,14 @@ def sample(numbers: np.ndarray) -> FakeBatch:
     return FakeBatch(len(numbers), first=int(numbers[0]))
 
 
-def write(out: Path, n: int = 5, formats: str = "points,urdf,glb", **options) -> dict:  # type: ignore[no-untyped-def]
-    settings = {
-        "seed": 7,
-        "numbers": np.arange(n),
-        "formats": choose(formats),
-        "content": Content(64),
-        "shard": 2,
-    } | options
-    make = settings.pop("sample", sample)
-    return write_dataset(FakeBatch(1).program, make, out, **settings)
+def write(  # type: ignore[no-untyped-def]
+    out: Path, n: int = 5, formats: str = "points,urdf,glb", *, seed: int = 7, only: tuple[int, ...] | None = None,
+    points: int = 64, shard: int = 2, sample=sample, **options,
+) -> dict:  # fmt: skip
+    program = FakeBatch(1).program
+    request = Request("Cupboard", seed, runs(only or range(n)), program=program.hash)
+    output = Output(tuple(entry.name for entry in choose(formats)), Content(Sampling(points)), shard)
+    return write_dataset(program, sample, out, request, output, **options)
 
 
 def tree(out: Path) -> dict[str, bytes]:
@@ -95,7 +97,7 @@ def test_bytes_are_the_same_in_another_process_and_under_another_hash_seed(tmp_p
 
 def test_an_object_is_the_same_from_any_shard(tmp_path: Path) -> None:
     write(tmp_path / "a", 5)
-    write(tmp_path / "b", 5, numbers=np.array([3]), shard=10)
+    write(tmp_path / "b", 5, only=(3,), shard=10)
     one = tree(tmp_path / "b")
     all_ = tree(tmp_path / "a")
     assert {n for n in one if n.startswith("objects")} == {n for n in all_ if n.startswith("objects/000003")}
@@ -149,7 +151,7 @@ def test_other_options_are_refused_with_words_unless_forced(tmp_path: Path) -> N
         write(tmp_path / "o", 5, seed=8)
     assert "the seed (7, now 8)" in caught.value.message and "--force" in caught.value.hint
     with pytest.raises(ExportError, match="the number of points"):
-        write(tmp_path / "o", 5, content=Content(32))
+        write(tmp_path / "o", 5, points=32)
     write(tmp_path / "o", 2, formats="points", seed=8, force=True)
     assert set(tree(tmp_path / "o")) == {"manifest.json", "notes.txt", "points-00000.npz", "annotation-00000.jsonl"}
     assert manifest.read(tmp_path / "o")["identity"]["seed"] == 8  # type: ignore[index]
@@ -198,4 +200,5 @@ def test_npz_is_plain_and_its_bytes_depend_on_the_contents_alone(tmp_path: Path)
 
 
 def test_spans_of_numbers() -> None:
-    assert manifest.spans([0, 1, 2, 5, 7, 8]) == [[0, 2], [5, 5], [7, 8]] and manifest.spans([]) == []
+    assert runs([0, 1, 2, 5, 7, 8]) == ((0, 2), (5, 5), (7, 8)) and runs([]) == ()
+    assert expand(runs([0, 1, 2, 5, 7, 8])).tolist() == [0, 1, 2, 5, 7, 8] and expand(()).tolist() == []

@@ -16,7 +16,8 @@ from artipg_dsl.graph.formula import compile_formula, source
 from artipg_dsl.graph.text import TextError, from_text, to_text
 from artipg_dsl.graph.verify import UNITS
 from artipg_dsl.run.compiled import compiled_text, planned
-from artipg_dsl.run.job import make_job, open_job
+from artipg_dsl.run.job import open_job, prepare
+from artipg_dsl.run.request import Request
 from artipg_dsl.runtime.plan import make_plan
 from artipg_dsl.sampling.module import to_module
 from artipg_dsl.session import Session
@@ -64,7 +65,7 @@ def test_a_program_that_names_python_is_refused_and_runs_nothing(tmp_path, monke
     found = (DATA / "names_are_pasted_into_code.apgc").read_text(encoding="utf-8")
     assert "no name" in refused(found)
     with pytest.raises(UserError, match="line 87 of the compiled program"):
-        open_job(DATA / "names_are_pasted_into_code.apgc")
+        open_job(Request(str(DATA / "names_are_pasted_into_code.apgc")))
     assert not list(tmp_path.iterdir())
 
 
@@ -164,7 +165,7 @@ def test_values_that_need_one_another_are_reported(text, tmp_path):
     path = tmp_path / "loop.apgc"
     path.write_text(compiled_text(program), encoding="utf-8")
     with pytest.raises(UserError, match="in a circle"):
-        open_job(path)
+        open_job(Request(str(path)))
 
 
 def test_tables_beyond_all_bounds_are_refused(text, tmp_path):
@@ -174,7 +175,7 @@ def test_tables_beyond_all_bounds_are_refused(text, tmp_path):
     path = tmp_path / "many.apgc"
     path.write_text(compiled_text(program), encoding="utf-8")
     with pytest.raises(UserError, match="elements of one repeat"):
-        open_job(path).batch(np.arange(3))
+        open_job(Request(str(path))).batch(np.arange(3))
 
 
 def test_a_division_by_zero_is_a_value_not_an_error():
@@ -196,7 +197,7 @@ def sampled(text: str, old: str, new: str) -> str:
     assert count == 1
     program = from_text(edited)
     with pytest.raises(UserError) as wrong:
-        make_job(planned(program, "edited.apgc"), "edited.apgc", 0).batch(np.arange(2))
+        prepare(planned(program, "edited.apgc"), Request("edited.apgc")).batch(np.arange(2))
     return wrong.value.message
 
 
@@ -228,9 +229,9 @@ def test_surfaces_that_do_not_close_are_a_users_error(text: str) -> None:
     edited = re.sub(
         r'(primitives \(Primitive name "Cylinder".*?u_range) \[(%\d+) (%\d+)\]', r"\1 [\2 \2]", text, count=1
     )
-    job = make_job(planned(from_text(edited), "edited.apgc"), "edited.apgc", 0)
+    job = prepare(planned(from_text(edited), "edited.apgc"), Request("edited.apgc"))
     with pytest.raises(UserError, match="Cylinder: surface"):
-        Samples(job, np.arange(1)).meshes()
+        Samples(job).meshes()
 
 
 def test_pieces_beyond_all_bounds_are_a_users_error() -> None:

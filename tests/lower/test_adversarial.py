@@ -7,7 +7,8 @@ import pytest
 
 from artipg_dsl.diagnostics import CompileError
 from artipg_dsl.errors import UserError
-from artipg_dsl.run.job import make_job
+from artipg_dsl.run.job import prepare
+from artipg_dsl.run.request import Request
 from artipg_dsl.session import Session
 
 SECONDS = 20.0  # of this process, on any machine; the slowest takes about two
@@ -81,7 +82,7 @@ def program(body: str) -> Session:
 @pytest.mark.parametrize("name", VALID)
 def test_a_hard_program_is_sampled(name):
     begun = time.process_time()
-    job = make_job(program(VALID[name]).sampler, "C", 0, checked=False)
+    job = prepare(program(VALID[name]).sampler, Request("C", checked=False))
     batch = job.batch(np.arange(40))
     assert not batch.state.failed.any() and job.statistics.first_valid >= 8  # elements of one repeat are drawn together
     assert time.process_time() - begun < SECONDS
@@ -93,7 +94,7 @@ def test_a_program_without_objects_is_refused_in_words(name):
     said, body = REFUSED[name]
     session = program(body)
     with pytest.raises((CompileError, UserError)) as caught:
-        make_job(session.sampler, "C", 0, checked=False).batch(np.arange(40))
+        prepare(session.sampler, Request("C", checked=False)).batch(np.arange(40))
     if isinstance(caught.value, CompileError):
         assert said in [d.code for d in session.report.diagnostics]
         assert all(d.span is not None and d.hint for d in session.report.diagnostics)

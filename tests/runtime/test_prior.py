@@ -5,7 +5,7 @@ import pytest
 
 from artipg_dsl.errors import UsageError
 from artipg_dsl.graph.text import from_text, to_text
-from artipg_dsl.run.job import read_sampling
+from artipg_dsl.run.request import read_sampling
 from artipg_dsl.sampling.module import to_module
 from artipg_dsl.sampling.prior import CANDIDATES, effective
 from artipg_dsl.sampling.sample import Sampler

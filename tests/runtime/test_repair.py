@@ -7,8 +7,9 @@ import pytest
 
 from artipg_dsl.errors import NoObject, UserError
 from artipg_dsl.graph.text import from_text, to_text
-from artipg_dsl.run.job import make_job
+from artipg_dsl.run.job import prepare
 from artipg_dsl.run.params import values_of
+from artipg_dsl.run.request import Request
 from artipg_dsl.runtime.kernels import Kept, State
 from artipg_dsl.sampling.clips import Asked
 from artipg_dsl.sampling.mutate import mutate
@@ -174,8 +175,7 @@ def test_a_count_that_is_too_large_takes_its_list_along() -> None:
 def test_what_nothing_puts_right_ends_with_the_three_worst() -> None:
     never = 'require sin({0} / 1cm * 40deg) * cos({0} / 1cm * 40deg) >= 0.6 else "never {0}"'
     sampler = sampler_of(*LENGTHS, "param d : length in 1cm .. 10cm", *(never.format(name) for name in "abcd"))
-    job = make_job(sampler, "box.apg", 0)
-    job.values = given(sampler, {"a": 0.05, "b": 0.05, "c": 0.05})
+    job = prepare(sampler, Request("box.apg", values=({"a": 0.05, "b": 0.05, "c": 0.05},)))
     with pytest.raises(NoObject) as found:
         job.batch([0])
     lines = re.findall(r"box.apg:(\d+): never", found.value.message)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from artipg_dsl.errors import UserError
-from artipg_dsl.run.job import Job
+from artipg_dsl.run.job import prepare
+from artipg_dsl.run.request import Request
 from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.session import Session
 
@@ -25,8 +26,8 @@ def test_a_program_without_its_requirements_hands_out_nothing() -> None:
     lowering = Session.of_text(TEXT, "box.apg").lowering
     assert lowering is not None
     program = lowering.program
-    made = Job(Sampler(program), "box.apg", checked=False).batch(range(8))
+    made = prepare(Sampler(program), Request("box.apg", checked=False)).batch(range(8))
     assert made.state.attempt.any()
     program.requirements.clear()
     with pytest.raises(UserError, match="a number of it is not finite"):
-        Job(Sampler(program), "box.apg", checked=False).batch(range(8))
+        prepare(Sampler(program), Request("box.apg", checked=False)).batch(range(8))

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
-from artipg_dsl.run.job import make_job
+from artipg_dsl.run.job import prepare
+from artipg_dsl.run.request import Request
 from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.sampling.statistics import Statistics
 from artipg_dsl.session import Session
@@ -129,7 +130,7 @@ def test_what_tips_over_is_drawn_again_and_told_with_its_line() -> None:
     assert 0 < statistics.first_valid < 60
     (words,) = statistics.unsound
     assert words == "<text>:10: it tips over"
-    job = make_job(sampler, "Case", 3)
+    job = prepare(sampler, Request("Case", 3))
     job.statistics.unsound = dict(statistics.unsound)
     assert job.failures() == statistics.unsound
 

@@ -301,10 +301,11 @@ def test_a_collision_names_parts_place_and_value() -> None:
 
 def test_what_cannot_be_made_names_the_parts() -> None:
     from artipg_dsl.errors import NoObject
-    from artipg_dsl.run.job import Job
+    from artipg_dsl.run.job import prepare
+    from artipg_dsl.run.request import Request
 
     with pytest.raises(NoObject) as caught:
-        Job(program(CRANE), 0).batch(np.arange(1))
+        prepare(program(CRANE), Request("crane")).batch(np.arange(1))
     assert "`bar` and `post` at " in caught.value.message and "in object 0" in caught.value.message
 
 

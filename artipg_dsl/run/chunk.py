@@ -6,26 +6,21 @@ repeated, and holds nothing but plain data, so that it can be done by another pr
 
 from __future__ import annotations
 
-import os
-import shutil
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..geometry.resolution import STANDARD as STANDARD_RESOLUTION
-from ..geometry.resolution import Resolution
-from .content import Content
-from .registry import Format
-from .robot import Robots
-from .write import refuse_existing, replacing_folder, write_bytes
+from ..export.content import Content
+from ..export.objects import lacking, object_folder, write_objects
+from ..export.registry import Format
+from ..export.write import write_bytes
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
 
-OBJECTS = "objects"
 FEW = 32  # objects in a chunk without shards, where several processes share the work
 
 Progress = Callable[[int, int], None]
@@ -85,62 +80,3 @@ class Chunk:
 
 def shard_path(out: Path, entry: Format, index: int) -> Path:
     return out / f"{entry.name}-{index:05d}{entry.suffix}"
-
-
-def object_folder(out: Path, number: int) -> Path:
-    return out / OBJECTS / f"{number:06d}"
-
-
-def lacking(folder: Path, formats: Sequence[Format]) -> list[Format]:
-    """Those of the formats whose files an object's folder does not hold. Folders appear whole, so one file tells."""
-    return [entry for entry in formats if not (folder / entry.file).exists()]
-
-
-def write_objects(
-    batch: Batch,
-    out: Path,
-    formats: Sequence[Format],
-    *,
-    only: np.ndarray | None = None,
-    force: bool = False,
-    add: bool = False,
-    progress: Callable[[int, int], None] | None = None,
-    resolution: Resolution = STANDARD_RESOLUTION,
-) -> None:
-    """A folder ``objects/<number>`` with the files of all formats for every object of the batch (or of ``only``).
-
-    ``force``: write what is there again. ``add``: write what is missing and leave the rest alone. ``resolution`` of the meshes.
-    """
-    robots = Robots(batch, resolution=resolution, physics=not all(entry.seen for entry in formats))
-    wanted = set(batch.numbers.tolist() if only is None else only.tolist())
-    for i, number in enumerate(batch.numbers.tolist()):
-        if number in wanted:
-            folder = object_folder(out, number)
-            write_object(robots, i, folder, lacking(folder, formats) if add else formats, force=force)
-        if progress:
-            progress(i + 1, len(batch))
-
-
-def write_object(robots: Robots, i: int, folder: Path, formats: Sequence[Format], *, force: bool = False) -> None:
-    """The files of all formats into the folder of object ``i``, all at once or not at all. Its other files stay."""
-    for entry in formats:
-        refuse_existing(folder / entry.file, force)
-    files = {name: data for entry in formats for name, data in entry.files(robots, i).items()}
-    with replacing_folder(folder, force=True) as partial:
-        known = folder.is_dir()
-        if known:
-            shutil.copytree(folder, partial, copy_function=link_or_copy, dirs_exist_ok=True)
-        for parent in dict.fromkeys(Path(name).parent for name in files):
-            (partial / parent).mkdir(parents=True, exist_ok=True)
-        for name, data in files.items():
-            if known:  # never write into a file that the old folder shares
-                (partial / name).unlink(missing_ok=True)
-            (partial / name).write_bytes(data)
-
-
-def link_or_copy(old: str, new: str) -> None:
-    """The same file under another name; a copy on file systems without links."""
-    try:
-        os.link(old, new)
-    except OSError:
-        shutil.copy2(old, new)

@@ -1,0 +1,181 @@
+"""``manifest.json``: what made a folder of objects, and what every array in it means."""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NotRequired, TypedDict, cast
+
+import numpy as np
+
+from ..export.meanings import point_arrays, view_arrays, vocabularies
+from ..export.mutants import MEANINGS
+from ..export.write import ExportError
+from ..shapes import Misfit, Rule, fit, hints, shown
+from ..version import __version__
+from .counts import Counts
+from .output import Output, Written
+from .request import Fixed, Made, Objects, Request, is_file
+from .schema import Count, Title, count, titles
+
+if TYPE_CHECKING:
+    from ..graph.program import Program
+
+NAME = "manifest.json"
+VERSION: Literal[2] = 2
+WANTED = "give the folder that samples were written to"
+FRAME = "right-handed, x front, y left, z up; metres, radians, kilograms; quaternions w x y z"
+
+
+class Versions(TypedDict):
+    artipg_dsl: Annotated[str, Title("the version of artipg_dsl")]
+    numpy: Annotated[str, Title("the version of NumPy")]
+
+
+class Identity(Objects, Written, Fixed, Versions):
+    """What a folder must have been made with for its files to be kept by a later run, in the order of the file."""
+
+
+class Site(TypedDict):
+    path: str
+    primitive: str
+
+
+def _is_path(text: str) -> bool:
+    """Whether a text can be a path at all."""
+    short = len(text) <= 2048 and all(len(piece.encode()) <= 255 for piece in text.split("/"))
+    return short and text.strip() != "" and "\0" not in text
+
+
+class Manifest(TypedDict):
+    """The whole file."""
+
+    manifest: Literal[2]
+    category: str
+    source: Annotated[str, Rule("the name or the file of a program", _is_path)]
+    about: str
+    identity: Identity
+    objects: Count
+    shards: list[str]
+    python: str
+    cpu: str
+    frame: str
+    vocabularies: dict[str, list[str]]
+    sites: list[Site]
+    arrays: NotRequired[dict[str, dict[str, Any]]]
+    views: NotRequired[dict[str, dict[str, Any]]]
+    correspondence: NotRequired[dict[str, str]]
+    counts: NotRequired[Counts]
+
+
+def build(
+    program: Program, request: Request, output: Output, *, out: Path | str = ".", counts: Counts | None = None
+) -> Manifest:
+    """The manifest of a folder ``out``; ``counts`` is what the run has counted, once it is over."""
+    size, content = count(request.numbers), output.content
+    found = request.to_manifest() | output.to_manifest() | {"artipg_dsl": __version__, "numpy": np.__version__}
+    manifest: Manifest = {
+        "manifest": VERSION,
+        "category": program.name,
+        "source": relative(request.source, out),
+        "about": program.doc,
+        "identity": cast(Identity, {key: found[key] for key in hints(Identity) if key in found}),
+        "objects": size,
+        "shards": shards(size, output.shard),
+        "python": platform.python_version(),
+        "cpu": cpu_class(),
+        "frame": FRAME,
+        "vocabularies": vocabularies(program),
+        "sites": [{"path": site.path, "primitive": site.primitive} for site in program.sites],
+    }
+    if "points" in output.formats:
+        manifest["arrays"] = point_arrays(program, content)
+    if content.cameras is not None:
+        manifest["views"] = view_arrays(program, content)
+    if "correspondence" in output.formats:
+        manifest["correspondence"] = dict(MEANINGS)
+    if counts is not None:
+        manifest["counts"] = counts
+    return manifest
+
+
+def shards(size: int, each: int) -> list[str]:
+    """The numbers of shards as the names of their files have them."""
+    return [f"{at // each:05d}" for at in range(0, size, each)]
+
+
+def relative(source: str, out: Path | str) -> str:
+    """A file as seen from the folder of samples, so that both can be moved together; a name stays as it is."""
+    if not is_file(source):
+        return source
+    return Path(os.path.relpath(Path(source).resolve(), Path(out).resolve())).as_posix()
+
+
+def cpu_class() -> str:
+    """The machine and the widest vector instructions NumPy uses on it: results are equal to the bit within a class."""
+    from numpy._core import _multiarray_umath as core  # type: ignore[attr-defined]
+
+    enabled = [name for name in core.__cpu_dispatch__ if core.__cpu_features__.get(name)]
+    return " ".join([platform.machine(), *enabled[-1:]])
+
+
+def text(manifest: Manifest) -> bytes:
+    return (json.dumps(manifest, indent=1, ensure_ascii=False) + "\n").encode("utf-8")
+
+
+def read(folder: Path | str) -> Manifest | None:
+    """The manifest in a folder, None where there is none. Raises ExportError."""
+    path = Path(folder) / NAME
+    try:
+        found = json.loads(path.read_bytes())
+    except FileNotFoundError:
+        return None
+    except NotADirectoryError:
+        raise ExportError(f"{folder} is a file, a folder was expected", WANTED) from None
+    except (ValueError, OSError) as error:
+        raise ExportError(f"cannot read {path}: {error}", WANTED) from error
+    except RecursionError:
+        raise ExportError(f"cannot read {path}: it is nested too deeply", WANTED) from None
+    if not isinstance(found, dict) or "manifest" not in found:
+        raise ExportError(f"{path} is not a manifest of this program", "choose another folder")
+    try:
+        check(found)
+    except Misfit as wrong:
+        raise ExportError(f"{path}: {wrong}", "give another folder, or make this one anew in an empty place") from None
+    return cast(Manifest, found)
+
+
+def check(found: dict[str, Any]) -> None:
+    """Raises Misfit with the key, what is there and what was expected."""
+    if isinstance(found["manifest"], int) and found["manifest"] != VERSION:
+        raise Misfit("manifest", f"version {VERSION}, the one that this artipg_dsl writes,", shown(found["manifest"]))
+    fit(found, Manifest)
+    identity = found["identity"]
+    size = count(identity["numbers"])
+    if found["objects"] != size:
+        raise Misfit("objects", f"the {size} of identity.numbers", shown(found["objects"]))
+    names = shards(size, identity["shard"])
+    if found["shards"] != names:
+        raise Misfit("shards", f"the {len(names)} shards of {identity['shard']} objects each", "another list")
+    if ("views" in identity["formats"]) != (identity["views"] is not None):
+        raise Misfit("identity.views", "cameras, where there are views,", shown(identity["views"]))
+    Output.from_manifest(identity)
+
+
+def difference(old: Manifest, new: Manifest) -> str | None:
+    """What sets two manifests apart so that their files do not belong together, in words; None if they do."""
+    pairs = ((Identity, old["identity"], new["identity"]), (Made, old["identity"]["made"], new["identity"]["made"]))
+    words = [
+        f"{title} ({_short(before.get(key))}, now {_short(after.get(key))})"
+        for record, before, after in pairs
+        for key, title in titles(record).items()
+        if before.get(key) != after.get(key)
+    ]
+    return " and ".join(words) or None
+
+
+def _short(value: Any) -> str:
+    shown = ", ".join(map(str, value)) if isinstance(value, list) else str(value)
+    return shown if len(shown) <= 40 else shown[:37] + "..."

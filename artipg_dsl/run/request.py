@@ -1,0 +1,204 @@
+"""What is drawn: a program, a seed, the numbers of objects, and what is fixed of them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from operator import index
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, TypedDict
+
+import numpy as np
+
+from ..errors import UsageError
+from ..sampling.mutate import OPERATIONS, Mutation
+from ..sampling.prior import CANDIDATES, MOST_CANDIDATES
+from ..sampling.trace import Replay
+from ..shapes import Rule
+from .schema import MOST, RUNS, Ends, Runs, Title, expand, one_of, runs, within
+from .settings import Value
+from .traces import traces_of
+
+if TYPE_CHECKING:
+    from .manifest import Manifest
+
+SEQUENTIAL, PRIOR = "sequential", "prior"
+
+
+class Replayed(TypedDict):
+    """A mutation that repeats a trace, which lies in the same folder."""
+
+    replay: str
+
+
+class Mutated(TypedDict):
+    operations: list[Annotated[str, one_of(OPERATIONS)]]
+    variant: Annotated[int, Rule("a whole number", lambda value: abs(value) < 2**31)]
+    strength: Annotated[float, within(0.0, 1e6)]
+    share: Annotated[float, within(0.0, 1.0)]
+    only: str
+    one: bool
+    each: Annotated[int, within(1, MOST)]
+    sources: Annotated[list[Ends], Rule(RUNS.words, lambda value: bool(value) and RUNS.holds(value))] | None
+
+
+class Made(TypedDict):
+    """How the objects are made, apart from the parameters that were set, which may have any name."""
+
+    checked: Annotated[bool, Title("the check of collisions")]
+    sampling: Annotated[
+        str,
+        Rule(f"sequential or prior:N with 2 to {MOST_CANDIDATES} candidates", lambda text: _candidates(text) is not None),
+        Title("the sampling"),
+    ]  # fmt: skip
+    repair: Annotated[bool, Title("the repair")]
+    mutations: Annotated[list[Replayed | Mutated], Title("the mutations")]
+    values: Annotated[
+        Annotated[list[dict[str, Any]], Rule("a list of objects", lambda value: len(value) > 0)] | None,
+        Title("the values given"),
+    ]
+
+
+class Objects(TypedDict):
+    """Which objects of which program."""
+
+    program: Annotated[str, Title("the compiled program")]
+    seed: Annotated[int, Title("the seed")]
+    numbers: Annotated[list[Ends], RUNS, Title("the objects asked for")]
+
+
+class Fixed(TypedDict):
+    """What is fixed of them."""
+
+    settings: Annotated[
+        dict[str, Annotated[Value, Rule("a number or text", lambda value: not isinstance(value, bool))]],
+        Title("the parameters that were set"),
+    ]
+    made: Made
+
+
+class Drawn(Objects, Fixed):
+    """What the manifest keeps of a request."""
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """``source`` is what the program is opened by: the name of a shipped category, or a file.
+
+    ``numbers`` are runs of the numbers of objects. ``settings`` fix parameters by name: text with a unit, or numbers in
+    SI units. ``checked``: only objects without collisions. ``candidates`` above 0: each object is chosen among so many
+    attempts, to follow the declared distributions. ``repair``: what fails at first is repaired rather than drawn again.
+    ``values``: objects given by their values, numbered from 0, instead of drawn ones. ``program`` is the hash of the
+    compiled program, once it is known. Raises UsageError.
+    """
+
+    source: str
+    seed: int = 0
+    numbers: Runs = ((0, 0),)
+    settings: Mapping[str, Value] = field(default_factory=dict)
+    checked: bool = True
+    candidates: int = 0
+    repair: bool = False
+    values: tuple[Mapping[str, Any], ...] | None = None
+    mutations: tuple[Mutation | Replay, ...] = ()
+    program: str = ""
+
+    def __post_init__(self) -> None:
+        if self.candidates and self.repair:
+            raise UsageError(
+                "objects that are repaired cannot follow the declared distributions",
+                "leave --repair out, or --sampling prior",
+            )
+        if not isinstance(self.settings, Mapping):
+            raise UsageError(f"set is {self.settings!r}", 'it maps names to values: {"width": "45cm"}')
+
+    @property
+    def objects(self) -> np.ndarray:
+        """The numbers of all objects, ascending."""
+        return expand(self.numbers)
+
+    def to_manifest(self) -> Drawn:
+        """As the manifest keeps it; the source stands beside it, as seen from the folder."""
+        return {
+            "program": self.program,
+            "seed": self.seed,
+            "numbers": [list(run) for run in self.numbers],
+            "settings": dict(sorted(self.settings.items())),
+            "made": {
+                "checked": self.checked,
+                "sampling": f"{PRIOR}:{self.candidates}" if self.candidates else SEQUENTIAL,
+                "repair": self.repair,
+                "mutations": [step.plain() for step in self.mutations],  # type: ignore[misc]
+                "values": None if self.values is None else [dict(entry) for entry in self.values],
+            },
+        }
+
+    @classmethod
+    def from_manifest(cls, manifest: Manifest, folder: Path) -> Request:
+        """The request that made a folder. Raises UserError."""
+        drawn, made = manifest["identity"], manifest["identity"]["made"]
+        source = manifest["source"]
+        return cls(
+            source=str(folder / source) if (folder / source).is_file() else source,  # a program of the user's
+            seed=drawn["seed"],
+            numbers=tuple((first, last) for first, last in drawn["numbers"]),
+            settings=drawn["settings"],
+            checked=made["checked"],
+            candidates=read_sampling(made["sampling"]),
+            repair=made["repair"],
+            values=None if made["values"] is None else tuple(made["values"]),
+            mutations=tuple(
+                Replay(traces_of(folder)) if "replay" in step else Mutation.of(step) for step in made["mutations"]
+            ),
+            program=drawn["program"],
+        )
+
+
+def is_file(source: str | Path) -> bool:
+    """Whether a program is named by its file."""
+    return Path(source).suffix != "" or Path(source).exists()
+
+
+def read_sampling(text: str) -> int:
+    """How many candidates ``sequential`` (none), ``prior`` or ``prior:128`` asks for. Raises UsageError."""
+    found = CANDIDATES if text == PRIOR else _candidates(text)
+    if found is None:
+        raise UsageError(
+            f"there is no sampling `{text}`",
+            f"it is {SEQUENTIAL}, {PRIOR}, or {PRIOR}:N with 2 to {MOST_CANDIDATES} candidates",
+        )
+    return found
+
+
+def _candidates(text: str) -> int | None:
+    if text == SEQUENTIAL:
+        return 0
+    counted = re.fullmatch(rf"{PRIOR}:([1-9][0-9]{{0,6}})", text)
+    return int(counted[1]) if counted and 2 <= int(counted[1]) <= MOST_CANDIDATES else None
+
+
+def whole(name: str, value: Any) -> int:
+    """A whole number, of Python's or NumPy's types. Raises UsageError."""
+    try:
+        return index(value)
+    except TypeError:
+        raise UsageError(f"{name} is {value!r}: a whole number is needed") from None
+
+
+def numbered(n: int | None, numbers: Sequence[int] | np.ndarray | None) -> Runs:
+    """The numbers 0 .. n - 1 (``n`` is 1 by default), or the ones given. Raises UsageError."""
+    if numbers is None:
+        count = 1 if n is None else whole("n", n)
+        if count < 1:
+            raise UsageError(f"n is {n}: there must be at least one object")
+        return ((0, count - 1),)
+    if n is not None:
+        raise UsageError("both n and numbers are given", "n objects are the numbers 0 .. n - 1")
+    asked = np.asarray(numbers).reshape(-1)
+    if len(asked) and asked.dtype.kind not in "iu":
+        raise UsageError(f"the numbers of objects are whole, not {asked[0]!r}")
+    found = np.unique(asked.astype(np.int64))
+    if not len(found) or found[0] < 0:
+        raise UsageError("the numbers of objects are whole and from 0 on, and there is at least one")
+    return runs(found)

@@ -1,0 +1,83 @@
+"""Folders that exist: the job that made one, and whether a run may go on in it."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+from ..errors import UsageError, UserError
+from ..export.objects import OBJECTS
+from ..export.write import ExportError, ensure_folder, explain, sweep, write_bytes
+from . import manifest as manifests
+from .job import Job, open_job
+from .manifest import Manifest
+from .request import Request
+
+
+def reopen(folder: Path | str) -> Job:
+    """The job that a folder of samples was made by. Raises ExportError, UserError."""
+    return remake(folder, read(folder))
+
+
+def read(folder: Path | str) -> Manifest:
+    """The manifest of a folder of samples. Raises ExportError, UserError."""
+    manifest = manifests.read(folder)
+    if manifest is None:
+        raise UserError(f"{folder} holds no {manifests.NAME}", manifests.WANTED)
+    return manifest
+
+
+def remake(folder: Path | str, manifest: Manifest) -> Job:
+    """The job that the manifest of a folder tells of. Raises UserError."""
+    try:
+        return open_job(Request.from_manifest(manifest, Path(folder)))
+    except UsageError as error:  # what the manifest says, nobody has typed
+        raise UserError(f"{Path(folder) / manifests.NAME}: {error.message}", error.hint) from None
+
+
+def make_ready(out: Path, manifest: Manifest, force: bool) -> Manifest:
+    """Make the folder ready: keep what belongs to the same options, refuse (or with ``force`` remove) anything else.
+
+    Returns the manifest that holds: the old one where its files are kept.
+    """
+    old = manifests.read(out)
+    if old is not None:
+        changed = manifests.difference(old, manifest)
+        if changed and not force:
+            raise ExportError(
+                f"{out} holds samples made with other options: {changed}",
+                "choose another folder, repeat the old options to complete them, or use --force to replace them",
+            )
+        if not changed and not force:
+            sweep_all(out)
+            return old
+        clear(out, old)
+    elif not force and (out / OBJECTS).exists() and any((out / OBJECTS).iterdir()):
+        raise ExportError(
+            f"{out / OBJECTS} holds objects, and no {manifests.NAME} beside it says which",
+            "choose another folder, or use --force to write among them",
+        )
+    ensure_folder(out)
+    sweep(out)
+    write_bytes(out / manifests.NAME, manifests.text(manifest), force=True)
+    return manifest
+
+
+def sweep_all(out: Path) -> None:
+    """Remove what killed processes left unfinished in a folder of samples."""
+    for place in (out, out / OBJECTS):
+        if place.is_dir():
+            sweep(place)
+
+
+def clear(out: Path, old: Manifest) -> None:
+    """Remove what an earlier run with the manifest ``old`` wrote, and nothing else."""
+    try:
+        (out / manifests.NAME).unlink()  # first, so that a half-cleared folder does not pass for a whole one
+        for shard in old["shards"]:
+            for path in out.glob(f"*-{shard}.*"):
+                if path.suffix in (".npz", ".jsonl"):
+                    path.unlink()
+        shutil.rmtree(out / OBJECTS, ignore_errors=True)
+    except OSError as error:
+        raise explain(error, out) from error

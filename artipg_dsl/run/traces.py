@@ -1,0 +1,26 @@
+"""The traces that lie in a folder of mutants, by which they can be made again."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from ..errors import UserError
+from ..sampling.trace import read_traces
+
+
+def traces_of(place: Path | str) -> dict[int, dict[str, Any]]:
+    """The traces in a folder that ``apgc mutate`` wrote, or in one of its files, by number of the object. Raises UserError."""
+    place = Path(place)
+    files = sorted(place.glob("trace-*.jsonl")) if place.is_dir() else [place]
+    found: dict[int, dict[str, Any]] = {}
+    for file in files:
+        try:
+            found |= read_traces(file.read_text(encoding="utf-8"), str(file))
+        except (OSError, UnicodeDecodeError) as error:
+            raise UserError(f"{file} cannot be read: {getattr(error, 'strerror', None) or error}") from None
+    if not found:
+        raise UserError(
+            f"{place} holds no traces", "give a folder that `apgc mutate` has written, or a trace-*.jsonl of it"
+        )
+    return found
