@@ -8,6 +8,17 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() or c == "\n" else "\N{REPLACEMENT CHARACTER}" for c in text)
 
 
+class InternalError(Exception):
+    """A fault of the compiler itself, found while it was at ``place``; the text asks for a report."""
+
+    def __init__(self, place: object, what: str):
+        super().__init__(f"{place}: {what}; this is a fault of apgc, please report it")
+        self.place, self.what = place, what
+
+    def __reduce__(self) -> tuple[type[InternalError], tuple[str, str]]:
+        return type(self), (str(self.place), self.what)
+
+
 class UserError(Exception):
     """``message`` says what is wrong, ``hint`` what to try."""
 

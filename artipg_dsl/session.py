@@ -102,9 +102,9 @@ class Session:
         if typed is None or self.report.failed:
             return None
         if typed.category is None:
-            solids.close(solids.own(typed.main, self.report), self.report)
+            solids.close(solids.own(typed, self.report), self.report)
             return None
-        lowering = lower_category(typed.category, self.report)
+        lowering = lower_category(typed, typed.category, self.report)
         if lowering is not None:
             solids.close(lowering.context.solids, self.report)
         return None if self.report.failed else lowering

@@ -14,7 +14,8 @@ from .graph.primitive import Primitive
 from .graph.program import Program
 from .lower.expressions.context import Abort, Context
 from .lower.solids.primitives import Lowered, lower_primitive
-from .semantics.symbols import ModuleScope, Symbol
+from .semantics.check import TypedProgram
+from .semantics.symbols import Symbol
 from .syntax import ast
 
 HINT = "edges meet where two surfaces give the same curve, from end to end; compare the ranges of u and v and the signs"
@@ -82,11 +83,11 @@ def tell(symbol: Symbol, lowered: Lowered, error: PrimitiveError, report: Report
     )  # fmt: skip
 
 
-def own(module: ModuleScope, report: Report) -> dict[Symbol, Lowered]:
-    """The primitives that a module declares, lowered by themselves; those over curves take their shape from a use."""
-    context = Context(report, Program(module.name, ""))
+def own(typed: TypedProgram, report: Report) -> dict[Symbol, Lowered]:
+    """The primitives that the file declares, lowered by themselves; those over curves take their shape from a use."""
+    context = Context(report, Program(typed.main.name, ""), typed)
     found: dict[Symbol, Lowered] = {}
-    for symbol in module.own():
+    for symbol in typed.main.own():
         if symbol.kind != "primitive" or any(
             isinstance(s, ast.ParamDecl) and s.type.name == "curve" for s in symbol.body
         ):

@@ -70,7 +70,7 @@ def port(lowering: Lowering, parts: dict[str, Part], wanted: str) -> Iterator[st
     from ..lower.elaborate.connect import carriers
     from ..lower.expressions.evaluate import Evaluator
     from ..lower.solve.ledger import named
-    from ..lower.values.kinds import part_of
+    from ..lower.values.kinds import part_of, reference
     from ..syntax import ast
 
     path, _, name = wanted.rpartition(".")
@@ -83,10 +83,8 @@ def port(lowering: Lowering, parts: dict[str, Part], wanted: str) -> Iterator[st
     ]
     if part is None or not declared:
         return
-    node = ast.MemberExpr(
-        span=part.span, obj=ast.NameExpr(span=part.span, name=part.name), name=name, name_span=part.span
-    )
-    on = carriers(Evaluator(part.env).value(node), part.env.scope)
+    found = Evaluator(part.env).member(reference(part), name, part.span)
+    on = carriers(found, part.env.scope)
     links = named(lowering.links, lowering.links.carried(on, part.span))
     through = " and ".join(dict.fromkeys(f"`{part_of(one).path}`" for one in on))
     yield wanted

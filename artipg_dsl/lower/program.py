@@ -14,6 +14,7 @@ from ..graph.linear import Circle
 from ..graph.program import UNLABELLED, Allowed, Clear, Link, Preference, Program, Requirement, Stable
 from ..graph.reference import definitions
 from ..graph.text import digest
+from ..semantics.check import TypedProgram
 from ..semantics.symbols import Symbol
 from ..syntax import ast
 from ..syntax.walk import walk
@@ -24,6 +25,7 @@ from .elaborate.legal import legalize
 from .elaborate.links import Links, first_part
 from .elaborate.motions import motions
 from .elaborate.part import Part
+from .elaborate.place import begins
 from .elaborate.slots import slots
 from .expressions.context import Abort, Context, text_of, where
 from .expressions.env import Element, Env
@@ -56,12 +58,12 @@ class Lowering:
                 yield part
 
 
-def lower_category(category: Symbol, report: Report) -> Lowering | None:
+def lower_category(typed: TypedProgram, category: Symbol, report: Report) -> Lowering | None:
     """Lower a category by the passes; None after errors."""
     program = Program(category.name, category.decl.doc)
     root = Scope(category.name)
     program.scopes.append(root)
-    context = Context(report, program)
+    context = Context(report, program, typed)
     env = Env(context, category.module, category, root, "")
     lowering = Lowering(category, program, context, env, Links(context))
     for stage in STAGES:
@@ -362,8 +364,8 @@ def presence(env: Env, node: ast.Node) -> Expr:
     guard = E.TRUE
     for child in walk(node):
         if isinstance(child, ast.MemberExpr) and isinstance(child.obj, ast.NameExpr):
-            name = child.obj.name
-            value = env.names.get(name) if name in env.names else env.find(name)
+            name = begins(env, child)
+            value = None if name is None else env.find(name.name, name.depth)
             if isinstance(value, Ref) and len(value.branches) == 1:
                 part: Part = value.branches[0].members[0][0]
                 guard = E.both(guard, part.exists)

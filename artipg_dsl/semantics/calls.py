@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from ..diagnostics.suggest import did_you_mean
 from ..syntax import ast
 from .fold import is_unitless
+from .meanings import BuiltIn, Declared, Global
 from .names import CONSTRUCTORS, DRIVES, FACES, FUNCTIONS
 from .scope import Entry
 from .types import (
@@ -56,15 +57,19 @@ def call(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
             hint="functions give numbers, places or curves, which take no arguments; with `*` one multiplies",
         )  # fmt: skip
     word = expr.function.name
-    for entry in ctx.scope.find(word) if ctx.scope is not None else ():
+    home = ctx.scope.home(word) if ctx.scope is not None else None
+    for entry in home.table[word] if home is not None else ():
         if isinstance(entry.node, ast.SurfaceDecl | ast.CurveDecl) or (
             isinstance(entry.node, ast.LetDecl) and entry.node.parameters
         ):
+            ck.mean(expr.function, Declared(word, home.depth))  # type: ignore[union-attr]
             return _own(ck, ctx, expr, entry)
     if word in _BUILT_IN:
+        ck.mean(expr.function, BuiltIn(word))
         return _BUILT_IN[word](ck, ctx, expr)
     symbol = ctx.module.find(word)
     if symbol is not None and isinstance(symbol.decl, ast.FunctionDecl) and symbol.decl.parameters:
+        ck.mean(expr.function, Global(symbol))
         arguments = _positional(ck, ctx, expr, len(symbol.decl.parameters), word)
         inside = type(ctx)(symbol.module)
         return _apply(ck, inside, expr, symbol.decl.parameters, symbol.decl.value, arguments, id(symbol.decl))

@@ -10,6 +10,7 @@ from ..graph.program import UNLABELLED
 from ..syntax import ast
 from . import attachments, declarations, primitives, roles, statements
 from .checker import Checker, Context
+from .meanings import Meaning
 from .modules import Workspace
 from .symbols import ModuleScope, Symbol
 from .types import DIMENSIONS, UNKNOWN, Scalar, Type, Vec
@@ -17,12 +18,15 @@ from .types import DIMENSIONS, UNKNOWN, Scalar, Type, Vec
 
 @dataclass(slots=True, eq=False)
 class TypedProgram:
-    """The outcome of a check. ``types`` maps ``id`` of an expression to its type; ``modules`` keep the trees alive."""
+    """The outcome of a check. ``types`` and ``meanings`` map ``id`` of an expression to its type and, of a name, to what it
+    stands for; ``modules`` keep the trees alive.
+    """
 
     modules: dict[str, ModuleScope]
     main: ModuleScope
     category: Symbol | None
     types: dict[int, Type]
+    meanings: dict[int, Meaning]
     checker: Checker
 
     def type_of(self, expr: ast.Expr) -> Type:
@@ -47,7 +51,7 @@ def check(workspace: Workspace, module: ModuleScope, report: Report) -> TypedPro
             "two-categories", extra.decl.name_span, "a file holds one category",
             notes=((categories[0].decl.name_span, "the first one"),),
         )  # fmt: skip
-    return TypedProgram(workspace.modules, module, categories[0] if categories else None, ck.types, ck)
+    return TypedProgram(workspace.modules, module, categories[0] if categories else None, ck.types, ck.meanings, ck)
 
 
 def _declaration(ck: Checker, symbol: Symbol) -> None:

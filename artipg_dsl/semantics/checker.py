@@ -13,6 +13,7 @@ from ..units import Dimension
 from . import conditions, entries, expressions
 from .fold import is_unitless
 from .guards import TRUE, Condition, conjunction, implies
+from .meanings import Meaning
 from .modules import Workspace
 from .scope import Entry, Guards, Scope, build_scope, interface
 from .symbols import ModuleScope, Symbol
@@ -68,6 +69,7 @@ class Checker:
         self.workspace = workspace
         self.report = report
         self.types: dict[int, Type] = {}
+        self.meanings: dict[int, Meaning] = {}
         self.vocabularies: dict[str, set[str]] = {}
         self._scopes: dict[int, Scope] = {}
         self._entries: dict[int, Type] = {}
@@ -115,6 +117,10 @@ class Checker:
         if id(symbol) not in self._scopes:
             self._scopes[id(symbol)] = build_scope(symbol)
         return self._scopes[id(symbol)]
+
+    def mean(self, node: ast.Node, meaning: Meaning) -> None:
+        """Notes what a name stands for; it is the same in every check of its place."""
+        self.meanings[id(node)] = meaning
 
     def infer(self, ctx: Context, expr: ast.Expr) -> Type:
         """The type of an expression, recorded; errors are reported once per place."""

@@ -11,6 +11,7 @@ from . import conditions
 from .entries import of_alternative, of_reference
 from .fold import components, constant
 from .guards import consistent
+from .meanings import Word
 from .names import CONSTRUCTORS, DIRECTIONS, FACES, FUNCTIONS, OWN, RESERVED_TYPES, WORDS
 from .offers import missing
 from .scope import Entry, Scope
@@ -158,6 +159,7 @@ def _default(ck: Checker, ctx: Context, default: ast.Expr, kind: Type, what: str
                 "unknown-choice", default.span, f"`{default.name}` is none of the values {', '.join(kind.values)}",
                 hint=did_you_mean(default.name, kind.values),
             )  # fmt: skip
+        ck.mean(default, Word(default.name))
         return default.name in kind.values
     given = ck.expect(ctx.but(holes=True) if isinstance(default, ast.VectorExpr) else ctx, default, kind, what)
     return fits(given, kind)
@@ -277,6 +279,8 @@ def check_style(ck: Checker, ctx: Context, node: ast.StyleDecl) -> None:
             if symbol is None or symbol.kind != "material":
                 unknown_material(ck, ctx, alternative.name or "none", alternative.name_span)
             _weight(ck, ctx, alternative)
+            if alternative.guard is not None:
+                conditions.truth(ck, ctx, alternative.guard)
             for extra in (*alternative.arguments, *alternative.placements)[:1]:
                 ck.error(
                     "unknown-clause", extra.span, "a material takes no arguments and is not turned",

@@ -10,6 +10,7 @@ from ..syntax import ast
 from . import conditions
 from .fold import constant
 from .guards import Condition, Or, implies, possible
+from .meanings import Declared, Global
 from .names import TYPE_NAMES
 from .presence import given
 from .scope import Entry, Scope, Variant
@@ -167,11 +168,16 @@ def of_alternative(ck: Checker, scope: Scope, alternative: ast.Alternative) -> t
     """What one alternative stands for: a style stands for all that it chooses from."""
     if alternative.name is None:
         return (None,)
-    for entry in scope.find(alternative.name):
+    home = scope.home(alternative.name)
+    for entry in home.table[alternative.name] if home is not None else ():
         kind = ck.entry_type(entry)
-        if isinstance(kind, Style):
+        if home is not None and isinstance(kind, Style):
+            ck.mean(alternative, Declared(alternative.name, home.depth))
             return kind.domain
-    return (Variant(alternative.name, scope.owner.module.find(alternative.name)),)
+    symbol = scope.owner.module.find(alternative.name)
+    if symbol is not None:
+        ck.mean(alternative, Global(symbol))
+    return (Variant(alternative.name, symbol),)
 
 
 def narrowed(ctx: Context, part: Part) -> Part:

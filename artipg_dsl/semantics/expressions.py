@@ -11,6 +11,7 @@ from ..units import UNITS, Dimension
 from . import calls, conditions, paths
 from .fold import constant, is_unitless
 from .guards import Not
+from .meanings import Global, Word
 from .types import (
     BOOL,
     COUNT,
@@ -18,6 +19,7 @@ from .types import (
     DIRECTION,
     LENGTH,
     LENGTH_DIM,
+    MATERIAL,
     NONE,
     PLANE,
     POINT,
@@ -165,7 +167,7 @@ def _compare(ck: Checker, ctx: Context, expr: ast.BinaryExpr) -> Type:
         if None not in (dimension_of(left), dimension_of(right)) and dimension_of(left) != dimension_of(right):
             _blame(ck, expr, left, right, f"`{expr.op}` compares like with like")
         return BOOL
-    same = left == right == BOOL or left == right == STRING
+    same = left == right == BOOL or left == right == STRING or _asks_material(ck, expr, left, right)
     if expr.op in ("==", "!=") and (same or isinstance(left, Choice) and isinstance(right, Choice)):
         return BOOL
     if isinstance(left, Part) or isinstance(right, Part):
@@ -174,6 +176,14 @@ def _compare(ck: Checker, ctx: Context, expr: ast.BinaryExpr) -> Type:
     else:
         ck.error("wrong-type", expr.span, f"`{expr.op}` cannot compare {left} and {right}")
     return BOOL
+
+
+def _asks_material(ck: Checker, expr: ast.BinaryExpr, left: Type, right: Type) -> bool:
+    """Whether a comparison asks which material a style of materials is."""
+    if not left == right == MATERIAL:
+        return False
+    named = [isinstance(ck.meanings.get(id(side)), Global) for side in (expr.left, expr.right)]
+    return named.count(True) == 1
 
 
 def choice_word(ck: Checker, ctx: Context, other: ast.Expr, expr: ast.Expr) -> Type | None:
@@ -192,6 +202,7 @@ def choice_word(ck: Checker, ctx: Context, other: ast.Expr, expr: ast.Expr) -> T
             "unknown-choice", expr.span, f"`{expr.name}` is none of the values {', '.join(kind.values)}",
             hint=did_you_mean(expr.name, kind.values),
         )  # fmt: skip
+    ck.mean(expr, Word(expr.name))
     if not ctx.silent:
         ck.types[id(expr)] = kind
     return kind

@@ -12,6 +12,7 @@ from ..units import UNITS
 from .calls import range_type
 from .declarations import unknown_material
 from .entries import of_reference
+from .meanings import Declared, Global
 from .offers import missing
 from .types import (
     BOOL,
@@ -216,8 +217,10 @@ def _grasp(ck: Checker, ctx: Context, stmt: ast.GraspStmt) -> None:
 def _material(ck: Checker, ctx: Context, stmt: ast.MaterialStmt) -> None:
     for expr in stmt.targets:
         target(ck, ctx, expr, "a material lies on")
-    entries = ctx.scope.find(stmt.material) if ctx.scope is not None else []
-    if entries:
+    home = ctx.scope.home(stmt.material) if ctx.scope is not None else None
+    entries = home.table[stmt.material] if home is not None else []
+    if home is not None:
+        ck.mean(stmt, Declared(stmt.material, home.depth))
         kind = ck.entry_type(entries[0])
         if kind not in (MATERIAL, UNKNOWN):
             ck.error("wrong-type", stmt.material_span, f"`{stmt.material}` is no material, but {kind}")
@@ -225,3 +228,5 @@ def _material(ck: Checker, ctx: Context, stmt: ast.MaterialStmt) -> None:
     symbol = ctx.module.find(stmt.material)
     if symbol is None or symbol.kind != "material":
         unknown_material(ck, ctx, stmt.material, stmt.material_span)
+    else:
+        ck.mean(stmt, Global(symbol))

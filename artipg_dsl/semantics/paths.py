@@ -11,10 +11,11 @@ from ..syntax import ast
 from .entries import narrowed
 from .fold import constant
 from .guards import TRUE, And, Or, conjunction, consistent
+from .meanings import Axis, Base, Current, Declared, Global, Last, Local, Meaning, OwnBox, Previous, Truth
 from .names import DIRECTIONS, FACES, FUNCTIONS
 from .parts import BOX_MEMBERS, below, box_member, listed, part_member, path_text, place_member, place_names, present
 from .presence import declared, guarded, of_element, optional
-from .scope import Entry, Variant
+from .scope import Entry, Scope, Variant
 from .symbols import Symbol
 from .types import (
     BASE,
@@ -49,26 +50,41 @@ def name(ck: Checker, ctx: Context, expr: ast.NameExpr) -> Type:
     """The type of a bare name."""
     word = expr.name
     if word in ctx.extra:
+        ck.mean(expr, Local(word))
         return ctx.extra[word]
-    entries = ctx.scope.find(word) if ctx.scope is not None else []
+    home = ctx.scope.home(word) if ctx.scope is not None else None
+    entries = home.table[word] if home is not None else []
     if word in DIRECTIONS and all(isinstance(e.node, ast.LetDecl) and e.node.parameters for e in entries):
+        ck.mean(expr, Axis(DIRECTIONS.index(word)))
         return DIRECTION  # `y(u)` is called, `y` alone is the axis
-    if entries:
+    if home is not None:
+        ck.mean(expr, _declared(ctx, word, home))
         return _use(ck, ctx, entries, expr.span)
     if ctx.scope is not None and word in BOX_MEMBERS:
+        ck.mean(expr, OwnBox(word))
         return _own_box(ck, ctx, word, expr.span)
     if word in ("true", "false"):
+        ck.mean(expr, Truth(word == "true"))
         return BOOL
     if word == "base":
+        ck.mean(expr, Base())
         return BASE
     if word == "previous":
-        return _previous(ck, ctx, expr.span)
+        return _previous(ck, ctx, expr)
     symbol = ctx.module.find(word)
     if symbol is not None:
+        ck.mean(expr, Global(symbol))
         return _symbol(ck, ctx, symbol, expr.span)
     if word in FUNCTIONS:
         return ck.error("wrong-type", expr.span, f"`{word}` is a function: it needs arguments in parentheses")
     return unknown_name(ck, ctx, word, expr.span)
+
+
+def _declared(ctx: Context, word: str, home: Scope) -> Meaning:
+    """The meaning of a declared name: of a repeat around, its present element."""
+    around = (scope for scope in ctx.scope.chain() if scope.parent is home) if ctx.scope is not None else ()
+    inside = next((scope for scope in around if any(e.node is scope.repeat for e in home.table[word])), None)
+    return Declared(word, home.depth) if inside is None else Current(inside.depth)
 
 
 def unknown_name(ck: Checker, ctx: Context, word: str, span: Span) -> Type:
@@ -155,16 +171,17 @@ def _own_box(ck: Checker, ctx: Context, word: str, span: Span) -> Type:
     return PLANE if word in FACES else POINT if word == "center" else BOX if word == "box" else SIZE
 
 
-def _previous(ck: Checker, ctx: Context, span: Span) -> Type:
+def _previous(ck: Checker, ctx: Context, expr: ast.NameExpr) -> Type:
     for scope in ctx.scope.chain() if ctx.scope is not None else ():
         if scope.repeat is not None and scope.parent is not None:
             ck.demand(
-                ctx, scope.after_first, span, "`previous` does not exist for the first element",
+                ctx, scope.after_first, expr.span, "`previous` does not exist for the first element",
                 "put this under a guard such as `when i > 0 { }`",
             )  # fmt: skip
+            ck.mean(expr, Previous(scope.depth))
             entry = next(e for e in scope.parent.table[scope.repeat.name] if e.node is scope.repeat)
             return Element(entry, f"{entry.key}.previous", shift=1)
-    return ck.error("unknown-name", span, "`previous` has a meaning only inside a repeat")
+    return ck.error("unknown-name", expr.span, "`previous` has a meaning only inside a repeat")
 
 
 def _symbol(ck: Checker, ctx: Context, symbol: Symbol, span: Span) -> Type:
@@ -269,7 +286,9 @@ def _inner(ck: Checker, ctx: Context, obj: Element, target: Entry, span: Span) -
 def index(ck: Checker, ctx: Context, expr: ast.IndexExpr) -> Type:
     """The type of ``obj[index]``: one element of a repeat, one of several ports."""
     obj = ck.infer(ctx.but(many=True), expr.obj)
-    if not (isinstance(expr.index, ast.NameExpr) and expr.index.name == "last"):
+    if isinstance(expr.index, ast.NameExpr) and expr.index.name == "last":
+        ck.mean(expr.index, Last())
+    else:
         ck.expect(ctx, expr.index, COUNT, "an index")
     if isinstance(obj, Element):
         return replace(obj, key=f"{obj.key}[{path_text(expr.index)}]", many=False, index=expr.index)

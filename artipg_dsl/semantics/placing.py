@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from ..diagnostics.suggest import did_you_mean
 from ..syntax import ast
 from .declarations import check_range
+from .meanings import Clearance
 from .names import DIRECTIONS, FACES
 from .types import (
     ANGLE,
@@ -186,13 +187,22 @@ def _motion(ck: Checker, ctx: Context, node: ast.JointDecl, kind: str) -> None:
 def motion_range(ck: Checker, ctx: Context, interval: ast.RangeExpr, wanted: Type) -> None:
     """A range of motion; either end may be ``clearance``, the high one ``clearance all``."""
     values = interval.low, interval.high
-    free = [isinstance(v, ast.AllExpr) or isinstance(v, ast.NameExpr) and v.name == "clearance" for v in values]
+    free = [_clears(ck, ctx, v) for v in values]
     plain = [v for v, is_free in zip(values, free, strict=True) if not is_free]
     if len(plain) == 2:
         check_range(ck, ctx, interval, wanted, "an end of the range of motion")
     else:
         for value in plain:
             ck.expect(ctx, value, wanted, "an end of the range of motion")
+
+
+def _clears(ck: Checker, ctx: Context, end: ast.Expr) -> bool:
+    """Whether an end of a range is ``clearance``, which a program may call something else."""
+    word = end.value if isinstance(end, ast.AllExpr) else end
+    if not isinstance(word, ast.NameExpr) or word.name != "clearance" or ctx.scope is None or ctx.scope.find(word.name):
+        return False
+    ck.mean(word, Clearance())
+    return True
 
 
 def _mimic(ck: Checker, ctx: Context, value: ast.Expr, wanted: Type) -> None:

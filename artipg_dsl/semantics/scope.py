@@ -78,6 +78,11 @@ class Scope:
         return scope
 
     @property
+    def depth(self) -> int:
+        """How many repeats are around the body, itself included."""
+        return 0 if self.parent is None else self.parent.depth + 1
+
+    @property
     def rank_key(self) -> str:
         """The guard variable for the rank of an element of this repeat."""
         return f"{self.path}#rank"
@@ -96,10 +101,12 @@ class Scope:
 
     def find(self, name: str) -> list[Entry]:
         """The declarations of a name in the innermost scope that has it (several under exclusive guards)."""
-        for scope in self.chain():
-            if name in scope.table:
-                return scope.table[name]
-        return []
+        home = self.home(name)
+        return home.table[name] if home is not None else []
+
+    def home(self, name: str) -> Scope | None:
+        """The innermost scope that declares a name."""
+        return next((scope for scope in self.chain() if name in scope.table), None)
 
     def names(self) -> list[str]:
         return [name for scope in self.chain() for name in scope.table]

@@ -16,6 +16,7 @@ from artipg_dsl.lower.expressions.context import Abort, Context
 from artipg_dsl.lower.expressions.env import Env
 from artipg_dsl.lower.solids.curves import Curve
 from artipg_dsl.lower.solids.primitives import lower_primitive
+from artipg_dsl.semantics.check import check
 from artipg_dsl.semantics.modules import Workspace
 from artipg_dsl.session import Session
 from artipg_dsl.source import Source
@@ -34,15 +35,15 @@ template Paths {
 
 def load(text):
     report = Report()
-    module = Workspace(report).load_source(Source("test.apg", "apg 1\n" + text + PATHS))
+    workspace = Workspace(report)
+    module = workspace.load_source(Source("test.apg", "apg 1\n" + text + PATHS))
     assert module is not None, report
-    return report, module
+    return Context(report, Program("test"), check(workspace, module, Report())), module
 
 
 def lowered(text, path=None):
     """The first primitive of a text; ``path`` names the curve of ``Paths`` that its parameter ``path`` gets."""
-    report, module = load(text)
-    context = Context(report, Program("test"))
+    context, module = load(text)
     primitive = next(s for s in module.own() if s.kind == "primitive")
     return lower_primitive(context, primitive, {} if path is None else {"path": curve(context, module, path)})
 
@@ -316,10 +317,10 @@ def test_a_circle_between_rectangles_is_cut_into_arcs_that_close():
 )
 def test_what_sections_cannot_be_is_said_in_words(old, new, code, words):
     assert old in BEND
-    report, module = load(BEND.replace(old, new))
+    context, module = load(BEND.replace(old, new))
     with pytest.raises(Abort):
-        lower_primitive(Context(report, Program("test")), module.find("Bend"))
-    (found,) = report.diagnostics
+        lower_primitive(context, module.find("Bend"))
+    (found,) = context.report.diagnostics
     assert found.code == code and words in found.message
 
 
@@ -357,11 +358,10 @@ def test_the_walls_of_holes_bear_the_names_of_their_curves_and_the_holes_are_emp
     ids=["outside", "overlapping", "open"],
 )
 def test_holes_lie_within_the_outline_and_apart(old, new, code, words):
-    report = Report()
-    module = Workspace(report).load_source(Source("test.apg", "apg 1\n" + PLATE.replace(old, new)))
+    context, module = load(PLATE.replace(old, new))
     with pytest.raises(Abort):
-        lower_primitive(Context(report, Program("test")), module.find("Plate"))
-    (found,) = report.diagnostics
+        lower_primitive(context, module.find("Plate"))
+    (found,) = context.report.diagnostics
     assert found.code == code and words in found.message
 
 
@@ -387,8 +387,7 @@ def test_a_path_becomes_parameters_of_the_primitive():
 
 
 def test_paths_of_one_shape_share_a_primitive():
-    report, module = load(TUBE)
-    context = Context(report, Program("test"))
+    context, module = load(TUBE)
     tube = module.find("Tube")
     first, second, third = (
         lower_primitive(context, tube, {"path": curve(context, module, name)}) for name in ("neck", "other", "bow")
@@ -411,10 +410,10 @@ def test_paths_of_one_shape_share_a_primitive():
 )  # fmt: skip
 def test_what_cannot_be_made_is_said_in_words(old, new, code, words):
     assert old in FLASK
-    report, module = load(FLASK.replace(old, new))
+    context, module = load(FLASK.replace(old, new))
     with pytest.raises(Abort):
-        lower_primitive(Context(report, Program("test")), module.find("Flask"))
-    (found,) = report.diagnostics
+        lower_primitive(context, module.find("Flask"))
+    (found,) = context.report.diagnostics
     assert found.code == code and words in found.message
 
 

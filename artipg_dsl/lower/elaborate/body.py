@@ -15,8 +15,8 @@ from ..expressions.context import Abort, Unknown
 from ..expressions.env import Env, Function, Thunk
 from ..expressions.evaluate import Evaluator
 from ..solve.solve import settle
-from ..values.kinds import Branch, Ref, Value, Vec
-from ..values.vectors import HERE, times
+from ..values.kinds import Ref, Value, Vec, reference
+from ..values.vectors import times
 from . import connect
 from .draws import component_of, draw_option, draw_scalar
 from .repeat import build_repeat
@@ -194,12 +194,7 @@ def register(env: Env, statement: ast.Stmt) -> None:
 
             env.names[statement.name] = Curve(statement, env)
         case ast.PartDecl():
-
-            def make() -> Ref:
-                part = build_part(env, statement)
-                return Ref(statement.name, (Branch(None, ((part, HERE),)),))
-
-            thunk(statement.name, statement.name_span, make)
+            thunk(statement.name, statement.name_span, lambda: reference(build_part(env, statement)))
         case ast.StyleDecl() if statement.role == "material":
             from .looks import build_look
 

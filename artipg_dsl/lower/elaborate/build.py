@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from ...graph import expr as E
 from ...graph.expr import Expr
+from ...semantics.meanings import Declared, Global, Word
 from ...semantics.symbols import Symbol
 from ...semantics.types import DIMENSIONS
 from ...source import Span
@@ -33,7 +34,7 @@ def build_part(env: Env, declaration: ast.PartDecl) -> Part:
     if (
         declaration.role is None
         and len(alternatives) == 1
-        and isinstance(style := env.find(alternatives[0].name or ""), Style)
+        and isinstance(style := named_style(env, alternatives[0]), Style)
     ):
         arguments, guard = alternatives[0].arguments, alternatives[0].guard
         part.style, part.role, alternatives = style, style.role, style.alternatives
@@ -55,6 +56,12 @@ def build_part(env: Env, declaration: ast.PartDecl) -> Part:
     return part
 
 
+def named_style(env: Env, alternative: ast.Alternative) -> Value | None:
+    """The style that an alternative names; None where it names a template or a primitive."""
+    meaning = env.context.meaning(alternative)
+    return env.find(meaning.name, meaning.depth) if isinstance(meaning, Declared) else None
+
+
 def resolve(env: Env, name: str, span: Span) -> Symbol:
     symbol = env.module.find(name)
     if symbol is None:
@@ -66,7 +73,7 @@ def resolve_options(part: Part, alternatives: tuple[ast.Alternative, ...], env: 
     for code, alternative in enumerate(alternatives):
         if alternative.name is None:
             continue
-        if part.style is None and isinstance(env.find(alternative.name), Style):
+        if part.style is None and isinstance(named_style(env, alternative), Style):
             raise part.context.error(
                 "wrong-kind", alternative.name_span, f"`{alternative.name}` is a style: it stands alone, without a role and other alternatives",
                 hint=f"write `part {part.name} : {alternative.name}`; what else it may be, and `none`, belongs into the style",
@@ -141,12 +148,11 @@ def handed_in(part: Part, owner: Symbol, declaration: ast.ParamDecl, name: str, 
     """The value of an argument for the parameter ``name`` that ``owner`` declares: an option (``open = front``), a template
     as a style of its own (``pull = BarHandle``), or whatever else it says."""
     env, node, kind = part.env, argument.value, declaration.type
-    if isinstance(node, ast.NameExpr):
-        if node.name in kind.values:
-            return Choice(E.const(float(kind.values.index(node.name))), kind.values)
-        symbol = env.module.find(node.name)
-        if kind.style and symbol is not None and symbol.kind == "template" and env.find(node.name) is None:
-            return sole_style(env, f"{part.name}.{name}", owner.module.find(kind.name), node)
+    match env.context.meaning(node):
+        case Word(text):
+            return Choice(E.const(float(kind.values.index(text))), kind.values)
+        case Global(symbol) if kind.style:
+            return sole_style(env, f"{part.name}.{name}", owner.module.find(kind.name), symbol, node.span)
     value = Evaluator(env).value(node)
     if isinstance(value, Frame | Plane) and kind.size is None and kind.name in DIMENSIONS:
         return Evaluator(env).number(value, node.span)  # of a plane, the coordinate that it has here

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from ...graph import expr as E
 from ...graph.expr import Scope, ScopeError
+from ...semantics.meanings import Base
 from ...source import Span
 from ...syntax import ast
 from ..expressions.context import Abort, Equation, text_of
@@ -16,7 +17,7 @@ from ..expressions.members import At, in_element
 from ..values.faces import FACES, squared
 from ..values.kinds import Box, Frame, Plane, Ref, Value, Vec
 from ..values.vectors import AXES, sole_axis
-from .place import root_name
+from .place import begins
 
 if TYPE_CHECKING:
     from ..values.kinds import Carrier
@@ -110,19 +111,24 @@ def placing(env: Env, part: Part, subject: ast.Expr, statement: ast.Attaching) -
     elif within is not None:
         box = squared(ev.box(within.value))
         target = box
-        own = ev.box(ast.NameExpr(span=subject.span, name=part.name))
+        own = named_box(ev, part, subject.span)
         for name in FACES if fit is None else face_names(fit):
             match_faces(ev, own, box, name, within.span, gap)
     if fit is not None and within is None:
         assert on is not None
         owner = target_box(ev, on.value, fit.span)
-        own = ev.box(ast.NameExpr(span=subject.span, name=part.name))
+        own = named_box(ev, part, subject.span)
         for name in face_names(fit):
             match_faces(ev, own, owner, name, fit.span, E.ZERO)
     mounted = statement.to is not None or statement.between is not None
     if statement.at is not None and not mounted and (on is not None or within is not None):
         at_point(ev, subject, statement.at.value, target)
     return target
+
+
+def named_box(ev: Evaluator, part: Part, span: Span) -> Box:
+    """The box of what the name of a part stands for in an environment."""
+    return ev.box_of(ev.env.find(part.name, part.env.depth), span)
 
 
 def face_names(clause: ast.Clause[tuple[ast.Expr, ...]]) -> tuple[str, ...]:
@@ -197,7 +203,7 @@ def joint(env: Env, statement: ast.JointDecl) -> Part:
     assert statement.child is not None and statement.parent is not None
     part = part_of(env, statement.child)
     placing(env, part, statement.child, statement)
-    if isinstance(statement.parent, ast.NameExpr) and statement.parent.name == "base" and env.find("base") is None:
+    if isinstance(env.context.meaning(statement.parent), Base):
         attach(part, Attachment(env, statement.span, (), True, statement))
         return part
     carried = carriers(Evaluator(env).value(statement.parent), env.scope)
@@ -207,8 +213,8 @@ def joint(env: Env, statement: ast.JointDecl) -> Part:
 
 def part_of(env: Env, node: ast.Expr) -> Part:
     """The part that a path begins with."""
-    name = root_name(node)
-    value = env.find(name) if name is not None else None
+    meaning = begins(env, node)
+    value = env.find(meaning.name, meaning.depth) if meaning is not None else None
     if not isinstance(value, Ref):
         raise env.context.error("wrong-kind", node.span, "a part is needed here")
     return value.branches[0].members[0][0]

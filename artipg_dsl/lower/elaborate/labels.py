@@ -11,6 +11,7 @@ from ...graph.expr import ONE, Expr, Scope, ScopeError
 from ...graph.formula import free_variables
 from ...graph.primitive import Triple
 from ...graph.program import Grasp, Keypoint, Label, Pose, Target
+from ...semantics.meanings import Current, Declared, Global
 from ...syntax import ast
 from ..expressions.context import Abort, where
 from ..expressions.env import Element, Env
@@ -23,7 +24,7 @@ from .drives import FUNCTIONS, Drive
 from .guards import held, shown
 from .links import Links
 from .part import Part
-from .place import root_name
+from .place import root
 
 if TYPE_CHECKING:
     from .part import Instance
@@ -114,12 +115,13 @@ def slot_owner(part: Part, home: Env, env: Env) -> Part:
 def walk(env: Env, node: ast.Expr) -> list[tuple[Value, Env]]:
     """Values of a path without an index, through every repeat it names, each in its own environment."""
     if isinstance(node, ast.NameExpr):
-        at: Env | None = env
+        meaning = env.context.meaning(node)
+        at: Env | None = env if isinstance(meaning, Declared) else None
         while at is not None:  # each branch of a `when` that declares the name, on its own
             if node.name not in at.names and (branched := at.branched(node.name)):
                 return [(value, branch) for branch, value in branched]
             at = at.outer if node.name not in at.names else None
-        value = env.find(node.name)
+        value = Evaluator(env).meant(meaning) if isinstance(meaning, Declared | Current) else None
         if value is not None:
             return [(value, env)]
         raise env.context.error("unknown-name", node.span, f"`{node.name}` is not known here")
@@ -315,18 +317,18 @@ def condition(ev: Evaluator, node: ast.Expr | None) -> Expr:
 def material(links: Links, env: Env, statement: ast.MaterialStmt) -> None:
     from .looks import Look, lower_material
 
-    look = env.find(statement.material)
+    meaning = env.context.meaning(statement)
+    look = Evaluator(env).meant(meaning)
     pairs: tuple[tuple[str, Expr], ...]
     if isinstance(look, Look):
         pairs = look.options
     else:
-        symbol = env.module.find(statement.material)
-        if symbol is None or symbol.kind != "material":
+        if not isinstance(meaning, Global):
             raise env.context.error(
                 "unknown-material", statement.material_span, f"there is no material `{statement.material}`"
             )
-        lower_material(env.context, symbol)
-        pairs = ((symbol.name, E.TRUE),)
+        lower_material(env.context, meaning.symbol)
+        pairs = ((meaning.symbol.name, E.TRUE),)
     for node in statement.targets:
         for aim in aims(links, env, node):
             there = standing(env, aim)
@@ -424,7 +426,8 @@ def keypoint(links: Links, env: Env, statement: ast.KeypointStmt) -> None:
 def is_part_path(env: Env, node: ast.Expr) -> bool:
     try:
         quiet = len(env.context.report.diagnostics)
-        found = all(isinstance(v, Ref) for v, _ in walk(env, node)) if root_name(node) else False
+        named = isinstance(env.context.meaning(root(node)), Declared | Current)
+        found = all(isinstance(v, Ref) for v, _ in walk(env, node)) if named else False
         return found and len(env.context.report.diagnostics) == quiet
     except Abort:
         env.context.report.retract()

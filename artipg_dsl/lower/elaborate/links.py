@@ -17,6 +17,7 @@ from ...graph.expr import Expr, Scope, ScopeError
 from ...graph.program import Joint, Link, Pose, Site
 from ...graph.program import Part as PartNode
 from ...graph.reference import Elsewhere, Onward, Reference, Under
+from ...semantics.meanings import Clearance
 from ...source import Span
 from ...syntax import ast
 from ..expressions.context import Abort, Context, where
@@ -26,7 +27,7 @@ from ..expressions.extents import union_of
 from ..solve.cases import TooManyCases, combinations
 from ..values.kinds import Carrier, Edge, Frame, InElement, Line, Vec, part_of
 from ..values.vectors import HERE, IDENTITY, Triple, compose, direct, normalized, place
-from .connect import Attachment
+from .connect import Attachment, named_box
 from .part import Instance, Part
 from .place import bare
 
@@ -361,7 +362,7 @@ class Links:
         if part.env is ev.env:
             center = place(part.pose, part.box().center)
         else:
-            center = ev.box(ast.NameExpr(span=part.span, name=part.name)).center
+            center = named_box(ev, part, part.span).center
         clause = statement.about or statement.along
         if clause is None:
             assert statement.parent is not None
@@ -403,9 +404,7 @@ class Links:
 
 def clears(ev: Evaluator, node: ast.Expr) -> bool:
     """Whether an end of a range is as far as nothing is in the way."""
-    if isinstance(node, ast.AllExpr):
-        return True
-    return isinstance(node, ast.NameExpr) and node.name == "clearance" and ev.env.find("clearance") is None
+    return isinstance(node, ast.AllExpr) or isinstance(ev.env.context.meaning(node), Clearance)
 
 
 def carried_axis(outer: Pose, axis: Triple, kind: str) -> Triple:

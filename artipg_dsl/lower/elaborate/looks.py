@@ -24,7 +24,7 @@ class Look:
     options: tuple[tuple[str, Expr], ...]
     choice: Choice
 
-    def chosen(self, name: str) -> Expr | None:
+    def chosen(self, name: str) -> Expr:
         return self.choice.chosen(name)
 
 

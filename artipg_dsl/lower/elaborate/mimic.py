@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from ...graph import expr as E
 from ...graph.expr import Expr
 from ...graph.reference import Elsewhere, Reference
+from ...semantics.meanings import Previous
 from ...syntax import ast
 from ..expressions.context import Abort
 from ..expressions.env import Element, Env
@@ -56,8 +57,8 @@ def leader_of(links: Links, named: dict[str, list[int]], node: ast.Expr, env: En
         names.insert(0, at.name)
         at = at.obj
     ev = Evaluator(env)
-    if isinstance(at, ast.NameExpr) and at.name == "previous" and env.find("previous") is None:
-        element = ev.nearest_element()
+    if isinstance(at, ast.NameExpr) and isinstance(meaning := env.context.meaning(at), Previous):
+        element = env.element_at(meaning.depth)
         if element is not None and (found := named.get(element.env.path + ".".join(names))):
             return (Elsewhere(env.scope, element.scope, None, ordered(links, found)),)
     elif isinstance(at, ast.IndexExpr):

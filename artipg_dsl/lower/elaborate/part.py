@@ -245,12 +245,12 @@ class Instance:
 
 def circular_place(part: Part) -> Abort:
     """Report a part whose mount leads back to it, with the statements that lead there."""
-    from .place import mounts
+    from .place import declared, mounts
 
     waiting = [p for p in part.env.parts if p._posing]
     others = [p for p in waiting if p is not part]
     via = f", by way of {' and '.join(f'`{p.name}`' for p in others)}" if others else ""
-    notes = [(m.statement.span, f"places `{p.name}`") for p in waiting for m in mounts(part.env, p.name)]
+    notes = [(m.statement.span, f"places `{p.name}`") for p in waiting for m in mounts(part.env, declared(p))]
     return part.context.error(
         "circular-definition", part.span, f"the place of `{part.name}` depends on itself{via}", notes=tuple(notes[:4]),
         hint="`to` and `between` take the place from their target: let one of these parts hang on something that stands",

@@ -9,6 +9,7 @@ from ...graph import expr as E
 from ...graph.expr import ONE, ZERO, Scope
 from ...graph.linear import tidy
 from ...graph.program import Pose
+from ...semantics.meanings import Declared
 from ...syntax import ast
 from ..expressions.context import Equation, text_of
 from ..expressions.env import Env
@@ -53,27 +54,39 @@ class Mount:
     target: ast.Expr | None
 
 
-def root_name(node: ast.Expr | None) -> str | None:
-    """The name a path begins with."""
+def root(node: ast.Expr) -> ast.Expr:
+    """What a path begins with."""
     while isinstance(node, ast.MemberExpr | ast.IndexExpr):
         node = node.obj
-    return node.name if isinstance(node, ast.NameExpr) else None
+    return node
+
+
+def begins(env: Env, node: ast.Expr | None) -> Declared | None:
+    """The declaration that a path begins with."""
+    meaning = None if node is None else env.context.meaning(root(node))
+    return meaning if isinstance(meaning, Declared) else None
+
+
+def declared(part: Part) -> Declared:
+    """What names a part where it is declared."""
+    return Declared(part.name, part.env.depth)
 
 
 def bare(env: Env, node: ast.Expr | None) -> bool:
     """Whether an expression is a part's name alone (or `base`), which attaches without placing."""
     if not isinstance(node, ast.NameExpr):
         return node is None
-    found = env.find(node.name)
+    name = begins(env, node)
+    found = None if name is None else env.find(name.name, name.depth)
     return found is None or isinstance(found, Ref)
 
 
-def mount_of(env: Env, statement: ast.Stmt, name: str) -> Mount | None:
-    """The mount that a statement states for the part ``name``, if it is one."""
+def mount_of(env: Env, statement: ast.Stmt, part: Declared) -> Mount | None:
+    """The mount that a statement states for a part, if it is one."""
     if not isinstance(statement, ast.ConnectStmt | ast.JointDecl):
         return None
     subject = statement.subject if isinstance(statement, ast.ConnectStmt) else statement.child
-    if subject is None or root_name(subject) != name:
+    if subject is None or begins(env, subject) != part:
         return None
     if statement.between is not None:
         return Mount(env, statement, subject, None)
@@ -85,28 +98,28 @@ def mount_of(env: Env, statement: ast.Stmt, name: str) -> Mount | None:
     return None
 
 
-def mounts(env: Env, name: str) -> list[Mount]:
+def mounts(env: Env, part: Declared) -> list[Mount]:
     """The mounts of a part in its environment, and under every ``when`` there, be it further down in the text."""
     from .body import enter_when
 
     for statement in env.statements:
-        if isinstance(statement, ast.WhenStmt) and mounting(statement, name):
+        if isinstance(statement, ast.WhenStmt) and mounting(env, statement, part):
             enter_when(env, statement)
-    found = [m for s in env.statements if (m := mount_of(env, s, name)) is not None]
+    found = [m for s in env.statements if (m := mount_of(env, s, part)) is not None]
     for branch in env.branches.values():
-        found.extend(mounts(branch, name))
+        found.extend(mounts(branch, part))
     return found
 
 
-def mounting(statement: ast.WhenStmt, name: str) -> bool:
-    """Whether a ``when`` may hold a mount of the part ``name``."""
+def mounting(env: Env, statement: ast.WhenStmt, part: Declared) -> bool:
+    """Whether a ``when`` may hold a mount of a part."""
     for inner in (*statement.body, *statement.otherwise):
         if isinstance(inner, ast.WhenStmt):
-            if mounting(inner, name):
+            if mounting(env, inner, part):
                 return True
         elif isinstance(inner, ast.ConnectStmt | ast.JointDecl):
             subject = inner.subject if isinstance(inner, ast.ConnectStmt) else inner.child
-            if root_name(subject) == name:
+            if begins(env, subject) == part:
                 return True
     return False
 
@@ -124,7 +137,7 @@ def pose_of(part: Part) -> Pose:
 
     if part.declaration.root:
         return Pose(rotation_of(part), (ZERO, ZERO, ZERO), ONE)
-    found = mounts(part.env, part.name)
+    found = mounts(part.env, declared(part))
     if not found:
         return Pose(rotation_of(part), position_columns(part), ONE)
     poses = [(m.env.scope, mounted(part, m)) for m in found]
@@ -236,7 +249,8 @@ def axes_from(direction: Triple) -> Matrix:
 def own_value(part: Part, subject: ast.Expr, env: Env, rotation: Matrix = IDENTITY) -> Value:
     """The subject of a mount in the part's own frame (its pose is what is sought), turned as the part says."""
     frame = HERE if rotation == IDENTITY else Pose(rotation, (ZERO, ZERO, ZERO), ONE)
-    return Evaluator(env, {part.name: Ref(part.name, (Branch(None, ((part, frame),)),), own=True)}).value(subject)
+    own = Ref(part.name, (Branch(None, ((part, frame),)),), own=True)
+    return Evaluator(env, instead={id(root(subject)): own}).value(subject)
 
 
 def located(frame: Frame, mount: Mount, ev: Evaluator) -> Triple:

@@ -40,10 +40,9 @@ def build_repeat(env: Env, statement: ast.RepeatStmt, declare: Callable[[Env, tu
         count = ev.scalar(statement.count)
     scope = context.scope(f"{env.path}{statement.name}", env.scope, "repeat", count)
     context.counted[scope] = statement.name_span
-    inner = env.nested(scope, f"{env.path}{statement.name}.")
+    inner = env.nested(scope, f"{env.path}{statement.name}.", deeper=1)
     element = Element(statement.name, inner, scope, count, None)
     inner.element = element
-    inner.names[statement.name] = element
     if statement.index is not None:
         inner.names[statement.index] = E.rank(scope)
     inner_ev = Evaluator(inner)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from ...graph import expr as E
 from ...graph.expr import Expr, Scope
 from ...semantics.symbols import Symbol, is_a
+from ...source import Span
 from ...syntax import ast
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
@@ -27,16 +28,13 @@ class Style:
     alternatives: tuple[ast.Alternative, ...]
     drawn: dict[tuple[str, str], Expr] = field(default_factory=dict)
 
-    def chosen(self, name: str) -> Expr | None:
-        return self.choice.chosen(name)
-
     def matches(self, name: str) -> Expr:
         """The predicate of ``style is Name``."""
         wanted, found = self.env.module.find(name), E.FALSE
         for option in dict.fromkeys(self.choice.options):
             symbol = self.env.module.find(option)
             if wanted is not None and symbol is not None and is_a(symbol, wanted):
-                found = E.either(found, self.choice.chosen(option) or E.FALSE)
+                found = E.either(found, self.choice.chosen(option))
         return found
 
     def guard(self, option: str) -> Expr:
@@ -112,15 +110,15 @@ def complete_choice(env: Env, alternatives: tuple[ast.Alternative, ...]) -> tupl
     return (*alternatives, ast.Alternative(span=span, name=None, name_span=span, guard=rest))
 
 
-def sole_style(env: Env, name: str, role: Symbol | None, node: ast.NameExpr) -> Style:
+def sole_style(env: Env, name: str, role: Symbol | None, template: Symbol, span: Span) -> Style:
     """The style that a template's name stands for where a style is handed in: one alternative, its parameters drawn once."""
-    alternative = ast.Alternative(span=node.span, name=node.name, name_span=node.span)
+    alternative = ast.Alternative(span=span, name=template.name, name_span=span)
     declaration = ast.StyleDecl(
-        span=node.span,
+        span=span,
         name=name,
-        name_span=node.span,
-        role=node.name if role is None else role.name,
-        role_span=node.span,
+        name_span=span,
+        role=template.name if role is None else role.name,
+        role_span=span,
         alternatives=(alternative,),
     )
-    return Style(env, declaration, role, Choice(E.ZERO, (node.name,)), declaration.alternatives)
+    return Style(env, declaration, role, Choice(E.ZERO, (template.name,)), declaration.alternatives)

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 from ...graph import expr as E
 from ...graph.expr import Expr
+from ...semantics.meanings import Global, Word
+from ...semantics.symbols import Symbol
 from ...source import Span
 from ...syntax import ast
 from ..values.kinds import Box, Choice, Frame, Line, Plane, Ref, Value, Vec
@@ -203,11 +205,10 @@ def number(ev: Evaluator, value: Value, span: Span) -> Expr:
 
 
 def equal(ev: Evaluator, node: ast.BinaryExpr) -> Expr:
-    for choice_node, option in ((node.left, node.right), (node.right, node.left)):
-        if isinstance(option, ast.NameExpr) and not isinstance(choice_node, ast.NumberExpr):
-            chosen = getattr(ev.value(choice_node), "chosen", None)  # of a choice or a style
-            if chosen is not None and (found := chosen(option.name)) is not None:
-                return found
+    for subject, option in ((node.left, node.right), (node.right, node.left)):
+        match ev.env.context.meaning(option):
+            case Word(name) | Global(Symbol(name=name, kind="material")):
+                return ev.value(subject).chosen(name)
     return E.call("eq", ev.scalar(node.left), ev.scalar(node.right))
 
 

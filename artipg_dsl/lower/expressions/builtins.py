@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from ...graph import expr as E
 from ...graph.expr import Expr
+from ...semantics.meanings import Local
 from ...source import Span
 from ...syntax import ast
 from ..values.carry import mapped, scalars
@@ -44,10 +45,10 @@ class PortArray(Ports):
 
         pending, self.pending = self.pending, []
         for home, declaration in pending:
-            name = declaration.index.name if isinstance(declaration.index, ast.NameExpr) else None
-            if name is not None and home.find(name) is None:
+            index = home.context.meaning(declaration.index)
+            if isinstance(index, Local):
                 for k in range(self.size):
-                    self.values[k] = Evaluator(home, {name: E.const(float(k))}).value(declaration.value)
+                    self.values[k] = Evaluator(home, {index.name: E.const(float(k))}).value(declaration.value)
                 continue
             value = Evaluator(home).value(declaration.value)
             index = Evaluator(home).scalar(declaration.index)
@@ -86,9 +87,8 @@ def chosen(here: Expr, others: Iterator[Expr], otherwise: Expr) -> Expr:
     return E.where(here, next(others), otherwise)
 
 
-def function(ev: Evaluator, node: ast.CallExpr) -> Value:
-    """A call of a name that is no function of the text."""
-    name = node.function.name
+def function(ev: Evaluator, node: ast.CallExpr, name: str) -> Value:
+    """A call of a function of the language."""
     context = ev.env.context
     if name in SCALAR:
         arguments = [ev.scalar(a.value) for a in node.arguments]
@@ -107,9 +107,6 @@ def function(ev: Evaluator, node: ast.CallExpr) -> Value:
     if name in ("min", "max"):
         arguments = [ev.scalar(a.value) for a in node.arguments]
         return (E.minimum if name == "min" else E.maximum)(*arguments)
-    if name == "norm":
-        vector = ev.vector(node.arguments[0].value)
-        return E.call("sqrt", dot(vector, vector))
     if name == "offset":
         from ..solids.curves import offset
 
@@ -120,15 +117,14 @@ def function(ev: Evaluator, node: ast.CallExpr) -> Value:
         return make_line(ev, node)
     if name == "box":
         return make_box(ev, node)
-    if name in ("lowest", "highest"):
+    if name == "lowest":
         box = ev.box(node.arguments[0].value)
-        found = dot(times(ev.direction(node.arguments[1].value), E.const(1.0)), farthest(box, ev, node, name))
-        return found
+        return dot(times(ev.direction(node.arguments[1].value), E.const(1.0)), farthest(box, ev, node))
     raise context.error("unknown-name", node.function.span, f"there is no function `{name}`")
 
 
-def farthest(box: Box, ev: Evaluator, node: ast.CallExpr, name: str) -> tuple[Expr, Expr, Expr]:
-    """The point of a box that lies farthest along a direction (``highest``) or against it (``lowest`` of -z: the foot)."""
+def farthest(box: Box, ev: Evaluator, node: ast.CallExpr) -> tuple[Expr, Expr, Expr]:
+    """The point of a box that lies farthest along a direction."""
     direction = ev.direction(node.arguments[1].value)
     outer = extent(box)
     point = []

@@ -6,12 +6,16 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from ...diagnostics import Report
+from ...errors import InternalError
 from ...graph import expr as E
 from ...graph.expr import Column, Expr, Scope, ScopeError
 from ...graph.program import Draw, Program, Where
 from ...source import Span
+from ...syntax import ast
 
 if TYPE_CHECKING:
+    from ...semantics.check import TypedProgram
+    from ...semantics.meanings import Meaning
     from ..elaborate.part import Part
     from ..elaborate.ranges import Quantity
 
@@ -74,6 +78,7 @@ class Unknown:
 class Context:
     report: Report
     program: Program
+    typed: TypedProgram
     guards: dict[tuple[Scope, Expr], Scope] = field(default_factory=dict)
     draws: list[Draw] = field(default_factory=list)
     spans: dict[Column, Span] = field(default_factory=dict)
@@ -105,6 +110,14 @@ class Context:
             span, message = self.blamed[0], f"{self.blamed[1]}: {message}"
         self.report.error(code, span, message, trace=tuple(self.trace), **more)  # type: ignore[arg-type]
         return Abort(message)
+
+    def meaning(self, node: ast.Node) -> Meaning | None:
+        """What a name stands for, as the checker found; None for what is no name."""
+        return self.typed.meanings.get(id(node))
+
+    def internal(self, span: Span, what: str) -> InternalError:
+        """What the checker should have ruled out; what the caller raises."""
+        return InternalError(span, what)
 
     def failed(self, error: Abort | ScopeError, span: Span) -> None:
         """Go on after a statement that could not be lowered; what is not in the report yet is put there."""

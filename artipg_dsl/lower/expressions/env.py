@@ -47,7 +47,6 @@ class Function:
     parameters: tuple[str, ...]
     value: ast.Expr
     env: Env
-    bindings: dict[str, Value] = field(default_factory=dict)
 
 
 @dataclass(slots=True, eq=False)
@@ -70,6 +69,7 @@ class Env:
     scope: Scope
     path: str  # prefix of the columns declared here: "" or "door.handle."
     outer: Env | None = None
+    depth: int = 0  # how many repeats are around
     frame: Pose = HERE  # this frame in the outer environment's
     instance: Instance | None = None  # whose body this is
     box: Box | None = None  # the template's own box, in the root environment of a body
@@ -115,14 +115,14 @@ class Env:
             return made
         return value
 
-    def find(self, name: str) -> Value | None:
-        """A name from here outwards, in this environment's frame."""
-        found = self.declared(name)
+    def find(self, name: str, depth: int) -> Value | None:
+        """What the body with ``depth`` repeats around it declares under a name, in this environment's frame."""
+        found = self.declared(name) if self.depth == depth else None
         if found is not None:
             return found
         if self.outer is None:
             return None
-        value = self.outer.find(name)
+        value = self.outer.find(name, depth)
         if value is None or self.frame is HERE:
             return value
         return moved(value, inverse(self.frame))
@@ -162,10 +162,22 @@ class Env:
             found.extend(env.all_parts())
         return found
 
-    def nested(self, scope: Scope, path: str, frame: Pose = HERE) -> Env:
-        env = Env(self.context, self.module, self.symbol, scope, path, outer=self, frame=frame, instance=self.instance)
+    def nested(self, scope: Scope, path: str, deeper: int = 0) -> Env:
+        """An environment inside: of a repeat, ``deeper`` by 1, or of a branch of ``when``."""
+        env = Env(
+            self.context, self.module, self.symbol, scope, path, self, self.depth + deeper, instance=self.instance
+        )
         self.inner.append(env)
         return env
+
+    def element_at(self, depth: int) -> Element | None:
+        """The element in which this stands, of the repeat whose body is ``depth`` deep."""
+        env: Env | None = self
+        while env is not None:
+            if env.element is not None and env.depth == depth:
+                return env.element
+            env = env.outer
+        return None
 
     def to_root(self) -> Pose:
         """This frame in the body's own."""

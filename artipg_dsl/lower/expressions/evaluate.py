@@ -2,18 +2,30 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 from ...graph import expr as E
-from ...graph.expr import Expr, Scope, ScopeError
+from ...graph.expr import Expr, ScopeError
 from ...graph.program import Pose
 from ...semantics import names
+from ...semantics.meanings import (
+    Axis,
+    BuiltIn,
+    Current,
+    Declared,
+    Global,
+    Last,
+    Local,
+    Meaning,
+    OwnBox,
+    Previous,
+    Truth,
+)
+from ...semantics.symbols import Symbol
 from ...source import Span
 from ...syntax import ast
 from ...units import UNITS
 from ..values.carry import moved
-from ..values.faces import FACES
 from ..values.kinds import Box, Choice, Frame, Line, Plane, Ports, Ref, Value, Vec
 from ..values.vectors import AXES, HERE, unit
 from . import arithmetic, builtins, members
@@ -26,7 +38,7 @@ if TYPE_CHECKING:
 
 
 class Evaluator:
-    """Evaluates in ``env``; ``local`` holds names that outrank everything (formula variables, function arguments)."""
+    """Evaluates in ``env``; ``local`` holds the names that only this place has (formula variables, function arguments)."""
 
     _UnaryExpr, _BinaryExpr, _IfExpr = arithmetic.unary, arithmetic.binary, arithmetic.conditional
     truth, number, plane, across = arithmetic.truth, arithmetic.number, arithmetic.plane, arithmetic.across
@@ -35,9 +47,16 @@ class Evaluator:
 
     drive: Drive | None = None  # in formulas of labels: what a force on the surface does to a joint
 
-    def __init__(self, env: Env, local: dict[str, Value] | None = None, pose: Pose = HERE):
+    def __init__(
+        self,
+        env: Env,
+        local: dict[str, Value] | None = None,
+        pose: Pose = HERE,
+        instead: dict[int, Value] | None = None,
+    ):
         self.env = env
         self.local = local or {}
+        self.instead = instead or {}  # by the identity of a name in the text, what is taken for it here
         self.pose = pose  # carries values of the environment into the frame of a formula (labels, grasps)
 
     # ------------------------------------------------------------ entry points by expected kind
@@ -82,14 +101,16 @@ class Evaluator:
         raise self.wrong(node.span, "a frame (a port or a face)", value)
 
     def box(self, node: ast.Expr) -> Box:
-        value = self.value(node)
+        return self.box_of(self.value(node), node.span)
+
+    def box_of(self, value: Value, span: Span) -> Box:
         if isinstance(value, Ref):
-            value = self.ref_box(value, node.span)
+            value = self.ref_box(value, span)
         if isinstance(value, Element) and value.box is not None:
             value = value.box
         if isinstance(value, Box):
             return value
-        raise self.wrong(node.span, "a box", value)
+        raise self.wrong(span, "a box", value)
 
     def wrong(self, span: Span, expected: str, value: Value) -> Exception:
         return self.env.context.error("wrong-kind", span, f"this is {describe(value)}, but {expected} is needed here")
@@ -148,28 +169,42 @@ class Evaluator:
     # ------------------------------------------------------------ names, members, calls
 
     def _NameExpr(self, node: ast.NameExpr) -> Value:
-        name = node.name
-        if name in self.local:
-            return self.local[name]
-        value = self.env.find(name)
-        if value is None or isinstance(value, Function) and name in AXES:  # `y(u)` is called, `y` the axis
-            value = self.builtin(name)
-        if value is None:
-            symbol = self.env.module.find(name)
-            if symbol is not None and symbol.kind == "function":
-                value = self.module_function(symbol)
+        if id(node) in self.instead:
+            return self.instead[id(node)]
+        meaning = self.env.context.meaning(node)
+        if isinstance(meaning, Local):
+            return self.local[meaning.name]
+        value = self.meant(meaning)
         if value is None:
             raise self.unknown(node)
-        if isinstance(value, Element) and self.inside(value) and value.box is not None:
-            return moved(value, self.pose) if self.pose is not HERE else value
         return moved(value, self.pose)
 
-    def module_function(self, symbol: object) -> Value:
-        declaration = symbol.decl  # type: ignore[attr-defined]
-        home = Env(self.env.context, symbol.module, None, self.env.scope, "")  # type: ignore[attr-defined]
-        if declaration.parameters:
-            return Function(declaration.name, declaration.parameters, declaration.value, home)
-        return Evaluator(home).value(declaration.value)
+    def meant(self, meaning: Meaning | None) -> Value | None:
+        """The value that a name has in the environment."""
+        match meaning:
+            case Declared(name, depth):
+                return self.env.find(name, depth)
+            case Current(depth):
+                return self.env.element_at(depth)
+            case Previous(depth):
+                element = self.env.element_at(depth)
+                return None if element is None else At(element, None, element)
+            case OwnBox(name):
+                own = self.own_box()
+                return None if own is None else self.box_member(own, name)
+            case Axis(number):
+                return Vec(unit(number))
+            case Truth(value):
+                return E.const(value)
+            case Global(symbol) if symbol.kind == "function":
+                function = self.module_function(symbol)
+                return function if function.parameters else self.called(function, ())
+        return None
+
+    def module_function(self, symbol: Symbol) -> Function:
+        assert isinstance(symbol.decl, ast.FunctionDecl)
+        home = Env(self.env.context, symbol.module, None, self.env.scope, "")
+        return Function(symbol.name, symbol.decl.parameters, symbol.decl.value, home)
 
     def unknown(self, node: ast.NameExpr) -> Exception:
         symbol = self.env.module.find(node.name)
@@ -179,28 +214,6 @@ class Evaluator:
                 hint="a parameter `style` takes a template's name, or a style: `style chosen : Role = A | B`",
             )  # fmt: skip
         return self.env.context.error("unknown-name", node.span, f"`{node.name}` is not known here")
-
-    def builtin(self, name: str) -> Value | None:
-        own = self.own_box()
-        if name in AXES:
-            return Vec(unit(AXES.index(name)))
-        if name == "pi":
-            return E.const(math.pi)
-        if name in ("true", "false"):
-            return E.const(name == "true")
-        if name == "previous" and (element := self.nearest_element()) is not None:
-            return At(element, None, element)
-        if own is not None and name in (*FACES, "center", "box", "size"):
-            return self.box_member(own, name)
-        return None
-
-    def nearest_element(self) -> Element | None:
-        env: Env | None = self.env
-        while env is not None:
-            if env.element is not None:
-                return env.element
-            env = env.outer
-        return None
 
     def inside(self, element: Element) -> bool:
         env: Env | None = self.env
@@ -226,39 +239,26 @@ class Evaluator:
         return At(value, self.position(value, node.index), value)
 
     def position(self, element: Element, index: ast.Expr) -> Expr:
-        if isinstance(index, ast.NameExpr) and index.name == "last":
+        if isinstance(self.env.context.meaning(index), Last):
             return E.sub(element.count, E.ONE)
         return self.scalar(index)
-
-    # ------------------------------------------------------------ parts
 
     # ------------------------------------------------------------ calls
 
     def _CallExpr(self, node: ast.CallExpr) -> Value:
         if isinstance(node.function, ast.MemberExpr):
             return builtins.method(self, node)
-        name = node.function.name
-        if self.drive is not None and name in names.DRIVES:
-            return self.drive.truth(node)
-        found = self.local.get(name) or self.env.find(name)
-        if not isinstance(found, Function):
-            symbol = self.env.module.find(name)
-            if symbol is not None and symbol.kind == "function":
-                found = self.module_function(symbol)
-        if isinstance(found, Function):
-            return self.apply(found, node)
-        return builtins.function(self, node)
+        meaning = self.env.context.meaning(node.function)
+        if isinstance(meaning, BuiltIn):
+            if self.drive is not None and meaning.name in names.DRIVES:
+                return self.drive.truth(node)
+            return builtins.function(self, node, meaning.name)
+        function = self.meant(meaning)
+        if not isinstance(function, Function):
+            raise self.env.context.internal(node.span, "no function is known here")
+        return self.called(function, tuple(self.value(a.value) for a in node.arguments))
 
-    def apply(self, function: Function, node: ast.CallExpr) -> Value:
-        values = [self.value(a.value) for a in node.arguments]
-        if len(values) != len(function.parameters):
-            raise self.env.context.error(
-                "wrong-arguments", node.span,
-                f"`{function.name}` takes {len(function.parameters)} arguments, {len(values)} are given",
-            )  # fmt: skip
-        local = {**function.bindings, **dict(zip(function.parameters, values, strict=True))}
+    def called(self, function: Function, values: tuple[Value, ...]) -> Value:
+        """The value of a function of the text."""
+        local = dict(zip(function.parameters, values, strict=True))
         return Evaluator(function.env, local).value(function.value)
-
-
-def _deep(e: Expr, scope: Scope) -> bool:
-    return e.scope is not None and e.scope.within(scope)

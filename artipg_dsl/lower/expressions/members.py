@@ -121,7 +121,7 @@ def element_member(ev: Evaluator, value: Element, name: str, span: Span) -> Valu
             return value.gap
         if value.box is not None and (found := box_member(ev, here(ev, value, value.box), name)) is not None:
             return found
-        inner = value.env.find(name)
+        inner = value.env.declared(name)
         return inner if inner is None else from_env(ev, value.env, inner)
     raise ev.env.context.error(
         "many-elements", span, f"`{value.name}` stands for all elements of a repeat here",

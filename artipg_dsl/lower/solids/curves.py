@@ -16,7 +16,7 @@ from ..expressions.builtins import named, need
 from ..expressions.env import Env, Function
 from ..expressions.evaluate import Evaluator
 from ..expressions.members import describe
-from ..values.kinds import Vec
+from ..values.kinds import Value, Vec
 from .profiles import Point, Span, V, between, right_of
 
 if TYPE_CHECKING:
@@ -61,9 +61,9 @@ def offset(ev: Evaluator, node: ast.CallExpr) -> Vec:
     call, distance = need(ev, node, arguments, "curve"), ev.scalar(need(ev, node, arguments, "distance"))
     curve, at = None, V
     if isinstance(call, ast.CallExpr) and isinstance(call.function, ast.NameExpr) and len(call.arguments) == 1:
-        curve, at = ev.env.find(call.function.name), ev.scalar(call.arguments[0].value)
+        curve, at = named_curve(ev, call.function), ev.scalar(call.arguments[0].value)
     elif isinstance(call, ast.NameExpr):
-        curve = ev.env.find(call.name)
+        curve = named_curve(ev, call)
     if not isinstance(curve, Curve) or len(curve.parameters) != 1:
         raise ev.env.context.error(
             "wrong-kind", call.span, "`offset` takes a curve at a value of its parameter",
@@ -78,12 +78,20 @@ def offset(ev: Evaluator, node: ast.CallExpr) -> Vec:
     return Vec(tuple(E.substitute(c, {V: at}) for c in moved))
 
 
+def named_curve(ev: Evaluator, node: ast.Expr | None) -> Value | None:
+    """The curve, or path that a use hands in, that a name stands for; None for what is neither."""
+    from .paths import Handed
+
+    found = None if node is None else ev.meant(ev.env.context.meaning(node))
+    return found if isinstance(found, Curve | Handed) else None
+
+
 def spans_of(ev: Evaluator, node: ast.Expr) -> list[Span]:
     """The curves in a plane that an argument of an operator names: one, a list of them, or a constructor's."""
     if isinstance(node, ast.VectorExpr):
         return [span for item in node.items for span in spans_of(ev, item)]
     if isinstance(node, ast.NameExpr):
-        curve = ev.env.find(node.name)
+        curve = named_curve(ev, node)
         if isinstance(curve, Curve):
             if curve.parameters:
                 return [Span(curve.name, plane(ev, curve.point(), node.span), *curve.ends())]
@@ -110,9 +118,8 @@ def plane(ev: Evaluator, point: tuple[Expr, ...], place: Place) -> Point:
 def offset_spans(ev: Evaluator, node: ast.CallExpr) -> list[Span]:
     value = offset(Evaluator(ev.env, ev.local), node)
     first = node.arguments[0].value
-    name = first.name if isinstance(first, ast.NameExpr) else first.function.name  # type: ignore[attr-defined]
-    curve = ev.env.find(name)
-    return [Span(f"{name}_offset", value.items, *curve.ends())]  # type: ignore[arg-type,union-attr]
+    curve = named_curve(ev, first.function if isinstance(first, ast.CallExpr) else first)
+    return [Span(f"{curve.name}_offset", value.items, *curve.ends())]  # type: ignore[arg-type,union-attr]
 
 
 def circle(ev: Evaluator, node: ast.CallExpr) -> list[Span]:

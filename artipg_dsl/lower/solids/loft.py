@@ -23,7 +23,7 @@ from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..values.vectors import dot, unit
 from .bays import BLEND, Bay, Chains, bay_pieces, polygons, sum_of, swapped
-from .curves import TURN, Curve, spans_of
+from .curves import TURN, Curve, named_curve, spans_of
 from .frames import Frames, bend, turning
 from .frames import frames as frames_of
 from .made import Made, U
@@ -54,7 +54,7 @@ def loft(env: Env, solid: ast.SolidDecl) -> Made:
     probe = Probe(env, solid.span)
     node = ast.value_of(solid.along)
     flowing = solid.smooth
-    path = env.find(node.name) if isinstance(node, ast.NameExpr) else None
+    path = named_curve(Evaluator(env), node)
     sections = alike(probe, [spans_of(Evaluator(env), a.value) for a in solid.arguments])
     for section, argument in zip(sections, solid.arguments, strict=True):
         if len(section) != len(sections[0]):

@@ -13,10 +13,11 @@ from ...graph.expr import ONE, ZERO, Expr
 from ...graph.primitive import Triple
 from ...syntax import ast
 from ..expressions.env import Env
+from ..expressions.evaluate import Evaluator
 from ..values.faces import frame_of
 from ..values.kinds import Frame, Value
 from ..values.vectors import cross, dot, minus, plus, times
-from .curves import TURN, Curve
+from .curves import TURN, Curve, named_curve
 from .paths import Handed, Stretch
 from .probe import Probe
 from .profiles import FINE, SLOW, STEPS, V, clamp, halved, onwards, summit
@@ -32,7 +33,7 @@ Across = Callable[[float | Expr], Triple]  # the vector beside the path at v
 def path_of(env: Env, solid: ast.SolidDecl) -> Curve | Handed:
     """The path that follows ``along``; raises Abort after a diagnostic where there is none."""
     node = ast.value_of(solid.along)
-    path = env.find(node.name) if isinstance(node, ast.NameExpr) else None
+    path = named_curve(Evaluator(env), node)
     if node is not None and isinstance(path, Curve | Handed):
         return path
     raise env.context.error(

@@ -112,10 +112,10 @@ class Choice:
     code: Expr
     options: tuple[str, ...]
 
-    def chosen(self, name: str) -> Expr | None:
-        """The predicate that the option ``name`` is the one (an option may stand there twice); None without such an option."""
+    def chosen(self, name: str) -> Expr:
+        """The predicate that the option ``name`` is the one (an option may stand there twice)."""
         codes = [E.call("eq", self.code, E.const(float(k))) for k, option in enumerate(self.options) if option == name]
-        return functools.reduce(E.either, codes) if codes else None
+        return functools.reduce(E.either, codes) if codes else E.FALSE
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,6 +134,11 @@ class Ref:
     branches: tuple[Branch, ...]
     own: bool = False  # seen from the part's own frame, while its pose is being sought
     frame: Pose = HERE  # carries what all branches have in common into the frame of the environment that names it
+
+
+def reference(part: Part) -> Ref:
+    """A part by its name, where it is declared."""
+    return Ref(part.name, (Branch(None, ((part, HERE),)),))
 
 
 @dataclass(frozen=True, slots=True)
