@@ -22,6 +22,7 @@ from .settled import made
 from .statistics import ATTEMPTS, Exhausted, Statistics
 
 COLLIDING = 25  # attempts that end in a collision, until it is the program's fault
+FRUITLESS = 50  # such attempts of all objects together, where no object has been valid yet
 GROUP = 32  # objects that try again together
 
 
@@ -76,6 +77,7 @@ class Sampler:
             while len(group):
                 attempt[group] += 1
                 lost = (attempt[group] >= ATTEMPTS) | (trials.colliding(numbers[group]) >= COLLIDING)
+                lost |= trials.fruitless
                 spare = np.array([trials.spare.get(n, -1) for n in numbers[group].tolist()])
                 attempt[group[lost & (spare >= 0)]] = spare[lost & (spare >= 0)]  # rather than none
                 group, lost = group[~lost | (spare < 0)], lost[~lost | (spare < 0)]
@@ -108,10 +110,15 @@ class _Trials:
         self.sampler, self.seed, self.given, self.defaults = sampler, seed, given, defaults
         self.checked, self.statistics = checked, statistics
         self.hits: dict[int, int] = {}
+        self.valid = False  # whether any attempt was
         self.spare: dict[int, int] = {}  # the first valid attempt of objects that preferences passed over
 
     def colliding(self, numbers: np.ndarray) -> np.ndarray:
         return np.array([self.hits.get(n, 0) for n in numbers.tolist()], dtype=np.int64)
+
+    @property
+    def fruitless(self) -> bool:
+        return not self.valid and sum(self.hits.values()) >= FRUITLESS
 
     def made(self, numbers: np.ndarray, attempt: np.ndarray) -> tuple[State, Batch]:
         state = State(self.seed, numbers, attempt.copy(), dict(self.given), self.defaults)
@@ -129,6 +136,7 @@ class _Trials:
             for number in within.numbers[struck].tolist():
                 self.hits[number] = self.hits.get(number, 0) + 1
         self.statistics.add(state, first, bad)
+        self.valid |= not bad.all()
         declined = np.zeros(len(bad), dtype=bool) if self.defaults else ~bad & ~preferred(state)
         self.statistics.declined += int(declined.sum())
         for number, tried in zip(numbers[declined].tolist(), attempt[declined].tolist(), strict=True):
@@ -172,7 +180,7 @@ def colliding(batch: Batch, statistics: Statistics) -> np.ndarray:
     """Indices of the objects of a batch whose solids are at fault: that collide, tip over, ...; counted."""
     if batch.program.foreign:
         prove(batch)
-    found = faults(batch)
+    found = faults(batch, soon=True)
     struck = found.collisions
     for key, rows in found.tree.named(struck).items() if len(struck) else ():
         if key not in statistics.examples:

@@ -37,8 +37,8 @@ class Faults:
         return np.unique(np.concatenate([self.collisions.objects(), *(fault.objects for fault in self.others)]))
 
 
-def faults(batch: Batch) -> Faults:
-    """Everything that is wrong with the objects of a batch."""
+def faults(batch: Batch, soon: bool = False) -> Faults:
+    """Everything that is wrong with the objects of a batch; ``soon``: joints are moved only where nothing is wrong at rest."""
     tree = Tree(batch)
     body = gather(batch, tree.first, tree.turn, tree.shift)
     solids = Solids(tree, body)
@@ -54,4 +54,6 @@ def faults(batch: Batch) -> Faults:
     ]
     for statement, objects in zip(batch.program.stable, falling(tree, body), strict=False):
         others.append(Fault(f"{statement.where}: {statement.message}", objects))
-    return Faults(tree, body, collisions(batch, tree, body), tuple(fault for fault in others if len(fault.objects)))
+    found = tuple(fault for fault in others if len(fault.objects))
+    lost = np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *(fault.objects for fault in found)]))
+    return Faults(tree, body, collisions(batch, tree, body, lost if soon else None), found)

@@ -53,20 +53,23 @@ class Collisions:
         return np.unique(self.owner)
 
 
-def collisions(batch: Batch, tree: Tree | None = None, body: Pieces | None = None) -> Collisions:
+def collisions(
+    batch: Batch, tree: Tree | None = None, body: Pieces | None = None, lost: np.ndarray | None = None
+) -> Collisions:
     """All penetrations of a batch, each pair of links once per joint that brings it about.
 
-    ``body``: given pieces instead of the batch's own; their ``met`` tells afterwards which are to blame.
+    ``body``: given pieces instead of the batch's own; their ``met`` tells afterwards which are to blame. ``lost``: objects
+    that are invalid already; neither their joints nor those of objects that collide at rest are moved.
     """
     tree = tree or Tree(batch)
     body = body or gather(batch, tree.first, tree.turn, tree.shift)
-    return told(tree, checked(tree, body))
+    return told(tree, checked(tree, body, lost))
 
 
-def checked(tree: Tree, body: Pieces) -> np.ndarray:
+def checked(tree: Tree, body: Pieces, lost: np.ndarray | None = None) -> np.ndarray:
     """Rows (link, link, joint, value, piece, piece) of all that meet: rows of the tables of links and joints, -1 at rest;
-    pieces of either link by their ``source``."""
-    return np.concatenate([_nothing(), *(_block(tree, part) for part in blocks(body))])
+    pieces of either link by their ``source``. ``lost``: as of ``collisions``."""
+    return np.concatenate([_nothing(), *(_block(tree, part, lost) for part in blocks(body))])
 
 
 def at_rest(tree: Tree, body: Pieces) -> np.ndarray:
@@ -124,9 +127,14 @@ def blocks(body: Pieces) -> Iterator[Pieces]:
         start = stop
 
 
-def _block(tree: Tree, body: Pieces) -> np.ndarray:
+def _block(tree: Tree, body: Pieces, lost: np.ndarray | None) -> np.ndarray:
     """Rows (link, link, joint, value) of some objects."""
     found = [_resting(tree, body)]
+    if lost is not None:
+        gone = np.isin(body.owner, np.append(lost, told(tree, found[0]).owner))
+        body = body.part(~gone) if gone.any() else body
+        if not len(body):
+            return found[0]
     for piece, joint in tree.carried(body, tree.slides & tree.alone):
         found.append(_sliding(tree, body, piece, joint))
     for piece, joint in tree.carried(body, tree.turns & tree.alone):
@@ -372,7 +380,7 @@ def _following(tree: Tree, body: Pieces) -> Iterator[np.ndarray]:
             pairs.append((first, second, np.full(len(first), -1), np.full(len(first), -1)))
         for first, second, one, two in pairs:
             at = lead[tree.links.owner[first]]
-            keep = at >= 0
+            keep = (at >= 0) & np.isin(tree.links.owner[first], body.owner)
             yield Hits(first[keep], second[keep], at[keep], states[at[keep]], (one[keep], two[keep])).rows()
 
 

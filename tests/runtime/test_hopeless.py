@@ -6,6 +6,8 @@ import pytest
 from artipg_dsl.diagnostics import CompileError
 from artipg_dsl.sampling.statistics import Exhausted, Statistics
 from artipg_dsl.session import Session
+from artipg_dsl.validity import validate
+from artipg_dsl.validity.faults import faults
 
 HEAD = "apg 1\nuse primitives { Cuboid }\ncategory Box {\n"
 BODY = "  root part body : Cuboid(size = [10cm, 10cm, 10cm])\n"
@@ -55,3 +57,63 @@ def test_a_contradiction_within_an_alternative_leaves_the_others() -> None:
     batch = session.sampler.batch(np.arange(10), 0)
     assert [d.code for d in session.report.diagnostics] == ["impossible"] and not session.report.failed
     assert {batch.drawn(k)["top"] for k in range(10)} == {"none"}
+
+
+LINKS = """apg 1
+use primitives { Cuboid }
+category Slide {
+  param long : length in 10cm .. 12cm
+  root part body : Cuboid(size = [40cm, 20cm, 10cm])
+  part drawer : Cuboid(size = [long, 10cm, 10cm])
+  joint pull : prismatic body -> drawer along x range 0 .. 5cm
+  align drawer.center.x = body.center.x
+  align drawer.center.y = body.center.y
+  align drawer.bottom = body.top %s
+  part wall : Cuboid(size = [1cm, 20cm, 20cm])
+  connect wall to body
+  align wall.bottom = body.top
+  align wall.center.y = body.center.y
+  align wall.front = drawer.front + %s
+}
+"""
+
+
+@pytest.mark.parametrize(("place", "room"), [("- 1cm", "10cm"), ("+ 0mm", "2cm")], ids=["at rest", "in motion"])
+def test_what_always_collides_is_told_early_whatever_the_number_of_objects(place: str, room: str) -> None:
+    for objects, most in ((1, 25), (3, 51), (8, 56), (200, 200)):
+        statistics = Statistics()
+        with pytest.raises(Exhausted):
+            Session.of_text(LINKS % (place, room)).sampler.batch(
+                np.arange(objects), 0, checked=True, statistics=statistics
+            )
+        assert statistics.attempts <= most
+        assert {joint for _, _, joint in statistics.collided} == ({""} if place == "- 1cm" else {"pull"})
+
+
+def test_what_collides_often_is_drawn_again_until_it_does_not() -> None:
+    statistics = Statistics()
+    text = LINKS % ("+ 0mm", "gap")
+    text = text.replace("  root", "  param gap : length in 1cm .. 7.4cm\n  root")
+    batch = Session.of_text(text).sampler.batch(np.arange(12), 0, checked=True, statistics=statistics)
+    assert len(batch) == 12 and statistics.first_valid < 6
+
+
+def test_objects_that_are_wrong_at_rest_are_not_moved(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Loops that cannot close took longest, for objects that were refused anyway."""
+    text = LINKS % ("+ 0mm - far", "10cm")
+    text = text.replace("  root", "  param far : length in -1cm .. 1cm\n  root")
+    swept: list[int] = []
+    sliding = validate._sliding
+    monkeypatch.setattr(
+        validate, "_sliding", lambda tree, body, *rest: swept.extend(body.owner.tolist()) or sliding(tree, body, *rest)
+    )
+    sampler = Session.of_text(text).sampler
+    plain = sampler.batch(np.arange(20), 0)
+    wrong = set(validate.collisions(plain).objects().tolist())
+    assert 4 < len(wrong) < 16
+    swept.clear()
+    sampler.batch(np.arange(20), 0, checked=True)
+    assert faults(plain, soon=True).objects().tolist() == sorted(wrong)
+    swept.clear()
+    faults(plain, soon=True)
+    assert set(swept) == set(range(20)) - wrong
