@@ -89,7 +89,7 @@ def _numbers(value: Any, count: int, what: str, wanted: str) -> tuple[float, ...
     return tuple(float(v) for v in value)
 
 
-def _poses(value: Any, name: str) -> tuple:
+def _poses(value: Any, name: str) -> tuple[Any, ...]:
     if not isinstance(value, list) or not value:
         raise UserError(f"{name}: `poses` is a list of at least one pose", f"for example [{POSE}]")
     made = []

@@ -10,6 +10,7 @@ import numpy as np
 from .. import random
 from ..errors import UsageError, UserError
 from ..geometry import points as geometry
+from ..geometry.pointset import PointSet
 from ..validity.materials import material_rows
 from .frames import rotate, rotate_rows
 from .interactions import acting_joints
@@ -89,9 +90,7 @@ def sample_points(
     return replace(complete(batch, drawn.points, drawn.owner, states, motion), area=drawn.area)
 
 
-def complete(
-    batch: Batch, made: geometry.PointSet, owner: np.ndarray, states: np.ndarray | None, motion: bool
-) -> Points:
+def complete(batch: Batch, made: PointSet, owner: np.ndarray, states: np.ndarray | None, motion: bool) -> Points:
     """All that is known of points (P, n) on objects ``owner`` (P,)."""
     tables = batch.sites()
     labels = label_points(batch, tables, made)
@@ -139,7 +138,7 @@ def _starts(batch: Batch) -> np.ndarray:
 
 
 def moved(
-    batch: Batch, made: geometry.PointSet, link: np.ndarray, states: np.ndarray | None, motion: bool
+    batch: Batch, made: PointSet, link: np.ndarray, states: np.ndarray | None, motion: bool
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray | None, np.ndarray | None]:
     """Position and normal (B, n, 3) of points on the link rows ``link`` (B, n); if asked for, their velocity by their own
     joint, and (B, n, D, 3) by each joint that drives them."""

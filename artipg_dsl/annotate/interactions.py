@@ -10,6 +10,7 @@ import numpy as np
 
 from .. import random
 from ..geometry import points as geometry
+from ..geometry.pointset import PointSet, Pools
 from .fields import read_pose, read_triples
 from .frames import reflect, rotate
 from .points import field_name, holding
@@ -88,7 +89,7 @@ def moved_by(batch: Batch, label: Label, link: np.ndarray) -> np.ndarray:
     return found
 
 
-def acting_joints(batch: Batch, points: geometry.PointSet) -> dict[str, np.ndarray]:
+def acting_joints(batch: Batch, points: PointSet) -> dict[str, np.ndarray]:
     """For each word that acts, the number in its object of the joint that it is for at each point, -1 where it does not
     hold or nothing moves: (P, n) each."""
     links, tables = batch.links(), batch.sites()
@@ -133,7 +134,7 @@ def found_on(batch: Batch, labels: Sequence[Label], moving: np.ndarray) -> Itera
             yield label, target, np.flatnonzero(found)
 
 
-def looks(batch: Batch, wanted: Sequence[np.ndarray], count: int) -> geometry.PointSet:
+def looks(batch: Batch, wanted: Sequence[np.ndarray], count: int) -> PointSet:
     """``count`` points on each ``wanted`` row of the sites that shows any surface: (P, count), a primitive each."""
     tables = batch.sites()
     pools = [
@@ -142,8 +143,8 @@ def looks(batch: Batch, wanted: Sequence[np.ndarray], count: int) -> geometry.Po
     ]
     address = np.asarray(batch.numbers).astype(np.uint64)
     if not any(pool.any() for pool in pools):
-        return geometry.PointSet.empty(0, count)
-    own = geometry.Pools.of(tables, pools, len(batch))
+        return PointSet.empty(0, count)
+    own = Pools.of(tables, pools, len(batch))
     counts = np.where(own.label > 0, count, 0)
     points, full, _ = geometry.sample_counts(tables, own, counts, random.key(batch.seed, "interactions"), address)
     return points.take(np.flatnonzero(full & (own.label > 0)))

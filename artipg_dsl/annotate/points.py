@@ -16,7 +16,7 @@ from .fields import Field, Reader, read_pose, read_triples
 from .frames import reflect, rotate
 
 if TYPE_CHECKING:
-    from ..geometry.points import PointSet
+    from ..geometry.pointset import PointSet
     from ..geometry.sites import SiteTable
 
 ROUNDING = 1e-6  # so far may a degree lie outside 0 .. 1: it is set to the end

@@ -11,6 +11,7 @@ import numpy as np
 from ..errors import UsageError
 from ..geometry import points as geometry
 from ..geometry.patches import surfaces
+from ..geometry.pointset import PointSet
 from .cloud import Points, complete
 
 if TYPE_CHECKING:
@@ -50,7 +51,7 @@ def rebind(
     columns = [x.ravel()[flat] for x in (site, row, patch, u, v)]
     position, normal, exists = geometry.evaluate_flat(tables, whose, *columns)
     kept = np.flatnonzero(exists)
-    flat, made = flat[kept], geometry.PointSet(*(x[kept, None] for x in (*columns, position, normal)))
+    flat, made = flat[kept], PointSet(*(x[kept, None] for x in (*columns, position, normal)))
     known = complete(batch, made, whose[kept], states, motion)
 
     def spread(values: np.ndarray, missing: float, own: int = 1) -> np.ndarray:

@@ -14,6 +14,7 @@ from ..errors import UsageError
 from ..geometry import blue
 from ..geometry import points as geometry
 from ..geometry.hidden import runs
+from ..geometry.pointset import PointSet, Pools
 from ..geometry.sites import SiteTable
 from .sampling import Sampling
 
@@ -25,12 +26,12 @@ if TYPE_CHECKING:
 class Drawn:
     """Points (P, n), the objects (P,) that they are on, and how much surface each stands for (P, n), square metres."""
 
-    points: geometry.PointSet
+    points: PointSet
     owner: np.ndarray
     area: np.ndarray
 
 
-Weigh = Callable[[geometry.Pools], np.ndarray]  # (P,): what each pool weighs
+Weigh = Callable[[Pools], np.ndarray]  # (P,): what each pool weighs
 _ORDER = 0xFFFFFFFF  # the attempt whose stream orders points: no draw comes so far
 
 
@@ -58,10 +59,10 @@ def balanced(
 ) -> Drawn:  # fmt: skip
     """The points of each object shared out over its pools by weight; what shows no surface leaves its own to others."""
     n, times = int(how.count), blue.TIMES if how.spread == "blue" else 1
-    pools = geometry.Pools.of(sites, labels, n_objects)
+    pools = Pools.of(sites, labels, n_objects)
     weight, area = weigh(pools), np.zeros(len(pools.owner))
     counts, open_ = np.zeros(len(pools.owner), dtype=np.int64), np.ones(len(pools.owner), dtype=bool)
-    parts: list[tuple[np.ndarray, geometry.PointSet]] = []  # rows of pools, and their points
+    parts: list[tuple[np.ndarray, PointSet]] = []  # rows of pools, and their points
     while open_.any():  # the pools of objects that are not settled yet
         wanted = np.where(open_, quotas(pools.owner, np.where(open_, weight, 0.0), n), 0)
         found, full, shown = geometry.sample_counts(
@@ -79,9 +80,7 @@ def balanced(
     row = np.concatenate([np.repeat(rows, counts[rows]) for rows, _ in parts])
     made = [first_of(found, counts[rows], area[rows], times) for rows, found in parts]
     order = np.argsort(pools.owner[row], kind="stable")
-    flat = geometry.PointSet(
-        *(np.concatenate([getattr(one, name) for one in made])[order] for name in geometry.PointSet.__slots__)
-    )
+    flat = PointSet(*(np.concatenate([getattr(one, name) for one in made])[order] for name in PointSet.__slots__))
     whole = flat.shaped(n_objects, n)
     share = (area[row] / counts[row])[order].reshape(n_objects, n)
     mixed = places(shuffle(key, address, n))
@@ -109,7 +108,7 @@ def weigher(batch: Batch, how: Sampling) -> Weigh:
     weights = dict(how.weights)
     value = np.array([weights.get(name, 1.0) for name in known])
 
-    def weigh(pools: geometry.Pools) -> np.ndarray:
+    def weigh(pools: Pools) -> np.ndarray:
         if how.balance == "semantic":
             return value[pools.label]
         if how.balance == "primitive":
@@ -133,7 +132,7 @@ def quotas(owner: np.ndarray, weight: np.ndarray, n: int) -> np.ndarray:
     return found
 
 
-def first_of(found: geometry.PointSet, counts: np.ndarray, area: np.ndarray, times: int) -> geometry.PointSet:
+def first_of(found: PointSet, counts: np.ndarray, area: np.ndarray, times: int) -> PointSet:
     """The first ``counts`` (P,) points of each pool, in one row; of ``times`` as many those that keep their distance."""
     if times > 1:
         kept = np.zeros(found.u.shape, dtype=np.int64)

@@ -28,7 +28,7 @@ EPILOG = "apgc COMMAND --help tells about a command. Exit codes: 0 done, 1 error
 
 
 class Version(argparse.Action):
-    def __call__(self, parser, *_) -> None:
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
         from ..version import __version__
 
         print(f"apgc {__version__}")

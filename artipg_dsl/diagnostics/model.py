@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from ..source import Span
 from .codes import CODES
@@ -32,7 +33,7 @@ class Report:
     """Collects diagnostics; the same finding at the same place counts once, however often a template is used."""
 
     def __init__(self) -> None:
-        self._found: dict[tuple, Diagnostic] = {}
+        self._found: dict[tuple[Any, ...], Diagnostic] = {}
 
     def add(self, diagnostic: Diagnostic) -> None:
         if diagnostic.code not in CODES:
@@ -78,7 +79,7 @@ class Report:
     def diagnostics(self) -> tuple[Diagnostic, ...]:
         """All findings by file, in the order of the text; those without a place first."""
 
-        def place(d: Diagnostic) -> tuple:
+        def place(d: Diagnostic) -> tuple[Any, ...]:
             return ("", -1) if d.span is None else (d.span.source.name, d.span.start)
 
         return tuple(sorted(self._found.values(), key=place))

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field, fields
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -228,11 +228,11 @@ class Robots:
             for settled in self.materials
         ]
 
-    def material(self, item: solids.Item) -> int:
+    def material(self, item: solids.Item[Any]) -> int:
         """Index into ``catalogue`` of what a primitive is made of."""
         return int(self.material_rows[item.group.table.number][item.row])
 
-    def look(self, i: int, item: solids.Item) -> Look:
+    def look(self, i: int, item: solids.Item[Any]) -> Look:
         """How a primitive of object ``i`` looks."""
         return self.looks[self.material(item)][i]
 
@@ -281,10 +281,10 @@ class Robots:
         name = f"{self.batch.program.name}_{number:06d}"
         return Robot(name, number, links, tuple(self._joints(i)), tuple(self._closures(i)))
 
-    def _name(self, i: int, item: solids.Item) -> str:
+    def _name(self, i: int, item: solids.Item[Any]) -> str:
         return self.part_names[int(self.part_start[i]) + int(item.group.table.instance[item.row])]
 
-    def _origin(self, i: int, item: solids.Item) -> np.ndarray:
+    def _origin(self, i: int, item: solids.Item[Any]) -> np.ndarray:
         return self.origins[int(self.link_start[i]) + int(item.group.table.link[item.row])]
 
     def _visual(self, i: int, item: solids.Item[solids.SolidGroup]) -> Visual:

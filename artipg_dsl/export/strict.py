@@ -62,7 +62,7 @@ def strict(batch: Batch, states: int = STATES) -> Strict:
     ready()
     tree = Tree(batch)
     solids = Solids(batch, tree)
-    worst: dict[tuple, Touch] = {}
+    worst: dict[tuple[Any, ...], Touch] = {}
     for kind, moved, values, apart in configurations(tree, states):
         for touch in solids.touching(values, kind, moved, apart):
             key = (touch.object, touch.links, touch.state)
@@ -125,7 +125,7 @@ class Solids:
                 self.solids.append(solid)
                 self.names.append(self.parts.name[part])
         self.boxes: Pieces = packed(groups)  # at joint values 0
-        self.seen: set[tuple] = set()
+        self.seen: set[tuple[Any, ...]] = set()
 
     def touching(self, values: np.ndarray, kind: str, lead: np.ndarray, apart: np.ndarray) -> Iterator[Touch]:
         """What meets with the joints at ``values`` (J,); pairs of links that stand as they have stood before are left out."""

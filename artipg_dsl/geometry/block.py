@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,7 +67,7 @@ def block(sites: list[SiteTable], first: int, stop: int) -> Block:
         chosen.extend(parts)
         start = stop_row
 
-    def column(pick, kind=np.int64) -> np.ndarray:
+    def column(pick: Callable[[SiteTable, slice], np.ndarray], kind: type = np.int64) -> np.ndarray:
         return np.concatenate([np.empty(0, kind), *(pick(t, s) for t, s in chosen)])
 
     owner = column(lambda t, s: t.owner[s]) - first
@@ -104,7 +105,9 @@ def placed_bounds(poses: Poses, row: np.ndarray, low: np.ndarray, high: np.ndarr
     return out_low, out_high
 
 
-def to_object(poses: Poses, row: np.ndarray, place, direction) -> tuple[Coordinates, Coordinates]:
+def to_object(
+    poses: Poses, row: np.ndarray, place: Coordinates, direction: Coordinates
+) -> tuple[Coordinates, Coordinates]:
     """Places and directions (three arrays (m,) each) in the own frames of rows, in the object's frame."""
     mirror = poses[2][row]
     locals_ = [(p[0], p[1] * mirror, p[2]) for p in (place, direction)]
@@ -118,14 +121,16 @@ def to_object(poses: Poses, row: np.ndarray, place, direction) -> tuple[Coordina
     return (places[0], places[1], places[2]), (directions[0], directions[1], directions[2])
 
 
-def placed_points(poses: Poses, row: np.ndarray, place) -> list[np.ndarray]:
+def placed_points(poses: Poses, row: np.ndarray, place: Sequence[np.ndarray] | np.ndarray) -> list[np.ndarray]:
     """Places (three arrays (m,) each) in the own frames of rows, in the object's frame."""
     x, y, z = place[0], place[1] * poses[2][row], place[2]
     cells = ((poses[0][3 * axis + k][row] for k in range(3)) for axis in range(3))
     return [a * x + b * y + c * z + poses[1][axis][row] for axis, (a, b, c) in enumerate(cells)]
 
 
-def to_local(poses: Poses, row: np.ndarray, point) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def to_local(
+    poses: Poses, row: np.ndarray, point: Sequence[np.ndarray] | np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Coordinates of points of the object (three arrays (m,)) in the own frames of rows."""
     offset = [point[axis] - poses[1][axis][row] for axis in range(3)]
     out = []

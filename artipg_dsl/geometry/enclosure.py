@@ -5,7 +5,7 @@ The rules are those of Moore, "Interval Analysis" (1966), without outward roundi
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -37,7 +37,9 @@ def _steps(primitive: Primitive) -> tuple[Expr, ...] | None:
     return tuple(order) if visit(primitive.inside) else None
 
 
-def most_inside(primitive: Primitive, params: dict[str, np.ndarray], low, high) -> np.ndarray:
+def most_inside(
+    primitive: Primitive, params: dict[str, np.ndarray], low: Sequence[np.ndarray], high: Sequence[np.ndarray]
+) -> np.ndarray:
     """(m,) bounds from above of the inside function of m instances over boxes ``low .. high`` (three (m,) each).
 
     ``params`` holds a value per box. Infinite where the function has no bound that the rules tell.

@@ -9,6 +9,7 @@ point falls on them are not prepared for that: their points are asked as those o
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -227,7 +228,7 @@ class Occlusion:
         origin, a, b, c = (q[:, chosen] for q in self.pairs.quad)
         return self._depths(self.pairs.other[chosen], origin + u * a + v * b + (u * v) * c)
 
-    def _depths(self, other: np.ndarray, local) -> np.ndarray:
+    def _depths(self, other: np.ndarray, local: Sequence[np.ndarray]) -> np.ndarray:
         """(m,) depths of points in rows of any shelves, in the frames of those rows."""
         out = np.empty(len(other))
         shelf = self.shelf[other]
@@ -239,7 +240,7 @@ class Occlusion:
                 out[mine] = self._depth(number, other[mine], [x[mine] for x in local])
         return out
 
-    def _depth(self, shelf: int, other: np.ndarray, local) -> np.ndarray:
+    def _depth(self, shelf: int, other: np.ndarray, local: Sequence[np.ndarray]) -> np.ndarray:
         """(m,) the inside function of rows ``other`` of one shelf at points in their own frames."""
         row = other - self.rows.shelves[shelf].start
         value = self.inside[shelf].points([r[row] for r in self.values[shelf]], *local)[0]
@@ -271,8 +272,8 @@ class Occlusion:
         asked: np.ndarray,
         start: np.ndarray,
         count: np.ndarray,
-        u,
-        v,
+        u: np.ndarray,
+        v: np.ndarray,
         spots: np.ndarray,
         out: np.ndarray,
     ) -> None:
@@ -304,7 +305,9 @@ class Occlusion:
             behind = [local[k][close] + pairs.step[k][pair] for k in range(3)]
             out[point[self._by_shelf(edges, pair, other, behind) < 0.0]] = True
 
-    def _by_shelf(self, edges: np.ndarray, pair: np.ndarray, other: np.ndarray, local) -> np.ndarray:
+    def _by_shelf(
+        self, edges: np.ndarray, pair: np.ndarray, other: np.ndarray, local: Sequence[np.ndarray]
+    ) -> np.ndarray:
         """Depths of points in the rows of pairs, which are sorted by shelf."""
         depth = np.empty(len(pair))
         cuts = np.searchsorted(pair, edges)

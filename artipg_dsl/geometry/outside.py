@@ -9,6 +9,8 @@ grid in the plane across, for all objects at once.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from . import mesh
@@ -78,7 +80,7 @@ class Outlook:
         large = across > (2.0 * _LARGE * square[self.owner]) ** 2
         self.asked = np.flatnonzero(large), np.flatnonzero(~large)
 
-    def sees(self, cell: np.ndarray, position, normal) -> np.ndarray:
+    def sees(self, cell: np.ndarray, position: Sequence[np.ndarray], normal: Sequence[np.ndarray]) -> np.ndarray:
         """(m,) bool: which of the points on cells ``cell`` can be seen from without."""
         owner = self.cells.owner[cell]
         start = [p + self.off[owner] * n for p, n in zip(position, normal, strict=True)]

@@ -6,9 +6,10 @@ Formulas are split: what depends on the parameters alone is evaluated once per i
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -94,7 +95,7 @@ class Split:
             row[...] = value
         return out
 
-    def points(self, rows: Sequence[np.ndarray], *point: np.ndarray) -> tuple:
+    def points(self, rows: Sequence[np.ndarray], *point: np.ndarray) -> tuple[Any, ...]:
         """The values at points: ``rows`` gathered to arrays that broadcast with the point variables (fractions)."""
         return self._points(*rows, *point)
 
@@ -124,7 +125,7 @@ def tangent_split(primitive: Primitive, patch: int) -> Split:
 
 
 @lru_cache(maxsize=512)
-def parameter_formula(primitive: Primitive, exprs: tuple[Expr, ...]):
+def parameter_formula(primitive: Primitive, exprs: tuple[Expr, ...]) -> Callable[..., tuple[Any, ...]]:
     """Formulas of the parameters alone, as a function of their columns."""
     return compile_formula(exprs, primitive.parameters)
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -113,7 +114,7 @@ def _counts(primitive: Primitive, piece: Piece, params: Params) -> np.ndarray:
 
 
 @lru_cache(maxsize=2048)
-def _corners(primitive: Primitive, piece: Piece) -> Callable[..., tuple]:
+def _corners(primitive: Primitive, piece: Piece) -> Callable[..., tuple[Any, ...]]:
     """The declared points of a piece as a function of the parameters' columns and of its index."""
     coordinates = tuple(e for point in piece.points for e in point)
     return compile_formula(coordinates, (*primitive.parameters, "i"))

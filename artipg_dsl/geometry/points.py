@@ -11,6 +11,7 @@ Whatever the pools, points are hidden by all rows of their object.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -283,7 +284,7 @@ class _Sampler:
             out.normal.reshape(-1, 3)[target, axis] = normal[axis]
         return survivors
 
-    def _places(self, every: _Candidates, kept: np.ndarray, loose: _LoosePoints) -> tuple[list, list]:
+    def _places(self, every: _Candidates, kept: np.ndarray, loose: _LoosePoints) -> tuple[list[Any], list[Any]]:
         """Positions and normals of the candidates ``kept`` (ascending), three arrays each."""
         cells = self.cells
         if not len(every.loose):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -174,7 +175,7 @@ def _box(seen: _Inspection) -> Report:
         if flipped.any():
             yield "box", None, f"the box is turned inside out along {name} ({seen.at(int(np.argmax(flipped)))})"
             continue
-        ends: tuple[tuple[str, np.ndarray, Callable], ...] = (
+        ends: tuple[tuple[str, np.ndarray, Callable[..., Any]], ...] = (
             ("low", seen.low[:, axis] - seen.mesh_low[:, axis], np.argmin),
             ("high", seen.mesh_high[:, axis] - seen.high[:, axis], np.argmax),
         )
@@ -197,7 +198,7 @@ def _box(seen: _Inspection) -> Report:
                 )
 
 
-def _reaching(seen: _Inspection, row: int, axis: int, find: Callable) -> str:
+def _reaching(seen: _Inspection, row: int, axis: int, find: Callable[..., Any]) -> str:
     """The surface of the vertex that lies furthest out."""
     for group in seen.fine:
         at = np.flatnonzero(group.rows == row)

@@ -6,6 +6,7 @@ Static and conservative, as intervals are: what is found certain is; the rest is
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from .expr import Expr, Scope
 from .interval import EVERYTHING, Interval, Intervals
@@ -70,7 +71,7 @@ class Sharp(Intervals):
         return super().function(op, node)
 
 
-def _rising(function, ends: Interval, sign: float = 1.0) -> Interval:  # noqa: ANN001
+def _rising(function: Callable[[float], float], ends: Interval, sign: float = 1.0) -> Interval:
     """The ends of a rising function of -1 .. 1 (``sign`` -1: of the negative of a falling one)."""
     low, high = (function(min(max(end, -1.0), 1.0) if function is not math.atan else end) for end in ends)
     return (low, high) if sign > 0 else (-high, -low)

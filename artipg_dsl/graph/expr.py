@@ -105,7 +105,7 @@ class Expr:
         return neg(self)
 
 
-_interned: WeakValueDictionary[tuple, Expr] = WeakValueDictionary()
+_interned: WeakValueDictionary[tuple[Any, ...], Expr] = WeakValueDictionary()
 _bits: dict[Any, int] = {}  # free variable -> its bit
 
 # name -> (arity, scalar implementation used for folding constants)

@@ -8,8 +8,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
-from .expr import TRUE, Expr, Scope, both, negate
+from .expr import TRUE, Column, Expr, Scope, both, negate
 from .interval import Interval, Intervals
 from .linear import Linear
 from .program import Draw, Program, Union
@@ -54,7 +55,7 @@ class Narrowed(Intervals):
                 return (low, math.inf) if kind == "min" else (-math.inf, high)
         return low, high
 
-    def column(self, column):  # noqa: ANN001, ANN201 - as the base class
+    def column(self, column: Column) -> Interval:
         found = self.box.get(column)
         return super().column(column) if found is None else found
 
@@ -107,11 +108,11 @@ def _narrow(program: Program, given: Mapping[int, float] | None) -> tuple[dict[o
     return found, box
 
 
-def _range(draw: Draw, intervals: Intervals, reader: Linear) -> tuple[float, float, list[int], list]:
+def _range(draw: Draw, intervals: Intervals, reader: Linear) -> tuple[float, float, list[int], list[Any]]:
     """The range of a draw, the requirements that make it narrower than its domain, and what they read."""
     low, high = intervals.of(draw.low)[0], intervals.of(draw.high)[1]  # type: ignore[arg-type]
     why: dict[str, list[int]] = {"low": [], "high": []}
-    read: dict[str, list] = {"low": sorted_columns(reader, draw.low), "high": sorted_columns(reader, draw.high)}
+    read: dict[str, list[Any]] = {"low": sorted_columns(reader, draw.low), "high": sorted_columns(reader, draw.high)}
     for bound in draw.bounds:
         if intervals.of(bound.guard)[0] < 1.0:
             continue
@@ -127,7 +128,7 @@ def _range(draw: Draw, intervals: Intervals, reader: Linear) -> tuple[float, flo
 
 
 def _hull(
-    draw: Draw, union: Union, intervals: Intervals, low: float, high: float, why: dict[str, list[int]], read: dict[str, list],
+    draw: Draw, union: Union, intervals: Intervals, low: float, high: float, why: dict[str, list[int]], read: dict[str, list[Any]],
     reader: Linear,
 ) -> tuple[float, float]:  # fmt: skip
     """The range narrowed to what a union of intervals leaves of it; an empty one where no interval has room."""
@@ -155,7 +156,7 @@ def _hull(
     return first, last
 
 
-def sorted_columns(reader: Linear, node: Expr | None) -> list:
+def sorted_columns(reader: Linear, node: Expr | None) -> list[Any]:
     return [] if node is None else sorted(reader.columns(node), key=lambda c: c.path)
 
 

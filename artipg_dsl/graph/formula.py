@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -94,10 +95,10 @@ def _steps(exprs: Sequence[Expr]) -> tuple[list[Expr], dict[int, int]]:
 
 
 @lru_cache(maxsize=4096)
-def _compile(exprs: tuple[Expr, ...], names: tuple[str, ...]) -> Callable[..., tuple]:
+def _compile(exprs: tuple[Expr, ...], names: tuple[str, ...]) -> Callable[..., tuple[Any, ...]]:
     namespace: dict[str, object] = {"np": np}
     exec(compile(source(exprs, names), "<formula>", "exec"), namespace)  # noqa: S102 - no text of a program reaches it
-    formula: Callable[..., tuple] = namespace["formula"]  # type: ignore[assignment]
+    formula: Callable[..., tuple[Any, ...]] = namespace["formula"]  # type: ignore[assignment]
     return quiet(formula)
 
 
@@ -107,7 +108,7 @@ def _compile(exprs: tuple[Expr, ...], names: tuple[str, ...]) -> Callable[..., t
 quiet = np.errstate(divide="ignore", invalid="ignore", over="ignore")
 
 
-def compile_formula(exprs: Sequence[Expr], names: Sequence[str]) -> Callable[..., tuple]:
+def compile_formula(exprs: Sequence[Expr], names: Sequence[str]) -> Callable[..., tuple[Any, ...]]:
     """A function of the variables ``names`` (arrays or scalars) that returns a tuple of values, one per expression."""
     return _compile(tuple(exprs), tuple(names))
 

@@ -137,7 +137,7 @@ class Linear:
             known = self.partial[key] = key.op in PARTIAL or any(self.undefined(a) for a in key.args)
         return known
 
-    def branches(self, args: tuple[Expr, ...], make: Callable, *, parent: Scope | None = None) -> Parts:
+    def branches(self, args: tuple[Expr, ...], make: Callable[..., Any], *, parent: Scope | None = None) -> Parts:
         """The forms of alternatives as one. With ``parent`` the args are those of a phi: what lives in a child table
         stays inside, since only columns of ``parent``'s chain can stand beside it, and its default is free."""
         forms = [self.parts(a) for a in args]

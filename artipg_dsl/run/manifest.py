@@ -75,7 +75,8 @@ def build(
 ) -> Manifest:
     """The manifest of a folder ``out``; ``counts`` is what the run has counted, once it is over."""
     size, content = count(request.numbers), output.content
-    found = request.to_manifest() | output.to_manifest() | {"artipg_dsl": __version__, "numpy": np.__version__}
+    versions = {"artipg_dsl": __version__, "numpy": np.__version__}
+    found: dict[str, Any] = {**request.to_manifest(), **output.to_manifest(), **versions}
     manifest: Manifest = {
         "manifest": VERSION,
         "category": program.name,

@@ -37,7 +37,7 @@ class Batch:
     """
 
     def __init__(
-        self, program: Program, plan: Plan, state: State, tables: list, values: list, numbers: np.ndarray | None = None,
+        self, program: Program, plan: Plan, state: State, tables: list[Any], values: list[Any], numbers: np.ndarray | None = None,
         ends: Callable[[Batch], JointTable] | None = None,
     ):  # fmt: skip
         self.program, self.plan, self.state = program, plan, state

@@ -6,6 +6,7 @@ Everything is computed per row in a fixed order, so a row's value does not depen
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -244,7 +245,7 @@ def _given(
 
 def draw_real(
     state: State, rows: Rows, number: int, address: str, low: np.ndarray, high: np.ndarray, distribution: str,
-    arguments: tuple, default: np.ndarray | float | None, domain: tuple | None = None, unions: tuple = (),
+    arguments: tuple[Any, ...], default: np.ndarray | float | None, domain: tuple[Any, ...] | None = None, unions: tuple[Any, ...] = (),
 ) -> np.ndarray:  # fmt: skip
     """A value between ``low`` and ``high`` per row, distributed as asked within them.
 
@@ -273,7 +274,12 @@ def draw_real(
 
 
 def _spread(
-    unit: np.ndarray, low: np.ndarray, high: np.ndarray, gaps: Gaps | None, distribution: str, arguments: tuple
+    unit: np.ndarray,
+    low: np.ndarray,
+    high: np.ndarray,
+    gaps: Gaps | None,
+    distribution: str,
+    arguments: tuple[Any, ...],
 ) -> np.ndarray:
     if gaps is None:
         return spread(unit, low, high, distribution, arguments)
@@ -281,8 +287,8 @@ def _spread(
 
 
 def _weigh(
-    state: State, rows: Rows, number: int, value: np.ndarray, ends: tuple, domain: tuple, gaps: Gaps | None, distribution: str,
-    arguments: tuple,
+    state: State, rows: Rows, number: int, value: np.ndarray, ends: tuple[Any, ...], domain: tuple[Any, ...],
+    gaps: Gaps | None, distribution: str, arguments: tuple[Any, ...],
 ) -> None:  # fmt: skip
     """Note how much of the declared law lies in the range that was left of it, or how likely a value given is by it."""
     whole = held(
@@ -324,7 +330,7 @@ def _near(
 
 def draw_count(
     state: State, rows: Rows, number: int, address: str, low: np.ndarray, high: np.ndarray, distribution: str,
-    arguments: tuple, default: np.ndarray | float | None, domain: tuple | None = None, unions: tuple = (),
+    arguments: tuple[Any, ...], default: np.ndarray | float | None, domain: tuple[Any, ...] | None = None, unions: tuple[Any, ...] = (),
 ) -> np.ndarray:  # fmt: skip
     """A whole number between ``low`` and ``high`` per row; ``domain`` and ``unions`` as of ``draw_real``."""
     gaps = gaps_of(low, unions, True) if unions else None
@@ -364,7 +370,9 @@ def draw_count(
     return found
 
 
-def _whole(first: np.ndarray, last: np.ndarray, distribution: str, arguments: tuple) -> tuple[np.ndarray, np.ndarray]:
+def _whole(
+    first: np.ndarray, last: np.ndarray, distribution: str, arguments: tuple[Any, ...]
+) -> tuple[np.ndarray, np.ndarray]:
     """The whole numbers of a range in which a law lies."""
     first, last = support(first, last, distribution, arguments)
     return np.ceil(first - TOLERANCE), np.floor(last + TOLERANCE)
@@ -384,7 +392,12 @@ def _other_count(
 
 
 def draw_choice(
-    state: State, rows: Rows, number: int, address: str, weights: tuple, declared: tuple | None = None
+    state: State,
+    rows: Rows,
+    number: int,
+    address: str,
+    weights: tuple[Any, ...],
+    declared: tuple[Any, ...] | None = None,
 ) -> np.ndarray:
     """The index of one of the options, by weight; ``declared`` are the weights before requirements removed some."""
     table = np.stack([np.broadcast_to(np.asarray(w, dtype=np.float64), (rows.size,)) for w in weights])

@@ -6,12 +6,16 @@ hull of them without the gaps between; a gap is cut out of the levels, so that w
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 TOLERANCE = 1e-9  # bounds and requirements are decided to this
 
 
-def spread(unit: np.ndarray, low: np.ndarray, high: np.ndarray, distribution: str, arguments: tuple) -> np.ndarray:
+def spread(
+    unit: np.ndarray, low: np.ndarray, high: np.ndarray, distribution: str, arguments: tuple[Any, ...]
+) -> np.ndarray:
     """Uniform numbers to a distribution truncated to ``low .. high``."""
     if distribution == "normal":
         return _truncated(unit, low, high, arguments[0], arguments[1])
@@ -53,7 +57,7 @@ def _truncated(
 
 
 def _among(
-    low: np.ndarray, high: np.ndarray, values: tuple, gaps: tuple[np.ndarray, np.ndarray] | None
+    low: np.ndarray, high: np.ndarray, values: tuple[Any, ...], gaps: tuple[np.ndarray, np.ndarray] | None
 ) -> tuple[np.ndarray, np.ndarray]:
     """The values (values, rows), and which of them lie within the bounds and in no gap."""
     table = np.stack([np.broadcast_to(np.asarray(v, dtype=np.float64), low.shape) for v in values])
@@ -67,7 +71,7 @@ def _nearest(
     unit: np.ndarray,
     low: np.ndarray,
     high: np.ndarray,
-    values: tuple,
+    values: tuple[Any, ...],
     gaps: tuple[np.ndarray, np.ndarray] | None = None,
 ) -> np.ndarray:
     """One of the values that lie within the bounds, equally likely; the nearest bound when none does."""
@@ -82,7 +86,7 @@ def _nearest(
 # ---------------------------------------------------------------- ranges with gaps
 
 
-def gaps_of(low: np.ndarray, unions: tuple, whole: bool) -> tuple[np.ndarray, np.ndarray]:
+def gaps_of(low: np.ndarray, unions: tuple[Any, ...], whole: bool) -> tuple[np.ndarray, np.ndarray]:
     """Where the open gaps that unions of intervals leave begin and end: two arrays (gaps, rows); an empty one ends first.
 
     A union is (guard, ((low, high), ...)): where the guard holds, the value lies in one of the intervals. ``whole``: of
@@ -133,7 +137,7 @@ def spread_between(
     high: np.ndarray,
     gaps: tuple[np.ndarray, np.ndarray],
     distribution: str,
-    arguments: tuple,
+    arguments: tuple[Any, ...],
 ) -> np.ndarray:
     """Uniform numbers to a distribution truncated to ``low .. high`` without the gaps."""
     if distribution == "values":
@@ -148,7 +152,11 @@ def spread_between(
 
 
 def held(
-    low: np.ndarray, high: np.ndarray, gaps: tuple[np.ndarray, np.ndarray] | None, distribution: str, arguments: tuple
+    low: np.ndarray,
+    high: np.ndarray,
+    gaps: tuple[np.ndarray, np.ndarray] | None,
+    distribution: str,
+    arguments: tuple[Any, ...],
 ) -> np.ndarray:
     """How much of a law lies between ``low`` and ``high`` outside the gaps, in a measure of the law's own (rows,)."""
     if distribution == "values":
@@ -161,7 +169,7 @@ def held(
     return np.maximum(total - _total(end - begin), 0.0)
 
 
-def density(value: np.ndarray, distribution: str, arguments: tuple) -> np.ndarray:
+def density(value: np.ndarray, distribution: str, arguments: tuple[Any, ...]) -> np.ndarray:
     """The density of a law at a value, in the measure of ``held``."""
     if distribution == "normal":
         return np.exp(-0.5 * ((value - arguments[0]) / arguments[1]) ** 2) / (_ROOT * arguments[1])
@@ -171,7 +179,9 @@ def density(value: np.ndarray, distribution: str, arguments: tuple) -> np.ndarra
     return np.ones(len(value))
 
 
-def support(low: np.ndarray, high: np.ndarray, distribution: str, arguments: tuple) -> tuple[np.ndarray, np.ndarray]:
+def support(
+    low: np.ndarray, high: np.ndarray, distribution: str, arguments: tuple[Any, ...]
+) -> tuple[np.ndarray, np.ndarray]:
     """The part of a range in which the law lies: ``uniform(a, b)`` between the two."""
     if distribution == "uniform" and arguments:
         low, high = (np.minimum(np.maximum(end, low), high) for end in arguments)
@@ -183,7 +193,7 @@ _STEEP = _CDF + 1e-9 * _Z
 _ROOT = float(np.sqrt(2.0 * np.pi))
 
 
-def level(value: np.ndarray, distribution: str, arguments: tuple) -> np.ndarray:
+def level(value: np.ndarray, distribution: str, arguments: tuple[Any, ...]) -> np.ndarray:
     if distribution == "normal":
         return np.interp((value - arguments[0]) / arguments[1], _Z, _STEEP)
     if distribution == "lognormal":
@@ -191,7 +201,7 @@ def level(value: np.ndarray, distribution: str, arguments: tuple) -> np.ndarray:
     return np.asarray(value, dtype=np.float64)
 
 
-def _value(level: np.ndarray, distribution: str, arguments: tuple) -> np.ndarray:
+def _value(level: np.ndarray, distribution: str, arguments: tuple[Any, ...]) -> np.ndarray:
     if distribution == "normal":
         return arguments[0] + arguments[1] * np.interp(level, _STEEP, _Z)
     if distribution == "lognormal":
@@ -200,7 +210,11 @@ def _value(level: np.ndarray, distribution: str, arguments: tuple) -> np.ndarray
 
 
 def _apart(
-    low: np.ndarray, high: np.ndarray, gaps: tuple[np.ndarray, np.ndarray], distribution: str, arguments: tuple
+    low: np.ndarray,
+    high: np.ndarray,
+    gaps: tuple[np.ndarray, np.ndarray],
+    distribution: str,
+    arguments: tuple[Any, ...],
 ) -> tuple[np.ndarray, np.ndarray]:
     """The gaps within a range in levels, ascending and no two of them overlapping."""
     begin = level(np.minimum(np.maximum(gaps[0], low), high), distribution, arguments)

@@ -14,6 +14,7 @@ import numpy as np
 
 from .motion import Chains, apply, follow
 from .newton import solved
+from .tables import JointTable
 
 if TYPE_CHECKING:
     from .batch import Batch
@@ -103,8 +104,8 @@ class Loops:
                 values = self._stepped(joints, values, gap, slope, going)
         return values
 
-    def _stepped(  # noqa: ANN001
-        self, joints, values: np.ndarray, gap: np.ndarray, slope: np.ndarray, going: np.ndarray
+    def _stepped(
+        self, joints: JointTable, values: np.ndarray, gap: np.ndarray, slope: np.ndarray, going: np.ndarray
     ) -> np.ndarray:
         """A step of the objects that are ``going`` (B,)."""
         held = np.where(self.follows[:, None], slope, 0.0)
@@ -166,7 +167,7 @@ def loops_of(batch: Batch) -> Loops | None:
     return made
 
 
-def leading(joints) -> tuple[np.ndarray, np.ndarray]:  # noqa: ANN001
+def leading(joints: JointTable) -> tuple[np.ndarray, np.ndarray]:
     """The joint (a row of the table) that each joint follows in the end, and how many times as fast it moves."""
     base = np.searchsorted(joints.owner, joints.owner)
     leader = np.where(joints.mimic >= 0, base + joints.mimic, np.arange(len(base)))

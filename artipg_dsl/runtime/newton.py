@@ -8,6 +8,7 @@ still, so what the other rows do never shows in its bits. Whether a solution was
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -18,7 +19,7 @@ SHORTEST = 2.0**-12  # of a full step
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")
 def newton(
-    system: Callable[..., tuple], starts: Sequence[np.ndarray | float], knowns: Sequence[np.ndarray | float]
+    system: Callable[..., tuple[Any, ...]], starts: Sequence[np.ndarray | float], knowns: Sequence[np.ndarray | float]
 ) -> np.ndarray:
     """The unknowns (n, rows) or, all being scalars, (n,) where ``system`` is 0, looked for from ``starts``.
 
@@ -45,7 +46,7 @@ def newton(
 
 
 def _at(
-    system: Callable[..., tuple], x: np.ndarray, given: list[np.ndarray]
+    system: Callable[..., tuple[Any, ...]], x: np.ndarray, given: list[np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Residuals (n, rows), derivatives (n, n, rows), and the largest residual of each row (inf where there is none)."""
     n, rows = x.shape

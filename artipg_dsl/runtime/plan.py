@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from typing import Any
 
 from ..graph.expr import Column, Expr, Scope, both, call, negate, show
 from ..graph.formula import NUMPY, literal, source
@@ -29,7 +30,7 @@ class Plan:
     loose: tuple[
         tuple[int, Bound], ...
     ]  # bounds that would have needed a later draw: left to the check of requirements
-    _function: Callable | None = None
+    _function: Callable[..., Any] | None = None
     _bare: Plan | None = None
 
     @property
@@ -40,7 +41,7 @@ class Plan:
         return self._bare
 
     @property
-    def function(self) -> Callable:
+    def function(self) -> Callable[..., Any]:
         if self._function is None:
             from . import kernels, newton  # start-up: a plan is made and shown without them
 

@@ -10,7 +10,8 @@ import numpy as np
 
 from ..graph.program import Program
 from ..runtime.batch import Batch
-from ..runtime.kernels import TOLERANCE, full
+from ..runtime.kernels import full
+from ..runtime.laws import TOLERANCE
 from ..runtime.repairs import HOW, Cause, Repairs, giving
 from .search import domain
 from .settled import again, chosen, matched

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import inspect
 import re
+from collections.abc import Iterable
 from types import ModuleType
+from typing import Any
 
 from jinja2 import Environment, PackageLoader
 
 from .. import random
 from ..graph.expr import Expr, Scope
+from ..graph.program import Program
 from ..graph.text import digest
 from ..runtime import kernels, laws, newton
 from ..runtime.needs import pose_cells
@@ -17,7 +20,7 @@ from ..runtime.plan import Plan, make_plan
 from .statistics import ATTEMPTS
 
 
-def to_module(program, version: str) -> str:  # noqa: ANN001 - graph.program.Program
+def to_module(program: Program, version: str) -> str:
     """Python source of the module."""
     wanted = []
     for site in program.sites:
@@ -48,12 +51,12 @@ def to_module(program, version: str) -> str:  # noqa: ANN001 - graph.program.Pro
     )  # fmt: skip
 
 
-def indices(plan: Plan, exprs, scope: Scope) -> tuple:  # noqa: ANN001 - any sequence of expressions
+def indices(plan: Plan, exprs: Iterable[Expr], scope: Scope) -> tuple[Any, ...]:
     """Output indices of expressions; a constant as a tuple of its value."""
     return tuple((e.value,) if e.op == "const" else plan.outputs[e, scope] for e in exprs)
 
 
-def limit(plan: Plan, expr: Expr | None, scope: Scope):  # noqa: ANN201
+def limit(plan: Plan, expr: Expr | None, scope: Scope) -> Any:
     return None if expr is None else indices(plan, (expr,), scope)[0]
 
 

@@ -93,7 +93,7 @@ def traces(batch: Batch) -> list[list[Step]]:
 
 def steps(stage: Stage, into: list[list[Step]]) -> None:
     """Append what one operation did, per object: what was changed on purpose, then what followed."""
-    lists: tuple[list, ...] = tuple([] for _ in into), tuple([] for _ in into)  # type: ignore[assignment]
+    lists: tuple[list[list[Step]], list[list[Step]]] = [[] for _ in into], [[] for _ in into]
     for owner, step in _drawn(stage):
         lists[step.how != "changed"][owner].append(step)
     for owner, step in _determined(stage):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 from ..diagnostics import Report
 from ..source import Span
@@ -77,7 +78,7 @@ class Checker:
         self._muted = 0
         self._interfaces: dict[int, dict[str, tuple[Symbol, ast.Stmt]]] = {}
         self._conditions: dict[int, Condition] = {}
-        self.calls: dict[tuple, Type] = {}
+        self.calls: dict[tuple[Any, ...], Type] = {}
         self.calling: list[int] = []
 
     def error(

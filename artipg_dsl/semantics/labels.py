@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..diagnostics.suggest import did_you_mean
 from ..syntax import ast
@@ -85,7 +85,7 @@ def formula(ctx: Context) -> Context:
 
 def _place(ck: Checker, ctx: Context, expr: ast.Expr) -> tuple[Type, Context]:
     """A target and the context of what stands beside it: absent, the statement is void."""
-    noted: list = []
+    noted: list[Any] = []
     kind = ck.infer(ctx.but(lenient=noted, many=True, subject=True), expr)
     return kind, ctx.given(*noted)
 

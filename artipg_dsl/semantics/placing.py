@@ -51,7 +51,7 @@ _TURNS = ("revolute", "continuous", "screw")
 
 def subject(ck: Checker, ctx: Context, expr: ast.Expr) -> tuple[Type, Context]:
     """What a statement goes with: without it the statement is void, so the rest may take its presence for granted."""
-    noted: list = []
+    noted: list[Any] = []
     kind = ck.infer(ctx.but(lenient=noted, ends=True, subject=True), expr)
     return kind, ctx.given(*noted)
 
@@ -60,7 +60,7 @@ def check_connect(ck: Checker, ctx: Context, node: ast.ConnectStmt) -> None:
     kind, ctx = subject(ck, ctx, node.subject)
     _end(ck, node.subject, kind, "what is connected")
     _placing(ck, ctx, node)
-    if node.to is node.on is node.in_ is node.between is None:
+    if node.to is None and node.on is None and node.in_ is None and node.between is None:
         ck.error("missing-clause", node.span, "`connect` says to what: `to`, `on`, `in` or `between` is missing")
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..source import Span
 from ..syntax import ast
@@ -98,7 +98,7 @@ def _equal(ck: Checker, scope: Scope, key: str, target: Entry, value: ast.Expr) 
         number = constant(value, scope.owner.module)
         return None if number is None else Compare(key, "==", int(number))
     kind = ck.entry_type(target)
-    values: tuple = kind.values if isinstance(kind, Choice) else (True, False) if kind == BOOL else ()
+    values: tuple[Any, ...] = kind.values if isinstance(kind, Choice) else (True, False) if kind == BOOL else ()
     if not values or not isinstance(value, ast.NameExpr):
         return None
     outer = scope.find(value.name)

@@ -10,6 +10,7 @@ from . import conditions, declarations, labels, placing, primitives
 from .entries import of_reference, port_context
 from .scope import Guards, Scope
 from .types import (
+    ANGLE,
     BASE,
     BOOL,
     BOX,
@@ -112,7 +113,7 @@ def _statement(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
                 ck.error("wrong-type", joint.span, f"`limit` narrows a joint, but this is {kind}")
             wanted: Type = UNKNOWN
             if isinstance(kind, Joint) and kind.kind in ("revolute", "prismatic"):
-                wanted = LENGTH if kind.kind == "prismatic" else placing.ANGLE
+                wanted = LENGTH if kind.kind == "prismatic" else ANGLE
             placing.motion_range(ck, inside, interval, wanted)
         case ast.CloseStmt(subject=subject, other=other):
             kind, inside = placing.subject(ck, ctx, subject)

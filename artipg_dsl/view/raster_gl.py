@@ -147,7 +147,7 @@ class Renderer:
             for thing in reversed(made):
                 thing.release()
 
-    def _shadows(self, vertices: Any, faces: np.ndarray, matrices: np.ndarray, made: list) -> None:
+    def _shadows(self, vertices: Any, faces: np.ndarray, matrices: np.ndarray, made: list[Any]) -> None:
         context = self.context
         self.shadow_target.use()
         context.enable_only(self.gl.DEPTH_TEST)
@@ -172,7 +172,7 @@ class Renderer:
         lights: Lights,
         floor: float,
         matrices: np.ndarray,
-        made: list,
+        made: list[Any],
     ) -> np.ndarray:
         context, program = self.context, self.program
         extent = float(np.abs(scene.vertices.max(axis=0) - scene.vertices.min(axis=0)).max())
@@ -225,7 +225,7 @@ class Renderer:
         image = raw.reshape(self.size, SAMPLES, self.size, SAMPLES, 3).astype(np.float32)
         return np.clip(image.mean(axis=(1, 3))[::-1], 0.0, 1.0)
 
-    def _ground(self, scene: Scene, floor: float, made: list) -> None:
+    def _ground(self, scene: Scene, floor: float, made: list[Any]) -> None:
         low, high = scene.vertices.min(axis=0), scene.vertices.max(axis=0)
         reach = float((high - low).max()) * 40
         corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * reach + (low[:2] + high[:2]) / 2

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from .camera import Camera, Lights
@@ -31,7 +33,7 @@ class Renderer:
         opaque, _ = scene.split()
         self.casters = self._build(opaque)
 
-    def _build(self, faces: np.ndarray):
+    def _build(self, faces: np.ndarray) -> Any:
         triangles = self.scene.vertices[self.scene.faces[faces]].astype(np.float32)
         built = self._scene()
         if len(triangles):
