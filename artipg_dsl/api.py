@@ -397,6 +397,7 @@ class Samples:
         ``views`` a number or cameras.
         """
         from .export.registry import choose
+        from .run.dataset import write_dataset
         from .run.output import Output, read_content
 
         names = formats if formats is None or isinstance(formats, str) else list(formats)
@@ -404,7 +405,7 @@ class Samples:
             points=points, surface=surface, spread=spread, per=per, balance=balance, weights=weights, states=states,
             motion=motion, views=views, tolerance=tolerance, triangles=triangles,
         )  # fmt: skip
-        self.job.write(folder, Output.of(choose(names, views=views is not None), content), force=force)
+        write_dataset(self.job, folder, Output.of(choose(names, views=views is not None), content), force=force)
         return Path(folder)
 
     def export(

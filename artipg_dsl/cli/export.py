@@ -18,6 +18,7 @@ def run(options: argparse.Namespace) -> int:
     from ..export.registry import named, per_object
     from ..export.write import ExportError
     from ..geometry.resolution import STANDARD
+    from ..run.dataset import add_formats, write_dataset
     from ..run.output import Output
 
     begun = time.monotonic()
@@ -35,13 +36,13 @@ def run(options: argparse.Namespace) -> int:
     job = wanted(options, every=True)
     with Progress(job.program.name) as progress:
         if folder.is_dir() and out.resolve() == folder.resolve():
-            job.add(
-                out, formats, resolution=resolution(options), force=options.force, progress=progress,
+            add_formats(
+                job, out, formats, resolution=resolution(options), force=options.force, progress=progress,
                 workers=options.workers,
             )  # fmt: skip
         else:
             output = Output.of(formats, Content(resolution=resolution(options) or STANDARD))
-            job.write(out, output, force=options.force, progress=progress, workers=options.workers)
+            write_dataset(job, out, output, force=options.force, progress=progress, workers=options.workers)
     done = counted(len(job.request.objects))
     names = ", ".join(entry.name for entry in formats)
     say(f"{done} as {names} in {out} ({time.monotonic() - begun:.1f} s)")

@@ -65,11 +65,13 @@ def run(options: argparse.Namespace) -> int:
 
 def written(job: Job, out: Path, output: Output, options: argparse.Namespace) -> tuple[Manifest, int]:
     """Write the objects of a job, with progress; the manifest, and how many they are. Raises ExportError."""
+    from ..run.dataset import write_dataset
+
     count = len(job.request.objects)
     with Progress(job.program.name) as progress:
         progress(0, count)
-        manifest = job.write(
-            out, output, force=options.force, part=options.shard, progress=progress, workers=options.workers
+        manifest = write_dataset(
+            job, out, output, force=options.force, part=options.shard, progress=progress, workers=options.workers
         )
     return manifest, count
 

@@ -6,11 +6,8 @@ missing and touches nothing else; with other options it refuses, or starts anew 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-import numpy as np
 
 from ..export.content import SHARD, Content
 from ..export.objects import lacking, object_folder
@@ -19,70 +16,56 @@ from ..export.write import ExportError, write_bytes
 from ..geometry.resolution import Resolution
 from . import manifest as manifests
 from .chunk import Chunk, Progress
-from .counts import Counts
+from .job import Job
 from .manifest import Manifest
 from .output import Output
-from .request import Request
 from .resume import make_ready, sweep_all
 from .schema import expand
-
-if TYPE_CHECKING:
-    from ..graph.program import Program
-    from ..runtime.batch import Batch
-
-Share = Callable[[list[Chunk]], Iterable[Chunk]]  # writes chunks elsewhere, and gives each back when it is done
+from .workers import share
 
 
 def write_dataset(
-    program: Program,
-    sample: Callable[[np.ndarray], Batch],
+    job: Job,
     out: Path | str,
-    request: Request,
     output: Output,
     *,
     part: tuple[int, int] = (1, 1),
     force: bool = False,
     progress: Progress | None = None,
-    counts: Callable[[], Counts] | None = None,
-    share: Share | None = None,
+    workers: int = 1,
 ) -> Manifest:
-    """Write the objects of a request to ``out`` and return the manifest.
+    """Write the objects of a job to the folder ``out`` and return the manifest. Raises ExportError, NoObject.
 
-    ``sample(numbers)`` makes the batch of some of them; it is called only for shards where something is missing
-    (for all of them until a run has come to its end and its counts are known). ``part`` (k, n) writes every n-th shard from
-    the k-th on, so that n runs share the work; the counts are then left out. ``progress(done, total)`` hears of objects as
-    they are finished; ``counts()`` is asked once all objects have been sampled. ``share`` writes the chunks elsewhere: it has
-    its own way to sample.
+    Objects are made only for shards where something is missing (all of them until a run has come to its end and its counts
+    are known). ``part`` (k, n) writes every n-th shard from the k-th on, so that n runs share the work; the counts are then
+    left out. ``progress(done, total)`` hears of objects as they are finished; ``workers``: how many processes share the work.
     """
-    out, numbers, shard = Path(out), request.objects, output.shard
-    manifest = make_ready(out, manifests.build(program, request, output, out=out), force)
-    counting = counts is not None and "counts" not in manifest and part[1] == 1
+    out, numbers, shard = Path(out), job.request.objects, output.shard
+    manifest = make_ready(out, manifests.build(job.program, job.request, output, out=out), force)
+    counting = "counts" not in manifest and part[1] == 1
     first, step = (part[0] - 1) * shard, part[1] * shard
     chunks = [
         Chunk(out, numbers[at : at + shard], output.writers, output.content, at // shard, always=counting)
         for at in range(first, len(numbers), step)
     ]
-    carry_out(chunks, sample, share, progress)
+    carry_out(job, chunks, progress, workers)
     if counting:
-        assert counts is not None
-        manifest = manifests.build(program, request, output, out=out, counts=counts())
+        manifest = manifests.build(job.program, job.request, output, out=out, counts=job.counts())
         write_bytes(out / manifests.NAME, manifests.text(manifest), force=True)
     return manifest
 
 
-def carry_out(
-    chunks: list[Chunk], sample: Callable[[np.ndarray], Batch], share: Share | None, progress: Progress | None
-) -> None:
-    """Write all chunks, here or by ``share`` in smaller pieces."""
+def carry_out(job: Job, chunks: list[Chunk], progress: Progress | None, workers: int) -> None:
+    """Write all chunks, here or by other processes in smaller pieces."""
     total, done = sum(len(chunk.numbers) for chunk in chunks), 0
-    if share is not None:
-        for piece in share([piece for chunk in chunks for piece in chunk.split()]):
+    if workers > 1:
+        for piece in share(job, workers, [piece for chunk in chunks for piece in chunk.split()]):
             done += len(piece.numbers) if piece.each or not chunks[0].each else 0
             if progress:
                 progress(done, total)
         return
     for chunk in chunks:
-        chunk.write(sample, _offset(progress, done, total))
+        chunk.write(job.batch, _offset(progress, done, total))
         done += len(chunk.numbers)
         if progress:
             progress(done, total)
@@ -93,21 +76,21 @@ def _offset(progress: Progress | None, done: int, total: int) -> Progress | None
 
 
 def add_formats(
-    sample: Callable[[np.ndarray], Batch],
+    job: Job,
     out: Path,
-    numbers: np.ndarray,
     formats: Sequence[Format],
     *,
+    resolution: Resolution | None = None,
     force: bool = False,
     progress: Progress | None = None,
-    resolution: Resolution | None = None,
-    share: Share | None = None,
+    workers: int = 1,
 ) -> None:
-    """Further files for objects of a folder of samples; formats that it has are refused, or written again by ``force``.
+    """Further files for the objects of a job in their folder; formats that it has are refused, or written again by ``force``.
 
     ``resolution`` of the meshes, None: that of the folder.
     The manifest names the new formats once all objects have them; until then the same call completes what is missing.
     """
+    numbers = job.request.objects
     manifest = manifests.read(out)
     assert manifest is not None
     identity = manifest["identity"]
@@ -123,7 +106,7 @@ def add_formats(
         Chunk(out, numbers[first : first + SHARD], tuple(formats), content, force=force)
         for first in range(0, len(numbers), SHARD)
     ]
-    carry_out(chunks, sample, share, progress)
+    carry_out(job, chunks, progress, workers)
     new = [entry.name for entry in formats if entry.name not in listed]
     if new and not any(lacking(object_folder(out, n), formats) for n in expand(identity["numbers"]).tolist()):
         identity["formats"] = [name for name in FORMATS if name in {*listed, *new}]

@@ -1,10 +1,9 @@
-"""A request with its program at hand: makes the objects of any numbers, in memory or in a folder."""
+"""A request with its program at hand: makes the objects of any numbers, and counts what failed."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,13 +27,8 @@ from .schema import runs
 from .settings import resolve
 
 if TYPE_CHECKING:
-    from ..export.registry import Format
-    from ..geometry.resolution import Resolution
     from ..graph.program import Program
     from ..runtime.batch import Batch
-    from .dataset import Share
-    from .manifest import Manifest
-    from .output import Output
 
 
 @dataclass(slots=True)
@@ -101,52 +95,6 @@ class Job:
         """The statistics as the manifest keeps them."""
         return summarize(self.program, self.statistics, self.request.checked)
 
-    def write(
-        self,
-        out: Path | str,
-        output: Output,
-        *,
-        force: bool = False,
-        part: tuple[int, int] = (1, 1),
-        progress: Callable[[int, int], None] | None = None,
-        workers: int = 1,
-    ) -> Manifest:
-        """Write the objects to a folder, or the k-th of n parts of its shards; returns the manifest. Raises ExportError.
-
-        ``workers``: how many processes share the work.
-        """
-        from .dataset import write_dataset
-
-        return write_dataset(
-            self.program, self.batch, out, self.request, output, part=part, force=force, progress=progress,
-            counts=self.counts, share=self._share(workers),
-        )  # fmt: skip
-
-    def add(
-        self,
-        out: Path | str,
-        formats: Sequence[Format],
-        *,
-        resolution: Resolution | None = None,
-        force: bool = False,
-        progress: Callable[[int, int], None] | None = None,
-        workers: int = 1,
-    ) -> None:
-        """Write further files for the objects of a folder of samples. Raises ExportError."""
-        from .dataset import add_formats
-
-        add_formats(
-            self.batch, Path(out), self.request.objects, formats, force=force, progress=progress, resolution=resolution,
-            share=self._share(workers),
-        )  # fmt: skip
-
-    def _share(self, workers: int) -> Share | None:
-        if workers == 1:
-            return None
-        from .workers import share
-
-        return partial(share, self, workers)
-
 
 def open_job(request: Request, *, values: str = "values") -> Job:
     """The job of a request; its program is a shipped category, an .apg file, or a compiled one (.apgc), which is read
@@ -163,7 +111,7 @@ def open_program(name: str | Path) -> tuple[Sampler, str]:
     """The program of a name or file, and what a manifest calls it."""
     if Path(name).suffix == COMPILED:
         return planned(read_compiled(name), name), str(name)
-    from ..session import Session
+    from ..session import Session  # not above: a compiled program is sampled without the parser
 
     session = Session.of(name)
     sampler = session.sampler

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from operator import index
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypedDict
+from typing import Annotated, Any, TypedDict
 
 import numpy as np
 
@@ -19,9 +19,6 @@ from ..shapes import Rule
 from .schema import MOST, RUNS, Ends, Runs, Title, expand, one_of, runs, within
 from .settings import Value
 from .traces import traces_of
-
-if TYPE_CHECKING:
-    from .manifest import Manifest
 
 SEQUENTIAL, PRIOR = "sequential", "prior"
 
@@ -135,10 +132,9 @@ class Request:
         }
 
     @classmethod
-    def from_manifest(cls, manifest: Manifest, folder: Path) -> Request:
-        """The request that made a folder. Raises UserError."""
-        drawn, made = manifest["identity"], manifest["identity"]["made"]
-        source = manifest["source"]
+    def from_manifest(cls, drawn: Drawn, source: str, folder: Path) -> Request:
+        """The request that made a folder, with what its manifest calls the program. Raises UserError."""
+        made = drawn["made"]
         return cls(
             source=str(folder / source) if (folder / source).is_file() else source,  # a program of the user's
             seed=drawn["seed"],

@@ -30,7 +30,7 @@ def read(folder: Path | str) -> Manifest:
 def remake(folder: Path | str, manifest: Manifest) -> Job:
     """The job that the manifest of a folder tells of. Raises UserError."""
     try:
-        return open_job(Request.from_manifest(manifest, Path(folder)))
+        return open_job(Request.from_manifest(manifest["identity"], manifest["source"], Path(folder)))
     except UsageError as error:  # what the manifest says, nobody has typed
         raise UserError(f"{Path(folder) / manifests.NAME}: {error.message}", error.hint) from None
 

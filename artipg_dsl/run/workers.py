@@ -15,14 +15,12 @@ from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from ..errors import UserError
 from ..sampling.statistics import Statistics
-
-if TYPE_CHECKING:
-    from .chunk import Chunk
-    from .job import Job
+from .chunk import Chunk
+from .job import Job
 
 T = TypeVar("T")
 R = TypeVar("R")

@@ -19,6 +19,7 @@ from artipg_dsl.export.registry import choose
 from artipg_dsl.export.shards import point_arrays, view_arrays
 from artipg_dsl.export.write import ExportError
 from artipg_dsl.run.dataset import write_dataset
+from artipg_dsl.run.job import prepare
 from artipg_dsl.run.output import Output
 from artipg_dsl.run.request import Request
 from artipg_dsl.sampling.sample import Sampler
@@ -39,7 +40,7 @@ def write(
     sampler: Sampler, out: Path, content: Content = CONTENT, formats: str = FORMATS, n: int = 5
 ) -> dict[str, Any]:
     return write_dataset(
-        sampler.program, lambda numbers: sampler.batch(numbers, seed=1), out, Request("Microwave", 1, ((0, n - 1),)),
+        prepare(sampler, Request("Microwave", 1, ((0, n - 1),))), out,
         Output(tuple(entry.name for entry in choose(formats)), content, shard=3),
     )  # fmt: skip
 

@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -24,6 +25,7 @@ from artipg_dsl.run.schema import expand, runs
 
 from .fake_batch import FakeBatch
 
+COUNTS = {"checked": True, "objects": 5, "first_valid": 5, "attempts": 5, "failed": {}}
 SCRIPT = """
 import sys, hashlib, tempfile, pathlib
 from export.test_dataset import write, tree
@@ -41,12 +43,13 @@ def sample(numbers: np.ndarray) -> FakeBatch:
 
 def write(  # type: ignore[no-untyped-def]
     out: Path, n: int = 5, formats: str = "points,urdf,glb", *, seed: int = 7, only: tuple[int, ...] | None = None,
-    points: int = 64, shard: int = 2, sample=sample, **options,
+    points: int = 64, shard: int = 2, sample=sample, counts=COUNTS, **options,
 ) -> dict:  # fmt: skip
     program = FakeBatch(1).program
     request = Request("Cupboard", seed, runs(only or range(n)), program=program.hash)
     output = Output(tuple(entry.name for entry in choose(formats)), Content(Sampling(points)), shard)
-    return write_dataset(program, sample, out, request, output, **options)
+    job = SimpleNamespace(program=program, request=request, batch=sample, counts=lambda: counts)
+    return write_dataset(job, out, output, **options)  # type: ignore[arg-type]
 
 
 def tree(out: Path) -> dict[str, bytes]:
@@ -176,7 +179,7 @@ def test_counts_of_the_run_reach_the_manifest(tmp_path: Path) -> None:
         "failed": {"too long": 1},
         "repaired": {"too long": 1},
     }
-    assert write(tmp_path / "o", 2, counts=lambda: counts)["counts"] == counts
+    assert write(tmp_path / "o", 2, counts=counts)["counts"] == counts
     assert manifest.read(tmp_path / "o")["counts"] == counts  # type: ignore[index]
 
 

@@ -80,7 +80,7 @@ def test_every_field_of_a_request_comes_back(program: Program, tmp_path: Path, n
     changed = replace(plain, **{name: DRAWN[name]})
     before, found = (through(program, request, Output(FORMATS), tmp_path / "o") for request in (plain, changed))
     assert found != before, f"{name} does not reach the manifest"
-    assert Request.from_manifest(found, tmp_path / "o") == changed
+    assert Request.from_manifest(found["identity"], found["source"], tmp_path / "o") == changed
 
 
 @pytest.mark.parametrize("name", [field.name for field in fields(Output)])
@@ -130,7 +130,7 @@ def test_a_replay_comes_back_with_its_traces(program: Program, tmp_path: Path) -
     (tmp_path / "trace-00000.jsonl").write_text(json.dumps(record) + "\n", encoding="utf-8")
     request = Request("Box", mutations=(Replay({0: record}),))
     found = through(program, request, Output(FORMATS), tmp_path)
-    again = Request.from_manifest(found, tmp_path)
+    again = Request.from_manifest(found["identity"], found["source"], tmp_path)
     assert isinstance(again.mutations[0], Replay) and again.mutations[0].plain() == request.mutations[0].plain()
 
 
