@@ -18,7 +18,7 @@ from ..semantics.check import TypedProgram
 from ..semantics.symbols import Symbol
 from ..syntax import ast
 from ..syntax.walk import walk
-from .elaborate import drives, labels, mimic, rings
+from .elaborate import drives, labels, mimic, paths, rings
 from .elaborate.body import lower_statements
 from .elaborate.connect import carriers
 from .elaborate.legal import legalize
@@ -412,7 +412,7 @@ def indices(env: Env, node: ast.Expr) -> Iterator[tuple[str, int]]:
 def nodes(links: Links, env: Env, node: ast.Expr) -> tuple[int, ...]:
     """The nodes of the part tree that a path of names means."""
     parts: set[Part] = set()
-    for value, home in labels.walk(env, node):
+    for value, home, _ in paths.walk(env, node):
         parts.update(value.env.all_parts() if isinstance(value, Element) else map(part_of, carriers(value, home.scope)))
     if not parts:
         raise env.context.error("wrong-kind", node.span, f"`{text_of(node.span)}` is no part")

@@ -15,7 +15,8 @@ from artipg_dsl.annotate.cloud import Points, sample_points
 from artipg_dsl.annotate.sampling import Sampling
 from artipg_dsl.graph.text import from_text, to_text
 from artipg_dsl.runtime.batch import Batch
-from artipg_dsl.session import Session
+from artipg_dsl.session import Session, check_text
+from artipg_dsl.source import Source
 from artipg_dsl.validity.faults import faults
 from artipg_dsl.validity.tree import Tree
 
@@ -139,6 +140,11 @@ def labelled(key: str) -> Look:
         return sorted(set(np.round(found.labels[key][row].astype(float), 6).tolist()))
 
     return look
+
+
+def given(key: str) -> Look:
+    """What a field says, where it says something."""
+    return lambda batch, number, prefix: [v for v in labelled(key)(batch, number, prefix) if v == v]
 
 
 def material(batch: Batch, number: int, prefix: str) -> Any:
@@ -265,6 +271,71 @@ def test_what_each_element_has_is_not_used_on_a_part_that_they_share(said: str) 
     (found,) = [d for d in session.report.diagnostics if d.code == "unrelated-rows"]
     assert "each element of the repeat `e` has a value of its own" in found.message
     assert found.span is not None and said.endswith(found.span.source.text[found.span.start : found.span.end])
+
+
+# ---------------------------------------------------------------- one element of a repeat, by its number
+
+
+def elements(parts: str, said: str) -> str:
+    return f"""category T {{
+  {ROOT}  count n in 2 .. 3
+  repeat e[i] in 0 ..< n {{
+    {STAND}    connect stand.bottom on body.top at y = i * 1m, x = 0
+    {parts}
+  }}
+  {said}
+}}"""
+
+
+@pytest.mark.parametrize(("index", "which"), [("0", 0), ("last", -1), ("n - 2", -2)])
+@pytest.mark.parametrize(
+    ("said", "look", "holds", "fails"),
+    [
+        ("label affordance.lift on {}.p", labelled("affordance.lift"), [1], [0]),
+        ("label affordance.lift on {}.p.top", labelled("affordance.lift"), [0, 1], [0]),
+        ("label affordance.lift on {}", labelled("affordance.lift"), [1], [0]),
+        ("label affordance.lift for {}.pull on e.p", labelled("affordance.lift"), [1], [0]),
+        ("label semantic.lid on {}.p", rows("parts", "semantic"), ["lid"], [None]),
+        ("field wear : ratio on {}.p = 0.25", given("field.wear"), [0.25], []),
+        ("keypoint tip on {}.p at [0, 0, 1cm]", rows("keypoints", "name", "link"), ["tip"], []),
+        ("keypoint tip on {}.p.top.center", rows("keypoints", "name", "link"), ["tip"], []),
+        ("grasp above on {}.p {{ at [0, 0, 0]  approach -z  close y  opening size.y + 1cm }}", names_of("grasps"), {"above"}, set()),
+        ("material oak on e.p\n  material steel on {}.p", material, {"steel"}, {"oak"}),
+        ("symmetry {}.p : any about x", rows("parts", "symmetry"), ["any about x"], ["2 about z"]),
+    ],
+)  # fmt: skip
+def test_an_index_means_one_element(index: str, which: int, said: str, look: Look, holds: Any, fails: Any) -> None:
+    text = elements(MOVING + "  symmetry p : turn 2 about z\n", said.format(f"e[{index}]"))
+    batch = Session.of_text(HEAD + text).sampler.batch(np.arange(4), seed=2)
+    assert {batch.drawn(k)["n"] for k in range(4)} == {2, 3}
+    for number in range(4):
+        count = batch.drawn(number)["n"]
+        for rank in range(count):
+            expected = holds if rank == which % count else fails
+            assert look(batch, number, f"e[{rank}].") == expected, (number, rank)
+
+
+def test_a_formula_asks_about_the_joint_of_one_element() -> None:
+    text = elements(MOVING, "label affordance.lift on e.p where pulls(e[1].pull) or pushes(e[1].pull)")
+    batch = Session.of_text(HEAD + text).sampler.batch(np.arange(2), seed=2)
+    for number in range(2):
+        assert labelled("affordance.lift")(batch, number, "e[0].") == [0]
+        assert labelled("affordance.lift")(batch, number, "e[1].") == [0, 1]
+
+
+def test_a_slot_binds_no_single_element() -> None:
+    text = """role Row { slot grip }
+template Two : Row {
+  part bar : Cuboid(size = [1cm, 40cm, 1cm])
+  repeat e[i] in 0 ..< 2 { part rod : Cuboid(size = [1cm, 1cm, 1cm])  connect rod.bottom on bar.top at y = i * 10cm, x = 0 }
+  slot grip = e[0].rod
+}
+category T {
+  root part row : Two
+  label semantic.lid on row.grip
+}"""
+    (found,) = (d for d in check_text(Source("t.apg", HEAD + text)).diagnostics if d.severity == "error")
+    assert "a slot binds all elements of a repeat" in found.message
 
 
 # ---------------------------------------------------------------- what makes objects invalid

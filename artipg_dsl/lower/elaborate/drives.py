@@ -24,6 +24,7 @@ from ..solve.solve import lifted
 from ..values.vectors import Triple, cross, dot, inverse, minus, norm, place, plus, times
 from .links import MOVING_ABOUT, Links, carried_axis
 from .part import Part
+from .paths import elements_named
 
 if TYPE_CHECKING:
     from .labels import Aim
@@ -49,6 +50,7 @@ class Drive:
         held = E.FALSE
         for joint in self.joints(target):
             guard, joint = self.lifted(joint)
+            guard = E.both(guard, elements_named(self.env, target))
             held = E.either(held, E.both(guard, self.drives(joint, force, way)))
         return held
 

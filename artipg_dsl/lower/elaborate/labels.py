@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...graph import expr as E
 from ...graph.expr import ONE, Expr, Scope, ScopeError
@@ -13,21 +13,20 @@ from ...graph.primitive import Triple
 from ...graph.program import Grasp, Keypoint, Label, Pose, Target
 from ...semantics.meanings import Current, Declared, Global
 from ...syntax import ast
+from ...syntax.walk import walk as nodes_in
 from ..expressions.context import Abort, where
 from ..expressions.env import Element, Env
 from ..expressions.evaluate import Evaluator
 from ..values.carry import moved
 from ..values.faces import extent
 from ..values.kinds import Box, Frame, Line, Ref, Surface, Value, Vec
-from ..values.vectors import HERE, compose, inverse, place
+from ..values.vectors import compose, inverse, place
 from .drives import FUNCTIONS, Drive
 from .guards import held, shown
 from .links import Links
 from .part import Part
+from .paths import elements_named, walk
 from .place import root
-
-if TYPE_CHECKING:
-    from .part import Instance
 
 
 @dataclass(slots=True, eq=False)
@@ -40,7 +39,7 @@ class Aim:
     box: Box  # in that frame
     scope: Scope  # the table of one instance of the target
     depth: int
-    there: Expr = E.TRUE  # where a slot that a `when` binds means it
+    there: Expr = E.TRUE  # where a slot that a `when` binds means it, and in which element of a repeat
 
 
 def statements(links: Links, env: Env) -> None:
@@ -54,7 +53,12 @@ def statements(links: Links, env: Env) -> None:
                     statements(links, instance.env)
     said = [(home, statement) for home in homes for statement in home.statements]
     for home, statement in said:
-        if isinstance(statement, ast.SymmetryStmt):  # before those under a guard, which say more
+        if isinstance(statement, ast.SymmetryStmt) and not one_element(
+            statement
+        ):  # before those under a guard, which say more
+            attempt(links, home, statement, symmetry)
+    for home, statement in said:
+        if isinstance(statement, ast.SymmetryStmt) and one_element(statement):
             attempt(links, home, statement, symmetry)
     for home, statement in sorted(said, key=lambda pair: pair[1].span.start):
         if type(statement) in MEANINGS:
@@ -82,7 +86,7 @@ def attempt(links: Links, env: Env, statement: ast.Stmt, meaning: Callable[[Link
 def aims(links: Links, env: Env, node: ast.Expr) -> list[Aim]:
     """The things a target names; a path may run through repeats and slots."""
     found: list[Aim] = []
-    for value, home in walk(env, node):
+    for value, home, named in walk(env, node):
         reached = len(found)
         if isinstance(value, Surface):
             found.extend(aim_at(links, part, part, (name,)) for _, part, _, name in value.branches)
@@ -94,8 +98,9 @@ def aims(links: Links, env: Env, node: ast.Expr) -> list[Aim]:
                 found.append(aim_at(links, part, part, ()))
         else:
             raise env.context.error("wrong-kind", node.span, "a part, a slot or a surface is needed here")
-        for aim in found[reached:] if home.root is not env.root else ():
-            aim.there = held(home.scope, aim.scope)
+        for aim in found[reached:]:
+            bound = held(home.scope, aim.scope) if home.root is not env.root else E.TRUE
+            aim.there = E.both(bound, named)
     return found
 
 
@@ -110,61 +115,6 @@ def slot_owner(part: Part, home: Env, env: Env) -> Part:
         else set()
     )
     return instance.part if part.name in names or instance.bindings else part
-
-
-def walk(env: Env, node: ast.Expr) -> list[tuple[Value, Env]]:
-    """Values of a path without an index, through every repeat it names, each in its own environment."""
-    if isinstance(node, ast.NameExpr):
-        meaning = env.context.meaning(node)
-        at: Env | None = env if isinstance(meaning, Declared) else None
-        while at is not None:  # each branch of a `when` that declares the name, on its own
-            if node.name not in at.names and (branched := at.branched(node.name)):
-                return [(value, branch) for branch, value in branched]
-            at = at.outer if node.name not in at.names else None
-        value = Evaluator(env).meant(meaning) if isinstance(meaning, Declared | Current) else None
-        if value is not None:
-            return [(value, env)]
-        raise env.context.error("unknown-name", node.span, f"`{node.name}` is not known here")
-    if isinstance(node, ast.IndexExpr):
-        return walk(env, node.obj)
-    if not isinstance(node, ast.MemberExpr):
-        raise env.context.error("wrong-kind", node.span, "a path of names is needed here")
-    found: list[tuple[Value, Env]] = []
-    for value, _ in walk(env, node.obj):
-        if isinstance(value, Element):
-            if node.name in value.env.names:
-                found.append((value.env.force(node.name), value.env))
-            else:
-                found.extend((v, branch) for branch, v in value.env.branched(node.name))
-        elif isinstance(value, Ref):
-            found.extend(inner_values(value, node.name))
-    if not found:
-        raise env.context.error("unknown-member", node.name_span, f"nothing here has `{node.name}`")
-    return found
-
-
-def inner_values(ref: Ref, name: str) -> list[tuple[Value, Env]]:
-    """A member of every alternative that has it."""
-    found: list[tuple[Value, Env]] = []
-    for branch in ref.branches:
-        for part, _ in branch.members:
-            for instance in part.instances:
-                if name in instance.bindings:
-                    found.extend(instance.bound(name))
-                    continue
-                found.extend((value, instance.env or part.env) for value in own_members(instance, name))
-    return found
-
-
-def own_members(instance: Instance, name: str) -> list[Value]:
-    """What an instance declares under a name: one value, or one in each branch that does."""
-    if instance.solid is not None:
-        return [Surface(((None, instance.part, HERE, name),))] if name in instance.solid.primitive.surfaces else []
-    assert instance.env is not None
-    if name in instance.env.names:
-        value = instance.env.force(name)
-        return [] if value is None else [value]
-    return [value for _, value in instance.env.branched(name)]
 
 
 def aim_at(links: Links, part: Part, owner: Part, surfaces: tuple[str, ...]) -> Aim:
@@ -225,6 +175,8 @@ def label(links: Links, env: Env, statement: ast.LabelStmt) -> None:
         for aim in aims(links, env, node):
             ev = formula(links, env, aim)
             guard, there = shown(condition(ev, statement.where), aim.scope), standing(env, aim)
+            if statement.joint is not None:
+                there = E.both(there, elements_named(env, statement.joint))
             if statement.value is None:  # what holds or does not is its condition
                 made = Label(
                     statement.vocabulary,
@@ -427,7 +379,7 @@ def is_part_path(env: Env, node: ast.Expr) -> bool:
     try:
         quiet = len(env.context.report.diagnostics)
         named = isinstance(env.context.meaning(root(node)), Declared | Current)
-        found = all(isinstance(v, Ref) for v, _ in walk(env, node)) if named else False
+        found = all(isinstance(r.value, Ref) for r in walk(env, node)) if named else False
         return found and len(env.context.report.diagnostics) == quiet
     except Abort:
         env.context.report.retract()
@@ -445,11 +397,16 @@ def symmetry(links: Links, env: Env, statement: ast.SymmetryStmt) -> None:
                 number = links.nodes.get((part, instance.symbol.name))
                 if number is not None:
                     known = program.parts[number].symmetry or (E.ONE, axis)
-                    here = held(env.scope, instance.scope)
+                    here = E.both(held(env.scope, instance.scope), aim.there)
                     told = (
                         E.where(here, shown(a, instance.scope), b) for a, b in zip((turns, axis), known, strict=True)
                     )
                     program.parts[number] = replace(program.parts[number], symmetry=tuple(told))  # type: ignore[arg-type]
+
+
+def one_element(statement: ast.SymmetryStmt) -> bool:
+    """Whether a statement is about one element of a repeat."""
+    return any(isinstance(node, ast.IndexExpr) for node in nodes_in(statement.target))
 
 
 MEANINGS: dict[type[ast.Stmt], Callable[[Links, Env, Any], None]] = {

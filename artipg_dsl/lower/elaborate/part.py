@@ -20,6 +20,7 @@ from ..values.carry import merged, moved
 from ..values.kinds import Box, Branch, Choice, Ports, Ref, Surface, Value, Vec
 from ..values.vectors import IDENTITY, compose, times
 from .guards import held
+from .paths import Reached, walk
 from .style import Style
 
 if TYPE_CHECKING:
@@ -187,24 +188,27 @@ class Instance:
             return self.slot(name)
         return self.env.declared(name)
 
-    def bound(self, name: str) -> list[tuple[Value, Env]]:
+    def bound(self, name: str) -> list[Reached]:
         """What a slot binds, each value with the environment it lives in; paths may run through repeats."""
         return [found for home, statement in self.bindings[name] for found in self.targets(home, statement)]
 
-    def targets(self, env: Env, statement: ast.SlotDecl) -> list[tuple[Value, Env]]:
+    def targets(self, env: Env, statement: ast.SlotDecl) -> list[Reached]:
         """What one statement binds; under a guard, all of it lives in its branch."""
-        from .labels import walk
-
-        found: list[tuple[Value, Env]] = []
+        found: list[Reached] = []
         for node in statement.targets:
-            for value, home in walk(env, node):
+            for value, home, named in walk(env, node):
+                if named is not E.TRUE:
+                    raise self.part.context.error(
+                        "wrong-kind", node.span, "a slot binds all elements of a repeat, not one by its number",
+                        hint="leave the number out, or bind a part that stands outside the repeat",
+                    )  # fmt: skip
                 within = env.scope is self.scope or home.scope.within(env.scope)
                 if not within and held(home.scope, self.scope) is not E.TRUE:
                     raise self.part.context.error(
                         "wrong-kind", node.span, "a slot that a `when` binds to a slot that another `when` binds cannot be followed",
                         hint="name the part itself, or bind the slot in every branch of one `when`",
                     )  # fmt: skip
-                found.append((value, home if within else env))
+                found.append(Reached(value, home if within else env))
         return found
 
     def slot(self, name: str) -> Value:
@@ -214,7 +218,7 @@ class Instance:
         for home, statement in self.bindings[name]:
             scope = None if home.scope is self.scope else home.scope
             members: list[tuple[Part, Pose]] = []
-            for value, _ in self.targets(home, statement):
+            for value, _, _ in self.targets(home, statement):
                 if isinstance(value, Surface):
                     for table, part, outer, surface in value.branches:
                         pose = compose(frame_in(part.env, self.env), compose(part.pose, outer))

@@ -32,7 +32,7 @@ def numbers(links: Links, instance: Instance, name: str) -> set[int]:
     """The part nodes that a slot binds in one template."""
     try:
         if name in instance.bindings:
-            values = [value for value, _ in instance.bound(name)]
+            values = [reached.value for reached in instance.bound(name)]
         else:
             found = instance.member(name)
             values = [] if found is None else [found]

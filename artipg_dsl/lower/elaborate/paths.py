@@ -1,0 +1,105 @@
+"""Paths of statements about parts: through every repeat and slot on the way, or through one element by its number."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from ...graph import expr as E
+from ...graph.expr import Expr
+from ...semantics.meanings import Current, Declared
+from ...syntax import ast
+from ..expressions.env import Element, Env
+from ..expressions.evaluate import Evaluator
+from ..values.kinds import Ref, Surface, Value
+from ..values.vectors import HERE
+
+if TYPE_CHECKING:
+    from .part import Instance
+
+
+class Reached(NamedTuple):
+    """What a path leads to, the environment it lives in, and for which elements of repeats the path means it."""
+
+    value: Value
+    home: Env
+    named: Expr = E.TRUE
+
+
+def walk(env: Env, node: ast.Expr) -> list[Reached]:
+    """Values of a path through every repeat it names, each in its own environment; an index says of which element."""
+    if isinstance(node, ast.NameExpr):
+        meaning = env.context.meaning(node)
+        at: Env | None = env if isinstance(meaning, Declared) else None
+        while at is not None:  # each branch of a `when` that declares the name, on its own
+            if node.name not in at.names and (branched := at.branched(node.name)):
+                return [Reached(value, branch) for branch, value in branched]
+            at = at.outer if node.name not in at.names else None
+        value = Evaluator(env).meant(meaning) if isinstance(meaning, Declared | Current) else None
+        if value is not None:
+            return [Reached(value, env)]
+        raise env.context.error("unknown-name", node.span, f"`{node.name}` is not known here")
+    if isinstance(node, ast.IndexExpr):
+        return [at._replace(named=E.both(at.named, element_named(env, at, node))) for at in walk(env, node.obj)]
+    if not isinstance(node, ast.MemberExpr):
+        raise env.context.error("wrong-kind", node.span, "a path of names is needed here")
+    found: list[Reached] = []
+    for value, _, named in walk(env, node.obj):
+        if isinstance(value, Element):
+            if node.name in value.env.names:
+                found.append(Reached(value.env.force(node.name), value.env, named))
+            else:
+                found.extend(Reached(v, branch, named) for branch, v in value.env.branched(node.name))
+        elif isinstance(value, Ref):
+            found.extend(r._replace(named=E.both(named, r.named)) for r in inner_values(value, node.name))
+    if not found:
+        raise env.context.error("unknown-member", node.name_span, f"nothing here has `{node.name}`")
+    return found
+
+
+def element_named(env: Env, at: Reached, node: ast.IndexExpr) -> Expr:
+    """Whether a row of a repeat is the element that an index names."""
+    element = at.value
+    if not isinstance(element, Element):
+        raise env.context.error("wrong-kind", node.span, "an index stands behind the name of a repeat")
+    index = Evaluator(env).position(element, node.index)
+    if index.scope is not None and not element.scope.within(index.scope):
+        raise env.context.error(
+            "wrong-kind", node.index.span, "this number differs from row to row of a table that the elements do not lie in",
+            hint="name the element by a number, `last` or a count; or state it inside the repeat, under a `when`",
+        )  # fmt: skip
+    return E.call("eq", E.rank(element.scope), index)
+
+
+def elements_named(env: Env, node: ast.Expr) -> Expr:
+    """Whether a row of the repeats that a path runs through is of the elements that its indices name."""
+    found = E.TRUE
+    while isinstance(node, ast.MemberExpr | ast.IndexExpr):
+        if isinstance(node, ast.IndexExpr):
+            for reached in walk(env, node.obj):
+                found = E.both(found, element_named(env, reached, node))
+        node = node.obj
+    return found
+
+
+def inner_values(ref: Ref, name: str) -> list[Reached]:
+    """A member of every alternative that has it."""
+    found: list[Reached] = []
+    for branch in ref.branches:
+        for part, _ in branch.members:
+            for instance in part.instances:
+                if name in instance.bindings:
+                    found.extend(instance.bound(name))
+                    continue
+                found.extend(Reached(value, instance.env or part.env) for value in own_members(instance, name))
+    return found
+
+
+def own_members(instance: Instance, name: str) -> list[Value]:
+    """What an instance declares under a name: one value, or one in each branch that does."""
+    if instance.solid is not None:
+        return [Surface(((None, instance.part, HERE, name),))] if name in instance.solid.primitive.surfaces else []
+    assert instance.env is not None
+    if name in instance.env.names:
+        value = instance.env.force(name)
+        return [] if value is None else [value]
+    return [value for _, value in instance.env.branched(name)]
