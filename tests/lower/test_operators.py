@@ -234,7 +234,40 @@ primitive Saddle {
   solid = sweep(rectangle(2 * w, 3 * w)) along way up x
 }
 """
-WINDING = [SIDEWAYS, UPRIGHT, SPACE, RIBBON, SPRING, STRAP, SADDLE]
+TUSK = """
+primitive Tusk {
+  param r : length > 0  test 5cm .. 9cm
+  param w : length > 0  test 5mm .. 1cm
+  curve way (t in 0turn .. 0.3turn) = [r * cos(t), 0mm, 2 * r * sin(t)]
+  curve oval (u in 0turn .. 1turn) = [w * cos(u), 2 * w * sin(u)]
+  solid = loft(oval, circle(w / 3)) along way up y
+}
+"""
+RAM = """
+primitive Ram {
+  param r : length > 0  test 2cm .. 4cm
+  param w : length > 0  test 2mm .. 3mm
+  curve way (t in 0 .. 1.3) = [r * cos(t * 1turn), r * sin(t * 1turn), 8 * w * t * t]
+  solid = loft(circle(2 * w), circle(w)) along way up z
+}
+"""
+LEVER = """
+primitive Lever {
+  param r : length > 0  test 4cm .. 5cm
+  param w : length > 0  test 2mm .. 3mm
+  curve way (t in 0turn .. 0.5turn) = [r * cos(t), r * sin(t), r * sin(t) * sin(t)]
+  solid = loft(rectangle(2 * w, 3 * w), rectangle(4 * w, w)) along way up x
+}
+"""
+SPIRAL = """
+primitive Spiral {
+  param r : length > 0  test 2cm .. 4cm
+  param w : length > 0  test 0.5mm .. 1mm
+  curve way (t in 0 .. 2.2) = [r * (1 - t / 40) * cos(t * 1turn), r * (1 - t / 40) * sin(t * 1turn), 6 * w * t]
+  solid = sweep(circle(w)) along way up z
+}
+"""
+WINDING = [SPIRAL, TUSK, RAM, LEVER, SIDEWAYS, UPRIGHT, SPACE, RIBBON, SPRING, STRAP, SADDLE]
 
 
 @pytest.mark.parametrize("text", WINDING, ids=lambda text: text.split()[1].lower())

@@ -12,8 +12,8 @@ from ...graph.expr import ONE, ZERO, Expr
 from ...graph.primitive import Piece, Triple
 from ..values.vectors import dot, minus, plus, times
 from .curves import TURN
-from .frames import Frames, turned, turning
-from .paths import Stretch
+from .frames import Frames, turning
+from .paths import Stretch, turned
 from .probe import Probe
 from .profiles import Point, Side, Span, V, between, equal_steps, extreme, orientation, right_of, straight
 from .profiles import dot as flat_dot

@@ -17,7 +17,7 @@ from ...graph.derive import derive
 from ...graph.expr import ZERO, Expr
 from ...graph.primitive import Triple
 from ..values.vectors import cross, dot, minus, normalized, plus, times, unit
-from .paths import Stretch
+from .paths import Stretch, turned
 from .probe import Probe
 from .profiles import V
 
@@ -113,13 +113,6 @@ def steps(probe: Probe, rail: Stretch) -> int:
     return int(np.clip(np.ceil(turned(probe, rail) / BETWEEN), 1, 256))
 
 
-def turned(probe: Probe, rail: Stretch) -> float:
-    """The greatest angle (radians) that a formula's path turns through in all."""
-    places = [rail.towards(k / 256) for k in range(257)]
-    seen = np.nan_to_num(probe(*(c for d in places for c in d)).reshape(257, 3, -1))
-    return float(np.arccos(np.clip((seen[1:] * seen[:-1]).sum(axis=1), -1.0, 1.0)).sum(axis=0).max())
-
-
 def reflected(rail: Stretch, low: Expr, high: Expr, side: Triple) -> Triple:
     """``side`` at the place ``low`` of a path brought to ``high``: by two reflections, which keep it square to the path."""
     (here, there), (start, end) = (tuple(at(vector)(v) for v in (low, high)) for vector in (rail.place, rail.direction))
@@ -158,3 +151,9 @@ def bend(rail: Stretch) -> Expr:
         fast = E.call("sqrt", dot(here, here))
         found.append(E.div(E.call("sqrt", dot(beside, beside)), E.mul(fast, E.mul(fast, fast))))
     return E.mul(E.const(1.05), E.maximum(*found))
+
+
+def slowest(rail: Stretch) -> Expr:
+    """The least length of a formula's path for a step of its parameter, at several places."""
+    speed = at(tuple(derive(c, "v") for c in rail.place))  # type: ignore[arg-type]
+    return E.mul(E.const(0.95), E.minimum(*(E.call("sqrt", dot(speed(k / 32), speed(k / 32))) for k in range(33))))

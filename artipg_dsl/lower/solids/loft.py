@@ -3,7 +3,8 @@
 * ``loft(base, ..., top) along z from a to b`` (or ``at [a, ..., b]``): closed curves at levels of an axis, given in the
   two coordinates across it in cyclic order; from one to the next every place runs straight, or, with ``smooth``, so
   that the outline has no kink (see ``smooth``).
-* ``loft(first, last) along path up y``: a bar whose section changes evenly over the length of a path.
+* ``loft(first, last) along path up y``: a bar whose section changes evenly over the length of a path of lines and arcs, or
+  over the parameter of a formula.
 * ``sweep(outer[, inner]) along path up y``: one section all along. Sections are given in (side, up) coordinates, side
   = up x direction of the path.
 
@@ -24,10 +25,10 @@ from ..expressions.evaluate import Evaluator
 from ..values.vectors import dot, unit
 from .bays import BLEND, Bay, Chains, bay_pieces, polygons, sum_of, swapped
 from .curves import TURN, Curve, named_curve, spans_of
-from .frames import Frames, bend, turning
+from .frames import Frames, bend, slowest, turning
 from .frames import frames as frames_of
 from .made import Made, U
-from .paths import Handed, Stretch, steps_of, stretches
+from .paths import Handed, Stretch, steps_of, stretches, windows
 from .probe import Probe
 from .profiles import SLOPE, Side, Span, V, circular, distance, extreme, orientation, straight
 from .rails import NEAR, check_directions, foot, path_of, ports_of, reach
@@ -154,11 +155,6 @@ def along_path(env: Env, probe: Probe, solid: ast.SolidDecl, path: Curve | Hande
     rails = stretches(path.steps if isinstance(path, Handed) else steps_of(path))
     check_directions(env, probe, solid, rails)
     across = frames_of(probe, rails, None if node is None else Evaluator(env).direction(node))
-    if first is not last and any(rail.length is ZERO for rail in rails):
-        raise env.context.error(
-            "bad-curve", solid.span, "a section that changes goes along a path of lines and arcs",
-            hint="write the path as from(point, direction) line(length) arc(...)",
-        )  # fmt: skip
     total = sum_of([rail.length for rail in rails])
     bays, gone = [], ZERO
     whole = Bay(rails[0], across[0], first, last)
@@ -192,7 +188,7 @@ def inwards(probe: Probe, bay: Bay) -> Expr:
 
 def far(probe: Probe, bays: list[Bay], axis: int, sign: int) -> Expr:
     """The greatest (``sign`` 1) or least (-1) coordinate along an axis."""
-    if all(bay.frames.plain for bay in bays):
+    if all(bay.frames.plain and (bay.even or bay.rail.length is not ZERO) for bay in bays):
         upright = bays[0].frames.up(0.0)[axis].constant or 0.0
         if upright:
             spans = [span for section in (bays[0].first, bays[-1].last) for span in section[0]]
@@ -203,7 +199,8 @@ def far(probe: Probe, bays: list[Bay], axis: int, sign: int) -> Expr:
     factor, found = E.const(float(sign)), []
     for bay in bays:
         level, x, y = (E.mul(factor, vector[axis]) for vector in (bay.rail.place, bay.frames.side(V), bay.frames.up(V)))
-        found += summits(probe, moving(bay), level, x, y, line=bay.rail.center is None and bay.rail.length is not ZERO)
+        line = bay.rail.center is None and bay.rail.length is not ZERO
+        found += summits(probe, moving(bay), level, x, y, line=line, windows=windows(probe, bay.rail))
     greatest = probe.greatest(found)
     return greatest if sign > 0 else E.neg(greatest)
 
@@ -231,7 +228,7 @@ def made_of(
     """Surfaces, inside function and pieces of bays one after another."""
     patches, pieces = [], []
     inside: Expr | None = None
-    slowest = E.maximum(*(lean(probe, bay) for bay in bays))
+    steepest = E.maximum(*(lean(probe, bay) for bay in bays))
     for number, bay in enumerate(bays):
         chains = bay.section(BLEND)
         seen = probe if bay.even else probe.spread(str(BLEND.value), BLENDS)
@@ -248,7 +245,7 @@ def made_of(
                 place = bay.place(swapped(within, {BLEND: E.const(end)}), end)
                 patches.append(Patch(name, place, (ZERO, ONE), (one.low, one.high)))
         value = inside_bay(
-            probe, bay, E.div(distance(seen, loops, (X, Y)), slowest), number == 0, number == len(bays) - 1
+            probe, bay, E.div(distance(seen, loops, (X, Y)), steepest), number == 0, number == len(bays) - 1
         )
         inside = value if inside is None else E.minimum(inside, value)
         solid_section = len(loops) == 1 and convex(seen, loops[0][0], mirrored=False)
@@ -282,10 +279,13 @@ def widest(probe: Probe, bay: Bay) -> Expr:
 
 
 def twisted(probe: Probe, bay: Bay, wide: Expr) -> Expr:
-    """The greatest slope in space of a distance in a section that turns about the path of a formula."""
+    """The greatest slope in space of a distance in a section that turns about the path of a formula and changes along it."""
     outer = E.mul(wide, E.const(1.1))
     tight = E.maximum(E.sub(ONE, E.mul(outer, bend(bay.rail))), E.const(0.1))
-    return E.call("hypot", ONE, E.div(E.mul(outer, turning(probe, bay.rail, bay.frames)), tight))
+    moved = E.mul(outer, turning(probe, bay.rail, bay.frames))
+    if not bay.even:
+        moved = E.add(moved, E.div(changed(probe, bay), slowest(bay.rail)))
+    return E.call("hypot", ONE, E.div(moved, tight))
 
 
 def clearance(probe: Probe, bay: Bay) -> Expr:
@@ -300,16 +300,23 @@ def lean(probe: Probe, bay: Bay) -> Expr:
     if bay.course is not None:
         speed = bay.course.fastest(list(zip(bay.first[0], bay.last[0], strict=True)))
         return E.call("hypot", ONE, E.div(speed, bay.rail.length))
-    moves = []
-    for a, b in zip(bay.first[0], bay.last[0], strict=True):
-        count = 1 if straight(probe, a) and straight(probe, b) else 16
-        for k in range(count + 1):
-            d = [E.sub(q, p) for p, q in zip(a.fraction(k / count), b.fraction(k / count), strict=True)]
-            moves.append(E.mul(E.call("hypot", *d), E.const(1.0 if count == 1 else 1.05)))
-    change = E.div(E.maximum(*moves), bay.rail.length)
+    if bay.rail.length is ZERO:  # along a formula it depends on where (see `twisted`)
+        return ONE
+    change = E.div(changed(probe, bay), bay.rail.length)
     if bay.rail.center is None:
         return E.call("hypot", ONE, change)
     steep = E.div(bay.rail.radius, clearance(probe, bay))
     half = E.mul(bay.rail.angle, E.const(0.5))
     change = E.mul(change, E.maximum(ONE, E.div(half, E.sub(E.const(TURN / 2), half))))  # behind the axis it turns back
     return E.add(E.call("hypot", ONE, E.mul(change, steep)), E.mul(E.const(1.5), steep))  # the second for the fading
+
+
+def changed(probe: Probe, bay: Bay) -> Expr:
+    """How far the places of a section move in its plane from the first to the last, at most."""
+    moves = []
+    for a, b in zip(bay.first[0], bay.last[0], strict=True):
+        count = 1 if straight(probe, a) and straight(probe, b) else 16
+        for k in range(count + 1):
+            d = [E.sub(q, p) for p, q in zip(a.fraction(k / count), b.fraction(k / count), strict=True)]
+            moves.append(E.mul(E.call("hypot", *d), E.const(1.0 if count == 1 else 1.05)))
+    return E.maximum(*moves)

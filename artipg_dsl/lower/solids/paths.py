@@ -15,6 +15,8 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+import numpy as np
+
 from ...graph import expr as E
 from ...graph.derive import derive
 from ...graph.expr import ONE, ZERO, Expr
@@ -24,6 +26,7 @@ from ..expressions.builtins import named, need
 from ..expressions.evaluate import Evaluator
 from ..values.vectors import Triple, dot, minus, normalized, plus, times
 from .curves import Curve
+from .probe import Probe
 from .profiles import V
 
 # how the numbers of a path are tested where nothing is known of them: metres and radians
@@ -119,6 +122,18 @@ def stretches(steps: Iterable[Step]) -> list[Stretch]:
             found.append(arc(at, along, radius, angle, (towards[0], towards[1], towards[2])))
         at, along = found[-1].at(1.0), found[-1].towards(1.0)
     return found
+
+
+def turned(probe: Probe, rail: Stretch) -> float:
+    """The greatest angle (radians) that a formula's path turns through in all."""
+    places = [rail.towards(k / 256) for k in range(257)]
+    seen = np.nan_to_num(probe(*(c for d in places for c in d)).reshape(257, 3, -1))
+    return float(np.arccos(np.clip((seen[1:] * seen[:-1]).sum(axis=1), -1.0, 1.0)).sum(axis=0).max())
+
+
+def windows(probe: Probe, rail: Stretch) -> int:
+    """Into how many equal parts of its parameter a path is cut so that it turns once in each, or less."""
+    return 1 if rail.length is not ZERO else max(1, math.ceil(turned(probe, rail) / math.tau - 0.01))
 
 
 def arc(at: Triple, along: Triple, radius: Expr, angle: Expr, towards: Triple) -> Stretch:

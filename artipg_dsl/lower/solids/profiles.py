@@ -26,6 +26,7 @@ SLOW = 3
 LEAST = 0.5  # of the squared speed: the least denominator of a step, near the centre of curvature
 BEND = np.radians(50.0)  # the most that a curve turns within a bracket
 TURN = 6.283185307179586
+FLAT = 1e-7  # metres for the whole of a curve: a slope that leads nowhere
 FINE = 64  # steps at which a curve's turning is looked at; a power of 2
 
 
@@ -346,18 +347,39 @@ def extreme(probe: Probe, spans: Sequence[Span], axis: int, sign: int) -> Expr:
     found: list[Expr] = []
     for span in spans:
         height = E.mul(factor, span.by_fraction[axis])
-        ends = [E.substitute(height, {V: E.const(float(v))}) for v in (0, 1)]
-        found += ends
-        if straight(probe, span):
-            continue
-        fine = 32
-        values = probe(*(E.substitute(height, {V: E.const(k / fine)}) for k in range(fine + 1)))
-        best = np.maximum(values[0], values[-1])
-        if (values.max(axis=0) <= best + 1e-12).all():
-            continue
-        found.append(E.substitute(height, {V: summit(height)}))
+        found += (
+            [E.substitute(height, {V: end}) for end in (ZERO, ONE)] if straight(probe, span) else tops(probe, height)
+        )
     greatest = probe.greatest(found)
     return greatest if sign > 0 else E.neg(greatest)
+
+
+def tops(probe: Probe, height: Expr, windows: int = 1) -> list[Expr]:
+    """Places of which the highest is the highest of a function of v: the ends of equal windows, and summits within."""
+    ends = [E.substitute(height, {V: E.const(k / windows)}) for k in range(windows + 1)]
+    return ends + crests(probe, height, windows)
+
+
+def crests(probe: Probe, height: Expr, windows: int = 1) -> list[Expr]:
+    """The summit of a function of v in each of equal windows where it has one for some test value."""
+    found = []
+    for k in range(windows):
+        share = E.mul(E.add(V, E.const(float(k))), E.const(1 / windows))
+        part = height if windows == 1 else E.substitute(height, {V: share})
+        if rises(probe, part):
+            found.append(E.substitute(part, {V: summit(part)}))
+    return found
+
+
+def rises(probe: Probe, height: Expr) -> bool:
+    """Whether a function of v is greater somewhere between its ends than at both: at some step, or by its slopes there."""
+    values = probe(*(E.substitute(height, {V: E.const(k / 32)}) for k in range(33)))
+    ends = np.maximum(values[0], values[-1])
+    if (values.max(axis=0) > ends + 1e-12).any():
+        return True
+    slope = derive(height, "v")
+    begin, end = probe(*(E.substitute(slope, {V: v}) for v in (ZERO, ONE)))
+    return bool(((values[0] >= ends) & (begin > FLAT) | (values[-1] >= ends) & (end < -FLAT)).any())
 
 
 def summit(height: Expr, count: int = 12) -> Expr:

@@ -18,9 +18,9 @@ from ..values.faces import frame_of
 from ..values.kinds import Frame, Value
 from ..values.vectors import cross, dot, minus, plus, times
 from .curves import TURN, Curve, named_curve
-from .paths import Handed, Stretch
+from .paths import Handed, Stretch, windows
 from .probe import Probe
-from .profiles import FINE, SLOW, STEPS, V, clamp, halved, onwards, summit
+from .profiles import FINE, SLOW, STEPS, V, clamp, halved, onwards, tops
 
 BRACKET = np.radians(25.0)  # how far a path turns within one
 NEAR = E.const(0.1)  # of the width of a section: further off, the distance to the path tells how far it is
@@ -210,11 +210,8 @@ def reach(
     for (rail, side), (low, high) in zip(rails, wide, strict=True):
         beside = E.add(low, E.mul(V, E.sub(high, low)))
         height = E.mul(factor, E.add(rail.place[axis], E.mul(side(V)[axis], beside)))
-        found += [E.substitute(height, {V: end}) for end in (ZERO, ONE)]
-        if rail.center is None and rail.length is not ZERO:
-            continue
-        values = probe(*(E.substitute(height, {V: E.const(k / 32)}) for k in range(33)))
-        if (values.max(axis=0) > np.maximum(values[0], values[-1]) + 1e-12).any():
-            found.append(E.substitute(height, {V: summit(height)}))
+        line = rail.center is None and rail.length is not ZERO
+        ends = [E.substitute(height, {V: end}) for end in (ZERO, ONE)]
+        found += ends if line else tops(probe, height, windows(probe, rail))
     greatest = probe.greatest(found)
     return greatest if sign > 0 else E.neg(greatest)

@@ -10,47 +10,40 @@ from ...graph import expr as E
 from ...graph.derive import derive
 from ...graph.expr import ONE, ZERO, Expr
 from .probe import Probe
-from .profiles import Span, V, clamp, straight, summit
+from .profiles import FLAT, Span, V, clamp, straight, tops
 
 W = E.var("section.w")  # along a curve of the section, as V is along the path
 GRID = 8
 
 
-def reached(probe: Probe, spans: Sequence[Span], place: Expr, side: Expr, up: Expr, *, line: bool) -> list[Expr]:
+def reached(
+    probe: Probe, spans: Sequence[Span], place: Expr, side: Expr, up: Expr, *, line: bool, windows: int = 1
+) -> list[Expr]:
     """Places of which the highest is the highest of all ``place + side * x + up * y``, x and y on the curves of a section.
 
     ``place``, ``side``, ``up`` and the curves are formulas over the path's v; the curves themselves run over ``W``. On a
-    ``line`` all of them are straight in v.
+    ``line`` all of them are straight in v; a path that winds has a summit in each of several ``windows``.
     """
     found: list[Expr] = []
     for span in spans:
         x, y = span.position
         height = E.add(place, E.add(E.mul(side, x), E.mul(up, y)))
-        found += along(probe, E.substitute(height, {W: ZERO}), line)
-        if straight(probe, in_v(span)):
+        corner = E.substitute(height, {W: ZERO})
+        found += [E.substitute(corner, {V: end}) for end in (ZERO, ONE)] if line else tops(probe, corner, windows)
+        if all(straight(probe, at_end(span, end)) for end in (ZERO, ONE)):
             continue
         for end in (ZERO, ONE):
-            found += along(probe, E.substitute(height, {V: end, W: V}), False)
-        if not line:
-            found += between(probe, height)
+            found += tops(probe, E.substitute(height, {V: end, W: V}))
+        for k in range(0 if line else windows):
+            share = E.mul(E.add(V, E.const(float(k))), E.const(1 / windows))
+            found += between(probe, height if windows == 1 else E.substitute(height, {V: share}))
     return found
 
 
-def in_v(span: Span) -> Span:
-    """A curve of a section at the beginning of its path, as a curve of its own."""
-    x, y = (E.substitute(E.substitute(c, {V: ZERO}), {W: V}) for c in span.position)
+def at_end(span: Span, end: Expr) -> Span:
+    """A curve of a section at an end of its path, as a curve of its own."""
+    x, y = (E.substitute(E.substitute(c, {V: end}), {W: V}) for c in span.position)
     return Span(span.name, (x, y))
-
-
-def along(probe: Probe, height: Expr, line: bool) -> list[Expr]:
-    """The ends of a function of v, and its summit where it has one between them."""
-    ends = [E.substitute(height, {V: end}) for end in (ZERO, ONE)]
-    if line:
-        return ends
-    values = probe(*(E.substitute(height, {V: E.const(k / 32)}) for k in range(33)))
-    if (values.max(axis=0) > np.maximum(values[0], values[-1]) + 1e-12).any():
-        ends.append(E.substitute(height, {V: summit(height)}))
-    return ends
 
 
 def between(probe: Probe, height: Expr) -> list[Expr]:
@@ -59,7 +52,7 @@ def between(probe: Probe, height: Expr) -> list[Expr]:
     places = [E.substitute(height, {V: E.const(v), W: E.const(w)}) for v in steps for w in steps]
     values = probe(*places).reshape(17, 17, -1)
     edges = np.concatenate([values[0], values[-1], values[:, 0], values[:, -1]])
-    if not (values.max(axis=(0, 1)) > edges.max(axis=0) + 1e-12).any():
+    if not (values.max(axis=(0, 1)) > edges.max(axis=0) + 1e-12).any() and not leads_in(probe, height, values):
         return []
     v, w = E.const(0.5), E.const(0.5)
     top = E.substitute(height, {V: v, W: w})
@@ -82,3 +75,18 @@ def between(probe: Probe, height: Expr) -> list[Expr]:
         dw = E.where(good, E.div(E.sub(E.mul(q, a), E.mul(p, b)), safe), E.neg(E.div(b, E.minimum(r, tiny))))
         v, w = (clamp(E.add(t, clamp(d, -1 / GRID, 1 / GRID)), 0.0, 1.0) for t, d in ((v, dv), (w, dw)))
     return [E.substitute(height, {V: v, W: w})]
+
+
+def leads_in(probe: Probe, height: Expr, values: np.ndarray) -> bool:
+    """Whether a function (17, 17, rows) of v and w rises from its highest place on an edge inwards, for some test value."""
+    last = len(values) - 1
+    steps = range(last + 1)
+    for axis, name in enumerate((V, W)):
+        other = (W, V)[axis]
+        slope = derive(height, name)
+        for end, way in ((0, 1.0), (last, -1.0)):
+            at = [E.substitute(slope, {name: E.const(end / last), other: E.const(k / last)}) for k in steps]
+            highest = np.take(values, end, axis=axis) >= values.max(axis=(0, 1))
+            if (highest & (way * probe(*at) > FLAT)).any():
+                return True
+    return False

@@ -19,9 +19,9 @@ from ..values.vectors import cross, dot, minus, plus, times
 from .curves import TURN
 from .frames import frames as frames_of
 from .made import FULL, Made, U
-from .paths import Handed, Stretch, steps_of, stretches
+from .paths import Handed, Stretch, steps_of, stretches, windows
 from .probe import Probe
-from .profiles import SLOPE, V, summit
+from .profiles import SLOPE, V, crests
 from .rails import NEAR, P, about_arc, cap, check_directions, disc, nearest, path_of, ports_of
 
 CORNERS = 12  # of a round piece
@@ -151,7 +151,8 @@ def reach(probe: Probe, pieces: list[Stretch], radius: Expr, axis: int, sign: in
     factor = E.const(float(sign))
     found: list[Expr] = []
     for piece in pieces:
-        for value in (0.0, 1.0):
+        count = windows(probe, piece)
+        for value in (k / count for k in range(count + 1)):
             slope = piece.towards(value)[axis]
             across = E.call("sqrt", E.maximum(E.sub(ONE, E.mul(slope, slope)), ZERO))
             found.append(E.add(E.mul(factor, piece.at(value)[axis]), E.mul(radius, across)))
@@ -164,9 +165,7 @@ def reach(probe: Probe, pieces: list[Stretch], radius: Expr, axis: int, sign: in
             found.append(E.where(E.call("le", top, piece.angle), height, found[-1]))
         elif piece.length is ZERO:
             height = E.mul(factor, piece.place[axis])
-            values = probe(*(E.substitute(height, {V: E.const(k / 32)}) for k in range(33)))
-            if (values.max(axis=0) > np.maximum(values[0], values[-1]) + 1e-12).any():
-                found.append(E.add(E.substitute(height, {V: summit(height)}), radius))
+            found += [E.add(top, radius) for top in crests(probe, height, count)]
     greatest = probe.greatest(found)
     return greatest if sign > 0 else E.neg(greatest)
 
