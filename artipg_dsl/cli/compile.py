@@ -105,7 +105,7 @@ def tree_lines(node: ast.Node, name: str = "", depth: int = 0) -> list[str]:
             for item in items:
                 if isinstance(item, ast.Node):
                     below += tree_lines(item, field.name, depth + 1)
-        elif value not in (None, (), "", False) and not any(isinstance(item, Span) for item in items):
+        elif value is not False and value not in (None, (), "") and not any(isinstance(item, Span) for item in items):
             plain.append(f"{field.name}={value!r}")
     head = f"{name}: " if name else ""
     place = f"{node.span.line}:{node.span.column}"
