@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 
 
@@ -20,3 +20,9 @@ def did_you_mean(name: str, candidates: Iterable[str]) -> str | None:
     """A hint with the nearest candidate: ``did you mean `width`?``."""
     found = suggest(name, candidates)
     return f"did you mean `{found}`?" if found is not None else None
+
+
+def any_of(words: Sequence[str]) -> str:
+    """The words in a sentence: each in backquotes, `or` before the last."""
+    quoted = [f"`{word}`" for word in words]
+    return " or ".join([", ".join(quoted[:-1]), quoted[-1]] if len(quoted) > 1 else quoted)

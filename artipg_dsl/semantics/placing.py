@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from ..diagnostics.suggest import did_you_mean
+from ..diagnostics.suggest import any_of, did_you_mean
 from ..syntax import ast
 from .declarations import check_range
 from .meanings import Clearance
@@ -62,6 +62,8 @@ def check_connect(ck: Checker, ctx: Context, node: ast.ConnectStmt) -> None:
     _placing(ck, ctx, node)
     if node.to is None and node.on is None and node.in_ is None and node.between is None:
         ck.error("missing-clause", node.span, "`connect` says to what: `to`, `on`, `in` or `between` is missing")
+    else:
+        _idle(ck, node, None if kind == UNKNOWN else node.to is not None and isinstance(node.subject, ast.MemberExpr))
 
 
 def _end(ck: Checker, expr: ast.Expr, kind: Type, what: str) -> None:
@@ -88,14 +90,45 @@ def _placing(ck: Checker, ctx: Context, node: ast.Attaching) -> None:
             ck.expect(ctx, clause.value, LENGTH, f"the `{clause.word}`")
     if node.facing is not None:
         ck.expect(ctx, node.facing.value, DIRECTION, "what follows `facing`")
-    if node.turned is not None:
-        ck.expect(ctx, node.turned.value, ANGLE, "what follows `turned`")
     for value in node.fit.value if node.fit is not None else ():
         if not isinstance(value, ast.NameExpr) or value.name not in (*FACES, *DIRECTIONS):
             hint = did_you_mean(value.name, FACES) if isinstance(value, ast.NameExpr) else None
             ck.error("wrong-type", value.span, "`fit` takes names of faces", hint=hint)
     for argument in node.at.value if node.at is not None else ():
         _at(ck, ctx, argument.name, argument.value)
+
+
+_WITH = {
+    "at": ("to", "on", "in"),
+    "fit": ("on", "in"),
+    "gap": ("to", "on", "in", "between"),
+    "sink": ("to", "on", "between"),
+    "facing": ("between",),
+}
+"""The clauses that say more of a place, and what each goes with."""
+
+
+def _idle(ck: Checker, node: ast.Attaching, mounted: bool | None) -> None:
+    """Refuse clauses that would say nothing. ``mounted``: a port or face stands on another; None where that is not known."""
+    ways = sorted((c for c in (node.to, node.on, node.in_, node.between) if c is not None), key=lambda c: c.span.start)
+    for extra in ways[1:]:
+        message = f"`{ways[0].word}` and `{extra.word}` both say where this goes"
+        ck.error("unknown-clause", extra.span, message, hint="keep one of them")
+    if node.turned is not None:
+        hint = "a part is turned where it is declared: `part handle : BarHandle turned 20deg about x`"
+        ck.error("unknown-clause", node.turned.span, "no part is turned where it is connected", hint=hint)
+    way = ways[0].word if ways and (ways[0] is not node.to or mounted) else "to" if mounted else ""
+    aims = isinstance(node, ast.JointDecl) and node.kind in ("ball", "fixed")  # about what point
+    for clause in (node.at, node.fit, node.gap, node.sink, node.facing):
+        if clause is None or mounted is None or way in _WITH[clause.word] or clause is node.at and not way and aims:
+            continue
+        if way or clause is node.facing or clause is node.fit:
+            ck.error("unknown-clause", clause.span, f"`{clause.word}` goes with {any_of(_WITH[clause.word])}")
+        else:
+            ck.error(
+                "unknown-clause", clause.span, f"`{clause.word}` says nothing here: attaching a whole part does not place it",
+                hint="name a face or a port of the part, as in `connect lid.bottom on body.top`, or place it with `align`",
+            )  # fmt: skip
 
 
 def _at(ck: Checker, ctx: Context, name: str | None, value: ast.Expr) -> None:
@@ -140,6 +173,9 @@ def check_joint(ck: Checker, ctx: Context, node: ast.JointDecl) -> None:
     if parent == BASE and ctx.scope.owner.kind == "category":
         ck.error("wrong-type", node.parent.span, "`base` has a meaning only in a template", hint="name the root part")
     _placing(ck, ctx, node)
+    named = isinstance(node.parent, ast.NameExpr) and (parent == BASE or isinstance(parent, Part | Slot | Element))
+    ported = isinstance(node.child, ast.MemberExpr | ast.IndexExpr) and (not named or node.to is not None)
+    _idle(ck, node, None if UNKNOWN in (child, parent) else ported)
     _motion(ck, ctx, node, node.kind)
     if node.kind in KINDS:
         _axis(ck, node, parent, child)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..diagnostics.suggest import did_you_mean
+from ..diagnostics.suggest import any_of, did_you_mean
 from ..syntax import ast
 from . import conditions, declarations, labels, placing, primitives
 from .entries import of_reference, port_context
@@ -269,8 +269,31 @@ def _parts(ck: Checker, ctx: Context, subject: ast.Expr, other: ast.Expr | None,
 # ---------------------------------------------------------------- repeats
 
 
+_FORMS: dict[str, tuple[str, tuple[str, ...]]] = {  # what a form needs, and what else it takes
+    "": ("", ()), "split": ("along", ("weight", "gap", "each")), "spread": ("along", ("margin",)), "pitch": ("along", ("margin",)),
+    "fill": ("along every", ("margin",)), "ring": ("about", ()), "mirror": ("across", ()),
+}  # fmt: skip
+_EXAMPLES = {"along": "along z", "every": "every 2cm", "about": "about table.axis", "across": "across y"}
+
+
+def _form(ck: Checker, stmt: ast.RepeatStmt) -> None:
+    """A form has what it needs, and nothing that it would not read."""
+    needed, more = _FORMS[stmt.form][0].split(), _FORMS[stmt.form][1]
+    given = {clause.word: clause for clause in ast.clauses(stmt)}
+    for word in needed:
+        if word not in given:
+            message = f"`{stmt.form}` needs `{word}`, for example `{_EXAMPLES[word]}`"
+            ck.error("missing-clause", given[stmt.form].span, message)
+    for word, clause in given.items():
+        if word not in (*needed, *more, *_FORMS):
+            what = f"`{stmt.form}`" if stmt.form else "a repeat without a form"
+            takers = any_of([form for form, (first, rest) in _FORMS.items() if word in (*first.split(), *rest)])
+            ck.error("unknown-clause", clause.span, f"{what} takes no `{word}`", hint=f"`{word}` goes with {takers}")
+
+
 def _repeat(ck: Checker, ctx: Context, stmt: ast.RepeatStmt) -> None:
     assert ctx.scope is not None
+    _form(ck, stmt)
     if stmt.count is not None:
         ck.expect(ctx, stmt.count, COUNT, "the number of elements")
     for box in (stmt.spread, stmt.split, stmt.fill):

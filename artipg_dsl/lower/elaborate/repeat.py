@@ -69,10 +69,7 @@ def build_repeat(env: Env, statement: ast.RepeatStmt, declare: Callable[[Env, tu
 def axis_of(ev: Evaluator, statement: ast.RepeatStmt) -> int:
     """The axis of ``along``; for ``pitch`` too."""
     found = statement.along
-    if found is None:
-        raise ev.env.context.error(
-            "wrong-arguments", statement.span, f"`{statement.form}` needs `along x`, `along y` or `along z`"
-        )
+    assert found is not None
     axis = signed_axis(ev.direction(found.value))
     if axis is None:
         raise ev.env.context.error("bad-axis", found.span, "a repeat runs along x, y or z")
