@@ -18,6 +18,11 @@ SLIDE = BLOCK + "joint j : prismatic body -> b along x range 0cm .. 5cm "
 TURN = BLOCK + "joint j : revolute body -> b about {} range 0deg .. 90deg"
 HANDLE = "part h : Handle = BarHandle weight {} | BowHandle weight {}\nconnect h.mount to body.front at center"
 KEY = " {{\npart c : Cuboid(size = [1cm, 1cm, 1cm])\nconnect c.bottom on body.top\n}}"
+ROW = """count n in {}
+repeat e[i] in 0 ..< n {{
+  param k : length in 1cm .. 2cm
+  part b : Cuboid(size = [1cm, 1cm, k])\n  connect b.bottom on body.top\n}}
+"""
 GRASP = CUBE + "grasp g on b for t in 0 .. 1 {{ at [0, 0, {}] approach {} close {} opening {} quality {} }}"
 
 
@@ -40,6 +45,8 @@ CONSTANT = {
     "a size beyond": ("part b : Cuboid(size = [1cm, 1cm, 9000km])\nconnect b to body", 0, "the size of `b` along z is 9e+06, but sizes"),
     "a place beyond": (CUBE + "align b.center.y = 2000km", 0, "the place of `b` is at least 2e+06, but places lie within 1 km of the origin"),
     "a wall": ("part b : OpenBox(size = [9cm, 9cm, 9cm], wall = -2mm)\nconnect b to body", None, "must be positive, whatever is drawn"),
+    "an element": (ROW.format("2 .. 3") + "let w = e[3].k", 6, "`e[3]`: the repeat has no such element"),
+    "a rank below": (ROW.format("2 .. 3") + "let w = e[-1].k", 6, "`e[-1]`: the repeat has no such element"),
     "rest": (SLIDE + "rest 9cm", 1, "how far the rest value of the joint `j` lies inside is -0.04"),
     "damping": (SLIDE + "damping -5Ns/m", 1, "the damping of the joint `j` is -5, but it is finite and not negative"),
     "friction": (SLIDE + "friction -1N", 1, "the friction of the joint `j` is -1"),
@@ -116,6 +123,7 @@ DRAWN = {
     "a distance": (CUBE + "clear b from body by q * 1mm", 3),
     "a preference": (CUBE + "prefer q < 0.5 weight q", 3),
     "a keypoint": (CUBE + "keypoint tip on b at [0, 0, sqrt(q) * 1cm]", 3),
+    "an element": (ROW.format("2 .. 4") + "let w = e[3].k", 7),
     "elements": ("count n in 1 .. 50\nrepeat k[i] in 0 ..< n * n * n * n pitch 1mm along y" + KEY.format(), 2),
     "elements of elements": (
         "count n in 1 .. 50\nrepeat r[j] in 0 ..< n * n pitch 1mm along x {\nrepeat k[i] in 0 ..< n * n pitch 1mm along y" + KEY.format()
@@ -145,6 +153,15 @@ def test_what_is_never_reached_need_not_have_a_value() -> None:
     for body in ("let n = 0\nlet k = 1cm / n if n > 0 else 2cm", "let n = 0\nlet k = 2cm if n == 0 else 1cm / n"):
         made, _ = session(body + "\npart b : Cuboid(size = [k, 1cm, 1cm])\nconnect b.bottom on body.top")
         assert made.lowering is not None, made.report.diagnostics
+
+
+def test_an_element_that_is_asked_for_first_need_not_be_there() -> None:
+    for asked in ("e[3].k if n > 3 else 1cm", "1cm if n <= 3 else e[3].k", "e[last].k", "e[n - 2].k"):
+        made, _ = session(ROW.format("2 .. 4") + f"let w = {asked}")
+        counted = Statistics()
+        batch = made.sampler.batch(np.arange(16), seed=3, statistics=counted)
+        assert counted.first_valid == 16
+        assert {batch.drawn(k)["n"] for k in range(16)} == {2, 3, 4}
 
 
 def test_a_direction_of_any_length_turns_as_its_unit_does() -> None:

@@ -12,13 +12,13 @@ from ...graph import expr as E
 from ...graph.defined import Defined, Sharp
 from ...graph.expr import Expr, Scope
 from ...graph.feasible import certain
-from ...graph.formula import row_values
+from ...graph.formula import free_variables, row_values
 from ...graph.interval import Intervals
 from ...graph.linear import tidy
 from ...graph.program import Draw, Grasp, Joint, Label, Pose, Program, Requirement, Where
 from ...graph.program import Part as PartNode
 from ...source import Source, Span
-from ..expressions.context import Context, where
+from ..expressions.context import Context, Fetched, text_of, where
 from ..expressions.env import Env
 from ..values.vectors import cross, dot
 from .links import Links
@@ -28,6 +28,7 @@ from .ranges import (
     DIRECTION,
     DISTANCE,
     DRIVEN,
+    ELEMENT,
     ELEMENTS,
     HELD,
     MOTION,
@@ -118,6 +119,11 @@ def refuse(context: Context, quantity: Quantity, intervals: Intervals, sources: 
     span = None
     if place is not None and place.file in sources:
         span = line_of(sources[place.file], place)
+    if quantity.legal is ELEMENT:
+        context.report.error(
+            "illegal-value", span, f"{quantity.name}: {ELEMENT.words}", hint="they are counted from 0 on"
+        )
+        return
     context.report.error(
         "illegal-value", span, f"{quantity.name} is {amount}, but {quantity.legal.words}",
         hint="lengths are told in metres, angles in radians",
@@ -151,6 +157,8 @@ def quantities(links: Links) -> Iterator[Quantity]:
     """All numbers of a program that have a legal range."""
     program, context = links.context.program, links.context
     yield from context.asked
+    for element in context.fetched:
+        yield from of_element(element)
     for scope, span in context.counted.items():
         yield from rows(scope, where(span))
     for draw in program.draws:
@@ -197,6 +205,19 @@ def rows(scope: Scope, place: Where) -> Iterator[Quantity]:
         above = above.parent
     if total is not scope.count:
         yield Quantity(f"the number of all elements of `{scope.name}`", above, total, ROWS, place)
+
+
+def of_element(element: Fetched) -> Iterator[Quantity]:
+    """That the element of a rank is there: none before it that is not, and none missing behind it."""
+    if free_variables([element.rank, element.guard]):  # in the formula of a label, of every point
+        return
+    left = E.sub(E.sub(element.count, E.ONE), element.rank)
+    tables = [element.scope, *(e.scope for e in (left, element.guard) if e.scope is not None)]
+    scope = next((s for s in tables if all(s.within(other) for other in tables)), None)
+    if scope is None:
+        return
+    for value in (element.rank, left):
+        yield Quantity(f"`{text_of(element.span)}`", scope, value, ELEMENT, where(element.span), element.guard)
 
 
 def of_draw(draw: Draw) -> Iterator[Quantity]:

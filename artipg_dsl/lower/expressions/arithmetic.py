@@ -127,7 +127,9 @@ def truth(ev: Evaluator, value: Value, span: Span) -> Expr:
 
 def binary(ev: Evaluator, node: ast.BinaryExpr) -> Value:
     if node.op in ("and", "or"):
-        return OPERATIONS[node.op](*(truth(ev, ev.value(n), n.span) for n in (node.left, node.right)))
+        first = truth(ev, ev.value(node.left), node.left.span)
+        with ev.env.context.knowing(first if node.op == "and" else E.negate(first)):
+            return OPERATIONS[node.op](first, truth(ev, ev.value(node.right), node.right.span))
     if node.op in ("==", "!="):
         same = equal(ev, node)
         return same if node.op == "==" else E.negate(same)
@@ -216,7 +218,10 @@ def conditional(ev: Evaluator, node: ast.IfExpr) -> Value:
     condition = truth(ev, ev.value(node.condition), node.condition.span)
     if condition.op == "const":  # what is never reached need not have a value
         return ev.value(node.then if condition.constant else node.otherwise)
-    then, otherwise = ev.value(node.then), ev.value(node.otherwise)
+    with ev.env.context.knowing(condition):
+        then = ev.value(node.then)
+    with ev.env.context.knowing(E.negate(condition)):
+        otherwise = ev.value(node.otherwise)
     if isinstance(then, Frame | Plane) and isinstance(otherwise, Frame | Plane) and not isinstance(then, Frame):
         then, otherwise = plane(ev, then, node.then.span), plane(ev, otherwise, node.otherwise.span)
     if isinstance(then, Plane) and isinstance(otherwise, Plane):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -74,6 +76,17 @@ class Unknown:
     settled: list[Settled] = field(default_factory=list)  # the same for the ledger, case by case
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Fetched:
+    """An element of a repeat that is named by its rank, of ``count``, in the rows of ``scope`` where ``guard`` holds."""
+
+    scope: Scope
+    rank: Expr
+    count: Expr
+    span: Span
+    guard: Expr
+
+
 @dataclass(slots=True, eq=False)
 class Context:
     report: Report
@@ -90,6 +103,8 @@ class Context:
     centred: dict[Part, int] = field(default_factory=dict)  # along how many axes nothing determines where a part is
     counted: dict[Scope, Span] = field(default_factory=dict)  # the tables of repeats and where they are stated
     asked: list[Quantity] = field(default_factory=list)  # numbers with a legal range that no record keeps
+    fetched: list[Fetched] = field(default_factory=list)  # elements of repeats that have to be there
+    known: Expr = E.TRUE  # what holds where the expression that is being lowered counts
     solids: dict = field(default_factory=dict)  # primitive symbol -> Lowered
     labels: list = field(default_factory=list)  # (depth of the target, Label)
     materials: dict = field(default_factory=dict)  # site -> [(depth, ((material, predicate), ...))]
@@ -110,6 +125,15 @@ class Context:
             span, message = self.blamed[0], f"{self.blamed[1]}: {message}"
         self.report.error(code, span, message, trace=tuple(self.trace), **more)  # type: ignore[arg-type]
         return Abort(message)
+
+    @contextmanager
+    def knowing(self, condition: Expr) -> Iterator[None]:
+        """While what counts only where a condition holds is lowered."""
+        before, self.known = self.known, E.both(self.known, condition)
+        try:
+            yield
+        finally:
+            self.known = before
 
     def meaning(self, node: ast.Node) -> Meaning | None:
         """What a name stands for, as the checker found; None for what is no name."""

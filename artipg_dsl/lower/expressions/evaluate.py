@@ -29,7 +29,7 @@ from ..values.carry import moved
 from ..values.kinds import Box, Choice, Frame, Line, Plane, Ports, Ref, Value, Vec
 from ..values.vectors import AXES, HERE, unit
 from . import arithmetic, builtins, members
-from .context import text_of
+from .context import Fetched, text_of
 from .env import Element, Env, Function
 from .members import At, describe
 
@@ -233,10 +233,14 @@ class Evaluator:
         if isinstance(value, At) and isinstance(value.inner, Element):
             inner = Evaluator(value.element.env)
             index = inner.position(value.inner, node.index)
+            count = members.fetch(self, value, value.inner.count)
+            self.env.context.fetched.append(Fetched(self.env.scope, index, count, node.span, self.env.context.known))
             return At(value.element, value.index, At(value.inner, index, value.inner))
         if not isinstance(value, Element):
             raise self.wrong(node.obj.span, "a repeat", value)
-        return At(value, self.position(value, node.index), value)
+        index = self.position(value, node.index)
+        self.env.context.fetched.append(Fetched(self.env.scope, index, value.count, node.span, self.env.context.known))
+        return At(value, index, value)
 
     def position(self, element: Element, index: ast.Expr) -> Expr:
         if isinstance(self.env.context.meaning(index), Last):
