@@ -139,12 +139,18 @@ def free_variables(exprs: Sequence[Expr]) -> set[str]:
 
 def row_values(formulas: Iterable[Expr]) -> list[Expr]:
     """The largest subexpressions that read columns and no variable of a formula."""
+    formulas = list(formulas)
+    varies: dict[Expr, bool] = {}  # what reads a variable
+    for node in _steps(formulas)[0]:
+        varies[node] = node.op == "var" or any(varies[arg] for arg in node.args)
     found: dict[Expr, None] = {}
+    seen: set[Expr] = set()
 
     def visit(node: Expr) -> None:
-        if node.op in ("const", "var") or node in found:
+        if node.op in ("const", "var") or node in seen:
             return
-        if node.scope is not None and not free_variables([node]):
+        seen.add(node)
+        if node.scope is not None and not varies[node]:
             found[node] = None
             return
         for arg in node.args:

@@ -29,11 +29,13 @@ def shown(value: Expr, to: Scope) -> Expr:
     """
     carried: dict[Expr, Expr] = {}
     for row in row_values([value]):
+        if row.scope is None or to.within(row.scope):
+            continue
         carried[row] = lifted(row, to, E.FALSE if E.truth(row) else E.ZERO)
         table = carried[row].scope
         if table is not None and not to.within(table):
             raise ScopeError(table, common(table, to))
-    return E.substitute(value, carried)
+    return E.substitute(value, carried) if carried else value
 
 
 def common(scope: Scope, other: Scope) -> Scope:
