@@ -12,7 +12,8 @@ from .geometry.topology import orientation, seams
 from .geometry.trial import variants
 from .graph.primitive import Primitive
 from .graph.program import Program
-from .lower.expressions.context import Abort, Context
+from .lower.expressions.context import Abort
+from .lower.program import new_context
 from .lower.solids.primitives import Lowered, lower_primitive
 from .semantics.check import TypedProgram
 from .semantics.symbols import Symbol
@@ -85,7 +86,7 @@ def tell(symbol: Symbol, lowered: Lowered, error: PrimitiveError, report: Report
 
 def own(typed: TypedProgram, report: Report) -> dict[Symbol, Lowered]:
     """The primitives that the file declares, lowered by themselves; those over curves take their shape from a use."""
-    context = Context(report, Program(typed.main.name, ""), typed)
+    context = new_context(report, Program(typed.main.name, ""), typed)
     found: dict[Symbol, Lowered] = {}
     for symbol in typed.main.own():
         if symbol.kind != "primitive" or any(

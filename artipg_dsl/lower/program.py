@@ -15,11 +15,11 @@ from ..graph.program import UNLABELLED, Allowed, Clear, Link, Preference, Progra
 from ..graph.reference import definitions
 from ..graph.text import digest
 from ..semantics.check import TypedProgram
-from ..semantics.symbols import Symbol
+from ..semantics.symbols import ModuleScope, Symbol
 from ..syntax import ast
 from ..syntax.walk import walk
 from .elaborate import drives, labels, mimic, paths, rings
-from .elaborate.body import lower_statements
+from .elaborate.body import enter_when, lower_statements
 from .elaborate.connect import carriers
 from .elaborate.legal import legalize
 from .elaborate.links import Links, first_part
@@ -27,9 +27,11 @@ from .elaborate.motions import motions
 from .elaborate.part import Part
 from .elaborate.place import begins
 from .elaborate.slots import slots
-from .expressions.context import Abort, Context, text_of, where
+from .elaborate.surfaces import frame_on
+from .expressions.context import Abort, Context, Makers, text_of, where
 from .expressions.env import Element, Env
 from .expressions.evaluate import Evaluator
+from .solids.curves import offset
 from .solids.primitives import comparison
 from .solve.bounds import attach_bounds
 from .solve.feasible import judge
@@ -58,12 +60,17 @@ class Lowering:
                 yield part
 
 
+def new_context(report: Report, program: Program, typed: TypedProgram) -> Context:
+    """What the lowering of a program, or of the primitives of a file, shares."""
+    return Context(report, program, typed, Makers(enter_when, offset, frame_on))
+
+
 def lower_category(typed: TypedProgram, category: Symbol, report: Report) -> Lowering | None:
     """Lower a category by the passes; None after errors."""
     program = Program(category.name, category.decl.doc)
     root = Scope(category.name)
     program.scopes.append(root)
-    context = Context(report, program, typed)
+    context = new_context(report, program, typed)
     env = Env(context, category.module, category, root, "")
     lowering = Lowering(category, program, context, env, Links(context))
     for stage in STAGES:
@@ -429,7 +436,7 @@ def spoken(env: Env) -> None:
     program.vocabularies["semantic"] = (UNLABELLED,)  # points have a class, whether the text has words for it or not
     seen: set[int] = set()
 
-    def visit(module) -> None:  # noqa: ANN001
+    def visit(module: ModuleScope) -> None:
         if id(module) in seen:
             return
         seen.add(id(module))
@@ -437,7 +444,7 @@ def spoken(env: Env) -> None:
             if symbol.module is not module:
                 visit(symbol.module)
         for symbol in module.names.values():
-            if symbol.kind == "vocabulary":
+            if isinstance(symbol.decl, ast.VocabularyDecl):
                 words = program.vocabularies.get(symbol.name, (UNLABELLED,))
                 extra = tuple(w for w in symbol.decl.words if w not in words)
                 program.vocabularies[symbol.name] = words + extra

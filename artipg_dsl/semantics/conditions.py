@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 from ..diagnostics.suggest import did_you_mean
 from ..syntax import ast
-from . import expressions
 from .fold import constant
 from .guards import OPERATORS, TRUE, VERSUS, Atom, Compare, Condition, Not, Or, conjunction
+from .meanings import Word
 from .offers import TEMPLATES, missing
 from .scope import Guard
 from .symbols import is_a
@@ -125,7 +125,7 @@ def _compare(ck: Checker, ctx: Context, expr: ast.BinaryExpr) -> Condition:
                 return conjunction((*noted, Compare(_key(ctx, subject), op, int(value), *_ends(ctx, subject))))
         if isinstance(other, ast.NameExpr) and expr.op in ("==", "!="):
             with ck.muted():
-                word = expressions.choice_word(ck, ctx, subject, other)
+                word = choice_word(ck, ctx, subject, other)
             if isinstance(word, Choice):
                 chosen = Atom(_key(ctx, subject), frozenset((other.name,)), word.values)
                 return chosen if expr.op == "==" else Not(chosen)
@@ -198,3 +198,25 @@ def check_discrete(ck: Checker, ctx: Context, expr: ast.Expr) -> None:
                         hint="what depends on measures is a `require`, or an alternative with `when`",
                     )  # fmt: skip
                     return
+
+
+def choice_word(ck: Checker, ctx: Context, other: ast.Expr, expr: ast.Expr) -> Type | None:
+    """The type of ``expr`` where it is a bare word compared with a choice (``lever == left``), else None."""
+    if not isinstance(expr, ast.NameExpr) or isinstance(other, ast.NumberExpr | ast.BinaryExpr | ast.CallExpr):
+        return None
+    if ctx.scope is None or ctx.scope.find(expr.name):
+        return None
+    if isinstance(other, ast.NameExpr) and not ctx.scope.find(other.name):
+        return None
+    kind = ck.infer(ctx, other)
+    if not isinstance(kind, Choice):
+        return None
+    if expr.name not in kind.values:
+        return ck.error(
+            "unknown-choice", expr.span, f"`{expr.name}` is none of the values {', '.join(kind.values)}",
+            hint=did_you_mean(expr.name, kind.values),
+        )  # fmt: skip
+    ck.mean(expr, Word(expr.name))
+    if not ctx.silent:
+        ck.types[id(expr)] = kind
+    return kind

@@ -11,7 +11,7 @@ from ..units import UNITS, Dimension
 from . import calls, conditions, paths
 from .fold import constant, is_unitless
 from .guards import Not
-from .meanings import Global, Word
+from .meanings import Global
 from .types import (
     BOOL,
     COUNT,
@@ -159,8 +159,8 @@ def _if(ck: Checker, ctx: Context, expr: ast.IfExpr) -> Type:
 
 
 def _compare(ck: Checker, ctx: Context, expr: ast.BinaryExpr) -> Type:
-    left = choice_word(ck, ctx, expr.right, expr.left) or ck.infer(ctx, expr.left)
-    right = choice_word(ck, ctx, expr.left, expr.right) or ck.infer(ctx, expr.right)
+    left = conditions.choice_word(ck, ctx, expr.right, expr.left) or ck.infer(ctx, expr.left)
+    right = conditions.choice_word(ck, ctx, expr.left, expr.right) or ck.infer(ctx, expr.right)
     if UNKNOWN in (left, right):
         return BOOL
     if is_number(left) and is_number(right):
@@ -184,28 +184,6 @@ def _asks_material(ck: Checker, expr: ast.BinaryExpr, left: Type, right: Type) -
         return False
     named = [isinstance(ck.meanings.get(id(side)), Global) for side in (expr.left, expr.right)]
     return named.count(True) == 1
-
-
-def choice_word(ck: Checker, ctx: Context, other: ast.Expr, expr: ast.Expr) -> Type | None:
-    """The type of ``expr`` where it is a bare word compared with a choice (``lever == left``), else None."""
-    if not isinstance(expr, ast.NameExpr) or isinstance(other, ast.NumberExpr | ast.BinaryExpr | ast.CallExpr):
-        return None
-    if ctx.scope is None or ctx.scope.find(expr.name):
-        return None
-    if isinstance(other, ast.NameExpr) and not ctx.scope.find(other.name):
-        return None
-    kind = ck.infer(ctx, other)
-    if not isinstance(kind, Choice):
-        return None
-    if expr.name not in kind.values:
-        return ck.error(
-            "unknown-choice", expr.span, f"`{expr.name}` is none of the values {', '.join(kind.values)}",
-            hint=did_you_mean(expr.name, kind.values),
-        )  # fmt: skip
-    ck.mean(expr, Word(expr.name))
-    if not ctx.silent:
-        ck.types[id(expr)] = kind
-    return kind
 
 
 def _blame(ck: Checker, expr: ast.BinaryExpr, left: Type, right: Type, rule: str) -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING
 
 from ...graph import expr as E
@@ -10,15 +11,19 @@ from ...graph.expr import Scope, ScopeError
 from ...semantics.symbols import Symbol, lineage
 from ...source import Span
 from ...syntax import ast
-from ..expressions.builtins import PortArray
-from ..expressions.context import Abort, Unknown
-from ..expressions.env import Env, Function, Thunk
+from ..expressions.context import Abort
+from ..expressions.env import Env, Function, Thunk, names_of
 from ..expressions.evaluate import Evaluator
+from ..expressions.ports import PortArray
+from ..solids.curves import Curve
 from ..solve.solve import settle
-from ..values.kinds import Ref, Value, Vec, reference
+from ..values.kinds import Box, Ref, Value, Vec, reference
 from ..values.vectors import times
 from . import connect
-from .draws import component_of, draw_option, draw_scalar
+from .build import build_part
+from .draws import draw_scalar
+from .interface import own_parameter, parameters_of
+from .looks import build_look
 from .repeat import build_repeat
 from .style import Style, build_style
 
@@ -26,17 +31,6 @@ if TYPE_CHECKING:
     from .part import Instance, Option
 
 HALF = E.const(0.5)
-
-
-def parameters_of(symbol: Symbol) -> list[tuple[Symbol, ast.ParamDecl, str, Span]]:
-    """The interface of a role, template or primitive: (declaring symbol, declaration, name, span), outermost role first."""
-    found: dict[str, tuple[Symbol, ast.ParamDecl, str, Span]] = {}
-    for owner in reversed(lineage(symbol)):
-        for statement in owner.body:
-            if isinstance(statement, ast.ParamDecl):
-                for name, span in zip(statement.names, statement.name_spans, strict=True):
-                    found[name] = (owner, statement, name, span)
-    return list(found.values())
 
 
 def lower_body(instance: Instance, option: Option, scope: Scope, given: dict[str, Value]) -> Env:
@@ -59,8 +53,6 @@ def lower_body(instance: Instance, option: Option, scope: Scope, given: dict[str
     instance.values.update({k: v for k, v in given.items() if k not in instance.values})
     size = instance.values.get("size")
     if isinstance(size, Vec) and len(size.items) == 3:
-        from ..values.kinds import Box
-
         half = times(size.items, HALF)
         env.box = Box(times(half, E.const(-1.0)), half)
     lower_statements(env, tuple(s for s in symbol.body if not isinstance(s, ast.ParamDecl)))
@@ -91,49 +83,6 @@ def lower_statements(env: Env, body: tuple[ast.Stmt, ...]) -> None:
     settle(env)
 
 
-def own_parameter(
-    env: Env, declaration: ast.ParamDecl, name: str, style: Style | None = None, option: str = ""
-) -> Value:
-    """A parameter of the body itself: drawn, derived, or its default."""
-    path = env.path + name
-    kind = declaration.type
-    if kind.values:
-        return (
-            draw_option(env, declaration, path)
-            if style is None
-            else style.shared_option(option, name, declaration, env)
-        )
-    if kind.size is None:
-        return own_scalar(env, declaration, name, None, style, option)
-    items = (own_scalar(env, declaration, f"{name}.{'xyz'[k]}", k, style, option) for k in range(kind.size))
-    return Vec(tuple(items))
-
-
-def own_scalar(
-    env: Env, declaration: ast.ParamDecl, name: str, component: int | None, style: Style | None, option: str
-) -> E.Expr:
-    path = env.path + name
-    if declaration.derived:
-        column = env.context.column(env.scope, path, "real", declaration.span)
-        unknown = Unknown(column, "derived", declaration.span, f"`{name}`")
-        if declaration.domain is not None:
-            from .draws import make_draw
-
-            unknown.draw = make_draw(env, declaration, path, component)
-            unknown.draw.column = column
-        env.unknowns.append(unknown)
-        return E.col(column)
-    if declaration.domain is not None:
-        if style is not None:
-            return style.shared(option, name, declaration, component, env)
-        return draw_scalar(env, declaration, path, component)
-    if declaration.default is not None:
-        return component_of(env, declaration.default, component)
-    column = env.context.column(env.scope, path, "real", declaration.span)
-    env.unknowns.append(Unknown(column, "size", declaration.span, f"`{name}`", positive=declaration.positive))
-    return E.col(column)
-
-
 # ---------------------------------------------------------------- declarations
 
 
@@ -162,27 +111,17 @@ def lower(env: Env, body: tuple[ast.Stmt, ...]) -> None:
     bind_slots(env, body)
 
 
-def names_of(statement: ast.Stmt) -> Iterator[str]:
-    if isinstance(statement, ast.ParamDecl):
-        yield from statement.names
-    elif isinstance(
-        statement, ast.CountDecl | ast.LetDecl | ast.PartDecl | ast.StyleDecl | ast.RepeatStmt | ast.CurveDecl
-    ):
-        yield statement.name
-
-
 def register(env: Env, statement: ast.Stmt) -> None:
     """Give each declared name a thunk, unless it has a value (an argument) or a thunk already; other statements wait."""
-    from .build import build_part
 
-    def thunk(name: str, span: Span, make) -> None:  # noqa: ANN001
+    def thunk(name: str, span: Span, make: Callable[[], Value]) -> None:
         if name not in env.names:
             env.names[name] = Thunk(make, span)
 
     match statement:
         case ast.ParamDecl():
             for name, span in zip(statement.names, statement.name_spans, strict=True):
-                thunk(name, span, lambda name=name: own_parameter(env, statement, name))
+                thunk(name, span, partial(own_parameter, env, statement, name))
         case ast.CountDecl():
             thunk(statement.name, statement.name_span, lambda: draw_scalar(env, statement, env.path + statement.name))
         case ast.LetDecl() if statement.parameters:
@@ -190,19 +129,15 @@ def register(env: Env, statement: ast.Stmt) -> None:
         case ast.LetDecl() if not isinstance(statement.value, ast.ChainExpr):
             thunk(statement.name, statement.name_span, lambda: Evaluator(env).value(statement.value))
         case ast.LetDecl() | ast.CurveDecl():
-            from ..solids.curves import Curve
-
             env.names[statement.name] = Curve(statement, env)
         case ast.PartDecl():
-            thunk(statement.name, statement.name_span, lambda: reference(build_part(env, statement)))
+            thunk(statement.name, statement.name_span, lambda: reference(build_part(env, statement, lower_body)))
         case ast.StyleDecl() if statement.role == "material":
-            from .looks import build_look
-
             thunk(statement.name, statement.name_span, lambda: build_look(env, statement))
         case ast.StyleDecl():
             thunk(statement.name, statement.name_span, lambda: build_style(env, statement))
         case ast.RepeatStmt():
-            thunk(statement.name, statement.name_span, lambda: build_repeat(env, statement, declare))
+            thunk(statement.name, statement.name_span, lambda: build_repeat(env, statement, declare, register))
         case ast.PortDecl() if statement.value is not None:
             register_port(env, statement)
         case _:
@@ -268,16 +203,6 @@ def enter_when(env: Env, statement: ast.WhenStmt) -> list[tuple[Env, tuple[ast.S
             announce(branch, body)
             found.append((branch, body))
     return env.entered[statement]
-
-
-def declares(statement: ast.WhenStmt, name: str) -> bool:
-    """Whether a branch of a ``when`` declares a name."""
-    return any(
-        declares(inner, name)
-        if isinstance(inner, ast.WhenStmt)
-        else name in names_of(inner) or isinstance(inner, ast.PortDecl) and inner.name == name
-        for inner in (*statement.body, *statement.otherwise)
-    )
 
 
 def bind_slots(env: Env, body: tuple[ast.Stmt, ...]) -> None:

@@ -2,32 +2,32 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 from ...graph import expr as E
-from ...graph.expr import Expr
+from ...graph.expr import Scope
 from ...semantics.meanings import Declared, Global, Word
 from ...semantics.symbols import Symbol
 from ...semantics.types import DIMENSIONS
 from ...source import Span
 from ...syntax import ast
-from ..expressions.context import Unknown
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
+from ..solids.primitives import lower_primitive
 from ..values.kinds import Choice, Frame, Plane, Value
-from ..values.vectors import IDENTITY, along, normalized, product, rotation_about, signed_axis
 from .draws import draw_choice, open_parameter
+from .interface import own_parameter, parameters_of
+from .part import Instance, Option, Part
+from .place import pose_of
 from .style import Style, complete_choice, sole_style
 
-if TYPE_CHECKING:
-    pass
-from .part import Instance, Option, Part
+LowerBody = Callable[[Instance, Option, Scope, dict[str, Value]], Env]  # of a template: ``body.lower_body``
 
 
-def build_part(env: Env, declaration: ast.PartDecl) -> Part:
+def build_part(env: Env, declaration: ast.PartDecl, lower_body: LowerBody) -> Part:
     """Lower the declaration of a part: its choice, its inputs, its instances; registers its unknowns."""
     context = env.context
-    part = Part(context, env, declaration.name, env.path + declaration.name, declaration)
+    part = Part(context, env, declaration.name, env.path + declaration.name, declaration, pose_of)
     env.parts.append(part)
     context.parts.append(part)
     alternatives, arguments = declaration.alternatives, declaration.arguments
@@ -52,7 +52,7 @@ def build_part(env: Env, declaration: ast.PartDecl) -> Part:
     if interface is not None:
         make_inputs(part, interface, arguments)
     for option in part.options:
-        part.instances.append(instantiate(part, option))
+        part.instances.append(instantiate(part, option, lower_body))
     return part
 
 
@@ -101,19 +101,8 @@ def make_choice(part: Part, alternatives: tuple[ast.Alternative, ...]) -> None:
         part.exists = E.both(part.exists, E.negate(E.call("eq", part.choice.code, E.const(float(code)))))
 
 
-def option_guard(part: Part, option: Option) -> Expr:
-    if part.choice is None or len(part.options) == 1:
-        return part.exists
-    chosen = E.call("eq", part.choice.code, E.const(float(option.code)))
-    if part.style is not None and (alone := part.declaration.alternatives[0].guard) is not None:
-        return E.both(Evaluator(part.env).truth(Evaluator(part.env).value(alone), alone.span), chosen)
-    return chosen
-
-
 def make_inputs(part: Part, interface: Symbol, arguments: tuple[ast.Argument, ...]) -> None:
     """Values of the interface's parameters: the arguments, and open columns for what is not given."""
-    from .body import parameters_of
-
     env = part.env
     given = {a.name: a for a in arguments if a.name is not None}
     declared = parameters_of(interface)
@@ -159,13 +148,10 @@ def handed_in(part: Part, owner: Symbol, declaration: ast.ParamDecl, name: str, 
     return value
 
 
-def instantiate(part: Part, option: Option) -> Instance:
+def instantiate(part: Part, option: Option, lower_body: LowerBody) -> Instance:
     """The alternative in its own table (that of the environment when there is nothing to choose)."""
-    from ..solids.primitives import lower_primitive
-    from .body import lower_body, parameters_of
-
     context = part.context
-    guard = option_guard(part, option)
+    guard = part.guard(option)
     scope = context.guard(part.env.scope, guard, f"{part.path}={option.name}")
     instance = Instance(part, option.symbol, scope, part.path + ".")
     if len(context.trace) > 40:
@@ -200,8 +186,6 @@ def instantiate(part: Part, option: Option) -> Instance:
 
 def complete(instance: Instance) -> None:
     """Parameters of a primitive that one alternative among several leaves out: drawn, or their defaults."""
-    from .body import own_parameter, parameters_of
-
     part, symbol = instance.part, instance.symbol
     local = Env(part.context, symbol.module, symbol, instance.scope, instance.path, names=dict(instance.values))
     for _, declaration, name, _ in parameters_of(symbol):
@@ -213,57 +197,3 @@ def complete(instance: Instance) -> None:
                 hint=f"give it with the alternative: {symbol.name}({name} = ...)",
             )  # fmt: skip
         local.names[name] = instance.values[name] = own_parameter(local, declaration, name)
-
-
-def rotation_of(part: Part) -> tuple:
-    """``along`` and ``turned`` of the part and of the alternative that is there; the identity without any."""
-    own = part.declaration.placements
-    if part.style is not None:  # what the style says, then what its user does
-        user = part.declaration.alternatives[0].placements
-        found = [
-            (o, rotation(part.style.env, o.source.placements, rotation(part.env, (*own, *user)))) for o in part.options
-        ]
-    else:
-        found = [(o, rotation(part.env, (*own, *o.source.placements))) for o in part.options]
-    result = found[-1][1] if found else IDENTITY  # what could not be built has been reported
-    for option, turned in reversed(found[:-1]):
-        guard = option_guard(part, option)
-        result = tuple(
-            tuple(E.where(guard, a, b) for a, b in zip(row, other, strict=True))
-            for row, other in zip(turned, result, strict=True)
-        )
-    return result
-
-
-def rotation(env: Env, placements: tuple[ast.Placement, ...], outer: tuple = IDENTITY) -> tuple:
-    """The placements one after the other, then the rotation ``outer``."""
-    ev, made = Evaluator(env), IDENTITY
-    for placement in placements:
-        direction = ev.direction(placement.direction)
-        if placement.angle is None:
-            if signed_axis(direction) is None:
-                raise env.context.error(
-                    "bad-axis", placement.direction.span, "a part lies along x, y or z",
-                    hint="any other direction: `turned 20deg about y`, or a `connect` with frames",
-                )  # fmt: skip
-            step = along(direction)
-        elif all(c is E.ZERO for c in direction):
-            raise env.context.error(
-                "bad-axis", placement.direction.span, "an axis has a length: [0, 0, 0] points nowhere"
-            )
-        else:
-            step = rotation_about(normalized(direction), ev.scalar(placement.angle))
-        made = product(step, made)
-    return made if outer is IDENTITY else product(outer, made)
-
-
-def position_columns(part: Part) -> tuple:
-    """Three unknown coordinates of the part's origin, registered with its environment."""
-    context, columns = part.context, []
-    for axis, letter in enumerate("xyz"):
-        column = context.column(part.env.scope, f"{part.path}.at.{letter}", "real", part.span)
-        part.env.unknowns.append(
-            Unknown(column, "position", part.span, f"the position of `{part.name}` along {letter}", part, axis)
-        )
-        columns.append(E.col(column))
-    return tuple(columns)

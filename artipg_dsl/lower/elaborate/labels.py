@@ -20,10 +20,11 @@ from ..expressions.evaluate import Evaluator
 from ..values.carry import moved
 from ..values.faces import extent
 from ..values.kinds import Box, Frame, Line, Ref, Surface, Value, Vec
-from ..values.vectors import compose, inverse, place
+from ..values.vectors import compose, inverse, place, unit
 from .drives import FUNCTIONS, Drive
 from .guards import held, shown
 from .links import Links
+from .looks import Look, lower_material
 from .part import Part
 from .paths import elements_named, walk
 from .place import root
@@ -267,8 +268,6 @@ def condition(ev: Evaluator, node: ast.Expr | None) -> Expr:
 
 
 def material(links: Links, env: Env, statement: ast.MaterialStmt) -> None:
-    from .looks import Look, lower_material
-
     meaning = env.context.meaning(statement)
     look = Evaluator(env).meant(meaning)
     pairs: tuple[tuple[str, Expr], ...]
@@ -333,7 +332,6 @@ def grasp(links: Links, env: Env, statement: ast.GraspStmt) -> None:
 
 def axes() -> dict[str, Value]:
     """In a grasp, axis words are the target's own axes."""
-    from ..values.vectors import unit
 
     return {letter: Vec(unit(k)) for k, letter in enumerate("xyz")}
 

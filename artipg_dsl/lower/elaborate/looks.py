@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from ...graph import expr as E
 from ...graph.expr import Expr
@@ -52,7 +53,7 @@ def lower_material(context: Context, symbol: Symbol) -> Material:
         return found
     home = Env(context, symbol.module, symbol, context.program.scopes[0], "")
     ev = Evaluator(home)
-    values: dict = {"name": symbol.name}
+    values: dict[Any, Any] = {"name": symbol.name}
     declaration = symbol.decl
     assert isinstance(declaration, ast.MaterialDecl)
     if declaration.colour is not None:

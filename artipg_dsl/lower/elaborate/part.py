@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -12,16 +13,17 @@ from ...graph.program import Pose
 from ...semantics.symbols import Symbol, is_a
 from ...source import Span
 from ...syntax import ast
-from ..expressions.context import Abort, Context
+from ..expressions.context import Abort, Context, Unknown
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..expressions.extents import frame_in, union_of
 from ..values.carry import merged, moved
 from ..values.kinds import Box, Branch, Choice, Ports, Ref, Surface, Value, Vec
-from ..values.vectors import IDENTITY, compose, times
+from ..values.vectors import IDENTITY, Matrix, Triple, compose, times
 from .guards import held
 from .paths import Reached, walk
 from .style import Style
+from .turns import turned
 
 if TYPE_CHECKING:
     from ..solids.primitives import Lowered
@@ -46,6 +48,7 @@ class Part:
     name: str
     path: str
     declaration: ast.PartDecl
+    placing: Callable[[Part], Pose]  # finds its pose (``place.pose_of``), once
     role: Symbol | None = None
     options: list[Option] = field(default_factory=list)
     instances: list[Instance] = field(default_factory=list)
@@ -54,10 +57,10 @@ class Part:
     inputs: dict[str, Value] = field(default_factory=dict)
     attachment: object = None  # set by ``attach``
     style: Style | None = None
-    _pose: Pose | None = None
-    _posing: bool = False
-    _unplaced: bool = False
-    _chain: Pose | None = None
+    found: Pose | None = None  # its pose, once it is known
+    seeking: bool = False  # its pose, just now
+    unplaced: bool = False
+    previous: Pose | None = None  # of the element before, while that is what its own is sought from
     _box: Box | None = None
 
     @property
@@ -67,46 +70,67 @@ class Part:
     @property
     def pose(self) -> Pose:
         """Its placement in the frame of the environment that declares it."""
-        if self._pose is None:
-            from .place import pose_of
+        return self.placing(self)
 
-            if self._posing:
-                return self.chain()
-            if self._unplaced:
-                raise Abort(f"`{self.name}` could not be placed")
-            self._posing = True
-            try:
-                pose = pose_of(self)
-                self._pose = pose if self._chain is None else self.chained(pose, self._chain)
-            except Abort:
-                self._unplaced = True
-                raise
-            finally:
-                self._posing = False
-        return self._pose
+    def guard(self, option: Option) -> Expr:
+        """Where it is made of one of its alternatives."""
+        if self.choice is None or len(self.options) == 1:
+            return self.exists
+        chosen = E.call("eq", self.choice.code, E.const(float(option.code)))
+        if self.style is not None and (alone := self.declaration.alternatives[0].guard) is not None:
+            ev = Evaluator(self.env)
+            return E.both(ev.truth(ev.value(alone), alone.span), chosen)
+        return chosen
 
-    def chain(self) -> Pose:
-        """The pose while it is being sought: of the element before, in a chain through ``previous``."""
-        if self.env.scope.kind != "repeat":
-            raise circular_place(self)
-        if self._chain is None:
-            names = [f"{self.path}.at.{letter}" for letter in "xyz"]
-            columns = [self.context.column(self.env.scope, name, "real", self.span) for name in names]
-            self._chain = Pose(IDENTITY, tuple(map(E.col, columns)), E.ONE)  # type: ignore[arg-type]
-        return self._chain
+    def matches(self, name: str, span: Span, env: Env) -> Expr:
+        """Where ``part is Name`` holds."""
+        symbol = env.module.find(name)
+        if symbol is None:
+            raise self.context.error("unknown-name", span, f"there is no role or template `{name}`")
+        options = [o for o in self.options if is_a(o.symbol, symbol)]
+        if len(options) == len(self.options):
+            return self.exists
+        return functools.reduce(E.either, (self.guard(o) for o in options), E.FALSE)
 
-    def chained(self, pose: Pose, chain: Pose) -> Pose:
-        """Close the chain: each element stands on the one before, all turned alike."""
-        from ..solve.recurrent import closed
+    def rotation(self) -> Matrix:
+        """``along`` and ``turned`` of the part and of the alternative that is there; the identity without any."""
+        own = self.declaration.placements
+        if self.style is not None:  # what the style says, then what its user does
+            home, user = self.style.env, self.declaration.alternatives[0].placements
+            outer = turned(self.env, (*own, *user))
+            found = [(o, turned(home, o.source.placements, outer)) for o in self.options]
+        else:
+            found = [(o, turned(self.env, (*own, *o.source.placements))) for o in self.options]
+        result = found[-1][1] if found else IDENTITY  # what could not be built has been reported
+        for option, other in reversed(found[:-1]):
+            guard = self.guard(option)
+            result = tuple(  # type: ignore[assignment]
+                tuple(E.where(guard, a, b) for a, b in zip(row, rest, strict=True))
+                for row, rest in zip(other, result, strict=True)
+            )
+        return result
 
-        if pose.rotation != chain.rotation or pose.mirror is not E.ONE:
-            raise self.context.error(
-                "recurrence", self.span, f"each `{self.name}` is turned against the one before, which is no sum of offsets",
-                hint="place the elements straight at joint values 0 and turn them by their joints",
-            )  # fmt: skip
-        for name, value in zip(chain.translation, pose.translation, strict=True):
-            self.context.program.definitions[name.value] = closed(self.context, name.value, value)
-        return chain
+    def position(self) -> Triple:
+        """Three unknown coordinates of its origin, registered with its environment."""
+        columns = []
+        for axis, letter in enumerate("xyz"):
+            column = self.context.column(self.env.scope, f"{self.path}.at.{letter}", "real", self.span)
+            name = f"the position of `{self.name}` along {letter}"
+            self.env.unknowns.append(Unknown(column, "position", self.span, name, self, axis))
+            columns.append(E.col(column))
+        return columns[0], columns[1], columns[2]
+
+    def member(self, name: str, span: Span, ev: Evaluator, own: bool = False) -> Value | None:
+        """A declared member in the frame of its environment (``own``: in its own frame)."""
+        value = self.own(name, span)
+        if value is None:
+            return None
+        if isinstance(value, Ports):
+            value = Ports(value.name, {k: carried(v, self) for k, v in value.settled().items()})
+        value = carried(value, self)
+        if own or name in self.inputs or isinstance(value, Expr | Choice):
+            return value
+        return moved(value, self.pose)
 
     @property
     def primitive(self) -> bool:
@@ -247,48 +271,8 @@ class Instance:
         return self.env.all_parts() if self.env is not None else []
 
 
-def circular_place(part: Part) -> Abort:
-    """Report a part whose mount leads back to it, with the statements that lead there."""
-    from .place import declared, mounts
-
-    waiting = [p for p in part.env.parts if p._posing]
-    others = [p for p in waiting if p is not part]
-    via = f", by way of {' and '.join(f'`{p.name}`' for p in others)}" if others else ""
-    notes = [(m.statement.span, f"places `{p.name}`") for p in waiting for m in mounts(part.env, declared(p))]
-    return part.context.error(
-        "circular-definition", part.span, f"the place of `{part.name}` depends on itself{via}", notes=tuple(notes[:4]),
-        hint="`to` and `between` take the place from their target: let one of these parts hang on something that stands",
-    )  # fmt: skip
-
-
-def part_member(part: Part, name: str, span: Span, ev: Evaluator, own: bool = False) -> Value | None:
-    """A declared member of a part in the frame of its environment (``own``: in its own frame)."""
-    value = part.own(name, span)
-    if value is None:
-        return None
-    if isinstance(value, Ports):
-        value = Ports(value.name, {k: carried(v, part) for k, v in value.settled().items()})
-    value = carried(value, part)
-    if own or name in part.inputs or isinstance(value, Expr | Choice):
-        return value
-    return moved(value, part.pose)
-
-
 def carried(value: Value, part: Part) -> Value:
     """A value that names no inner part lies on the part itself."""
     if isinstance(value, Ref) or not hasattr(value, "on") or value.on:
         return value
     return replace(value, on=(part,))
-
-
-def matches(part: Part, name: str, span: Span, env: Env) -> Expr:
-    """The guard of ``part is Name``."""
-    symbol = env.module.find(name)
-    if symbol is None:
-        raise part.context.error("unknown-name", span, f"there is no role or template `{name}`")
-    from .build import option_guard
-
-    options = [o for o in part.options if is_a(o.symbol, symbol)]
-    if len(options) == len(part.options):
-        return part.exists
-    return functools.reduce(E.either, (option_guard(part, o) for o in options), E.FALSE)

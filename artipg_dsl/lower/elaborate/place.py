@@ -11,11 +11,13 @@ from ...graph.linear import tidy
 from ...graph.program import Pose
 from ...semantics.meanings import Declared
 from ...syntax import ast
-from ..expressions.context import Equation, text_of
+from ..expressions.context import Abort, Equation, text_of
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..solve.cases import TooManyCases, combinations
+from ..solve.recurrent import closed
 from ..values.carry import mapped_pose
+from ..values.faces import frame_of
 from ..values.kinds import Branch, Face, Frame, Line, Ref, Value
 from ..values.vectors import (
     AXES,
@@ -100,11 +102,9 @@ def mount_of(env: Env, statement: ast.Stmt, part: Declared) -> Mount | None:
 
 def mounts(env: Env, part: Declared) -> list[Mount]:
     """The mounts of a part in its environment, and under every ``when`` there, be it further down in the text."""
-    from .body import enter_when
-
     for statement in env.statements:
         if isinstance(statement, ast.WhenStmt) and mounting(env, statement, part):
-            enter_when(env, statement)
+            env.context.makers.enter_when(env, statement)
     found = [m for s in env.statements if (m := mount_of(env, s, part)) is not None]
     for branch in env.branches.values():
         found.extend(mounts(branch, part))
@@ -124,22 +124,55 @@ def mounting(env: Env, statement: ast.WhenStmt, part: Declared) -> bool:
     return False
 
 
-def rotation_of(part: Part) -> Matrix:
-    """How a part is turned before it is placed."""
-    from .build import rotation_of as turned
-
-    return turned(part)
-
-
 def pose_of(part: Part) -> Pose:
-    """The pose of a part in its environment; registers unknown coordinates where equations shall find them."""
-    from .build import position_columns
+    """The pose of a part in its environment, sought when it is first asked for."""
+    if part.found is None:
+        if part.seeking:
+            return before(part)
+        if part.unplaced:
+            raise Abort(f"`{part.name}` could not be placed")
+        part.seeking = True
+        try:
+            pose = sought(part)
+            part.found = pose if part.previous is None else chained(part, pose, part.previous)
+        except Abort:
+            part.unplaced = True
+            raise
+        finally:
+            part.seeking = False
+    return part.found
 
+
+def before(part: Part) -> Pose:
+    """The pose while it is being sought: of the element before, in a chain through ``previous``."""
+    if part.env.scope.kind != "repeat":
+        raise circular_place(part)
+    if part.previous is None:
+        names = [f"{part.path}.at.{letter}" for letter in "xyz"]
+        found = [part.context.column(part.env.scope, name, "real", part.span) for name in names]
+        part.previous = Pose(IDENTITY, tuple(map(E.col, found)), E.ONE)  # type: ignore[arg-type]
+    return part.previous
+
+
+def chained(part: Part, pose: Pose, chain: Pose) -> Pose:
+    """Close the chain: each element stands on the one before, all turned alike."""
+    if pose.rotation != chain.rotation or pose.mirror is not E.ONE:
+        raise part.context.error(
+            "recurrence", part.span, f"each `{part.name}` is turned against the one before, which is no sum of offsets",
+            hint="place the elements straight at joint values 0 and turn them by their joints",
+        )  # fmt: skip
+    for name, value in zip(chain.translation, pose.translation, strict=True):
+        part.context.program.definitions[name.value] = closed(part.context, name.value, value)
+    return chain
+
+
+def sought(part: Part) -> Pose:
+    """The pose of a part in its environment; registers unknown coordinates where equations shall find them."""
     if part.declaration.root:
-        return Pose(rotation_of(part), (ZERO, ZERO, ZERO), ONE)
+        return Pose(part.rotation(), (ZERO, ZERO, ZERO), ONE)
     found = mounts(part.env, declared(part))
     if not found:
-        return Pose(rotation_of(part), position_columns(part), ONE)
+        return Pose(part.rotation(), part.position(), ONE)
     poses = [(m.env.scope, mounted(part, m)) for m in found]
     if not everywhere(part, [scope for scope, _ in poses]):
         return partly(part, [(m, pose) for m, (_, pose) in zip(found, poses, strict=True)])
@@ -171,9 +204,7 @@ def everywhere(part: Part, scopes: list[Scope]) -> bool:
 
 def partly(part: Part, mounts: list[tuple[Mount, Pose]]) -> Pose:
     """The pose of a part that is mounted in some cases alone: there its place is an equation, else what others determine."""
-    from .build import position_columns
-
-    place, rotation = position_columns(part), rotation_of(part)
+    place, rotation = part.position(), part.rotation()
     for mount, pose in mounts:
         span = mount.statement.span
         for column, value in zip(place, pose.translation, strict=True):
@@ -203,7 +234,7 @@ def mounted(part: Part, mount: Mount) -> Pose:
     if statement.between is not None:
         return bridged(part, mount, ev)
     assert mount.target is not None
-    inner = rotation_of(part)
+    inner = part.rotation()
     own = own_value(part, mount.subject, mount.env, inner)
     if inner != IDENTITY and not isinstance(own, Face):
         turned_in_vain(part, mount)
@@ -241,8 +272,6 @@ def turned_in_vain(part: Part, mount: Mount) -> None:
 
 def axes_from(direction: Triple) -> Matrix:
     """Axes for a line used as a frame: out along it, up z (x for a vertical one)."""
-    from ..values.faces import frame_of
-
     return frame_of(direction, unit(0 if abs(direction[2].constant or 0.0) == 1.0 else 2))
 
 
@@ -278,7 +307,7 @@ def bridged(part: Part, mount: Mount, ev: Evaluator) -> Pose:
     statement = mount.statement
     clause = statement.between
     assert clause is not None
-    if rotation_of(part) != IDENTITY:
+    if part.rotation() != IDENTITY:
         turned_in_vain(part, mount)
     subject = mount.subject
     line = part.own("ends", subject.span) if isinstance(subject, ast.NameExpr) else own_value(part, subject, mount.env)
@@ -329,3 +358,15 @@ def basis(along: Triple, toward: Triple) -> Matrix:
         square = minus(toward, times(along, dot(along, toward)))
     square = normalized(square)
     return columns(along, square, cross(along, square))
+
+
+def circular_place(part: Part) -> Abort:
+    """Report a part whose mount leads back to it, with the statements that lead there."""
+    waiting = [p for p in part.env.parts if p.seeking]
+    others = [p for p in waiting if p is not part]
+    via = f", by way of {' and '.join(f'`{p.name}`' for p in others)}" if others else ""
+    notes = [(m.statement.span, f"places `{p.name}`") for p in waiting for m in mounts(part.env, declared(p))]
+    return part.context.error(
+        "circular-definition", part.span, f"the place of `{part.name}` depends on itself{via}", notes=tuple(notes[:4]),
+        hint="`to` and `between` take the place from their target: let one of these parts hang on something that stands",
+    )  # fmt: skip

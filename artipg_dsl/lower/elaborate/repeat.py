@@ -15,13 +15,19 @@ from ..values.faces import squared
 from ..values.kinds import Box, Line
 from ..values.vectors import HERE, IDENTITY, ORIGIN, norm, rotation_about, signed_axis
 from .ranges import EVERY, Quantity
+from .split import axis_of, scalar, split
 
 HALF = E.const(0.5)
 WATER_ROUNDS = 12
 
 
-def build_repeat(env: Env, statement: ast.RepeatStmt, declare: Callable[[Env, tuple[ast.Stmt, ...]], None]) -> Element:
-    """Open the table of a repeat, place its elements, lower its body."""
+def build_repeat(
+    env: Env,
+    statement: ast.RepeatStmt,
+    declare: Callable[[Env, tuple[ast.Stmt, ...]], None],
+    register: Callable[[Env, ast.Stmt], None],
+) -> Element:
+    """Open the table of a repeat, place its elements, lower its body: ``declare`` its statements, ``register`` names ahead."""
     context = env.context
     ev = Evaluator(env)
     box = whole = None
@@ -48,9 +54,6 @@ def build_repeat(env: Env, statement: ast.RepeatStmt, declare: Callable[[Env, tu
     inner_ev = Evaluator(inner)
     match statement.form:
         case "split":
-            from .body import register
-            from .split import split
-
             split(inner, element, statement, box, register)  # type: ignore[arg-type]
         case "spread" | "fill" | "pitch":
             element.box = spaced(ev, inner_ev, statement, box, count, scope)
@@ -64,20 +67,6 @@ def build_repeat(env: Env, statement: ast.RepeatStmt, declare: Callable[[Env, tu
         element.box = ev.own_box()
     declare(inner, statement.body)
     return element
-
-
-def axis_of(ev: Evaluator, statement: ast.RepeatStmt) -> int:
-    """The axis of ``along``; for ``pitch`` too."""
-    found = statement.along
-    assert found is not None
-    axis = signed_axis(ev.direction(found.value))
-    if axis is None:
-        raise ev.env.context.error("bad-axis", found.span, "a repeat runs along x, y or z")
-    return axis[0]
-
-
-def scalar(ev: Evaluator, clause: ast.Clause[ast.Expr] | None) -> Expr:
-    return E.ZERO if clause is None else ev.scalar(clause.value)
 
 
 def filled(ev: Evaluator, statement: ast.RepeatStmt, box: Box) -> Expr:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import Any
 
 from ...graph import expr as E
 from ...graph.expr import Column, Expr, Scope
@@ -19,9 +19,7 @@ from ...graph.reference import Elsewhere, Onward, Reference, Under, definitions
 from ...source import Span
 from ..solve.cases import TooManyCases, combinations
 from ..values.kinds import part_of
-
-if TYPE_CHECKING:
-    from .links import Links
+from .links import Links, first_part
 
 LONGEST = 12  # links of a chain that is followed from element to element of a repeat
 COUNTS = 5  # values of a count, and ranks, that are tried
@@ -99,7 +97,7 @@ class Chains:
         return found
 
     def back(
-        self, start: int, at: int, row: Row, chain: list[int], around: set[int], far: bool, seen: set[tuple]
+        self, start: int, at: int, row: Row, chain: list[int], around: set[int], far: bool, seen: set[tuple[Any, ...]]
     ) -> list[int] | None:
         """The first chain from ``at`` that comes back to the row of ``start`` that it began in."""
         for to, there in self.steps(self.above[at], row, far):
@@ -258,8 +256,6 @@ def between(links: Links, number: int) -> Iterator[tuple[Span, str]]:
             yield attachments[0].span, f"carries `{part.name}`"
             parts = attachments[0].to
         else:
-            from .links import first_part
-
             instance = part.env.root.instance
             first = None if instance is None else first_part(instance)
             if first is None or first is part:

@@ -12,7 +12,7 @@ from ..expressions.context import where
 from ..expressions.env import Element, Env
 from ..expressions.evaluate import Evaluator
 from ..values.kinds import Box
-from .repeat import axis_of, scalar
+from ..values.vectors import signed_axis
 
 ROUNDS = 8
 
@@ -84,3 +84,17 @@ def limited(scope: Scope, room: Expr, weight: Expr, count: Expr, low: Expr, high
         step = E.div(E.mul(left, free), E.maximum(E.reduce("sum", scope, free), E.const(1e-12)))
         share = E.minimum(E.add(share, step), span)
     return E.add(low, share)
+
+
+def axis_of(ev: Evaluator, statement: ast.RepeatStmt) -> int:
+    """The axis of ``along``; for ``pitch`` too."""
+    found = statement.along
+    assert found is not None
+    axis = signed_axis(ev.direction(found.value))
+    if axis is None:
+        raise ev.env.context.error("bad-axis", found.span, "a repeat runs along x, y or z")
+    return axis[0]
+
+
+def scalar(ev: Evaluator, clause: ast.Clause[ast.Expr] | None) -> Expr:
+    return E.ZERO if clause is None else ev.scalar(clause.value)

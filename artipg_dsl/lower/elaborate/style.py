@@ -13,12 +13,12 @@ from ...syntax import ast
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..solve.cases import TooManyCases, combinations
-from ..values.kinds import Choice
+from ..values.kinds import Alternatives, Choice
 from .draws import draw_choice, draw_option, draw_scalar
 
 
 @dataclass(slots=True, eq=False)
-class Style:
+class Style(Alternatives):
     """``style pull : Handle = A | B | none``: the choice, and per alternative the parameters drawn so far."""
 
     env: Env

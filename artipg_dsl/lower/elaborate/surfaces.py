@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 from ...graph import expr as E
 from ...graph.derive import derive
-from ...graph.expr import Expr
+from ...graph.expr import Column, Expr, Scope
 from ...graph.linear import Linear, isolate
+from ...graph.primitive import Patch
 from ...syntax import ast
 from ..expressions.builtins import named
 from ..solve.solve import lifted
@@ -58,7 +59,9 @@ def frame_on(ev: Evaluator, surface: Surface, node: ast.CallExpr) -> Frame:
     return moved(replace(value, on=carriers), ev.pose)
 
 
-def solve_v(ev: Evaluator, node: ast.CallExpr, arguments: dict, patch, mapping: dict, u: Expr) -> Expr:  # noqa: ANN001
+def solve_v(
+    ev: Evaluator, node: ast.CallExpr, arguments: dict[str, ast.Expr], patch: Patch, mapping: dict[Expr, Expr], u: Expr
+) -> Expr:
     """The v at which a coordinate of the surface takes the given value."""
     axis = next((a for a in AXES if a in arguments), None)
     if axis is None:
@@ -66,8 +69,6 @@ def solve_v(ev: Evaluator, node: ast.CallExpr, arguments: dict, patch, mapping: 
             "wrong-arguments", node.span, "`at` takes u and v, or u and one coordinate (z = ...)"
         )
     coordinate = E.substitute(patch.position[AXES.index(axis)], {**mapping, E.var("u"): u})
-    from ...graph.expr import Column, Scope
-
     marker = Column(coordinate.scope or Scope("surface"), "v")
     target = E.col(marker)
     linear = Linear(lambda c: c is marker, {})

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...graph import expr as E
 from ...graph.expr import Expr
-from ...semantics.meanings import Local
 from ...source import Span
 from ...syntax import ast
 from ..values.carry import mapped, scalars
@@ -17,6 +15,8 @@ from ..values.faces import FACES, extent, frame_of, squared
 from ..values.kinds import Box, Frame, Line, Ports, Surface, Value
 from ..values.vectors import dot, minus, normalized, times, unit
 from .arithmetic import applied
+from .env import Element
+from .members import describe
 
 if TYPE_CHECKING:
     from .env import Env
@@ -26,40 +26,6 @@ SCALAR = {
     "sin": 1, "cos": 1, "tan": 1, "asin": 1, "acos": 1, "atan": 1, "atan2": 2, "sqrt": 1, "abs": 1, "floor": 1, "ceil": 1,
     "exp": 1, "log": 1, "sign": 1, "mod": 2,
 }  # fmt: skip
-
-
-MOST_PORTS = 8  # of a port array bound in a repeat
-
-
-@dataclass(slots=True, eq=False)
-class PortArray(Ports):
-    """Ports of a body that are evaluated when they are first asked for."""
-
-    pending: list = field(default_factory=list)  # (environment, declaration) still to be evaluated
-    size: int = 0  # how many there are, where the declaration says
-
-    def settled(self) -> dict[int, Value]:
-        """Evaluate the bindings: one per constant index, all of a repeat by its index, or all by an index of their own."""
-        from .evaluate import Evaluator
-        from .members import At, fetch
-
-        pending, self.pending = self.pending, []
-        for home, declaration in pending:
-            index = home.context.meaning(declaration.index)
-            if isinstance(index, Local):
-                for k in range(self.size):
-                    self.values[k] = Evaluator(home, {index.name: E.const(float(k))}).value(declaration.value)
-                continue
-            value = Evaluator(home).value(declaration.value)
-            index = Evaluator(home).scalar(declaration.index)
-            if index.constant is not None:
-                self.values[int(index.constant)] = value
-                continue
-            element = home.element
-            outer = Evaluator(home.outer)
-            for k in range(self.size or MOST_PORTS):
-                self.values[k] = fetch(outer, At(element, E.const(float(k)), element), value)
-        return self.values
 
 
 def pick(ports: Ports, index: Expr, env: Env, span: Span) -> Value:
@@ -108,9 +74,7 @@ def function(ev: Evaluator, node: ast.CallExpr, name: str) -> Value:
         arguments = [ev.scalar(a.value) for a in node.arguments]
         return (E.minimum if name == "min" else E.maximum)(*arguments)
     if name == "offset":
-        from ..solids.curves import offset
-
-        return offset(ev, node)
+        return context.makers.offset(ev, node)
     if name == "frame":
         return make_frame(ev, node)
     if name == "line":
@@ -156,7 +120,7 @@ def need(ev: Evaluator, node: ast.CallExpr, arguments: dict[str, ast.Expr], name
     return arguments[name]
 
 
-def carriers(value: Value) -> tuple:
+def carriers(value: Value) -> tuple[Any, ...]:
     return getattr(value, "on", ())
 
 
@@ -186,7 +150,7 @@ def make_box(ev: Evaluator, node: ast.CallExpr) -> Box:
     own = squared(own) if own is not None else None
     low: list[Expr | None] = list(own.low) if own is not None else [None] * 3
     high: list[Expr | None] = list(own.high) if own is not None else [None] * 3
-    on: tuple = ()
+    on: tuple[Any, ...] = ()
     for argument in node.arguments:
         if argument.name not in FACES:
             raise ev.env.context.error(
@@ -207,9 +171,6 @@ def make_box(ev: Evaluator, node: ast.CallExpr) -> Box:
 
 def reduction(ev: Evaluator, name: str, node: ast.Expr) -> Expr:
     """``sum(cell.size.z)``: over the elements of the repeat that the path goes through."""
-    from .env import Element
-    from .evaluate import Evaluator as Inner
-
     base = node
     while isinstance(base, ast.MemberExpr | ast.IndexExpr | ast.CallExpr | ast.BinaryExpr | ast.UnaryExpr):
         base = (
@@ -225,7 +186,7 @@ def reduction(ev: Evaluator, name: str, node: ast.Expr) -> Expr:
         )
     if name == "number":
         return element.count
-    value = Inner(element.env).scalar(node)
+    value = type(ev)(element.env).scalar(node)
     while value.scope is not None and not ev.env.scope.within(value.scope):
         value = E.reduce(name, value.scope, value)
     return value
@@ -233,13 +194,9 @@ def reduction(ev: Evaluator, name: str, node: ast.Expr) -> Expr:
 
 def method(ev: Evaluator, node: ast.CallExpr) -> Value:
     """``body.wall.at(u, z = h)``: a frame on a curved surface."""
-    from .members import describe
-
     function = node.function
     assert isinstance(function, ast.MemberExpr)
     owner = ev.value(function.obj)
     if function.name == "at" and isinstance(owner, Surface):
-        from ..elaborate.surfaces import frame_on
-
-        return frame_on(ev, owner, node)
+        return ev.env.context.makers.frame_on(ev, owner, node)
     raise ev.env.context.error("unknown-member", function.name_span, f"{describe(owner)} has no `{function.name}(...)`")

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...diagnostics import Report
 from ...errors import InternalError
@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from ...semantics.meanings import Meaning
     from ..elaborate.part import Part
     from ..elaborate.ranges import Quantity
+    from ..values.kinds import Surface, Value
+    from .env import Env
+    from .evaluate import Evaluator
 
 
 class Abort(Exception):
@@ -87,11 +90,22 @@ class Fetched:
     guard: Expr
 
 
+@dataclass(frozen=True, slots=True)
+class Makers:
+    """What rooms above make when an expression asks for it: the branches of a ``when``, each with its statements, as soon
+    as a name is looked for there; ``offset(skin(v), d)`` of a curve; ``wall.at(u, v)`` of a surface."""
+
+    enter_when: Callable[[Env, ast.WhenStmt], list[tuple[Env, tuple[ast.Stmt, ...]]]]
+    offset: Callable[[Evaluator, ast.CallExpr], Value]
+    frame_on: Callable[[Evaluator, Surface, ast.CallExpr], Value]
+
+
 @dataclass(slots=True, eq=False)
 class Context:
     report: Report
     program: Program
     typed: TypedProgram
+    makers: Makers
     guards: dict[tuple[Scope, Expr], Scope] = field(default_factory=dict)
     draws: list[Draw] = field(default_factory=list)
     spans: dict[Column, Span] = field(default_factory=dict)
@@ -105,9 +119,9 @@ class Context:
     asked: list[Quantity] = field(default_factory=list)  # numbers with a legal range that no record keeps
     fetched: list[Fetched] = field(default_factory=list)  # elements of repeats that have to be there
     known: Expr = E.TRUE  # what holds where the expression that is being lowered counts
-    solids: dict = field(default_factory=dict)  # primitive symbol -> Lowered
-    labels: list = field(default_factory=list)  # (depth of the target, Label)
-    materials: dict = field(default_factory=dict)  # site -> [(depth, ((material, predicate), ...))]
+    solids: dict[Any, Any] = field(default_factory=dict)  # primitive symbol -> Lowered
+    labels: list[Any] = field(default_factory=list)  # (depth of the target, Label)
+    materials: dict[Any, Any] = field(default_factory=dict)  # site -> [(depth, ((material, predicate), ...))]
     near: dict[Span, bool] = field(default_factory=dict)  # statements with `near` -> whether a search began there
     clearances: dict[int, Span] = field(
         default_factory=dict

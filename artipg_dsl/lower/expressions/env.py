@@ -7,7 +7,7 @@ equations that are matched together.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -19,7 +19,7 @@ from ...source import Span
 from ...syntax import ast
 from ..values.carry import merged, moved
 from ..values.kinds import Box, Choice, Frame, Line, Plane, Ports, Ref, Value, Vec
-from ..values.vectors import HERE, inverse
+from ..values.vectors import HERE, compose, inverse
 from .context import Abort, Context, Equation, Unknown
 
 if TYPE_CHECKING:
@@ -145,11 +145,9 @@ class Env:
 
     def branched(self, name: str) -> list[tuple[Env, Value]]:
         """What branches of ``when`` declare under a name, be they further down in the text."""
-        from ..elaborate.body import declares, enter_when
-
         for statement in self.statements:
             if isinstance(statement, ast.WhenStmt) and declares(statement, name):
-                enter_when(self, statement)
+                self.context.makers.enter_when(self, statement)
         found: list[tuple[Env, Value]] = []
         for branch in self.branches.values():
             found.extend([(branch, branch.force(name))] if name in branch.names else branch.branched(name))
@@ -181,8 +179,6 @@ class Env:
 
     def to_root(self) -> Pose:
         """This frame in the body's own."""
-        from ..values.vectors import compose
-
         pose, env = HERE, self
         while env.outer is not None:
             if env.frame is not HERE:
@@ -194,3 +190,22 @@ class Env:
 def exists_in(env: Env, guard: Expr) -> bool:
     """Whether rows of the environment's table are rows for which ``guard`` holds."""
     return guard is E.TRUE or any(scope.count is guard for scope in env.scope.ancestors())
+
+
+def names_of(statement: ast.Stmt) -> Iterator[str]:
+    if isinstance(statement, ast.ParamDecl):
+        yield from statement.names
+    elif isinstance(
+        statement, ast.CountDecl | ast.LetDecl | ast.PartDecl | ast.StyleDecl | ast.RepeatStmt | ast.CurveDecl
+    ):
+        yield statement.name
+
+
+def declares(statement: ast.WhenStmt, name: str) -> bool:
+    """Whether a branch of a ``when`` declares a name."""
+    return any(
+        declares(inner, name)
+        if isinstance(inner, ast.WhenStmt)
+        else name in names_of(inner) or isinstance(inner, ast.PortDecl) and inner.name == name
+        for inner in (*statement.body, *statement.otherwise)
+    )

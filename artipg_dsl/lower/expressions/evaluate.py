@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...graph import expr as E
 from ...graph.expr import Expr, ScopeError
@@ -26,7 +26,7 @@ from ...source import Span
 from ...syntax import ast
 from ...units import UNITS
 from ..values.carry import moved
-from ..values.kinds import Box, Choice, Frame, Line, Plane, Ports, Ref, Value, Vec
+from ..values.kinds import Alternatives, Box, Choice, Frame, Line, Plane, Ports, Ref, Value, Vec
 from ..values.vectors import AXES, HERE, unit
 from . import arithmetic, builtins, members
 from .context import Fetched, text_of
@@ -135,7 +135,7 @@ class Evaluator:
 
     def _VectorExpr(self, node: ast.VectorExpr) -> Value:
         items: list[Expr] = []
-        on: tuple = ()
+        on: tuple[Any, ...] = ()
         for k, item in enumerate(node.items):
             value = self.value(item)
             if isinstance(value, Frame) and value.face:
@@ -155,16 +155,13 @@ class Evaluator:
         return Vec(tuple(items), on)
 
     def _IsExpr(self, node: ast.IsExpr) -> Value:
-        from ..elaborate.part import matches
-        from ..elaborate.style import Style
-
         subject = self.value(node.subject)
-        if isinstance(subject, Style):
+        if isinstance(subject, Alternatives):
             return subject.matches(node.type_name)
         if not isinstance(subject, Ref) or len(subject.branches) != 1:
             raise self.wrong(node.subject.span, "a part", subject)
         part = subject.branches[0].members[0][0]
-        return matches(part, node.type_name, node.type_span, self.env)
+        return part.matches(node.type_name, node.type_span, self.env)
 
     # ------------------------------------------------------------ names, members, calls
 

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...graph import expr as E
 from ...graph.expr import Expr, Scope
 from ...graph.program import Pose
 from ...source import Span
 from ...syntax import ast
-from ..values.carry import baked, mapped, merged, moved
+from ..values.carry import baked, mapped, mapped_pose, merged, moved
 from ..values.faces import FACES, corner_of, edge_of, extent, face_of, squared
 from ..values.kinds import Box, Choice, Edge, Face, Frame, InElement, Line, Plane, Ref, Surface, Value, Vec
-from ..values.vectors import AXES, HERE, compose, place
+from ..values.vectors import AXES, HERE, compose, inverse, place
 from .env import Element, Env, Function
+from .extents import raised
 
 if TYPE_CHECKING:
     from ..elaborate.part import Part
@@ -49,8 +50,6 @@ def own_box(ev: Evaluator) -> Box | None:
     root = ev.env.root
     if root.box is None:
         return None
-    from ..values.vectors import inverse
-
     pose = ev.env.to_root()
     return root.box if pose is HERE else moved(root.box, inverse(pose))
 
@@ -135,8 +134,6 @@ def here(ev: Evaluator, element: Element, value: Value) -> Value:
 
 def from_env(ev: Evaluator, env: Env, value: Value) -> Value:
     """A value of an environment around this one, in this one's frame."""
-    from ..values.vectors import inverse
-
     chain = HERE
     at: Env | None = ev.env
     while at is not None and at is not env:
@@ -170,8 +167,6 @@ def fetch(ev: Evaluator, at: At, inner: Value) -> Value:
     value = mapped(inner, lambda e: E.element(scope, e, at.index) if _deep(e, scope) else e)  # type: ignore[arg-type]
     frame = at.element.env.frame
     if frame is not HERE:
-        from ..values.carry import mapped_pose
-
         outer = mapped_pose(frame, lambda e: E.element(scope, e, at.index) if _deep(e, scope) else e)  # type: ignore[arg-type]
         value = moved(value, outer)
     return moved(lift(ev, value, scope.parent), ev.pose)
@@ -196,14 +191,12 @@ def lift(ev: Evaluator, value: Value, scope: Scope | None) -> Value:
 
 def ref_member(ev: Evaluator, ref: Ref, name: str, span: Span) -> Value | None:
     """A member of what a reference names, of whichever alternative exists; else of its box."""
-    from ..elaborate.part import part_member
-
     results: list[tuple[Scope | None, Value]] = []
     for branch in ref.branches:
         if len(branch.members) != 1:
             continue
         part, outer = branch.members[0]
-        found = part_member(part, name, span, ev, ref.own)
+        found = part.member(name, span, ev, ref.own)
         if found is not None:
             results.append((branch.scope, moved(found, outer)))
     if not results or len(results) < len(ref.branches):
@@ -243,7 +236,7 @@ def ref_box(ev: Evaluator, ref: Ref, span: Span) -> Box:
 def branch_box(ev: Evaluator, ref: Ref, span: Span) -> Box:
     """The box of what a reference names; for several parts, the axis-aligned box around them."""
     boxes: list[tuple[Scope | None, Box]] = []
-    carriers: list = []
+    carriers: list[Any] = []
     for branch in ref.branches:
         held = [member_box(ev, part, outer, ref.own, branch.scope) for part, outer in branch.members]
         carriers += [part for part, _ in branch.members if part not in carriers]
@@ -263,8 +256,6 @@ def branch_box(ev: Evaluator, ref: Ref, span: Span) -> Box:
 
 def member_box(ev: Evaluator, part: Part, outer: Pose, own: bool, scope: Scope | None) -> Value:
     """The box of one part of a reference; over all rows where the part stands in a repeat of its template."""
-    from .extents import raised
-
     box = moved(part.box(), outer if own else compose(outer, part.pose))
     target = scope if scope is not None else ev.env.scope
     if part.env.scope.within(target) and part.env.scope is not target:

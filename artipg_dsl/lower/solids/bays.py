@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -75,7 +76,7 @@ def swapped(point: Sequence[Expr], mapping: dict[Expr, Expr]) -> Point:
 # ---------------------------------------------------------------- pieces
 
 
-def polygons(probe: Probe, loops: list, fill: list, solid_section: bool) -> list[list[Point]]:
+def polygons(probe: Probe, loops: list[Any], fill: list[Any], solid_section: bool) -> list[list[Point]]:
     """Convex polygons that fill a section: one, or the steps of its strips."""
     if solid_section:
         corners = []

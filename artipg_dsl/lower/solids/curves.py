@@ -17,11 +17,11 @@ from ..expressions.env import Env, Function
 from ..expressions.evaluate import Evaluator
 from ..expressions.members import describe
 from ..values.kinds import Value, Vec
+from .handed import Handed
 from .profiles import Point, Span, V, between, right_of
 
 if TYPE_CHECKING:
     from ...source import Span as Place
-    from .paths import Handed
 
 TURN = 6.283185307179586
 
@@ -80,8 +80,6 @@ def offset(ev: Evaluator, node: ast.CallExpr) -> Vec:
 
 def named_curve(ev: Evaluator, node: ast.Expr | None) -> Value | None:
     """The curve, or path that a use hands in, that a name stands for; None for what is neither."""
-    from .paths import Handed
-
     found = None if node is None else ev.meant(ev.env.context.meaning(node))
     return found if isinstance(found, Curve | Handed) else None
 

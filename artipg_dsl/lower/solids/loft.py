@@ -14,6 +14,8 @@ bear the names of the first section's curves; the ends are ``start`` and ``end``
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ...graph import expr as E
@@ -27,8 +29,9 @@ from .bays import BLEND, Bay, Chains, bay_pieces, polygons, sum_of, swapped
 from .curves import TURN, Curve, named_curve, spans_of
 from .frames import Frames, bend, slowest, turning
 from .frames import frames as frames_of
+from .handed import Handed
 from .made import Made, U
-from .paths import Handed, Stretch, steps_of, stretches, windows
+from .paths import Stretch, steps_of, stretches, windows
 from .probe import Probe
 from .profiles import SLOPE, Side, Span, V, circular, distance, extreme, orientation, straight
 from .rails import NEAR, check_directions, foot, path_of, ports_of, reach
@@ -222,8 +225,8 @@ def made_of(
     bays: list[Bay],
     low: Triple,
     high: Triple,
-    ports: dict,
-    requires: tuple,
+    ports: dict[Any, Any],
+    requires: tuple[Any, ...],
 ) -> Made:
     """Surfaces, inside function and pieces of bays one after another."""
     patches, pieces = [], []

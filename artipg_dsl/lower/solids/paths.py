@@ -11,7 +11,6 @@ parameters allow.
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -26,6 +25,7 @@ from ..expressions.builtins import named, need
 from ..expressions.evaluate import Evaluator
 from ..values.vectors import Triple, dot, minus, normalized, plus, times
 from .curves import Curve
+from .handed import Handed, Step
 from .probe import Probe
 from .profiles import V
 
@@ -37,14 +37,6 @@ KINDS = {
     "from": ("at",) * 3 + ("along",) * 3, "line": ("length",), "arc": ("radius", "angle") + ("along",) * 3,
     "formula": ("formula",) * 3,
 }  # fmt: skip
-
-
-@dataclass(frozen=True, slots=True)
-class Step:
-    """A word of a path with its numbers: from (at, along), line (length), arc (radius, angle, towards), formula."""
-
-    word: str
-    numbers: tuple[Expr, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -146,32 +138,6 @@ def arc(at: Triple, along: Triple, radius: Expr, angle: Expr, towards: Triple) -
     direction = plus(times(along, c), times(inward, s))
     center = plus(at, times(inward, radius))
     return Stretch(place, direction, E.mul(radius, angle), center, times(inward, E.const(-1.0)), radius, angle)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Handed:
-    """A path as a parameter: its steps over variables ``names``, whose values are ``scalars``; ``key`` is its shape."""
-
-    curve: Curve
-    steps: tuple[Step, ...]
-    names: tuple[str, ...]
-    scalars: tuple[Expr, ...]
-    tests: tuple[tuple[float, float], ...]
-
-    @property
-    def key(self) -> tuple:
-        return tuple((s.word, s.numbers) for s in self.steps), self.tests
-
-    def in_words(self, text: str) -> str:
-        """A message with the formulas of the author where it has variables."""
-        for name, value in zip(self.names, self.scalars, strict=True):
-            told = (
-                E.show(value, 40).removeprefix("(").removesuffix(")")
-                if value.op in ("add", "sub")
-                else E.show(value, 40)
-            )
-            text = re.sub(rf"(?<![\w.]){re.escape(name)} = ", lambda _, told=told: f"{told} = ", text)  # type: ignore[misc]
-        return text
 
 
 def test_range(kind: str, known: Interval) -> Interval:

@@ -4,24 +4,27 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...graph import expr as E
-from ...graph.expr import Expr
-from ...graph.interval import Interval, Intervals
+from ...graph.expr import Expr, Scope
+from ...graph.interval import Interval, Intervals, always
 from ...graph.primitive import Patch, Piece, Primitive
 from ...graph.program import Requirement
 from ...semantics.symbols import Symbol
 from ...source import Span
 from ...syntax import ast
 from ..expressions.context import Context, where
-from ..expressions.env import Env, Function
+from ..expressions.env import Env, Function, Thunk
 from ..expressions.evaluate import Evaluator
 from ..values.carry import mapped
+from ..values.faces import FACES
 from ..values.kinds import Box, Surface, Value, Vec
+from ..values.vectors import HERE
 from .curves import Curve
+from .handed import Handed
 from .operators import solid_of
-from .paths import Handed, handed
+from .paths import handed
 
 if TYPE_CHECKING:
     from ..elaborate.part import Instance
@@ -76,9 +79,6 @@ class Lowered:
             mapping = self.mapping(instance)
             return mapped(self.ports[name], lambda e: E.substitute(e, mapping))
         if name in self.primitive.surfaces:
-            from ..values.faces import FACES
-            from ..values.vectors import HERE
-
             if name in FACES:
                 return None  # the face of the box is the same plane, and a frame
             return Surface(((None, instance.part, HERE, name),))
@@ -86,7 +86,6 @@ class Lowered:
 
     def require(self, instance: Instance) -> None:
         """The declaration's requirements (and positive parameters) for this use, in its table."""
-        from ...graph.interval import always
 
         mapping = self.mapping(instance)
         program = instance.part.context.program
@@ -143,14 +142,13 @@ def blame(paths: tuple[Handed, ...], primitive: str) -> tuple[Span, str]:
 
 
 def make(context: Context, symbol: Symbol, title: str, paths: dict[str, Handed]) -> Lowered:
-    from ...graph.expr import Scope
 
     root = Scope(f"primitive {symbol.name}")
     env = Env(context, symbol.module, symbol, root, "")
     names: list[tuple[str, int]] = []
     parameters: list[str] = []
     tests: list[tuple[float, float]] = []
-    conditions: list = []
+    conditions: list[Any] = []
     for statement in symbol.body:
         if isinstance(statement, ast.ParamDecl):
             for name in statement.names:
@@ -168,8 +166,6 @@ def make(context: Context, symbol: Symbol, title: str, paths: dict[str, Handed])
             elif isinstance(statement.value, ast.ChainExpr):
                 env.names[statement.name] = Curve(statement, env)
             else:
-                from ..expressions.env import Thunk
-
                 env.names[statement.name] = Thunk(partial(Evaluator(env).value, statement.value), statement.name_span)
         elif isinstance(statement, ast.CurveDecl):
             env.names[statement.name] = Curve(statement, env)
@@ -230,7 +226,13 @@ def make(context: Context, symbol: Symbol, title: str, paths: dict[str, Handed])
 
 
 def declare_parameter(
-    env: Env, statement: ast.ParamDecl, name: str, names: list, parameters: list, tests: list, conditions: list
+    env: Env,
+    statement: ast.ParamDecl,
+    name: str,
+    names: list[Any],
+    parameters: list[Any],
+    tests: list[Any],
+    conditions: list[Any],
 ) -> None:
     size = statement.type.size
     components = [f"{name}.{'xyz'[k]}" for k in range(size)] if size else [name]
@@ -262,7 +264,7 @@ def declare_parameter(
                 conditions.append((E.call("le", *pair), pair, told, statement, text))
 
 
-def condition_of(ev: Evaluator, statement: ast.RequireStmt) -> tuple:
+def condition_of(ev: Evaluator, statement: ast.RequireStmt) -> tuple[Any, ...]:
     condition, slack = comparison(ev, statement.condition)  # type: ignore[arg-type]
     return condition, slack, statement.message or "a requirement of the primitive fails", statement, "requirement"
 
@@ -291,7 +293,7 @@ def whole(node: Expr) -> bool:
     return False
 
 
-def box_of(ev: Evaluator, statement: ast.BoxDecl) -> tuple:
+def box_of(ev: Evaluator, statement: ast.BoxDecl) -> tuple[Any, ...]:
     if statement.value is not None:
         size = ev.vector(statement.value)
         half = tuple(E.mul(c, E.const(0.5)) for c in size)

@@ -18,7 +18,8 @@ from ..values.faces import frame_of
 from ..values.kinds import Frame, Value
 from ..values.vectors import cross, dot, minus, plus, times
 from .curves import TURN, Curve, named_curve
-from .paths import Handed, Stretch, windows
+from .handed import Handed
+from .paths import Stretch, windows
 from .probe import Probe
 from .profiles import FINE, SLOW, STEPS, V, clamp, halved, onwards, tops
 

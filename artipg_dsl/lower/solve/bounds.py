@@ -17,7 +17,7 @@ from ...graph.inequality import Half, bounds_of, least_of
 from ...graph.interval import Intervals
 from ...graph.linear import Form, Linear
 from ...graph.program import Bound, Draw, Limit, Program
-from .systems import inline
+from .inline import inline
 from .unions import unite
 
 MOST_DERIVED = 400

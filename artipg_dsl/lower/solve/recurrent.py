@@ -6,7 +6,7 @@ from ...graph import expr as E
 from ...graph.expr import Column, Expr, Scope
 from ...graph.linear import Linear
 from ..expressions.context import Context
-from .systems import inline
+from .inline import inline
 
 
 def closed(context: Context, column: Column, value: Expr) -> Expr:

@@ -11,6 +11,7 @@ from ...graph.linear import Linear
 from ...graph.program import Requirement
 from ..expressions.context import Equation, Unknown, where
 from ..expressions.env import Env
+from .inline import inline
 
 MOST = 8  # unknowns of one block
 RELATIVE, ABSOLUTE = E.const(1e-9), E.const(1e-12)  # how far the two sides of an equation may lie apart
@@ -94,8 +95,6 @@ def demand(
     named = " and ".join(u.name for u in unknowns)
     definitions = env.context.program.definitions
     for equation in equations:
-        from .systems import inline
-
         sides = [
             E.substitute(inline(side, list(solution), definitions), mapping) for side in (equation.left, equation.right)
         ]

@@ -8,6 +8,7 @@ from ...graph.linear import tidy
 from ...graph.program import Draw, Requirement
 from ..expressions.context import Equation, Unknown, where
 from ..expressions.env import Env
+from ..expressions.evaluate import Evaluator
 from ..values.faces import squared
 from ..values.kinds import Box
 from ..values.vectors import turn
@@ -82,12 +83,9 @@ def drawn(env: Env, unknown: Unknown, draw: Draw, fresh: bool) -> Expr:
 
 def centred(unknown: Unknown) -> Expr:
     """A free position: the part's box is centred on the box of its scope."""
-    from ..elaborate.build import rotation_of
-    from ..expressions.evaluate import Evaluator
-
     part, axis = unknown.part, unknown.axis
     assert part is not None
-    offset = turn(rotation_of(part), part.box().center)[axis]
+    offset = turn(part.rotation(), part.box().center)[axis]
     at: Env | None = part.env
     center: Expr = E.ZERO
     while at is not None:

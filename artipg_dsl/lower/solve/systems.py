@@ -8,6 +8,7 @@ from ...graph.linear import Form, Linear, Parts, combine, isolate, solve_block, 
 from ...graph.matching import Matching, components
 from ..expressions.context import Abort, Equation, Settled, Unknown
 from ..expressions.env import Env
+from .inline import inline
 from .roots import numeric, start
 
 
@@ -101,16 +102,6 @@ def remainder(forms: list[Form], columns: list[Column]) -> Expr | None:
         ]
     left = [tidy(rest) for terms, rest in rows if not terms]
     return left[0] if left else None
-
-
-def inline(node: Expr, columns: list[Column], definitions: dict[Column, Expr], *, through: bool = False) -> Expr:
-    """An expression with every defined column that depends on one of ``columns`` written out."""
-    reader = Linear(lambda c: c in columns, definitions, through=through)
-    while True:
-        hidden = [c for c in E.leaves(node) if c not in columns and c in definitions and reader.reads(E.col(c))]
-        if not hidden:
-            return node
-        node = E.substitute(node, {E.col(c): definitions[c] for c in hidden})
 
 
 def eliminate(differences: list[Expr], columns: list[Column]) -> dict[Column, Expr] | None:

@@ -23,6 +23,16 @@ if TYPE_CHECKING:
 Carrier: TypeAlias = "Part | InElement"  # what a value lies on
 
 
+class Alternatives:
+    """One of several templates, drawn once (a style): it can be asked which with ``is``."""
+
+    __slots__ = ()
+
+    def matches(self, name: str) -> Expr:
+        """Whether it is the template, or a template of the role, of that name."""
+        raise NotImplementedError
+
+
 @dataclass(frozen=True, slots=True)
 class Vec:
     """Two or three scalars: a size or displacement, or (``point``) a place, which moves with its frame."""

@@ -1,0 +1,65 @@
+"""What a role, a template or a primitive takes: its parameters, and their values where nobody hands any in."""
+
+from __future__ import annotations
+
+from ...graph import expr as E
+from ...semantics.symbols import Symbol, lineage
+from ...source import Span
+from ...syntax import ast
+from ..expressions.context import Unknown
+from ..expressions.env import Env
+from ..values.kinds import Value, Vec
+from .draws import component_of, draw_option, draw_scalar, make_draw
+from .style import Style
+
+
+def parameters_of(symbol: Symbol) -> list[tuple[Symbol, ast.ParamDecl, str, Span]]:
+    """The interface of a role, template or primitive: (declaring symbol, declaration, name, span), outermost role first."""
+    found: dict[str, tuple[Symbol, ast.ParamDecl, str, Span]] = {}
+    for owner in reversed(lineage(symbol)):
+        for statement in owner.body:
+            if isinstance(statement, ast.ParamDecl):
+                for name, span in zip(statement.names, statement.name_spans, strict=True):
+                    found[name] = (owner, statement, name, span)
+    return list(found.values())
+
+
+def own_parameter(
+    env: Env, declaration: ast.ParamDecl, name: str, style: Style | None = None, option: str = ""
+) -> Value:
+    """A parameter of the body itself: drawn, derived, or its default."""
+    path = env.path + name
+    kind = declaration.type
+    if kind.values:
+        return (
+            draw_option(env, declaration, path)
+            if style is None
+            else style.shared_option(option, name, declaration, env)
+        )
+    if kind.size is None:
+        return own_scalar(env, declaration, name, None, style, option)
+    items = (own_scalar(env, declaration, f"{name}.{'xyz'[k]}", k, style, option) for k in range(kind.size))
+    return Vec(tuple(items))
+
+
+def own_scalar(
+    env: Env, declaration: ast.ParamDecl, name: str, component: int | None, style: Style | None, option: str
+) -> E.Expr:
+    path = env.path + name
+    if declaration.derived:
+        column = env.context.column(env.scope, path, "real", declaration.span)
+        unknown = Unknown(column, "derived", declaration.span, f"`{name}`")
+        if declaration.domain is not None:
+            unknown.draw = make_draw(env, declaration, path, component)
+            unknown.draw.column = column
+        env.unknowns.append(unknown)
+        return E.col(column)
+    if declaration.domain is not None:
+        if style is not None:
+            return style.shared(option, name, declaration, component, env)
+        return draw_scalar(env, declaration, path, component)
+    if declaration.default is not None:
+        return component_of(env, declaration.default, component)
+    column = env.context.column(env.scope, path, "real", declaration.span)
+    env.unknowns.append(Unknown(column, "size", declaration.span, f"`{name}`", positive=declaration.positive))
+    return E.col(column)

@@ -1,0 +1,31 @@
+"""How a part is turned before it is placed: ``along`` and ``turned``, one after the other."""
+
+from __future__ import annotations
+
+from ...graph import expr as E
+from ...syntax import ast
+from ..expressions.env import Env
+from ..expressions.evaluate import Evaluator
+from ..values.vectors import IDENTITY, Matrix, along, normalized, product, rotation_about, signed_axis
+
+
+def turned(env: Env, placements: tuple[ast.Placement, ...], outer: Matrix = IDENTITY) -> Matrix:
+    """The placements one after the other, then the rotation ``outer``."""
+    ev, made = Evaluator(env), IDENTITY
+    for placement in placements:
+        direction = ev.direction(placement.direction)
+        if placement.angle is None:
+            if signed_axis(direction) is None:
+                raise env.context.error(
+                    "bad-axis", placement.direction.span, "a part lies along x, y or z",
+                    hint="any other direction: `turned 20deg about y`, or a `connect` with frames",
+                )  # fmt: skip
+            step = along(direction)
+        elif all(c is E.ZERO for c in direction):
+            raise env.context.error(
+                "bad-axis", placement.direction.span, "an axis has a length: [0, 0, 0] points nowhere"
+            )
+        else:
+            step = rotation_about(normalized(direction), ev.scalar(placement.angle))
+        made = product(step, made)
+    return made if outer is IDENTITY else product(outer, made)
