@@ -14,8 +14,7 @@ import numpy as np
 from .diagnostics.suggest import did_you_mean
 from .errors import UsageError
 from .run.job import Job, open_job, prepare
-from .run.params import read_params
-from .run.request import SEQUENTIAL, Request, numbered, read_sampling
+from .run.request import read_request
 from .run.resume import reopen
 from .run.settings import Value
 from .session import Session, categories
@@ -58,28 +57,11 @@ def sample(
     ``[{"width": 0.52, "handle": "BowHandle"}]`` (what they leave out is drawn); ``repairs`` tells what was moved.
     Raises CompileError, SettingError, NoObject, UserError.
     """
-    if values is None:
-        asked = Request(
-            str(category),
-            seed,
-            numbered(n, numbers),
-            {} if set is None else set,
-            checked,
-            read_sampling(sampling),
-            repair,
-        )
-        return Samples(open_job(asked))
-    if set or n is not None or sampling != SEQUENTIAL:
-        raise UsageError(
-            "objects given by values have their number and values from there", "leave n, set and sampling out"
-        )
-    named = str(values) if isinstance(values, str | Path) else "values"
-    found = read_params(values) if isinstance(values, str | Path) else _entries(values)
-    beyond = [k for k in ([] if numbers is None else np.asarray(numbers).tolist()) if not 0 <= k < len(found)]
-    if beyond:
-        raise UsageError(f"there is no object {beyond[0]}: {len(found)} are given, numbered from 0")
-    which = numbered(None if numbers is not None else len(found), numbers)
-    return Samples(open_job(Request(str(category), seed, which, checked=checked, values=found), values=named))
+    request = read_request(
+        category, seed=seed, n=n, numbers=numbers, settings=set, checked=checked, sampling=sampling, repair=repair,
+        values=values,
+    )  # fmt: skip
+    return Samples(open_job(request, values=str(values) if isinstance(values, str | Path) else "values"))
 
 
 def load(
@@ -89,22 +71,13 @@ def load(
     if text.strip().endswith((".apg", ".apgc")) and "\n" not in text.strip():
         raise UsageError(f"load takes the text of a program, not its name, {text}", f'write sample("{text}")')
     sampler = Session.of_text(text).sampler
-    return Samples(
-        prepare(sampler, Request(sampler.program.name, seed, numbered(n, None), {} if set is None else set, checked))
-    )
+    request = read_request(sampler.program.name, seed=seed, n=n, settings=set, checked=checked)
+    return Samples(prepare(sampler, request))
 
 
 def open_samples(folder: str | Path) -> Samples:
     """The objects of a folder that ``apgc sample`` has written, made again. Raises ExportError, UserError."""
     return Samples(reopen(folder))
-
-
-def _entries(values: Iterable[Mapping[str, Any]]) -> tuple[Mapping[str, Any], ...]:
-    """Objects given as dictionaries, one alone or several."""
-    found = tuple(dict(entry) for entry in ([values] if isinstance(values, Mapping) else values))
-    if not found:
-        raise UsageError("no objects are given: values is empty")
-    return found
 
 
 class Samples:

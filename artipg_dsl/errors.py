@@ -1,4 +1,4 @@
-"""Errors that the user can put right, told in words: what is wrong, and what to try."""
+"""Errors that the user can put right, with a clear message: what is wrong, and what to try."""
 
 from __future__ import annotations
 

@@ -224,7 +224,7 @@ def run(name: str, text: str) -> str:
     from artipg_dsl.diagnostics.text import render
     from artipg_dsl.errors import UserError
     from artipg_dsl.graph.text import TextError, from_text
-    from artipg_dsl.run.compiled import planned
+    from artipg_dsl.run.compiled import make_sampler
     from artipg_dsl.run.job import prepare
     from artipg_dsl.run.request import Request
     from artipg_dsl.session import Session
@@ -232,7 +232,7 @@ def run(name: str, text: str) -> str:
 
     try:
         if name.endswith(".apgc"):
-            sampler = planned(from_text(text), name)
+            sampler = make_sampler(from_text(text), name)
         else:
             session = Session(Source(name, text), None)
             if session.lowering is None:

@@ -41,7 +41,7 @@ def fraction(text: str) -> float:
     """A number from 0 to 1."""
     number = 0.0 if text.strip() in ("0", "0.0") else amount(text)
     if number > 1:
-        raise ArgumentTypeError(f"{text} does not lie between 0 and 1")
+        raise ArgumentTypeError(f"{text} is not between 0 and 1")
     return number
 
 
@@ -54,7 +54,7 @@ def tolerance(text: str) -> float:
         raise ArgumentTypeError(f"{text!r} is not a length: write 0.5mm or 1cm")
     length = float(match.group(1)) * {"mm": 1e-3, "cm": 1e-2, "m": 1.0}[match.group(2)]
     if not FINEST <= length <= COARSEST:
-        raise ArgumentTypeError(f"{text.strip()} does not lie between {1000 * FINEST:g}mm and {COARSEST:g}m")
+        raise ArgumentTypeError(f"{text.strip()} is not between {1000 * FINEST:g}mm and {COARSEST:g}m")
     return length
 
 
@@ -64,11 +64,13 @@ def numbers(text: str) -> list[int]:
     for piece in text.split(","):
         match = re.fullmatch(r"\s*(\d+)\s*(?:\.\.\s*(\d+)\s*)?", piece)
         if match is None:
-            raise ArgumentTypeError(f"{piece.strip()!r} is no object number: write 37 or 40..45, with commas between")
+            raise ArgumentTypeError(
+                f"{piece.strip()!r} is not an object number: write 37 or 40..45, separated by commas"
+            )
         first = int(match.group(1))
         last = int(match.group(2) or first)
         if last < first:
-            raise ArgumentTypeError(f"{piece.strip()} is empty: its end lies before its start")
+            raise ArgumentTypeError(f"{piece.strip()} is empty: it ends before it begins")
         if last >= 2**63 or last - first >= MOST:
             raise ArgumentTypeError(f"{piece.strip()} is too large")
         found.update(range(first, last + 1))
@@ -78,7 +80,7 @@ def numbers(text: str) -> list[int]:
 def place(text: str) -> str:
     """Where to write: a name that is not empty, as that of a variable that is not set would be; - is standard output."""
     if not text.strip():
-        raise ArgumentTypeError("an empty name is no place to write to")
+        raise ArgumentTypeError("the name of the output is empty")
     return text
 
 
@@ -86,7 +88,7 @@ def folder(text: str) -> str:
     """A folder to write to: standard output is none."""
     if text == STREAM:
         raise ArgumentTypeError(
-            "- is standard output, and a folder is needed: give it a name, or ./- for one called so"
+            "- means standard output, but a folder is needed: give its name (./- for a folder named -)"
         )
     return place(text)
 
@@ -94,9 +96,7 @@ def folder(text: str) -> str:
 def picture(text: str) -> str:
     """A picture to write: a terminal is no place for one."""
     if text == STREAM:
-        raise ArgumentTypeError(
-            "- is standard output, and a picture is not written there: give a file that ends in .png"
-        )
+        raise ArgumentTypeError("- means standard output, but a picture needs a file: give a name that ends in .png")
     return place(text)
 
 
@@ -104,7 +104,7 @@ def part(text: str) -> tuple[int, int]:
     """``2/8``: the second of eight parts."""
     match = re.fullmatch(r"(\d+)/(\d+)", text.strip())
     if match is None or not 1 <= int(match.group(1)) <= int(match.group(2)):
-        raise ArgumentTypeError(f"{text!r} is no part of a run: write 2/8 for the second of eight")
+        raise ArgumentTypeError(f"{text!r} is not a part of a run: write 2/8 for the second of eight")
     return int(match.group(1)), int(match.group(2))
 
 
@@ -114,5 +114,5 @@ def workers(text: str) -> int:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     number = whole(text)
     if not 0 < number <= CROWD:
-        raise ArgumentTypeError(f"{text} is not a number from 1 to {CROWD}, nor `auto`")
+        raise ArgumentTypeError(f"{text} is neither a number from 1 to {CROWD} nor `auto`")
     return number

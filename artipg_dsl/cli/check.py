@@ -21,11 +21,10 @@ def run(options: argparse.Namespace) -> int:
         print(to_sarif(found, __version__) if options.sarif else to_json(found))
     else:
         from ..diagnostics.text import summary
-        from .messages import findings, say
+        from .messages import findings, plural, say
 
         findings(found, sys.stdout)
-        files = "1 file" if len(options.files) == 1 else f"{len(options.files)} files"
-        say(f"{files}: {summary(found)}")
+        say(f"{plural(len(options.files), 'file')}: {summary(found)}")
     return 1 if report.failed else 0
 
 

@@ -14,7 +14,7 @@ from typing import Any
 
 from ..diagnostics import CompileError
 from ..errors import UsageError
-from ..run.compiled import COMPILED, compiled_text
+from ..run.compiled import COMPILED, to_compiled
 from ..session import Session
 from ..source import Span
 from ..syntax import ast
@@ -25,7 +25,7 @@ from .messages import findings, say
 def of_text(name: str) -> Session:
     """The session of a program that is still text."""
     if Path(name).suffix == COMPILED:
-        raise UsageError(f"{name} is compiled", "give the .apg file that it was compiled from")
+        raise UsageError(f"{name} is a compiled program", "give the .apg file that it was compiled from")
     return Session.of(name)
 
 
@@ -47,7 +47,7 @@ def emit_graph(session: Session) -> str | None:
     program, lowering = session.sampler.program, session.lowering
     assert lowering is not None
     lines = blocks((unknown for _, unknown in lowering.context.ledger), lowering.context.draws)
-    return compiled_text(program, ["", "blocks of equations", *lines])
+    return to_compiled(program, ["", "blocks of equations", *lines])
 
 
 def emit_plan(session: Session) -> str | None:
@@ -75,7 +75,7 @@ def run(options: argparse.Namespace) -> int:
     session = of_text(options.program)
     if options.out is not None and Path(options.out).suffix == ".apg":
         raise UsageError(
-            f"{options.out} would be a program: what is compiled goes elsewhere",
+            f"{options.out} is the name of a program, and a compiled program is not one",
             f"write {Path(options.out).with_suffix(COMPILED)}",
         )
     try:

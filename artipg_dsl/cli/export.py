@@ -7,10 +7,10 @@ import time
 from pathlib import Path
 
 from ..errors import UsageError
-from .messages import say
+from .messages import plural, say
 from .progress import Progress
-from .render import wanted
-from .sample import counted, in_the_way, resolution
+from .render import open_wanted
+from .sample import read_resolution, refuse_file
 
 
 def run(options: argparse.Namespace) -> int:
@@ -32,18 +32,18 @@ def run(options: argparse.Namespace) -> int:
             raise UsageError(f"{entry.name} is written by `apgc sample`", f"export writes {known}")
     folder = Path(options.program)
     out = Path(options.out or (folder if folder.is_dir() else "out"))
-    in_the_way(out)
-    job = wanted(options, every=True)
+    refuse_file(out)
+    job = open_wanted(options, every=True)
     with Progress(job.program.name) as progress:
         if folder.is_dir() and out.resolve() == folder.resolve():
             add_formats(
-                job, out, formats, resolution=resolution(options), force=options.force, progress=progress,
+                job, out, formats, resolution=read_resolution(options), force=options.force, progress=progress,
                 workers=options.workers,
             )  # fmt: skip
         else:
-            output = Output.of(formats, Content(resolution=resolution(options) or STANDARD))
+            output = Output.of(formats, Content(resolution=read_resolution(options) or STANDARD))
             write_dataset(job, out, output, force=options.force, progress=progress, workers=options.workers)
-    done = counted(len(job.request.objects))
+    done = plural(len(job.request.objects), "object")
     names = ", ".join(entry.name for entry in formats)
     say(f"{done} as {names} in {out} ({time.monotonic() - begun:.1f} s)")
     return 0

@@ -12,7 +12,7 @@ from ..export.write import write_bytes
 from ..source import Source
 from ..syntax.format import formatted
 from ..syntax.parse import load
-from .messages import findings, say
+from .messages import findings, plural, say
 
 
 def run(options: argparse.Namespace) -> int:
@@ -30,8 +30,9 @@ def run(options: argparse.Namespace) -> int:
             _differs(name, source.text, text, options)
     findings(report.diagnostics, sys.stdout)
     if "-" not in options.files:
-        files = "1 file" if len(options.files) == 1 else f"{len(options.files)} files"
-        say(f"{files}: {changed} {'would change' if options.check or options.diff else 'changed'}")
+        say(
+            f"{plural(len(options.files), 'file')}: {changed} {'would change' if options.check or options.diff else 'changed'}"
+        )
     return 1 if report.failed or (changed and options.check) else 0
 
 

@@ -17,14 +17,14 @@ from .messages import error, findings, say
 
 OK, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
 EMITS = {
-    "graph": "the constraint graph, which `apgc sample` takes too, from an .apgc file (default)",
+    "graph": "the constraint graph (default); `apgc sample` reads it from an .apgc file",
     "ast": "the syntax tree",
     "typed": "declarations with their types",
     "plan": "the order of evaluation",
-    "python": "a module that samples the tables with NumPy alone",
+    "python": "a Python module that samples the tables with NumPy alone",
 }
 DESCRIPTION = "Compile structure programs of articulated objects (.apg) and sample annotated objects from them."
-EPILOG = "apgc COMMAND --help tells about a command. Exit codes: 0 done, 1 errors in a program or data, 2 wrong usage."
+EPILOG = "apgc COMMAND --help lists the options of a command. Exit codes: 0 success, 1 errors in a program or in data, 2 wrong usage."
 
 
 class Version(argparse.Action):
@@ -43,7 +43,7 @@ class Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         from ..diagnostics.suggest import did_you_mean
 
-        hint = f"{self.prog} --help tells what it takes"
+        hint = f"{self.prog} --help lists the options"
         choice = re.search(r"invalid choice: '(.*)' \(choose from (.*)\)", message)
         if choice is not None:
             known = [name.strip(" '") for name in choice.group(2).split(",")]
@@ -62,119 +62,146 @@ class Parser(argparse.ArgumentParser):
             if close:
                 error(f"apgc {options.command} has no option {unknown[0]}", f"did you mean {close[0]}?")
                 self.exit(USAGE)
-            command.error(f"{unknown[0]} means nothing here")
+            command.error(f"unexpected argument {unknown[0]}")
         return options
 
 
 def parser() -> Parser:
     top = Parser("apgc", description=DESCRIPTION, epilog=EPILOG, allow_abbrev=False)
-    top.add_argument("--version", action=Version, nargs=0, help="show the version and leave")
+    top.add_argument("--version", action=Version, nargs=0, help="print the version and exit")
     commands = top.add_subparsers(dest="command", metavar="COMMAND", required=True)
     top.commands = commands.choices
 
     def command(name: str, help: str) -> argparse.ArgumentParser:
         return commands.add_parser(name, help=help, description=help[0].upper() + help[1:] + ".", allow_abbrev=False)
 
-    check = command("check", "find the errors in programs")
+    check = command("check", "check programs for errors")
     check.add_argument("files", nargs="+", metavar="FILE", help="an .apg file, or the name of a shipped category")
     shape = check.add_mutually_exclusive_group()
-    shape.add_argument("--json", action="store_true", help="findings as JSON")
-    shape.add_argument("--sarif", action="store_true", help="findings as SARIF, for editors and code hosts")
+    shape.add_argument("--json", action="store_true", help="print the findings as JSON")
+    shape.add_argument("--sarif", action="store_true", help="print the findings as SARIF, for editors and code hosts")
 
-    fmt = command("fmt", "lay out programs")
-    fmt.add_argument("files", nargs="+", metavar="FILE", help="an .apg file, or - for stdin to stdout")
+    fmt = command("fmt", "format programs")
+    fmt.add_argument("files", nargs="+", metavar="FILE", help="an .apg file, or - to read stdin and write stdout")
     fmt.add_argument(
-        "--check", action="store_true", help="change nothing; name the files that would change, exit code 1"
+        "--check",
+        action="store_true",
+        help="write nothing; list the files that would change, and exit with 1 if there are any",
     )
-    fmt.add_argument("--diff", action="store_true", help="change nothing; show what would change")
+    fmt.add_argument("--diff", action="store_true", help="write nothing; show what would change")
 
-    new = command("new", "write a category to start from")
-    new.add_argument("name", metavar="NAME", help="what the category is called, such as DeskLamp")
+    new = command("new", "create a category to start from")
+    new.add_argument("name", metavar="NAME", help="name of the category, such as DeskLamp")
     new.add_argument(
         "-o",
         "--out",
         type=place,
         metavar="FILE",
-        help="the file, or - for stdout (default: desk_lamp.apg for DeskLamp)",
+        help="output file, or - for stdout (default: desk_lamp.apg for DeskLamp)",
     )
-    new.add_argument("--force", action="store_true", help="replace a file that exists")
+    new.add_argument("--force", action="store_true", help="overwrite an existing file")
 
-    compile_ = command("compile", "compile a program and show it at one of its stages")
+    compile_ = command("compile", "compile a program, and show one of its stages")
     _program(compile_)
-    compile_.add_argument("-o", "--out", type=place, metavar="FILE", help="write to a file instead of stdout (-)")
+    compile_.add_argument(
+        "-o", "--out", type=place, metavar="FILE", help="output file, or - for stdout (default: stdout)"
+    )
     stages = "; ".join(f"{name}: {text}" for name, text in EMITS.items())
     compile_.add_argument("--emit", choices=list(EMITS), default="graph", help=stages)
 
-    sample = command("sample", "make annotated objects")
+    sample = command("sample", "generate annotated objects")
     _program(sample)
     _drawing(sample, 10)
+    sample.add_argument("-o", "--out", type=folder, default="out", metavar="DIR", help="output folder (default: out)")
     sample.add_argument(
-        "-o", "--out", type=folder, default="out", metavar="DIR", help="the folder for the samples (default: out)"
+        "--points",
+        type=positive,
+        default=2048,
+        metavar="N",
+        help="number of points per object, or of what --per names (default: 2048)",
     )
-    sample.add_argument("--points", type=positive, default=2048, metavar="N", help="points per object (default: 2048)")
     sample.add_argument(
         "--surface", choices=("boundary", "outside"), default="boundary",
-        help="boundary: of the union of all primitives (default); outside: what of it can be seen with all joints at 0",
+        help="where points lie: boundary, on the union of all primitives (default); outside, on what is visible of it with all joints at 0",
     )  # fmt: skip
     sample.add_argument(
-        "--spread", choices=("random", "blue"), default="random", help="blue: points keep apart (default: random)"
+        "--spread",
+        choices=("random", "blue"),
+        default="random",
+        help="how points are spread: random (default), or blue, which keeps them apart",
     )
     sample.add_argument(
         "--per", choices=("object", "semantic", "instance", "link", "primitive"), default="object",
-        help="what has N points: each object (default), class of parts, part instance, link or primitive",
+        help="what each set of N points covers: an object (default), a semantic class, a part instance, a link or a primitive",
     )  # fmt: skip
     sample.add_argument(
         "--balance", choices=("semantic", "instance", "link", "primitive"),
-        help="share out the N points of an object evenly over its classes, part instances, links or primitives",
+        help="divide the N points of an object evenly among its semantic classes, part instances, links or primitives",
     )  # fmt: skip
     sample.add_argument(
-        "--weights", metavar="LIST", help="with --balance: not evenly, but such as handle=3,knob=2 (others 1)"
+        "--weights",
+        metavar="LIST",
+        help="with --balance: divide by these weights instead, such as handle=3,knob=2 (all others 1)",
     )
     sample.add_argument(
-        "--format", metavar="LIST", help=f"{', '.join(FORMATS)}; with commas (default: points,annotation)"
+        "--format",
+        metavar="LIST",
+        help=f"formats, separated by commas: {', '.join(FORMATS)} (default: points,annotation)",
     )
     sample.add_argument(
         "--states",
         default="rest",
         metavar="LIST",
-        help="joint states: rest, open, random:K, joint=45deg, with commas (default: rest)",
+        help="joint states, separated by commas: rest, open, random:K, joint=45deg (default: rest)",
     )
     sample.add_argument(
         "--motion",
         action="store_true",
-        help="the velocities of each point by its own joint and by all that drive it, too",
+        help="add the velocities of each point, by its own joint and by every joint that drives it",
     )
     sample.add_argument(
         "--gripper", default="standard", metavar="LIST",
-        help="the hand that grasps are made with: any, or measures such as stroke=8cm,width=2cm (default: standard)",
+        help="gripper that grasps are made for: standard (default), any, or sizes such as stroke=8cm,width=2cm",
     )  # fmt: skip
     sample.add_argument(
-        "--views", metavar="N|FILE", help="partial views: how many, or a file that describes the cameras"
+        "--views",
+        metavar="N|FILE",
+        help="add images and partial point clouds: the number of cameras, or a file that describes them",
     )
     sample.add_argument(
-        "--mutate", metavar="LIST", help="make mutants of the objects: apa (templates), dpa (counts), cpa (parameters)"
+        "--mutate",
+        metavar="LIST",
+        help="write mutants of the objects instead: apa (swap templates), dpa (change counts), cpa (perturb parameters)",
     )
-    sample.add_argument("--variant", type=whole, metavar="K", help="another mutant of each (default: 0)")
+    sample.add_argument(
+        "--variant", type=whole, metavar="K", help="with --mutate: make another mutant of each object (default: 0)"
+    )
     _meshes(sample)
     sample.add_argument(
         "--sampling", default="sequential", metavar="HOW",
-        help="sequential (default), or prior: resampled to the declared distributions; prior:N among N attempts each (32)",
+        help="sequential (default), or prior: resample to the declared distributions; prior:N considers N attempts per object (default: 32)",
     )  # fmt: skip
     sample.add_argument(
-        "--params", metavar="FILE", help="objects given by their values (JSON), repaired where they are not valid"
+        "--params",
+        metavar="FILE",
+        help="read objects from a JSON file of values; those that are not valid are repaired",
     )
     sample.add_argument(
-        "--repair", action="store_true", help="put what fails right by the least change, instead of drawing it again"
+        "--repair",
+        action="store_true",
+        help="repair invalid objects with the least change instead of drawing them again",
     )
-    sample.add_argument("--unchecked", action="store_true", help="take objects whose links collide, too")
-    sample.add_argument("--stats", action="store_true", help="tell how many first attempts were valid, and what failed")
-    sample.add_argument("--force", action="store_true", help="replace samples made with other options")
+    sample.add_argument("--unchecked", action="store_true", help="accept objects whose links collide")
+    sample.add_argument(
+        "--stats", action="store_true", help="print how many objects were valid on the first attempt, and what failed"
+    )
+    sample.add_argument("--force", action="store_true", help="replace samples that were made with other options")
     _sharing(sample)
     sample.add_argument(
-        "--shard", type=part, default=(1, 1), metavar="K/N", help="write the K-th of N parts, to share the work"
+        "--shard", type=part, default=(1, 1), metavar="K/N", help="write only the K-th of N parts, to divide the work"
     )
 
-    export = command("export", "write objects in other formats, or those of a folder of samples again")
+    export = command("export", "write objects in other formats")
     export.add_argument(
         "program", metavar="DIR|NAME|FILE", help="a folder of samples, a shipped category or an .apg file"
     )
@@ -184,55 +211,73 @@ def parser() -> Parser:
         "--out",
         type=folder,
         metavar="DIR",
-        help="the folder to write to (default: the folder of samples, or out)",
+        help="output folder (default: the folder of samples, or out)",
     )
-    export.add_argument("--format", metavar="LIST", required=True, help=f"{', '.join(per_object())}; with commas")
+    export.add_argument(
+        "--format", metavar="LIST", required=True, help=f"formats, separated by commas: {', '.join(per_object())}"
+    )
     _meshes(export)
-    export.add_argument("--force", action="store_true", help="replace what is there")
+    export.add_argument("--force", action="store_true", help="overwrite existing files")
     _sharing(export)
 
-    mutate = command("mutate", "make new objects from those of a folder")
+    mutate = command("mutate", "make mutants of the objects in a folder")
     mutate.add_argument(
-        "folder", nargs="?", metavar="DIR", help="a folder of samples; with --params a shipped category or an .apg file"
+        "folder",
+        nargs="?",
+        metavar="DIR",
+        help="a folder of samples; with --params, a shipped category or an .apg file",
     )
     mutate.add_argument(
         "--ops", default="apa,dpa,cpa", metavar="LIST",
-        help="apa (templates), dpa (counts), cpa (parameters), in this order (default: apa,dpa,cpa)",
+        help="operations, always applied in this order: apa (swap templates), dpa (change counts), cpa (perturb parameters) (default: all)",
     )  # fmt: skip
-    mutate.add_argument("-n", "--number", type=positive, metavar="N", help="mutants of each object (default: 1)")
+    mutate.add_argument("-n", "--number", type=positive, metavar="N", help="number of mutants per object (default: 1)")
     mutate.add_argument(
-        "-o", "--out", type=folder, default="mutants", metavar="DIR", help="the folder for them (default: mutants)"
+        "-o", "--out", type=folder, default="mutants", metavar="DIR", help="output folder (default: mutants)"
     )
     mutate.add_argument(
-        "--parts", default="*", metavar="LIST", help="what may be changed: parts, values, patterns: door,handle*"
+        "--parts",
+        default="*",
+        metavar="LIST",
+        help="what may change, separated by commas: parts, values or patterns, such as door,handle*",
     )
     mutate.add_argument(
-        "--strength", type=amount, default=1.0, metavar="X", help="scales the steps of cpa (default: 1)"
+        "--strength", type=amount, default=1.0, metavar="X", help="scale of the steps of cpa (default: 1)"
     )
     mutate.add_argument(
         "--share",
         type=fraction,
         default=0.5,
         metavar="X",
-        help="how many of the templates and counts change (default: 0.5)",
+        help="share of the templates and counts that change (default: 0.5)",
     )
     mutate.add_argument(
-        "--one", metavar="NAME", help="pairs that differ in this value alone: each object, then its mutants"
+        "--one",
+        metavar="NAME",
+        help="write groups that differ in this value alone: each object, followed by its mutants",
     )
-    mutate.add_argument("--variant", type=whole, default=0, metavar="K", help="other mutants (default: 0)")
-    mutate.add_argument("--only", type=numbers, metavar="NUMBERS", help="originals by number: 37 or 37,40..45")
-    mutate.add_argument("--params", metavar="FILE", help="originals given by their values (JSON)")
-    mutate.add_argument("--replay", metavar="FILE", help="do again what a trace-*.jsonl, or a folder of them, says")
-    mutate.add_argument("--diff", nargs=2, metavar=("A", "B"), help="tell what sets two folders or two traces apart")
-    mutate.add_argument("--all", action="store_true", help="with --diff: every difference of an object")
-    mutate.add_argument("--points", type=positive, metavar="N", help="points per object (default: as the originals)")
-    mutate.add_argument("--format", metavar="LIST", help="the formats (default: those of the originals)")
-    mutate.add_argument("--unchecked", action="store_true", help="take objects whose links collide, too")
-    mutate.add_argument("--stats", action="store_true", help="tell how many first attempts were valid, and what failed")
-    mutate.add_argument("--force", action="store_true", help="replace what was made with other options")
+    mutate.add_argument("--variant", type=whole, default=0, metavar="K", help="make other mutants (default: 0)")
+    mutate.add_argument("--only", type=numbers, metavar="NUMBERS", help="originals by number, such as 37 or 37,40..45")
+    mutate.add_argument("--params", metavar="FILE", help="read the originals from a JSON file of values")
+    mutate.add_argument(
+        "--replay", metavar="FILE", help="repeat the mutations recorded in a trace-*.jsonl file, or in a folder of them"
+    )
+    mutate.add_argument("--diff", nargs=2, metavar=("A", "B"), help="show how two folders or two traces differ")
+    mutate.add_argument("--all", action="store_true", help="with --diff: show every difference")
+    mutate.add_argument(
+        "--points", type=positive, metavar="N", help="number of points per object (default: as in the originals)"
+    )
+    mutate.add_argument(
+        "--format", metavar="LIST", help="formats, separated by commas (default: those of the originals)"
+    )
+    mutate.add_argument("--unchecked", action="store_true", help="accept objects whose links collide")
+    mutate.add_argument(
+        "--stats", action="store_true", help="print how many objects were valid on the first attempt, and what failed"
+    )
+    mutate.add_argument("--force", action="store_true", help="replace mutants that were made with other options")
     _sharing(mutate)
     mutate.add_argument(
-        "--shard", type=part, default=(1, 1), metavar="K/N", help="write the K-th of N parts, to share the work"
+        "--shard", type=part, default=(1, 1), metavar="K/N", help="write only the K-th of N parts, to divide the work"
     )
 
     render = command("render", "draw a contact sheet of samples")
@@ -241,66 +286,76 @@ def parser() -> Parser:
     )
     _drawing(render, 30)
     render.add_argument(
-        "-o", "--out", type=picture, default="sheet.png", metavar="FILE", help="the picture (default: sheet.png)"
+        "-o", "--out", type=picture, default="sheet.png", metavar="FILE", help="output file (default: sheet.png)"
     )
     render.add_argument(
         "--colour",
         "--color",
         choices=("part", "material", "affordance"),
         default="part",
-        help="what colours mean (default: part)",
+        help="what the colours show (default: part)",
     )
-    render.add_argument("--open", action="store_true", help="open all joints; otherwise those of every other object")
+    render.add_argument(
+        "--open", action="store_true", help="open the joints of all objects (default: of every other one)"
+    )
     render.add_argument(
         "--view",
         metavar="VIEW",
-        help="where one looks from: front, back, left, right, top, iso, or AZIMUTH,ELEVATION in degrees, as in --view=-120,30",
+        help="viewpoint: front, back, left, right, top, iso, or AZIMUTH,ELEVATION in degrees, as in --view=-120,30",
     )
     render.add_argument(
-        "--tile", type=positive, default=256, metavar="PIXELS", help="width of one object (default: 256)"
+        "--tile", type=positive, default=256, metavar="PIXELS", help="width of each object (default: 256)"
     )
     _meshes(render, steps=64)
 
     explain = command("explain", "explain an error code")
-    explain.add_argument("code", nargs="?", metavar="CODE", help="such as missing-unit; without it, all codes")
+    explain.add_argument("code", nargs="?", metavar="CODE", help="such as missing-unit (default: list all codes)")
 
     command("categories", "list the shipped categories")
 
-    validate = command("validate", "tell which links of objects collide or block one another")
+    validate = command("validate", "report which links collide or block one another")
     validate.add_argument(
         "program", metavar="DIR|NAME|FILE", help="a folder of samples, a shipped category or an .apg file"
     )
     _drawing(validate, 200)
     validate.add_argument(
-        "--states", type=positive, default=64, metavar="N", help="random configurations per object (default: 64)"
+        "--states",
+        type=positive,
+        default=64,
+        metavar="N",
+        help="number of random joint states per object (default: 64)",
     )
     validate.add_argument(
-        "--meshes", action="store_true", help="look at the meshes that are seen, too, in as many states (manifold3d)"
+        "--meshes", action="store_true", help="check the visible meshes as well, in as many states (needs manifold3d)"
     )
-    validate.add_argument("--json", action="store_true", help="the evidence as JSON")
+    validate.add_argument("--json", action="store_true", help="print the evidence as JSON")
 
-    report = command("report", "tell how good a category is: figures over many samples, and goals")
+    report = command("report", "measure the quality of a category over many samples")
     report.add_argument("programs", nargs="*", metavar="NAME|FILE", help="shipped categories or .apg files")
     report.add_argument("--all", action="store_true", help="all shipped categories")
     _drawing(report, 1000)
     shape = report.add_mutually_exclusive_group()
-    shape.add_argument("--json", action="store_true", help="the figures as JSON")
-    shape.add_argument("--markdown", action="store_true", help="a table with a row per category")
+    shape.add_argument("--json", action="store_true", help="print the figures as JSON")
+    shape.add_argument("--markdown", action="store_true", help="print a table with a row per category")
     report.add_argument(
         "--html",
         type=place,
         metavar="FILE",
-        help="write a page with a picture as well; - for the page alone, to stdout",
+        help="also write an HTML page with a picture; - prints the page alone",
     )
-    report.add_argument("--reference", metavar="FILE", help="real sizes to compare with (default: those shipped)")
-    report.add_argument("--unchecked", action="store_true", help="count objects whose links collide as valid: faster")
+    report.add_argument(
+        "--reference", metavar="FILE", help="file of real sizes to compare with (default: the shipped one)"
+    )
+    report.add_argument(
+        "--unchecked", action="store_true", help="count objects whose links collide as valid, which is faster"
+    )
     report.add_argument("--strict", action="store_true", help="exit with 1 if a goal is not met")
-    report.add_argument("--force", action="store_true", help="replace the page")
+    report.add_argument("--force", action="store_true", help="overwrite the page")
     _sharing(report)
 
-    ledger = command("ledger", "tell for each value of a part what determines it")
+    ledger = command("ledger", "show what determines each value of a part")
     _program(ledger)
-    ledger.add_argument("part", nargs="?", metavar="PART", help="such as door; without it, all parts")
+    ledger.add_argument("part", nargs="?", metavar="PART", help="such as door (default: all parts)")
     return top
 
 
@@ -311,26 +366,34 @@ def _program(to: argparse.ArgumentParser) -> None:
 def _meshes(to: argparse.ArgumentParser, steps: int = 24) -> None:
     to.add_argument(
         "--tolerance", type=tolerance, metavar="LENGTH",
-        help=f"how far meshes may lie off the true surfaces, such as 0.5mm (default: {steps} steps per full turn)",
+        help=f"how far meshes may deviate from the true surfaces, such as 0.5mm (default: {steps} steps per full turn)",
     )  # fmt: skip
     to.add_argument(
-        "--triangles", type=positive, metavar="N", help="at most so many triangles per object, spread by curvature"
+        "--triangles",
+        type=positive,
+        metavar="N",
+        help="maximum number of triangles per object, distributed by curvature",
     )
 
 
 def _sharing(to: argparse.ArgumentParser) -> None:
     to.add_argument(
         "--workers", type=workers, default=1, metavar="N",
-        help="how many processes share the work, or auto: one per processor (default: 1)",
+        help="number of processes, or auto for one per processor (default: 1)",
     )  # fmt: skip
 
 
 def _drawing(to: argparse.ArgumentParser, n: int) -> None:
-    to.add_argument("-n", "--number", type=positive, metavar="N", help=f"how many objects (default: {n})")
-    to.add_argument("--seed", type=whole, metavar="N", help="what the objects are drawn with (default: 0)")
-    to.add_argument("--only", type=numbers, metavar="NUMBERS", help="objects by number: 37 or 37,40..45")
+    which = to.add_mutually_exclusive_group()
+    which.add_argument("-n", "--number", type=positive, metavar="N", help=f"number of objects (default: {n})")
+    which.add_argument("--only", type=numbers, metavar="NUMBERS", help="objects by number, such as 37 or 37,40..45")
+    to.add_argument("--seed", type=whole, metavar="N", help="random seed (default: 0)")
     to.add_argument(
-        "--set", action="append", default=[], metavar="NAME=VALUE", help="fix a parameter: width=45cm, handle=BarHandle"
+        "--set",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="fix a parameter, such as width=45cm or handle=BarHandle",
     )
     to.set_defaults(default_number=n)
 
@@ -351,7 +414,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         error(wrong.message, wrong.hint)
         return USAGE if isinstance(wrong, UsageError) else FAILED
     except KeyboardInterrupt:
-        say("\ninterrupted; nothing is left half written, and the same command completes what is missing")
+        say("\ninterrupted: no file is left incomplete; run the same command again to finish")
         return INTERRUPTED
     except BrokenPipeError:  # the reader of our output has seen enough
         drop_output()
@@ -360,7 +423,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         package = (wrong.name or "").partition(".")[0]
         if package in ("", "artipg_dsl"):
             raise
-        error(f"the package {package} is not installed", "pip install artipg_dsl brings it")
+        error(f"the package {package} is not installed", "pip install artipg_dsl installs it")
         return FAILED
     except OSError as wrong:  # files are told of where they are written: what is left is the output itself
         drop_output()

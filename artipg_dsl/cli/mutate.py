@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import UsageError, UserError
-from ..run.settings import shown
-from .messages import say
-from .sample import counted, in_the_way, statistics, written
+from ..run.settings import show
+from .messages import plural, say
+from .sample import refuse_file, show_statistics
+from .sample import write as write_folder
 
 if TYPE_CHECKING:
     from ..run.job import Job
@@ -44,9 +45,9 @@ def write(options: argparse.Namespace) -> int:
     from ..run.output import Output
 
     begun = time.monotonic()
-    job, output = originals(options)
+    job, output = open_originals(options)
     out = Path(options.out)
-    in_the_way(out)
+    refuse_file(out)
     if Path(options.folder).is_dir() and out.resolve() == Path(options.folder).resolve():
         raise UsageError(f"the mutants cannot go into {out}, where their originals are", "name another folder with -o")
     named = output.formats if options.format is None else [n.strip() for n in options.format.split(",")]
@@ -57,28 +58,24 @@ def write(options: argparse.Namespace) -> int:
     content = output.content
     if options.points is not None:
         content = replace(content, points=replace(content.points, count=options.points))
-    job = mutants(options, job)
-    made, count = written(job, out, Output.of(formats, content), options)
+    job = open_mutants(options, job)
+    made, number = write_folder(job, out, Output.of(formats, content), options)
     if options.stats:
-        print(statistics(job, made))
-    say(f"{counted(count)} in {out} ({time.monotonic() - begun:.1f} s)")
+        print(show_statistics(job, made))
+    say(f"{plural(number, 'object')} in {out} ({time.monotonic() - begun:.1f} s)")
     return 0
 
 
-def originals(options: argparse.Namespace) -> tuple[Job, Output]:
+def open_originals(options: argparse.Namespace) -> tuple[Job, Output]:
     """The job of the originals, and how they are written. Raises UserError."""
     from ..export.registry import DEFAULT
     from ..run.job import open_job
     from ..run.output import Output
-    from ..run.params import read_params
-    from ..run.request import Request, numbered
+    from ..run.request import read_request
     from ..run.resume import read, remake
 
     if options.params is not None:
-        values = read_params(options.params)
-        request = Request(
-            options.folder, numbers=numbered(len(values), None), checked=not options.unchecked, values=values
-        )
+        request = read_request(options.folder, checked=not options.unchecked, values=options.params)
         job, output = open_job(request, values=options.params), Output(DEFAULT)
     elif Path(options.folder).is_dir():
         manifest = read(options.folder)
@@ -89,43 +86,43 @@ def originals(options: argparse.Namespace) -> tuple[Job, Output]:
             f"{options.folder} is not a folder of samples",
             "make one with apgc sample, or give values with --params FILE",
         )
-    return (job if options.only is None else picked(job, options.only, options.folder)), output
+    return (job if options.only is None else pick(job, options.only, options.folder)), output
 
 
-def picked(job: Job, wanted: list[int], folder: str) -> Job:
+def pick(job: Job, wanted: list[int], folder: str) -> Job:
     """The job of some of the objects alone. Raises UserError."""
     missing = sorted(set(wanted) - set(job.request.objects.tolist()))
     if missing:
-        raise UserError(f"{folder} holds no object {missing[0]}", "see `numbers` in its manifest.json")
+        raise UserError(f"{folder} has no object {missing[0]}", "see `numbers` in its manifest.json")
     return job.of(wanted)
 
 
-def mutants(options: argparse.Namespace, job: Job) -> Job:
+def open_mutants(options: argparse.Namespace, job: Job) -> Job:
     """The job of the mutants of a job's objects. Raises UserError."""
-    from ..run.traces import traces_of
+    from ..run.traces import gather_traces
     from ..sampling.trace import Replay
 
     if options.replay is None:
-        step = mutation(options, job)
+        step = read_mutation(options, job)
         return job.mutated(step, np.arange(len(job.request.objects) * step.group))
     there = set(job.request.objects.tolist())
-    records = traces_of(options.replay)
+    records = gather_traces(options.replay)
     if options.only is not None:
         records = {n: r for n, r in records.items() if r["source"] in there}
     strange = sorted({r["source"] for r in records.values()} - there)
     if strange:
-        raise UserError(f"{options.folder} holds no object {strange[0]}, which the trace begins from")
+        raise UserError(f"{options.folder} has no object {strange[0]}, which the trace starts from")
     return job.mutated(Replay(records), sorted(records))
 
 
-def mutation(options: argparse.Namespace, job: Job) -> Mutation:
+def read_mutation(options: argparse.Namespace, job: Job) -> Mutation:
     """The mutation that the options ask for. Raises UsageError."""
     from ..sampling.mutate import Mutation, read_operations
 
     if options.one is not None and options.parts != "*":
-        raise UsageError("--one names the value itself: --parts has no meaning beside it")
+        raise UsageError("--one already names the value, so --parts cannot be given as well")
     if options.one is not None and (options.ops, options.strength, options.share) != PLAIN:
-        raise UsageError("--one draws its value anew: --ops, --strength and --share have no meaning beside it")
+        raise UsageError("--one redraws its value, so --ops, --strength and --share cannot be given as well")
     return Mutation(
         read_operations(options.ops), options.variant, options.strength, options.share, options.one or options.parts,
         options.one is not None, options.number or 1, job.request.numbers,
@@ -139,17 +136,17 @@ def compare(first: str, second: str, *, everything: bool) -> int:
     """Tell what sets the objects of two folders, or the steps of two traces, apart."""
     for place in (first, second):
         if not Path(place).exists():
-            raise UserError(f"there is no folder and no file {place}")
+            raise UserError(f"there is no file or folder {place}")
     lines = (
-        list(folders(first, second, everything))
+        list(compare_folders(first, second, everything))
         if all(Path(p).is_dir() for p in (first, second))
-        else list(files(first, second))
+        else list(compare_traces(first, second))
     )
     print("\n".join(lines) if lines else "no difference")
     return 0
 
 
-def folders(first: str, second: str, everything: bool) -> list[str]:
+def compare_folders(first: str, second: str, everything: bool) -> list[str]:
     """The differences of the objects of two folders, those of the same number or a mutant and its original."""
     from ..run.resume import reopen
     from ..sampling.settled import again
@@ -176,17 +173,17 @@ def folders(first: str, second: str, everything: bool) -> list[str]:
             continue
         lines.append(f"object {number}" + (f" of {source}" if number != source else ""))
         told = changes if everything else changes[:SHOWN]
-        lines += [f"  {in_words(change, units)}" for change in told]
+        lines += [f"  {show_step(change, units)}" for change in told]
         if len(told) < len(changes):
-            lines.append(f"  and {len(changes) - len(told)} more: --all shows them")
+            lines.append(f"  and {len(changes) - len(told)} more (--all shows them)")
     return lines
 
 
-def files(first: str, second: str) -> list[str]:
+def compare_traces(first: str, second: str) -> list[str]:
     """The steps that only one of two traces has, or that end elsewhere."""
-    from ..run.traces import traces_of
+    from ..run.traces import gather_traces
 
-    a, b = traces_of(first), traces_of(second)
+    a, b = gather_traces(first), gather_traces(second)
     lines: list[str] = []
     for number in sorted(a.keys() | b.keys()):
         one, other = ({(s["op"], s["path"]): s for s in t.get(number, {"steps": []})["steps"]} for t in (a, b))
@@ -201,11 +198,11 @@ def files(first: str, second: str) -> list[str]:
     return lines
 
 
-def in_words(step: Step, units: dict[str, str]) -> str:
+def show_step(step: Step, units: dict[str, str]) -> str:
     """``handle: BarHandle -> BowHandle``, lengths and angles in the units that people use."""
 
     def said(value: Any) -> str:
-        return shown(value, units.get(step.draw or "", "m")) if isinstance(value, float) else str(value)
+        return show(value, units.get(step.draw or "", "m")) if isinstance(value, float) else str(value)
 
     if step.how == "gone":
         return f"{step.path}: {said(step.before)}, gone"

@@ -23,7 +23,7 @@ def run(options: argparse.Namespace) -> int:
     if path.suffix != ".apg":
         inside = path.is_dir() or not path.name
         better = path / f"{snake(name)}.apg" if inside else path.with_suffix(".apg")
-        raise UsageError(f"{path} is {'a folder' if inside else 'no name for a program'}", f"write {better}")
+        raise UsageError(f"{path} is {'a folder' if inside else 'not the name of a program'}", f"write {better}")
     text = starting_point(name)
     if re.search(rf"^use .*\b{name}\b", text, re.MULTILINE):
         raise UsageError(
@@ -31,7 +31,7 @@ def run(options: argparse.Namespace) -> int:
             "choose another name",
         )
     write_bytes(path, text.encode(), force=options.force)
-    say(f"wrote {path}, a category that works; make it yours\n  apgc check {path}\n  apgc render {path}")
+    say(f"wrote {path}, a complete category to start from\n  apgc check {path}\n  apgc render {path}")
     return 0
 
 
@@ -56,7 +56,7 @@ def checked(name: str) -> str:
         if not name.isascii() or not re.fullmatch(r"[A-Z][A-Za-z0-9]*", better) or reserved_name(better):
             better = "a name such as DeskLamp"
         raise UsageError(
-            f"`{name}` is no name for a category: its words begin with capital letters, a to z and digits alone",
+            f"`{name}` cannot name a category: it takes letters a to z and digits, and each word begins with a capital",
             f"write {better}",
         )
     return name

@@ -7,12 +7,10 @@ from pathlib import Path
 
 from ..errors import UsageError, UserError
 from ..run.job import Job, open_job
-from ..run.request import Request
 from ..run.resume import reopen
-from ..run.settings import split
 from .messages import say
 from .progress import Progress
-from .sample import objects, resolution
+from .sample import read_request, read_resolution
 
 
 def run(options: argparse.Namespace) -> int:
@@ -20,24 +18,29 @@ def run(options: argparse.Namespace) -> int:
     from ..view.sheet import direction, write_sheet
 
     if Path(options.out).suffix.lower() != ".png":
-        raise UsageError(f"the picture is written as PNG, not to {options.out}", "choose a name that ends in .png")
+        raise UsageError(
+            f"the picture is a PNG, and {options.out} is not the name of one", "choose a name that ends in .png"
+        )
     direction(options.view)
-    job = wanted(options)
+    job = open_wanted(options)
     with Progress("drawing") as progress:
         write_sheet(
             job.batch(), options.out, force=True, colour=options.colour, tile=options.tile, progress=progress,
-            states="open" if options.open else "alternate", view=options.view, resolution=resolution(options) or SMOOTH,
+            states="open" if options.open else "alternate", view=options.view, resolution=read_resolution(options) or SMOOTH,
         )  # fmt: skip
     say(f"drew {len(job.request.objects)} of {job.program.name} to {options.out}")
     return 0
 
 
-def wanted(options: argparse.Namespace, *, every: bool = False) -> Job:
+def open_wanted(options: argparse.Namespace, *, every: bool = False) -> Job:
     """The job to take objects from; of a folder the first ones, or ``every`` one."""
     if not Path(options.program).is_dir():
-        return open_job(Request(options.program, options.seed or 0, objects(options), split(options.set)))
+        return open_job(read_request(options))
     if options.set or options.seed is not None:
-        raise UsageError(f"the samples in {options.program} are made", "leave out --seed and --set, or name a category")
+        raise UsageError(
+            f"the samples in {options.program} already have their seed and settings",
+            "leave out --seed and --set, or name a category",
+        )
     job = reopen(options.program)
     numbers = job.request.objects
     if options.only is None:

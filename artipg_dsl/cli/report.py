@@ -10,11 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import UsageError
-from ..run.settings import split
 from .arguments import STREAM
 from .messages import say
 from .progress import Progress
-from .sample import objects
+from .sample import read_request
 
 if TYPE_CHECKING:
     from ..quality.card import Card
@@ -28,18 +27,21 @@ def run(options: argparse.Namespace) -> int:
     from ..export.write import refuse_existing, write_bytes
     from ..quality.sizes import reference
     from ..quality.text import markdown, text
-    from ..run.workers import each
+    from ..run.workers import map_each
 
-    names = wanted(options)
+    names = read_names(options)
     known = reference(options.reference)
     alone = options.html == STREAM  # the page is what is printed
     if alone and (options.json or options.markdown):
-        raise UsageError("--html - writes the page to standard output, where the figures go", "give the page a name")
+        raise UsageError(
+            "--html - writes the page to standard output, where --json and --markdown write the figures",
+            "name a file for the page",
+        )
     if options.html is not None and not alone:
         refuse_existing(Path(options.html), options.force)
     tasks = [Task(options, name, known, options.workers == 1) for name in names]
     cards, pictures = [], []
-    for card, seen in each(examined, tasks, options.workers) if options.workers > 1 else map(examined, tasks):
+    for card, seen in map_each(examined, tasks, options.workers) if options.workers > 1 else map(examined, tasks):
         cards.append(card)
         pictures.append(seen)
         if not (options.json or options.markdown or alone):
@@ -61,16 +63,16 @@ def run(options: argparse.Namespace) -> int:
     return 1 if options.strict and not all(card.met for card in cards) else 0
 
 
-def wanted(options: argparse.Namespace) -> list[str]:
+def read_names(options: argparse.Namespace) -> list[str]:
     """The categories asked for. Raises UsageError."""
     from ..session import categories
 
     if options.all and options.programs:
-        raise UsageError("--all are the shipped categories", "leave out --all, or the names")
+        raise UsageError("--all already names every shipped category", "leave out --all, or the names")
     if options.all and options.set:
-        raise UsageError("what is set has a meaning in one category only", "name the category")
+        raise UsageError("--set applies to one category, not to all of them", "name the category")
     if not options.all and not options.programs:
-        raise UsageError("no category is named", "`apgc report Microwave`; --all takes all shipped ones")
+        raise UsageError("no category is named", "for example `apgc report Microwave`, or --all for all shipped ones")
     return list(categories()) if options.all else options.programs
 
 
@@ -88,11 +90,10 @@ def examined(task: Task) -> tuple[Card, bytes]:
     """The card of a category, and a picture where there is to be a page."""
     from ..quality.card import STEPS, Valid, card
     from ..run.job import open_job
-    from ..run.request import Request
     from ..session import categories
 
     options, name = task.options, task.name
-    request = Request(name, options.seed or 0, objects(options), split(options.set), checked=not options.unchecked)
+    request = read_request(options, name, checked=not options.unchecked)
     job = open_job(request)
     category = job.program.name
     path = Path(name) if Path(name).is_file() else categories().get(category)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import NoObject, UserError
 from .progress import Progress
-from .render import wanted
+from .render import open_wanted
 
 if TYPE_CHECKING:
     from ..export.strict import Strict
@@ -22,9 +22,9 @@ SHOWN = 12  # of what meshes share
 
 
 def run(options: argparse.Namespace) -> int:
-    job = wanted(options)
+    job = open_wanted(options)
     if not job.request.numbers:
-        raise UserError("there is no object to examine", "sample at least one")
+        raise UserError("there is no object to validate", "sample at least one")
     with Progress("validating") as progress:
         found = examine(job, options.states, options.meshes, progress)
     print(json.dumps(found, indent=1) if options.json else text(found))

@@ -69,7 +69,7 @@ class _Model:
         for joint in robot.joints:
             if joint.kind not in TYPES:
                 raise ExportError(
-                    f"{robot.name}: joint {joint.name} is a {joint.kind} joint, which MuJoCo cannot state",
+                    f"{robot.name}: joint {joint.name} is a {joint.kind} joint, which MuJoCo cannot express",
                     f"MuJoCo has {', '.join(TYPES)}; leave mjcf out of --format",
                 )
             below.setdefault(joint.parent, []).append(joint)

@@ -96,7 +96,7 @@ def partnet_files(robots: Robots, i: int) -> dict[str, bytes]:
     robot = robots.robot(i)
     points = [visual.shape.vertices + link.origin for link in robot.links for visual in link.visuals]
     if not points:
-        raise ExportError(f"{robot.name} has nothing to see", "leave partnet-mobility out of --format")
+        raise ExportError(f"{robot.name} has nothing visible", "leave partnet-mobility out of --format")
     everything = np.concatenate(points)
     frame = Frame.around(everything.min(axis=0), everything.max(axis=0))
     words = words_of(category(robots.batch.program.name), _said(robots, i))
@@ -167,7 +167,7 @@ def _words(robot: Robot, joint: RobotJoint) -> tuple[str, str]:
     if joint.kind not in JOINTS or (slides and not limited):
         what = f"a {joint.kind} joint{'' if joint.kind not in JOINTS else ' without limits'}"
         raise ExportError(
-            f"{robot.name}: joint {joint.name} is {what}, which PartNet-Mobility cannot state",
+            f"{robot.name}: joint {joint.name} is {what}, which PartNet-Mobility cannot express",
             "it has hinges and sliders; leave partnet-mobility out of --format",
         )
     return JOINTS["continuous" if joint.kind == "revolute" and not limited else joint.kind]

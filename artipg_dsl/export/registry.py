@@ -112,7 +112,7 @@ def require(entry: Format) -> None:
     module, package, extra = entry.needs
     if find_spec(module) is None:
         raise ExportError(
-            f"{entry.name} needs {package}, which is not installed", f"pip install 'artipg_dsl[{extra}]' brings it"
+            f"{entry.name} needs {package}, which is not installed", f"pip install 'artipg_dsl[{extra}]' installs it"
         )
 
 

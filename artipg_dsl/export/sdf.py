@@ -83,7 +83,7 @@ def _joint(joint: RobotJoint, robot: Robot) -> dict[str, Any]:
     """A joint; its frame is that of its child, whose axes are those of the object with all joints at 0."""
     if joint.kind not in KINDS:
         raise ExportError(
-            f"{robot.name}: joint {joint.name} is a {joint.kind} joint, which SDFormat cannot state",
+            f"{robot.name}: joint {joint.name} is a {joint.kind} joint, which SDFormat cannot express",
             f"it has {', '.join(KINDS)}; leave sdf out of --format",
         )
     limited = joint.low is not None and joint.high is not None
@@ -118,8 +118,8 @@ def _closures(robot: Robot) -> list[dict[str, Any]]:
         one, other = (poses[k][1] + point for k, point in zip(closure.links, closure.points, strict=True))
         if np.abs(one - other).max() > APART:
             raise ExportError(
-                f"{robot.name}: a loop through {robot.links[closure.links[0]].name} is not closed with all joints at 0",
-                "SDFormat has its joints begin there: let the loop close at 0, or leave sdf out of --format",
+                f"{robot.name}: a loop through {robot.links[closure.links[0]].name} is open with all joints at 0",
+                "SDFormat starts its joints there: close the loop at 0, or leave sdf out of --format",
             )
         ends = {key: robot.links[k].name for key, k in zip(("parent", "child"), closure.links, strict=True)}
         entry: dict[str, Any] = {

@@ -78,7 +78,8 @@ def ready() -> None:
     """Raise UserError where manifold3d is not installed."""
     if find_spec("manifold3d") is None:
         raise UserError(
-            "looking at meshes needs manifold3d, which is not installed", "pip install 'artipg_dsl[collide]' brings it"
+            "looking at meshes needs manifold3d, which is not installed",
+            "pip install 'artipg_dsl[collide]' installs it",
         )
 
 
@@ -121,7 +122,9 @@ class Solids:
             for k, part in enumerate((start[table.owner[rows]] + table.instance[rows]).tolist()):
                 solid = Manifold(Mesh64(np.ascontiguousarray(group.vertices[k]), np.ascontiguousarray(faces)))
                 if solid.status() != Error.NoError:
-                    raise UserError(f"the mesh of `{self.parts.name[part]}` bounds no solid: {solid.status().name}")
+                    raise UserError(
+                        f"the mesh of `{self.parts.name[part]}` does not bound a solid: {solid.status().name}"
+                    )
                 self.solids.append(solid)
                 self.names.append(self.parts.name[part])
         self.boxes: Pieces = packed(groups)  # at joint values 0

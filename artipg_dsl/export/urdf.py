@@ -137,7 +137,7 @@ def _joint(joint: RobotJoint, robot: Robot) -> dict[str, Any]:
     kind = joint.kind
     if kind not in KINDS:
         raise ExportError(
-            f"{robot.name}: joint {joint.name} is a {kind} joint, which URDF cannot state",
+            f"{robot.name}: joint {joint.name} is a {kind} joint, which URDF cannot express",
             f"URDF has {', '.join(KINDS)}; leave urdf out of --format",
         )
     limited = joint.low is not None and joint.high is not None

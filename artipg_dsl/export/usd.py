@@ -154,7 +154,7 @@ def _joint(robot: Robot, joint: RobotJoint, name: str, links: list[str], paths: 
     """A joint's type, applied schemas and properties. Its frames are turned so that one of their axes is the joint's."""
     if joint.kind not in TYPES:
         raise ExportError(
-            f"{robot.name}: joint {joint.name} is a {joint.kind} joint, which UsdPhysics cannot state",
+            f"{robot.name}: joint {joint.name} is a {joint.kind} joint, which UsdPhysics cannot express",
             f"it has {', '.join(TYPES)}; leave usd out of --format",
         )
     letter, turn = frame_of(joint.axis)

@@ -30,12 +30,12 @@ def explain(error: OSError, path: Path) -> ExportError:
     if error.errno in (errno.ENOTDIR, errno.EEXIST):
         return ExportError(f"{place} is in the way: a folder is needed there", "choose another output folder")
     if error.errno == errno.EISDIR:
-        return ExportError(f"{place} is a folder, a file was to be written", "choose another output name")
+        return ExportError(f"{place} is a folder, but a file is to be written", "choose another output name")
     if error.errno in (errno.ENOSPC, errno.EDQUOT):
         return ExportError(f"no space left while writing {place}", "free some space, then run the same command again")
     if error.errno == errno.EFBIG:
         return ExportError(
-            f"{place} is larger than files may be here", "raise the limit (ulimit -f) or write elsewhere"
+            f"{place} exceeds the size that files may have here", "raise the limit (ulimit -f) or write elsewhere"
         )
     if error.errno == errno.ENAMETOOLONG:
         return ExportError(f"the name {place} is too long for this file system", "choose a shorter output folder")
@@ -79,7 +79,7 @@ def replacing_file(path: Path | str, *, force: bool = False) -> Iterator[BinaryI
         return
     refuse_existing(path, force)
     if path.is_dir():
-        raise ExportError(f"{path} is a folder, a file was to be written", "choose another output name")
+        raise ExportError(f"{path} is a folder, but a file is to be written", "choose another output name")
     ensure_folder(path.parent)
     path = Path(os.path.realpath(path))  # a link stays one: what it points to is replaced
     partial = beside(path)

@@ -25,7 +25,7 @@ def read_compiled(path: str | Path) -> Program:
         with open(path, "rb") as file:
             found = file.read(LARGEST + 1)
         if len(found) > LARGEST:
-            raise UserError(f"{path} is larger than compiled programs are ({LARGEST >> 20} MB)", AGAIN)
+            raise UserError(f"{path} is too large for a compiled program (more than {LARGEST >> 20} MB)", AGAIN)
         text = found.decode("utf-8").replace("\r\n", "\n")
         program = from_text(text)
     except FileNotFoundError:
@@ -36,26 +36,26 @@ def read_compiled(path: str | Path) -> Program:
         raise UserError(f"{path}: {error}", AGAIN) from None
     except RecursionError:
         raise UserError(f"{path}: the compiled program is nested too deeply", AGAIN) from None
-    if not text.endswith(seal(program.hash)):
+    if not text.endswith(_seal(program.hash)):
         raise UserError(f"{path} has been changed or cut short since it was compiled", AGAIN)
     return program
 
 
-def planned(program: Program, path: str | Path) -> Sampler:
+def make_sampler(program: Program, path: str | Path) -> Sampler:
     """What samples a compiled program. Raises UserError where it has no order of evaluation."""
     try:
         return Sampler(program)
     except PlanError as error:
-        raise UserError(f"{path}: values need one another in a circle: {error}", AGAIN) from None
+        raise UserError(f"{path}: values depend on one another in a circle: {error}", AGAIN) from None
     except RecursionError:
         raise UserError(f"{path}: the compiled program is nested too deeply", AGAIN) from None
 
 
-def compiled_text(program: Program, remarks: Sequence[str] = ()) -> str:
+def to_compiled(program: Program, remarks: Sequence[str] = ()) -> str:
     """What a compiled file holds: the program, remarks as comments, and its hash as the last line."""
     told = "".join(f"# {' '.join(line.split())}".rstrip() + "\n" for line in remarks)
-    return to_text(program) + told + seal(digest(program))
+    return to_text(program) + told + _seal(digest(program))
 
 
-def seal(found: str) -> str:
+def _seal(found: str) -> str:
     return f"# hash {found}\n"

@@ -42,10 +42,10 @@ def summarize(program: Program, made: Statistics, checked: bool) -> Counts:
         "objects": made.objects,
         "first_valid": made.first_valid,
         "attempts": made.attempts,
-        "failed": in_words(program, made.failures()),
+        "failed": count_in_words(program, made.failures()),
     }
     if made.repaired:
-        found["repaired"] = in_words(program, made.repaired)
+        found["repaired"] = count_in_words(program, made.repaired)
     if program.preferences and not made.candidates:  # else they are part of the weights
         found["declined"] = made.declined
         kept_not = ((program.preferences[k], count) for k, count in made.unkept.items())
@@ -59,7 +59,7 @@ def summarize(program: Program, made: Statistics, checked: bool) -> Counts:
     return found
 
 
-def in_words(program: Program, counted: Mapping[Cause, int]) -> dict[str, int]:
+def count_in_words(program: Program, counted: Mapping[Cause, int]) -> dict[str, int]:
     """Counts of what failed, in words with its place in the text, the most frequent first."""
     found: dict[str, int] = {}
     for cause, count in counted.items():
@@ -68,14 +68,14 @@ def in_words(program: Program, counted: Mapping[Cause, int]) -> dict[str, int]:
     return dict(sorted(found.items(), key=lambda item: (-item[1], item[0])))
 
 
-def no_object(program: Program, error: Exhausted, fixed: bool) -> NoObject:
+def explain_exhausted(program: Program, error: Exhausted, fixed: bool) -> NoObject:
     """What the requirements leave nothing of, and which of them are to blame; ``fixed``: parameters were set."""
     shown = ", ".join(map(str, error.numbers[:3].tolist())) + (", ..." if len(error.numbers) > 3 else "")
     counted = "object" if len(error.numbers) == 1 else f"{len(error.numbers)} objects"
     shapes = {in_short(program, ("collision", key)): words for key, words in error.statistics.examples.items()}
     lines = [
         f"  {count:>8} times: {reason}" + (f"\n{'':17}{shapes[reason]}" if shapes.get(reason) else "")
-        for reason, count in list(in_words(program, error.statistics.failures()).items())[:3]
+        for reason, count in list(count_in_words(program, error.statistics.failures()).items())[:3]
     ]
     with_these = " with these settings" if fixed else ""
     return NoObject(

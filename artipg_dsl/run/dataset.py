@@ -51,7 +51,7 @@ def write_dataset(
     carry_out(job, chunks, progress, workers)
     if counting:
         manifest = manifests.build(job.program, job.request, output, out=out, counts=job.counts())
-        write_bytes(out / manifests.NAME, manifests.text(manifest), force=True)
+        write_bytes(out / manifests.NAME, manifests.to_text(manifest), force=True)
     return manifest
 
 
@@ -99,7 +99,7 @@ def add_formats(
     doubled = [entry.name for entry in formats if entry.name in listed]
     there = {n for n in numbers.tolist() if not lacking(object_folder(out, n), formats)}
     if doubled and len(there) == len(numbers) and not force:
-        raise ExportError(f"{out} has its objects as {', '.join(doubled)}", "use --force to write them again")
+        raise ExportError(f"{out} already has its objects as {', '.join(doubled)}", "use --force to write them again")
     sweep_all(out)
     content = Content(resolution=resolution)
     chunks = [
@@ -110,4 +110,4 @@ def add_formats(
     new = [entry.name for entry in formats if entry.name not in listed]
     if new and not any(lacking(object_folder(out, n), formats) for n in expand(identity["numbers"]).tolist()):
         identity["formats"] = [name for name in FORMATS if name in {*listed, *new}]
-        write_bytes(out / manifests.NAME, manifests.text(manifest), force=True)
+        write_bytes(out / manifests.NAME, manifests.to_text(manifest), force=True)

@@ -19,11 +19,11 @@ from ..sampling.statistics import Exhausted, Statistics
 from ..sampling.trace import Replay
 from ..sampling.values import Values
 from ..validity.sound import prove
-from .compiled import COMPILED, planned, read_compiled
-from .counts import Counts, in_words, no_object, summarize
-from .params import values_of
-from .request import Request, is_file, whole
-from .schema import runs
+from .compiled import COMPILED, make_sampler, read_compiled
+from .counts import Counts, count_in_words, explain_exhausted, summarize
+from .params import read_values
+from .request import Request, is_file
+from .schema import to_runs
 from .settings import resolve
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ class Job:
             prove(made)
             return made
         except Exhausted as error:
-            raise no_object(self.program, error, bool(self.request.settings)) from None
+            raise explain_exhausted(self.program, error, bool(self.request.settings)) from None
         except TooMany as error:
             raise UserError(f"{self.program.name}: {error}", "bound the counts of its repeats") from None
 
@@ -80,16 +80,16 @@ class Job:
 
     def of(self, numbers: Sequence[int] | np.ndarray) -> Job:
         """The job of other objects of the same request."""
-        return self.but(numbers=runs(numbers))
+        return self.but(numbers=to_runs(numbers))
 
     def mutated(self, step: Mutation | Replay, numbers: Sequence[int] | np.ndarray | None = None) -> Job:
         """The job of mutants of this one's objects, ``numbers`` of them. Raises UsageError for names that mean nothing."""
-        asked = self.request.numbers if numbers is None else runs(numbers)
+        asked = self.request.numbers if numbers is None else to_runs(numbers)
         return self.but(mutations=(*self.request.mutations, step), numbers=asked)
 
     def failures(self) -> dict[str, int]:
         """In words what failed, with its place in the text, and in how many attempts; the worst first."""
-        return in_words(self.program, self.statistics.failures())
+        return count_in_words(self.program, self.statistics.failures())
 
     def counts(self) -> Counts:
         """The statistics as the manifest keeps them."""
@@ -110,7 +110,7 @@ def open_job(request: Request, *, values: str = "values") -> Job:
 def open_program(name: str | Path) -> tuple[Sampler, str]:
     """The program of a name or file, and what a manifest calls it."""
     if Path(name).suffix == COMPILED:
-        return planned(read_compiled(name), name), str(name)
+        return make_sampler(read_compiled(name), name), str(name)
     from ..session import Session  # not above: a compiled program is sampled without the parser
 
     session = Session.of(name)
@@ -130,7 +130,7 @@ def prepare(sampler: Sampler, request: Request, *, values: str = "values") -> Jo
             "sample it again, with --force into the same folder",
         )
     given, settings = resolve(program, request.settings)
-    held = None if request.values is None else values_of(request.values, program, values)
+    held = None if request.values is None else read_values(request.values, program, values)
     for step in request.mutations:
         for name in Names.unknown(step.only, program) if isinstance(step, Mutation) else ():
             names = dict.fromkeys(d.column.name for d in program.draws)
@@ -139,7 +139,7 @@ def prepare(sampler: Sampler, request: Request, *, values: str = "values") -> Jo
                 did_you_mean(name, names) or f"it draws {', '.join(list(names)[:8])}, ...",
             )
     known = replace(
-        request, seed=whole("seed", request.seed), program=program.hash, settings=settings,
+        request, program=program.hash, settings=settings,
         values=None if held is None else held.plain,
     )  # fmt: skip
     return Job(sampler, known, given, held)

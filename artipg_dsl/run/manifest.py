@@ -18,7 +18,7 @@ from ..version import __version__
 from .counts import Counts
 from .output import Output, Written
 from .request import Fixed, Made, Objects, Request, is_file
-from .schema import Count, Title, count, titles
+from .schema import Count, Title, count_numbers, read_titles
 
 if TYPE_CHECKING:
     from ..graph.program import Program
@@ -74,19 +74,19 @@ def build(
     program: Program, request: Request, output: Output, *, out: Path | str = ".", counts: Counts | None = None
 ) -> Manifest:
     """The manifest of a folder ``out``; ``counts`` is what the run has counted, once it is over."""
-    size, content = count(request.numbers), output.content
+    size, content = count_numbers(request.numbers), output.content
     versions = {"artipg_dsl": __version__, "numpy": np.__version__}
     found: dict[str, Any] = {**request.to_manifest(), **output.to_manifest(), **versions}
     manifest: Manifest = {
         "manifest": VERSION,
         "category": program.name,
-        "source": relative(request.source, out),
+        "source": make_relative(request.source, out),
         "about": program.doc,
         "identity": cast(Identity, {key: found[key] for key in hints(Identity) if key in found}),
         "objects": size,
-        "shards": shards(size, output.shard),
+        "shards": name_shards(size, output.shard),
         "python": platform.python_version(),
-        "cpu": cpu_class(),
+        "cpu": find_cpu_class(),
         "frame": FRAME,
         "vocabularies": vocabularies(program),
         "sites": [{"path": site.path, "primitive": site.primitive} for site in program.sites],
@@ -102,19 +102,19 @@ def build(
     return manifest
 
 
-def shards(size: int, each: int) -> list[str]:
+def name_shards(size: int, each: int) -> list[str]:
     """The numbers of shards as the names of their files have them."""
     return [f"{at // each:05d}" for at in range(0, size, each)]
 
 
-def relative(source: str, out: Path | str) -> str:
+def make_relative(source: str, out: Path | str) -> str:
     """A file as seen from the folder of samples, so that both can be moved together; a name stays as it is."""
     if not is_file(source):
         return source
     return Path(os.path.relpath(Path(source).resolve(), Path(out).resolve())).as_posix()
 
 
-def cpu_class() -> str:
+def find_cpu_class() -> str:
     """The machine and the widest vector instructions NumPy uses on it: results are equal to the bit within a class."""
     from numpy._core import _multiarray_umath as core  # type: ignore[attr-defined]
 
@@ -122,7 +122,7 @@ def cpu_class() -> str:
     return " ".join([platform.machine(), *enabled[-1:]])
 
 
-def text(manifest: Manifest) -> bytes:
+def to_text(manifest: Manifest) -> bytes:
     return (json.dumps(manifest, indent=1, ensure_ascii=False) + "\n").encode("utf-8")
 
 
@@ -134,7 +134,7 @@ def read(folder: Path | str) -> Manifest | None:
     except FileNotFoundError:
         return None
     except NotADirectoryError:
-        raise ExportError(f"{folder} is a file, a folder was expected", WANTED) from None
+        raise ExportError(f"{folder} is a file, but a folder is expected", WANTED) from None
     except (ValueError, OSError) as error:
         raise ExportError(f"cannot read {path}: {error}", WANTED) from error
     except RecursionError:
@@ -144,7 +144,7 @@ def read(folder: Path | str) -> Manifest | None:
     try:
         check(found)
     except Misfit as wrong:
-        raise ExportError(f"{path}: {wrong}", "give another folder, or make this one anew in an empty place") from None
+        raise ExportError(f"{path}: {wrong}", "give another folder, or sample this one again in a new place") from None
     return cast(Manifest, found)
 
 
@@ -154,10 +154,10 @@ def check(found: dict[str, Any]) -> None:
         raise Misfit("manifest", f"version {VERSION}, the one that this artipg_dsl writes,", shown(found["manifest"]))
     fit(found, Manifest)
     identity = found["identity"]
-    size = count(identity["numbers"])
+    size = count_numbers(identity["numbers"])
     if found["objects"] != size:
         raise Misfit("objects", f"the {size} of identity.numbers", shown(found["objects"]))
-    names = shards(size, identity["shard"])
+    names = name_shards(size, identity["shard"])
     if found["shards"] != names:
         raise Misfit("shards", f"the {len(names)} shards of {identity['shard']} objects each", "another list")
     if ("views" in identity["formats"]) != (identity["views"] is not None):
@@ -165,13 +165,13 @@ def check(found: dict[str, Any]) -> None:
     Output.from_manifest(identity)
 
 
-def difference(old: Manifest, new: Manifest) -> str | None:
+def describe_difference(old: Manifest, new: Manifest) -> str | None:
     """What sets two manifests apart so that their files do not belong together, in words; None if they do."""
     pairs = ((Identity, old["identity"], new["identity"]), (Made, old["identity"]["made"], new["identity"]["made"]))
     words = [
         f"{title} ({_short(before.get(key))}, now {_short(after.get(key))})"
         for record, before, after in pairs
-        for key, title in titles(record).items()
+        for key, title in read_titles(record).items()
         if before.get(key) != after.get(key)
     ]
     return " and ".join(words) or None

@@ -5,12 +5,12 @@ from __future__ import annotations
 import json
 import math
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..diagnostics.suggest import did_you_mean
-from ..errors import SettingError, UserError
+from ..errors import SettingError, UsageError, UserError
 from ..sampling.values import Values
 from .settings import read
 
@@ -20,16 +20,22 @@ if TYPE_CHECKING:
 FORM = 'write {"width": 0.5, "handle": "BarHandle"}, one object a line; annotations of samples do, too'
 
 
-def read_params(path: str | Path) -> tuple[Mapping[str, Any], ...]:
-    """The objects in a file, as names and values. Raises UserError."""
-    try:
-        text = Path(path).read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise UserError(f"{path} cannot be read: {getattr(error, 'strerror', None) or 'it is no text'}") from None
-    return tuple(entries(text, str(path)))
+def read_params(values: str | Path | Iterable[Mapping[str, Any]]) -> tuple[tuple[Mapping[str, Any], ...], str]:
+    """The objects in a file, or in dictionaries, as names and values, and what messages call them. Raises UserError."""
+    if isinstance(values, str | Path):
+        try:
+            text = Path(values).read_text(encoding="utf-8-sig")
+        except (OSError, UnicodeDecodeError) as error:
+            reason = getattr(error, "strerror", None) or "it is not text"
+            raise UserError(f"{values} cannot be read: {reason}") from None
+        return tuple(parse_entries(text, str(values))), str(values)
+    found = tuple(dict(entry) for entry in ([values] if isinstance(values, Mapping) else values))
+    if not found:
+        raise UsageError("no objects are given: values is empty")
+    return found, "values"
 
 
-def entries(text: str, name: str) -> list[Mapping[str, Any]]:
+def parse_entries(text: str, name: str) -> list[Mapping[str, Any]]:
     """The objects that a text holds as plain data: a list, one object, or one a line."""
     try:
         try:
@@ -38,7 +44,7 @@ def entries(text: str, name: str) -> list[Mapping[str, Any]]:
         except json.JSONDecodeError:
             found = [json.loads(line) for line in text.splitlines() if line.strip()]
     except json.JSONDecodeError as error:
-        raise UserError(f"{name}:{error.lineno} is no JSON: {error.msg}", FORM) from None
+        raise UserError(f"{name}:{error.lineno} is not JSON: {error.msg}", FORM) from None
     except (ValueError, RecursionError) as error:  # numbers of thousands of digits, thousands of lists
         raise UserError(f"{name} cannot be read: {error}", FORM) from None
     if not found or not all(isinstance(entry, dict) for entry in found):
@@ -46,7 +52,7 @@ def entries(text: str, name: str) -> list[Mapping[str, Any]]:
     return found
 
 
-def values_of(found: Sequence[Mapping[str, Any]], program: Program, name: str) -> Values:
+def read_values(found: Sequence[Mapping[str, Any]], program: Program, name: str) -> Values:
     """The values by draw, as the runtime takes them; text carries its unit, bare numbers are in SI units.
 
     Numbers may lie outside their domain: the runtime moves them to where they fit. What is no number at all (null, nan) is
@@ -56,13 +62,13 @@ def values_of(found: Sequence[Mapping[str, Any]], program: Program, name: str) -
     records = []
     for place, entry in enumerate(said):
         try:
-            records.append(record_of(entry, program))
+            records.append(read_record(entry, program))
         except UserError as error:
             raise type(error)(f"{name}, object {place}: {error.message}", error.hint) from None
-    return Values(tuple(records), tuple({key: finite(value) for key, value in entry.items()} for entry in said))
+    return Values(tuple(records), tuple({key: make_finite(value) for key, value in entry.items()} for entry in said))
 
 
-def record_of(entry: Mapping[str, Any], program: Program) -> dict[int, tuple[float, ...]]:
+def read_record(entry: Mapping[str, Any], program: Program) -> dict[int, tuple[float, ...]]:
     """The values of one object by draw. Raises UserError, SettingError."""
     record: dict[int, tuple[float, ...]] = {}
     for key, value in entry.items():
@@ -72,13 +78,13 @@ def record_of(entry: Mapping[str, Any], program: Program) -> dict[int, tuple[flo
             raise UserError(f"{program.name} draws no `{key}`", did_you_mean(key, names))
         items = value if isinstance(value, list) else [value]
         if not items:
-            raise UserError(f"`{key}` is an empty list", "leave out what has no value")
+            raise UserError(f"`{key}` is an empty list", "leave it out to have it drawn")
         taken, refused = [False] * len(items), None
         for k, draw in draws:  # alternatives that share the name may differ in their options and kinds
             numbers = []
             for place, item in enumerate(items):
                 try:
-                    numbers.append(stated(draw, item))
+                    numbers.append(read_number(draw, item))
                     taken[place] = True
                 except SettingError as error:
                     numbers.append(math.nan)
@@ -89,16 +95,16 @@ def record_of(entry: Mapping[str, Any], program: Program) -> dict[int, tuple[flo
     return record
 
 
-def stated(draw: Draw, item: Any) -> float:
+def read_number(draw: Draw, item: Any) -> float:
     """A value as the runtime takes it; nan where there is none. Raises SettingError."""
-    item = finite(item)
+    item = make_finite(item)
     return math.nan if item is None else read(draw, item, anywhere=True)[0]
 
 
-def finite(value: Any) -> Any:
+def make_finite(value: Any) -> Any:
     """A value as JSON knows it: null for what is no number, the largest one for what is without end."""
     if isinstance(value, list):
-        return [finite(item) for item in value]
+        return [make_finite(item) for item in value]
     if isinstance(value, int) and abs(value) > sys.float_info.max:
         return sys.float_info.max if value > 0 else -sys.float_info.max
     if not isinstance(value, float) or math.isfinite(value):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from operator import index
 from pathlib import Path
@@ -16,9 +16,10 @@ from ..sampling.mutate import OPERATIONS, Mutation
 from ..sampling.prior import CANDIDATES, MOST_CANDIDATES
 from ..sampling.trace import Replay
 from ..shapes import Rule
-from .schema import MOST, RUNS, Ends, Runs, Title, expand, one_of, runs, within
+from .params import read_params
+from .schema import MOST, RUNS, Ends, Runs, Title, expand, one_of, to_runs, within
 from .settings import Value
-from .traces import traces_of
+from .traces import gather_traces
 
 SEQUENTIAL, PRIOR = "sequential", "prior"
 
@@ -107,8 +108,6 @@ class Request:
                 "objects that are repaired cannot follow the declared distributions",
                 "leave --repair out, or --sampling prior",
             )
-        if not isinstance(self.settings, Mapping):
-            raise UsageError(f"set is {self.settings!r}", 'it maps names to values: {"width": "45cm"}')
 
     @property
     def objects(self) -> np.ndarray:
@@ -145,10 +144,45 @@ class Request:
             repair=made["repair"],
             values=None if made["values"] is None else tuple(made["values"]),
             mutations=tuple(
-                Replay(traces_of(folder)) if "replay" in step else Mutation.of(step) for step in made["mutations"]
+                Replay(gather_traces(folder)) if "replay" in step else Mutation.of(step) for step in made["mutations"]
             ),
             program=drawn["program"],
         )
+
+
+def read_request(
+    source: str | Path,
+    *,
+    seed: int = 0,
+    n: int | None = None,
+    numbers: Sequence[int] | np.ndarray | None = None,
+    settings: Mapping[str, Value] | None = None,
+    checked: bool = True,
+    sampling: str = SEQUENTIAL,
+    repair: bool = False,
+    values: str | Path | Iterable[Mapping[str, Any]] | None = None,
+) -> Request:
+    """A request in the words of the command line, or as Python gives it: the objects 0 .. n - 1 or the given ``numbers``.
+
+    ``values``: a file of objects given by their values, or a dictionary for each. Raises UsageError, UserError.
+    """
+    if not isinstance(settings, Mapping | None):
+        raise UsageError(f"set is {settings!r}", 'it maps names to values: {"width": "45cm"}')
+    if values is None:
+        asked, given = read_numbers(n, numbers), None
+    else:
+        if settings or sampling != SEQUENTIAL:
+            raise UsageError(
+                "objects given by their values are neither drawn nor set", "leave out the settings and the sampling"
+            )
+        given, name = read_params(values)
+        asked = read_numbers(len(given) if n is None and numbers is None else n, numbers)
+        if asked[-1][1] >= len(given):
+            raise UsageError(f"there is no object {asked[-1][1]}: {name} gives {len(given)}, numbered from 0")
+    return Request(
+        str(source), read_whole("seed", seed), asked, settings or {}, checked, read_sampling(sampling),
+        repair and given is None, given,
+    )  # fmt: skip
 
 
 def is_file(source: str | Path) -> bool:
@@ -161,7 +195,7 @@ def read_sampling(text: str) -> int:
     found = CANDIDATES if text == PRIOR else _candidates(text)
     if found is None:
         raise UsageError(
-            f"there is no sampling `{text}`",
+            f"unknown sampling `{text}`",
             f"it is {SEQUENTIAL}, {PRIOR}, or {PRIOR}:N with 2 to {MOST_CANDIDATES} candidates",
         )
     return found
@@ -174,7 +208,7 @@ def _candidates(text: str) -> int | None:
     return int(counted[1]) if counted and 2 <= int(counted[1]) <= MOST_CANDIDATES else None
 
 
-def whole(name: str, value: Any) -> int:
+def read_whole(name: str, value: Any) -> int:
     """A whole number, of Python's or NumPy's types. Raises UsageError."""
     try:
         return index(value)
@@ -182,10 +216,10 @@ def whole(name: str, value: Any) -> int:
         raise UsageError(f"{name} is {value!r}: a whole number is needed") from None
 
 
-def numbered(n: int | None, numbers: Sequence[int] | np.ndarray | None) -> Runs:
+def read_numbers(n: int | None, numbers: Sequence[int] | np.ndarray | None) -> Runs:
     """The numbers 0 .. n - 1 (``n`` is 1 by default), or the ones given. Raises UsageError."""
     if numbers is None:
-        count = 1 if n is None else whole("n", n)
+        count = 1 if n is None else read_whole("n", n)
         if count < 1:
             raise UsageError(f"n is {n}: there must be at least one object")
         return ((0, count - 1),)
@@ -193,8 +227,8 @@ def numbered(n: int | None, numbers: Sequence[int] | np.ndarray | None) -> Runs:
         raise UsageError("both n and numbers are given", "n objects are the numbers 0 .. n - 1")
     asked = np.asarray(numbers).reshape(-1)
     if len(asked) and asked.dtype.kind not in "iu":
-        raise UsageError(f"the numbers of objects are whole, not {asked[0]!r}")
+        raise UsageError(f"object numbers are whole numbers, not {asked[0]!r}")
     found = np.unique(asked.astype(np.int64))
     if not len(found) or found[0] < 0:
-        raise UsageError("the numbers of objects are whole and from 0 on, and there is at least one")
-    return runs(found)
+        raise UsageError("object numbers are whole numbers from 0 on, at least one of them")
+    return to_runs(found)

@@ -23,7 +23,7 @@ def read(folder: Path | str) -> Manifest:
     """The manifest of a folder of samples. Raises ExportError, UserError."""
     manifest = manifests.read(folder)
     if manifest is None:
-        raise UserError(f"{folder} holds no {manifests.NAME}", manifests.WANTED)
+        raise UserError(f"{folder} has no {manifests.NAME}", manifests.WANTED)
     return manifest
 
 
@@ -42,7 +42,7 @@ def make_ready(out: Path, manifest: Manifest, force: bool) -> Manifest:
     """
     old = manifests.read(out)
     if old is not None:
-        changed = manifests.difference(old, manifest)
+        changed = manifests.describe_difference(old, manifest)
         if changed and not force:
             raise ExportError(
                 f"{out} holds samples made with other options: {changed}",
@@ -54,12 +54,12 @@ def make_ready(out: Path, manifest: Manifest, force: bool) -> Manifest:
         clear(out, old)
     elif not force and (out / OBJECTS).exists() and any((out / OBJECTS).iterdir()):
         raise ExportError(
-            f"{out / OBJECTS} holds objects, and no {manifests.NAME} beside it says which",
+            f"{out / OBJECTS} holds objects, but there is no {manifests.NAME} that describes them",
             "choose another folder, or use --force to write among them",
         )
     ensure_folder(out)
     sweep(out)
-    write_bytes(out / manifests.NAME, manifests.text(manifest), force=True)
+    write_bytes(out / manifests.NAME, manifests.to_text(manifest), force=True)
     return manifest
 
 

@@ -26,7 +26,7 @@ class Title:
     words: str
 
 
-def titles(record: Any) -> dict[str, str]:
+def read_titles(record: Any) -> dict[str, str]:
     """The titles of the entries of a ``TypedDict``, by key; an entry without one is left out."""
     return {key: note.words for key, kind in hints(record).items() for note in _notes(kind) if isinstance(note, Title)}
 
@@ -48,20 +48,20 @@ def within(least: float, most: float) -> Rule:
     return Rule(f"{noun} from {least:g} to {most:g}", lambda value: least <= value <= most)
 
 
-def ordered(value: Sequence[Sequence[int]]) -> bool:
+def is_ordered(value: Sequence[Sequence[int]]) -> bool:
     """Whether runs ``[first, last]`` ascend, do not meet, and hold no more objects than a folder may."""
     ends = [end for run in value for end in run]
     ascending = all(a <= b if k % 2 == 0 else a < b for k, (a, b) in enumerate(zip(ends, ends[1:], strict=False)))
     bounded = not ends or 0 <= ends[0] and ends[-1] < LARGE
-    return ascending and bounded and count(value) <= MOST
+    return ascending and bounded and count_numbers(value) <= MOST
 
 
 Count = Annotated[int, Rule("a whole number from 0 on", lambda value: 0 <= value < LARGE)]
 Ends = Annotated[list[int], Rule("a first and a last number", lambda value: len(value) == 2)]
-RUNS = Rule("runs of object numbers [first, last], ascending", ordered)
+RUNS = Rule("runs of object numbers [first, last], ascending", is_ordered)
 
 
-def runs(numbers: Sequence[int] | np.ndarray) -> Runs:
+def to_runs(numbers: Sequence[int] | np.ndarray) -> Runs:
     """Ascending numbers of objects as runs."""
     numbers = np.asarray(numbers, dtype=np.int64)
     if not len(numbers):
@@ -76,7 +76,7 @@ def expand(found: Sequence[Sequence[int]]) -> np.ndarray:
     return np.concatenate(pieces) if pieces else np.zeros(0, dtype=np.int64)
 
 
-def count(found: Sequence[Sequence[int]]) -> int:
+def count_numbers(found: Sequence[Sequence[int]]) -> int:
     """How many numbers runs stand for."""
     return sum(last - first + 1 for first, last in found)
 

@@ -78,7 +78,7 @@ def read(draw: Draw, value: Value, *, anywhere: bool = False) -> tuple[float, Va
     outside = (low is not None and number < low - 1e-9) or (high is not None and number > high + 1e-9)
     if outside and not anywhere:
         raise SettingError(
-            f"`{draw.column.name}` cannot be {value}: it lies in {domain(draw)}",
+            f"`{draw.column.name}` cannot be {value}: it lies in {show_domain(draw)}",
             f"see {draw.where}" if draw.where else None,
         )
     return float(number), int(number) if draw.kind == "count" else float(number)
@@ -104,8 +104,8 @@ def _number(draw: Draw, text: str) -> float:
     if written not in UNITS and written:
         fitting = [u for u, (_, dimension) in UNITS.items() if u and dimension == UNITS[unit or "%"][1]]
         raise SettingError(
-            f"`{written}` in {name}={text} is no unit",
-            did_you_mean(written, (u for u in UNITS if u)) or f"write {', '.join(fitting)} behind the number",
+            f"`{written}` in {name}={text} is not a unit",
+            did_you_mean(written, (u for u in UNITS if u)) or f"write {', '.join(fitting)} after the number",
         )
     if not math.isfinite(number):
         raise SettingError(f"`{name}` cannot be {text}: the number is too large")
@@ -126,7 +126,7 @@ def _unknown(program: Program, name: str) -> SettingError:
     if any(column.name == name or column.name.startswith(name + ".") for column in program.definitions) and not inside:
         return SettingError(
             f"`{name}` follows from other values: it cannot be set",
-            "set what determines it; `apgc ledger` tells what does",
+            "set what determines it, which `apgc ledger` shows",
         )
     if inside:
         shown = ", ".join(inside[:6]) + (", ..." if len(inside) > 6 else "")
@@ -135,13 +135,13 @@ def _unknown(program: Program, name: str) -> SettingError:
     return SettingError(f"{program.name} draws no `{name}`", hint)
 
 
-def domain(draw: Draw) -> str:
+def show_domain(draw: Draw) -> str:
     """``40cm .. 60cm``; ends that depend on other values are left open."""
     ends = [None if e is None else e.constant for e in (draw.low, draw.high)]
-    return " .. ".join("?" if e is None else shown(float(e), draw.unit) for e in ends)
+    return " .. ".join("?" if e is None else show(float(e), draw.unit) for e in ends)
 
 
-def shown(value: float, unit: str) -> str:
+def show(value: float, unit: str) -> str:
     """A value in the unit that people use for its size."""
     if unit == "m":
         unit = "mm" if abs(value) < 0.01 else "cm" if abs(value) < 1 else "m"

@@ -9,7 +9,7 @@ from ..errors import UserError
 from ..sampling.trace import read_traces
 
 
-def traces_of(place: Path | str) -> dict[int, dict[str, Any]]:
+def gather_traces(place: Path | str) -> dict[int, dict[str, Any]]:
     """The traces in a folder that ``apgc mutate`` wrote, or in one of its files, by number of the object. Raises UserError."""
     place = Path(place)
     files = sorted(place.glob("trace-*.jsonl")) if place.is_dir() else [place]
@@ -21,6 +21,6 @@ def traces_of(place: Path | str) -> dict[int, dict[str, Any]]:
             raise UserError(f"{file} cannot be read: {getattr(error, 'strerror', None) or error}") from None
     if not found:
         raise UserError(
-            f"{place} holds no traces", "give a folder that `apgc mutate` has written, or a trace-*.jsonl of it"
+            f"{place} has no traces", "give a folder that `apgc mutate` has written, or a trace-*.jsonl of it"
         )
     return found

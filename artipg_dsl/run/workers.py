@@ -33,13 +33,13 @@ def share(job: Job, count: int, chunks: list[Chunk]) -> Iterator[Chunk]:
     Raises what the first chunk that fails raises, and UserError where a process dies.
     """
     for chunk, counted in zip(
-        chunks, each(_write, chunks, count, _take, replace(job, statistics=Statistics())), strict=True
+        chunks, map_each(_write, chunks, count, _take, replace(job, statistics=Statistics())), strict=True
     ):
         job.statistics.take(counted)
         yield chunk
 
 
-def each(
+def map_each(
     function: Callable[[T], R], items: Sequence[T], count: int, begin: Callable[..., None] | None = None, *given: Any
 ) -> Iterator[R]:
     """``function`` of each item, in their order, called in ``count`` processes that called ``begin(*given)`` first.
@@ -61,7 +61,7 @@ def each(
     except BrokenProcessPool:
         raise UserError(
             "a worker process died, perhaps for lack of memory",
-            "use fewer --workers, or ask for less at once; the same command completes what is missing",
+            "use fewer --workers, or smaller shards; the same command completes what is missing",
         ) from None
     finally:
         for child in set() if done else set(mp.active_children()) - before:  # nobody is to go on

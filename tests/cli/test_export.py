@@ -172,7 +172,7 @@ def test_a_limit_on_file_sizes_is_told_in_words(made: Path) -> None:
         [sys.executable, "-c", LIMITED, *command("export", made, "--format", "glb")[2:]],
         env=environment(), capture_output=True, text=True, check=False,
     )  # fmt: skip
-    assert done.returncode == 1 and "larger than" in done.stderr and "Traceback" not in done.stderr
+    assert done.returncode == 1 and "exceeds the size" in done.stderr and "Traceback" not in done.stderr
     assert not (made / "objects").exists() or not list((made / "objects").iterdir())
 
 
@@ -201,8 +201,8 @@ def test_meshes_as_fine_as_asked(apgc: Apgc, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("wish, message", [
     (("--tolerance", "5"), "'5' is not a length"), (("--tolerance", "1nm"), "not a length"),
-    (("--tolerance", "0.001mm"), "does not lie between 0.01mm and 10m"), (("--triangles", "0"), "from 1 to"),
-    (("--tolerance", "1mm"), "--tolerance and --triangles are about meshes"),
+    (("--tolerance", "0.001mm"), "is not between 0.01mm and 10m"), (("--triangles", "0"), "from 1 to"),
+    (("--tolerance", "1mm"), "--tolerance and --triangles apply to meshes"),
 ])  # fmt: skip
 def test_wishes_about_meshes_that_make_no_sense(
     apgc: Apgc, tmp_path: Path, wish: tuple[str, ...], message: str

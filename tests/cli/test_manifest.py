@@ -165,7 +165,7 @@ def test_validate_has_something_to_examine(folder: Path, tmp_path: Path, apgc: A
     whole |= {"objects": 0, "shards": [], "identity": {**whole["identity"], "numbers": []}}
     (tmp_path / "o" / manifest.NAME).write_text(json.dumps(whole), encoding="utf-8")
     code, _, err = apgc("validate", tmp_path / "o")
-    assert code == 1 and "there is no object to examine" in err
+    assert code == 1 and "there is no object to validate" in err
 
 
 RECORDS = (manifest.Manifest, manifest.Identity, Made, Counts, Request, Output, Content)

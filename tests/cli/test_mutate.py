@@ -127,10 +127,10 @@ def test_objects_given_by_their_values(apgc, chest, tmp_path):
         (("--ops", "xpa"), "there is no operation `xpa`"),
         (("--strength", "-1"), "not a number above 0"),
         (("--share", "2"), "between 0 and 1"),
-        (("--only", "99"), "holds no object 99"),
-        (("--one", "width", "--parts", "lid"), "--parts has no meaning"),
-        (("--one", "width", "--share", "1"), "have no meaning"),
-        (("--one", "width", "--ops", "cpa"), "have no meaning"),
+        (("--only", "99"), "has no object 99"),
+        (("--one", "width", "--parts", "lid"), "--parts cannot be given"),
+        (("--one", "width", "--share", "1"), "cannot be given as well"),
+        (("--one", "width", "--ops", "cpa"), "cannot be given as well"),
         (("--replay", "nothing.jsonl"), "cannot be read"),
         (("--one", "widht"), "did you mean `width`?"),
         (("--parts", "share,lod"), "Chest draws no `lod`"),
@@ -144,7 +144,7 @@ def test_wrong_use_is_told(apgc, chest, tmp_path, arguments, said):
 def test_values_that_do_not_fit_are_told(apgc, tmp_path):
     file = tmp_path / "values.json"
     for text, said in (
-        ('{"widht": 1}', "draws no `widht`"), ("[]", "holds no objects"), ("{", "is no JSON"), ('{"width": "70"}', "has no unit"),
+        ('{"widht": 1}', "draws no `widht`"), ("[]", "holds no objects"), ("{", "is not JSON"), ('{"width": "70"}', "has no unit"),
     ):  # fmt: skip
         file.write_text(text, encoding="utf-8")
         code, _, err = apgc("mutate", CHEST, "--params", file, "-o", tmp_path / "x")

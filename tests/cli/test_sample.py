@@ -88,7 +88,7 @@ WRONG = [
     (["--set", "widht=45cm"], 2, "did you mean `width`?"),
     (["--set", "width=45"], 2, "has no unit: `width` is a length"),
     (["--set", "width=45deg"], 2, "wrong unit"),
-    (["--set", "width=45cmm"], 2, "`cmm` in width=45cmm is no unit"),
+    (["--set", "width=45cmm"], 2, "`cmm` in width=45cmm is not a unit"),
     (["--set", "width=wide"], 2, "a number is needed"),
     (["--set", "width=4m"], 2, "30cm .. 60cm"),
     (["--set", "share=20cm"], 2, "a number without a unit"),
@@ -108,7 +108,7 @@ WRONG = [
     (["-n", "999999999999"], 2, "999999999999"),
     (["--points", "0"], 2, "0"),
     (["--only", "5..3"], 2, "empty"),
-    (["--only", "x"], 2, "no object number"),
+    (["--only", "x"], 2, "not an object number"),
     (["--shard", "3/2"], 2, "2/8"),
     (["--format", "step"], 2, "the formats are points"),
     (["--frobnicate"], 2, "--frobnicate"),
@@ -215,7 +215,7 @@ def test_render_of_a_changed_program(apgc: Apgc, tmp_path: Path) -> None:
 
 def test_wrong_render(apgc: Apgc, tmp_path: Path) -> None:
     code, _, err = apgc("render", tmp_path, "-o", tmp_path / "s.png")
-    assert code == 1 and "holds no manifest.json" in err
+    assert code == 1 and "has no manifest.json" in err
     code, _, err = apgc("render", CHEST, "-o", tmp_path / "s.jpg")
     assert code == 2 and ".png" in err
     apgc("sample", CHEST, "-n", 2, "-o", tmp_path / "o", *SMALL)
@@ -252,7 +252,7 @@ def test_wild_values_are_repaired_and_told(apgc: Apgc, tmp_path: Path) -> None:
     ("text", "message"),
     [
         ('{"a": "wide"}', "`a` cannot be `wide`"), ('{"lid": "Cubiod"}', "`lid` cannot be `Cubiod`"), ('{"a": {"b": 1}}', "a number is needed"),
-        ('{"q": 1}', "draws no `q`"), ('{"n": 2.5}', "not a whole number"), ("{", "is no JSON"), ('{"a": "5kg"}', "wrong unit"),
+        ('{"q": 1}', "draws no `q`"), ('{"n": 2.5}', "not a whole number"), ("{", "is not JSON"), ('{"a": "5kg"}', "wrong unit"),
     ],
 )  # fmt: skip
 def test_values_of_a_wrong_kind_are_errors(apgc: Apgc, tmp_path: Path, text: str, message: str) -> None:

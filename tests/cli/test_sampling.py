@@ -33,10 +33,10 @@ def test_preferences_are_counted_apart(apgc: Apgc, tmp_path: Path) -> None:
     program = tmp_path / "coupled.apg"
     program.write_text(COUPLED)
     code, out, _ = apgc("sample", program, "-n", 60, "-o", tmp_path / "o", "--points", 4, "--stats")
-    assert code == 0 and "60 objects, 100.0% valid at first" in out
+    assert code == 0 and "60 objects, 100.0% valid on the first attempt" in out
     assert "valid objects passed over by preference" in out and "coupled.apg:6: prefer a >= b" in out
 
 
 def test_another_way_is_refused(apgc: Apgc, tmp_path: Path) -> None:
     code, _, err = apgc("sample", "Microwave", "-o", tmp_path / "o", "--sampling", "posterior")
-    assert code != 0 and "there is no sampling `posterior`" in err
+    assert code != 0 and "unknown sampling `posterior`" in err

@@ -17,22 +17,22 @@ from .helpers import CHEST, Apgc, command, environment
     [
         ("sampel Microwave", "there is no command `sampel`", "did you mean `sample`?"),
         ("sample Microwave --formt glb", "apgc sample has no option --formt", "did you mean --format?"),
-        ("sample Microwave more", "more means nothing here", "apgc sample --help"),
+        ("sample Microwave more", "unexpected argument more", "apgc sample --help"),
         ("sample Microwave -n 0", "0 is not a number from 1", "apgc sample --help"),
         ("sample", "required: NAME|FILE", "apgc sample --help"),
         ("compile Microwave --emit tree", "there is no --emit `tree`", "graph, ast, typed"),
-        (f"sample {CHEST} --variant 3", "--variant is about mutants", "--mutate"),
+        (f"sample {CHEST} --variant 3", "--variant applies to mutants", "--mutate"),
         (f"sample {CHEST} --states open=45", "`open=45` has no unit", "deg"),
         (f"sample {CHEST} --gripper stroke=10", "`stroke=10` has no unit", "stroke=10mm"),
         (f"sample {CHEST} --gripper stroke=10cm,stroke=9cm", "stroke is given twice", ""),
-        (f"sample {CHEST} --set width=4furlong", "`furlong` in width=4furlong is no unit", "mm, cm, m"),
-        (f"sample {CHEST} -o -", "- is standard output, and a folder is needed", ""),
-        (f"export {CHEST} --format obj -o -", "- is standard output, and a folder is needed", ""),
-        ("mutate out -o -", "- is standard output, and a folder is needed", ""),
-        (f"render {CHEST} -o -", "- is standard output, and a picture is not written there", ""),
+        (f"sample {CHEST} --set width=4furlong", "`furlong` in width=4furlong is not a unit", "mm, cm, m"),
+        (f"sample {CHEST} -o -", "- means standard output, but a folder is needed", ""),
+        (f"export {CHEST} --format obj -o -", "- means standard output, but a folder is needed", ""),
+        ("mutate out -o -", "- means standard output, but a folder is needed", ""),
+        (f"render {CHEST} -o -", "- means standard output, but a picture needs a file", ""),
         ("report Door --html - --json", "--html - writes the page to standard output", "name"),
         (f"sample {CHEST} --mutate cpa --variant {10**30}", "the variant is 1000000", ""),
-        ("new 3D", "`3D` is no name", "a name such as DeskLamp"),
+        ("new 3D", "`3D` cannot name", "a name such as DeskLamp"),
         ("new Cuboid", "uses the library's `Cuboid`", "another name"),
         ("new Foo -o .", ". is a folder", "write foo.apg"),
     ],
@@ -47,7 +47,7 @@ def test_wrong_words(apgc: Apgc, words: str, told: str, hint: str) -> None:
 
 def test_a_folder_without_a_name_is_refused(apgc: Apgc) -> None:
     code, _, err = apgc("sample", CHEST, "-o", "")
-    assert code == 2 and "an empty name is no place to write to" in err
+    assert code == 2 and "the name of the output is empty" in err
 
 
 def test_a_joint_that_is_misspelt(apgc: Apgc, tmp_path: Path) -> None:

@@ -49,7 +49,7 @@ def test_bytes_do_not_depend_on_the_process(tmp_path: Path, cameras: Path) -> No
         (("--states", "random:0"), "a number from 1"),
         (("--views", "0"), "`views` is 0"),
         (("--views", "cams.json"), "there is no camera file cams.json"),
-        (("--motion", "--format", "urdf"), "--motion is about points"),
+        (("--motion", "--format", "urdf"), "--motion applies to points"),
     ],
 )
 def test_wrong_wishes_are_told_before_anything_is_written(

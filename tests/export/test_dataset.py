@@ -21,7 +21,7 @@ from artipg_dsl.run import manifest
 from artipg_dsl.run.dataset import write_dataset
 from artipg_dsl.run.output import Output
 from artipg_dsl.run.request import Request
-from artipg_dsl.run.schema import expand, runs
+from artipg_dsl.run.schema import expand, to_runs
 
 from .fake_batch import FakeBatch
 
@@ -46,7 +46,7 @@ def write(  # type: ignore[no-untyped-def]
     points: int = 64, shard: int = 2, sample=sample, counts=COUNTS, **options,
 ) -> dict:  # fmt: skip
     program = FakeBatch(1).program
-    request = Request("Cupboard", seed, runs(only or range(n)), program=program.hash)
+    request = Request("Cupboard", seed, to_runs(only or range(n)), program=program.hash)
     output = Output(tuple(entry.name for entry in choose(formats)), Content(Sampling(points)), shard)
     job = SimpleNamespace(program=program, request=request, batch=sample, counts=lambda: counts)
     return write_dataset(job, out, output, **options)  # type: ignore[arg-type]
@@ -203,5 +203,5 @@ def test_npz_is_plain_and_its_bytes_depend_on_the_contents_alone(tmp_path: Path)
 
 
 def test_spans_of_numbers() -> None:
-    assert runs([0, 1, 2, 5, 7, 8]) == ((0, 2), (5, 5), (7, 8)) and runs([]) == ()
-    assert expand(runs([0, 1, 2, 5, 7, 8])).tolist() == [0, 1, 2, 5, 7, 8] and expand(()).tolist() == []
+    assert to_runs([0, 1, 2, 5, 7, 8]) == ((0, 2), (5, 5), (7, 8)) and to_runs([]) == ()
+    assert expand(to_runs([0, 1, 2, 5, 7, 8])).tolist() == [0, 1, 2, 5, 7, 8] and expand(()).tolist() == []

@@ -210,7 +210,7 @@ def test_a_ball_has_three_freedoms() -> None:
 
 
 def test_a_joint_that_mujoco_does_not_have_is_refused_in_words() -> None:
-    with pytest.raises(ExportError, match="open is a planar joint, which MuJoCo cannot state"):
+    with pytest.raises(ExportError, match="open is a planar joint, which MuJoCo cannot express"):
         mjcf_files(fake(kind="planar"))
 
 

@@ -348,7 +348,7 @@ def test_what_it_cannot_state_is_refused(monkeypatch: pytest.MonkeyPatch) -> Non
     for changed in ({"kind": "gear"}, {"kind": "prismatic", "low": None}):
         joints = (replace(robot.joints[0], **changed), *robot.joints[1:])
         monkeypatch.setattr(robots, "robot", lambda _, joints=joints: replace(robot, joints=joints))
-        with pytest.raises(ExportError, match="cannot state"):
+        with pytest.raises(ExportError, match="cannot express"):
             partnet_files(robots, 0)
 
 

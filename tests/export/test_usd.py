@@ -249,7 +249,7 @@ def test_joints_of_other_kinds(monkeypatch: pytest.MonkeyPatch) -> None:
     assert (
         screw.IsA(UsdPhysics.RevoluteJoint) and screw.GetAttribute("artipg:screw:pitch").Get() == robot.joints[0].pitch
     )
-    with pytest.raises(ExportError, match="gear joint, which UsdPhysics cannot state"):
+    with pytest.raises(ExportError, match="gear joint, which UsdPhysics cannot express"):
         usd_files(with_kind("gear"), 0)
 
 

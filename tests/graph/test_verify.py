@@ -15,7 +15,7 @@ from artipg_dsl.graph.expr import call, const, raw, var
 from artipg_dsl.graph.formula import compile_formula, source
 from artipg_dsl.graph.text import TextError, from_text, to_text
 from artipg_dsl.graph.verify import UNITS
-from artipg_dsl.run.compiled import compiled_text, planned
+from artipg_dsl.run.compiled import make_sampler, to_compiled
 from artipg_dsl.run.job import open_job, prepare
 from artipg_dsl.run.request import Request
 from artipg_dsl.runtime.plan import make_plan
@@ -163,7 +163,7 @@ def test_values_that_need_one_another_are_reported(text, tmp_path):
     lines.insert(-1, f"%{count + 1} = le %{count} %{count}")
     program = from_text("\n".join(lines))
     path = tmp_path / "loop.apgc"
-    path.write_text(compiled_text(program), encoding="utf-8")
+    path.write_text(to_compiled(program), encoding="utf-8")
     with pytest.raises(UserError, match="in a circle"):
         open_job(Request(str(path)))
 
@@ -173,7 +173,7 @@ def test_tables_beyond_all_bounds_are_refused(text, tmp_path):
         text = re.sub(rf"(%\d+) = const {old}\b", r"\1 = const 1000000000.0", text, count=1)
     program = from_text(text)
     path = tmp_path / "many.apgc"
-    path.write_text(compiled_text(program), encoding="utf-8")
+    path.write_text(to_compiled(program), encoding="utf-8")
     with pytest.raises(UserError, match="elements of one repeat"):
         open_job(Request(str(path))).batch(np.arange(3))
 
@@ -197,7 +197,7 @@ def sampled(text: str, old: str, new: str) -> str:
     assert count == 1
     program = from_text(edited)
     with pytest.raises(UserError) as wrong:
-        prepare(planned(program, "edited.apgc"), Request("edited.apgc")).batch(np.arange(2))
+        prepare(make_sampler(program, "edited.apgc"), Request("edited.apgc")).batch(np.arange(2))
     return wrong.value.message
 
 
@@ -229,7 +229,7 @@ def test_surfaces_that_do_not_close_are_a_users_error(text: str) -> None:
     edited = re.sub(
         r'(primitives \(Primitive name "Cylinder".*?u_range) \[(%\d+) (%\d+)\]', r"\1 [\2 \2]", text, count=1
     )
-    job = prepare(planned(from_text(edited), "edited.apgc"), Request("edited.apgc"))
+    job = prepare(make_sampler(from_text(edited), "edited.apgc"), Request("edited.apgc"))
     with pytest.raises(UserError, match="Cylinder: surface"):
         Samples(job).meshes()
 

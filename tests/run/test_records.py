@@ -21,10 +21,10 @@ from artipg_dsl.export.write import ExportError
 from artipg_dsl.geometry.resolution import Resolution
 from artipg_dsl.graph.program import Program
 from artipg_dsl.run import manifest as manifests
-from artipg_dsl.run.manifest import Identity, Manifest, build, difference, read
+from artipg_dsl.run.manifest import Identity, Manifest, build, describe_difference, read
 from artipg_dsl.run.output import Output, Written, read_content
-from artipg_dsl.run.request import Drawn, Made, Request, numbered, read_sampling
-from artipg_dsl.run.schema import expand, runs, titles
+from artipg_dsl.run.request import Drawn, Made, Request, read_numbers, read_request, read_sampling
+from artipg_dsl.run.schema import expand, read_titles, to_runs
 from artipg_dsl.sampling.mutate import Mutation
 from artipg_dsl.sampling.trace import Replay
 from artipg_dsl.session import Session
@@ -68,7 +68,7 @@ def usual(field: Field[Any]) -> Any:
 def through(program: Program, request: Request, output: Output, folder: Path) -> Manifest:
     """The manifest as it is read again from a folder."""
     folder.mkdir(exist_ok=True)
-    (folder / manifests.NAME).write_bytes(manifests.text(build(program, request, output, out=folder)))
+    (folder / manifests.NAME).write_bytes(manifests.to_text(build(program, request, output, out=folder)))
     found = read(folder)
     assert found is not None
     return found
@@ -151,8 +151,8 @@ def test_the_entries_are_those_of_the_two_records_and_the_versions(program: Prog
 
 def entries(identity: Any) -> Iterator[tuple[tuple[str, ...], str]]:
     """The places of all entries that are compared, with their titles."""
-    yield from (((key,), title) for key, title in titles(Identity).items())
-    yield from ((("made", key), title) for key, title in titles(Made).items())
+    yield from (((key,), title) for key, title in read_titles(Identity).items())
+    yield from ((("made", key), title) for key, title in read_titles(Made).items())
 
 
 def test_every_entry_has_a_title_and_tells_two_runs_apart(program: Program) -> None:
@@ -160,12 +160,12 @@ def test_every_entry_has_a_title_and_tells_two_runs_apart(program: Program) -> N
     one = build(program, Request(**DRAWN | {"repair": False}), full)
     assert {place[0] for place, _ in entries(one)} == set(get_type_hints(Identity))
     assert {place[1] for place, _ in entries(one) if place[1:]} == set(get_type_hints(Made))
-    assert difference(one, copy.deepcopy(one)) is None
+    assert describe_difference(one, copy.deepcopy(one)) is None
     for place, title in entries(one):
         other: Any = copy.deepcopy(one)
         inside = other["identity"] if len(place) == 1 else other["identity"]["made"]
         inside[place[-1]] = "something else"
-        words = difference(one, other)
+        words = describe_difference(one, other)
         assert words is not None and words.startswith(title) and "something else" in words, place
 
 
@@ -186,7 +186,7 @@ def test_an_unknown_key_is_refused(program: Program, tmp_path: Path, at: tuple[s
     for key in at:
         inside = inside[key]
     inside["sed"] = 1.0
-    (tmp_path / manifests.NAME).write_bytes(manifests.text(whole))
+    (tmp_path / manifests.NAME).write_bytes(manifests.to_text(whole))
     with pytest.raises(ExportError) as wrong:
         read(tmp_path)
     assert wrong.value.message.startswith(f"{tmp_path / manifests.NAME}: {words}"), wrong.value.message
@@ -201,18 +201,18 @@ def test_cameras_belong_to_views() -> None:
 
 
 def test_numbers_are_runs() -> None:
-    assert numbered(None, None) == ((0, 0),) and numbered(3, None) == ((0, 2),)
-    assert numbered(None, [7, 5, 6, 2, 7]) == ((2, 2), (5, 7)) == runs([2, 5, 6, 7])
+    assert read_numbers(None, None) == ((0, 0),) and read_numbers(3, None) == ((0, 2),)
+    assert read_numbers(None, [7, 5, 6, 2, 7]) == ((2, 2), (5, 7)) == to_runs([2, 5, 6, 7])
     assert expand(((2, 2), (5, 7))).tolist() == [2, 5, 6, 7]
     for n, numbers in ((0, None), (2.5, None), (1, [1]), (None, []), (None, [-1]), (None, [0.5])):
         with pytest.raises(UsageError):
-            numbered(n, numbers)  # type: ignore[arg-type]
+            read_numbers(n, numbers)  # type: ignore[arg-type]
 
 
 def test_sampling_is_a_number_of_candidates() -> None:
     assert [read_sampling(text) for text in ("sequential", "prior", "prior:16")] == [0, 32, 16]
     for text in ("", "prior:", "prior:1", "prior:0016", "prior:x", "sequential:3"):
-        with pytest.raises(UsageError, match="there is no sampling"):
+        with pytest.raises(UsageError, match="unknown sampling"):
             read_sampling(text)
 
 
@@ -228,4 +228,20 @@ def test_what_cannot_go_together_is_refused() -> None:
     with pytest.raises(UsageError, match="cannot follow the declared distributions"):
         Request("Box", candidates=32, repair=True)
     with pytest.raises(UsageError, match="it maps names to values"):
-        Request("Box", settings=["width=1cm"])  # type: ignore[arg-type]
+        read_request("Box", settings=["width=1cm"])  # type: ignore[arg-type]
+
+
+def test_objects_given_by_their_values_are_numbered_from_0(tmp_path: Path) -> None:
+    (tmp_path / "v.json").write_text('[{"width": 0.12}, {"width": null}]', encoding="utf-8")
+    for values in (tmp_path / "v.json", [{"width": 0.12}, {"width": None}]):
+        request = read_request("Box", values=values, repair=True)
+        assert request.numbers == ((0, 1),) and request.values == ({"width": 0.12}, {"width": None})
+        assert not request.repair  # they are repaired anyway
+        assert read_request("Box", values=values, n=1).numbers == ((0, 0),)
+        for more in ({"n": 3}, {"numbers": [0, 2]}):
+            with pytest.raises(UsageError, match=r"there is no object 2: .* gives 2, numbered from 0"):
+                read_request("Box", values=values, **more)  # type: ignore[arg-type]
+        for more in ({"settings": {"width": 0.1}}, {"sampling": "prior"}):
+            with pytest.raises(UsageError, match="neither drawn nor set"):
+                read_request("Box", values=values, **more)  # type: ignore[arg-type]
+    assert read_request("Box", values={"width": 0.12}).numbers == ((0, 0),)

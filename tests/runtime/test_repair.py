@@ -8,7 +8,7 @@ import pytest
 from artipg_dsl.errors import NoObject, UserError
 from artipg_dsl.graph.text import from_text, to_text
 from artipg_dsl.run.job import prepare
-from artipg_dsl.run.params import values_of
+from artipg_dsl.run.params import read_values
 from artipg_dsl.run.request import Request
 from artipg_dsl.runtime.kernels import Kept, State
 from artipg_dsl.sampling.clips import Asked
@@ -31,7 +31,7 @@ def sampler_of(*lines: str) -> Sampler:
 
 
 def given(sampler: Sampler, *records: dict) -> Values:
-    return values_of(records, sampler.program, "values")
+    return read_values(records, sampler.program, "values")
 
 
 def put_right(sampler: Sampler, *records: dict, statistics: Statistics | None = None):
