@@ -20,6 +20,7 @@ from ..solve.solve import settle
 from ..values.kinds import Box, Ref, Value, Vec, reference
 from ..values.vectors import times
 from . import connect
+from .behind import said_inside
 from .build import build_part
 from .draws import draw_scalar
 from .interface import own_parameter, parameters_of
@@ -88,6 +89,7 @@ def lower_statements(env: Env, body: tuple[ast.Stmt, ...]) -> None:
 
 def declare(env: Env, body: tuple[ast.Stmt, ...]) -> None:
     """Register every name of a body, then lower the declarations in the order of the text."""
+    body = said_inside(env, body)
     announce(env, body)
     lower(env, body)
 
