@@ -12,8 +12,9 @@ def suggest(name: str, candidates: Iterable[str]) -> str | None:
     by_lower = {c.lower(): c for c in reversed(known)}
     if name.lower() in by_lower:
         return by_lower[name.lower()]
-    close = get_close_matches(name, known, n=1, cutoff=0.6)
-    return close[0] if close else None
+    close = get_close_matches(name, known, n=3, cutoff=0.6)
+    # letters exchanged are likelier than others in their place, and the first letter is seldom wrong
+    return min(close, key=lambda c: (sorted(c) != sorted(name), c[0] != name[0]), default=None)
 
 
 def did_you_mean(name: str, candidates: Iterable[str]) -> str | None:

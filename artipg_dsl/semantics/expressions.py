@@ -96,12 +96,22 @@ def infer(ck: Checker, ctx: Context, expr: ast.Expr) -> Type:
     raise TypeError(f"no rule for {type(expr).__name__}")
 
 
+_USUAL = "lengths are in mm, cm or m, angles in deg, rad or turn"
+_FOREIGN_UNITS = {
+    **dict.fromkeys(("inch", "inches", "in", "ft", "feet", "foot"), "lengths are in mm, cm or m: an inch is 25.4mm, a foot 30.48cm"),
+    **dict.fromkeys(("degree", "degrees", "grad"), "angles are in deg, rad or turn"),
+    **dict.fromkeys(("px", "pt", "em"), "lengths are in mm, cm or m"),
+    **dict.fromkeys(("kgm3", "kgperm3"), "write `700kg/m3`"),
+}  # fmt: skip
+
+
 def _number(ck: Checker, expr: ast.NumberExpr) -> Type:
     if expr.unit:
         if expr.unit not in UNITS:
             return ck.error(
-                "unknown-unit", expr.span, f"there is no unit `{expr.unit}`", hint=did_you_mean(expr.unit, UNITS)
-            )
+                "unknown-unit", expr.span, f"there is no unit `{expr.unit}`",
+                hint=_FOREIGN_UNITS.get(expr.unit.lower()) or did_you_mean(expr.unit, UNITS) or _USUAL,
+            )  # fmt: skip
         return Scalar(UNITS[expr.unit][1])
     if expr.value == 0:
         return ZERO

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from ..diagnostics import Report
-from ..diagnostics.suggest import did_you_mean
+from ..diagnostics.suggest import did_you_mean, suggest
 from ..resources import library_dir
 from ..source import Source, Span
 from ..syntax import ast
@@ -119,10 +119,11 @@ class Workspace:
         for name, span in zip(use.names, use.name_spans, strict=True):
             symbol = offered.get(name)
             if symbol is None:
-                scope.lost.add(name)
+                meant = suggest(name, offered)
+                scope.lost.update((name,) if meant is None else (name, meant))
                 self.report.error(
                     "unknown-import", span, f"module `{use.module}` declares no `{name}`",
-                    hint=did_you_mean(name, offered) or self._elsewhere(name, module, use.module),
+                    hint=f"did you mean `{meant}`?" if meant else self._elsewhere(name, module, use.module),
                 )  # fmt: skip
             elif name in scope.names and scope.names[name] is not symbol:
                 other = scope.names[name]

@@ -87,9 +87,20 @@ def _declared(ctx: Context, word: str, home: Scope) -> Meaning:
     return Declared(word, home.depth) if inside is None else Current(inside.depth)
 
 
+_UNIT = "a unit stands right behind its number, as in `5cm` or `700kg/m3`"
+FOREIGN = {
+    "self": "names stand alone: what is declared here, `width`, or of a part, `seat.size.x`",
+    "this": "names stand alone: what is declared here, `width`, or of a part, `seat.size.x`",
+    "None": "what may be absent has the alternative `none`: `part door : Door = SlabDoor | none`",
+    "null": "what may be absent has the alternative `none`: `part door : Door = SlabDoor | none`",
+    **dict.fromkeys(("mm", "cm", "m", "m2", "cm2", "m3", "cm3", "mm3", "deg", "rad", "kg", "g"), _UNIT),
+}  # fmt: skip
+"""Names of other languages, and what to write here."""
+
+
 def unknown_name(ck: Checker, ctx: Context, word: str, span: Span) -> Type:
     """Reports a name that nothing declares."""
-    hint = did_you_mean(word, ctx.names())
+    hint = did_you_mean(word, [*ctx.names(), "true", "false"]) or FOREIGN.get(word)
     if hint is None and ctx.scope is not None:
         for scope in below(ctx.scope.root):
             if word in scope.table and scope.repeat is not None:
@@ -290,6 +301,9 @@ def index(ck: Checker, ctx: Context, expr: ast.IndexExpr) -> Type:
         ck.mean(expr.index, Last())
     else:
         ck.expect(ctx, expr.index, COUNT, "an index")
+        if (number := constant(expr.index, ctx.module)) is not None and number < 0:
+            hint = f"the last one is `{path_text(expr.obj)}[last]`"
+            return ck.error("illegal-value", expr.index.span, "elements are counted from 0", hint=hint)
     if isinstance(obj, Element):
         return replace(obj, key=f"{obj.key}[{path_text(expr.index)}]", many=False, index=expr.index)
     if isinstance(obj, Array):

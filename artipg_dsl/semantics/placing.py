@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from ..diagnostics.suggest import any_of, did_you_mean
+from ..diagnostics.suggest import any_of, did_you_mean, suggest
 from ..syntax import ast
+from ..units import UNITS
 from .declarations import check_range
 from .meanings import Clearance
 from .names import DIRECTIONS, FACES
@@ -45,6 +46,16 @@ _TAKES: dict[str, tuple[str, ...]] = {
     "ball": ("range", *_PHYSICS),
     "fixed": (),
 }
+_OTHER_NAMES = {
+    **dict.fromkeys(("hinge", "hinged", "rotary", "rotate", "turn", "swing", "pivot"), "revolute"),
+    **dict.fromkeys(("slide", "slider", "sliding", "linear", "translate", "drawer"), "prismatic"),
+    **dict.fromkeys(("wheel", "spin"), "continuous"), **dict.fromkeys(("rigid", "weld", "glue"), "fixed"),
+    **dict.fromkeys(("spherical", "socket"), "ball"), **dict.fromkeys(("helical", "thread"), "screw"),
+}  # fmt: skip
+_UNITS = {  # of what turns, and of what slides
+    "damping": (("Nms/rad", "Nms"), ("Ns/m",)), "friction": (("Nm",), ("N",)), "effort": (("Nm",), ("N",)),
+    "velocity": (("rad/s",), ("m/s",)),
+}  # fmt: skip
 Given = TypeVar("Given", bound="ast.Clause[Any] | None")
 _TURNS = ("revolute", "continuous", "screw")
 
@@ -159,9 +170,10 @@ def check_joint(ck: Checker, ctx: Context, node: ast.JointDecl) -> None:
         return
     if node.kind not in KINDS:
         assert node.kind_span is not None
+        meant = _OTHER_NAMES.get(node.kind) or suggest(node.kind, KINDS)
         ck.error(
             "unknown-joint-kind", node.kind_span, f"there is no kind of joint `{node.kind}`",
-            hint=did_you_mean(node.kind, KINDS) or "there are " + ", ".join(KINDS),
+            hint=f"did you mean `{meant}`?" if meant else f"there are {', '.join(KINDS)}",
         )  # fmt: skip
     child, ctx = subject(ck, ctx, node.child)
     _end(ck, node.child, child, "what a joint moves")
@@ -216,7 +228,18 @@ def _motion(ck: Checker, ctx: Context, node: ast.JointDecl, kind: str) -> None:
     for physics in (node.damping, node.friction, node.effort, node.velocity):
         if (number := _taken(ck, kind, physics)) is not None:
             given = ck.infer(ctx, number.value)
-            if not isinstance(given, Scalar) and given != UNKNOWN:
+            units = _UNITS[number.word][kind == "prismatic"]
+            fitting = [Scalar(UNITS[unit][1]) for unit in units]
+            if given == UNKNOWN or isinstance(given, Scalar) and (given.zero or given in fitting):
+                continue
+            if isinstance(given, Scalar):
+                text = number.value.span.source.text[number.value.span.start : number.value.span.end]
+                bare = isinstance(number.value, ast.NumberExpr) and not number.value.unit
+                code, hint = ("missing-unit", f"write {text}{units[0]}") if bare else ("wrong-dimension", None)
+                ck.error(
+                    code, number.value.span, f"the `{number.word}` of a {kind} joint is in {any_of(units)}", hint=hint
+                )
+            else:
                 ck.error("wrong-type", number.value.span, f"`{number.word}` is a number, but this is {given}")
 
 

@@ -40,6 +40,13 @@ _FOREIGN = {
     "def": "a function is `let f(x) = ...`", "class": "reusable parts are `template Name { ... }`",
     "var": "a name for a value is `let x = ...`", "const": "a name for a value is `let x = ...`",
     "assert": "a condition that has to hold is `require ...`", "else": "`else` follows the closing brace of a `when`",
+    "elif": "write `else when ... { ... }`", "elseif": "write `else when ... { ... }`", "using": "modules come in by `use module { Name }`",
+    "include": "modules come in by `use module { Name }`", "while": "repetition is `repeat x[i] in 0 ..< n { ... }`",
+    "function": "a function is `let f(x) = ...`", "return": "a function is `let f(x) = ...`: its value stands behind `=`",
+    "print": "`apgc ledger` shows values; a program prints nothing", "object": "a category of objects is `category Name { ... }`",
+    "module": "a file is a module; it has no header but `apg 1`", "constraint": "a condition that has to hold is `require ...`",
+    "set": "a name for a value is `let x = ...`, an equation is `align a = b`", "parameter": "a parameter is `param x : length in 1cm .. 2cm`",
+    "variable": "a name for a value is `let x = ...`", "link": "links follow from joints: declare parts, and joints between them",
 }  # fmt: skip
 _CHARACTERS = {
     "'": 'text stands in double quotes: `"..."`', ";": "a statement ends at the end of its line; no `;` is needed",
@@ -179,6 +186,11 @@ def _unclosed(token: Token, history: list[Token], source: Source) -> Found | Non
     """A statement begins, or a block ends, within brackets."""
     bracket = _open_bracket(history)
     begins = token.type in (STATEMENTS | TOP) - {"OUT", "BOX", "INSIDE", "CLOSE", "FREE", "CLEAR", "FIELD", "LIMIT"}
+    if bracket is not None and token.type == "LBRACE" and history[-1].type in ("EQUAL", "COMMA", "LPAR", "LSQB"):
+        start = token.start_pos or 0
+        return Found(
+            "syntax", Span(source, start, start + 1), "a vector stands in square brackets", start, "write `[x, y, z]`"
+        )
     if bracket is not None and (begins and _first_on_line(token, source) or token.type in ("LBRACE", "RBRACE")):
         return _never_closed(bracket, source)
     if bracket is not None and token.type in ("RPAR", "RSQB") and (bracket.type == "LPAR") != (token.type == "RPAR"):
@@ -213,11 +225,16 @@ def _by_history(
         at = last.start_pos or 0
         where = Span(source, at, last.end_pos or at)
         return Found("syntax", where, f"a value is missing behind `{last.value}`", at, "a statement ends with its line")
-    reserved = token.value in tools.layout.reserved
+    reserved = token.value in tools.layout.reserved and last.type != "IS"
+    if reserved and last.type == "USE":
+        return found(f"`{token.value}` is no module: it is a word of the language", f"did you mean `{token.value}s`?")
     if reserved and accepted & {"NAME", "WORD"}:
         return found(
             f"`{token.value}` is a word of the language and cannot be a name", "choose another name", "reserved-word"
         )
+    doubled = last.type == token.type == "SLASH" and last.end_pos == token.start_pos
+    if doubled:
+        return found("a comment begins with `#`", "a whole division is `floor(a / b)`")
     if values and token.type == "DOT" and text[span.end : span.end + 1].isdigit():
         return found("a number begins with a digit", "write `0.5`")
     if (
@@ -225,7 +242,7 @@ def _by_history(
         and token.type in OPERATORS | {"_NL", "RPAR", "RSQB", "BAR", "RBRACE", "LBRACE"}
         and last.type in OPERATORS | {"EQUAL"}
     ):
-        if not (token.type == "STAR" and last.type == "STAR"):
+        if (last.type, token.type) not in (("STAR", "STAR"), ("UNTIL", "DOT")):
             return found(f"a value is missing between `{last.value}` and {_quoted(token)}")
     statement = next((t for t in reversed(history) if t.type in STATEMENTS | TOP | {"WHERE", "IF"}), None)
     if token.type == "EQUAL" and statement is not None and statement.type in _CONDITIONS:
@@ -243,6 +260,8 @@ def _at_beginning(
     beginners = (TOP if top else STATEMENTS) & accepted
     if not beginners:
         return None
+    if token.type == "SLASH" and text[(token.end_pos or 0) : (token.end_pos or 0) + 1] in ("/", "*"):
+        return found("a comment begins with `#`", "`##` documents the declaration that follows")
     if token.type in OPERATORS and last is not None and token.type != "IF":
         return found(
             f"a line cannot begin with `{token.value}`: the statement above ended with its line",
@@ -329,13 +348,33 @@ def _by_accepts(error: UnexpectedToken, history: list[Token], tools: Machine, sp
         )
     if accepted <= {"LBRACE"}:
         return found(f"`{{` is missing before {shown}")
-    clauses = sorted(words[a] for a in accepted - STATEMENTS - TOP - OPERATORS if a in words and a not in ("AND", "OR"))
     statement = next((t for t in reversed(history) if t.type in STATEMENTS | TOP), None)
+    leading = {"ON", "IN"} if statement is not None and statement.type in ("CONNECT", "JOINT") else set()
+    placing = leading | {"TURNED"} if leading else set()  # `turned` is read there only to be refused
+    follow = (accepted - STATEMENTS - TOP - OPERATORS - placing) | accepted & leading
+    clauses = sorted(words[a] for a in follow if a in words and a not in ("AND", "OR"))
     if "UNTIL" in accepted and len(accepted) <= 4:
         return found(f"`..` is missing before {shown}", "a range is written `low .. high`")
+    if (
+        accepted == {"ARROW"}
+        or accepted
+        and "ARROW" in accepted
+        and statement is not None
+        and statement.type == "JOINT"
+    ):
+        return found(
+            f"`->` is missing before {shown}", "`joint name : kind parent -> child`: what moves stands behind the arrow"
+        )
+    if "LBRACE" in accepted and token.type == "_NL":
+        return found(f"`{{` is missing before {shown}")
+    if token.type in ("RPAR", "RSQB") and token.type not in accepted:
+        return found(f"{shown} closes nothing", "remove it, or look for a bracket that is missing before it")
     if 0 < len(accepted) <= 4:
         names = sorted(_SIGNS.get(a, f"`{words.get(a, a.lower())}`") for a in accepted)
         return found(f"{' or '.join(names)} is expected in place of {shown}")
+    if statement is not None and token.type == "COMMA":
+        message = "a comma separates values in brackets, names and targets"
+        return found(message, "a number has a point, as in `0.5`; a statement ends with its line")
     if statement is not None and token.value:
         near = suggest(token.value, clauses)
         listed = ", ".join(f"`{c}`" for c in clauses)

@@ -1,8 +1,8 @@
 """Programs with the findings written beside the lines that cause them.
 
-    part x Cuboid          #! 10 syntax: `:` is missing between a name and what it is
+    part x Cuboid          #! 10 syntax: `:` is missing between a name and what it is (for example `part door : SlabDoor`)
 
-The number is the column. Warnings say so: ``#! 3 warning redundant: ...``. Several findings on one line are
+The number is the column, the hint stands in parentheses. Warnings say so: ``#! 3 warning redundant: ...``. Several findings on one line are
 separated by ``#!``. What has no place in the file itself stands on its first line, with a ``-`` for the column.
 """
 
@@ -29,5 +29,6 @@ def annotate(source: Source, diagnostics: Iterable[Diagnostic]) -> str:
         here = d.span is not None and d.span.source.name == source.name
         line, column = source.position(d.span.start) if here else (1, "-")
         severity = "" if d.severity == "error" else f"{d.severity} "
-        lines[line - 1] += f"  #! {column} {severity}{d.code}: {d.message}"
+        hint = "" if d.hint is None else f" ({d.hint})"
+        lines[line - 1] += f"  #! {column} {severity}{d.code}: {d.message}{hint}"
     return "\n".join(lines)
