@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import faulthandler
+import gc
 import hashlib
 import json
 import os
@@ -19,13 +20,18 @@ import random
 import re
 import resource
 import signal
+import subprocess
 import sys
 import tempfile
 import time
 import traceback
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
+
+sys.path[:0] = [str(Path(__file__).parent)]
+
+from mutations import COMPILED, KINDS, LEGAL  # noqa: E402
 
 ROOT = Path(__file__).parents[1]
 FOLDERS = (
@@ -36,89 +42,12 @@ FOLDERS = (
     "tests/data",
     "tests/cli/programs",
     "tests/syntax/design",
+    "tests/pipeline",
 )
 SECONDS, MEMORY = 10, 1 << 30
 CASES = 300  # that one child does
-OBJECTS, POINTS = 3, 32
-EDGES = ("0", "1", "-1", "2", "3", "0.5", "1e-9", "1e9", "1e30", "1e308", "0.001", "1000", "-0.5", "100000", "7")
-UNITS = ("mm", "cm", "m", "deg", "turn", "%", "kg", "s", "")
-TOKEN = re.compile(
-    r'#[^\n]*|"(?:[^"\\\n]|\\.)*"|[@$%]?\d[\d.]*(?:e[-+]?\d+)?[A-Za-z%/0-9]*|\w+|\.\.<?|->|[<>=!]=|[^\s\w]'
-)
-NUMBER = re.compile(r"(-?\d+(?:\.\d+)?(?:e[-+]?\d+)?)([A-Za-z%]*)$")
-
+OBJECTS, POINTS = 2, 32
 WARM = "apg 1\nuse primitives { Cuboid }\ncategory Box {\n  root part body : Cuboid(size = [1m, 1m, 1m])\n}\n"
-
-# ---------------------------------------------------------------- mutations
-
-
-def of_bytes(text: str, chance: random.Random, other: str) -> str:
-    at = chance.randrange(len(text) + 1)
-    end = min(len(text), at + chance.choice((0, 1, 1, 2, 5, 40)))
-    new = chance.choice(
-        ("", chr(chance.randrange(1, 127)), text[at:end] * 2, chance.choice("\0\n\t\"'{}[]()\\é\u2028#"), other[at:end])
-    )
-    return text[:at] + new + text[end:]
-
-
-def of_tokens(text: str, chance: random.Random, other: str) -> str:
-    tokens = list(TOKEN.finditer(text)) or [re.match("", text)]  # type: ignore[list-item]
-    one, two = chance.choice(tokens), chance.choice(tokens)
-    strange = TOKEN.findall(other) or [""]
-    new = chance.choice(
-        ("", two.group(), one.group() + " " + two.group(), chance.choice(strange), one.group() + " " + one.group())
-    )
-    return text[: one.start()] + new + text[one.end() :]
-
-
-def of_values(text: str, chance: random.Random, other: str) -> str:
-    numbers = [m for m in TOKEN.finditer(text) if NUMBER.match(m.group())]
-    if not numbers:
-        return of_tokens(text, chance, other)
-    one = chance.choice(numbers)
-    unit = NUMBER.match(one.group())[2] if chance.random() < 0.8 else chance.choice(UNITS)  # type: ignore[index]
-    value = chance.choice((*EDGES, chance.choice(numbers).group(), str(round(chance.uniform(-2, 2), 3))))
-    return (
-        text[: one.start()]
-        + value
-        + (unit if NUMBER.match(value) and not NUMBER.match(value)[2] else "")
-        + text[one.end() :]
-    )  # type: ignore[index]
-
-
-def of_structure(text: str, chance: random.Random, other: str) -> str:
-    """A line or a block dropped, said twice, moved, or taken from another file."""
-    lines, strange = text.split("\n"), other.split("\n")
-    first, last = block(lines, chance)
-    piece = lines[first:last]
-    rest = lines[:first] + lines[last:]
-    at = chance.randrange(len(rest) + 1)
-    match chance.randrange(4):
-        case 0:
-            return "\n".join(rest)
-        case 1:
-            return "\n".join(lines[:last] + piece + lines[last:])
-        case 2:
-            return "\n".join(rest[:at] + piece + rest[at:])
-    begin, end = block(strange, chance)
-    return "\n".join(rest[:at] + strange[begin:end] + rest[at:])
-
-
-def block(lines: list[str], chance: random.Random) -> tuple[int, int]:
-    """A line, to the end of the braces that it opens."""
-    first = chance.randrange(len(lines))
-    depth, last = 0, first
-    while last < len(lines):
-        depth += lines[last].count("{") - lines[last].count("}")
-        last += 1
-        if depth <= 0 or last - first > 80:
-            break
-    return first, last
-
-
-KINDS: tuple[Callable[[str, random.Random, str], str], ...] = (
-    of_bytes, of_tokens, of_values, of_values, of_values, of_values, of_structure, of_structure,
-)  # fmt: skip
 
 
 class Corpus:
@@ -129,24 +58,26 @@ class Corpus:
         self.programs = {
             str(p.relative_to(ROOT)): p.read_text(encoding="utf-8")
             for f in FOLDERS
-            for p in sorted((ROOT / f).glob("*.apg"))
+            for p in sorted((ROOT / f).rglob("*.apg"))
         }
         if more is not None:
             self.programs |= {str(p): p.read_text(encoding="utf-8") for p in sorted(more.rglob("*.apg"))}
         self.compiled = dict(artefacts(self.programs, keep)) if compiled else {}
 
     def case(self, number: int) -> tuple[str, str, str]:
-        """(name of the file, what was done, the mutated text); equal for equal seeds and numbers."""
-        chance = random.Random(f"{self.seed}:{number}")
-        files = self.compiled if self.compiled and chance.random() < 0.4 else self.programs
+        """(name of the file, what was done, the mutated text); equal for equal seeds, numbers and files."""
+        lot = random.Random(f"{self.seed}:{number}")
+        from_compiled = bool(self.compiled) and lot.random() < 0.5
+        files = self.compiled if from_compiled else self.programs
         names = sorted(files)
         # small ones more often: the same faults, sooner
-        name = min(chance.sample(names, min(3, len(names))), key=lambda n: len(files[n]))
-        other, text, done = files[chance.choice(names)], files[name], []
-        for _ in range(chance.choice((1, 1, 1, 2, 4))):
-            kind = chance.choice(KINDS)
+        name = lot.choices(names, [(len(files[n]) + (20_000 if from_compiled else 1_000)) ** -1.3 for n in names])[0]
+        other, text, done = files[lot.choice(names)], files[name], []
+        kinds = KINDS if lot.random() < 0.35 else COMPILED if from_compiled else LEGAL
+        for _ in range(lot.choice((1, 1, 1, 2, 4))):
+            kind = lot.choice(kinds)
             done.append(kind.__name__.removeprefix("of_"))
-            text = kind(text, chance, other)
+            text = kind(text, lot, other)
         return name, "+".join(done), text
 
 
@@ -216,6 +147,15 @@ def share_library() -> None:
     for place in sorted((ROOT / "library").glob("*.apg")):
         loaded(load(place, Report(), f"library/{place.name}"), Report())
     run("warm.apg", WARM)
+
+
+def warm_up(corpus: Corpus) -> None:
+    """Load and build what every child would load and build: modules, formulas and shapes of the categories."""
+    for name, text in corpus.compiled.items():
+        if name.startswith("categories/"):
+            run(name, text)
+    gc.collect()
+    gc.freeze()
 
 
 def run(name: str, text: str) -> str:
@@ -393,18 +333,22 @@ def main() -> int:
         (asked.out / f"case{Path(name).suffix}").write_text(text, encoding="utf-8", errors="replace")
         print(name, done, run(name, text))
         return 0
+    warm_up(corpus)
     return fuzz(corpus, asked.number, asked.out, asked.stop)
 
 
 def fuzz(corpus: Corpus, number: int, out: Path, stop: float = float("inf")) -> int:
     """Do the cases that are not done yet; returns how many have gone wrong so far."""
     record = out / "record.json"
-    counts = json.loads(record.read_text()) if record.exists() else {"next": 0, "outcomes": {}, "faults": {}}
+    counts = {"next": 0, "outcomes": {}, "faults": {}, "commits": {}}
+    counts |= json.loads(record.read_text()) if record.exists() else {}
+    code = commit()
     begun = time.monotonic()
     with tempfile.TemporaryDirectory() as folder:
         for found in cases(corpus, list(range(counts["next"], number)), Path(folder) / "trace"):
             outcome = found["outcome"]
             counts["next"] = found["case"] + 1
+            counts["commits"][code] = counts["commits"].get(code, 0) + 1
             counts["outcomes"][outcome] = counts["outcomes"].get(outcome, 0) + 1
             if outcome not in ("fine", "refused", "no object"):
                 keep(corpus, found, counts["faults"], out)
@@ -415,6 +359,14 @@ def fuzz(corpus: Corpus, number: int, out: Path, stop: float = float("inf")) -> 
     for place, known in sorted(counts["faults"].items(), key=lambda item: -item[1]["count"]):
         print(f"{known['count']:6} {place}   cases {known['cases'][:3]}")
     return sum(known["count"] for known in counts["faults"].values())
+
+
+def commit() -> str:
+    """Which state of the code this is."""
+    asked = subprocess.run(
+        ["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    return asked.stdout.strip() or "no repository"
 
 
 def keep(corpus: Corpus, found: dict, faults: dict, out: Path) -> None:

@@ -75,5 +75,23 @@ def test_cases_are_the_same_for_the_same_seed(fuzz: ModuleType, tmp_path: Path) 
     cases = [one.case(number) for number in range(40)]
     assert cases == [two.case(number) for number in range(40)]
     assert len({text for _, _, text in cases}) > 35
-    for kind in fuzz.KINDS:
-        assert any(kind(text, random.Random(1), "other") != text for text in list(one.programs.values())[:3])
+    for kind in {*fuzz.KINDS, *fuzz.LEGAL}:
+        assert any(kind(text, random.Random(1), "other") != text for text in list(one.programs.values())[:3]), kind
+
+
+def test_mutations_of_compiled_programs_exchange_what_is_of_a_kind(fuzz: ModuleType, tmp_path: Path) -> None:
+    small = {
+        k: v for k, v in fuzz.Corpus(3, tmp_path, compiled=False).programs.items() if k.endswith("tight_chain.apg")
+    }
+    ((_, text),) = fuzz.artefacts(small, tmp_path)
+    for kind in fuzz.COMPILED:
+        found = [kind(text, random.Random(k), "other") for k in range(12)]
+        assert any(new != text for new in found), kind
+
+
+def test_much_of_what_is_done_stays_legal(fuzz: ModuleType, tmp_path: Path) -> None:
+    """Mutants that are refused at once say nothing of what is delivered."""
+    program = (ROOT / "tests/cli/programs/chest.apg").read_text()
+    done = [kind(program, random.Random(k), "other") for kind in fuzz.LEGAL for k in range(4)]
+    fine = [fuzz.run("chest.apg", text) == "fine" for text in done]
+    assert sum(fine) > len(fine) / 3
