@@ -147,6 +147,8 @@ class Verifier:
                 draw.options and len(draw.options) == len(draw.weights), "a choice has a weight for each of its options"
             )
             need(len(set(draw.options)) == len(draw.options), "a choice has an option twice")
+            usual = 0.0 if draw.default is None else draw.default.constant
+            need(usual in range(len(draw.options)), "the default of a choice is none of its options")
         else:
             need(draw.kind in ("real", "count"), f"there is no kind of draws {shapes.shown(draw.kind)}")
             need(draw.low is not None and draw.high is not None, "a number is drawn between low and high")

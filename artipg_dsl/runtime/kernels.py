@@ -398,6 +398,7 @@ def draw_choice(
     address: str,
     weights: tuple[Any, ...],
     declared: tuple[Any, ...] | None = None,
+    default: np.ndarray | float | None = None,
 ) -> np.ndarray:
     """The index of one of the options, by weight; ``declared`` are the weights before requirements removed some."""
     table = np.stack([np.broadcast_to(np.asarray(w, dtype=np.float64), (rows.size,)) for w in weights])
@@ -411,6 +412,9 @@ def draw_choice(
         _no_room(state, rows, number, total[-1] <= 0.0)
         if state.defaults:
             found = np.argmax(left > 0.0, axis=0).astype(np.float64)
+            if default is not None:
+                usual = full(rows, default).astype(np.int64)
+                found = np.where(left[usual, np.arange(rows.size)] > 0.0, usual, found).astype(np.float64)
         else:
             mark = _lot(state, rows, address) * total[-1]
             found = np.minimum((total <= mark).sum(axis=0), len(weights) - 1).astype(np.float64)

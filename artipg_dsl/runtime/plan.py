@@ -223,8 +223,9 @@ class _Emitter:
             plain = [self.value(w, scope) for w in draw.weights]
             left = [self.limited(draw, k, w) for k, w in enumerate(plain)]
             declared = f", ({', '.join(plain)},)" if left != plain else ""
+            usual = "" if draw.default is None else f", default={self.value(draw.default, scope)}"
             name = self.fresh(
-                f"draw_choice(state, {table}, {number}, {draw.address!r}, ({', '.join(left)},){declared})"
+                f"draw_choice(state, {table}, {number}, {draw.address!r}, ({', '.join(left)},){declared}{usual})"
             )
         else:
             assert draw.low is not None and draw.high is not None

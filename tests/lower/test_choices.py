@@ -31,3 +31,14 @@ def test_a_word_of_weight_0_is_not_drawn() -> None:
     sampler = Session.of_text(TEXT, "stool.apg").sampler
     number = next(k for k, d in enumerate(sampler.program.draws) if d.column.name == "shape")
     assert not (sampler.batch(np.arange(200), seed=1).state.values[number] == 0).any()
+
+
+def test_the_default_of_a_choice_is_what_it_says() -> None:
+    """Where defaults are asked for, and unless the default has no weight or is ruled out there."""
+    text = TEXT.replace("~ values(square, oval, oval, oval)", "") + "# {}"
+    ruled = text.replace("root part", "require shape == square\n  root part")
+    none = TEXT.replace("= oval ~ values(square, oval, oval, oval)", "= oval ~ values(square, round)")
+    for program, expected in ((text, "oval"), (ruled, "square"), (none, "round")):
+        batch = Session.of_text(program, "stool.apg").sampler.batch(np.arange(1), seed=5, defaults=True)
+        assert batch.drawn(0)["shape"] == expected
+        assert batch.drawn(0)["seat.edge"] == "soft"  # without a default, the first that may be drawn

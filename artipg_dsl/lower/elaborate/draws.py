@@ -126,8 +126,12 @@ def draw_option(env: Env, declaration: ast.ParamDecl, path: str) -> Choice:
         named = [a.value.name for a in declaration.distribution.arguments if isinstance(a.value, ast.NameExpr)]
         weights = tuple(E.const(float(named.count(option))) for option in options)
     column = env.context.column(env.scope, path, "choice", declaration.span)
+    usual = declaration.default
+    default = (
+        E.const(float(options.index(usual.name))) if isinstance(usual, ast.NameExpr) and usual.name in options else None
+    )
     draw = Draw(
-        column, address(env, path, declaration.was), "choice", options=options, weights=weights,
+        column, address(env, path, declaration.was), "choice", default=default, options=options, weights=weights,
         where=where(declaration.span), doc=declaration.doc,
     )  # fmt: skip
     env.context.draws.append(draw)
