@@ -68,7 +68,7 @@ EMITTERS: dict[str, Callable[[Session], str | None]] = {
     "plan": emit_plan,
     "python": emit_python,
 }
-"""A stage is an entry here and in ``main.EMITS``. Each gives the text, None where findings stand in the way."""
+"""A stage is an entry here and in ``options.EMITS``. Each gives the text, None where findings stand in the way."""
 
 
 def run(options: argparse.Namespace) -> int:

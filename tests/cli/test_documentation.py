@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from artipg_dsl.cli.main import EMITS, parser
+from artipg_dsl.cli.main import build_parser
+from artipg_dsl.cli.options import EMITS
 from artipg_dsl.session import Session
 
 from .helpers import ROOT
@@ -37,12 +38,12 @@ def test_commands_are_understood(page: Path) -> None:
     found = commands(page)
     assert found
     for arguments in found:
-        assert parser().parse_args(arguments).command == arguments[0]
+        assert build_parser().parse_args(arguments).command == arguments[0]
 
 
 def test_the_page_of_the_command_line_is_complete() -> None:
     text = (ROOT / "docs" / "cli.md").read_text()
-    subcommands = parser()._subparsers._group_actions[0].choices  # type: ignore[union-attr]
+    subcommands = build_parser()._subparsers._group_actions[0].choices  # type: ignore[union-attr]
     assert all(f"`apgc {name}" in text for name in subcommands)
     assert all(f"`--emit {name}`" in text or f"`{name}`" in text for name in EMITS)
     for name, command in subcommands.items():

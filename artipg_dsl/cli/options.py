@@ -1,0 +1,356 @@
+"""The options of every command, in one place, so that ``--help`` loads nothing else."""
+
+from __future__ import annotations
+
+import argparse
+
+from ..export.registry import FORMATS, per_object
+from .arguments import amount, folder, fraction, numbers, part, picture, place, positive, tolerance, whole, workers
+
+EMITS = {
+    "graph": "the constraint graph (default); `apgc sample` reads it from an .apgc file",
+    "ast": "the syntax tree",
+    "typed": "declarations with their types",
+    "plan": "the order of evaluation",
+    "python": "a Python module that samples the tables with NumPy alone",
+}
+
+
+def add_check(to: argparse.ArgumentParser) -> None:
+    to.add_argument("files", nargs="+", metavar="FILE", help="an .apg file, or the name of a shipped category")
+    shape = to.add_mutually_exclusive_group()
+    shape.add_argument("--json", action="store_true", help="print the findings as JSON")
+    shape.add_argument("--sarif", action="store_true", help="print the findings as SARIF, for editors and code hosts")
+
+
+def add_fmt(to: argparse.ArgumentParser) -> None:
+    to.add_argument("files", nargs="+", metavar="FILE", help="an .apg file, or - to read stdin and write stdout")
+    to.add_argument(
+        "--check",
+        action="store_true",
+        help="write nothing; list the files that would change, and exit with 1 if there are any",
+    )
+    to.add_argument("--diff", action="store_true", help="write nothing; show what would change")
+
+
+def add_new(to: argparse.ArgumentParser) -> None:
+    to.add_argument("name", metavar="NAME", help="name of the category, such as DeskLamp")
+    to.add_argument(
+        "-o",
+        "--out",
+        type=place,
+        metavar="FILE",
+        help="output file, or - for stdout (default: desk_lamp.apg for DeskLamp)",
+    )
+    to.add_argument("--force", action="store_true", help="overwrite an existing file")
+
+
+def add_compile(to: argparse.ArgumentParser) -> None:
+    _program(to)
+    to.add_argument("-o", "--out", type=place, metavar="FILE", help="output file, or - for stdout (default: stdout)")
+    stages = "; ".join(f"{name}: {text}" for name, text in EMITS.items())
+    to.add_argument("--emit", choices=list(EMITS), default="graph", help=stages)
+
+
+def add_sample(to: argparse.ArgumentParser) -> None:
+    _program(to)
+    _drawing(to, 10)
+    to.add_argument("-o", "--out", type=folder, default="out", metavar="DIR", help="output folder (default: out)")
+    to.add_argument(
+        "--points",
+        type=positive,
+        default=2048,
+        metavar="N",
+        help="number of points per object, or of what --per names (default: 2048)",
+    )
+    to.add_argument(
+        "--surface", choices=("boundary", "outside"), default="boundary",
+        help="where points lie: boundary, on the union of all primitives (default); outside, on what is visible of it with all joints at 0",
+    )  # fmt: skip
+    to.add_argument(
+        "--spread",
+        choices=("random", "blue"),
+        default="random",
+        help="how points are spread: random (default), or blue, which keeps them apart",
+    )
+    to.add_argument(
+        "--per", choices=("object", "semantic", "instance", "link", "primitive"), default="object",
+        help="what each set of N points covers: an object (default), a semantic class, a part instance, a link or a primitive",
+    )  # fmt: skip
+    to.add_argument(
+        "--balance", choices=("semantic", "instance", "link", "primitive"),
+        help="divide the N points of an object evenly among its semantic classes, part instances, links or primitives",
+    )  # fmt: skip
+    to.add_argument(
+        "--weights",
+        metavar="LIST",
+        help="with --balance: divide by these weights instead, such as handle=3,knob=2 (all others 1)",
+    )
+    to.add_argument(
+        "--format",
+        metavar="LIST",
+        help=f"formats, separated by commas: {', '.join(FORMATS)} (default: points,annotation)",
+    )
+    to.add_argument(
+        "--states",
+        default="rest",
+        metavar="LIST",
+        help="joint states, separated by commas: rest, open, random:K, joint=45deg (default: rest)",
+    )
+    to.add_argument(
+        "--motion",
+        action="store_true",
+        help="add the velocities of each point, by its own joint and by every joint that drives it",
+    )
+    to.add_argument(
+        "--gripper", default="standard", metavar="LIST",
+        help="gripper that grasps are made for: standard (default), any, or sizes such as stroke=8cm,width=2cm",
+    )  # fmt: skip
+    to.add_argument(
+        "--views",
+        metavar="N|FILE",
+        help="add images and partial point clouds: the number of cameras, or a file that describes them",
+    )
+    to.add_argument(
+        "--mutate",
+        metavar="LIST",
+        help="write mutants of the objects instead: apa (swap templates), dpa (change counts), cpa (perturb parameters)",
+    )
+    to.add_argument(
+        "--variant", type=whole, metavar="K", help="with --mutate: make another mutant of each object (default: 0)"
+    )
+    _meshes(to)
+    to.add_argument(
+        "--sampling", default="sequential", metavar="HOW",
+        help="sequential (default), or prior: resample to the declared distributions; prior:N considers N attempts per object (default: 32)",
+    )  # fmt: skip
+    to.add_argument(
+        "--params",
+        metavar="FILE",
+        help="read objects from a JSON file of values; those that are not valid are repaired",
+    )
+    to.add_argument(
+        "--repair",
+        action="store_true",
+        help="repair invalid objects with the least change instead of drawing them again",
+    )
+    _checking(to)
+    to.add_argument("--force", action="store_true", help="replace samples that were made with other options")
+    _dividing(to)
+
+
+def add_export(to: argparse.ArgumentParser) -> None:
+    _source(to)
+    _drawing(to, 10)
+    to.add_argument(
+        "-o",
+        "--out",
+        type=folder,
+        metavar="DIR",
+        help="output folder (default: the folder of samples, or out)",
+    )
+    to.add_argument(
+        "--format", metavar="LIST", required=True, help=f"formats, separated by commas: {', '.join(per_object())}"
+    )
+    _meshes(to)
+    to.add_argument("--force", action="store_true", help="overwrite existing files")
+    _sharing(to)
+
+
+def add_mutate(to: argparse.ArgumentParser) -> None:
+    to.add_argument(
+        "folder",
+        nargs="?",
+        metavar="DIR",
+        help="a folder of samples; with --params, a shipped category or an .apg file",
+    )
+    to.add_argument(
+        "--ops", default="apa,dpa,cpa", metavar="LIST",
+        help="operations, always applied in this order: apa (swap templates), dpa (change counts), cpa (perturb parameters) (default: all)",
+    )  # fmt: skip
+    to.add_argument("-n", "--number", type=positive, metavar="N", help="number of mutants per object (default: 1)")
+    to.add_argument(
+        "-o", "--out", type=folder, default="mutants", metavar="DIR", help="output folder (default: mutants)"
+    )
+    to.add_argument(
+        "--parts",
+        default="*",
+        metavar="LIST",
+        help="what may change, separated by commas: parts, values or patterns, such as door,handle*",
+    )
+    to.add_argument("--strength", type=amount, default=1.0, metavar="X", help="scale of the steps of cpa (default: 1)")
+    to.add_argument(
+        "--share",
+        type=fraction,
+        default=0.5,
+        metavar="X",
+        help="share of the templates and counts that change (default: 0.5)",
+    )
+    to.add_argument(
+        "--one",
+        metavar="NAME",
+        help="write groups that differ in this value alone: each object, followed by its mutants",
+    )
+    to.add_argument("--variant", type=whole, default=0, metavar="K", help="make other mutants (default: 0)")
+    to.add_argument("--only", type=numbers, metavar="NUMBERS", help="originals by number, such as 37 or 37,40..45")
+    to.add_argument("--params", metavar="FILE", help="read the originals from a JSON file of values")
+    to.add_argument(
+        "--replay", metavar="FILE", help="repeat the mutations recorded in a trace-*.jsonl file, or in a folder of them"
+    )
+    to.add_argument("--diff", nargs=2, metavar=("A", "B"), help="show how two folders or two traces differ")
+    to.add_argument("--all", action="store_true", help="with --diff: show every difference")
+    to.add_argument(
+        "--points", type=positive, metavar="N", help="number of points per object (default: as in the originals)"
+    )
+    to.add_argument("--format", metavar="LIST", help="formats, separated by commas (default: those of the originals)")
+    _checking(to)
+    to.add_argument("--force", action="store_true", help="replace mutants that were made with other options")
+    _dividing(to)
+
+
+def add_render(to: argparse.ArgumentParser) -> None:
+    _source(to)
+    _drawing(to, 30)
+    to.add_argument(
+        "-o", "--out", type=picture, default="sheet.png", metavar="FILE", help="output file (default: sheet.png)"
+    )
+    to.add_argument(
+        "--colour",
+        "--color",
+        choices=("part", "material", "affordance"),
+        default="part",
+        help="what the colours show (default: part)",
+    )
+    to.add_argument("--open", action="store_true", help="open the joints of all objects (default: of every other one)")
+    to.add_argument(
+        "--view",
+        metavar="VIEW",
+        help="viewpoint: front, back, left, right, top, iso, or AZIMUTH,ELEVATION in degrees, as in --view=-120,30",
+    )
+    to.add_argument("--tile", type=positive, default=256, metavar="PIXELS", help="width of each object (default: 256)")
+    _meshes(to, steps=64)
+
+
+def add_explain(to: argparse.ArgumentParser) -> None:
+    to.add_argument("code", nargs="?", metavar="CODE", help="such as missing-unit (default: list all codes)")
+
+
+def add_validate(to: argparse.ArgumentParser) -> None:
+    _source(to)
+    _drawing(to, 200)
+    to.add_argument(
+        "--states",
+        type=positive,
+        default=64,
+        metavar="N",
+        help="number of random joint states per object (default: 64)",
+    )
+    to.add_argument(
+        "--meshes", action="store_true", help="check the visible meshes as well, in as many states (needs manifold3d)"
+    )
+    to.add_argument("--json", action="store_true", help="print the evidence as JSON")
+
+
+def add_report(to: argparse.ArgumentParser) -> None:
+    to.add_argument("programs", nargs="*", metavar="NAME|FILE", help="shipped categories or .apg files")
+    to.add_argument("--all", action="store_true", help="all shipped categories")
+    _drawing(to, 1000)
+    shape = to.add_mutually_exclusive_group()
+    shape.add_argument("--json", action="store_true", help="print the figures as JSON")
+    shape.add_argument("--markdown", action="store_true", help="print a table with a row per category")
+    to.add_argument(
+        "--html",
+        type=place,
+        metavar="FILE",
+        help="also write an HTML page with a picture; - prints the page alone",
+    )
+    to.add_argument("--reference", metavar="FILE", help="file of real sizes to compare with (default: the shipped one)")
+    to.add_argument(
+        "--unchecked", action="store_true", help="count objects whose links collide as valid, which is faster"
+    )
+    to.add_argument("--strict", action="store_true", help="exit with 1 if a goal is not met")
+    to.add_argument("--force", action="store_true", help="overwrite the page")
+    _sharing(to)
+
+
+def add_ledger(to: argparse.ArgumentParser) -> None:
+    _program(to)
+    to.add_argument("part", nargs="?", metavar="PART", help="such as door (default: all parts)")
+
+
+# ---------------------------------------------------------------- shared
+
+
+def _program(to: argparse.ArgumentParser) -> None:
+    to.add_argument("program", metavar="NAME|FILE", help="a shipped category or an .apg file")
+
+
+def _meshes(to: argparse.ArgumentParser, steps: int = 24) -> None:
+    to.add_argument(
+        "--tolerance", type=tolerance, metavar="LENGTH",
+        help=f"how far meshes may deviate from the true surfaces, such as 0.5mm (default: {steps} steps per full turn)",
+    )  # fmt: skip
+    to.add_argument(
+        "--triangles",
+        type=positive,
+        metavar="N",
+        help="maximum number of triangles per object, distributed by curvature",
+    )
+
+
+def _sharing(to: argparse.ArgumentParser) -> None:
+    to.add_argument(
+        "--workers", type=workers, default=1, metavar="N",
+        help="number of processes, or auto for one per processor (default: 1)",
+    )  # fmt: skip
+
+
+def _drawing(to: argparse.ArgumentParser, n: int) -> None:
+    which = to.add_mutually_exclusive_group()
+    which.add_argument("-n", "--number", type=positive, metavar="N", help=f"number of objects (default: {n})")
+    which.add_argument("--only", type=numbers, metavar="NUMBERS", help="objects by number, such as 37 or 37,40..45")
+    to.add_argument("--seed", type=whole, metavar="N", help="random seed (default: 0)")
+    to.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="fix a parameter, such as width=45cm or handle=BarHandle",
+    )
+    to.set_defaults(default_number=n)
+
+
+def _source(to: argparse.ArgumentParser) -> None:
+    to.add_argument("program", metavar="DIR|NAME|FILE", help="a folder of samples, a shipped category or an .apg file")
+
+
+def _dividing(to: argparse.ArgumentParser) -> None:
+    _sharing(to)
+    to.add_argument(
+        "--shard", type=part, default=(1, 1), metavar="K/N", help="write only the K-th of N parts, to divide the work"
+    )
+
+
+def _checking(to: argparse.ArgumentParser) -> None:
+    to.add_argument("--unchecked", action="store_true", help="accept objects whose links collide")
+    to.add_argument(
+        "--stats", action="store_true", help="print how many objects were valid on the first attempt, and what failed"
+    )
+
+
+COMMANDS = {
+    "check": ("check programs for errors", add_check),
+    "fmt": ("format programs", add_fmt),
+    "new": ("create a category to start from", add_new),
+    "compile": ("compile a program, and show one of its stages", add_compile),
+    "sample": ("generate annotated objects", add_sample),
+    "export": ("write objects in other formats", add_export),
+    "mutate": ("make mutants of the objects in a folder", add_mutate),
+    "render": ("draw a contact sheet of samples", add_render),
+    "explain": ("explain an error code", add_explain),
+    "categories": ("list the shipped categories", None),
+    "validate": ("report which links collide or block one another", add_validate),
+    "report": ("measure the quality of a category over many samples", add_report),
+    "ledger": ("show what determines each value of a part", add_ledger),
+}
+"""What each command does, and what adds its options; the module of its name runs it."""
