@@ -24,6 +24,7 @@ SIDE = "frame(at = [-10cm, 0, -5cm], out = -x, up = z) and frame(at = [-10cm, 0,
 ACROSS = "frame(at = [0, -4cm, 0], out = y, up = z) and frame(at = [0, 4cm, 0], out = -y, up = z)"
 ASKEW = "frame(at = [-10cm, 0, -5cm], out = -x, up = z) and frame(at = [-10cm, 0, 5cm], out = z, up = x)"
 POINTS = "body.back.center + [0, 0, -5cm] and body.back.center + [0, 0, 5cm]"
+FACES = "body.left.center and body.right.center"
 MIXED = "frame(at = [-10cm, 0, -5cm], out = -x, up = z) and body.back.center + [0, 0, 5cm]"
 
 
@@ -47,8 +48,20 @@ def ends(places: str, clause: str) -> np.ndarray:
         (ASKEW, "sink 5mm", [[-95, 0, -50], [-100, 0, 45]]),
         (POINTS, "sink 5mm", [[-100, 0, -55], [-100, 0, 55]]),
         (MIXED, "sink 5mm", [[-95, 0, -50], [-100, 0, 55]]),
+        (FACES, "sink 5mm", [[0, 95, 0], [0, -95, 0]]),
+        (FACES, "gap 5mm", [[0, 105, 0], [0, -105, 0]]),
     ],
-    ids=["neither", "a side", "a gap", "walls that face one another", "frames askew", "points", "one of each"],
+    ids=[
+        "neither",
+        "a side",
+        "a gap",
+        "walls that face one another",
+        "frames askew",
+        "points",
+        "one of each",
+        "faces sunk",
+        "faces",
+    ],
 )
 def test_each_end_moves_into_what_it_lies_on(places: str, clause: str, expected: list[list[float]]) -> None:
     assert np.allclose(ends(places, clause), expected, atol=1e-9)

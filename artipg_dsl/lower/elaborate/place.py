@@ -336,14 +336,23 @@ def bridged(part: Part, mount: Mount, ev: Evaluator) -> Pose:
 
 
 def sunk(ev: Evaluator, places: tuple[ast.Expr, ...], sink: E.Expr) -> tuple[Triple, Triple]:
-    """The two places, each moved into what it lies on: against ``out`` of a frame; a point has none, so along the line of both."""
-    values = [ev.value(node) for node in places]
+    """The two places, each moved into what it lies on: against ``out`` of a frame, or of the frame whose centre it is; any other
+    point lies on nothing, and moves along the line of both."""
     a, b = (ev.vector(node) for node in places)
     if sink is ZERO:
         return a, b
-    away = normalized(minus(b, a)) if any(not isinstance(v, Frame) for v in values) else (ZERO, ZERO, ZERO)
-    outs = [v.out if isinstance(v, Frame) else d for v, d in zip(values, (away, times(away, MINUS)), strict=True)]
+    frames = [frame_at(ev, node) for node in places]
+    away = normalized(minus(b, a)) if None in frames else (ZERO, ZERO, ZERO)
+    outs = [d if f is None else f.out for f, d in zip(frames, (away, times(away, MINUS)), strict=True)]
     return minus(a, times(outs[0], sink)), minus(b, times(outs[1], sink))
+
+
+def frame_at(ev: Evaluator, node: ast.Expr) -> Frame | None:
+    """The frame that an expression is, or is the centre of (``body.left.center``)."""
+    value = ev.value(node)
+    if not isinstance(value, Frame) and isinstance(node, ast.MemberExpr) and node.name in ("center", "origin"):
+        value = ev.value(node.obj)
+    return value if isinstance(value, Frame) else None
 
 
 def perpendicular(direction: Triple) -> Triple:
