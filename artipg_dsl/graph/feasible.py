@@ -6,7 +6,7 @@ Static and conservative: a conflict found here holds for every object; one that 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,6 +18,7 @@ from .program import Draw, Program, Union
 ROUNDS = 6
 SMALL = 1e-9
 ALIKE = 1e-5
+Causes = dict[int, tuple[tuple[int, ...], tuple[int, ...]]]  # of a narrowed draw: requirements, and the draws they read
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,11 +60,15 @@ class Narrowed(Intervals):
         found = self.box.get(column)
         return super().column(column) if found is None else found
 
+    def decide(self, reader: Linear, node: Expr) -> list[Column]:
+        """The draws at less than their domain that an expression reads: without them it might be otherwise."""
+        return [column for column in sorted_columns(reader, node) if column in self.box]
+
 
 def conflicts(program: Program, given: Mapping[int, float] | None = None) -> list[Conflict]:
     """Everything that can never be met, given the values of some draws (by index), in the order of the text."""
-    found, box = _narrow(program, given)
-    return [*found.values(), *_broken(program, Narrowed(program, box if not found else {}), found)]
+    found, box, causes = _narrow(program, given)
+    return [*found.values(), *_broken(program, {} if found else box, found, causes)]
 
 
 def ranges(program: Program) -> dict[int, Interval]:
@@ -71,12 +76,14 @@ def ranges(program: Program) -> dict[int, Interval]:
     return _narrow(program, None)[1]
 
 
-def _narrow(program: Program, given: Mapping[int, float] | None) -> tuple[dict[object, Conflict], dict[int, Interval]]:
-    """The draws without room, if any, and the intervals of those that have less than their domain."""
+def _narrow(
+    program: Program, given: Mapping[int, float] | None
+) -> tuple[dict[object, Conflict], dict[int, Interval], Causes]:
+    """The draws without room, if any, the intervals of those that have less than their domain, and why they have."""
     box = {k: (v, v) for k, v in (given or {}).items() if math.isfinite(v)}
     reader = Linear(lambda c: c not in program.definitions, program.definitions, through=True)
     numbers = {d.column: k for k, d in enumerate(program.draws)}
-    causes: dict[int, tuple[tuple[int, ...], tuple[int, ...]]] = {}
+    causes: Causes = {}
     found: dict[object, Conflict] = {}
     for _ in range(ROUNDS):
         intervals = Narrowed(program, box)
@@ -89,10 +96,8 @@ def _narrow(program: Program, given: Mapping[int, float] | None) -> tuple[dict[o
                 low, high = max(low, box[k][0]), min(high, box[k][1])
             others = tuple(dict.fromkeys(numbers[c] for c in read if c in numbers and c is not draw.column))
             if low > high + SMALL * max(1.0, abs(low)):
-                reasons = tuple(dict.fromkeys([*why, *(r for o in others for r in causes.get(o, ((), ()))[0])]))
-                chain = tuple(
-                    dict.fromkeys([*others, *(d for o in others for d in causes.get(o, ((), ()))[1] if d != k)])
-                )
+                reasons, chain = _led(causes, why, others)
+                chain = tuple(d for d in chain if d != k)
                 scope = draw.column.scope
                 alike = low - high < ALIKE and bool(
                     reasons
@@ -105,10 +110,22 @@ def _narrow(program: Program, given: Mapping[int, float] | None) -> tuple[dict[o
                 moved = True
         if found or not moved:
             break
-    return found, box
+    return found, box, causes
 
 
-def _range(draw: Draw, intervals: Intervals, reader: Linear) -> tuple[float, float, list[int], list[Any]]:
+def _led(causes: Causes, why: Sequence[int], draws: Iterable[int]) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """Requirements, with those that narrowed some draws, from one draw to the next; and the draws on the way."""
+    reasons, chain, left = dict.fromkeys(why), dict[int, None](), list(draws)
+    for draw in left:
+        if draw not in chain:
+            chain[draw] = None
+            more, others = causes.get(draw, ((), ()))
+            reasons |= dict.fromkeys(more)
+            left += others
+    return tuple(reasons), tuple(chain)
+
+
+def _range(draw: Draw, intervals: Narrowed, reader: Linear) -> tuple[float, float, list[int], list[Any]]:
     """The range of a draw, the requirements that make it narrower than its domain, and what they read."""
     low, high = intervals.of(draw.low)[0], intervals.of(draw.high)[1]  # type: ignore[arg-type]
     why: dict[str, list[int]] = {"low": [], "high": []}
@@ -121,14 +138,15 @@ def _range(draw: Draw, intervals: Intervals, reader: Linear) -> tuple[float, flo
             continue
         if (ends[0] > low) if bound.side == "low" else (ends[1] < high):
             low, high = (ends[0], high) if bound.side == "low" else (low, ends[1])
-            why[bound.side], read[bound.side] = [bound.requirement, *bound.also], sorted_columns(reader, bound.value)
+            why[bound.side] = [bound.requirement, *bound.also]
+            read[bound.side] = [*sorted_columns(reader, bound.value), *intervals.decide(reader, bound.guard)]
     for union in draw.unions:
         low, high = _hull(draw, union, intervals, low, high, why, read, reader)
     return low, high, why["low"] + why["high"], read["low"] + read["high"]
 
 
 def _hull(
-    draw: Draw, union: Union, intervals: Intervals, low: float, high: float, why: dict[str, list[int]], read: dict[str, list[Any]],
+    draw: Draw, union: Union, intervals: Narrowed, low: float, high: float, why: dict[str, list[int]], read: dict[str, list[Any]],
     reader: Linear,
 ) -> tuple[float, float]:  # fmt: skip
     """The range narrowed to what a union of intervals leaves of it; an empty one where no interval has room."""
@@ -139,6 +157,7 @@ def _hull(
         return low, high
     left = [(max(one, low), min(two, high)) for one, two in ends if max(one, low) <= min(two, high) + SMALL]
     columns = [c for pair in union.intervals for end in pair for c in sorted_columns(reader, end)]
+    columns += intervals.decide(reader, union.guard)
     if not left:
         why["low"], read["low"] = [union.requirement, *union.also, *why["low"]], [*columns, *read["low"]]
         above, below = [one for one, two in ends if one > high], [two for _, two in ends if two < low]
@@ -151,8 +170,8 @@ def _hull(
         )
     first, last = min(one for one, _ in left), max(two for _, two in left)
     for side, moved in (("low", first > low), ("high", last < high)):
-        if moved:
-            why[side], read[side] = [union.requirement, *union.also], columns
+        if moved:  # what is beyond the end that was there is left out by what made that end, too
+            why[side], read[side] = [union.requirement, *union.also, *why[side]], [*columns, *read[side]]
     return first, last
 
 
@@ -160,8 +179,13 @@ def sorted_columns(reader: Linear, node: Expr | None) -> list[Any]:
     return [] if node is None else sorted(reader.columns(node), key=lambda c: c.path)
 
 
-def _broken(program: Program, intervals: Intervals, found: Mapping[object, Conflict]) -> list[Conflict]:
+def _broken(
+    program: Program, box: Mapping[int, Interval], found: Mapping[object, Conflict], causes: Causes
+) -> list[Conflict]:
     """Requirements that no values within the intervals keep, beyond those that a range has told already."""
+    intervals = Narrowed(program, box)
+    reader = Linear(lambda c: c not in program.definitions, program.definitions, through=True)
+    numbers = {d.column: k for k, d in enumerate(program.draws)}
     told = {r for conflict in found.values() for r in conflict.reasons}
     more = []
     for number, requirement in enumerate(program.requirements):
@@ -174,7 +198,9 @@ def _broken(program: Program, intervals: Intervals, found: Mapping[object, Confl
             if not low[0] > high[1] + SMALL:
                 continue
         scope = requirement.scope
-        more.append(Conflict(None, number, (number,), (), math.nan, math.nan, scope, certain(scope, intervals)))
+        read = [c for node in (requirement.condition, requirement.guard) for c in intervals.decide(reader, node)]
+        reasons, chain = _led(causes, [number], [numbers[c] for c in read])
+        more.append(Conflict(None, number, reasons, chain, math.nan, math.nan, scope, certain(scope, intervals)))
     return more
 
 
