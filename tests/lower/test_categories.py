@@ -66,3 +66,13 @@ def _parents(parts) -> np.ndarray:  # noqa: ANN001
     first = np.searchsorted(parts.owner, parts.owner)
     has = parts.parent >= 0
     return np.unique((first + parts.parent)[has])
+
+
+def test_doors_with_a_bar_are_drawn_at_once() -> None:
+    """The leaf follows the handle: a bar that is asked for leaves no other."""
+    sampler = Session.of(categories_dir() / "door.apg").sampler
+    number = next(k for k, d in enumerate(sampler.program.draws) if d.column.name == "grip")
+    counted = Statistics()
+    bar = sampler.program.draws[number].options.index("PushBar")
+    sampler.batch(np.arange(30), seed=1, given={number: float(bar)}, statistics=counted)
+    assert counted.first_valid == 30
