@@ -346,6 +346,8 @@ class Occlusion:
 
 def _row_pairs(rows: Block, off: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Pairs of different rows of one object whose boxes meet."""
+    if not len(rows.rank):
+        return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
     order = np.argsort(rows.rank)
     counts = np.bincount(rows.owner, minlength=rows.objects)
     starts = np.cumsum(counts) - counts

@@ -45,6 +45,7 @@ def faults(batch: Batch, soon: bool = False) -> Faults:
     others = [
         Fault(*wrong)
         for wrong in (
+            *solids.missing(),
             *solids.degenerate(),
             *solids.floating(),
             *solids.unheld(),

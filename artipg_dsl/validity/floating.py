@@ -59,6 +59,12 @@ class Solids:
         extent = self.high - self.low
         return self.told(~((extent > THIN).all(axis=1) & np.isfinite(extent).all(axis=1)), "`{}` has no thickness")
 
+    def missing(self) -> Wrong:
+        """Objects without any primitive."""
+        batch = self.tree.batch
+        bare = np.setdiff1d(np.arange(len(batch)), self.owner)
+        return [(f"no part of `{batch.program.name}` has a surface", bare)]
+
     def margin(self) -> np.ndarray:
         """By how much (S,) the pieces of each primitive may lie within it."""
         middle = np.sort(np.where(np.isfinite(self.high - self.low), self.high - self.low, 0.0), axis=1)[:, 1]

@@ -19,11 +19,18 @@ if TYPE_CHECKING:
 
 FAR = 1e6  # metres, radians and what else objects have: beyond all that is meant
 SQUARE = 1e-6  # how far a rotation or an axis may be from one
+SOLID = "give it a part with a solid in every alternative"
 AGAIN = "compile it again from its .apg file"
 
 
 def prove(batch: Batch) -> None:
     """Raises UserError for the first object that cannot be one."""
+    if not batch.program.foreign:  # of one that was read, too, objects without surface are drawn again
+        bare = np.ones(len(batch), dtype=bool)
+        for table in batch.sites():
+            bare[table.owner] = False
+        if bare.any():
+            raise UserError(f"{batch.program.name} {batch.numbers[bare][0]}: no part of it has a surface", SOLID)
     for table in batch.sites():
         if len(table.owner):
             _site(batch, table)

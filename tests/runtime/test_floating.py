@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
+from artipg_dsl.api import load
+from artipg_dsl.errors import UserError
 from artipg_dsl.graph.text import from_text, to_text
 from artipg_dsl.sampling.sample import Sampler
-from artipg_dsl.sampling.statistics import Statistics
+from artipg_dsl.sampling.statistics import Exhausted, Statistics
 from artipg_dsl.session import Session
 from artipg_dsl.validity.faults import faults
 
@@ -138,3 +140,32 @@ def test_the_same_whatever_else_is_in_the_batch() -> None:
     sampler = program("param up : length in -5mm .. 5mm\n" + SHELF.format(gap="up"))
     (whole,) = faults(sampler.batch(np.arange(30), 2)).others
     assert [n for n in range(30) if faults(sampler.batch(np.array([n]), 2)).others] == whole.objects.tolist()
+
+
+HOLLOW = """apg 1
+use primitives { Cuboid }
+template Shell {
+  param there : choice yes | no = yes
+  when there == yes { part core : Cuboid(size = [20cm, 20cm, 20cm]) }
+}
+category Case {
+  param there : choice yes | no = yes
+  root part body : Shell(there = %s)
+}
+"""
+
+
+def test_an_object_without_any_surface_is_drawn_again() -> None:
+    batch = Session.of_text(HOLLOW % "there").sampler.batch(np.arange(12), 0, checked=True)
+    assert {batch.drawn(k)["there"] for k in range(12)} == {"yes"}
+    never = Session.of_text(HOLLOW % "no").sampler
+    statistics = Statistics()
+    with pytest.raises(Exhausted):
+        never.batch(np.arange(2), 0, checked=True, statistics=statistics)
+    assert list(statistics.unsound) == ["no part of `Case` has a surface"]
+
+
+def test_an_object_without_any_surface_that_is_not_checked_is_an_error() -> None:
+    for there in ("there", "no"):
+        with pytest.raises(UserError, match="surface"):
+            load(HOLLOW % there, 8, checked=False).points(16)
