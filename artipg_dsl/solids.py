@@ -7,20 +7,24 @@ from typing import Any
 
 from .diagnostics import Report
 from .geometry.errors import PrimitiveError
+from .geometry.patches import evaluate_rows
 from .geometry.selftest import missed
 from .geometry.topology import orientation, seams
-from .geometry.trial import variants
+from .geometry.trial import anything, variants
 from .graph.primitive import Primitive
 from .graph.program import Program
 from .lower.expressions.context import Abort
 from .lower.program import new_context
 from .lower.solids.primitives import Lowered, lower_primitive
+from .lower.solve.feasible import plain
 from .semantics.check import TypedProgram
 from .semantics.symbols import Symbol
 from .syntax import ast
 
 HINT = "edges meet where two surfaces give the same curve, from end to end; compare the ranges of u and v and the signs"
 
+BROAD = "bend it less, or let something thinner go along it"
+TRIED = 256  # test values at which a bend is looked at
 LOOSE, ABSENT = 0.05, 0.1  # of its size that a solid reaches beyond its pieces: worth a warning, and an error
 NARROW = "does the path cross or touch itself, or bend more tightly than what goes along it is wide? Narrow the domains it is made of"
 
@@ -71,17 +75,30 @@ def tell(symbol: Symbol, lowered: Lowered, error: PrimitiveError, report: Report
     notes = [(s.span, "this surface") for s in symbol.body if isinstance(s, ast.SurfaceDecl) and s.name == name]
     notes += [(s.span, "what makes it") for s in symbol.body if isinstance(s, ast.SolidDecl)]
     subject = f"the surface `{error.patch}` of the primitive" if error.patch else "the primitive"
-    place, message = symbol.decl.name_span, error.words
-    hint = HINT if "edge" in message else None
+    place, hint = symbol.decl.name_span, HINT if "edge" in error.words else None
+    message = f"{subject} `{symbol.name}` is at fault: {error.words}"
+    tight = too_tight(lowered)
+    if tight is not None:
+        message, hint = f"the path of the primitive `{symbol.name}` {tight}", BROAD
     if lowered.blamed is not None:
         place, begin = lowered.blamed
         for path in lowered.paths:
             message = path.in_words(message)
-        subject, hint = f"{begin}: {subject}", NARROW
-    report.error(
-        "leaky-primitive", place, f"{subject} `{symbol.name}` is at fault: {message}", hint=hint, notes=tuple(notes),
-        trace=lowered.trace,
-    )  # fmt: skip
+        message, hint = (f"{begin}: {message}", NARROW) if tight is None else (f"{begin}: it {tight}", BROAD)
+    report.error("leaky-primitive", place, message, hint=hint, notes=tuple(notes), trace=lowered.trace)
+
+
+def too_tight(lowered: Lowered) -> str | None:
+    """That a path bends more tightly than its section allows, at all test values."""
+    for condition in lowered.conditions:
+        if condition.bend is not None:
+            params = anything(lowered.primitive, TRIED)
+            reach, radius = evaluate_rows(lowered.primitive, condition.bend, params)
+            if not evaluate_rows(lowered.primitive, (condition.holds,), params, bool).any():
+                least, most = (plain(float(v), "m") for v in (reach.min(), radius.max()))
+                bend = f"its radius of curvature is at most {most} there"
+                return f"bends too tightly: {bend}, and the section reaches at least {least} towards the inside"
+    return None
 
 
 def own(typed: TypedProgram, report: Report) -> dict[Symbol, Lowered]:

@@ -37,8 +37,19 @@ def trial(primitive: Primitive, count: int = 12) -> Params:
     return dict(_trial(primitive, count))
 
 
+def anything(primitive: Primitive, count: int) -> Params:
+    """``count`` rows drawn over the test ranges, whether they meet `requires` or not."""
+    return _values(primitive, count, {}, 0)
+
+
 def _draw(primitive: Primitive, count: int, fixed: dict[str, float], attempt: int) -> Params:
-    number = np.arange(count * _OVERSAMPLE, dtype=np.uint64)
+    params = _values(primitive, count * _OVERSAMPLE, fixed, attempt)
+    kept = np.flatnonzero(allowed(primitive, primitive.requires, params))[:count]
+    return {name: value[kept] for name, value in params.items()}
+
+
+def _values(primitive: Primitive, count: int, fixed: dict[str, float], attempt: int) -> Params:
+    number = np.arange(count, dtype=np.uint64)
     params: Params = {"": np.zeros(len(number))}
     for name, (low, high) in zip(primitive.parameters, primitive.test, strict=True):
         q = random.uniform(random.key(0, "trial", primitive.name, name), number, attempt=attempt)
@@ -48,8 +59,7 @@ def _draw(primitive: Primitive, count: int, fixed: dict[str, float], attempt: in
         elif low > 0:  # small ones too: every other row by ratio
             value = np.where(number % 2 == 1, np.clip(low * np.power(high / low, q), low, high), value)
         params[name] = np.full(len(number), fixed[name]) if name in fixed else value
-    kept = np.flatnonzero(allowed(primitive, primitive.requires, params))[:count]
-    return {name: value[kept] for name, value in params.items()}
+    return params
 
 
 def allowed(primitive: Primitive, conditions: tuple[Expr, ...], params: Params) -> np.ndarray:

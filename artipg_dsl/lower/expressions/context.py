@@ -11,6 +11,7 @@ from ...diagnostics import Report
 from ...errors import InternalError
 from ...graph import expr as E
 from ...graph.expr import Column, Expr, Scope, ScopeError
+from ...graph.interval import Interval
 from ...graph.program import Draw, Program, Where
 from ...source import Span
 from ...syntax import ast
@@ -100,6 +101,20 @@ class Makers:
     frame_on: Callable[[Evaluator, Surface, ast.CallExpr], Value]
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Bend:
+    """A requirement on a path: its name in words and its place, the part that goes along it and where that is stated; how
+    far its section reaches towards the inside of the bend, and the radius of curvature.
+    """
+
+    path: str
+    place: Span
+    part: str
+    span: Span
+    reach: Expr
+    radius: Expr
+
+
 @dataclass(slots=True, eq=False)
 class Context:
     report: Report
@@ -112,6 +127,7 @@ class Context:
     stated: dict[int, tuple[Span, bool]] = field(
         default_factory=dict
     )  # requirement -> its place, whether the category's own
+    bends: dict[int, Bend] = field(default_factory=dict)  # those of the requirements that are about one
     ledger: list[tuple[Part | None, Unknown]] = field(default_factory=list)
     parts: list[Part] = field(default_factory=list)
     centred: dict[Part, int] = field(default_factory=dict)  # along how many axes nothing determines where a part is
@@ -131,6 +147,7 @@ class Context:
     driven: dict[Span, bool] = field(default_factory=dict)  # `pushes(joint)` -> whether the joint carries a target
     trace: list[tuple[Span, str]] = field(default_factory=list)
     blamed: tuple[Span, str] | None = None  # where and how errors begin while a primitive is shaped by its user's curve
+    tested: dict[str, Interval] = field(default_factory=dict)  # what its other parameters are tested over then
 
     def error(self, code: str, span: Span, message: str, **more: object) -> Abort:
         """Report an error with the present trace of instantiations; returns what the caller raises."""

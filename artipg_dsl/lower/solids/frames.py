@@ -14,7 +14,7 @@ import numpy as np
 
 from ...graph import expr as E
 from ...graph.derive import derive
-from ...graph.expr import ZERO, Expr
+from ...graph.expr import ONE, ZERO, Expr
 from ...graph.primitive import Triple
 from ..values.vectors import cross, dot, minus, normalized, plus, times, unit
 from .paths import Stretch, turned
@@ -23,6 +23,8 @@ from .profiles import V
 
 Vector = Callable[[float | Expr], Triple]
 ALONG = 0.05  # the sine of the least angle between a path and what is `up`
+ROOM = E.const(0.95)  # of a radius of curvature may be filled along a formula: it is taken at some places only
+PLACES = 32  # steps at which a formula's speed and curvature are taken
 BETWEEN = np.radians(20.0)  # how far a path turns from one reflection to the next
 
 
@@ -142,18 +144,45 @@ def turning(probe: Probe, rail: Stretch, made: Frames) -> Expr:
 
 
 def bend(rail: Stretch) -> Expr:
-    """The greatest curvature of a formula's path, at several places."""
-    speed: Triple = tuple(derive(c, "v") for c in rail.place)  # type: ignore[assignment]
-    curved: Triple = tuple(derive(c, "v") for c in speed)  # type: ignore[assignment]
+    """The greatest curvature of a formula's path, and a twentieth for what lies between the places it is taken at."""
+    return E.mul(E.const(1.05), E.maximum(*curvatures(rail)))
+
+
+def curvatures(rail: Stretch) -> list[Expr]:
+    """The curvature of a formula's path at several places."""
     found = []
-    for k in range(33):
-        here, beside = at(speed)(k / 32), cross(at(speed)(k / 32), at(curved)(k / 32))
+    for here, beside in bending(rail):
         fast = E.call("sqrt", dot(here, here))
         found.append(E.div(E.call("sqrt", dot(beside, beside)), E.mul(fast, E.mul(fast, fast))))
-    return E.mul(E.const(1.05), E.maximum(*found))
+    return found
+
+
+def tightest(rail: Stretch) -> Expr:
+    """The least radius of curvature of a formula's path, at the places where it is taken."""
+    return E.div(ONE, E.maximum(E.const(1e-9), *curvatures(rail)))
+
+
+def inwards(rail: Stretch) -> list[Triple]:
+    """The same as vectors towards the centre of curvature."""
+    found = []
+    for here, beside in bending(rail):
+        square = dot(here, here)
+        found.append(times(cross(beside, here), E.div(ONE, E.mul(square, square))))
+    return found
+
+
+def bending(rail: Stretch) -> list[tuple[Triple, Triple]]:
+    """Speed, and speed x change of speed, at several places of a formula's path."""
+    speed: Triple = tuple(derive(c, "v") for c in rail.place)  # type: ignore[assignment]
+    change: Triple = tuple(derive(c, "v") for c in speed)  # type: ignore[assignment]
+    steps = [k / PLACES for k in range(PLACES + 1)]
+    return [(at(speed)(v), cross(at(speed)(v), at(change)(v))) for v in steps]
 
 
 def slowest(rail: Stretch) -> Expr:
     """The least length of a formula's path for a step of its parameter, at several places."""
     speed = at(tuple(derive(c, "v") for c in rail.place))  # type: ignore[arg-type]
-    return E.mul(E.const(0.95), E.minimum(*(E.call("sqrt", dot(speed(k / 32), speed(k / 32))) for k in range(33))))
+    return E.mul(
+        E.const(0.95),
+        E.minimum(*(E.call("sqrt", dot(speed(k / PLACES), speed(k / PLACES))) for k in range(PLACES + 1))),
+    )

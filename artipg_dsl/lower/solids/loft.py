@@ -27,10 +27,10 @@ from ..expressions.evaluate import Evaluator
 from ..values.vectors import dot, unit
 from .bays import BLEND, Bay, Chains, bay_pieces, polygons, sum_of, swapped
 from .curves import TURN, Curve, named_curve, spans_of
-from .frames import Frames, bend, slowest, turning
+from .frames import PLACES, ROOM, Frames, bend, inwards, slowest, turning
 from .frames import frames as frames_of
 from .handed import Handed
-from .made import Made, U
+from .made import NARROW, Demand, Made, U
 from .paths import Stretch, steps_of, stretches, windows
 from .probe import Probe
 from .profiles import SLOPE, Side, Span, V, circular, distance, extreme, orientation, straight
@@ -97,7 +97,7 @@ def loft(env: Env, solid: ast.SolidDecl) -> Made:
     low, high = (
         at_level(axis, (extreme(probe, spans, 0, s), extreme(probe, spans, 1, s)), levels[-(s > 0)]) for s in (-1, 1)
     )
-    rises = tuple((a, b, "the sections do not rise") for a, b in zip(levels, levels[1:], strict=False))
+    rises = tuple(Demand(a, b, "the sections do not rise") for a, b in zip(levels, levels[1:], strict=False))
     return made_of(env, probe, solid, bays, low, high, {}, rises)
 
 
@@ -171,14 +171,34 @@ def along_path(env: Env, probe: Probe, solid: ast.SolidDecl, path: Curve | Hande
             ends = whole.section(E.div(gone, total)), last if rail is rails[-1] else whole.section(E.div(ahead, total))
         bays.append(Bay(rail, made, *ends))
         gone = ahead
-    narrow = "an arc of the path is narrower than the section"
-    requires = [(inwards(probe, bay), bay.rail.radius, narrow) for bay in bays if bay.rail.center is not None]
+    requires = [narrow(probe, bay) for bay in bays if bay.rail.center is not None or bay.rail.length is ZERO]
     bounds = [tuple(far(probe, bays, axis, sign) for axis in range(3)) for sign in (-1, 1)]
     ports = ports_of(rails, across[0].up, across[-1].up)
     return made_of(env, probe, solid, bays, bounds[0], bounds[1], ports, tuple(requires))  # type: ignore[arg-type]
 
 
-def inwards(probe: Probe, bay: Bay) -> Expr:
+def narrow(probe: Probe, bay: Bay) -> Demand:
+    """No section reaches as far towards the inside of a bend as the centre of curvature."""
+    if bay.rail.center is not None:
+        wide = reaching(probe, bay)
+        return Demand(wide, bay.rail.radius, NARROW, (wide, bay.rail.radius))
+    shares, sizes, radii = [], [], []
+    for k, bent in enumerate(inwards(bay.rail)):
+        v = k / PLACES
+        side, up = dot(bent, bay.frames.side(v)), dot(bent, bay.frames.up(v))
+        here = [
+            E.add(E.mul(side, x), E.mul(up, y))
+            for span in bay.section(E.const(v))[0]
+            for x, y in (span.fraction(i / 12) for i in range(0, 12, 12 if straight(probe, span) else 1))
+        ]
+        shares.append(E.maximum(*here))
+        length = E.maximum(E.call("sqrt", dot(bent, bent)), E.const(1e-9))
+        radii.append(E.div(ONE, length))
+        sizes.append(E.div(shares[-1], length))
+    return Demand(E.maximum(*shares), ROOM, NARROW, (E.maximum(*sizes), E.minimum(*radii)))
+
+
+def reaching(probe: Probe, bay: Bay) -> Expr:
     """How far the sections of an arc reach towards its axis."""
     assert bay.rail.out is not None
     x, y = (E.neg(dot(across(0.0), bay.rail.out)) for across in (bay.frames.side, bay.frames.up))
@@ -293,7 +313,7 @@ def twisted(probe: Probe, bay: Bay, wide: Expr) -> Expr:
 
 def clearance(probe: Probe, bay: Bay) -> Expr:
     """How far the sections of an arc stay from its axis."""
-    return E.sub(bay.rail.radius, inwards(probe, bay))
+    return E.sub(bay.rail.radius, reaching(probe, bay))
 
 
 def lean(probe: Probe, bay: Bay) -> Expr:

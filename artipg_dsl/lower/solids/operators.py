@@ -29,7 +29,7 @@ from ..expressions.evaluate import Evaluator
 from .curves import TURN
 from .holes import holed, several
 from .loft import loft, swept
-from .made import FULL, Made, U
+from .made import FULL, Demand, Made, U
 from .parity import signed
 from .probe import SMALL, Probe
 from .profiles import (
@@ -249,7 +249,9 @@ def extrude(env: Env, solid: ast.SolidDecl) -> Made:
     if len(loops) > 1 or not convex(probe, loops[0][0], mirrored=False):
         polygons = parts(probe, strips, orientation(probe, loops[0][0])) if region is None else region.polygons
         pieces = prisms(polygons, axis, (low, high))
-    return Made(tuple(patches), pieces, inside, bounds[0], bounds[1], {}, ((low, high, "the prism has no height"),))
+    return Made(
+        tuple(patches), pieces, inside, bounds[0], bounds[1], {}, (Demand(low, high, "the prism has no height"),)
+    )
 
 
 def prisms(polygons: list[list[Point]], axis: int, ends: tuple[Expr, Expr]) -> tuple[Piece, ...]:

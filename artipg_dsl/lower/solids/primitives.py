@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -14,7 +15,7 @@ from ...graph.program import Requirement
 from ...semantics.symbols import Symbol
 from ...source import Span
 from ...syntax import ast
-from ..expressions.context import Context, where
+from ..expressions.context import Bend, Context, where
 from ..expressions.env import Env, Function, Thunk
 from ..expressions.evaluate import Evaluator
 from ..values.carry import mapped
@@ -25,12 +26,26 @@ from .curves import Curve
 from .handed import Handed
 from .operators import solid_of
 from .paths import handed
+from .probe import possible, test_ranges
 
 if TYPE_CHECKING:
     from ..elaborate.part import Instance
 
 
 MOST_COPIES = 64  # of an indexed surface
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Condition:
+    """What a primitive asks of its parameters: ``holds``, which is ``sides`` low <= high where there are two; ``message``
+    says what is wrong, ``text`` what is asked. ``bend`` as in ``made.Demand``.
+    """
+
+    holds: Expr
+    sides: tuple[Expr, Expr] | None
+    message: str
+    text: str
+    bend: tuple[Expr, Expr] | None = None
 
 
 @dataclass(slots=True, eq=False)
@@ -40,10 +55,9 @@ class Lowered:
     primitive: Primitive
     names: tuple[tuple[str, int], ...]  # parameter, components (0: a scalar)
     ports: dict[str, Value] = field(default_factory=dict)
-    conditions: list[tuple[Expr, tuple[Expr, Expr] | None, str, ast.RequireStmt | ast.ParamDecl, str]] = field(
-        default_factory=list
-    )
+    conditions: list[Condition] = field(default_factory=list)
     centred_size: bool = False
+    possible: bool = True  # whether some of its test values meet the conditions, where a path shapes it
     paths: tuple[Handed, ...] = ()  # what its first use handed in
     trace: tuple[tuple[Span, str], ...] = ()  # and where
 
@@ -88,22 +102,33 @@ class Lowered:
         """The declaration's requirements (and positive parameters) for this use, in its table."""
 
         mapping = self.mapping(instance)
-        program = instance.part.context.program
-        for condition, slack, message, _, text in self.conditions:
-            here = E.substitute(condition, mapping)
-            if here is E.TRUE or always(here, instance.part.context.draws):
+        part, context = instance.part, instance.part.context
+        program = context.program
+        for condition in self.conditions:
+            here = E.substitute(condition.holds, mapping)
+            if here is E.TRUE or always(here, context.draws):
                 continue
-            sides = None if slack is None else tuple(E.substitute(s, mapping) for s in slack)
-            instance.part.context.stated[len(program.requirements)] = instance.part.span, False
+            sides, bend = (
+                None if pair is None else (E.substitute(pair[0], mapping), E.substitute(pair[1], mapping))
+                for pair in (condition.sides, condition.bend)
+            )
+            place, message = part.span, condition.message
+            if bend is not None:
+                curves = [v for v in instance.values.values() if isinstance(v, Curve)]
+                place = curves[0].statement.name_span if curves else part.span
+                name = f"`{curves[0].name}`" if curves else "the path"
+                message = f"{name} bends more tightly than what goes along it is wide"
+                context.bends[len(program.requirements)] = Bend(name, place, part.path, part.span, *bend)
+            context.stated[len(program.requirements)] = place, False
             program.requirements.append(
                 Requirement(
                     instance.scope,
                     here,
                     E.TRUE,
-                    f"{instance.part.path}: {message}",
-                    where(instance.part.span),
-                    sides,  # type: ignore[arg-type]
-                    text=f"{instance.part.path}: {text}",
+                    f"{part.path}: {message}",
+                    where(place),
+                    sides,
+                    text=f"{part.path}: {condition.text}",
                 )  # fmt: skip
             )
 
@@ -119,18 +144,54 @@ def lower_primitive(context: Context, symbol: Symbol, values: dict[str, Value] |
                     raise context.error("wrong-kind", span, f"`{name}` of `{symbol.name}` is no path")
                 paths[name] = handed(curve, name)
     key = (symbol, *(path.key for path in paths.values())) if paths else symbol
-    found = context.solids.get(key)
-    if found is None:
-        name, number = symbol.name, 2
-        while name in context.program.primitives:
-            name, number = f"{symbol.name}_{number}", number + 1
-        try:
-            context.blamed = blame(tuple(paths.values()), symbol.name) if paths else None
-            found = context.solids[key] = make(context, symbol, name, paths)
-        finally:
-            context.blamed = None
-        found.paths, found.trace = tuple(paths.values()), tuple(context.trace)
-        context.program.primitives[name] = found.primitive
+    tested: dict[str, Interval] = {}
+    if key not in context.solids and paths:
+        plain = shaped(context, symbol, paths, {})
+        if not plain.possible:
+            tested = beyond_tests(context, symbol, paths, values or {})
+            key = (symbol, *(path.key for path in paths.values()), *tested.items())
+        if not tested:
+            context.solids[key] = plain
+            context.program.primitives[plain.primitive.name] = plain.primitive
+    if key not in context.solids:
+        made = context.solids[key] = shaped(context, symbol, paths, tested)
+        context.program.primitives[made.primitive.name] = made.primitive
+    return context.solids[key]
+
+
+def shaped(context: Context, symbol: Symbol, paths: dict[str, Handed], tested: dict[str, Interval]) -> Lowered:
+    """The formulas of a primitive along given paths, tested over what is stated, or ``tested`` instead."""
+    name, number = symbol.name, 2
+    while name in context.program.primitives:
+        name, number = f"{symbol.name}_{number}", number + 1
+    try:
+        context.blamed = blame(tuple(paths.values()), symbol.name) if paths else None
+        context.tested = tested
+        found = make(context, symbol, name, paths)
+    finally:
+        context.blamed, context.tested = None, {}
+    found.paths, found.trace = tuple(paths.values()), tuple(context.trace)
+    return found
+
+
+def beyond_tests(
+    context: Context, symbol: Symbol, paths: dict[str, Handed], values: dict[str, Value]
+) -> dict[str, Interval]:
+    """The ranges of what a use hands in beside a path where they lead out of the test ranges, none of which is possible along
+    it: a thin wire may bend tightly.
+    """
+    known = Intervals(context.draws, context.program.definitions)
+    env = Env(context, symbol.module, symbol, Scope(f"primitive {symbol.name}"), "")
+    env.names.update(paths)
+    found: dict[str, Interval] = {}
+    for name, (low, high) in test_ranges(env):
+        own, _, axis = name.partition(".")
+        value = values.get(own)
+        item = value.items["xyz".index(axis)] if isinstance(value, Vec) and axis else value
+        if isinstance(item, Expr):
+            least, most = known.of(item)
+            if math.isfinite(least) and math.isfinite(most) and not low <= least <= most <= high:
+                found[name] = (max(least, min(low, most / 10)) if low > 0 else least, most)
     return found
 
 
@@ -148,7 +209,7 @@ def make(context: Context, symbol: Symbol, title: str, paths: dict[str, Handed])
     names: list[tuple[str, int]] = []
     parameters: list[str] = []
     tests: list[tuple[float, float]] = []
-    conditions: list[Any] = []
+    conditions: list[Condition] = []
     for statement in symbol.body:
         if isinstance(statement, ast.ParamDecl):
             for name in statement.names:
@@ -201,10 +262,11 @@ def make(context: Context, symbol: Symbol, title: str, paths: dict[str, Handed])
     if solid is not None:
         made = solid_of(env, solid)
         patches, pieces, inside = list(made.patches), pieces or list(made.pieces), made.inside
-        for small, large, message in made.requires:
-            within = E.call("le", small, large)
+        for demand in made.requires:
+            pair = demand.low, demand.high
+            within = E.call("le", *pair)
             if within is not E.TRUE:
-                conditions.append((within, (small, large), message, solid, "requirement of the operator"))
+                conditions.append(Condition(within, pair, demand.message, "requirement of the operator", demand.bend))
         low, high = (low, high) if low is not None else (made.low, made.high)
         stated = [(s.name, s.value) for s in symbol.body if isinstance(s, ast.PortDecl) and s.value is not None]
         ports = {**made.ports, **{name: Evaluator(env).value(value) for name, value in stated}}
@@ -215,12 +277,13 @@ def make(context: Context, symbol: Symbol, title: str, paths: dict[str, Handed])
         )  # fmt: skip
     primitive = Primitive(
         title, tuple(parameters), tuple(tests), tuple(patches), inside, low, high, tuple(pieces),
-        tuple(c[0] for c in conditions), str(where(symbol.decl.span)), tuple(dict.fromkeys(p.name for p in patches)),
+        tuple(c.holds for c in conditions), str(where(symbol.decl.span)), tuple(dict.fromkeys(p.name for p in patches)),
         tuple(whole),
     )  # fmt: skip
     lowered = Lowered(primitive, tuple(names), ports, conditions)
     size = [E.var(f"size.{a}") for a in "xyz"]
     half = [E.mul(s, E.const(0.5)) for s in size]
+    lowered.possible = not paths or not conditions or possible(env, [c.holds for c in conditions])
     lowered.centred_size = all(h is c for h, c in zip(half, high, strict=True))
     return lowered
 
@@ -232,7 +295,7 @@ def declare_parameter(
     names: list[Any],
     parameters: list[Any],
     tests: list[Any],
-    conditions: list[Any],
+    conditions: list[Condition],
 ) -> None:
     size = statement.type.size
     components = [f"{name}.{'xyz'[k]}" for k in range(size)] if size else [name]
@@ -248,25 +311,24 @@ def declare_parameter(
                 end = Evaluator(env).value(node)
                 end = end.items[k] if isinstance(end, Vec) else end
                 ends.append(float(end.constant) if isinstance(end, Expr) and end.constant is not None else 0.1)
-            tests.append((ends[0], ends[1]))
+            stated = ends[0], ends[1]
         else:
-            tests.append((0.01, 0.5))
+            stated = 0.01, 0.5
+        tests.append(env.context.tested.get(component, stated))
         if statement.positive:
             small = E.const(1e-5)
             pair = (small, E.var(component))
-            conditions.append(
-                (E.call("le", *pair), pair, f"{component} must be positive", statement, f"{component} > 0")
-            )
+            conditions.append(Condition(E.call("le", *pair), pair, f"{component} must be positive", f"{component} > 0"))
         elif statement.domain is not None:
             low, high = (Evaluator(env).scalar(n) for n in (statement.domain.low, statement.domain.high))
             for pair in ((low, E.var(component)), (E.var(component), high)):
                 told, text = f"{component} lies outside its domain", f"{component} in its domain"
-                conditions.append((E.call("le", *pair), pair, told, statement, text))
+                conditions.append(Condition(E.call("le", *pair), pair, told, text))
 
 
-def condition_of(ev: Evaluator, statement: ast.RequireStmt) -> tuple[Any, ...]:
+def condition_of(ev: Evaluator, statement: ast.RequireStmt) -> Condition:
     condition, slack = comparison(ev, statement.condition)  # type: ignore[arg-type]
-    return condition, slack, statement.message or "a requirement of the primitive fails", statement, "requirement"
+    return Condition(condition, slack, statement.message or "a requirement of the primitive fails", "requirement")
 
 
 def comparison(ev: Evaluator, node: ast.Expr) -> tuple[Expr, tuple[Expr, Expr] | None]:

@@ -29,19 +29,11 @@ class Probe:
     """Rows of test values; every answer is over all of them."""
 
     def __init__(self, env: Env, span: Span):
-        ranges = dict(test_ranges(env))
         conditions = [
             Evaluator(env).truth(Evaluator(env).value(s.condition), s.condition.span)
             for s in env.symbol.body if isinstance(s, ast.RequireStmt) and s.condition is not None  # type: ignore[union-attr]
         ]  # fmt: skip
-        number = np.arange(CANDIDATES, dtype=np.uint64)
-        self.values: dict[str, np.ndarray] = {"": np.zeros(CANDIDATES)}
-        for name, (low, high) in ranges.items():
-            q = random.uniform(random.key(0, "probe", env.symbol.name, name), number)  # type: ignore[union-attr]
-            value = low + q * (high - low)
-            if low > 0:  # small ones too: every other row by ratio
-                value = np.where(number % 2 == 1, np.clip(low * np.power(high / low, q), low, high), value)
-            self.values[name] = value
+        self.values = candidates(env)
         good = np.ones(CANDIDATES, dtype=bool)
         for condition in conditions:
             good &= self(condition)[0].astype(bool)
@@ -101,8 +93,31 @@ class Probe:
         return E.neg(self.greatest([E.neg(v) for v in values]))
 
 
+def candidates(env: Env) -> dict[str, np.ndarray]:
+    """Values of the parameters over their test ranges."""
+    number = np.arange(CANDIDATES, dtype=np.uint64)
+    values: dict[str, np.ndarray] = {"": np.zeros(CANDIDATES)}
+    for name, (low, high) in test_ranges(env):
+        q = random.uniform(random.key(0, "probe", env.symbol.name, name), number)  # type: ignore[union-attr]
+        value = low + q * (high - low)
+        if low > 0:  # small ones too: every other row by ratio
+            value = np.where(number % 2 == 1, np.clip(low * np.power(high / low, q), low, high), value)
+        values[name] = value
+    return values
+
+
+def possible(env: Env, conditions: list[Expr]) -> bool:
+    """Whether some of them meet all of the conditions."""
+    with np.errstate(all="ignore"):
+        return bool(
+            np.logical_and.reduce(
+                [np.asarray(v, bool) for v in evaluate(conditions, {**candidates(env)})], axis=0
+            ).any()
+        )
+
+
 def test_ranges(env: Env) -> Iterable[tuple[str, tuple[float, float]]]:
-    """The test range of each scalar parameter of the primitive, as its declaration states it."""
+    """The test range of each scalar parameter of the primitive, as its declaration states it, or a use with a path (see ``Context.tested``)."""
     for statement in env.symbol.body:  # type: ignore[union-attr]
         if not isinstance(statement, ast.ParamDecl):
             continue
@@ -121,4 +136,5 @@ def test_ranges(env: Env) -> Iterable[tuple[str, tuple[float, float]]]:
                     end = end.items[k] if isinstance(end, Vec) else end
                     if isinstance(end, Expr) and end.constant is not None:
                         ends[side] = float(end.constant)
-                yield (f"{name}.{'xyz'[k]}" if size else name), (ends[0], ends[1])
+                component = f"{name}.{'xyz'[k]}" if size else name
+                yield component, env.context.tested.get(component, (ends[0], ends[1]))

@@ -19,9 +19,10 @@ from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..values.vectors import cross, dot, minus, plus, times
 from .curves import TURN
+from .frames import ROOM, tightest
 from .frames import frames as frames_of
 from .handed import Handed
-from .made import FULL, Made, U
+from .made import FULL, NARROW, Demand, Made, U
 from .paths import Stretch, steps_of, stretches, windows
 from .probe import Probe
 from .profiles import SLOPE, V, crests
@@ -50,10 +51,11 @@ def sweep(env: Env, solid: ast.SolidDecl) -> Made:
     for piece, frame, at, name in ends:
         wide = E.mul(V, radius) if bore is None else E.add(bore, E.mul(V, E.sub(radius, bore)))
         patches.append(Patch(name, ring(piece.at(at), (frame[0](at), frame[1](at)), wide), FULL, (ZERO, ONE)))
-    narrow = "an arc of the path is narrower than the section"
-    requires = [(radius, piece.radius, narrow) for piece in pieces if piece.center is not None]
+    requires = [Demand(radius, p.radius, NARROW, (radius, p.radius)) for p in pieces if p.center is not None]
+    bends = [tightest(piece) for piece in pieces if piece.length is ZERO]
+    requires += [Demand(radius, E.mul(ROOM, bend), NARROW, (radius, bend)) for bend in bends]
     if bore is not None:
-        requires.append((bore, radius, "the bore is wider than the section"))
+        requires.append(Demand(bore, radius, "the bore is wider than the section"))
     ports = ports_of(pieces, frames[0][1], frames[-1][1])
     bounds = [tuple(reach(probe, pieces, radius, k, sign) for k in range(3)) for sign in (-1, 1)]
     return Made(

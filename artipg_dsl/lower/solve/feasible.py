@@ -7,8 +7,9 @@ import math
 from ...graph.expr import Scope
 from ...graph.feasible import Conflict, certain, conflicts, idle
 from ...graph.interval import Intervals
+from ...graph.program import Program
 from ...source import Span
-from ..expressions.context import Context, in_words, text_of
+from ..expressions.context import Bend, Context, in_words, text_of
 
 
 def judge(context: Context, hollow: list[tuple[Scope, tuple[int, ...]]], own: str) -> None:
@@ -38,13 +39,20 @@ def judge(context: Context, hollow: list[tuple[Scope, tuple[int, ...]]], own: st
 
 def tell(context: Context, conflict: Conflict) -> None:
     program = context.program
+    bend = next((context.bends[r] for r in conflict.reasons if r in context.bends), None)
     spans = list(dict.fromkeys(context.stated[r][0] for r in conflict.reasons if r in context.stated))
     chain: list[tuple[Span, str]] = [(span, "and this is required") for span in spans[1:]]
     for k in conflict.draws:
         column = program.draws[k].column
         if column in context.spans:
             chain.append((context.spans[column], f"`{column.name}` is drawn here"))
-    if conflict.draw is not None:
+    tight = None if bend is None else too_tight(program, bend)
+    span: Span | None
+    if bend is not None and tight is not None:
+        span = bend.place
+        chain.insert(0, (bend.span, "what goes along it"))
+        message = tight
+    elif conflict.draw is not None:
         draw = program.draws[conflict.draw]
         own = context.spans.get(draw.column)
         message = (
@@ -64,12 +72,27 @@ def tell(context: Context, conflict: Conflict) -> None:
             message = f"{said}, whatever is drawn"
     if span is None:
         return  # what a primitive requires of its parameters is told where it is used
-    hint = "widen a range, or correct the requirement"
+    hint = (
+        "widen a range, or correct the requirement"
+        if tight is None
+        else "bend it less, or let something thinner go along it"
+    )
     if conflict.certain:
         context.report.error("impossible", span, message, hint=hint, notes=tuple(chain))
     else:
         message += f"; so {in_words(conflict.scope)} is never drawn"
         context.report.warning("impossible", span, message, hint=hint, notes=tuple(chain))
+
+
+def too_tight(program: Program, bend: Bend) -> str | None:
+    """That a path bends more tightly than a section allows, where the ranges alone show it."""
+    known = Intervals(program.draws, program.definitions)
+    (least, wide), (narrow, most) = known.of(bend.reach), known.of(bend.radius)
+    if not most < least:
+        return None
+    reach = f"reaches {'' if least == wide else 'at least '}{plain(least, 'm')} towards the inside"
+    radius = f"its radius of curvature is {'' if narrow == most else 'at most '}{plain(most, 'm')}"
+    return f"{bend.path} bends too tightly for `{bend.part}`: {radius} there, and the section {reach}"
 
 
 def plain(value: float, unit: str) -> str:
