@@ -1,0 +1,12 @@
+"""The command line ``apgc``: commands that check their arguments, call the rooms below and print or write what these return.
+
+In: the words after ``apgc``. Out: text, files and an exit code. Begin with ``main``, which loads a command when it is called.
+
+    main, options, arguments      commands and their options; kinds of arguments
+    messages, progress            findings and errors on the terminal, and how far a run has come
+    check, fmt, new, explain      programs as text
+    compile, ledger               a program at one of its stages; what determines each part
+    sample, export, mutate        folders of objects
+    render, report, validate      pictures and figures
+    categories                    what is shipped
+"""

@@ -1,12 +1,15 @@
 """Geometry of primitives: from declared patches to meshes, convex pieces and bound surface points.
 
-Everything is batched over instances: parameters come as a dict of columns (k,), results as arrays whose first axis is
-the instance. An instance gets the same bits alone and in any batch. Lengths in metres, angles in radians; shapes live
-in the primitive's own frame, unmirrored, unless a table of sites places them.
+In: a primitive (``graph.primitive``) and its parameters, a dict of columns (k,), or a table of placed instances
+(``sites``). Out: arrays whose first axis is the instance; an instance gets the same bits alone and in any batch. Lengths in
+metres, angles in radians; shapes live in the primitive's own frame, unmirrored, unless a table of sites places them.
+Begin with ``patches`` and ``mesh``.
 
-    trial, topology, weld     what is found once per primitive, when it is compiled
-    mesh, pieces, box         watertight meshes with moments, convex pieces, stated boxes
-    density, surface          areas, places drawn by area, positions and exact normals
-    sites, block, hidden, points      points on the visible surface of whole objects
-    selftest                  does everything that is declared agree?
+    trial, topology, weld, flat, resolution      what is found once per primitive: which edges meet, how many steps
+    patches, surface, density, quadrature        positions, normals, areas, places drawn by area, integrals
+    mesh, merge, pieces, box, bound              watertight meshes, convex pieces, stated boxes
+    sites, block, hidden, points, pointset       points on the visible surface of whole objects
+    outside, rays, blue, cells                   what can be seen from outside; points that keep their distance
+    collide, overlap, enclosure                  convex bodies that meet, what they share, what lies in what
+    selftest                                     does everything that is declared agree?
 """

@@ -1,0 +1,13 @@
+"""The constraint graph: a category as tables, draws, definitions, requirements and what stands on them. Knows no syntax.
+
+In: expressions and records, made by ``lower`` or read from a compiled program. Out: a ``Program``, for ``runtime`` to plan and
+evaluate. Begin with ``program`` (the records) and ``expr`` (the expressions in them).
+
+    expr, derive, formula                expressions over columns, their derivatives, formulas as NumPy functions
+    program, primitive, reference        the records of a program; which row of which definition is meant
+    linear, matching                     linear forms and solving for one unknown; which equation determines what
+    interval, inequality, union          what always holds; what an inequality or a condition says of one value
+    feasible, defined                    what can never hold; whether a value is a number whatever is drawn
+    depend, unlabelled                   what a value depends on; surface without a label
+    text, nodes, verify                  the text form, read back with nothing taken on trust
+"""

@@ -1,5 +1,11 @@
 """A run: what is drawn, what is written of it, and how both are kept in a folder.
 
-In come the words of the command line or the arguments of Python; out goes a ``Job``, which makes objects by number, or a
-folder with its ``manifest.json``. Begin with ``request`` (what is drawn) and ``output`` (what is written), then read ``job``.
+In: the words of the command line or the arguments of Python. Out: a ``Job``, which makes objects by number, or a folder with its
+``manifest.json``. Begin with ``request`` (what is drawn) and ``output`` (what is written), then read ``job``.
+
+    request, settings, params, traces    what is drawn: seed and numbers, values that are fixed or given, mutants
+    output, chunk                        what is written: formats and what they hold, shard by shard
+    job, compiled, counts                a program at hand, compiled or not; what attempts came to
+    dataset, workers, resume             the folder: one process or several, and going on with it
+    manifest, schema                     what made a folder, read and written
 """

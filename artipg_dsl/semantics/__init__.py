@@ -1,7 +1,15 @@
-"""Syntax trees to a resolved, typed program; draws no numbers and builds no constraint graph.
+"""Syntax trees to a resolved, typed program. Draws no numbers and builds no constraint graph.
 
-``modules`` follows ``use`` and gives every file its names (``symbols``). ``check`` walks all declarations: ``scope``
-collects what a body declares and under which guards, ``guards`` answers questions about them, ``expressions``,
-``paths``, ``calls`` and ``conditions`` infer types, the other modules hold one group of rules each. Findings go to
-the report; after one, the unknown type silences what follows from it. ``show`` prints the outcome.
+In: the tree of a file (``syntax``). Out: a ``TypedProgram``: what every name stands for, the type of every expression, the guards
+under which a declaration is there. Findings go to the report; after one, the unknown type silences what follows from
+it. Begin with ``check``, then ``checker``.
+
+    modules, symbols, scope              what ``use`` brings in, what files declare, what bodies declare and under which guards
+    check, checker, meanings, show       the check from end to end, its state and its results, printed
+    types, expressions, paths, calls     types and how they are inferred
+    conditions, guards, presence         what conditions say, and what is there where they hold
+    declarations, entries, fold          names, domains, defaults; values of constants
+    statements, placing, attachments, labels      rules of statements, one group a file
+    roles, parts, primitives             rules of roles and templates, of their members, of primitives
+    names, offers                        words of the language; what the library would offer
 """

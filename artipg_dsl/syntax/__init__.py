@@ -1,12 +1,14 @@
 """Text to tree. Knows no types and resolves no names.
 
-``grammar/apg.lark`` is the only definition of the syntax. A text goes through
+In: the text of a file. Out: a ``Module`` of ``ast``, whose nodes know their place in the text; or findings in the report.
+``grammar/apg.lark`` is the only definition of the syntax. Begin with ``ast`` and ``parse``.
 
-* ``grammar``: the parser made from it, with its cache;
-* ``layout``: between lexer and parser, which line ends count, which words are reserved, doc comments;
-* ``build*``: the parser's actions, which make the nodes of ``ast`` in one pass;
-* ``parse``: files and texts to trees, several syntax errors in a run with the help of ``recover``;
-* ``messages`` and ``mistakes``: what is said about a syntax error.
+    grammar, layout, words       the parser made from the grammar; which line ends count; kinds of tokens
+    build, build_expressions, build_statements, build_module      the parser's actions, which make the nodes in one pass
+    ast, walk                    the nodes
+    parse, recover               files and texts to trees, with several syntax errors in a run
+    messages, mistakes           what is said about a syntax error
+    format                       one layout for programs (``apgc fmt``)
 
 A new construct is a rule of the grammar, a node in ``ast``, an action in ``build_*``, the word in ``words`` where it
 begins a statement, an example in ``tests/syntax/design/forms.apg`` and the likely mistakes in ``mistakes``.

@@ -1,4 +1,12 @@
-"""The registry of diagnostic codes. A new code is one entry in the file of its family."""
+"""The registry of diagnostic codes, a file per family. A new code is one entry in the file of its family.
+
+Out: ``CODES`` by name, and ``explain`` for a terminal. Begin with ``base``.
+
+    base                  what a code has
+    reading, resolving    syntax and files; names and what they lead to
+    values, structure     types, units and ranges; parts, roles, joints and labels
+    equations             what determines what, and what can never hold
+"""
 
 from __future__ import annotations
 
