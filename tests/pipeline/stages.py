@@ -19,6 +19,8 @@ from artipg_dsl.annotate.annotation import describe
 from artipg_dsl.annotate.cloud import sample_points
 from artipg_dsl.cli.compile import EMITTERS
 from artipg_dsl.diagnostics import Report
+from artipg_dsl.export.registry import FORMATS
+from artipg_dsl.export.robot import Robots
 from artipg_dsl.graph import expr as E
 from artipg_dsl.graph.program import Pose
 from artipg_dsl.resources import library_dir
@@ -234,6 +236,15 @@ def _labelled(batch: Batch) -> Iterator[str]:
             yield f"{name} at {(np.nan_to_num(values) != 0).sum()} of {POINTS} points, {_rounded(float(np.nanmean(values)))} on average"
 
 
+# ---------------------------------------------------------------- file
+
+
+def urdf(session: Session) -> str:
+    """Object 0 as URDF."""
+    files = FORMATS["urdf"].files(Robots(session.sampler.batch(np.arange(1), 0, checked=True)), 0)
+    return files[FORMATS["urdf"].file].decode()
+
+
 STAGES: dict[str, Callable[[Session], str]] = {
     "tree": tree,
     "typed": typed,
@@ -243,4 +254,13 @@ STAGES: dict[str, Callable[[Session], str]] = {
 }
 """The files beside a program, ``tree.txt`` and so on."""
 
-__all__ = ["HERE", "PROGRAM", "STAGES", "compiled"]
+SHOWN = "chest"  # the program of docs/architecture.md
+MORE: dict[str, Callable[[Session], str]] = {"urdf": urdf}
+"""What that page shows besides."""
+
+
+def stages(name: str) -> dict[str, Callable[[Session], str]]:
+    return STAGES | MORE if name == SHOWN else STAGES
+
+
+__all__ = ["HERE", "PROGRAM", "SHOWN", "STAGES", "compiled", "stages"]
