@@ -153,7 +153,7 @@ def test_points_and_views_in_several_states(chests: apg.Samples, tmp_path: Path)
         (lambda: apg.sample(CHEST, n=2.5), "n is 2.5"),
         (lambda: apg.sample(CHEST, n="3"), "n is '3'"),
         (lambda: apg.sample(CHEST, seed="a"), "seed is 'a'"),
-        (lambda: apg.sample(CHEST, numbers=[1.5]), "are whole, not"),
+        (lambda: apg.sample(CHEST, numbers=[1.5]), "are whole numbers, not"),
         (lambda: apg.sample(CHEST, set="width=45cm"), "it maps names to values"),
         (lambda: apg.sample(CHEST, set={"width": float("nan")}), "cannot be nan"),
         (lambda: apg.sample(CHEST, values=[]), "no objects are given"),

@@ -8,7 +8,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1] / "artipg_dsl"
 REASONS = ("start-up", "extra", "circle")
-START = ("cli", "api.py", "__init__.py", "run", "session.py")  # they load what a command needs, and nothing else
+START = ("cli", "api.py", "__init__.py", "session.py")  # they load what a command needs, and nothing else
 
 
 def late_imports(path: Path) -> Iterator[tuple[int, str]]:

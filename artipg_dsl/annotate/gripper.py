@@ -101,7 +101,7 @@ def read_gripper(text: str | Gripper) -> Gripper | None:
             raise UsageError(f"the gripper's {match[1]} is given twice")
         if match is None or match[1] not in names:
             hint = f"write `standard`, `any`, or lengths such as stroke=8cm,width=2cm; there are {', '.join(names)}"
-            raise UsageError(f"`{piece}` is no measure of a gripper", hint)
+            raise UsageError(f"`{piece}` is not a measure of a gripper", hint)
         found[match[1]] = float(match[2]) * UNITS[match[3]]
     return Gripper(**found)
 

@@ -206,7 +206,7 @@ def legal(label: Label, told: np.ndarray, reader: Reader, scope: Scope, row: np.
         first = int(np.flatnonzero(bad.any(axis=-1) if bad.ndim > 1 else bad)[0])
         place = int(np.asarray(reader.owner(scope))[row[first]])
         number = getattr(reader, "numbers", np.arange(place + 1))[place]
-        what = "has no value" if kind == "field" else "is no degree from 0 to 1"
+        what = "has no value" if kind == "field" else "is not a degree from 0 to 1"
         raise UserError(
             f"{label.where}: the {'field' if kind == 'field' else 'label'} `{label.name}` {what} at a point of object {number}",
             "say with `where` at which points it holds, or keep the formula in its range with `min` and `max`",

@@ -57,7 +57,7 @@ def read_states(text: str) -> States:
         if match is None:
             if re.fullmatch(r"[\w.\[\]]+\s*=\s*[-+.\d]+", piece):
                 raise UsageError(f"`{piece}` has no unit", "write mm, cm, m, deg, rad, turn or % behind the number")
-            raise UsageError(f"`{piece}` is no joint state", f"write {FORMS}")
+            raise UsageError(f"`{piece}` is not a joint state", f"write {FORMS}")
         name, count = match.group(1), match.group(2)
         if name != "random" and count is not None:
             raise UsageError(f"`{piece}`: there is only one state `{name}`", f"write {name}, or random:{count}")

@@ -179,7 +179,7 @@ def _hull(primitive: Primitive, name: str, points: np.ndarray) -> Hull:
 
     low, extent = points.min(axis=0), points.max(axis=0) - points.min(axis=0)
     if not np.isfinite(extent).all():
-        raise PrimitiveError(primitive, None, f"piece {name} has points that are no finite numbers")
+        raise PrimitiveError(primitive, None, f"piece {name} has points that are not finite numbers")
     flat = PrimitiveError(primitive, None, f"piece {name} has no volume: its points lie in one plane")
     if (extent <= 1e-12 * extent.max()).any():
         raise flat

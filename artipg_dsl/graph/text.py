@@ -259,14 +259,14 @@ class _Reader:
                 text = json.loads(word)
                 text.encode()
             except (ValueError, UnicodeEncodeError):
-                raise Fault(f"{word[:40]} is no text") from None
+                raise Fault(f"{word[:40]} is not text") from None
             return text
         if word in ("none", "true", "false"):
             return {"none": None, "true": True, "false": False}[word]
         try:
             return int(word) if re.fullmatch(r"-?[0-9]{1,18}", word) else float(word)
         except ValueError:
-            raise Fault(f"{word[:40]!r} is no value") from None
+            raise Fault(f"{word[:40]!r} is not a value") from None
 
     def expression(self) -> Expr:
         op = self.next()
@@ -339,7 +339,7 @@ def from_text(text: str) -> P.Program:
     """The program of a text, verified. Raises TextError for anything that is none."""
     lines = text.split("\n")
     if lines[0].split() != ["apgc", str(VERSION)]:
-        raise TextError(f"this is no compiled program of version {VERSION}")
+        raise TextError(f"this is not a compiled program of version {VERSION}")
     program = P.Program("")
     reader = _Reader(program)
     number = 0

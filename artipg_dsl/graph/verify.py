@@ -63,7 +63,7 @@ class Verifier:
     def whole(self) -> None:
         """What only the whole program tells."""
         program = self.program
-        need(program.scopes and program.scopes[0].kind == "root", "the first table is no root")
+        need(program.scopes and program.scopes[0].kind == "root", "the first table is not a root")
         need(WORD.fullmatch(program.name), "the program has no name that is a word")
         named = [draw.column for draw in program.draws]
         need(len(set(named)) == len(named), "a column is drawn twice")
@@ -89,7 +89,7 @@ class Verifier:
         need(column.kind in KINDS, f"there is no kind of columns {str(column.kind)[:40]!r}")
         need(
             isinstance(column.name, str) and NAME.fullmatch(column.name),
-            f"{shapes.shown(column.name)} is no name of a column",
+            f"{shapes.shown(column.name)} is not a name of a column",
         )
 
     def definition(self, column: Any, value: Any) -> None:
@@ -107,7 +107,7 @@ class Verifier:
         shapes.fit(words, tuple[str, ...])
         need(words[:1] == (P.UNLABELLED,), f"the first word of a vocabulary is not {P.UNLABELLED}")
         for word in (name, *words):
-            need(isinstance(word, str) and WORD.fullmatch(word), f"{shapes.shown(word)} is no word of a vocabulary")
+            need(isinstance(word, str) and WORD.fullmatch(word), f"{shapes.shown(word)} is not a word of a vocabulary")
 
     def placed(self, expr: Expr, scope: Scope | None) -> None:
         need(self.nodes.stands(expr, scope), "a value reads a table that it cannot see, or a variable of a formula")
@@ -121,7 +121,7 @@ class Verifier:
         for name in NAMED.get(type(item), ()):
             value = getattr(item, name)
             for one in (value,) if isinstance(value, str) else value:
-                need(NAME.fullmatch(one), f"{name}: {shapes.shown(one)} is no name")
+                need(NAME.fullmatch(one), f"{name}: {shapes.shown(one)} is not a name")
 
     def index(self, number: int, among: Sequence[Any], what: str, least: int = 0) -> None:
         need(least <= number < len(among), f"there is no {what} {number}")
@@ -141,7 +141,7 @@ class Verifier:
 
     def _draw(self, draw: P.Draw, number: int) -> None:
         need(draw.address, "a draw has no address")
-        need(draw.unit in UNITS, f"{shapes.shown(draw.unit)} is no unit of values inside")
+        need(draw.unit in UNITS, f"{shapes.shown(draw.unit)} is not a unit of values inside")
         if draw.kind == "choice":
             need(
                 draw.options and len(draw.options) == len(draw.weights), "a choice has a weight for each of its options"
@@ -278,7 +278,7 @@ class Verifier:
         need(not clash, f"a parameter is called {', '.join(sorted(clash))}, which means something else in a formula")
         need(len(primitive.test) == len(names), "there is a test range for each parameter")
         need(all(low <= high for low, high in primitive.test), "a test range ends before it begins")
-        need(own.issuperset(primitive.whole), "what counts something is no parameter")
+        need(own.issuperset(primitive.whole), "what counts something is not a parameter")
         need(primitive.patches, "a primitive has no surface")
         for patch in primitive.patches:
             need(

@@ -64,7 +64,9 @@ def reference(path: str | Path | None = None) -> dict[str, Real]:
     except (OSError, UnicodeDecodeError) as error:
         raise UserError(f"{path} cannot be read: {getattr(error, 'strerror', None) or error}") from None
     except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise UserError(f"{path} is no file of real sizes: {error}", "docs/categories.md shows what it holds") from None
+        raise UserError(
+            f"{path} is not a file of real sizes: {error}", "docs/categories.md shows what it holds"
+        ) from None
 
 
 def _real(entry: Mapping[str, Any]) -> Real:

@@ -79,8 +79,8 @@ class Job:
         return prepare(self.sampler, replace(self.request, **changes))
 
     def of(self, numbers: Sequence[int] | np.ndarray) -> Job:
-        """The job of other objects of the same request."""
-        return self.but(numbers=to_runs(numbers))
+        """The job of other objects of the same request, with nothing counted yet."""
+        return replace(self, request=replace(self.request, numbers=to_runs(numbers)), statistics=Statistics())
 
     def mutated(self, step: Mutation | Replay, numbers: Sequence[int] | np.ndarray | None = None) -> Job:
         """The job of mutants of this one's objects, ``numbers`` of them. Raises UsageError for names that mean nothing."""
@@ -111,7 +111,7 @@ def open_program(name: str | Path) -> tuple[Sampler, str]:
     """The program of a name or file, and what a manifest calls it."""
     if Path(name).suffix == COMPILED:
         return make_sampler(read_compiled(name), name), str(name)
-    from ..session import Session  # not above: a compiled program is sampled without the parser
+    from ..session import Session  # start-up: a compiled program is sampled without the parser
 
     session = Session.of(name)
     sampler = session.sampler

@@ -188,7 +188,7 @@ def checked(record: Any) -> Mapping[str, Any]:
     try:
         fit(record, Record)
     except Misfit as wrong:
-        raise UserError(f"this is no record of a trace: {wrong}", WRITTEN) from None
+        raise UserError(f"this is not a record of a trace: {wrong}", WRITTEN) from None
     return record
 
 
@@ -202,7 +202,7 @@ def read_traces(text: str, name: str) -> dict[int, dict[str, Any]]:
             entry = json.loads(line)
             fit(entry, Record)
         except (ValueError, RecursionError) as error:
-            raise UserError(f"{name}:{number} is no trace of a mutation: {error}", WRITTEN) from None
+            raise UserError(f"{name}:{number} is not a trace of a mutation: {error}", WRITTEN) from None
         found[entry["object"]] = entry
     return found
 

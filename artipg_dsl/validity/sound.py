@@ -51,7 +51,7 @@ def prove(batch: Batch) -> None:
         joints.offset,
     )
     long = np.abs(np.sqrt((joints.axis**2).sum(axis=1)) - 1.0) <= SQUARE
-    _refuse(batch, "joint", joints.owner, joints.name, ~long, "its axis is no direction")
+    _refuse(batch, "joint", joints.owner, joints.name, ~long, "its axis is not a direction")
     low, high = joints.low, joints.high  # nan: no limit
     _refuse(
         batch,
@@ -68,7 +68,7 @@ def prove(batch: Batch) -> None:
         joints.owner,
         joints.name,
         ((physics < 0) | np.isinf(physics)).any(axis=0),
-        "its damping or force is no amount",
+        "its damping or force is not an amount",
     )
     if batch.program.foreign:
         _tree(batch)

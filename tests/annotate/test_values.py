@@ -34,8 +34,8 @@ def points(said: str):  # noqa: ANN201
         ("field f : ratio on body = sqrt(p.x / 1m)", "block.apg:6: the field `f` has no value at a point of object 7"),
         ("field f : ratio on body = 1 / (p.x - 10cm) * 1m", "the field `f` has no value"),
         ("field f : vec on body = n * log(p.y / 1m)", "the field `f` has no value"),
-        ("label affordance.push on body = sqrt(p.x / 1m)", "the label `push` is no degree from 0 to 1 at a point of object 7"),
-        ("label affordance.push on body = 1 + p.x / 1m", "the label `push` is no degree from 0 to 1"),
+        ("label affordance.push on body = sqrt(p.x / 1m)", "the label `push` is not a degree from 0 to 1 at a point of object 7"),
+        ("label affordance.push on body = 1 + p.x / 1m", "the label `push` is not a degree from 0 to 1"),
     ],
 )  # fmt: skip
 def test_what_is_no_number_at_a_point_is_reported(said: str, message: str) -> None:

@@ -45,7 +45,7 @@ def test_bytes_do_not_depend_on_the_process(tmp_path: Path, cameras: Path) -> No
 @pytest.mark.parametrize(
     "wishes, message",
     [
-        (("--states", "ajar"), "`ajar` is no joint state"),
+        (("--states", "ajar"), "`ajar` is not a joint state"),
         (("--states", "random:0"), "a number from 1"),
         (("--views", "0"), "`views` is 0"),
         (("--views", "cams.json"), "there is no camera file cams.json"),

@@ -81,7 +81,7 @@ def test_pieces_without_numbers_are_refused():
     x, y, z = shapes.size()
     lump = shapes.cuboid(pieces=(Piece("lump", ((x, y, z), (-x, y, z), (x, -y, z), (-x, -y, -z))),))
     params = {name: np.full_like(value, np.nan) for name, value in trial(lump).items()}
-    with pytest.raises(PrimitiveError, match="lump has points that are no finite numbers"):
+    with pytest.raises(PrimitiveError, match="lump has points that are not finite numbers"):
         pieces.build(lump, params)
 
 

@@ -63,7 +63,7 @@ def refused(text: str) -> str:
 def test_a_program_that_names_python_is_refused_and_runs_nothing(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     found = (DATA / "names_are_pasted_into_code.apgc").read_text(encoding="utf-8")
-    assert "no name" in refused(found)
+    assert "not a name" in refused(found)
     with pytest.raises(UserError, match="line 87 of the compiled program"):
         open_job(Request(str(DATA / "names_are_pasted_into_code.apgc")))
     assert not list(tmp_path.iterdir())
@@ -115,25 +115,25 @@ def test_the_only_code_that_runs_is_generated_in_two_places():
 
 EDITS = {
     r'\$1 = real @0 "width"': [
-        (f'$1 = real @0 "{HOSTILE}"', "no name"), ('$1 = real @0 ""', "no name"), ('$1 = other @0 "width"', "no kind of columns"),
-        ('$7 = real @0 "width"', "\\$1 is expected"), ('$1 = real @7 "width"', "@7 is not known"), ('$1 = real @0 "width', "no text"),
-        ('$1 = real @0 "width" 3', "goes on"), ('$1 real @0 "width"', "= is expected"), ('$1 = real @0 "\\ud800"', "no text"),
+        (f'$1 = real @0 "{HOSTILE}"', "not a name"), ('$1 = real @0 ""', "not a name"), ('$1 = other @0 "width"', "no kind of columns"),
+        ('$7 = real @0 "width"', "\\$1 is expected"), ('$1 = real @7 "width"', "@7 is not known"), ('$1 = real @0 "width', "not text"),
+        ('$1 = real @0 "width" 3', "goes on"), ('$1 real @0 "width"', "= is expected"), ('$1 = real @0 "\\ud800"', "not text"),
     ],
     r"%1 = const 0\.1": [
         ("%1 = const", "too early"), ("%1 = const inf 3", "arguments of const"), ('%1 = const "1"', "constant"), ("%1 = add", "add takes 2"),
         ("%1 = system", "no operator"), ("%1 = __class__", "no operator"), ("%1 = add %1 %1", "%1 is not known"),
-        ("%1 = " + "[" * 100, "constant|nested|operator"), ("%1 = const " + "[" * 100, "nested"), ("%1 = const %-1", "no value"),
+        ("%1 = " + "[" * 100, "constant|nested|operator"), ("%1 = const " + "[" * 100, "nested"), ("%1 = const %-1", "not a value"),
         ('%1 = var "p.x"', "variable"), ('%1 = root "0] or 1" %0', "not known|root"),
         ("%1 = solve 1 0 %1", "not known|solve"), ("%1 = solve 99999 0", "solve"), ("%1 = reduce os @0 %1", "not known|reduction"),
     ],
     r'kind "real"': [('kind "unreal"', "no kind of draws"), ("kind 3", "kind: 3 where text"), ("kynd 3", "no field 'kynd'")],
     r'address "width"': [('address ""', "no address"), ("address none", "address: nothing where text")],
-    r'unit "m"': [('unit "furlong"', "no unit"), ('unit "m" unit "m"', "twice")],
+    r'unit "m"': [('unit "furlong"', "not a unit"), ('unit "m" unit "m"', "twice")],
     r'kind "revolute"': [('kind "telepathic"', "no kind of joints")],
     r"child 1": [("child 9", "no link 9"), ("child -1", "no link -1"), ("child 1.5", "child: 1.5 where a whole number")],
     r'primitive "Cylinder"': [('primitive "Kernel"', "no primitive Kernel")],
-    r'path "row.knob" name': [('path "../../etc/passwd" name', "no name"), ('path "a\\nb" name', "no name")],
-    r'vocabulary "affordance" name "turn"': [('vocabulary "affordance" name "<script>"', "no name")],
+    r'path "row.knob" name': [('path "../../etc/passwd" name', "not a name"), ('path "a\\nb" name', "not a name")],
+    r'vocabulary "affordance" name "turn"': [('vocabulary "affordance" name "<script>"', "not a name")],
     r'semantic \[\["body"': [('semantic [["soul"', "no word")],
     r'vocabulary "semantic" \["unlabelled"': [('vocabulary "semantic" [', "is not unlabelled")],
     r'program "Box"': [('program "Box <b>"', "no name"), ("program 3", "program is text"), ('category "Box"', "no item")],
@@ -209,7 +209,7 @@ def sampled(text: str, old: str, new: str) -> str:
         (r"(joints .*?)parent \[0\]", r"\1parent [1]", "hangs on itself|ring"),
         (r"(joints .*?)rest (%\d+)", r"\1rest %infinite", "not finite"),
         (r"(sites .*?)rotation \[\[(%\d+) (%\d+)", r"\1rotation [[\3 \3", "its rotation is none"),
-        (r"(joints .*?axis) \[(%\d+) %\d+ %\d+\]", r"\1 [\2 \2 \2]", "its axis is no direction"),
+        (r"(joints .*?axis) \[(%\d+) %\d+ %\d+\]", r"\1 [\2 \2 \2]", "its axis is not a direction"),
     ],
 )
 def test_objects_that_cannot_be_are_refused(text: str, old: str, new: str, words: str) -> None:
