@@ -10,6 +10,7 @@ from ..runtime.batch import Batch
 from .apart import too_near
 from .bodies import Pieces, gather
 from .floating import Solids, inverted
+from .mass import weightless
 from .stance import falling
 from .tree import Tree
 from .validate import Collisions, collisions
@@ -50,6 +51,7 @@ def faults(batch: Batch, soon: bool = False) -> Faults:
             *solids.floating(),
             *solids.unheld(),
             *inverted(tree),
+            *weightless(batch),
             *too_near(tree, body),
         )
     ]

@@ -295,20 +295,20 @@ def _joined(group: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndar
 
 
 def inverted(tree: Tree) -> Wrong:
-    """Joints whose range is none, or does not hold their rest value; those that others leave no way at all."""
+    """Joints whose range does not hold their rest value, as none does that ends below where it begins; those that others
+    leave no way at all. Requirements see to the former, which an edited program may lack."""
     joints = tree.joints
     found: dict[str, list[int]] = {}
     low, high = (
         np.where(np.isnan(joints.low), -np.inf, joints.low),
         np.where(np.isnan(joints.high), np.inf, joints.high),
     )
-    upside, outside = low > high + 1e-9, (joints.rest < low - 1e-9) | (joints.rest > high + 1e-9)
-    outside |= ~np.isfinite(joints.rest)
+    outside = (joints.rest < low - 1e-9) | (joints.rest > high + 1e-9) | ~np.isfinite(joints.rest)
     whatever = np.array([joint.whatever for joint in tree.batch.program.joints], dtype=bool)[joints.definition]
     shut = whatever & (high <= joints.rest)
-    for row in np.flatnonzero(upside | outside | shut).tolist():
+    for row in np.flatnonzero(outside | shut).tolist():
         joint = tree.batch.program.joints[joints.definition[row]]
-        what = "ends below where it begins" if upside[row] else "does not hold its rest value"
+        what = "does not hold its rest value"
         if shut[row]:
             what = "ends where it begins: something is in the way at once when other joints are open"
         found.setdefault(f"{joint.where}: the range of `{joint.path}` {what}", []).append(int(joints.owner[row]))

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from ..runtime.batch import Batch
 
 
+LEAST = 1e-9  # kg: what weighs less is no body
+
+
 @dataclass(frozen=True, slots=True)
 class Mass:
     """Per link of the batch: mass (L,) kg, centre (L, 3) and inertia about it (L, 3, 3), axes of the object."""
@@ -34,6 +37,24 @@ def masses(batch: Batch) -> Mass:
     density = np.stack([drawn(batch, material, "density") for material in catalogue(batch)])
     densities = [density[material_rows(batch, table), table.owner] for table in tables]
     return link_mass(tables, densities, start, len(links.owner), welded(batch, start))
+
+
+def weightless(batch: Batch) -> list[tuple[str, np.ndarray]]:
+    """Links that weigh nothing, in words, and the objects in which they do.
+
+    The densest primitive of a body loses nothing to others, and none is without thickness: only a link that is fixed to
+    others can lose all it has to them.
+    """
+    if "fixed" not in batch.joints().kind:
+        return []
+    links, found = batch.links(), masses(batch)
+    trace = found.inertia[:, 0, 0] + found.inertia[:, 1, 1] + found.inertia[:, 2, 2]
+    wrong: dict[str, list[int]] = {}
+    for row in np.flatnonzero(~((found.mass > LEAST) & (trace > 0.0))).tolist():
+        path = batch.program.links[links.definition[row]].path
+        words = f"the link `{path}` weighs nothing beside the denser parts that fill it"
+        wrong.setdefault(words, []).append(int(links.owner[row]))
+    return [(words, np.unique(objects)) for words, objects in wrong.items()]
 
 
 def welded(batch: Batch, start: np.ndarray) -> np.ndarray:

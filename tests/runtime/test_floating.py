@@ -1,10 +1,13 @@
 """Parts that nothing holds, solids without thickness, ranges that are none: small programs whose answer is plain."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from artipg_dsl.api import load
 from artipg_dsl.errors import UserError
+from artipg_dsl.graph import expr as E
 from artipg_dsl.graph.text import from_text, to_text
 from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.sampling.statistics import Exhausted, Statistics
@@ -169,3 +172,41 @@ def test_an_object_without_any_surface_that_is_not_checked_is_an_error() -> None
     for there in ("there", "no"):
         with pytest.raises(UserError, match="surface"):
             load(HOLLOW % there, 8, checked=False).points(16)
+
+
+def test_an_edited_range_that_does_not_hold_the_rest_value() -> None:
+    sampler = program(
+        BODY
+        + "part b : Cuboid(size = [1cm, 1cm, 1cm])\njoint j : prismatic body.top -> b.bottom at center range 0 .. 5cm"
+    )
+    (joint,) = sampler.program.joints
+    sampler.program.joints[0] = replace(joint, low=E.const(0.02), high=E.const(0.01))
+    (fault,) = faults(Sampler(sampler.program).batch(np.arange(1), 0)).others
+    assert fault.words.endswith("the range of `j` does not hold its rest value")
+
+
+FIXED = (
+    BODY
+    + """
+  param q : ratio in 0 .. 1
+  part b : Cuboid(size = [1cm, 1cm, 1cm])
+  joint j : fixed body -> b
+  align b.center.x = 0
+  align b.center.y = 0
+  align b.center.z = {}
+"""
+)
+
+
+def test_a_link_that_others_fill_weighs_nothing_and_is_drawn_again() -> None:
+    words = "the link `b` weighs nothing beside the denser parts that fill it"
+    assert found(FIXED.format("0")) == [words]
+    assert found(FIXED.format("10cm")) == []
+    assert found(FIXED.replace("fixed body -> b", "prismatic body -> b along x range 0 .. 1mm").format("0")) == []
+    counted = Statistics()
+    sampler = program(FIXED.format("9cm + q * 2cm"))
+    made = sampler.batch(np.arange(12), 0, checked=True, statistics=counted)
+    assert counted.unsound[words] > 0
+    assert all(not found.others for found in [faults(made)])
+    alone = [sampler.batch(np.array([k]), 0, checked=True).state.attempt[0] for k in range(12)]
+    assert alone == made.state.attempt.tolist()
