@@ -7,6 +7,7 @@ import argparse
 from ..export.registry import FORMATS, per_object
 from .arguments import amount, folder, fraction, numbers, part, picture, place, positive, tolerance, whole, workers
 
+MESHES = 60  # objects of a report whose meshes are looked at
 EMITS = {
     "graph": "the constraint graph (default); `apgc sample` reads it from an .apgc file",
     "ast": "the syntax tree",
@@ -268,6 +269,10 @@ def add_report(to: argparse.ArgumentParser) -> None:
     to.add_argument(
         "--unchecked", action="store_true", help="count objects whose links collide as valid, which is faster"
     )
+    to.add_argument(
+        "--meshes", type=positive, nargs="?", const=MESHES, metavar="N",
+        help=f"check the visible meshes of the first N objects as well (default: {MESHES}), in as many states as `apgc validate --meshes`",
+    )  # fmt: skip
     to.add_argument("--strict", action="store_true", help="exit with 1 if a goal is not met")
     to.add_argument("--force", action="store_true", help="overwrite the page")
     _sharing(to)

@@ -24,6 +24,7 @@ PICTURED, COLUMNS, TILE = 12, 6, 160  # objects on the picture of a page
 
 
 def run(options: argparse.Namespace) -> int:
+    from ..export.strict import ready
     from ..export.write import refuse_existing, write_bytes
     from ..quality.sizes import reference
     from ..quality.text import markdown, text
@@ -39,6 +40,8 @@ def run(options: argparse.Namespace) -> int:
         )
     if options.html is not None and not alone:
         refuse_existing(Path(options.html), options.force)
+    if options.meshes:
+        ready()
     tasks = [Task(options, name, known, options.workers == 1) for name in names]
     cards, pictures = [], []
     for card, seen in map_each(examined, tasks, options.workers) if options.workers > 1 else map(examined, tasks):
@@ -88,6 +91,7 @@ class Task:
 
 def examined(task: Task) -> tuple[Card, bytes]:
     """The card of a category, and a picture where there is to be a page."""
+    from ..export.strict import strict
     from ..quality.card import STEPS, Valid, card
     from ..run.job import open_job
     from ..session import categories
@@ -106,9 +110,10 @@ def examined(task: Task) -> tuple[Card, bytes]:
         step("sampling", 0, len(STEPS))
         batch = job.batch()
         valid = Valid(job.statistics.first_valid, job.statistics.attempts, job.failures())
+        meshes = strict(job.of(request.objects[: options.meshes]).batch()) if options.meshes else None
         found = card(
             job.sampler, batch, valid, checked=request.checked, real=task.known.get(category), lines=own_lines(path),
-            progress=step,
+            meshes=meshes, progress=step,
         )  # fmt: skip
     return found, picture(job.of(job.request.objects[:PICTURED])) if options.html is not None else b""
 

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from ..export.strict import Strict
 from ..runtime.batch import Batch
 from ..sampling.sample import Sampler
 from .coverage import Coverage, coverage
@@ -74,6 +75,7 @@ class Card:
     dead_parameters: tuple[Dead, ...]
     dead_alternatives: tuple[Dead, ...]
     lines: int | None
+    meshes: Strict | None = None  # of the first objects, where that was asked for
 
     @property
     def goals(self) -> tuple[Goal, ...]:
@@ -89,6 +91,8 @@ class Card:
             found.append(Goal("sizes", f">= {100 * WITHIN:.0f}% on each axis", min(sized) >= WITHIN))
         found.append(Goal("dead parameters", "none", not self.dead_parameters))
         found.append(Goal("dead alternatives", "none", not self.dead_alternatives))
+        if self.meshes is not None:
+            found.append(Goal("meshes", f">= {100 * VALID:.0f}%", self.meshes.all >= VALID * self.meshes.objects))
         if self.lines is not None:
             found.append(Goal("lines", f"< {LINES}", self.lines < LINES))
         return tuple(found)
@@ -126,6 +130,9 @@ class Card:
                 "parameters": [asdict(d) for d in self.dead_parameters],
                 "alternatives": [asdict(d) for d in self.dead_alternatives],
             },
+            "meshes": None
+            if self.meshes is None
+            else {**asdict(self.meshes), "share": self.meshes.all / self.meshes.objects},
             "lines": self.lines,
             "goals": [asdict(goal) for goal in self.goals],
             "met": self.met,
@@ -137,11 +144,12 @@ STEPS = ("sampling", "graphs", "near-duplicates", "pairs", "sizes", "dead parame
 
 def card(
     sampler: Sampler, batch: Batch, valid: Valid, *, checked: bool, real: Real | None = None, lines: int | None = None,
-    progress: Callable[[str, int, int], None] | None = None,
+    meshes: Strict | None = None, progress: Callable[[str, int, int], None] | None = None,
 ) -> Card:  # fmt: skip
     """The card of a program over the objects of a batch; ``valid``: how often the sampling of these succeeded at first.
 
-    ``checked``: collisions were looked for. ``progress`` hears of each step after the sampling.
+    ``checked``: collisions were looked for; ``meshes``: what the meshes of some of them share.
+    ``progress`` hears of each step after the sampling.
     """
 
     def step(number: int) -> None:
@@ -169,7 +177,7 @@ def card(
     alternatives = tuple(dead_alternatives(sampler, batch))
     return Card(
         batch.program.name, batch.program.hash, batch.seed, len(batch), checked, valid, variety, close, together,
-        tuple(compare(size, real)), real, parameters, alternatives, lines,
+        tuple(compare(size, real)), real, parameters, alternatives, lines, meshes,
     )  # fmt: skip
 
 

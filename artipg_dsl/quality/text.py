@@ -46,6 +46,18 @@ def rows(card: Card) -> Iterator[tuple[str, str, list[str]]]:
     for name, dead in (("dead parameters", card.dead_parameters), ("dead alternatives", card.dead_alternatives)):
         told = [f"{d.where}: {d.name}{f' = {d.option}' if d.option else ''} {d.why}" for d in dead]
         yield name, str(len(dead)) if dead else "none", few(told)
+    if card.meshes is not None:
+        strict = card.meshes
+        rest, sweeps, every = (percent(count / strict.objects) for count in (strict.rest, strict.sweeps, strict.all))
+        value = f"{every} of {strict.objects} apart in every state ({rest} at rest, {sweeps} while each joint moves)"
+        deepest = sorted(strict.touches, key=lambda touch: -touch.depth)
+        yield (
+            "meshes",
+            value,
+            few(
+                [f"object {t.object}: `{t.parts[0]}` and `{t.parts[1]}` share {1e3 * t.depth:.3g} mm" for t in deepest]
+            ),
+        )
     yield "lines", "compiled" if card.lines is None else str(card.lines), []
 
 
@@ -88,12 +100,19 @@ HEAD = (
 
 def markdown(cards: Sequence[Card]) -> str:
     """A table with a row per category, the goals that are not met, and why a category has as many graphs as it should."""
-    lines = ["| " + " | ".join(HEAD) + " |", "|---|" + "---:|" * (len(HEAD) - 1)]
-    lines += ["| " + " | ".join(cells(card)) + " |" for card in cards]
+    seen = any(card.meshes is not None for card in cards)
+    head = [*HEAD, *(["meshes apart"] if seen else [])]
+    lines = ["| " + " | ".join(head) + " |", "|---|" + "---:|" * (len(head) - 1)]
+    lines += ["| " + " | ".join(cells(card) + [meshes(card)] * seen) + " |" for card in cards]
     missed = [f"{card.category}, {goal.figure} ({goal.goal})" for card in cards for goal in card.goals if not goal.met]
     lines += ["", f"Goals not met: {'; '.join(missed)}." if missed else "All goals are met.", ""]
     lines += [f"* {card.category}: {card.real.why}." for card in cards if card.real is not None and card.real.why]
     return "\n".join(lines).rstrip() + "\n"
+
+
+def meshes(card: Card) -> str:
+    seen = card.meshes
+    return "-" if seen is None else f"{percent(seen.all / seen.objects)} of {seen.objects}"
 
 
 def cells(card: Card) -> list[str]:

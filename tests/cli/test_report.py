@@ -30,12 +30,26 @@ def test_the_card_as_json_is_the_same_each_time(apgc: Apgc) -> None:
     found = json.loads(first)
     assert list(found) == [
         "version", "category", "program", "seed", "objects", "checked", "valid", "graphs", "duplicates", "pairs", "sizes",
-        "dead", "lines", "goals", "met",
+        "dead", "meshes", "lines", "goals", "met",
     ]  # fmt: skip
+    assert found["meshes"] is None
     assert (found["category"], found["objects"], found["checked"]) == ("Chest", 20, True)
     assert found["valid"]["first"] == 20 and found["valid"]["share"] == 1.0
     assert sum(kind["objects"] for kind in found["graphs"]["kinds"]) == 20
     assert spawn("report", CHEST, "-n", "20", "--json", hash_seed="5").stdout == first
+
+
+def test_the_meshes_of_the_first_objects_are_a_figure_too(apgc: Apgc) -> None:
+    asked = ("report", CHEST, "-n", 6, "--meshes", 2)
+    out = apgc(*asked)[1]
+    assert "100% of 2 apart in every state (100% at rest, 100% while each joint moves)  goal >= 99%: met" in out
+    seen, alone = (
+        json.loads(apgc(*asked, "--json")[1]),
+        json.loads(apgc("validate", CHEST, "-n", 2, "--meshes", "--json")[1]),
+    )
+    assert seen["meshes"] == {**alone["meshes"], "share": 1.0}
+    head, _, row, *_ = apgc(*asked, "--markdown")[1].splitlines()
+    assert head.endswith("| meshes apart |") and row.endswith("| 100% of 2 |")
 
 
 def test_goals_decide_the_exit_code_where_that_is_asked_for(apgc: Apgc, tmp_path: Path) -> None:
