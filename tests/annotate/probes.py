@@ -92,7 +92,7 @@ def shipped() -> dict[str, Shipped]:
     declared = {d.name: (module, d) for module, s in trees.items() for d in s.tree.declarations}  # type: ignore[union-attr]
     found = {}
     for module, session in trees.items():
-        for symbol, lowered in own(session.module, Report()).items():
+        for symbol, lowered in own(session.typed, Report()).items():
             found[symbol.name] = primitive(module, symbol.name, lowered.primitive, symbol.decl)
     for name, (module, node) in declared.items():
         if isinstance(node, ast.TemplateDecl):

@@ -9,8 +9,8 @@ from artipg_dsl.solids import own
 def declared():
     found = {}
     for path in sorted(library_dir().glob("*.apg")):
-        module, report = Session.of(path).module, Report()
-        found |= {symbol.name: lowered.primitive for symbol, lowered in own(module, report).items()}
+        typed, report = Session.of(path).typed, Report()
+        found |= {symbol.name: lowered.primitive for symbol, lowered in own(typed, report).items()}
         assert not report.diagnostics
     return found
 

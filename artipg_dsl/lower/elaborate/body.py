@@ -12,7 +12,7 @@ from ...semantics.symbols import Symbol, lineage
 from ...source import Span
 from ...syntax import ast
 from ..expressions.context import Abort
-from ..expressions.env import Env, Function, Thunk, names_of
+from ..expressions.env import Env, Function, Hinge, Thunk, names_of
 from ..expressions.evaluate import Evaluator
 from ..expressions.ports import PortArray
 from ..solids.curves import Curve
@@ -140,6 +140,8 @@ def register(env: Env, statement: ast.Stmt) -> None:
             thunk(statement.name, statement.name_span, lambda: build_style(env, statement))
         case ast.RepeatStmt():
             thunk(statement.name, statement.name_span, lambda: build_repeat(env, statement, declare, register))
+        case ast.JointDecl() if statement.kind is not None:
+            env.names[statement.name] = Hinge(env, statement)
         case ast.PortDecl() if statement.value is not None:
             register_port(env, statement)
         case _:

@@ -24,7 +24,7 @@ from ..solve.solve import lifted
 from ..values.vectors import Triple, cross, dot, inverse, minus, norm, place, plus, times
 from .links import MOVING_ABOUT, Links, carried_axis
 from .part import Part
-from .paths import elements_named
+from .paths import elements_named, joints
 
 if TYPE_CHECKING:
     from .labels import Aim
@@ -57,12 +57,7 @@ class Drive:
     def joints(self, node: ast.Expr) -> list[Joint]:
         """The joints of a name that may carry the target: one, or those of several alternatives."""
         context = self.env.context
-        program, word = context.program, spelled(node)
-        at: Env | None = self.env
-        found: list[int] = []
-        while at is not None and not found:
-            found = [number for number, joint in enumerate(program.joints) if joint.path == at.path + word]
-            at = at.outer
+        program, found = context.program, joints(self.links, self.env, node)
         if any(program.joints[k].kind == "fixed" for k in found):
             raise context.error("wrong-kind", node.span, f"the joint `{text_of(node.span)}` is fixed: nothing moves it")
         carriers, scope = self.carriers(), self.aim.scope
@@ -170,12 +165,3 @@ def room(joint: Joint) -> tuple[Expr, Expr]:
         E.call("lt", slack, E.sub(joint.high, joint.rest)),
         E.call("lt", slack, E.sub(joint.rest, joint.low)),
     )
-
-
-def spelled(node: ast.Expr) -> str:
-    """A path of names without the indices of repeats, as joints are called."""
-    if isinstance(node, ast.MemberExpr):
-        return f"{spelled(node.obj)}.{node.name}"
-    if isinstance(node, ast.IndexExpr):
-        return spelled(node.obj)
-    return node.name if isinstance(node, ast.NameExpr) else ""

@@ -21,7 +21,7 @@ from ...semantics.meanings import Clearance
 from ...source import Span
 from ...syntax import ast
 from ..expressions.context import Abort, Context, where
-from ..expressions.env import Env, exists_in
+from ..expressions.env import Env, Hinge, exists_in
 from ..expressions.evaluate import Evaluator
 from ..expressions.extents import union_of
 from ..solve.cases import TooManyCases, combinations
@@ -47,6 +47,7 @@ class Links:
     nodes: dict[tuple[Part, str], int] = field(default_factory=dict)
     sites: dict[Part, list[int]] = field(default_factory=dict)
     joints: dict[int, int] = field(default_factory=dict)  # link -> its joint
+    made: dict[Hinge, int] = field(default_factory=dict)  # joint as it is declared -> its number
     stated: dict[int, Span] = field(default_factory=dict)  # joint -> its statement
     mimics: dict[int, tuple[Env, ast.Expr]] = field(default_factory=dict)  # joint -> what it follows, as it is written
     resolving: set[Part] = field(default_factory=set)
@@ -328,7 +329,7 @@ class Links:
             place(outer, origin), carried_axis(outer, axis, kind), low, high, rest, where=where(statement.span),
             **physics,
         )  # fmt: skip
-        self.joints[child] = len(program.joints)
+        self.joints[child] = self.made[Hinge(env, statement)] = len(program.joints)
         self.stated[len(program.joints)] = statement.span
         program.joints.append(joint)
 

@@ -13,6 +13,7 @@ from ...syntax import ast
 from ..expressions.context import Abort
 from ..expressions.env import Element, Env
 from ..expressions.evaluate import Evaluator
+from .paths import joints
 
 if TYPE_CHECKING:
     from .links import Links
@@ -22,13 +23,10 @@ def resolve(links: Links) -> None:
     """Fill in which joint each ``mimic`` follows: of the alternatives and branches of ``when`` that bring one of the name,
     the one that is there."""
     program = links.context.program
-    named: dict[str, list[int]] = {}
-    for number, joint in enumerate(program.joints):
-        named.setdefault(joint.path, []).append(number)
     for number, (env, node) in links.mimics.items():
         try:
             path, factor = followed(Evaluator(env), node)
-            leader = leader_of(links, named, path, env)
+            leader = leader_of(links, env, path)
         except Abort:
             continue
         program.joints[number] = replace(program.joints[number], mimic=(leader, factor, E.ZERO))
@@ -49,31 +47,17 @@ def followed(ev: Evaluator, node: ast.Expr) -> tuple[ast.Expr, Expr]:
     return node, E.ONE
 
 
-def leader_of(links: Links, named: dict[str, list[int]], node: ast.Expr, env: Env) -> Reference:
-    """The joints that a path names, from inside outwards; ``previous`` and ``half[0]`` lead to another element."""
-    names: list[str] = []
-    at = node
+def leader_of(links: Links, env: Env, node: ast.Expr) -> Reference:
+    """The joints that a path names; ``previous`` and ``half[0]`` lead to another element."""
+    leaders, ev, at = ordered(links, joints(links, env, node)), Evaluator(env), node
     while isinstance(at, ast.MemberExpr):
-        names.insert(0, at.name)
         at = at.obj
-    ev = Evaluator(env)
-    if isinstance(at, ast.NameExpr) and isinstance(meaning := env.context.meaning(at), Previous):
-        element = env.element_at(meaning.depth)
-        if element is not None and (found := named.get(element.env.path + ".".join(names))):
-            return (Elsewhere(env.scope, element.scope, None, ordered(links, found)),)
-    elif isinstance(at, ast.IndexExpr):
-        element = ev.value(at.obj)
-        if isinstance(element, Element) and (found := named.get(element.env.path + ".".join(names))):
-            return (Elsewhere(env.scope, element.scope, ev.position(element, at.index), ordered(links, found)),)
-    elif isinstance(at, ast.NameExpr):
-        path, outer = ".".join([at.name, *names]), env
-        while True:
-            if found := named.get(outer.path + path):
-                return ordered(links, found)
-            if outer.outer is None:
-                break
-            outer = outer.outer
-    raise links.context.error("unknown-name", node.span, "there is no such joint to follow")
+    meaning = env.context.meaning(at)
+    if isinstance(at, ast.IndexExpr) and isinstance(element := ev.value(at.obj), Element):
+        return (Elsewhere(env.scope, element.scope, ev.position(element, at.index), leaders),)
+    if isinstance(meaning, Previous) and (element := env.element_at(meaning.depth)) is not None:
+        return (Elsewhere(env.scope, element.scope, None, leaders),)
+    return leaders
 
 
 def ordered(links: Links, joints: list[int]) -> Reference:

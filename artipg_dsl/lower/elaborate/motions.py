@@ -8,7 +8,6 @@ from ...graph import expr as E
 from ...graph.expr import ScopeError
 from ...graph.program import Closure
 from ...graph.reference import Reference
-from ...source import Span
 from ...syntax import ast
 from ..expressions.context import Abort, where
 from ..expressions.env import Env
@@ -19,6 +18,7 @@ from ..values.vectors import Triple, direct, dot, minus, place, plus, times
 from .connect import carriers
 from .guards import held
 from .links import Links, clears
+from .paths import joints
 
 
 def motions(links: Links, env: Env) -> None:
@@ -42,13 +42,8 @@ def motions(links: Links, env: Env) -> None:
 def limit(links: Links, env: Env, statement: ast.LimitStmt) -> None:
     """Narrow the range of the joint (of each alternative that brings one); its rest value moves into the range."""
     program = links.context.program
-    path = env.path + text(statement.joint.span)
-    home = env.root.scope  # other alternatives of the part may bring a joint of the same name
-    found = [k for k, joint in enumerate(program.joints) if joint.path == path and joint.scope.within(home)]
-    if not found:
-        raise links.context.error("unknown-name", statement.joint.span, "there is no such joint to limit")
     ev = Evaluator(env)
-    for number in found:
+    for number in joints(links, env, statement.joint):
         joint = program.joints[number]
         if joint.low is None or joint.high is None:
             raise links.context.error("wrong-kind", statement.joint.span, f"a {joint.kind} joint has no range to limit")
@@ -89,7 +84,3 @@ def close(links: Links, env: Env, statement: ast.CloseStmt) -> None:
     if along is not None:
         b = plus(b, times(along, dot(minus(a, b), along)))
     links.context.program.closures.append(Closure(env.scope, (first, second), (a, b), where(statement.span)))
-
-
-def text(span: Span) -> str:
-    return "".join(span.source.text[span.start : span.end].split())

@@ -6,14 +6,16 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from ...graph import expr as E
 from ...graph.expr import Expr
-from ...semantics.meanings import Current, Declared
+from ...semantics.meanings import Current, Declared, Previous
 from ...syntax import ast
-from ..expressions.env import Element, Env
+from ..expressions.env import Element, Env, Hinge
 from ..expressions.evaluate import Evaluator
+from ..expressions.members import At
 from ..values.kinds import Ref, Surface, Value
 from ..values.vectors import HERE
 
 if TYPE_CHECKING:
+    from .links import Links
     from .part import Instance
 
 
@@ -34,7 +36,9 @@ def walk(env: Env, node: ast.Expr) -> list[Reached]:
             if node.name not in at.names and (branched := at.branched(node.name)):
                 return [Reached(value, branch) for branch, value in branched]
             at = at.outer if node.name not in at.names else None
-        value = Evaluator(env).meant(meaning) if isinstance(meaning, Declared | Current) else None
+        value = Evaluator(env).meant(meaning) if isinstance(meaning, Declared | Current | Previous) else None
+        if isinstance(value, At):
+            value = value.element
         if value is not None:
             return [Reached(value, env)]
         raise env.context.error("unknown-name", node.span, f"`{node.name}` is not known here")
@@ -103,3 +107,9 @@ def own_members(instance: Instance, name: str) -> list[Value]:
         value = instance.env.force(name)
         return [] if value is None else [value]
     return [value for _, value in instance.env.branched(name)]
+
+
+def joints(links: Links, env: Env, node: ast.Expr) -> list[int]:
+    """The joints that a path names, by their numbers: one, or those of several alternatives and branches."""
+    hinges = (reached.value for reached in walk(env, node))
+    return sorted(links.made[hinge] for hinge in hinges if isinstance(hinge, Hinge) and hinge in links.made)

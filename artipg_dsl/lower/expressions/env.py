@@ -61,6 +61,14 @@ class Element:
     gap: Box | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class Hinge:
+    """A joint by its name: where it is declared; ``links`` says which joint it became."""
+
+    env: Env
+    statement: ast.JointDecl
+
+
 @dataclass(slots=True, eq=False)
 class Env:
     context: Context
@@ -206,6 +214,6 @@ def declares(statement: ast.WhenStmt, name: str) -> bool:
     return any(
         declares(inner, name)
         if isinstance(inner, ast.WhenStmt)
-        else name in names_of(inner) or isinstance(inner, ast.PortDecl) and inner.name == name
+        else name in names_of(inner) or isinstance(inner, ast.PortDecl | ast.JointDecl) and inner.name == name
         for inner in (*statement.body, *statement.otherwise)
     )
