@@ -11,7 +11,7 @@ from . import conditions
 from .entries import of_alternative, of_reference
 from .fold import components, constant
 from .guards import consistent
-from .meanings import Word
+from .meanings import Global, Word
 from .names import CONSTRUCTORS, DIRECTIONS, FACES, FUNCTIONS, OWN, RESERVED_TYPES, WORDS
 from .offers import missing
 from .scope import Entry, Scope
@@ -425,7 +425,13 @@ def _argument(ck: Checker, ctx: Context, argument: ast.Argument, wanted: Type) -
         place = ctx.but(holes=True, component=wanted.dimension if isinstance(wanted, Vec) else None)
     given = ck.infer(place, value)
     if isinstance(wanted, Style):
-        if isinstance(given, Style):
+        symbol = meaning.symbol if isinstance(meaning := ck.meanings.get(id(value)), Global) else None
+        if symbol is not None and symbol.kind == "role":
+            ck.error(
+                "wrong-arguments", value.span, f"`{symbol.name}` is a role: it cannot be handed in as a value",
+                hint="a parameter `style` takes a template's name, or a style: `style chosen : Role = A | B`",
+            )  # fmt: skip
+        elif isinstance(given, Style):
             role = next((v.symbol for v in wanted.domain if v is not None), None)
             for variant in given.domain:
                 if variant is not None and variant.symbol is not None and role is not None:

@@ -12,7 +12,7 @@ from ..units import UNITS
 from .calls import range_type
 from .declarations import unknown_material
 from .entries import of_reference
-from .meanings import Declared, Global
+from .meanings import Declared, Global, Previous
 from .offers import missing
 from .types import (
     BOOL,
@@ -95,7 +95,33 @@ def target(ck: Checker, ctx: Context, expr: ast.Expr, rule: str) -> Context:
     kind, ctx = _place(ck, ctx, expr)
     if not isinstance(kind, Part | Slot | Element) and kind not in (UNKNOWN, PLANE, SURFACE):
         ck.error("wrong-type", expr.span, f"{rule} parts, slots or surfaces, but this is {kind}")
+    elif kind == PLANE and not _is_surface(ck, expr):
+        ck.error(
+            "wrong-type", expr.span, f"{rule} parts, slots or surfaces, but this is a face of a box",
+            hint="name the part, and where on it: `label affordance.push on door where p.x > 0`",
+        )  # fmt: skip
+    not_previous(ck, expr)
     return ctx
+
+
+def _is_surface(ck: Checker, expr: ast.Expr) -> bool:
+    """Whether what is called like a face is a surface of a primitive, too."""
+    owner = ck.types.get(id(expr.obj)) if isinstance(expr, ast.MemberExpr) else None
+    symbols = [v.symbol for v in owner.variants if v.symbol is not None] if isinstance(owner, Part) else []
+    return isinstance(expr, ast.MemberExpr) and any(
+        entry.kind == "surface" for symbol in symbols for entry in ck.scope_of(symbol).table.get(expr.name, ())
+    )
+
+
+def not_previous(ck: Checker, expr: ast.Expr) -> None:
+    """A statement about parts means them in every element; `previous` is no part of its own."""
+    while isinstance(expr, ast.MemberExpr | ast.IndexExpr):
+        expr = expr.obj
+    if isinstance(ck.meanings.get(id(expr)), Previous):
+        ck.error(
+            "wrong-type", expr.span, "`previous` cannot stand here: the statement means the part in every element",
+            hint="leave `previous` out, or name one element by its number: `post[0]`, `post[last]`",
+        )  # fmt: skip
 
 
 def _targets(ck: Checker, ctx: Context, targets: tuple[ast.Expr, ...], rule: str) -> Context:

@@ -264,6 +264,7 @@ def _parts(ck: Checker, ctx: Context, subject: ast.Expr, other: ast.Expr | None,
         kind = ck.infer(ctx.but(lenient=[], many=True, subject=True), expr)
         if not isinstance(kind, Part | Slot | Element) and kind not in (UNKNOWN, PLANE):
             ck.error("wrong-type", expr.span, f"`{word}` names parts, but this is {kind}")
+        labels.not_previous(ck, expr)
 
 
 # ---------------------------------------------------------------- repeats

@@ -17,6 +17,7 @@ from ..solids.primitives import lower_primitive
 from ..values.kinds import Choice, Frame, Plane, Value
 from .draws import draw_choice, open_parameter
 from .interface import own_parameter, parameters_of
+from .looks import sole_look
 from .part import Instance, Option, Part
 from .place import pose_of
 from .style import Style, complete_choice, sole_style
@@ -122,7 +123,7 @@ def make_inputs(part: Part, interface: Symbol, arguments: tuple[ast.Argument, ..
         local.module = symbol.module
         stated = given.get(name)
         if stated is not None and not has_hole(stated.value):
-            value = handed_in(part, symbol, declaration, name, stated)
+            value = handed_in(part, env, symbol, declaration, name, stated)
         else:
             value = open_parameter(part, local, declaration, name, span, stated)
         part.inputs[name] = value
@@ -133,15 +134,19 @@ def has_hole(node: ast.Expr) -> bool:
     return isinstance(node, ast.VectorExpr) and any(isinstance(i, ast.HoleExpr) for i in node.items)
 
 
-def handed_in(part: Part, owner: Symbol, declaration: ast.ParamDecl, name: str, argument: ast.Argument) -> Value:
-    """The value of an argument for the parameter ``name`` that ``owner`` declares: an option (``open = front``), a template
-    as a style of its own (``pull = BarHandle``), or whatever else it says."""
-    env, node, kind = part.env, argument.value, declaration.type
+def handed_in(
+    part: Part, env: Env, owner: Symbol, declaration: ast.ParamDecl, name: str, argument: ast.Argument
+) -> Value:
+    """The value of an argument, which is written in ``env``, for the parameter ``name`` that ``owner`` declares: an option
+    (``open = front``), a template as a style of its own (``pull = BarHandle``), a material, or whatever else it says."""
+    node, kind = argument.value, declaration.type
     match env.context.meaning(node):
         case Word(text):
             return Choice(E.const(float(kind.values.index(text))), kind.values)
-        case Global(symbol) if kind.style:
-            return sole_style(env, f"{part.name}.{name}", owner.module.find(kind.name), symbol, node.span)
+        case Global(symbol) if symbol.kind == "template":
+            return sole_style(part.env, f"{part.name}.{name}", owner.module.find(kind.name), symbol, node.span)
+        case Global(symbol) if symbol.kind == "material":
+            return sole_look(env.context, symbol)
     value = Evaluator(env).value(node)
     if isinstance(value, Frame | Plane) and kind.size is None and kind.name in DIMENSIONS:
         return Evaluator(env).number(value, node.span)  # of a plane, the coordinate that it has here
@@ -158,7 +163,7 @@ def instantiate(part: Part, option: Option, lower_body: LowerBody) -> Instance:
         raise context.error("circular-definition", part.span, f"`{option.name}` contains itself")
     context.trace.append((part.span, f"in `{part.path}` ({option.name})"))
     try:
-        own = dict(part.inputs)
+        own, home = dict(part.inputs), part.env if part.style is None else part.style.env
         arguments = option.source.arguments if part.role is not None or len(part.options) > 1 else ()
         declared = {name: (owner, declaration) for owner, declaration, name, _ in parameters_of(option.symbol)}
         for argument in arguments:
@@ -169,9 +174,9 @@ def instantiate(part: Part, option: Option, lower_body: LowerBody) -> Instance:
                     hint="what all have open is handed in by a role: `part lid : Lid(size = [_, _, 1cm]) = Flat | Domed`",
                 )  # fmt: skip
             if name in declared:
-                own[name] = handed_in(part, *declared[name], name, argument)
+                own[name] = handed_in(part, home, *declared[name], name, argument)
             else:  # a count
-                own[name] = Evaluator(part.env).value(argument.value)
+                own[name] = Evaluator(home).value(argument.value)
         instance.values = own
         if option.symbol.kind == "primitive":
             complete(instance)

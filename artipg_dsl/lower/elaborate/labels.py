@@ -24,7 +24,7 @@ from ..values.vectors import compose, inverse, place, unit
 from .drives import FUNCTIONS, Drive
 from .guards import held, shown
 from .links import Links
-from .looks import Look, lower_material
+from .looks import Look, sole_look
 from .part import Part
 from .paths import elements_named, walk
 from .place import root
@@ -270,20 +270,14 @@ def condition(ev: Evaluator, node: ast.Expr | None) -> Expr:
 def material(links: Links, env: Env, statement: ast.MaterialStmt) -> None:
     meaning = env.context.meaning(statement)
     look = Evaluator(env).meant(meaning)
-    pairs: tuple[tuple[str, Expr], ...]
-    if isinstance(look, Look):
-        pairs = look.options
-    else:
-        if not isinstance(meaning, Global):
-            raise env.context.error(
-                "unknown-material", statement.material_span, f"there is no material `{statement.material}`"
-            )
-        lower_material(env.context, meaning.symbol)
-        pairs = ((meaning.symbol.name, E.TRUE),)
+    if isinstance(meaning, Global):
+        look = sole_look(env.context, meaning.symbol)
+    if not isinstance(look, Look):
+        raise env.context.internal(statement.material_span, "this is not a material")
     for node in statement.targets:
         for aim in aims(links, env, node):
             there = standing(env, aim)
-            looks = tuple((name, E.both(there, shown(predicate, aim.scope))) for name, predicate in pairs)
+            looks = tuple((name, E.both(there, shown(predicate, aim.scope))) for name, predicate in look.options)
             for part in aim.parts:
                 for site in sites_of(links, part):
                     links.context.materials.setdefault(site, []).append((aim.depth, looks))

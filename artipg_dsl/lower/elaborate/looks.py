@@ -47,6 +47,11 @@ def build_look(env: Env, statement: ast.StyleDecl) -> Look:
     return Look(tuple(options), choice)
 
 
+def sole_look(context: Context, symbol: Symbol) -> Look:
+    """What a material's name stands for where a style of materials may be handed in: that material, always."""
+    return Look(((lower_material(context, symbol).name, E.TRUE),), Choice(E.ZERO, (symbol.name,)))
+
+
 def lower_material(context: Context, symbol: Symbol) -> Material:
     found = context.program.materials.get(symbol.name)
     if found is not None:

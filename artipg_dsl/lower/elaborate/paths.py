@@ -94,19 +94,29 @@ def inner_values(ref: Ref, name: str) -> list[Reached]:
                 if name in instance.bindings:
                     found.extend(instance.bound(name))
                     continue
-                found.extend(Reached(value, instance.env or part.env) for value in own_members(instance, name))
+                found.extend(own_members(instance, name))
     return found
 
 
-def own_members(instance: Instance, name: str) -> list[Value]:
-    """What an instance declares under a name: one value, or one in each branch that does."""
+def own_members(instance: Instance, name: str) -> list[Reached]:
+    """What an instance declares under a name: one value, one in each branch that does, or what its repeats declare."""
     if instance.solid is not None:
-        return [Surface(((None, instance.part, HERE, name),))] if name in instance.solid.primitive.surfaces else []
-    assert instance.env is not None
-    if name in instance.env.names:
-        value = instance.env.force(name)
-        return [] if value is None else [value]
-    return [value for _, value in instance.env.branched(name)]
+        has = name in instance.solid.primitive.surfaces
+        return [Reached(Surface(((None, instance.part, HERE, name),)), instance.part.env)] if has else []
+    env = instance.env
+    assert env is not None
+    if name in env.names:
+        return [Reached(env.force(name), env)]
+    return [Reached(value, env) for _, value in env.branched(name)] or in_repeats(env, name)
+
+
+def in_repeats(env: Env, name: str) -> list[Reached]:
+    """What repeats of a body declare: a part or a joint in one binds the slot or the joint of its name."""
+    found: list[Reached] = []
+    for inner in env.inner:
+        has = inner.depth > env.depth and name in inner.names
+        found += [Reached(inner.force(name), inner)] if has else in_repeats(inner, name)
+    return found
 
 
 def joints(links: Links, env: Env, node: ast.Expr) -> list[int]:

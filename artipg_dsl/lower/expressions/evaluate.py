@@ -173,7 +173,7 @@ class Evaluator:
             return self.local[meaning.name]
         value = self.meant(meaning)
         if value is None:
-            raise self.unknown(node)
+            raise self.env.context.internal(node.span, f"`{node.name}` has no value here")
         return moved(value, self.pose)
 
     def meant(self, meaning: Meaning | None) -> Value | None:
@@ -202,15 +202,6 @@ class Evaluator:
         assert isinstance(symbol.decl, ast.FunctionDecl)
         home = Env(self.env.context, symbol.module, None, self.env.scope, "")
         return Function(symbol.name, symbol.decl.parameters, symbol.decl.value, home)
-
-    def unknown(self, node: ast.NameExpr) -> Exception:
-        symbol = self.env.module.find(node.name)
-        if symbol is not None and symbol.kind in ("template", "primitive", "role"):
-            return self.env.context.error(
-                "wrong-arguments", node.span, f"`{node.name}` is a {symbol.kind}: it cannot be handed in as a value",
-                hint="a parameter `style` takes a template's name, or a style: `style chosen : Role = A | B`",
-            )  # fmt: skip
-        return self.env.context.error("unknown-name", node.span, f"`{node.name}` is not known here")
 
     def inside(self, element: Element) -> bool:
         env: Env | None = self.env
