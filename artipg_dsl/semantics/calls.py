@@ -8,7 +8,10 @@ from typing import TYPE_CHECKING
 
 from ..diagnostics.suggest import did_you_mean
 from ..syntax import ast
+from ..syntax.walk import walk
+from . import paths
 from .fold import is_unitless
+from .guards import consistent
 from .meanings import BuiltIn, Declared, Global
 from .names import CONSTRUCTORS, DRIVES, FACES, FUNCTIONS
 from .scope import Entry
@@ -58,12 +61,10 @@ def call(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
         )  # fmt: skip
     word = expr.function.name
     home = ctx.scope.home(word) if ctx.scope is not None else None
-    for entry in home.table[word] if home is not None else ():
-        if isinstance(entry.node, ast.SurfaceDecl | ast.CurveDecl) or (
-            isinstance(entry.node, ast.LetDecl) and entry.node.parameters
-        ):
-            ck.mean(expr.function, Declared(word, home.depth))  # type: ignore[union-attr]
-            return _own(ck, ctx, expr, entry)
+    own = [e for e in home.table[word] if _is_function(e.node)] if home is not None else []
+    if home is not None and own:
+        ck.mean(expr.function, Declared(word, home.depth))
+        return _own(ck, ctx, expr, paths.sole(ck, ctx, own, expr.function.span))
     if word in _BUILT_IN:
         ck.mean(expr.function, BuiltIn(word))
         return _BUILT_IN[word](ck, ctx, expr)
@@ -78,11 +79,16 @@ def call(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
     if symbol is not None or (ctx.scope is not None and ctx.scope.find(word)):
         hint = f"a part is made by `part name : {word}(...)`" if symbol is not None else None
         return ck.error("wrong-type", expr.function.span, f"`{word}` is not a function", hint=hint)
-    own = [n for n in ctx.names() if n in FUNCTIONS or n in CONSTRUCTORS]
+    near = [n for n in ctx.names() if n in FUNCTIONS or n in CONSTRUCTORS]
     return ck.unknown(
         ctx.module, word, "unknown-function", expr.function.span, f"there is no function `{word}`",
-        hint=did_you_mean(word, [*FUNCTIONS, *CONSTRUCTORS, *own, *ctx.names()]),
+        hint=did_you_mean(word, [*FUNCTIONS, *CONSTRUCTORS, *near, *ctx.names()]),
     )  # fmt: skip
+
+
+def _is_function(node: ast.Stmt) -> bool:
+    """Whether a declaration can be called."""
+    return isinstance(node, ast.SurfaceDecl | ast.CurveDecl) or isinstance(node, ast.LetDecl) and bool(node.parameters)
 
 
 def _positional(ck: Checker, ctx: Context, expr: ast.CallExpr, wanted: int, word: str) -> list[Type]:
@@ -215,6 +221,7 @@ def _reduce(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
         return ck.error("wrong-arguments", expr.span, f"`{word}` over the elements of a repeat takes one argument")
     argument = expr.arguments[0]
     kind = ck.infer(ctx.but(many=True), argument.value)
+    _one_repeat(ck, ctx, argument.value)
     if kind == UNKNOWN:
         return UNKNOWN
     if not is_number(kind):
@@ -225,6 +232,20 @@ def _reduce(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
             hint="name a repeat in it, as in `sum(cell.size.z)`, or give several arguments",
         )  # fmt: skip
     return LENGTH if kind == PLANE else kind
+
+
+def _one_repeat(ck: Checker, ctx: Context, expr: ast.Expr) -> None:
+    """What is reduced is one repeat: those of exclusive branches have nothing in common but their name."""
+    for node in walk(expr):
+        home = ctx.scope.home(node.name) if isinstance(node, ast.NameExpr) and ctx.scope is not None else None
+        if not isinstance(node, ast.NameExpr) or home is None:
+            continue
+        repeats = [e for e in home.table[node.name] if e.kind == "repeat"]
+        if sum(consistent(ctx.condition, ck.entry_condition(e)) for e in repeats) > 1:
+            ck.error(
+                "many-elements", node.span, f"`{node.name}` is another repeat in each branch of a `when`",
+                hint="reduce each within its own branch", notes=tuple((e.span, "one of them") for e in repeats),
+            )  # fmt: skip
 
 
 def _mentions_many(ck: Checker, expr: ast.Expr) -> bool:
@@ -248,6 +269,8 @@ def _mentions_many(ck: Checker, expr: ast.Expr) -> bool:
 
 def _number(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
     (kind,) = _positional(ck, ctx.but(many=True), expr, 1, "number")
+    for argument in expr.arguments:
+        _one_repeat(ck, ctx, argument.value)
     if kind != UNKNOWN and not isinstance(kind, Element | Slot | Part):
         ck.error("wrong-type", expr.arguments[0].span, f"`number` counts the elements of a repeat, but this is {kind}")
     return COUNT

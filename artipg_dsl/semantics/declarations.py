@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from ..diagnostics.suggest import did_you_mean
 from ..source import Span
 from ..syntax import ast
-from . import conditions
+from . import conditions, paths
 from .entries import of_alternative, of_reference
 from .fold import components, constant
 from .guards import consistent
@@ -325,7 +325,10 @@ def _alternatives(
             check_placement(ck, ctx, placement)
         if alternative.name is None:
             continue
-        style = any(isinstance(ck.entry_type(e), Style) for e in ctx.scope.find(alternative.name))
+        styles = [e for e in ctx.scope.find(alternative.name) if isinstance(ck.entry_type(e), Style)]
+        style = bool(styles)
+        if styles:
+            paths.sole(ck, ctx, styles, alternative.name_span)
         variants = [v for v in of_alternative(ck, ctx.scope, alternative) if v is not None]
         symbols = [v.symbol for v in variants if v.symbol is not None]
         if not style and (not symbols or symbols[0].kind not in ("template", "primitive")):

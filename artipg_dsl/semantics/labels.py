@@ -9,6 +9,7 @@ from ..diagnostics.suggest import did_you_mean
 from ..syntax import ast
 from ..syntax.walk import walk
 from ..units import UNITS
+from . import paths
 from .calls import range_type
 from .declarations import unknown_material
 from .entries import of_reference
@@ -105,12 +106,13 @@ def target(ck: Checker, ctx: Context, expr: ast.Expr, rule: str) -> Context:
 
 
 def _is_surface(ck: Checker, expr: ast.Expr) -> bool:
-    """Whether what is called like a face is a surface of a primitive, too."""
-    owner = ck.types.get(id(expr.obj)) if isinstance(expr, ast.MemberExpr) else None
+    """Whether what is called like a face may be a surface of a primitive, too."""
+    if not isinstance(expr, ast.MemberExpr):
+        return False
+    owner = ck.types.get(id(expr.obj))
     symbols = [v.symbol for v in owner.variants if v.symbol is not None] if isinstance(owner, Part) else []
-    return isinstance(expr, ast.MemberExpr) and any(
-        entry.kind == "surface" for symbol in symbols for entry in ck.scope_of(symbol).table.get(expr.name, ())
-    )
+    entries = (entry for symbol in symbols for entry in ck.scope_of(symbol).table.get(expr.name, ()))
+    return isinstance(owner, Slot) or any(entry.kind == "surface" for entry in entries)
 
 
 def not_previous(ck: Checker, expr: ast.Expr) -> None:
@@ -247,7 +249,7 @@ def _material(ck: Checker, ctx: Context, stmt: ast.MaterialStmt) -> None:
     entries = home.table[stmt.material] if home is not None else []
     if home is not None:
         ck.mean(stmt, Declared(stmt.material, home.depth))
-        kind = ck.entry_type(entries[0])
+        kind = ck.entry_type(paths.sole(ck, ctx, entries, stmt.material_span))
         if kind not in (MATERIAL, UNKNOWN):
             ck.error("wrong-type", stmt.material_span, f"`{stmt.material}` is no material, but {kind}")
         return

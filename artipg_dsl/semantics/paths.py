@@ -10,7 +10,7 @@ from ..source import Span
 from ..syntax import ast
 from .entries import narrowed
 from .fold import constant
-from .guards import TRUE, And, Or, conjunction, consistent
+from .guards import TRUE, And, Or, conjunction, consistent, implies
 from .meanings import Axis, Base, Current, Declared, Global, Last, Local, Meaning, OwnBox, Previous, Truth
 from .names import DIRECTIONS, FACES, FUNCTIONS
 from .parts import BOX_MEMBERS, below, box_member, listed, part_member, path_text, place_member, place_names, present
@@ -78,6 +78,17 @@ def name(ck: Checker, ctx: Context, expr: ast.NameExpr) -> Type:
     if word in FUNCTIONS:
         return ck.error("wrong-type", expr.span, f"`{word}` is a function: it needs arguments in parentheses")
     return unknown_name(ck, ctx, word, expr.span)
+
+
+def sole(ck: Checker, ctx: Context, entries: list[Entry], span: Span) -> Entry:
+    """Of a style or a function that branches declare, the one that is there for sure; that none is gets reported."""
+    there = (entry for entry in entries if implies(ctx.condition, ck.entry_condition(entry)))
+    entry = next(there, None)
+    if entry is None:
+        entry = entries[0]
+        message, hint = guarded(entry, span)
+        ck.error("optional-outside-when", span, message, hint=hint)
+    return entry
 
 
 def _declared(ctx: Context, word: str, home: Scope) -> Meaning:

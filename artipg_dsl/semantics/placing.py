@@ -8,7 +8,7 @@ from ..diagnostics.suggest import any_of, did_you_mean, suggest
 from ..syntax import ast
 from ..units import UNITS
 from .declarations import check_range
-from .meanings import Clearance
+from .meanings import Clearance, Word
 from .names import DIRECTIONS, FACES
 from .types import (
     ANGLE,
@@ -70,7 +70,7 @@ def subject(ck: Checker, ctx: Context, expr: ast.Expr) -> tuple[Type, Context]:
 def check_connect(ck: Checker, ctx: Context, node: ast.ConnectStmt) -> None:
     kind, ctx = subject(ck, ctx, node.subject)
     _end(ck, node.subject, kind, "what is connected")
-    _placing(ck, ctx, node)
+    _placing(ck, ctx, node, framed=node.in_ is None)
     if node.to is None and node.on is None and node.in_ is None and node.between is None:
         ck.error("missing-clause", node.span, "`connect` says to what: `to`, `on`, `in` or `between` is missing")
     else:
@@ -84,8 +84,8 @@ def _end(ck: Checker, expr: ast.Expr, kind: Type, what: str) -> None:
         ck.error("wrong-type", expr.span, f"{what} is a part or one of its ports and faces, but this is {kind}")
 
 
-def _placing(ck: Checker, ctx: Context, node: ast.Attaching) -> None:
-    """The clauses that place."""
+def _placing(ck: Checker, ctx: Context, node: ast.Attaching, framed: bool) -> None:
+    """The clauses that place. ``framed``: on a face or port, whose middle `at center` means."""
     ends = ctx.but(ends=True)
     for clause in (node.to, node.on):
         if clause is not None:
@@ -106,7 +106,7 @@ def _placing(ck: Checker, ctx: Context, node: ast.Attaching) -> None:
             hint = did_you_mean(value.name, FACES) if isinstance(value, ast.NameExpr) else None
             ck.error("wrong-type", value.span, "`fit` takes names of faces", hint=hint)
     for argument in node.at.value if node.at is not None else ():
-        _at(ck, ctx, argument.name, argument.value)
+        _at(ck, ctx, argument.name, argument.value, framed)
 
 
 _WITH = {
@@ -142,7 +142,7 @@ def _idle(ck: Checker, node: ast.Attaching, mounted: bool | None) -> None:
             )  # fmt: skip
 
 
-def _at(ck: Checker, ctx: Context, name: str | None, value: ast.Expr) -> None:
+def _at(ck: Checker, ctx: Context, name: str | None, value: ast.Expr, framed: bool) -> None:
     if name in DIRECTIONS:
         ck.expect(ctx, value, LENGTH, f"the coordinate `{name}`")
     elif name in ("u", "v"):
@@ -152,7 +152,9 @@ def _at(ck: Checker, ctx: Context, name: str | None, value: ast.Expr) -> None:
             "unknown-argument", value.span, f"`at` takes coordinates x, y and z, not `{name}`",
             hint=did_you_mean(name, DIRECTIONS),
         )  # fmt: skip
-    elif not (isinstance(value, ast.NameExpr) and value.name in ("center", *FACES)):
+    elif framed and isinstance(value, ast.NameExpr) and value.name == "center":
+        ck.mean(value, Word("center"))
+    else:
         kind = ck.infer(ctx, value)
         if kind not in (UNKNOWN, FRAME, EDGE, LINE, PLANE) and not fits(kind, POINT):
             ck.error(
@@ -184,8 +186,9 @@ def check_joint(ck: Checker, ctx: Context, node: ast.JointDecl) -> None:
         ck.error("wrong-type", node.child.span, "`base` is what the template is attached to: it cannot be moved")
     if parent == BASE and ctx.scope.owner.kind == "category":
         ck.error("wrong-type", node.parent.span, "`base` has a meaning only in a template", hint="name the root part")
-    _placing(ck, ctx, node)
     named = isinstance(node.parent, ast.NameExpr) and (parent == BASE or isinstance(parent, Part | Slot | Element))
+    aims = named and node.kind in ("ball", "fixed") and node.to is None and node.on is None  # about a point of its own
+    _placing(ck, ctx, node, framed=node.in_ is None and not aims)
     ported = isinstance(node.child, ast.MemberExpr | ast.IndexExpr) and (not named or node.to is not None)
     _idle(ck, node, None if UNKNOWN in (child, parent) else ported)
     _motion(ck, ctx, node, node.kind)

@@ -17,7 +17,7 @@ from ..solids.primitives import lower_primitive
 from ..values.kinds import Choice, Frame, Plane, Value
 from .draws import draw_choice, open_parameter
 from .interface import own_parameter, parameters_of
-from .looks import sole_look
+from .looks import look_of
 from .part import Instance, Option, Part
 from .place import pose_of
 from .style import Style, complete_choice, sole_style
@@ -124,6 +124,8 @@ def make_inputs(part: Part, interface: Symbol, arguments: tuple[ast.Argument, ..
         stated = given.get(name)
         if stated is not None and not has_hole(stated.value):
             value = handed_in(part, env, symbol, declaration, name, stated)
+        elif declaration.type.name == "material" and declaration.default is not None:
+            value = look_of(local, declaration.default)
         else:
             value = open_parameter(part, local, declaration, name, span, stated)
         part.inputs[name] = value
@@ -145,8 +147,8 @@ def handed_in(
             return Choice(E.const(float(kind.values.index(text))), kind.values)
         case Global(symbol) if symbol.kind == "template":
             return sole_style(part.env, f"{part.name}.{name}", owner.module.find(kind.name), symbol, node.span)
-        case Global(symbol) if symbol.kind == "material":
-            return sole_look(env.context, symbol)
+    if kind.name == "material":
+        return look_of(env, node)
     value = Evaluator(env).value(node)
     if isinstance(value, Frame | Plane) and kind.size is None and kind.name in DIMENSIONS:
         return Evaluator(env).number(value, node.span)  # of a plane, the coordinate that it has here

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ...graph import expr as E
 from ...graph.expr import Scope, ScopeError
-from ...semantics.meanings import Base
+from ...semantics.meanings import Base, Word
 from ...source import Span
 from ...syntax import ast
 from ..expressions.context import Abort, Equation, text_of
@@ -175,8 +175,8 @@ def at_point(ev: Evaluator, subject: ast.Expr, places: tuple[ast.Argument, ...],
             k = AXES.index(name)
             ev.env.equations.append(Equation(origin[k], ev.scalar(node), node.span, f"at {name}"))
         else:
-            own_center = isinstance(target, Frame) and isinstance(node, ast.NameExpr) and node.name == "center"
-            other = target.origin if own_center and target is not None else ev.vector(node)
+            middle = isinstance(ev.env.context.meaning(node), Word)
+            other = target.origin if middle and isinstance(target, Frame) else ev.vector(node)
             for k in range(3):
                 if k != normal:
                     ev.env.equations.append(Equation(origin[k], other[k], node.span, f"at {AXES[k]}"))

@@ -10,6 +10,7 @@ from ..expressions.context import Unknown
 from ..expressions.env import Env
 from ..values.kinds import Value, Vec
 from .draws import component_of, draw_option, draw_scalar, make_draw
+from .looks import look_of
 from .style import Style
 
 
@@ -36,6 +37,8 @@ def own_parameter(
             if style is None
             else style.shared_option(option, name, declaration, env)
         )
+    if kind.name == "material" and declaration.default is not None:
+        return look_of(env, declaration.default)
     if kind.size is None:
         return own_scalar(env, declaration, name, None, style, option)
     items = (own_scalar(env, declaration, f"{name}.{'xyz'[k]}", k, style, option) for k in range(kind.size))

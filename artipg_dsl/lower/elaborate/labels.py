@@ -269,9 +269,7 @@ def condition(ev: Evaluator, node: ast.Expr | None) -> Expr:
 
 def material(links: Links, env: Env, statement: ast.MaterialStmt) -> None:
     meaning = env.context.meaning(statement)
-    look = Evaluator(env).meant(meaning)
-    if isinstance(meaning, Global):
-        look = sole_look(env.context, meaning.symbol)
+    look = sole_look(env.context, meaning.symbol) if isinstance(meaning, Global) else Evaluator(env).meant(meaning)
     if not isinstance(look, Look):
         raise env.context.internal(statement.material_span, "this is not a material")
     for node in statement.targets:

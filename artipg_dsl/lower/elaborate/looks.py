@@ -8,6 +8,7 @@ from typing import Any
 from ...graph import expr as E
 from ...graph.expr import Expr
 from ...graph.program import Material
+from ...semantics.meanings import Global
 from ...semantics.symbols import Symbol
 from ...syntax import ast
 from ..expressions.context import Context
@@ -50,6 +51,12 @@ def build_look(env: Env, statement: ast.StyleDecl) -> Look:
 def sole_look(context: Context, symbol: Symbol) -> Look:
     """What a material's name stands for where a style of materials may be handed in: that material, always."""
     return Look(((lower_material(context, symbol).name, E.TRUE),), Choice(E.ZERO, (symbol.name,)))
+
+
+def look_of(env: Env, node: ast.Expr) -> Look:
+    """The material, or the style of materials, that an expression names."""
+    meaning = env.context.meaning(node)
+    return sole_look(env.context, meaning.symbol) if isinstance(meaning, Global) else Evaluator(env).value(node)
 
 
 def lower_material(context: Context, symbol: Symbol) -> Material:

@@ -9,7 +9,7 @@ from ...graph import expr as E
 from ...graph.expr import ONE, ZERO, Scope
 from ...graph.linear import tidy
 from ...graph.program import Pose
-from ...semantics.meanings import Declared
+from ...semantics.meanings import Declared, Word
 from ...syntax import ast
 from ..expressions.context import Abort, Equation, text_of
 from ..expressions.env import Env
@@ -295,9 +295,7 @@ def located(frame: Frame, mount: Mount, ev: Evaluator) -> Triple:
                     hint=f"give the other two coordinates here, and the distance along {name} by `gap` or `sink`",
                 )  # fmt: skip
             origin[axis] = ev.scalar(node)
-        elif isinstance(node, ast.NameExpr) and node.name == "center":
-            continue
-        else:
+        elif not isinstance(ev.env.context.meaning(node), Word):  # `center` is where it is
             origin = list(ev.vector(node))
     return tuple(origin)  # type: ignore[return-value]
 

@@ -140,8 +140,8 @@ class Env:
         if name in self.names:
             return self.force(name)
         found = [(branch.scope, value) for branch, value in self.branched(name)]
-        if len(found) == 1 and isinstance(found[0][1], Element):
-            return found[0][1]  # its values are fetched from its own table
+        if len(found) == 1 and not isinstance(found[0][1], MERGED):
+            return found[0][1]  # an element's values are fetched from its own table; styles and functions have a home
         if not found or not all(isinstance(value, MERGED) for _, value in found):
             return None
         if all(isinstance(value, Ref) for _, value in found):
