@@ -71,9 +71,9 @@ class Corpus:
         files = self.compiled if from_compiled else self.programs
         names = sorted(files)
         # small ones more often: the same faults, sooner
-        name = lot.choices(names, [(len(files[n]) + (20_000 if from_compiled else 1_000)) ** -1.3 for n in names])[0]
+        name = lot.choices(names, [(len(files[n]) + (20_000 if from_compiled else 1_000)) ** -1.6 for n in names])[0]
         other, text, done = files[lot.choice(names)], files[name], []
-        kinds = KINDS if lot.random() < 0.35 else COMPILED if from_compiled else LEGAL
+        kinds = KINDS if lot.random() < 0.5 else COMPILED if from_compiled else LEGAL
         for _ in range(lot.choice((1, 1, 1, 2, 4))):
             kind = lot.choice(kinds)
             done.append(kind.__name__.removeprefix("of_"))
@@ -115,37 +115,54 @@ def readable(place: Path) -> bool:
 
 
 def share_library() -> None:
-    """Trees of the library and examined primitives are kept: only what was mutated is read anew."""
+    """The library is read and checked once, and examined primitives are remembered: only what was mutated is looked at anew."""
     from artipg_dsl import solids
     from artipg_dsl.diagnostics import Report
     from artipg_dsl.graph import text as texts
     from artipg_dsl.graph.program import Program
-    from artipg_dsl.semantics import modules
-    from artipg_dsl.syntax.parse import load, parse
+    from artipg_dsl.semantics import check as checking
+    from artipg_dsl.semantics import checker
+    from artipg_dsl.semantics.modules import Workspace
+    from artipg_dsl.syntax.parse import load
 
-    trees: dict[tuple[str, str], object] = {}
+    whole = Workspace(
+        Report(), [ROOT / "library"], reader=lambda path, report, _: load(path, report, f"library/{path.name}")
+    )
+    scopes = {str(place): whole.load_file(place) for place in sorted((ROOT / "library").glob("*.apg"))}
+    known = checking.check(whole, next(iter(scopes.values())), Report()).checker
+    shared = {id(symbol) for scope in scopes.values() for symbol in scope.own()}
+    load_file, declaration, begin = Workspace.load_file, checking._declaration, checker.Checker.__init__
 
-    def loaded(source, report):  # noqa: ANN001, ANN202
-        key = source.name, source.text
-        if not source.name.startswith("library/"):
-            return parse(source, report)
-        if key not in trees:
-            trees[key] = parse(source, report)
-        return trees[key]
+    def loaded(self, path, shown=None):  # noqa: ANN001, ANN202
+        scope = scopes.get(str(path.resolve()))
+        if scope is None:
+            return load_file(self, path, shown)
+        if str(path) not in self.modules:
+            self.modules[str(path)] = scope
+            for use in scope.tree.uses:
+                loaded(self, path.parent / f"{use.module}.apg")
+        return scope
 
-    modules.parse = loaded
-    examine, known = solids.examine, set()
+    def begun(self, *given):  # noqa: ANN001, ANN002, ANN202
+        begin(self, *given)
+        for name, there in vars(known).items():
+            if isinstance(there, dict) and name not in ("vocabularies", "calls"):
+                getattr(self, name).update(there)
 
-    def examined(primitive) -> None:  # noqa: ANN001
+    Workspace.load_file = loaded
+    checker.Checker.__init__ = begun
+    checking._declaration = lambda ck, symbol: None if id(symbol) in shared else declaration(ck, symbol)
+
+    examine, examined = solids.examine, set()
+
+    def once(primitive) -> None:  # noqa: ANN001
         program = Program("P", primitives={primitive.name: primitive})
         key = texts.to_text(program, places=False)
-        if key not in known:
+        if key not in examined:
             examine(primitive)
-            known.add(key)
+            examined.add(key)
 
-    solids.examine = examined
-    for place in sorted((ROOT / "library").glob("*.apg")):
-        loaded(load(place, Report(), f"library/{place.name}"), Report())
+    solids.examine = once
     run("warm.apg", WARM)
 
 
