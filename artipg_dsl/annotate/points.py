@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -16,11 +16,29 @@ from .fields import Field, Reader, read_pose, read_triples
 from .frames import reflect, rotate
 
 if TYPE_CHECKING:
-    from ..geometry.pointset import PointSet
     from ..geometry.sites import SiteTable
 
 ROUNDING = 1e-6  # so far may a degree lie outside 0 .. 1: it is set to the end
 _CHUNK = 16_000  # points at a time: their arrays stay in the caches
+
+
+class Points(Protocol):
+    """Points of any shape, each bound to a row of a table of sites, at joint values 0 in the object's frame."""
+
+    @property
+    def site(self) -> np.ndarray: ...
+    @property
+    def row(self) -> np.ndarray: ...
+    @property
+    def patch(self) -> np.ndarray: ...
+    @property
+    def u(self) -> np.ndarray: ...
+    @property
+    def v(self) -> np.ndarray: ...
+    @property
+    def position(self) -> np.ndarray: ...
+    @property
+    def normal(self) -> np.ndarray: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +54,7 @@ class Labels:
 
 
 def label_points(
-    reader: Reader, sites: list[SiteTable], points: PointSet, labels: Sequence[Label] | None = None
+    reader: Reader, sites: list[SiteTable], points: Points, labels: Sequence[Label] | None = None
 ) -> Labels:
     """Labels of points at joint values 0, where ``points.position`` and ``normal`` are in the object's frame.
 
@@ -79,7 +97,7 @@ def label_points(
     return Labels(semantic.reshape(shape), made)
 
 
-def by_site(reader: Reader, tables: Mapping[int, SiteTable], points: PointSet) -> dict[int, np.ndarray]:
+def by_site(reader: Reader, tables: Mapping[int, SiteTable], points: Points) -> dict[int, np.ndarray]:
     """The flat numbers of the points of each site, ascending."""
     flat_site = np.asarray(points.site).ravel()
     narrow = flat_site.astype(np.int16) if len(reader.program.sites) < 2**15 else flat_site  # sorted by its digits
@@ -89,7 +107,7 @@ def by_site(reader: Reader, tables: Mapping[int, SiteTable], points: PointSet) -
 
 
 def holding(
-    reader: Reader, sites: list[SiteTable], points: PointSet, labels: Sequence[Label]
+    reader: Reader, sites: list[SiteTable], points: Points, labels: Sequence[Label]
 ) -> Iterator[tuple[Label, Target, np.ndarray]]:
     """For each label (whole vocabularies, outer ones first) and target the flat numbers of the points at which it holds
     and no deeper one does; what holds nowhere is left out."""
@@ -161,7 +179,7 @@ def finish(field: np.ndarray) -> np.ndarray:
     return field if field.dtype == bool else field.astype(np.float32)
 
 
-def on_surfaces(at: np.ndarray, table: SiteTable, target: Target, points: PointSet) -> np.ndarray:
+def on_surfaces(at: np.ndarray, table: SiteTable, target: Target, points: Points) -> np.ndarray:
     """Those of the flat point numbers ``at`` that lie on the surfaces a target names."""
     if not target.surfaces:
         return at
@@ -170,7 +188,7 @@ def on_surfaces(at: np.ndarray, table: SiteTable, target: Target, points: PointS
 
 
 def evaluate(
-    reader: Reader, label: Label, target: Target, at: np.ndarray, points: PointSet
+    reader: Reader, label: Label, target: Target, at: np.ndarray, points: Points
 ) -> tuple[np.ndarray, np.ndarray]:
     """Those of the flat point numbers ``at``, all of one site, at which a label says something, and what: (k,) or (k, 3).
 
@@ -227,7 +245,7 @@ class _Place:
             size, center = read_triples(reader, [target.size, target.center], scope)
             self.size, self.center = np.ascontiguousarray(size.T), np.ascontiguousarray(center.T)
 
-    def variables(self, row: np.ndarray, at: np.ndarray, points: PointSet) -> dict[str, np.ndarray]:
+    def variables(self, row: np.ndarray, at: np.ndarray, points: Points) -> dict[str, np.ndarray]:
         """Values at the flat point numbers ``at``, whose rows are ``row``."""
         away = {}
         if "p" in self.kinds:

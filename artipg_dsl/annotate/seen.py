@@ -76,12 +76,12 @@ def part_coordinates(batch: Batch, part: np.ndarray, points: np.ndarray) -> np.n
 def classes(batch: Batch, points: Bound) -> np.ndarray:
     """Semantic classes (n,)."""
     wanted = [label for label in batch.program.labels if label.vocabulary == "semantic"]
-    return label_points(batch, batch.sites(), points, wanted).semantic  # type: ignore[arg-type]
+    return label_points(batch, batch.sites(), points, wanted).semantic
 
 
 def labels(batch: Batch, points: Bound) -> Labels:
     """All labels (n,)."""
-    return label_points(batch, batch.sites(), points)  # type: ignore[arg-type]
+    return label_points(batch, batch.sites(), points)
 
 
 def amid_solids(

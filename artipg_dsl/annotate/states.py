@@ -107,7 +107,9 @@ def chosen(batch: Batch, text: str) -> np.ndarray:
     every = list(dict.fromkeys(joint.name for joint in batch.program.joints))
     defined = {name for joint in batch.program.joints for name in (joint.name, joint.path)} | set(joints.name)
     for piece in text.split("+"):
-        name, number, unit = CHOSEN.fullmatch(piece.strip()).groups()  # type: ignore[union-attr]
+        chosen = CHOSEN.fullmatch(piece.strip())
+        assert chosen is not None  # as it was read
+        name, number, unit = chosen.groups()
         if name not in defined:
             close = get_close_matches(name, every, n=1)
             raise UsageError(

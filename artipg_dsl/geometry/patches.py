@@ -16,7 +16,7 @@ import numpy as np
 from ..graph.derive import derive
 from ..graph.expr import Expr, const, substitute, var
 from ..graph.formula import compile_formula
-from ..graph.primitive import Patch, Primitive, Triple
+from ..graph.primitive import Patch, Primitive, Triple, triple
 
 U, V = var("u"), var("v")
 Params = dict[str, np.ndarray]
@@ -49,11 +49,11 @@ def surfaces(primitive: Primitive) -> tuple[Surface, ...]:
 def _surface(patch: Patch, declared: int, name: str, index: dict[Expr, Expr]) -> Surface:
     u0, u1, v0, v1 = (substitute(e, index) for e in (*patch.u_range, *patch.v_range))
     mapping = {**index, U: u0 + U * (u1 - u0), V: v0 + V * (v1 - v0)}
-    position: Triple = tuple(substitute(e, mapping) for e in patch.position)  # type: ignore[assignment]
-    du, dv = (tuple(derive(e, by) for e in position) for by in ("u", "v"))
-    cross = tuple(du[(a + 1) % 3] * dv[(a + 2) % 3] - du[(a + 2) % 3] * dv[(a + 1) % 3] for a in range(3))
+    position: Triple = triple(substitute(e, mapping) for e in patch.position)
+    du, dv = (triple(derive(e, by) for e in position) for by in ("u", "v"))
+    cross = triple(du[(a + 1) % 3] * dv[(a + 2) % 3] - du[(a + 2) % 3] * dv[(a + 1) % 3] for a in range(3))
     guard = None if patch.guard is None else substitute(patch.guard, index)
-    return Surface(name, declared, guard, position, (du, dv), cross)  # type: ignore[arg-type]
+    return Surface(name, declared, guard, position, (du, dv), cross)
 
 
 class Split:
@@ -144,8 +144,9 @@ def existing(primitive: Primitive, params: Params) -> np.ndarray:
     every = surfaces(primitive)
     out = np.ones((len(every), rows_of(params)), dtype=bool)
     guarded = [i for i, s in enumerate(every) if s.guard is not None]
+    guards = [s.guard for s in every if s.guard is not None]
     if guarded:
-        out[guarded] = evaluate_rows(primitive, [every[i].guard for i in guarded], params, bool)  # type: ignore[misc]
+        out[guarded] = evaluate_rows(primitive, guards, params, bool)
     return np.ascontiguousarray(out.T)
 
 

@@ -127,7 +127,7 @@ def _led(causes: Causes, why: Sequence[int], draws: Iterable[int]) -> tuple[tupl
 
 def _range(draw: Draw, intervals: Narrowed, reader: Linear) -> tuple[float, float, list[int], list[Any]]:
     """The range of a draw, the requirements that make it narrower than its domain, and what they read."""
-    low, high = intervals.of(draw.low)[0], intervals.of(draw.high)[1]  # type: ignore[arg-type]
+    low, high = intervals.of(draw.ends[0])[0], intervals.of(draw.ends[1])[1]
     why: dict[str, list[int]] = {"low": [], "high": []}
     read: dict[str, list[Any]] = {"low": sorted_columns(reader, draw.low), "high": sorted_columns(reader, draw.high)}
     for bound in draw.bounds:

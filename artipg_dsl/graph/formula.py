@@ -96,9 +96,9 @@ def _steps(exprs: Sequence[Expr]) -> tuple[list[Expr], dict[int, int]]:
 
 @lru_cache(maxsize=4096)
 def _compile(exprs: tuple[Expr, ...], names: tuple[str, ...]) -> Callable[..., tuple[Any, ...]]:
-    namespace: dict[str, object] = {"np": np}
+    namespace: dict[str, Any] = {"np": np}
     exec(compile(source(exprs, names), "<formula>", "exec"), namespace)  # noqa: S102 - no text of a program reaches it
-    formula: Callable[..., tuple[Any, ...]] = namespace["formula"]  # type: ignore[assignment]
+    formula: Callable[..., tuple[Any, ...]] = namespace["formula"]
     return quiet(formula)
 
 

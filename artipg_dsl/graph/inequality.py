@@ -15,6 +15,7 @@ from . import expr as E
 from .expr import ONE, ZERO, Column, Expr, Scope
 from .interval import Intervals
 from .linear import Linear
+from .primitive import pair
 
 MOST = 16  # bounds of one inequality
 DEEPEST = 40
@@ -107,7 +108,7 @@ class _Ends:
         if op == "neg":
             return E.neg(parts[0][1]), E.neg(parts[0][0])
         if op == "sqrt":
-            return tuple(E.call("sqrt", E.maximum(e, ZERO)) for e in parts[0])  # type: ignore[return-value]
+            return pair(E.call("sqrt", E.maximum(e, ZERO)) for e in parts[0])
         if op in ("abs", "hypot") or (op == "mul" and node.args[0] is node.args[1]):
             sizes = [self.magnitude(*p) for p in parts]
             if op == "abs":

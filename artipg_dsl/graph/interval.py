@@ -69,7 +69,8 @@ class Intervals:
             return EVERYTHING
         if draw.kind == "choice":
             return 0.0, float(len(draw.options) - 1)
-        return self.of(draw.low)[0], self.of(draw.high)[1]  # type: ignore[arg-type]
+        low, high = draw.ends
+        return self.of(low)[0], self.of(high)[1]
 
     def function(self, op: str, node: Expr) -> Interval:
         args = [self.of(a) for a in node.args]

@@ -238,21 +238,23 @@ def isolate(node: Expr, target: Column, value: Expr, linear: Linear) -> Expr | N
                 continue
             return None
         k = inside[0]
-        other = node.args[1 - k] if len(node.args) == 2 else None
+        other = node.args[1 - k] if len(node.args) == 2 else ONE  # of one argument: not asked for
         if node.op in INVERSES:
             value = INVERSES[node.op](value)
+        elif len(node.args) != 2:
+            return None
         elif node.op == "add":
-            value = E.sub(value, other)  # type: ignore[arg-type]
+            value = E.sub(value, other)
         elif node.op == "sub":
-            value = E.add(value, other) if k == 0 else E.sub(other, value)  # type: ignore[arg-type]
+            value = E.add(value, other) if k == 0 else E.sub(other, value)
         elif node.op == "mul":
-            value = E.div(value, other)  # type: ignore[arg-type]
+            value = E.div(value, other)
         elif node.op == "div":
-            value = E.mul(value, other) if k == 0 else E.div(other, value)  # type: ignore[arg-type]
+            value = E.mul(value, other) if k == 0 else E.div(other, value)
         elif node.op == "hypot":
-            value = E.call("sqrt", E.sub(E.mul(value, value), E.mul(other, other)))  # type: ignore[arg-type]
+            value = E.call("sqrt", E.sub(E.mul(value, value), E.mul(other, other)))
         elif node.op == "pow" and k == 0:
-            value = E.call("pow", value, E.div(ONE, other))  # type: ignore[arg-type]
+            value = E.call("pow", value, E.div(ONE, other))
         else:
             return None
         node = node.args[k]

@@ -7,11 +7,25 @@ and pieces. Lengths in metres, angles in radians, the primitive's own frame.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from .expr import Expr
 
+Pair = tuple[Expr, Expr]
 Triple = tuple[Expr, Expr, Expr]
+
+
+def pair(items: Iterable[Expr]) -> Pair:
+    """Two expressions as such; another number of them is an error."""
+    a, b = items
+    return a, b
+
+
+def triple(items: Iterable[Expr]) -> Triple:
+    """Three expressions as such; another number of them is an error."""
+    a, b, c = items
+    return a, b, c
 
 
 @dataclass(frozen=True, slots=True, eq=False)

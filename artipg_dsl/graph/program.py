@@ -103,6 +103,12 @@ class Draw:
     unions: list[Union] = field(default_factory=list)
     doc: str = ""
 
+    @property
+    def ends(self) -> tuple[Expr, Expr]:
+        """The ends of its domain; of a real or a count, which have them."""
+        assert self.low is not None and self.high is not None
+        return self.low, self.high
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Requirement:

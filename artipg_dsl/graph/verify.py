@@ -316,7 +316,7 @@ def _cells(value: Any, kind: type | None = None) -> Iterator[Expr]:
             yield from _cells(one)
     elif is_dataclass(value) and not isinstance(value, (Scope, Column, *_REFERENCES)):
         for field in fields(value):
-            if field.name not in _FORMULAS.get(kind, ()):  # type: ignore[arg-type]
+            if kind is None or field.name not in _FORMULAS.get(kind, ()):
                 yield from _cells(getattr(value, field.name))
 
 

@@ -42,13 +42,14 @@ class Plan:
 
     @property
     def function(self) -> Callable[..., Any]:
-        if self._function is None:
+        function = self._function
+        if function is None:
             from . import kernels, newton  # start-up: a plan is made and shown without them
 
-            namespace: dict[str, object] = {**vars(kernels), "newton": newton.newton}
+            namespace: dict[str, Any] = {**vars(kernels), "newton": newton.newton}
             exec(compile(self.source, "<plan>", "exec"), namespace)  # noqa: S102 - no text of a program but literals
-            self._function = namespace["evaluate"]  # type: ignore[assignment]
-        return self._function  # type: ignore[return-value]
+            function = self._function = namespace["evaluate"]
+        return function
 
 
 @dataclass(slots=True, eq=False)

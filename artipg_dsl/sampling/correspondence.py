@@ -142,7 +142,7 @@ class _Slots:
         size = batch.rowmap.rows(home).size
         ups = [batch.rowmap.up(batch.program.sites[site].scope, home) for site in sites]
         counts = [np.append(np.bincount(up, minlength=size), 0) for up in ups]
-        wanted = np.minimum(place, sum(counts)[base] - 1)  # type: ignore[index]
+        wanted = np.minimum(place, np.sum(counts, axis=0)[base] - 1)
         found, start = [], np.zeros(size + 1, dtype=np.int64)
         for site, up, count in zip(sites, ups, counts, strict=True):
             first = np.append(np.searchsorted(up, np.arange(size)), 0)

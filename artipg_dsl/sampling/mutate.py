@@ -230,7 +230,7 @@ class _Step:
         """A count of one possible value cannot."""
         if draw.kind == "choice":
             return len(draw.options) > 1
-        low, high = self.batch.read([draw.low, draw.high], draw.column.scope)  # type: ignore[list-item]
+        low, high = self.batch.read(draw.ends, draw.column.scope)
         return np.asarray(high) > np.asarray(low)
 
     def lots(self) -> list[np.ndarray]:
@@ -267,7 +267,7 @@ class _Step:
         return np.where(meant, self.strength * step, 0.0)
 
     def width(self, draw: Draw) -> np.ndarray:
-        low, high = self.batch.read([draw.low, draw.high], draw.column.scope)  # type: ignore[list-item]
+        low, high = self.batch.read(draw.ends, draw.column.scope)
         return np.asarray(high, dtype=np.float64) - np.asarray(low, dtype=np.float64)
 
     # ------------------------------------------------------------ attempts

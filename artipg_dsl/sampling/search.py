@@ -313,7 +313,7 @@ def domain(batch: Batch, number: int) -> tuple[np.ndarray, np.ndarray]:
     rows = batch.rowmap.rows(draw.column.scope)
     if draw.kind == "choice":
         return np.zeros(rows.size), np.full(rows.size, len(draw.options) - 1.0)
-    low, high = batch.read([draw.low, draw.high], draw.column.scope)  # type: ignore[list-item]
+    low, high = batch.read(draw.ends, draw.column.scope)
     low, high = (full(rows, end).astype(np.float64) for end in (low, high))
     return low, np.maximum(low, high)
 

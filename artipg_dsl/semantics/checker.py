@@ -50,8 +50,8 @@ class Context:
     subject: bool = False
     component: Dimension | None = None
 
-    def but(self, **changes: object) -> Context:
-        return replace(self, **changes)  # type: ignore[arg-type]
+    def but(self, **changes: Any) -> Context:
+        return replace(self, **changes)
 
     def given(self, *more: Condition) -> Context:
         """The same place where more is known to hold."""

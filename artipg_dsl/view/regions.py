@@ -109,7 +109,7 @@ def pattern(n: int) -> np.ndarray:
 
 def degrees(batch: Batch, labels: list[Label], at: Bound) -> dict[str, np.ndarray]:
     """How far each word holds at the places, 0 .. 1."""
-    fields = label_points(batch, batch.sites(), at, labels).fields  # type: ignore[arg-type]
+    fields = label_points(batch, batch.sites(), at, labels).fields
     ordered = words(batch, labels[0].vocabulary) if labels else []
     names = {label.name: field_name(label) for label in labels}
     return {word: np.clip(np.nan_to_num(fields[names[word]].astype(np.float64)), 0.0, 1.0) for word in ordered}

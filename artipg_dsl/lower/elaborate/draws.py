@@ -61,8 +61,10 @@ def make_draw(env: Env, declaration: ast.ParamDecl | ast.CountDecl, path: str, c
     )  # fmt: skip
     if declaration.default is not None:
         draw.default = component_of(env, declaration.default, component)
-        ends = low.constant, draw.default.constant, high.constant
-        if None not in ends and not ends[0] - SMALL <= ends[1] <= ends[2] + SMALL:  # type: ignore[operator]
+        first, value, last = low.constant, draw.default.constant, high.constant
+        if first is None or value is None or last is None:
+            pass
+        elif not first - SMALL <= value <= last + SMALL:
             raise env.context.error(
                 "default-outside-range", declaration.default.span, f"the default of `{path}` lies outside its range",
                 notes=((domain.span, "the range"),),

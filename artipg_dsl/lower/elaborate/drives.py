@@ -15,13 +15,14 @@ from typing import TYPE_CHECKING
 
 from ...graph import expr as E
 from ...graph.expr import Expr, Scope
+from ...graph.primitive import Triple, triple
 from ...graph.program import Joint, Pose
 from ...graph.reference import definitions
 from ...syntax import ast
 from ..expressions.context import Context, text_of
 from ..expressions.env import Env
 from ..solve.solve import lifted
-from ..values.vectors import Triple, cross, dot, inverse, minus, norm, place, plus, times
+from ..values.vectors import cross, dot, inverse, minus, norm, place, plus, times
 from .links import MOVING_ABOUT, Links, carried_axis
 from .part import Part
 from .paths import elements_named, joints
@@ -101,15 +102,15 @@ class Drive:
 
         ends = {name: value for name in ("low", "high", "pitch") if (value := getattr(joint, name)) is not None}
         ends = {name: up(value) for name, value in ends.items()}
-        origin: Triple = tuple(map(up, joint.origin))  # type: ignore[assignment]
-        axis: Triple = tuple(map(up, joint.axis))  # type: ignore[assignment]
+        origin: Triple = triple(map(up, joint.origin))
+        axis: Triple = triple(map(up, joint.axis))
         return there, replace(joint, origin=origin, axis=axis, rest=up(joint.rest), **ends)
 
     def drives(self, joint: Joint, force: int, way: int) -> Expr:
         into = inverse(self.origin)
         at, axis = place(into, joint.origin), carried_axis(into, joint.axis, joint.kind)
-        p: Triple = tuple(E.var(f"p.{a}") for a in "xyz")  # type: ignore[assignment]
-        n: Triple = tuple(E.var(f"n.{a}") for a in "xyz")  # type: ignore[assignment]
+        p: Triple = triple(E.var(f"p.{a}") for a in "xyz")
+        n: Triple = triple(E.var(f"n.{a}") for a in "xyz")
         if joint.kind == "ball":  # it tilts towards any side
             arm = minus(p, at)
             enough = E.call("le", E.mul(LEVER, self.reach(at, None)), norm(arm))
@@ -132,10 +133,10 @@ class Drive:
 
     def reach(self, at: Triple, axis: Triple | None) -> Expr:
         """The longest lever arm of the target's box about an axis, or about a point."""
-        half = times(tuple(self.aim.box.size), E.const(0.5))  # type: ignore[arg-type]
+        half = times(triple(self.aim.box.size), E.const(0.5))
         arms = []
         for signs in itertools.product((-1.0, 1.0), repeat=3):
-            corner: Triple = tuple(E.mul(E.const(s), h) for s, h in zip(signs, half, strict=True))  # type: ignore[assignment]
+            corner: Triple = triple(E.mul(E.const(s), h) for s, h in zip(signs, half, strict=True))
             arm = minus(corner, at)
             arms.append(norm(arm if axis is None else cross(axis, arm)))
         return E.maximum(*arms)

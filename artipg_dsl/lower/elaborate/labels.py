@@ -9,7 +9,7 @@ from typing import Any
 from ...graph import expr as E
 from ...graph.expr import ONE, Expr, Scope, ScopeError
 from ...graph.formula import free_variables
-from ...graph.primitive import Triple
+from ...graph.primitive import Triple, pair
 from ...graph.program import Grasp, Keypoint, Label, Pose, Target
 from ...semantics.meanings import Current, Declared, Global
 from ...syntax import ast
@@ -391,7 +391,7 @@ def symmetry(links: Links, env: Env, statement: ast.SymmetryStmt) -> None:
                     told = (
                         E.where(here, shown(a, instance.scope), b) for a, b in zip((turns, axis), known, strict=True)
                     )
-                    program.parts[number] = replace(program.parts[number], symmetry=tuple(told))  # type: ignore[arg-type]
+                    program.parts[number] = replace(program.parts[number], symmetry=pair(told))
 
 
 def one_element(statement: ast.SymmetryStmt) -> bool:

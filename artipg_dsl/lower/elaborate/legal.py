@@ -15,6 +15,7 @@ from ...graph.feasible import certain
 from ...graph.formula import free_variables, row_values
 from ...graph.interval import Intervals
 from ...graph.linear import tidy
+from ...graph.primitive import triple
 from ...graph.program import Draw, Grasp, Joint, Label, Pose, Program, Requirement, Where
 from ...graph.program import Part as PartNode
 from ...source import Source, Span
@@ -310,11 +311,11 @@ def of_grasp(grasp: Grasp) -> Iterator[Quantity]:
         share = E.const(k / (SHARES - 1))
         t = E.add(grasp.low, E.mul(E.sub(grasp.high, grasp.low), share))
         formulas = [E.substitute(f, {**box, E.var("t"): t}) for f in grasp.formulas]
-        at, approach, close = (tuple(formulas[3 * i : 3 * i + 3]) for i in range(3))
+        at, approach, close = (triple(formulas[3 * i : 3 * i + 3]) for i in range(3))
         yield from each(f"the place of {name}", scope, at, PLACE, place)
         yield Quantity(f"the length of `approach` of {name}", scope, norm(approach), DIRECTION, place)
         yield Quantity(f"the length of `close` of {name}", scope, norm(close), DIRECTION, place)
-        yield Quantity(f"`close` beside `approach` of {name}", scope, norm(cross(approach, close)), APART, place)  # type: ignore[arg-type]
+        yield Quantity(f"`close` beside `approach` of {name}", scope, norm(cross(approach, close)), APART, place)
         yield Quantity(f"the opening of {name}", scope, formulas[9], OPENING, place)
         yield Quantity(f"the quality of {name}", scope, formulas[10], SHARE, place)
         yield from each(f"the hand of {name}", scope, formulas[11:], HELD, place)

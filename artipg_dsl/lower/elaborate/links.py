@@ -14,6 +14,7 @@ from typing import Any
 
 from ...graph import expr as E
 from ...graph.expr import Expr, Scope, ScopeError
+from ...graph.primitive import Triple, triple
 from ...graph.program import Joint, Link, Pose, Site
 from ...graph.program import Part as PartNode
 from ...graph.reference import Elsewhere, Onward, Reference, Under
@@ -26,7 +27,7 @@ from ..expressions.evaluate import Evaluator
 from ..expressions.extents import union_of
 from ..solve.cases import TooManyCases, combinations
 from ..values.kinds import Carrier, Edge, Frame, InElement, Line, Vec, part_of
-from ..values.vectors import HERE, IDENTITY, Triple, compose, direct, normalized, place
+from ..values.vectors import HERE, IDENTITY, compose, direct, normalized, place
 from .connect import Attachment, named_box
 from .part import Instance, Part
 from .place import bare
@@ -411,7 +412,7 @@ def clears(ev: Evaluator, node: ast.Expr) -> bool:
 def carried_axis(outer: Pose, axis: Triple, kind: str) -> Triple:
     """An axis in the object's frame; an axis of rotation is a pseudo-vector, which a mirror turns round once more."""
     carried = normalized(direct(outer, axis))
-    return tuple(E.mul(outer.mirror, c) for c in carried) if kind in MOVING_ABOUT else carried  # type: ignore[return-value]
+    return triple(E.mul(outer.mirror, c) for c in carried) if kind in MOVING_ABOUT else carried
 
 
 def joint_name(env: Env, statement: ast.JointDecl) -> str:

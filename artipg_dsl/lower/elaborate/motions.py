@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from ...graph import expr as E
 from ...graph.expr import ScopeError
+from ...graph.primitive import Triple, triple
 from ...graph.program import Closure
 from ...graph.reference import Reference
 from ...syntax import ast
@@ -14,7 +15,7 @@ from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..solve.solve import lifted
 from ..values.kinds import Frame, Line, Vec
-from ..values.vectors import Triple, direct, dot, minus, place, plus, times
+from ..values.vectors import direct, dot, minus, place, plus, times
 from .connect import carriers
 from .guards import held
 from .links import Links, clears
@@ -75,7 +76,7 @@ def close(links: Links, env: Env, statement: ast.CloseStmt) -> None:
         elif isinstance(value, Line):  # axes that coincide: where along them does not matter
             point, along = value.point, direct(links.world(env), value.direction)
         elif isinstance(value, Vec) and value.point:
-            point = value.items  # type: ignore[assignment]
+            point = triple(value.items)
         else:
             raise Evaluator(env).wrong(node.span, "a port or a point", value)
         on = carriers(value, env.scope)

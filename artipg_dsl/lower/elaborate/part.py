@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from ...graph import expr as E
 from ...graph.expr import Expr, Scope
+from ...graph.primitive import Triple
 from ...graph.program import Pose
 from ...semantics.symbols import Symbol, is_a
 from ...source import Span
@@ -19,7 +20,7 @@ from ..expressions.evaluate import Evaluator
 from ..expressions.extents import frame_in, union_of
 from ..values.carry import merged, moved
 from ..values.kinds import Box, Branch, Choice, Ports, Ref, Surface, Value, Vec
-from ..values.vectors import IDENTITY, Matrix, Triple, compose, times
+from ..values.vectors import IDENTITY, Matrix, compose, matrix, times
 from .guards import held
 from .paths import Reached, walk
 from .style import Style
@@ -104,7 +105,7 @@ class Part:
         result = found[-1][1] if found else IDENTITY  # what could not be built has been reported
         for option, other in reversed(found[:-1]):
             guard = self.guard(option)
-            result = tuple(  # type: ignore[assignment]
+            result = matrix(
                 tuple(E.where(guard, a, b) for a, b in zip(row, rest, strict=True))
                 for row, rest in zip(other, result, strict=True)
             )

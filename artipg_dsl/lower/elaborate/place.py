@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from ...graph import expr as E
 from ...graph.expr import ONE, ZERO, Scope
 from ...graph.linear import tidy
+from ...graph.primitive import Triple, triple
 from ...graph.program import Pose
 from ...semantics.meanings import Declared, Word
 from ...syntax import ast
@@ -24,10 +25,10 @@ from ..values.vectors import (
     HERE,
     IDENTITY,
     Matrix,
-    Triple,
     columns,
     cross,
     dot,
+    matrix,
     minus,
     norm,
     normalized,
@@ -150,7 +151,7 @@ def before(part: Part) -> Pose:
     if part.previous is None:
         names = [f"{part.path}.at.{letter}" for letter in "xyz"]
         found = [part.context.column(part.env.scope, name, "real", part.span) for name in names]
-        part.previous = Pose(IDENTITY, tuple(map(E.col, found)), E.ONE)  # type: ignore[arg-type]
+        part.previous = Pose(IDENTITY, triple(map(E.col, found)), E.ONE)
     return part.previous
 
 
@@ -219,12 +220,17 @@ def partly(part: Part, mounts: list[tuple[Mount, Pose]]) -> Pose:
         ]
         for i in range(3)
     ]
-    return Pose(tuple(map(tuple, cells)), place, ONE)  # type: ignore[arg-type]
+    return Pose(matrix(cells), place, ONE)
 
 
 def flat(pose: Pose) -> list[E.Expr]:
     found: list[E.Expr] = []
-    mapped_pose(Pose(pose.rotation, pose.translation, pose.mirror), lambda e: found.append(e) or e)  # type: ignore[func-returns-value]
+
+    def noted(entry: E.Expr) -> E.Expr:
+        found.append(entry)
+        return entry
+
+    mapped_pose(Pose(pose.rotation, pose.translation, pose.mirror), noted)
     return found
 
 
@@ -249,8 +255,8 @@ def mounted(part: Part, mount: Mount) -> Pose:
         raise ev.wrong(mount.target.span, "a frame (a port or a face)", value)
     origin = located(value, mount, ev)
     out, up = value.out, value.up
-    side = tuple(row[1] for row in value.rotation)
-    rotation = product(columns(times(out, MINUS), times(side, MINUS), up), transpose(own.rotation))  # type: ignore[arg-type]
+    side = triple(row[1] for row in value.rotation)
+    rotation = product(columns(times(out, MINUS), times(side, MINUS), up), transpose(own.rotation))
     offset = ev.scalar(statement.gap.value) if statement.gap is not None else ZERO
     if statement.sink is not None:
         offset = E.sub(offset, ev.scalar(statement.sink.value))
@@ -297,7 +303,7 @@ def located(frame: Frame, mount: Mount, ev: Evaluator) -> Triple:
             origin[axis] = ev.scalar(node)
         elif not isinstance(ev.env.context.meaning(node), Word):  # `center` is where it is
             origin = list(ev.vector(node))
-    return tuple(origin)  # type: ignore[return-value]
+    return triple(origin)
 
 
 def bridged(part: Part, mount: Mount, ev: Evaluator) -> Pose:

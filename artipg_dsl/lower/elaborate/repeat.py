@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from ...graph import expr as E
 from ...graph.expr import Expr, Scope
+from ...graph.primitive import triple
 from ...graph.program import Pose
 from ...syntax import ast
 from ..expressions.context import where
@@ -13,7 +14,7 @@ from ..expressions.env import Element, Env
 from ..expressions.evaluate import Evaluator
 from ..values.faces import squared
 from ..values.kinds import Box, Line
-from ..values.vectors import HERE, IDENTITY, ORIGIN, norm, rotation_about, signed_axis
+from ..values.vectors import HERE, IDENTITY, ORIGIN, matrix, norm, rotation_about, signed_axis
 from .ranges import EVERY, Quantity
 from .split import axis_of, scalar, split
 
@@ -37,7 +38,8 @@ def build_repeat(
     if statement.form == "mirror":
         count: Expr = E.const(2.0)
     elif statement.form == "fill" and statement.count is None:
-        count = filled(ev, statement, box)  # type: ignore[arg-type]
+        assert box is not None
+        count = filled(ev, statement, box)
         if (every := statement.every) is not None:
             name, place = f"`every` of `{statement.name}`", where(every.span)
             context.asked.append(Quantity(name, env.scope, ev.scalar(every.value), EVERY, place))
@@ -54,7 +56,8 @@ def build_repeat(
     inner_ev = Evaluator(inner)
     match statement.form:
         case "split":
-            split(inner, element, statement, box, register)  # type: ignore[arg-type]
+            assert box is not None
+            split(inner, element, statement, box, register)
         case "spread" | "fill" | "pitch":
             element.box = spaced(ev, inner_ev, statement, box, count, scope)
         case "ring":
@@ -101,7 +104,7 @@ def spaced(
         center = E.where(E.call("le", count, E.ONE), E.mul(E.add(box.low[axis], box.high[axis]), HALF), several)
     low, high = list(box.low), list(box.high)
     low[axis] = high[axis] = center
-    return Box(tuple(low), tuple(high), on=box.on)  # type: ignore[arg-type]
+    return Box(triple(low), triple(high), on=box.on)
 
 
 def ring(ev: Evaluator, statement: ast.RepeatStmt, count: Expr, scope: Scope) -> Pose:
@@ -136,5 +139,5 @@ def mirrored(ev: Evaluator, statement: ast.RepeatStmt, scope: Scope) -> Pose:
     other = 2 if axis[0] == 0 else 0
     diagonal = [sign, sign, sign]
     diagonal[other] = E.ONE
-    rows = tuple(tuple(diagonal[i] if i == j else E.ZERO for j in range(3)) for i in range(3))
-    return Pose(rows, ORIGIN, sign)  # type: ignore[arg-type]
+    rows = matrix(tuple(diagonal[i] if i == j else E.ZERO for j in range(3)) for i in range(3))
+    return Pose(rows, ORIGIN, sign)

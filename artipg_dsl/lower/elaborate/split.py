@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from ...graph import expr as E
 from ...graph.expr import Expr, Scope
+from ...graph.primitive import triple
 from ...graph.program import Requirement
 from ...syntax import ast
 from ..expressions.context import where
@@ -21,7 +22,8 @@ def split(
     inner: Env, element: Element, statement: ast.RepeatStmt, box: Box, register: Callable[[Env, ast.Stmt], None]
 ) -> None:
     """Set the element's box and the gap before it. The weight may name what the body declares."""
-    outer = Evaluator(inner.outer)  # type: ignore[arg-type]
+    assert inner.outer is not None
+    outer = Evaluator(inner.outer)
     axis, scope = axis_of(outer, statement), element.scope
     gap = scalar(outer, statement.gap)
     for declaration in statement.body:
@@ -42,11 +44,11 @@ def split(
     start = E.add(E.add(box.low[axis], before), E.mul(E.rank(scope), gap))
     low_end, high_end = list(box.low), list(box.high)
     low_end[axis], high_end[axis] = start, E.add(start, size)
-    element.box = Box(tuple(low_end), tuple(high_end), on=box.on)  # type: ignore[arg-type]
+    element.box = Box(triple(low_end), triple(high_end), on=box.on)
     gap_low, gap_high = list(box.low), list(box.high)
     gap_low[axis], gap_high[axis] = E.sub(start, gap), start
     present = E.negate(E.call("eq", E.rank(scope), E.ZERO))
-    element.gap = Box(tuple(gap_low), tuple(gap_high), on=box.on, exists=present)  # type: ignore[arg-type]
+    element.gap = Box(triple(gap_low), triple(gap_high), on=box.on, exists=present)
 
 
 def bound_count(inner: Env, element: Element, statement: ast.RepeatStmt, room: Expr, low: Expr, high: Expr) -> None:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from ...graph import expr as E
 from ...graph.derive import derive
 from ...graph.expr import Column, Expr, Scope
 from ...graph.linear import Linear, isolate
-from ...graph.primitive import Patch
+from ...graph.primitive import Patch, triple
 from ...syntax import ast
 from ..expressions.builtins import named
 from ..solve.solve import lifted
@@ -44,19 +46,23 @@ def frame_on(ev: Evaluator, surface: Surface, node: ast.CallExpr) -> Frame:
             mapping = {k: lifted(e, scope) for k, e in instance.solid.mapping(instance).items()}
             v = ev.scalar(arguments["v"]) if "v" in arguments else solve_v(ev, node, arguments, patch, mapping, u)
             values: dict[Expr, Expr] = {**mapping, E.var("u"): u, E.var("v"): v}
-            position = tuple(E.substitute(c, values) for c in patch.position)
-            du, dv = (tuple(E.substitute(derive(c, name), values) for c in patch.position) for name in ("u", "v"))
-            frame = Frame(position, frame_of(normalized(cross(du, dv)), unit(2)), (part,))  # type: ignore[arg-type]
+            position = triple(E.substitute(c, values) for c in patch.position)
+            du, dv = (triple(E.substitute(derive(c, name), values) for c in patch.position) for name in ("u", "v"))
+            frame = Frame(position, frame_of(normalized(cross(du, dv)), unit(2)), (part,))
             pose = mapped_pose(outer, lambda e: lifted(e, scope))
             found.append((held(instance.scope, scope), moved(frame, pose)))
     if not found:
         raise ev.env.context.error("unknown-member", node.span, "none of the alternatives has this surface")
     value: Value = found[-1][1]
     for guard, other in reversed(found[:-1]):
-        cells = iter(scalars(other))
-        value = mapped(value, lambda e, guard=guard, cells=cells: E.where(guard, next(cells), e))  # type: ignore[misc]
+        value = mapped(value, partial(chosen, guard, iter(scalars(other))))
     carriers = tuple(dict.fromkeys(p for _, f in found for p in f.on))
     return moved(replace(value, on=carriers), ev.pose)
+
+
+def chosen(guard: Expr, others: Iterator[Expr], otherwise: Expr) -> Expr:
+    """The next of ``others`` where ``guard`` holds."""
+    return E.where(guard, next(others), otherwise)
 
 
 def solve_v(

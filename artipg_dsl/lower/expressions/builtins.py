@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...graph import expr as E
 from ...graph.expr import Expr
+from ...graph.primitive import triple
 from ...source import Span
 from ...syntax import ast
 from ..values.carry import mapped, scalars
@@ -95,7 +96,7 @@ def farthest(box: Box, ev: Evaluator, node: ast.CallExpr) -> tuple[Expr, Expr, E
     for k in range(3):
         sign = direction[k].constant
         point.append(outer.low[k] if sign is not None and sign < 0 else outer.high[k])
-    return tuple(point)  # type: ignore[return-value]
+    return triple(point)
 
 
 def count(ev: Evaluator, node: ast.CallExpr, expected: int, given: int) -> None:
@@ -166,7 +167,7 @@ def make_box(ev: Evaluator, node: ast.CallExpr) -> Box:
         raise ev.env.context.error(
             "wrong-arguments", node.span, f"the faces {', '.join(missing)} are open: this template has no box of its own to take them from"
         )  # fmt: skip
-    return Box(tuple(low), tuple(high), on=on)  # type: ignore[arg-type]
+    return Box(triple(c for c in low if c is not None), triple(c for c in high if c is not None), on=on)
 
 
 def reduction(ev: Evaluator, name: str, node: ast.Expr) -> Expr:

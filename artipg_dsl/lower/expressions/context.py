@@ -149,12 +149,12 @@ class Context:
     blamed: tuple[Span, str] | None = None  # where and how errors begin while a primitive is shaped by its user's curve
     tested: dict[str, Interval] = field(default_factory=dict)  # what its other parameters are tested over then
 
-    def error(self, code: str, span: Span, message: str, **more: object) -> Abort:
+    def error(self, code: str, span: Span, message: str, **more: Any) -> Abort:
         """Report an error with the present trace of instantiations; returns what the caller raises."""
         if self.blamed is not None:
-            more["notes"] = (*more.get("notes", ()), (span, "what goes along it"))  # type: ignore[misc]
+            more["notes"] = (*more.get("notes", ()), (span, "what goes along it"))
             span, message = self.blamed[0], f"{self.blamed[1]}: {message}"
-        self.report.error(code, span, message, trace=tuple(self.trace), **more)  # type: ignore[arg-type]
+        self.report.error(code, span, message, trace=tuple(self.trace), **more)
         return Abort(message)
 
     @contextmanager

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from ...graph import expr as E
 from ...graph.expr import Expr, Scope
+from ...graph.primitive import triple
 from ...graph.program import Pose
 from ..values.carry import moved
 from ..values.faces import extent
@@ -44,7 +45,7 @@ def raised(box: Box, scope: Scope | None, to: Scope) -> Box:
             inf = E.const(float("inf"))
             low = tuple(E.phi(scope.parent, [(scope, c)], inf) for c in box.low)
             high = tuple(E.phi(scope.parent, [(scope, c)], E.neg(inf)) for c in box.high)
-        box, scope = Box(low, high, on=box.on), scope.parent  # type: ignore[arg-type]
+        box, scope = Box(triple(low), triple(high), on=box.on), scope.parent
     return box
 
 
@@ -65,8 +66,8 @@ def union_of(env: Env, scope: Scope) -> Box:
         box = extent(found)
         if part.exists is not E.TRUE:
             box = Box(
-                tuple(E.where(part.exists, c, E.const(float("inf"))) for c in box.low),  # type: ignore[arg-type]
-                tuple(E.where(part.exists, c, E.const(float("-inf"))) for c in box.high),  # type: ignore[arg-type]
+                triple(E.where(part.exists, c, E.const(float("inf"))) for c in box.low),
+                triple(E.where(part.exists, c, E.const(float("-inf"))) for c in box.high),
             )
         box = raised(box, part.env.scope, scope)
         for k in range(3):
@@ -74,4 +75,4 @@ def union_of(env: Env, scope: Scope) -> Box:
             highs[k].append(box.high[k])
     if not lows[0]:
         return Box(ORIGIN, ORIGIN)
-    return Box(tuple(E.minimum(*c) for c in lows), tuple(E.maximum(*c) for c in highs))  # type: ignore[arg-type]
+    return Box(triple(E.minimum(*c) for c in lows), triple(E.maximum(*c) for c in highs))

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from ...graph import expr as E
 from ...graph.expr import Expr, Scope
+from ...graph.primitive import triple
 from ...graph.program import Pose
 from ...source import Span
 from ...syntax import ast
@@ -162,12 +164,13 @@ def fetch(ev: Evaluator, at: At, inner: Value) -> Value:
     scope = at.element.scope
     if hasattr(inner, "on"):
         inner = replace(inner, on=in_element(at, inner.on, ev.env.scope))
-    if at.index is None:
+    index = at.index
+    if index is None:
         return mapped(inner, lambda e: E.previous(scope, e, E.ZERO) if e.scope is not None else e)
-    value = mapped(inner, lambda e: E.element(scope, e, at.index) if _deep(e, scope) else e)  # type: ignore[arg-type]
+    value = mapped(inner, lambda e: E.element(scope, e, index) if _deep(e, scope) else e)
     frame = at.element.env.frame
     if frame is not HERE:
-        outer = mapped_pose(frame, lambda e: E.element(scope, e, at.index) if _deep(e, scope) else e)  # type: ignore[arg-type]
+        outer = mapped_pose(frame, lambda e: E.element(scope, e, index) if _deep(e, scope) else e)
         value = moved(value, outer)
     return moved(lift(ev, value, scope.parent), ev.pose)
 
@@ -220,8 +223,15 @@ def joined(ev: Evaluator, name: str, results: list[tuple[Scope | None, Value]]) 
     if all(isinstance(v, Ref) for _, v in results):
         branches = [replace(b, scope=b.scope or s) for s, v in results for b in baked(v).branches]
         return Ref(name, tuple(branches))
-    parent = results[0][0].parent  # type: ignore[union-attr]
-    return lift(ev, merged(parent, results), parent)  # type: ignore[arg-type]
+    return lift(ev, *united(results))
+
+
+def united(values: Sequence[tuple[Scope | None, Value]]) -> tuple[Any, Scope]:
+    """One value out of those of alternatives, each in its own table, in the table that they part."""
+    parted = [(scope, value) for scope, value in values if scope is not None]
+    parent = parted[0][0].parent
+    assert parent is not None and len(parted) == len(values)
+    return merged(parent, parted), parent
 
 
 def labelled(ev: Evaluator, value: Value, box: Box) -> Value:
@@ -242,15 +252,14 @@ def branch_box(ev: Evaluator, ref: Ref, span: Span) -> Box:
         carriers += [part for part, _ in branch.members if part not in carriers]
         if len(held) > 1:
             held = [extent(b) for b in held]
-            low = tuple(E.minimum(*(b.low[k] for b in held)) for k in range(3))
-            high = tuple(E.maximum(*(b.high[k] for b in held)) for k in range(3))
-            held = [Box(low, high)]  # type: ignore[arg-type]
+            low = triple(E.minimum(*(b.low[k] for b in held)) for k in range(3))
+            high = triple(E.maximum(*(b.high[k] for b in held)) for k in range(3))
+            held = [Box(low, high)]
         boxes.append((branch.scope, held[0]))
     on = tuple(carriers)
     if len(boxes) == 1:
         return lift(ev, replace(boxes[0][1], on=on), boxes[0][0])
-    parent = boxes[0][0].parent  # type: ignore[union-attr]
-    value = merged(parent, boxes)  # type: ignore[arg-type]
+    value, parent = united(boxes)
     return lift(ev, replace(value, on=on), parent)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...graph import expr as E
 from ...graph.expr import ONE, ZERO, Expr
-from ...graph.primitive import Piece, Triple
+from ...graph.primitive import Piece, Triple, pair, triple
 from ..values.vectors import dot, minus, plus, times
 from .curves import TURN
 from .frames import Frames, turning
@@ -48,8 +48,8 @@ class Bay:
         ]
 
     def place(self, across: Point, v: Expr | float) -> Triple:
-        at = tuple(E.substitute(c, {V: E.wrap(v)}) for c in self.rail.place)
-        return plus(at, plus(times(self.frames.side(v), across[0]), times(self.frames.up(v), across[1])))  # type: ignore[arg-type]
+        at = triple(E.substitute(c, {V: E.wrap(v)}) for c in self.rail.place)
+        return plus(at, plus(times(self.frames.side(v), across[0]), times(self.frames.up(v), across[1])))
 
     @property
     def even(self) -> bool:
@@ -65,12 +65,12 @@ def mixed(a: Span, b: Span, blend: Expr) -> Span:
     if a is b:
         return a
     ends = zip(a.by_fraction, b.by_fraction, strict=True)
-    position = tuple(E.add(p, E.mul(blend, E.sub(q, p))) for p, q in ends)
-    return Span(a.name, position, ZERO, ONE, a.closing)  # type: ignore[arg-type]
+    position = pair(E.add(p, E.mul(blend, E.sub(q, p))) for p, q in ends)
+    return Span(a.name, position, ZERO, ONE, a.closing)
 
 
 def swapped(point: Sequence[Expr], mapping: dict[Expr, Expr]) -> Point:
-    return tuple(E.substitute(c, mapping) for c in point)  # type: ignore[return-value]
+    return pair(E.substitute(c, mapping) for c in point)
 
 
 # ---------------------------------------------------------------- pieces
@@ -98,8 +98,8 @@ def bay_pieces(seen: Probe, probe: Probe, bay: Bay, name: str, sections: list[li
     bent = bay.rail.center is not None or bay.rail.length is ZERO
     for number, corners in enumerate(sections):
         corners = [c for k, c in enumerate(corners) if not seen.same(c, corners[k - 1])]
-        middle = tuple(E.div(sum_of([c[k] for c in corners]), E.const(float(len(corners)))) for k in (0, 1))
-        narrow = inradius(corners, middle)  # type: ignore[arg-type]
+        middle = pair(E.div(sum_of([c[k] for c in corners]), E.const(float(len(corners)))) for k in (0, 1))
+        narrow = inradius(corners, middle)
         ring = zip(corners, [*corners[1:], corners[0]], strict=True)
         sign = ONE if bay.course is None else orientation(seen, tuple(Side(between("", a, b)) for a, b in ring))
         turns = turned(probe, bay.rail) / TURN if bay.rail.length is ZERO else 1.0
@@ -128,8 +128,8 @@ def bay_pieces(seen: Probe, probe: Probe, bay: Bay, name: str, sections: list[li
                 hub = swapped(middle, {BLEND: E.const(v)})
                 for corner in corners:
                     here = swapped(corner, {BLEND: E.const(v)})
-                    drawn = tuple(E.add(h, E.mul(keep, E.sub(c, h))) for c, h in zip(here, hub, strict=True))
-                    points.append(bay.place(drawn, v))  # type: ignore[arg-type]
+                    drawn = pair(E.add(h, E.mul(keep, E.sub(c, h))) for c, h in zip(here, hub, strict=True))
+                    points.append(bay.place(drawn, v))
             made.append(Piece(f"{name}_{number}_{k}", tuple(points)))
     return made
 
@@ -171,7 +171,7 @@ def hollow(corners: list[Point], sign: Expr, low: float, high: float) -> Expr:
 
 
 def toward(a: Point, b: Point, share: float) -> Point:
-    return tuple(E.add(p, E.mul(E.const(share), E.sub(q, p))) for p, q in zip(a, b, strict=True))  # type: ignore[return-value]
+    return pair(E.add(p, E.mul(E.const(share), E.sub(q, p))) for p, q in zip(a, b, strict=True))
 
 
 def shown(probe: Probe, corners: Sequence[Point]) -> np.ndarray:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from ...graph import expr as E
 from ...graph.derive import derive
 from ...graph.expr import ONE, ZERO, Expr
+from ...graph.primitive import pair
 from ...syntax import ast
 from ..expressions.builtins import named, need
 from ..expressions.env import Env, Function
@@ -117,7 +118,8 @@ def offset_spans(ev: Evaluator, node: ast.CallExpr) -> list[Span]:
     value = offset(Evaluator(ev.env, ev.local), node)
     first = node.arguments[0].value
     curve = named_curve(ev, first.function if isinstance(first, ast.CallExpr) else first)
-    return [Span(f"{curve.name}_offset", value.items, *curve.ends())]  # type: ignore[arg-type,union-attr]
+    assert isinstance(curve, Curve)
+    return [Span(f"{curve.name}_offset", pair(value.items), *curve.ends())]
 
 
 def circle(ev: Evaluator, node: ast.CallExpr) -> list[Span]:

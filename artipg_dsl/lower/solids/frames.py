@@ -15,7 +15,7 @@ import numpy as np
 from ...graph import expr as E
 from ...graph.derive import derive
 from ...graph.expr import ONE, ZERO, Expr
-from ...graph.primitive import Triple
+from ...graph.primitive import Triple, triple
 from ..values.vectors import cross, dot, minus, normalized, plus, times, unit
 from .paths import Stretch, turned
 from .probe import Probe
@@ -65,7 +65,7 @@ def at(vector: Triple) -> Vector:
     def there(v: float | Expr) -> Triple:
         place = E.wrap(v)
         if place not in known:
-            known[place] = tuple(E.substitute(c, {V: place}) for c in vector)  # type: ignore[assignment]
+            known[place] = triple(E.substitute(c, {V: place}) for c in vector)
         return known[place]
 
     return there
@@ -105,7 +105,7 @@ def carried(probe: Probe, rail: Stretch, side: Triple) -> Frames:
     last = held[-1]
     for k in range(count - 1, 0, -1):
         here = E.call("lt", before, E.const(float(k)))
-        last = tuple(E.where(here, a, b) for a, b in zip(held[k - 1], last, strict=True))  # type: ignore[assignment]
+        last = triple(E.where(here, a, b) for a, b in zip(held[k - 1], last, strict=True))
     across = reflected(rail, E.mul(before, E.const(1.0 / count)), V, last)
     return Frames(at(across), at(cross(rail.direction, across)))
 
@@ -122,7 +122,7 @@ def reflected(rail: Stretch, low: Expr, high: Expr, side: Triple) -> Triple:
     mirrored = [mirror(first, vector) for vector in (side, start)]
     moved = mirror(minus(end, mirrored[1]), mirrored[0])
     same = E.call("lt", dot(first, first), E.const(1e-18))  # no direction is left of a nanometre
-    return tuple(E.where(same, a, b) for a, b in zip(side, moved, strict=True))  # type: ignore[return-value]
+    return triple(E.where(same, a, b) for a, b in zip(side, moved, strict=True))
 
 
 def mirror(normal: Triple, vector: Triple) -> Triple:
@@ -181,7 +181,7 @@ def bending(rail: Stretch) -> list[tuple[Triple, Triple]]:
 
 def slowest(rail: Stretch) -> Expr:
     """The least length of a formula's path for a step of its parameter, at several places."""
-    speed = at(tuple(derive(c, "v") for c in rail.place))  # type: ignore[arg-type]
+    speed = at(triple(derive(c, "v") for c in rail.place))
     return E.mul(
         E.const(0.95),
         E.minimum(*(E.call("sqrt", dot(speed(k / PLACES), speed(k / PLACES))) for k in range(PLACES + 1))),

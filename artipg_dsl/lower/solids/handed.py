@@ -43,5 +43,5 @@ class Handed:
                 if value.op in ("add", "sub")
                 else E.show(value, 40)
             )
-            text = re.sub(rf"(?<![\w.]){re.escape(name)} = ", lambda _, told=told: f"{told} = ", text)  # type: ignore[misc]
+            text = re.sub(rf"(?<![\w.]){re.escape(name)} = ", f"{told} = ".replace("\\", r"\\"), text)
         return text

@@ -15,6 +15,7 @@ import numpy as np
 from ...graph import expr as E
 from ...graph.derive import derive
 from ...graph.expr import Expr
+from ...graph.primitive import pair
 from ...syntax import ast
 from ..expressions.env import Env
 from .probe import Probe
@@ -143,7 +144,7 @@ def bulge(probe: Probe, arc: Span, left: float) -> float | None:
 
 def tangents(arc: Span) -> Point:
     """Where the tangents at both ends of an arc meet."""
-    speed: Point = tuple(derive(c, "v") for c in arc.position)  # type: ignore[assignment]
+    speed: Point = pair(derive(c, "v") for c in arc.position)
     first, last = substituted(speed, arc.low), substituted(speed, arc.high)
     share = E.div(crossed(minus(arc.end, arc.start), last), crossed(first, last))
     x, y = scale(first, share)

@@ -20,7 +20,7 @@ import numpy as np
 
 from ...graph import expr as E
 from ...graph.expr import ONE, ZERO, Expr
-from ...graph.primitive import Patch, Triple
+from ...graph.primitive import Patch, Triple, pair, triple
 from ...syntax import ast
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
@@ -122,7 +122,7 @@ def alike(probe: Probe, sections: Chains) -> Chains:
             place = (
                 E.add(c, E.mul(arc.radius, E.call(f, angle))) for c, f in zip(arc.center, ("cos", "sin"), strict=True)
             )
-            arcs.append(Span(section[0].name, tuple(place)))  # type: ignore[arg-type]
+            arcs.append(Span(section[0].name, pair(place)))
         found.append(arcs)
     return found
 
@@ -172,9 +172,9 @@ def along_path(env: Env, probe: Probe, solid: ast.SolidDecl, path: Curve | Hande
         bays.append(Bay(rail, made, *ends))
         gone = ahead
     requires = [narrow(probe, bay) for bay in bays if bay.rail.center is not None or bay.rail.length is ZERO]
-    bounds = [tuple(far(probe, bays, axis, sign) for axis in range(3)) for sign in (-1, 1)]
+    low, high = (triple(far(probe, bays, axis, sign) for axis in range(3)) for sign in (-1, 1))
     ports = ports_of(rails, across[0].up, across[-1].up)
-    return made_of(env, probe, solid, bays, bounds[0], bounds[1], ports, tuple(requires))  # type: ignore[arg-type]
+    return made_of(env, probe, solid, bays, low, high, ports, tuple(requires))
 
 
 def narrow(probe: Probe, bay: Bay) -> Demand:
@@ -234,7 +234,7 @@ def moving(bay: Bay) -> list[Span]:
     for a, b in zip(bay.first[0], bay.last[0], strict=True):
         one, other = (tuple(E.substitute(c, {V: W}) for c in span.by_fraction) for span in (a, b))
         mixing = (E.add(p, E.mul(V, E.sub(q, p))) for p, q in zip(one, other, strict=True))
-        found.append(Span(a.name, tuple(mixing), closing=a.closing))  # type: ignore[arg-type]
+        found.append(Span(a.name, pair(mixing), closing=a.closing))
     return found
 
 

@@ -22,7 +22,7 @@ import numpy as np
 
 from ...graph import expr as E
 from ...graph.expr import ONE, ZERO, Expr
-from ...graph.primitive import Patch, Piece
+from ...graph.primitive import Patch, Piece, pair
 from ...syntax import ast
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
@@ -235,8 +235,8 @@ def extrude(env: Env, solid: ast.SolidDecl) -> Made:
         patches.append(Patch(span.name, place, (ZERO, ONE), (ZERO, ONE)))
     for name, height in (("start", low), ("end", high)):
         for one, other in strips:
-            across = tuple(E.add(b, E.mul(U, E.sub(a, b))) for a, b in zip(one.position, other.position, strict=True))
-            patches.append(Patch(name, turned(axis, across, height), (ZERO, ONE), (one.low, one.high)))  # type: ignore[arg-type]
+            across = pair(E.add(b, E.mul(U, E.sub(a, b))) for a, b in zip(one.position, other.position, strict=True))
+            patches.append(Patch(name, turned(axis, across, height), (ZERO, ONE), (one.low, one.high)))
     point = turned_back(axis)
     flat = signed(probe, loops, (point[0], point[1])) or distance(probe, loops, (point[0], point[1]))
     inside = E.maximum(flat, E.sub(low, point[2]), E.sub(point[2], high))

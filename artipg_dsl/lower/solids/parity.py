@@ -15,6 +15,7 @@ import numpy as np
 
 from ...graph import expr as E
 from ...graph.expr import ONE, ZERO, Expr
+from ...graph.primitive import pair
 from .probe import Probe
 from .profiles import FINE, TINY, Loop, Point, Span, clamp, dot, minus, samples, scale, straight
 
@@ -69,12 +70,12 @@ def fitted(probe: Probe, seen: np.ndarray, start: Point, end: Point) -> Quarter 
         center = (start[0], end[1]) if flat else (end[0], start[1])
         reach = (E.sub(end[0], center[0]), E.sub(start[1], center[1])) if flat else (
             E.sub(start[0], center[0]), E.sub(end[1], center[1]))  # fmt: skip
-        sign = tuple(
+        sign = pair(
             E.const(float(s[0])) if (s == s[0]).all() else E.call("sign", r)
             for r, s in zip(reach, np.sign(half).T, strict=True)
         )
-        long = tuple(E.maximum(E.mul(s, probe.tidy(r)), THIN) for r, s in zip(reach, sign, strict=True))
-        return Quarter(center, long, sign)  # type: ignore[arg-type]
+        long = pair(E.maximum(E.mul(s, probe.tidy(r)), THIN) for r, s in zip(reach, sign, strict=True))
+        return Quarter(center, long, sign)
     return None
 
 

@@ -20,10 +20,11 @@ from ...graph import expr as E
 from ...graph.derive import derive
 from ...graph.expr import ONE, ZERO, Expr
 from ...graph.interval import Interval, Intervals
+from ...graph.primitive import Triple, triple
 from ...syntax import ast
 from ..expressions.builtins import named, need
 from ..expressions.evaluate import Evaluator
-from ..values.vectors import Triple, dot, minus, normalized, plus, times
+from ..values.vectors import dot, minus, normalized, plus, times
 from .curves import Curve
 from .handed import Handed, Step
 from .probe import Probe
@@ -52,10 +53,10 @@ class Stretch:
     angle: Expr = ZERO
 
     def at(self, value: float | Expr) -> Triple:
-        return tuple(E.substitute(c, {V: E.wrap(value)}) for c in self.place)  # type: ignore[return-value]
+        return triple(E.substitute(c, {V: E.wrap(value)}) for c in self.place)
 
     def towards(self, value: float | Expr) -> Triple:
-        return tuple(E.substitute(c, {V: E.wrap(value)}) for c in self.direction)  # type: ignore[return-value]
+        return triple(E.substitute(c, {V: E.wrap(value)}) for c in self.direction)
 
 
 def steps_of(curve: Curve) -> tuple[Step, ...]:
@@ -99,12 +100,12 @@ def stretches(steps: Iterable[Step]) -> list[Stretch]:
     along: Triple = (ONE, ZERO, ZERO)
     for step in steps:
         if step.word == "from":
-            at, along = step.numbers[:3], normalized(step.numbers[3:])  # type: ignore[assignment,arg-type]
+            at, along = triple(step.numbers[:3]), normalized(triple(step.numbers[3:]))
             continue
         if step.word == "formula":
-            place: Triple = step.numbers  # type: ignore[assignment]
-            speed = tuple(derive(c, "v") for c in place)
-            found.append(Stretch(place, normalized(speed)))  # type: ignore[arg-type]
+            place = triple(step.numbers)
+            speed = triple(derive(c, "v") for c in place)
+            found.append(Stretch(place, normalized(speed)))
             continue
         if step.word == "line":
             length = step.numbers[0]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from ...graph import expr as E
 from ...graph.expr import Expr, Scope
 from ...graph.interval import Interval, Intervals, always
-from ...graph.primitive import Patch, Piece, Primitive
+from ...graph.primitive import Patch, Piece, Primitive, triple
 from ...graph.program import Requirement
 from ...semantics.symbols import Symbol
 from ...source import Span
@@ -20,7 +20,7 @@ from ..expressions.env import Env, Function, Thunk
 from ..expressions.evaluate import Evaluator
 from ..values.carry import mapped
 from ..values.faces import FACES
-from ..values.kinds import Box, Surface, Value, Vec
+from ..values.kinds import Box, Choice, Surface, Value, Vec
 from ..values.vectors import HERE
 from .curves import Curve
 from .handed import Handed
@@ -69,14 +69,15 @@ class Lowered:
     def scalars(self, instance: Instance) -> tuple[Expr, ...]:
         """The arguments of a use in the order of the primitive's parameters."""
         found: list[Expr] = []
-        for name, components in self.names:
+        for name, _ in self.names:
             value = instance.values.get(name)
             if isinstance(value, Curve):
                 found.extend(handed(value, name).scalars)
-            elif components:
-                found.extend(value.items)  # type: ignore[union-attr]
+            elif isinstance(value, Vec):
+                found.extend(value.items)
             else:
-                found.append(value if isinstance(value, Expr) else value.code)  # type: ignore[union-attr]
+                assert isinstance(value, Expr | Choice)
+                found.append(value if isinstance(value, Expr) else value.code)
         return tuple(found)
 
     def mapping(self, instance: Instance) -> dict[Expr, Expr]:
@@ -85,8 +86,8 @@ class Lowered:
 
     def box(self, instance: Instance) -> Box:
         mapping = self.mapping(instance)
-        low, high = (tuple(E.substitute(c, mapping) for c in end) for end in (self.primitive.low, self.primitive.high))
-        return Box(low, high)  # type: ignore[arg-type]
+        low, high = (triple(E.substitute(c, mapping) for c in end) for end in (self.primitive.low, self.primitive.high))
+        return Box(low, high)
 
     def member(self, instance: Instance, name: str) -> Value | None:
         if name in self.ports:
@@ -327,7 +328,8 @@ def declare_parameter(
 
 
 def condition_of(ev: Evaluator, statement: ast.RequireStmt) -> Condition:
-    condition, slack = comparison(ev, statement.condition)  # type: ignore[arg-type]
+    assert statement.condition is not None
+    condition, slack = comparison(ev, statement.condition)
     return Condition(condition, slack, statement.message or "a requirement of the primitive fails", "requirement")
 
 

@@ -29,9 +29,11 @@ class Probe:
     """Rows of test values; every answer is over all of them."""
 
     def __init__(self, env: Env, span: Span):
+        symbol = env.symbol
+        assert symbol is not None
         conditions = [
             Evaluator(env).truth(Evaluator(env).value(s.condition), s.condition.span)
-            for s in env.symbol.body if isinstance(s, ast.RequireStmt) and s.condition is not None  # type: ignore[union-attr]
+            for s in symbol.body if isinstance(s, ast.RequireStmt) and s.condition is not None
         ]  # fmt: skip
         self.values = candidates(env)
         good = np.ones(CANDIDATES, dtype=bool)
@@ -118,7 +120,8 @@ def possible(env: Env, conditions: list[Expr]) -> bool:
 
 def test_ranges(env: Env) -> Iterable[tuple[str, tuple[float, float]]]:
     """The test range of each scalar parameter of the primitive, as its declaration states it, or a use with a path (see ``Context.tested``)."""
-    for statement in env.symbol.body:  # type: ignore[union-attr]
+    assert env.symbol is not None
+    for statement in env.symbol.body:
         if not isinstance(statement, ast.ParamDecl):
             continue
         if statement.type.name == "curve":

@@ -15,6 +15,7 @@ import numpy as np
 from ...graph import expr as E
 from ...graph.derive import derive
 from ...graph.expr import ONE, ZERO, Expr
+from ...graph.primitive import pair
 from .probe import SMALL, Probe
 
 Point = tuple[Expr, Expr]
@@ -80,7 +81,7 @@ Loop = tuple[Side, ...]
 
 
 def substituted(point: Point, value: Expr) -> Point:
-    return tuple(E.substitute(c, {V: value}) for c in point)  # type: ignore[return-value]
+    return pair(E.substitute(c, {V: value}) for c in point)
 
 
 def between(name: str, a: Point, b: Point) -> Span:
@@ -212,7 +213,7 @@ def direction(side: Side, at_end: bool) -> Point:
     """The tangent at an end of a side, in the direction of the way round."""
     span = side.span
     place = span.high if at_end != side.back else span.low
-    tangent = substituted(tuple(derive(c, "v") for c in span.position), place)  # type: ignore[arg-type]
+    tangent = substituted(pair(derive(c, "v") for c in span.position), place)
     away = E.sub(span.high, span.low)
     tangent = scale(tangent, away)
     return (E.neg(tangent[0]), E.neg(tangent[1])) if side.back else tangent
@@ -245,8 +246,8 @@ def reaches(
         return [arc.reach(outward, ends, point)]
     cuts = brackets(probe, span)
     curve = span.by_fraction
-    speed: Point = tuple(derive(c, "v") for c in curve)  # type: ignore[assignment]
-    bend: Point = tuple(derive(c, "v") for c in speed)  # type: ignore[assignment]
+    speed: Point = pair(derive(c, "v") for c in curve)
+    bend: Point = pair(derive(c, "v") for c in speed)
     found = []
     for k, (low, high) in enumerate(cuts):
         t = E.const((low + high) / 2)
@@ -296,9 +297,9 @@ def circular(probe: Probe, span: Span) -> Arc | None:
     if not (np.abs(turns - turns[:, :1]) < 1e-6).all() or (np.abs(turns.sum(axis=1)) * 64 / 63 > TURN + 1e-6).any():
         return None
     start, middle = span.start, span.fraction(0.5)
-    speed = tuple(derive(c, "v") for c in span.by_fraction)
-    bend = tuple(derive(c, "v") for c in speed)
-    (x, y), (ax, ay) = (substituted(q, ZERO) for q in (speed, bend))  # type: ignore[arg-type]
+    speed = pair(derive(c, "v") for c in span.by_fraction)
+    bend = pair(derive(c, "v") for c in speed)
+    (x, y), (ax, ay) = (substituted(q, ZERO) for q in (speed, bend))
     square, cross = E.add(E.mul(x, x), E.mul(y, y)), E.sub(E.mul(x, ay), E.mul(y, ax))
     to_center = E.div(square, cross)
     center = E.sub(start[0], E.mul(y, to_center)), E.add(start[1], E.mul(x, to_center))
@@ -308,14 +309,14 @@ def circular(probe: Probe, span: Span) -> Arc | None:
     off = np.sqrt(((points - seen) ** 2).sum(axis=-1)) / probe(radius)[0][:, None] - 1
     if not (np.abs(off) < 1e-11).all():
         return None
-    to_middle = tuple(probe.tidy(E.div(c, radius)) for c in minus(middle, center))
-    to_start = minus(start, center)
-    side, ahead = E.sub(E.mul(to_middle[0], to_start[1]), E.mul(to_middle[1], to_start[0])), dot(to_middle, to_start)  # type: ignore[arg-type]
+    to_middle = pair(probe.tidy(E.div(c, radius)) for c in minus(middle, center))
+    to_start = pair(E.sub(a, b) for a, b in zip(start, center, strict=True))
+    side, ahead = E.sub(E.mul(to_middle[0], to_start[1]), E.mul(to_middle[1], to_start[0])), dot(to_middle, to_start)
     half = E.call("atan2", E.call("abs", side), ahead)
     whole = bool((np.abs(points[:, 0] - points[:, -1]).max(axis=1) < SMALL).all())
     left = probe(cross)[0]
     sign = E.const(float(np.sign(left[0]))) if (np.sign(left) == np.sign(left[0])).all() else E.call("sign", cross)
-    return Arc(center, radius, to_middle, sign, E.const(TURN / 2) if whole else half)  # type: ignore[arg-type]
+    return Arc(center, radius, to_middle, sign, E.const(TURN / 2) if whole else half)
 
 
 def step(point: Point, curve: Point, speed: Point, bend: Point, t: Expr, number: int) -> Expr:

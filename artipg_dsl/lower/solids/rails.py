@@ -10,7 +10,7 @@ import numpy as np
 from ...graph import expr as E
 from ...graph.derive import derive
 from ...graph.expr import ONE, ZERO, Expr
-from ...graph.primitive import Triple
+from ...graph.primitive import Triple, triple
 from ...syntax import ast
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
@@ -27,7 +27,7 @@ BRACKET = np.radians(25.0)  # how far a path turns within one
 NEAR = E.const(0.1)  # of the width of a section: further off, the distance to the path tells how far it is
 MOST = 1024  # steps at which a path's turning is looked at
 
-P: Triple = tuple(E.var(f"p.{a}") for a in "xyz")  # type: ignore[assignment]
+P: Triple = triple(E.var(f"p.{a}") for a in "xyz")
 Across = Callable[[float | Expr], Triple]  # the vector beside the path at v
 
 
@@ -72,7 +72,7 @@ def foot(probe: Probe, rail: Stretch, side: Across, up: Across, wide: Expr) -> F
         v = clamp(E.div(along, rail.length), 0.0, 1.0)
         return Foot(v, dot(from_start, side(0.0)), dot(from_start, up(0.0)), before, after, before, after)
     square, v = nearest(probe, rail)
-    away = minus(P, tuple(E.substitute(c, {V: v}) for c in rail.place))  # type: ignore[arg-type]
+    away = minus(P, triple(E.substitute(c, {V: v}) for c in rail.place))
     before, after = (disc(rail, v, end, wide) for end in (0.0, 1.0))
     gap = E.call("sqrt", square)
     return Foot(v, dot(away, side(v)), dot(away, up(v)), before, after, before, after, gap=gap)
@@ -151,14 +151,16 @@ def nearest(probe: Probe, rail: Stretch) -> tuple[Expr, Expr]:
 
     A few steps in each bracket tell which is nearest; the others are made there and in the halves of its neighbours.
     """
-    speed: Triple = tuple(derive(c, "v") for c in rail.place)  # type: ignore[assignment]
-    bend: Triple = tuple(derive(c, "v") for c in speed)  # type: ignore[assignment]
+    speed: Triple = triple(derive(c, "v") for c in rail.place)
+    bend: Triple = triple(derive(c, "v") for c in speed)
 
     def moved(t: Expr, turn: int) -> tuple[Triple, Triple, Expr]:
-        here, tangent, curved = (tuple(E.substitute(c, {V: t}) for c in vector) for vector in (rail.place, speed, bend))
-        away = minus(P, here)  # type: ignore[arg-type]
+        here, tangent, curved = (
+            triple(E.substitute(c, {V: t}) for c in vector) for vector in (rail.place, speed, bend)
+        )
+        away = minus(P, here)
         move = onwards(dot(away, tangent), dot(tangent, tangent), dot(away, curved), turn)
-        return away, tangent, move  # type: ignore[return-value]
+        return away, tangent, move
 
     best: tuple[Expr, ...] | None = None
     cuts = brackets(probe, rail)
@@ -166,7 +168,7 @@ def nearest(probe: Probe, rail: Stretch) -> tuple[Expr, Expr]:
         t: Expr = E.const(sum(ends) / 2)
         for turn in range(SLOW if ends[0] < ends[1] else 0):
             t = clamp(E.add(t, moved(t, turn)[2]), *ends)
-        away = minus(P, tuple(E.substitute(c, {V: t}) for c in rail.place))  # type: ignore[arg-type]
+        away = minus(P, triple(E.substitute(c, {V: t}) for c in rail.place))
         more = (ends[1] - ends[0]) / 2 or cuts[0][1] / 2
         found = dot(away, away), t, E.const(max(ends[0] - more, 0.0)), E.const(min(ends[1] + more, 1.0))
         if best is None:

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...graph import expr as E
 from ...graph.expr import ZERO, Expr
-from ...graph.primitive import Triple
+from ...graph.primitive import Triple, triple
 from ...syntax import ast
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
@@ -48,7 +48,7 @@ def turned(axis: int, across: Point, height: Expr) -> Triple:
     """A place given across and along an axis; across are the two other axes in cyclic order."""
     place: list[Expr] = [ZERO] * 3
     place[(axis + 1) % 3], place[(axis + 2) % 3], place[axis] = across[0], across[1], height
-    return tuple(place)  # type: ignore[return-value]
+    return triple(place)
 
 
 def check_values(env: Env, probe: Probe, solid: ast.SolidDecl, span: Span) -> None:

@@ -99,11 +99,11 @@ def courses(probe: Probe, sections: list[list[Span]], levels: list[Expr]) -> lis
         runs.append([smooth(values, levels) for values in ends])
     found = []
     for k in range(count):
-        bounds = tuple((low[k], high[k]) for low, high in runs)
+        first, second = ((low[k], high[k]) for low, high in runs)
         pairs = list(zip(sections[k], sections[k + 1], strict=True))
-        alike = tuple(same_shape(probe, pairs, axis, *bounds[axis]) for axis in (0, 1))
+        one, two = (same_shape(probe, pairs, axis, *bounds) for axis, bounds in enumerate((first, second)))
         share = Run(ZERO, ONE, NATURAL if k == 0 else ZERO, NATURAL if k == count - 1 else ZERO)
-        found.append(Course(bounds, alike, share))  # type: ignore[arg-type]
+        found.append(Course((first, second), (one, two), share))
     return found
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...graph import expr as E
 from ...graph.expr import ONE, ZERO, Expr
-from ...graph.primitive import Patch, Piece, Triple
+from ...graph.primitive import Patch, Piece, Triple, triple
 from ...syntax import ast
 from ..expressions.builtins import named, need
 from ..expressions.env import Env
@@ -57,10 +57,10 @@ def sweep(env: Env, solid: ast.SolidDecl) -> Made:
     if bore is not None:
         requires.append(Demand(bore, radius, "the bore is wider than the section"))
     ports = ports_of(pieces, frames[0][1], frames[-1][1])
-    bounds = [tuple(reach(probe, pieces, radius, k, sign) for k in range(3)) for sign in (-1, 1)]
+    low, high = (triple(reach(probe, pieces, radius, k, sign) for k in range(3)) for sign in (-1, 1))
     return Made(
         tuple(patches), tube_pieces(probe, pieces, frames, radius, bore), inside(probe, pieces, radius, bore),
-        bounds[0], bounds[1], ports, tuple(requires),  # type: ignore[arg-type]
+        low, high, ports, tuple(requires),
     )  # fmt: skip
 
 

@@ -108,7 +108,7 @@ def weaker(form: Form, scope: Scope, guard: Expr, last: Column, told: dict[objec
     rest = form[1].constant
     if rest is None or None in factors.values() or not factors.get(last):
         return False
-    scale = abs(float(factors[last]))  # type: ignore[arg-type]
+    scale = abs(float(factors[last] or 0.0))
     shape = frozenset((column, round(float(f) / scale, 9)) for column, f in factors.items() if f)
     before = told.get((scope, guard, shape))
     if before is not None and before >= float(rest) / scale - 1e-12:

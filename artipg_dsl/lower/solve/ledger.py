@@ -131,7 +131,7 @@ def blocks(unknowns: Iterable[Unknown], draws: Sequence[Draw]) -> Iterator[str]:
                 groups.setdefault((one.block, one.when), []).append((unknown, one))
     for (_, when), members in groups.items():
         names = ", ".join(u.name.replace("`", "") for u, _ in members)
-        equations: dict[Equation, None] = dict.fromkeys(s.equation for _, s in members)  # type: ignore[misc]
+        equations: dict[Equation, None] = dict.fromkeys(s.equation for _, s in members if s.equation is not None)
         method = "search" if members[0][1].start else "elimination" if len(members) > 1 else "assignment"
         guard = "" if when is E.TRUE else f" where {condition(when, options)}"
         stated = "; ".join(f"{q.text} ({q.span})" for q in equations)

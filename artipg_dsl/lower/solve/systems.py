@@ -40,7 +40,8 @@ def solve_system(
         searched = False
         columns = [unknowns[u].column for u in group]
         rows = [forms[matching.equation_of[u]] for u in group]
-        solution = solve_block(rows, columns) if all(row is not None for row in rows) else None  # type: ignore[arg-type]
+        known = [row for row in rows if row is not None]
+        solution = solve_block(known, columns) if len(known) == len(rows) else None
         if solution is None:
             sides = [equations[matching.equation_of[u]] for u in group]
             differences = [inline(E.sub(q.left, q.right), columns, definitions) for q in sides]

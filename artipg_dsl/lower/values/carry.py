@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 from ...graph import expr as E
 from ...graph.expr import ONE, Expr, Scope
+from ...graph.primitive import triple
 from ...graph.program import Pose
 from .faces import extent
 from .kinds import Box, Choice, Frame, Line, Plane, Ports, Ref, Surface, Value, Vec
-from .vectors import HERE, compose, direct, place, sole_axis, times, unit
+from .vectors import HERE, compose, direct, matrix, place, sole_axis, times, unit
 
 if TYPE_CHECKING:
     from ..elaborate.part import Part
@@ -24,14 +25,14 @@ def mapped(value: Value, scalar: Callable[[Expr], Expr]) -> Value:
     if isinstance(value, Vec):
         return replace(value, items=tuple(map(scalar, value.items)))
     if isinstance(value, Frame):
-        rotation = tuple(tuple(map(scalar, row)) for row in value.rotation)
-        return Frame(tuple(map(scalar, value.origin)), rotation, value.on, value.face)  # type: ignore[arg-type]
+        rotation = matrix(map(scalar, row) for row in value.rotation)
+        return Frame(triple(map(scalar, value.origin)), rotation, value.on, value.face)
     if isinstance(value, Plane):
         return replace(value, coordinate=scalar(value.coordinate))
     if isinstance(value, Line):
-        to = None if value.to is None else tuple(map(scalar, value.to))
-        point, direction = tuple(map(scalar, value.point)), tuple(map(scalar, value.direction))
-        return Line(point, direction, to, value.on)  # type: ignore[arg-type]
+        to = None if value.to is None else triple(map(scalar, value.to))
+        point, direction = triple(map(scalar, value.point)), triple(map(scalar, value.direction))
+        return Line(point, direction, to, value.on)
     if isinstance(value, Box):
         low: Any = tuple(map(scalar, value.low))
         high: Any = tuple(map(scalar, value.high))
@@ -46,8 +47,8 @@ def mapped(value: Value, scalar: Callable[[Expr], Expr]) -> Value:
 def mapped_pose(pose: Pose, scalar: Callable[[Expr], Expr]) -> Pose:
     if pose is HERE:
         return pose
-    rotation = tuple(tuple(map(scalar, row)) for row in pose.rotation)
-    return Pose(rotation, tuple(map(scalar, pose.translation)), scalar(pose.mirror))  # type: ignore[arg-type]
+    rotation = matrix(map(scalar, row) for row in pose.rotation)
+    return Pose(rotation, triple(map(scalar, pose.translation)), scalar(pose.mirror))
 
 
 def scalars(value: Value) -> tuple[Expr, ...]:
@@ -90,7 +91,7 @@ def moved(value: Value, pose: Pose) -> Value:
     if pose is HERE or isinstance(value, Expr | Choice):
         return value
     if isinstance(value, Vec):
-        return replace(value, items=place(pose, value.items)) if value.point else value  # type: ignore[arg-type]
+        return replace(value, items=place(pose, triple(value.items))) if value.point else value
     if isinstance(value, Frame):
         inner = compose(pose, Pose(value.rotation, value.origin, ONE))
         return Frame(inner.translation, inner.rotation, value.on, value.face)

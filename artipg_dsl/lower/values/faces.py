@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from ...graph import expr as E
 from ...graph.expr import ZERO
+from ...graph.primitive import Triple, triple
 from .kinds import Box, Edge, Face, Vec
 from .vectors import (
     HERE,
     Matrix,
-    Triple,
     columns,
     cross,
     direct,
@@ -43,7 +43,7 @@ def face_of(box: Box, name: str) -> Face:
     center[axis] = box.high[axis] if sign > 0 else box.low[axis]
     out, up = unit(axis, sign), unit(0 if axis == 2 else 2)
     axes = frame_of(direct(box.pose, out), direct(box.pose, up))
-    return Face(place(box.pose, tuple(center)), axes, box.on, True, box, axis, sign)  # type: ignore[arg-type]
+    return Face(place(box.pose, triple(center)), axes, box.on, True, box, axis, sign)
 
 
 def edge_of(first: Face, name: str) -> Edge | None:
@@ -57,7 +57,7 @@ def edge_of(first: Face, name: str) -> Edge | None:
     at[first.axis] = box.high[first.axis] if first.sign > 0 else box.low[first.axis]
     at[axis] = box.high[axis] if sign > 0 else box.low[axis]
     direction = cross(unit(first.axis, first.sign), unit(axis, sign))
-    return Edge(place(box.pose, tuple(at)), direct(box.pose, direction), None, box.on, first, second)  # type: ignore[arg-type]
+    return Edge(place(box.pose, triple(at)), direct(box.pose, direction), None, box.on, first, second)
 
 
 def corner_of(edge: Edge, name: str) -> Vec | None:
@@ -69,7 +69,7 @@ def corner_of(edge: Edge, name: str) -> Vec | None:
     at = [first.box.low[k] for k in range(3)]
     for k, s in ((first.axis, first.sign), (second.axis, second.sign), (axis, sign)):
         at[k] = first.box.high[k] if s > 0 else first.box.low[k]
-    return Vec(place(first.box.pose, tuple(at)), edge.on, point=True)  # type: ignore[arg-type]
+    return Vec(place(first.box.pose, triple(at)), edge.on, point=True)
 
 
 def squared(box: Box) -> Box:
@@ -84,18 +84,17 @@ def squared(box: Box) -> Box:
         return box
     if box.pose.mirror.constant is None or any(signed_axis(row) is None for row in turned):
         center = place(box.pose, box.center)
-        half = tuple(E.mul(box.size[sole_axis(row)], E.const(0.5)) for row in turned)  # type: ignore[index]
-        return Box(minus(center, half), plus(center, half), HERE, box.on, box.exists)  # type: ignore[arg-type]
+        half = triple(E.mul(box.size[k], E.const(0.5)) for k in map(sole_axis, turned) if k is not None)
+        return Box(minus(center, half), plus(center, half), HERE, box.on, box.exists)
     ends = place(box.pose, box.low), place(box.pose, box.high)
     low, high = [], []
     for k in range(3):
-        sign = next(c.constant for c in box.pose.rotation[k] if c is not ZERO)
-        own = next(j for j, c in enumerate(box.pose.rotation[k]) if c is not ZERO)
+        own, sign = next((j, c.constant or 0.0) for j, c in enumerate(box.pose.rotation[k]) if c is not ZERO)
         if own == 1:
-            sign *= box.pose.mirror.constant  # type: ignore[operator]
-        low.append(ends[0 if sign > 0 else 1][k])  # type: ignore[operator]
-        high.append(ends[1 if sign > 0 else 0][k])  # type: ignore[operator]
-    return Box(tuple(low), tuple(high), HERE, box.on, box.exists)  # type: ignore[arg-type]
+            sign *= box.pose.mirror.constant
+        low.append(ends[0 if sign > 0 else 1][k])
+        high.append(ends[1 if sign > 0 else 0][k])
+    return Box(triple(low), triple(high), HERE, box.on, box.exists)
 
 
 def extent(box: Box) -> Box:
@@ -105,5 +104,5 @@ def extent(box: Box) -> Box:
         return straight
     half = times(box.size, E.const(0.5))
     center = place(box.pose, box.center)
-    reach = tuple(dot((E.call("abs", c) for c in row), half) for row in box.pose.rotation)
-    return Box(minus(center, reach), plus(center, reach), HERE, box.on, box.exists)  # type: ignore[arg-type]
+    reach = triple(dot((E.call("abs", c) for c in row), half) for row in box.pose.rotation)
+    return Box(minus(center, reach), plus(center, reach), HERE, box.on, box.exists)

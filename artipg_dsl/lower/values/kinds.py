@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from ...graph import expr as E
 from ...graph.expr import Expr, Scope
 from ...graph.linear import tidy
+from ...graph.primitive import Triple, triple
 from ...graph.program import Pose
-from .vectors import HERE, Matrix, Triple, minus, plus, times
+from .vectors import HERE, Matrix, minus, plus, times
 
 if TYPE_CHECKING:
     from ..elaborate.part import Part
@@ -53,11 +54,11 @@ class Frame:
 
     @property
     def out(self) -> Triple:
-        return tuple(row[0] for row in self.rotation)  # type: ignore[return-value]
+        return triple(row[0] for row in self.rotation)
 
     @property
     def up(self) -> Triple:
-        return tuple(row[2] for row in self.rotation)  # type: ignore[return-value]
+        return triple(row[2] for row in self.rotation)
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,11 +92,11 @@ class Box:
 
     @property
     def size(self) -> Triple:
-        return tuple(tidy(c) for c in minus(self.high, self.low))  # type: ignore[return-value]
+        return triple(tidy(c) for c in minus(self.high, self.low))
 
     @property
     def center(self) -> Triple:
-        return tuple(tidy(c) for c in times(plus(self.low, self.high), E.const(0.5)))  # type: ignore[return-value]
+        return triple(tidy(c) for c in times(plus(self.low, self.high), E.const(0.5)))
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,9 +6,9 @@ from collections.abc import Iterable
 
 from ...graph import expr as E
 from ...graph.expr import ONE, ZERO, Expr
+from ...graph.primitive import Triple, triple
 from ...graph.program import Pose
 
-Triple = tuple[Expr, Expr, Expr]
 Matrix = tuple[Triple, Triple, Triple]
 AXES = ("x", "y", "z")
 MINUS = E.const(-1.0)
@@ -17,20 +17,26 @@ ORIGIN: Triple = (ZERO, ZERO, ZERO)
 HERE = Pose(IDENTITY, ORIGIN, ONE)
 
 
+def matrix(rows: Iterable[Iterable[Expr]]) -> Matrix:
+    """Three rows of three expressions."""
+    a, b, c = (triple(row) for row in rows)
+    return a, b, c
+
+
 def unit(axis: int, sign: int = 1) -> Triple:
-    return tuple(E.const(float(sign)) if k == axis else ZERO for k in range(3))  # type: ignore[return-value]
+    return triple(E.const(float(sign)) if k == axis else ZERO for k in range(3))
 
 
 def plus(a: Triple, b: Triple) -> Triple:
-    return tuple(E.add(x, y) for x, y in zip(a, b, strict=True))  # type: ignore[return-value]
+    return triple(E.add(x, y) for x, y in zip(a, b, strict=True))
 
 
 def minus(a: Triple, b: Triple) -> Triple:
-    return tuple(E.sub(x, y) for x, y in zip(a, b, strict=True))  # type: ignore[return-value]
+    return triple(E.sub(x, y) for x, y in zip(a, b, strict=True))
 
 
 def times(a: Triple, factor: Expr) -> Triple:
-    return tuple(E.mul(x, factor) for x in a)  # type: ignore[return-value]
+    return triple(E.mul(x, factor) for x in a)
 
 
 def dot(a: Iterable[Expr], b: Iterable[Expr]) -> Expr:
@@ -57,20 +63,20 @@ def norm(a: Triple) -> Expr:
 
 def normalized(a: Triple) -> Triple:
     length = norm(a)
-    return a if length is ONE else tuple(E.div(c, length) for c in a)  # type: ignore[return-value]
+    return a if length is ONE else triple(E.div(c, length) for c in a)
 
 
 def transpose(m: Matrix) -> Matrix:
-    return tuple(zip(*m, strict=True))  # type: ignore[return-value]
+    return matrix(zip(*m, strict=True))
 
 
 def turn(m: Matrix, v: Triple) -> Triple:
-    return tuple(dot(row, v) for row in m)  # type: ignore[return-value]
+    return triple(dot(row, v) for row in m)
 
 
 def product(a: Matrix, b: Matrix) -> Matrix:
     columns = transpose(b)
-    return tuple(tuple(dot(row, c) for c in columns) for row in a)  # type: ignore[return-value]
+    return matrix((dot(row, c) for c in columns) for row in a)
 
 
 def columns(a: Triple, b: Triple, c: Triple) -> Matrix:
@@ -88,7 +94,7 @@ def rotation_about(axis: Triple, angle: Expr) -> Matrix:
         rows[i][i] = rows[j][j] = c
         turned = E.mul(E.const(float(sign)), s)
         rows[i][j], rows[j][i] = E.neg(turned), turned
-        return tuple(map(tuple, rows))  # type: ignore[return-value]
+        return matrix(rows)
     k = E.sub(ONE, c)
     x, y, z = axis
 
@@ -131,20 +137,20 @@ def compose(outer: Pose, inner: Pose) -> Pose:
     """
     rotation, mirror = inner.rotation, outer.mirror
     if mirror is not ONE:
-        rotation = tuple(
+        rotation = matrix(
             tuple(E.mul(mirror, c) if (i == 1) != (j == 1) else c for j, c in enumerate(row))
             for i, row in enumerate(rotation)
-        )  # type: ignore[assignment]
+        )
     return Pose(product(outer.rotation, rotation), place(outer, inner.translation), E.mul(outer.mirror, inner.mirror))
 
 
 def inverse(pose: Pose) -> Pose:
     rotation = transpose(pose.rotation)
     if pose.mirror is not ONE:
-        rotation = tuple(
+        rotation = matrix(
             tuple(E.mul(pose.mirror, c) if (i == 1) != (j == 1) else c for j, c in enumerate(row))
             for i, row in enumerate(rotation)
-        )  # type: ignore[assignment]
+        )
     at = unplace(pose, ORIGIN)
     return Pose(rotation, at, pose.mirror)
 
@@ -163,7 +169,7 @@ def signed_axis(direction: Triple) -> tuple[int, int] | None:
     """(axis, sign) when a direction is an axis by construction, else None."""
     for k in range(3):
         if direction[k].constant in (1.0, -1.0) and all(direction[j] is ZERO for j in range(3) if j != k):
-            return k, int(direction[k].constant)  # type: ignore[arg-type]
+            return k, 1 if direction[k].constant == 1.0 else -1
     return None
 
 
