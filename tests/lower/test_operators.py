@@ -12,8 +12,9 @@ from artipg_dsl.geometry.surface import evaluate
 from artipg_dsl.geometry.trial import trial
 from artipg_dsl.graph.expr import Scope, show, var
 from artipg_dsl.graph.program import Program
-from artipg_dsl.lower.expressions.context import Abort, Context
+from artipg_dsl.lower.expressions.context import Abort
 from artipg_dsl.lower.expressions.env import Env
+from artipg_dsl.lower.program import new_context
 from artipg_dsl.lower.solids.curves import Curve
 from artipg_dsl.lower.solids.primitives import lower_primitive
 from artipg_dsl.semantics.check import check
@@ -38,7 +39,7 @@ def load(text):
     workspace = Workspace(report)
     module = workspace.load_source(Source("test.apg", "apg 1\n" + text + PATHS))
     assert module is not None, report
-    return Context(report, Program("test"), check(workspace, module, Report())), module
+    return new_context(report, Program("test"), check(workspace, module, Report())), module
 
 
 def lowered(text, path=None):
