@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from ..diagnostics.suggest import did_you_mean
+from ..diagnostics.suggest import did_you_mean, given
 from ..syntax import ast
 from ..syntax.walk import walk
 from . import paths
@@ -96,7 +96,7 @@ def _positional(ck: Checker, ctx: Context, expr: ast.CallExpr, wanted: int, word
     kinds = [ck.infer(ctx, a.value) for a in expr.arguments]
     if len(kinds) != wanted:
         many = "one argument" if wanted == 1 else f"{wanted} arguments"
-        ck.error("wrong-arguments", expr.span, f"`{word}` takes {many}, {len(kinds)} are given")
+        ck.error("wrong-arguments", expr.span, f"`{word}` takes {many}, {given(len(kinds))}")
         return [UNKNOWN] * wanted
     return kinds
 

@@ -99,8 +99,10 @@ def _material(ck: Checker, symbol: Symbol, decl: ast.MaterialDecl) -> None:
     wanted: list[tuple[ast.Clause[ast.RangeExpr] | None, Type]] = [(clause, _RATIO) for clause in ratios]
     for clause, kind in ((decl.density, _DENSITY), (decl.colour, Vec(3, DIMENSIONS["ratio"])), *wanted):
         if clause is not None:
-            for end in (clause.value.low, clause.value.high):
-                ck.expect(ctx, end, kind, f"`{clause.word}`")
+            if clause.value.low is clause.value.high:
+                ck.expect(ctx, clause.value.low, kind, f"`{clause.word}`")
+            else:
+                declarations.check_range(ck, ctx, clause.value, kind, f"an end of the range of `{clause.word}`")
     for clause in decl.unknown:
         words = ast.clause_words(ast.MaterialDecl)
         ck.error(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..diagnostics.suggest import did_you_mean
+from ..diagnostics.suggest import did_you_mean, given
 from ..source import Span
 from ..syntax import ast
 from . import conditions, paths
@@ -221,10 +221,10 @@ def _distribution(ck: Checker, ctx: Context, node: ast.Distribution, kind: Type,
     count = len(node.arguments)
     texts = {"normal": "a mean and a deviation", "lognormal": "a median and a relative deviation"}
     if node.name in texts and count != 2:
-        ck.error("wrong-arguments", node.span, f"`{node.name}` takes {texts[node.name]}, {count} are given")
+        ck.error("wrong-arguments", node.span, f"`{node.name}` takes {texts[node.name]}, {given(count)}")
         return
     if node.name == "uniform" and count not in (0, 2):
-        ck.error("wrong-arguments", node.span, f"`uniform` takes no arguments, or two ends; {count} are given")
+        ck.error("wrong-arguments", node.span, f"`uniform` takes no arguments, or two ends; {given(count)}")
         return
     if node.name == "values" and not count:
         ck.error("wrong-arguments", node.span, "`values` needs at least one value")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ..diagnostics.suggest import did_you_mean
 from ..syntax import ast
-from . import conditions
+from . import conditions, foreign
 from .fold import constant
 from .guards import Condition, Or, implies, possible
 from .meanings import Declared, Global
@@ -132,23 +132,11 @@ def of_reference(ck: Checker, ctx: Context, ref: ast.TypeRef) -> Type:
         return Vec(ref.size or 3, DIMENSIONS["ratio"])
     if ref.name in PLACES:
         return PLACES[ref.name] if ref.size is None else Array(PLACES[ref.name])
-    hint = _FOREIGN_TYPES.get(ref.name.lower()) or did_you_mean(ref.name, TYPE_NAMES)
+    hint = foreign.TYPES.get(ref.name.lower()) or did_you_mean(ref.name, TYPE_NAMES)
     symbol = ctx.module.find(ref.name)
     if symbol is not None and symbol.kind in ("role", "template"):
         hint = f"a part is declared with `part`, a choice handed in with `style {ref.name}`"
     return ck.error("unknown-type", ref.span, f"there is no type `{ref.name}`", hint=hint)
-
-
-_NUMBERS = "numbers are of type `length`, `angle`, `ratio`, `mass` ...; whole ones of `count`"
-_FOREIGN_TYPES = {
-    **dict.fromkeys(("float", "double", "real", "number", "num", "scalar"), _NUMBERS),
-    **dict.fromkeys(("int", "integer", "uint"), "a whole number is drawn by `count legs in 3 .. 5`"),
-    **dict.fromkeys(("boolean", "flag"), "did you mean `bool`?"), **dict.fromkeys(("str", "text"), "did you mean `string`?"),
-    **dict.fromkeys(("enum", "option", "options"), "one of some words is `choice round | square`"),
-    **dict.fromkeys(("vector", "vec3", "array", "list", "tuple"), "three lengths are `length[3]`, three plain numbers `vec`"),
-    **dict.fromkeys(("distance", "width", "height", "size", "metre", "meter"), "did you mean `length`?"),
-}  # fmt: skip
-"""Type names of other languages, and what to write here."""
 
 
 def choices(ck: Checker, entry: Entry) -> tuple[Variant | None, ...]:

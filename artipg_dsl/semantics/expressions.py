@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from ..diagnostics.suggest import did_you_mean
 from ..syntax import ast
 from ..units import UNITS, Dimension
-from . import calls, conditions, paths
+from . import calls, conditions, foreign, paths
 from .fold import constant, is_unitless
 from .guards import Not
 from .meanings import Global
@@ -96,21 +96,13 @@ def infer(ck: Checker, ctx: Context, expr: ast.Expr) -> Type:
     raise TypeError(f"no rule for {type(expr).__name__}")
 
 
-_USUAL = "lengths are in mm, cm or m, angles in deg, rad or turn"
-_FOREIGN_UNITS = {
-    **dict.fromkeys(("inch", "inches", "in", "ft", "feet", "foot"), "lengths are in mm, cm or m: an inch is 25.4mm, a foot 30.48cm"),
-    **dict.fromkeys(("degree", "degrees", "grad"), "angles are in deg, rad or turn"),
-    **dict.fromkeys(("px", "pt", "em"), "lengths are in mm, cm or m"),
-    **dict.fromkeys(("kgm3", "kgperm3"), "write `700kg/m3`"),
-}  # fmt: skip
-
-
 def _number(ck: Checker, expr: ast.NumberExpr) -> Type:
     if expr.unit:
         if expr.unit not in UNITS:
             return ck.error(
                 "unknown-unit", expr.span, f"there is no unit `{expr.unit}`",
-                hint=_FOREIGN_UNITS.get(expr.unit.lower()) or did_you_mean(expr.unit, UNITS) or _USUAL,
+                hint=foreign.UNITS.get(expr.unit.lower()) or did_you_mean(expr.unit, UNITS)
+ or "lengths are in mm, cm or m, angles in deg, rad or turn",
             )  # fmt: skip
         return Scalar(UNITS[expr.unit][1])
     if expr.value == 0:
@@ -180,11 +172,17 @@ def _compare(ck: Checker, ctx: Context, expr: ast.BinaryExpr) -> Type:
     same = left == right == BOOL or left == right == STRING or _asks_material(ck, expr, left, right)
     if expr.op in ("==", "!=") and (same or isinstance(left, Choice) and isinstance(right, Choice)):
         return BOOL
+    hint = None
+    axis = next(
+        (e.name for e in (expr.left, expr.right) if isinstance(e, ast.NameExpr) and e.name in ("x", "y", "z")), None
+    )
     if isinstance(left, Part) or isinstance(right, Part):
         hint = "to ask what a part is, write `part is Template`"
-        ck.error("wrong-type", expr.span, f"`{expr.op}` cannot compare {left} and {right}", hint=hint)
-    else:
-        ck.error("wrong-type", expr.span, f"`{expr.op}` cannot compare {left} and {right}")
+    elif STRING in (left, right) and (isinstance(left, Choice) or isinstance(right, Choice)):
+        hint = "the words of a choice stand without quotes"
+    elif axis is not None:
+        hint = f"`{axis}` is a direction; the coordinate of a point p is `p.{axis}`"
+    ck.error("wrong-type", expr.span, f"`{expr.op}` cannot compare {left} and {right}", hint=hint)
     return BOOL
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from ..diagnostics.suggest import did_you_mean
+from ..diagnostics.suggest import did_you_mean, suggest
 from ..syntax import ast
 from ..syntax.walk import walk
 from ..units import UNITS
@@ -237,7 +237,8 @@ def _grasp(ck: Checker, ctx: Context, stmt: ast.GraspStmt) -> None:
             hint=did_you_mean(clause.word, ast.clause_words(ast.GraspStmt)),
         )  # fmt: skip
     needed = {"at": stmt.at, "approach": stmt.approach, "close": stmt.close, "opening": stmt.opening}
-    missing = [f"`{word}`" for word, clause in needed.items() if clause is None]
+    meant = {suggest(clause.word, needed) for clause in stmt.unknown}
+    missing = [f"`{word}`" for word, clause in needed.items() if clause is None and word not in meant]
     if missing:
         ck.error("missing-clause", stmt.name_span, f"the grasp lacks {' and '.join(missing)}")
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from ..diagnostics.suggest import did_you_mean
 from ..source import Span
 from ..syntax import ast
+from . import foreign
 from .entries import narrowed
 from .guards import TRUE, Atom, Condition, Not, Or, conjunction
 from .names import DIRECTIONS, FACES
@@ -200,7 +201,8 @@ def _lacking(
     code, missing = ("unknown-port", f"port or part `{word}`") if ctx.ends else ("unknown-member", f"`{word}`")
     return ck.error(
         code, span, f"{what} has no {missing}",
-        hint=did_you_mean(word, offered) or listed([n for n in offered if n not in BOX_MEMBERS]),
+        hint=foreign.MEMBERS.get(word) or did_you_mean(word, offered) or listed([n for n in offered if n not in BOX_MEMBERS])
+        or listed(list(BOX_MEMBERS)),
     )  # fmt: skip
 
 

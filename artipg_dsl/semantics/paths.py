@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from ..diagnostics.suggest import did_you_mean
 from ..source import Span
 from ..syntax import ast
+from . import foreign
 from .entries import narrowed
 from .fold import constant
 from .guards import TRUE, And, Or, conjunction, consistent, implies
@@ -98,24 +99,16 @@ def _declared(ctx: Context, word: str, home: Scope) -> Meaning:
     return Declared(word, home.depth) if inside is None else Current(inside.depth)
 
 
-_UNIT = "a unit stands right behind its number, as in `5cm` or `700kg/m3`"
-FOREIGN = {
-    "self": "names stand alone: what is declared here, `width`, or of a part, `seat.size.x`",
-    "this": "names stand alone: what is declared here, `width`, or of a part, `seat.size.x`",
-    "None": "what may be absent has the alternative `none`: `part door : Door = SlabDoor | none`",
-    "null": "what may be absent has the alternative `none`: `part door : Door = SlabDoor | none`",
-    **dict.fromkeys(("mm", "cm", "m", "m2", "cm2", "m3", "cm3", "mm3", "deg", "rad", "kg", "g"), _UNIT),
-}  # fmt: skip
-"""Names of other languages, and what to write here."""
-
-
 def unknown_name(ck: Checker, ctx: Context, word: str, span: Span) -> Type:
     """Reports a name that nothing declares."""
-    hint = did_you_mean(word, [*ctx.names(), "true", "false"]) or FOREIGN.get(word)
+    hint = did_you_mean(word, [*ctx.names(), *DIRECTIONS, "true", "false"]) or foreign.NAMES.get(word)
     if hint is None and ctx.scope is not None:
         for scope in below(ctx.scope.root):
             if word in scope.table and scope.repeat is not None:
                 of = scope.repeat.name
+                if word == scope.repeat.index:
+                    hint = f"`{word}` counts the elements of the repeat `{of}`: it has a meaning only inside it"
+                    break
                 hint = f"`{word}` is declared inside the repeat `{of}`: write `{of}.{word}`"
                 break
     return ck.unknown(ctx.module, word, "unknown-name", span, f"there is no `{word}` here", hint)
@@ -245,6 +238,8 @@ def member(ck: Checker, ctx: Context, expr: ast.MemberExpr) -> Type:
     if found is None:
         known = place_names(obj)
         hint = did_you_mean(word, known) or listed(known)
+        if word in FACES and isinstance(expr.obj, ast.MemberExpr) and expr.obj.name in FACES:
+            hint = "two faces that meet have an edge, as `left.back`: opposite ones do not meet"
         return ck.error("unknown-member", span, f"{obj} has no `{word}`", hint=hint)
     return found
 

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from ..diagnostics.suggest import any_of, did_you_mean, suggest
 from ..syntax import ast
 from ..units import UNITS
+from . import foreign
 from .declarations import check_range
+from .fold import components
 from .meanings import Clearance, Word
 from .names import DIRECTIONS, FACES
 from .types import (
@@ -46,12 +48,6 @@ _TAKES: dict[str, tuple[str, ...]] = {
     "ball": ("range", *_PHYSICS),
     "fixed": (),
 }
-_OTHER_NAMES = {
-    **dict.fromkeys(("hinge", "hinged", "rotary", "rotate", "turn", "swing", "pivot"), "revolute"),
-    **dict.fromkeys(("slide", "slider", "sliding", "linear", "translate", "drawer"), "prismatic"),
-    **dict.fromkeys(("wheel", "spin"), "continuous"), **dict.fromkeys(("rigid", "weld", "glue"), "fixed"),
-    **dict.fromkeys(("spherical", "socket"), "ball"), **dict.fromkeys(("helical", "thread"), "screw"),
-}  # fmt: skip
 _UNITS = {  # of what turns, and of what slides
     "damping": (("Nms/rad", "Nms"), ("Ns/m",)), "friction": (("Nm",), ("N",)), "effort": (("Nm",), ("N",)),
     "velocity": (("rad/s",), ("m/s",)),
@@ -103,8 +99,10 @@ def _placing(ck: Checker, ctx: Context, node: ast.Attaching, framed: bool) -> No
         ck.expect(ctx, node.facing.value, DIRECTION, "what follows `facing`")
     for value in node.fit.value if node.fit is not None else ():
         if not isinstance(value, ast.NameExpr) or value.name not in (*FACES, *DIRECTIONS):
-            hint = did_you_mean(value.name, FACES) if isinstance(value, ast.NameExpr) else None
-            ck.error("wrong-type", value.span, "`fit` takes names of faces", hint=hint)
+            near = did_you_mean(value.name, FACES) if isinstance(value, ast.NameExpr) else None
+            ck.error(
+                "wrong-type", value.span, "`fit` takes names of faces", hint=near or f"there are {', '.join(FACES)}"
+            )
     for argument in node.at.value if node.at is not None else ():
         _at(ck, ctx, argument.name, argument.value, framed)
 
@@ -172,7 +170,7 @@ def check_joint(ck: Checker, ctx: Context, node: ast.JointDecl) -> None:
         return
     if node.kind not in KINDS:
         assert node.kind_span is not None
-        meant = _OTHER_NAMES.get(node.kind) or suggest(node.kind, KINDS)
+        meant = foreign.JOINTS.get(node.kind) or suggest(node.kind, KINDS)
         ck.error(
             "unknown-joint-kind", node.kind_span, f"there is no kind of joint `{node.kind}`",
             hint=f"did you mean `{meant}`?" if meant else f"there are {', '.join(KINDS)}",
@@ -219,6 +217,12 @@ def _motion(ck: Checker, ctx: Context, node: ast.JointDecl, kind: str) -> None:
         motion_range(ck, ctx, interval.value, wanted if kind in KINDS else UNKNOWN)
     if (rest := _taken(ck, kind, node.rest)) is not None:
         ck.expect(ctx, rest.value, wanted, "the rest of the joint")
+        if interval is not None:
+            ends = (interval.value.low, rest.value, interval.value.high)
+            low, value, high = (next(iter(components(end, ctx.module)), None) for end in ends)
+            if value is not None and (low is not None and value < low or high is not None and value > high):
+                text = interval.value.span.source.text[interval.value.span.start : interval.value.span.end]
+                ck.error("illegal-value", rest.value.span, f"the joint rests outside its range {text}")
     for axis in (_taken(ck, kind, node.about), _taken(ck, kind, node.along)):
         if axis is not None:
             axis_value(ck, axis.word, axis.value, ck.infer(ctx, axis.value))

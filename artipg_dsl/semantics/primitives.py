@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..diagnostics.suggest import did_you_mean
+from ..diagnostics.suggest import any_of, did_you_mean
 from ..syntax import ast
 from .calls import range_type
 from .conditions import truth
@@ -134,7 +134,7 @@ def check_whole(ck: Checker, symbol: Symbol, scope: Scope) -> None:
     if lacking:
         ck.error(
             "incomplete-primitive", symbol.decl.name_span,
-            f"the primitive `{symbol.name}` lacks {' and '.join(f'`{w}`' for w in lacking)}",
+            f"the primitive `{symbol.name}` lacks {any_of(lacking, 'and')}",
             hint="state surfaces, `inside` and `box`, or a `solid`",
         )  # fmt: skip
 

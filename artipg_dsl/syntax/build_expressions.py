@@ -148,7 +148,14 @@ class ExpressionBuilder(BuilderBase):
         return self.piece("names", [t for t in c if t.type == "NAME"], c)
 
     def parameters(self, c: Children) -> Piece:
-        return self.piece("parameters", tuple(t.value for t in c if t.type == "NAME"), c)
+        return self.piece("parameters", self.words([t for t in c if t.type == "NAME"]), c)
+
+    def words(self, tokens: list[Token]) -> tuple[str, ...]:
+        """Words of a list in which each stands once."""
+        for at, token in enumerate(tokens):
+            if any(token.value == other.value for other in tokens[:at]):
+                self.problem(token, f"`{token.value}` stands twice in this list", "keep one of them")
+        return tuple(t.value for t in tokens)
 
     def type(self, c: Children) -> ast.TypeRef:
         words = [t for t in c if isinstance(t, Token)]
@@ -156,7 +163,7 @@ class ExpressionBuilder(BuilderBase):
         if words[0].type == "STYLE":
             return ast.TypeRef(span=span, name=words[1].value, style=True)
         if words[0].type == "CHOICE":
-            return ast.TypeRef(span=span, name="choice", values=tuple(t.value for t in words[1:] if t.type == "NAME"))
+            return ast.TypeRef(span=span, name="choice", values=self.words([t for t in words[1:] if t.type == "NAME"]))
         if len(words) == 1:
             return ast.TypeRef(span=span, name=words[0].value)
         size = words[2].value

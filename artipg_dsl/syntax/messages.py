@@ -15,6 +15,7 @@ from lark import Token, UnexpectedCharacters, UnexpectedInput, UnexpectedToken
 from ..diagnostics.suggest import suggest
 from ..source import Source, Span
 from ..units import UNITS
+from .foreign import CHARACTERS, CLAUSES_ELSEWHERE, STATEMENTS_ELSEWHERE
 from .grammar import Machine, keywords
 from .mistakes import key, table
 from .recover import opening_brace
@@ -33,32 +34,6 @@ _SIGNS = {
     "COMMA": "`,`", "EQUAL": "`=`", "ARROW": "`->`", "UNTIL": "`..`", "UPTO": "`..<`", "DOT": "`.`", "BAR": "`|`",
     "NAME": "a name", "WORD": "a word", "NUMBER": "a number", "STRING": "a text in quotes",
     "$END": "the end of the file",
-}  # fmt: skip
-_FOREIGN = {
-    "if": "a condition on statements is `when ... { ... }`", "for": "repetition is `repeat x[i] in 0 ..< n { ... }`",
-    "import": "modules come in by `use module { Name }`", "from": "modules come in by `use module { Name }`",
-    "def": "a function is `let f(x) = ...`", "class": "reusable parts are `template Name { ... }`",
-    "var": "a name for a value is `let x = ...`", "const": "a name for a value is `let x = ...`",
-    "assert": "a condition that has to hold is `require ...`", "else": "`else` follows the closing brace of a `when`",
-    "elif": "write `else when ... { ... }`", "elseif": "write `else when ... { ... }`", "using": "modules come in by `use module { Name }`",
-    "include": "modules come in by `use module { Name }`", "while": "repetition is `repeat x[i] in 0 ..< n { ... }`",
-    "function": "a function is `let f(x) = ...`", "return": "a function is `let f(x) = ...`: its value stands behind `=`",
-    "print": "`apgc ledger` shows values; a program prints nothing", "object": "a category of objects is `category Name { ... }`",
-    "module": "a file is a module; it has no header but `apg 1`", "constraint": "a condition that has to hold is `require ...`",
-    "set": "a name for a value is `let x = ...`, an equation is `align a = b`", "parameter": "a parameter is `param x : length in 1cm .. 2cm`",
-    "variable": "a name for a value is `let x = ...`", "link": "links follow from joints: declare parts, and joints between them",
-}  # fmt: skip
-_CHARACTERS = {
-    "'": 'text stands in double quotes: `"..."`', ";": "a statement ends at the end of its line; no `;` is needed",
-    "&": "write `and`", "!": "write `not`", "`": "names stand without quotes",
-    "\\": "a line that is open in brackets goes on by itself",
-    "%": "a percentage is written right behind its number: `8%`; a remainder is `mod(a, b)`",
-    "\u2212": "write the minus of the keyboard: `-`", "\u2013": "write the minus of the keyboard: `-`",
-    "\u2014": "write the minus of the keyboard: `-`", "\u00d7": "write `*`", "\u00b7": "write `*`", "\u00f7": "write `/`",
-    "\u2264": "write `<=`", "\u2265": "write `>=`", "\u2260": "write `!=`", "\u2192": "write `->`", "\u2026": "write `..`",
-    "\u00b0": "write the unit `deg`: `30deg`", "\u201c": 'write the quotes of the keyboard: `"..."`',
-    "\u201d": 'write the quotes of the keyboard: `"..."`', "\u201e": 'write the quotes of the keyboard: `"..."`',
-    "\u00a0": "this is a space that does not break: write a plain one", "\u200b": "this space has no width: remove it",
 }  # fmt: skip
 
 
@@ -93,7 +68,7 @@ def describe(error: UnexpectedInput, tools: Machine, source: Source, text: str) 
     span = _span(token, source, text)
     mistake = table(tools).get(key(error))
     if mistake is not None:
-        return Found("syntax", span, mistake.message.format(_shown(token)), span.start, mistake.hint)
+        return Found("syntax", span, mistake.message.replace("`{}`", _quoted(token)), span.start, mistake.hint)
     return _by_accepts(error, history, tools, span)
 
 
@@ -137,7 +112,7 @@ def _character(at: int, source: Source, text: str) -> Found:
             "names are made of the letters a to z, digits and `_`",
         )
     shown = f"`{char}`" if char.isprintable() else f"the character U+{ord(char):04X}"
-    return Found("syntax", span, f"{shown} has no meaning here", at, _CHARACTERS.get(char))
+    return Found("syntax", span, f"{shown} has no meaning here", at, CHARACTERS.get(char))
 
 
 def _open_bracket(history: list[Token]) -> Token | None:
@@ -235,6 +210,12 @@ def _by_history(
     doubled = last.type == token.type == "SLASH" and last.end_pos == token.start_pos
     if doubled:
         return found("a comment begins with `#`", "a whole division is `floor(a / b)`")
+    statement = next((t for t in reversed(history) if t.type in STATEMENTS | TOP | {"WHERE", "IF"}), None)
+    arrow = last.type == "MINUS" and token.type == "MORE" and last.end_pos == token.start_pos
+    if arrow and statement is not None and statement.type == "JOINT":
+        return found(
+            "the kind of joint is missing", "for example `joint open : revolute body -> door about door.left.back`"
+        )
     if values and token.type == "DOT" and text[span.end : span.end + 1].isdigit():
         return found("a number begins with a digit", "write `0.5`")
     if (
@@ -244,7 +225,6 @@ def _by_history(
     ):
         if (last.type, token.type) not in (("STAR", "STAR"), ("UNTIL", "DOT")):
             return found(f"a value is missing between `{last.value}` and {_quoted(token)}")
-    statement = next((t for t in reversed(history) if t.type in STATEMENTS | TOP | {"WHERE", "IF"}), None)
     if token.type == "EQUAL" and statement is not None and statement.type in _CONDITIONS:
         return found("`=` gives a value to a name; it compares nothing", "to compare, write `==`")
     if last.type in _ENDS_VALUE and token.type in _BEGINS_VALUE:
@@ -267,8 +247,8 @@ def _at_beginning(
             f"a line cannot begin with `{token.value}`: the statement above ended with its line",
             "put the operator at the end of the line above, or the whole in parentheses",
         )
-    if token.value in _FOREIGN:
-        return found(f"no statement begins with `{token.value}`", _FOREIGN[token.value])
+    if token.value in STATEMENTS_ELSEWHERE:
+        return found(f"no statement begins with `{token.value}`", STATEMENTS_ELSEWHERE[token.value])
     if not re.fullmatch(r"[A-Za-z_]\w*", token.value):
         return found(f"no statement begins with {_quoted(token)}")
     if top and token.type in STATEMENTS or not top and token.type in TOP:
@@ -327,6 +307,15 @@ def _two_values(token: Token, last: Token, history: list[Token], accepted: set[s
         return found("`..` is missing between the ends of this range", "a range is written `low .. high`")
     if words and words[-1].type == "JOINT" and "ARROW" not in {t.type for t in history[history.index(words[-1]) :]}:
         return found(f"`->` is missing before `{token.value}`", "`joint name : kind parent -> child`")
+    if (
+        words
+        and words[-1].type == "CONNECT"
+        and not {t.type for t in history[history.index(words[-1]) :]} & {"TO", "ON", "IN", "BETWEEN"}
+    ):
+        return found(
+            f"`on` or `to` is missing before `{token.value}`",
+            "`connect lid.bottom on body.top` for faces, `to` for ports",
+        )
     if words and words[-1].type == "ALIGN" and "EQUAL" not in {t.type for t in history[history.index(words[-1]) :]}:
         return found(f"`=` is missing before `{token.value}`", "an equation is written `align a.left = b.right + 1mm`")
     return None
@@ -375,6 +364,9 @@ def _by_accepts(error: UnexpectedToken, history: list[Token], tools: Machine, sp
     if statement is not None and token.type == "COMMA":
         message = "a comma separates values in brackets, names and targets"
         return found(message, "a number has a point, as in `0.5`; a statement ends with its line")
+    elsewhere = CLAUSES_ELSEWHERE.get((statement.value, token.value)) if statement is not None else None
+    if statement is not None and elsewhere is not None:
+        return found(f"`{statement.value}` takes no `{token.value}`", elsewhere)
     if statement is not None and token.value:
         near = suggest(token.value, clauses)
         listed = ", ".join(f"`{c}`" for c in clauses)

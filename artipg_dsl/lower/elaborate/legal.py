@@ -127,7 +127,7 @@ def refuse(context: Context, quantity: Quantity, intervals: Intervals, sources: 
         return
     context.report.error(
         "illegal-value", span, f"{quantity.name} is {amount}, but {quantity.legal.words}",
-        hint="lengths are told in metres, angles in radians",
+        hint="lengths are in metres, angles in radians",
     )  # fmt: skip
 
 
