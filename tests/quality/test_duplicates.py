@@ -83,9 +83,9 @@ def test_every_shipped_category_has_real_sizes_and_a_reason_for_its_graphs() -> 
         ("{", "Expecting"),
         ('{"categories": {"Box": {"width": [3, 2, 1]}}}', "rising"),
         ('{"categories": {"Box": {"widht": [1, 2, 3]}}}', "widht"),
-        ('{"categories": {"Box": {"width": 3}}}', "no file of real sizes"),
-        ('{"categories": []}', "no file of real sizes"),
-        ("[]", "no file of real sizes"),
+        ('{"categories": {"Box": {"width": 3}}}', "not a file of real sizes"),
+        ('{"categories": []}', "not a file of real sizes"),
+        ("[]", "not a file of real sizes"),
         ("{}", "categories"),
     ],
 )
