@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..graph.program import MEASURES, Grasp
-from .fields import Field, Reader, read_pose, read_triples
+from ..runtime.fields import Field, Reader, read_pose, read_triples
 from .frames import quaternion, reflect, rotate
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from .. import random
 from ..geometry import points as geometry
 from ..geometry.pointset import PointSet, Pools
-from .fields import read_pose, read_triples
+from ..runtime.fields import read_pose, read_triples
 from .frames import reflect, rotate
 from .points import field_name, holding
 from .states import Twist, own_joints

@@ -25,7 +25,7 @@ from ..runtime.kernels import Kept, State, full
 from ..runtime.repairs import Repairs
 from .clips import CLIPPED, Asked, Blame, logged
 from .repair import Mended, joined, mended, tally
-from .sample import Sampler, colliding
+from .sample import Sampler, asked, colliding
 from .settled import again, chosen, differing, kept, made
 from .statistics import ATTEMPTS, Exhausted, Statistics
 
@@ -375,9 +375,9 @@ class _Step:
         if alone:
             bad |= self.spoiled(trial, objects)
         sound = np.flatnonzero(~bad)
-        if checked and len(sound):
+        if asked(trial.program, checked) and len(sound):
             part = trial if len(sound) == len(trial) else again(trial, sound)
-            bad[sound[colliding(part, statistics)]] = True
+            bad[sound[colliding(part, statistics, checked)]] = True
         statistics.add(trial.state, first, bad)
         return bad
 

@@ -24,6 +24,7 @@ from ..runtime.kernels import Kept
 from ..runtime.needs import pose_cells
 from ..runtime.repairs import Cause, Repairs, giving
 from ..validity.faults import faults
+from ..validity.formulas import fallible, unsaid
 from .clips import Asked, Blame, Clips, clipped, logged
 from .search import AGAIN, Search, Spots, at_fault, domain
 from .settled import again, chosen, matched
@@ -72,7 +73,9 @@ def repair(
     asides = handler.asides(moved, bad)
     solved: list[Solved] = []
     if bad.any() or asides:
-        search = Search(sampler, lean, target, asked.stated, handler.sound if checked else None)
+        search = Search(
+            sampler, lean, target, asked.stated, handler.sound if checked or fallible(sampler.program) else None
+        )
         wanted = np.flatnonzero(bad)
         for start in range(0, len(wanted), GROUP):
             solved += handler.solve(search, failing, wanted[start : start + GROUP])
@@ -140,12 +143,17 @@ def causes(batch: Batch, checked: bool, statistics: Statistics) -> dict[Cause, n
     """What is wrong with objects, each with the places of those that have it; solids of those that meet the text alone."""
     found: dict[Cause, np.ndarray] = {cause: np.unique(owners) for cause, owners in at_fault(batch)}
     sound = np.flatnonzero(~batch.state.failed)
-    if checked and len(sound):
+    if len(sound) and (checked or fallible(batch.program)):
         part = batch if len(sound) == len(batch) else again(batch, sound)
-        for cause, objects in solids(part).items():
+        for cause, objects in (solids(part) if checked else silent(part)).items():
             found[cause] = sound[objects]
             statistics.fail(cause, len(objects))
     return found
+
+
+def silent(batch: Batch) -> dict[Cause, np.ndarray]:
+    """Labels of objects that have no value, and of which."""
+    return {("solid", words): objects for words, objects in unsaid(batch)}
 
 
 def solids(batch: Batch) -> dict[Cause, np.ndarray]:
@@ -180,7 +188,7 @@ class Handler:
     def sound(self, batch: Batch) -> np.ndarray:
         """Which objects have their solids in order, of some that meet the requirements."""
         good = np.ones(len(batch), dtype=bool)
-        for objects in solids(batch).values():
+        for objects in (solids(batch) if self.checked else silent(batch)).values():
             good[objects] = False
         return good
 

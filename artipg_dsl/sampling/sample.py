@@ -15,6 +15,7 @@ from ..runtime.needs import narrowing
 from ..runtime.plan import Plan, make_plan
 from ..validity.contact import contact, in_words
 from ..validity.faults import faults
+from ..validity.formulas import fallible, unsaid
 from ..validity.sound import prove
 from .prior import BLOCK, Resampling
 from .repair import Mended, mended
@@ -129,9 +130,9 @@ class _Trials:
         state, batch = self.made(numbers, attempt)
         bad = state.failed.copy()
         sound = np.flatnonzero(~bad)
-        if self.checked and len(sound):
+        if asked(self.sampler.program, self.checked) and len(sound):
             within = batch if len(sound) == len(numbers) else self.made(numbers[sound], attempt[sound])[1]
-            struck = colliding(within, self.statistics)
+            struck = colliding(within, self.statistics, self.checked)
             bad[sound[struck]] = True
             for number in within.numbers[struck].tolist():
                 self.hits[number] = self.hits.get(number, 0) + 1
@@ -152,7 +153,9 @@ class _Trials:
 
     def resampled(self, numbers: np.ndarray, candidates: int) -> Batch:
         """Objects that are each one of several attempts. Raises Exhausted."""
-        struck = (lambda batch: colliding(batch, self.statistics)) if self.checked else None
+        struck = None
+        if asked(self.sampler.program, self.checked):
+            struck = lambda batch: colliding(batch, self.statistics, self.checked)  # noqa: E731
         attempt = np.zeros(len(numbers), dtype=np.int64)
         for start in range(0, len(numbers), max(1, BLOCK // candidates)):
             part = slice(start, start + max(1, BLOCK // candidates))
@@ -176,8 +179,19 @@ class _Trials:
         return self.made(numbers, attempt)[1]
 
 
-def colliding(batch: Batch, statistics: Statistics) -> np.ndarray:
-    """Indices of the objects of a batch whose solids are at fault: that collide, tip over, ...; counted."""
+def asked(program: Program, checked: bool) -> bool:
+    """Whether objects of a program are looked at beyond its requirements: ``checked``, or for what its labels say."""
+    return checked or bool(fallible(program))
+
+
+def colliding(batch: Batch, statistics: Statistics, checked: bool = True) -> np.ndarray:
+    """Indices of the objects of a batch at fault beyond the requirements: labels without a value, and where they are
+    ``checked`` solids that collide, tip over, ...; counted."""
+    if not checked:
+        silent = unsaid(batch)
+        for words, objects in silent:
+            statistics.unsound[words] = statistics.unsound.get(words, 0) + len(objects)
+        return np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *(objects for _, objects in silent)]))
     if batch.program.foreign:
         prove(batch)
     found = faults(batch, soon=True)

@@ -27,7 +27,7 @@ from ..runtime.kernels import Kept
 from ..runtime.repairs import HOW, Repairs
 from ..shapes import Misfit, Rule, fit
 from .mutate import OPERATIONS, Stage
-from .sample import Sampler, colliding
+from .sample import Sampler, asked, colliding
 from .settled import again, chosen
 from .statistics import Exhausted, Statistics
 
@@ -234,9 +234,9 @@ class Replay:
         """The objects ``numbers``, made from those of the batch as their records say. Raises Exhausted, UserError."""
         found = replay(batch, [self.records[n] for n in numbers.tolist()])
         bad = found.state.failed.copy()
-        if checked and not bad.all():
+        if asked(found.program, checked) and not bad.all():
             sound = np.flatnonzero(~bad)
-            bad[sound[colliding(again(found, sound), statistics)]] = True
+            bad[sound[colliding(again(found, sound), statistics, checked)]] = True
         statistics.add(found.state, True, bad)
         if bad.any():
             raise Exhausted(numbers[bad], statistics, 1)

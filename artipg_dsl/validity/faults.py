@@ -10,6 +10,7 @@ from ..runtime.batch import Batch
 from .apart import too_near
 from .bodies import Pieces, gather
 from .floating import Solids, inverted
+from .formulas import unsaid
 from .mass import weightless
 from .stance import falling
 from .tree import Tree
@@ -52,6 +53,7 @@ def faults(batch: Batch, soon: bool = False) -> Faults:
             *solids.unheld(),
             *inverted(tree),
             *weightless(batch),
+            *unsaid(batch),
             *too_near(tree, body),
         )
     ]

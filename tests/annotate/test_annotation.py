@@ -10,12 +10,12 @@ import pytest
 from export.fake_batch import SEMANTIC, FakeBatch
 
 from artipg_dsl.annotate.annotation import describe, line, plain
-from artipg_dsl.annotate.fields import Field
 from artipg_dsl.annotate.frames import axis_angle, compose, euler, quaternion, rotate, unrotate
 from artipg_dsl.annotate.grasps import grasp_frame, sample_grasps
 from artipg_dsl.annotate.points import field_kinds, label_points
 from artipg_dsl.annotate.poses import normalised, part_poses, symmetry_words
 from artipg_dsl.graph import expr as e
+from artipg_dsl.runtime.fields import Field
 
 
 def turns(count: int = 50) -> np.ndarray:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..graph.expr import Expr, Scope, substitute, var
 from ..graph.formula import compile_formula, free_variables, row_values
-from ..runtime.needs import pose_cells
+from .needs import pose_cells
 
 if TYPE_CHECKING:
     from ..graph.program import Pose, Program

@@ -1,0 +1,190 @@
+"""What labels say at points: their formulas in the frames of their targets, and whether what comes of them can be said.
+
+Labels without a value at a place make an object invalid. That is looked for at places of its own, a grid on each surface, so
+that an object does not depend on the points that are drawn on it.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from ..geometry.patches import surfaces
+from ..geometry.points import evaluate_flat
+from ..geometry.pointset import PointSet
+from ..graph.expr import Scope
+from ..graph.formula import free_variables
+from ..graph.program import Label, Program, Target
+from ..runtime.fields import Field, Reader, read_pose, read_triples
+from ..runtime.motion import apply
+
+if TYPE_CHECKING:
+    from ..geometry.sites import SiteTable
+    from ..runtime.batch import Batch
+
+ROUNDING = 1e-6  # so far may a degree lie outside 0 .. 1: it is set to the end
+_CHUNK = 16_000  # points at a time: their arrays stay in the caches
+GRID = np.array([0.001, *((k + 0.5) / 16 for k in range(16)), 0.999])  # places on a surface, along either fraction
+
+
+class Points(Protocol):
+    """Points of any shape, each bound to a row of a table of sites, at joint values 0 in the object's frame."""
+
+    @property
+    def site(self) -> np.ndarray: ...
+    @property
+    def row(self) -> np.ndarray: ...
+    @property
+    def patch(self) -> np.ndarray: ...
+    @property
+    def u(self) -> np.ndarray: ...
+    @property
+    def v(self) -> np.ndarray: ...
+    @property
+    def position(self) -> np.ndarray: ...
+    @property
+    def normal(self) -> np.ndarray: ...
+
+
+def on_surfaces(at: np.ndarray, table: SiteTable, target: Target, points: Points) -> np.ndarray:
+    """Those of the flat point numbers ``at`` that lie on the surfaces a target names."""
+    if not target.surfaces:
+        return at
+    meant = [i for i, patch in enumerate(surfaces(table.primitive)) if patch.name in target.surfaces]
+    return at[np.isin(np.asarray(points.patch).ravel()[at], meant)]
+
+
+def said(reader: Reader, label: Label, target: Target, at: np.ndarray, points: Points) -> tuple[np.ndarray, np.ndarray]:
+    """Those of the flat point numbers ``at``, all of one site, at which a label says something, and what: (k,) or (k, 3).
+
+    Formulas are evaluated in the frame of the target; vectors are returned in the object's.
+    """
+    scope = reader.program.sites[target.site].scope
+    field = Field(label.formulas)
+    reads = [np.asarray(v) for v in reader.read(field.inputs, scope)] if field.inputs else []
+    place = _Place(reader, target, scope, {name for name in field.names if "." in name}, bool(label.vector))
+    rows, found = np.asarray(points.row).ravel(), []
+    for start in range(0, len(at), _CHUNK):
+        some = at[start : start + _CHUNK]
+        row = rows[some]
+        variables = {name: getattr(points, name).ravel()[some] for name in field.names if name in ("u", "v")}
+        variables |= place.variables(row, some, points)
+        guard, *values = (np.broadcast_to(v, some.shape) for v in field([r[row] for r in reads], variables))
+        told = place.turned(row, np.stack(values, axis=-1)) if label.vector else values[0]
+        found.append((some, told) if guard.all() else (some[guard], told[guard]))
+    return np.concatenate([f[0] for f in found]), np.concatenate([f[1] for f in found])
+
+
+def is_degree(label: Label) -> bool:
+    return label.vocabulary != "field" and not is_predicate(label)
+
+
+def is_predicate(label: Label) -> bool:
+    value = label.value
+    return value.op in ("lt", "le", "eq", "and", "or", "not") or isinstance(value.value, bool)
+
+
+def is_wrong(label: Label, told: np.ndarray) -> np.ndarray:
+    """At which points (k,) what a label says is no number, or no degree from 0 to 1."""
+    if told.dtype == bool:
+        return np.zeros(len(told), dtype=bool)
+    bad = ~np.isfinite(told)
+    if is_degree(label):
+        bad |= (told < -ROUNDING) | (told > 1.0 + ROUNDING)
+    return bad.any(axis=-1) if bad.ndim > 1 else bad
+
+
+def in_words(label: Label) -> str:
+    """That a label says nothing that can be said at a point."""
+    if label.vocabulary == "field":
+        return f"{label.where}: the field `{label.name}` has no value at a point"
+    return f"{label.where}: the label `{label.name}` is not a degree from 0 to 1 at a point"
+
+
+# ---------------------------------------------------------------- validity
+
+
+@lru_cache(maxsize=8)
+def fallible(program: Program) -> tuple[Label, ...]:
+    """The labels whose values depend on the point and may be none."""
+    return tuple(label for label in program.labels if not is_predicate(label) and free_variables(label.formulas))
+
+
+def unsaid(batch: Batch) -> list[tuple[str, np.ndarray]]:
+    """Labels that have no value somewhere on the surfaces they lie on, in words, and the objects in which they have none."""
+    labels = fallible(batch.program)
+    if not labels:
+        return []
+    sites = batch.sites()
+    tables = {table.number: table for table in sites}
+    wrong: dict[str, list[np.ndarray]] = {}
+    for label in labels:
+        for target in label.targets:
+            table = tables.get(target.site)
+            if table is None or not len(table):
+                continue
+            points = places(sites, table)
+            at = on_surfaces(np.arange(points.site.size), table, target, points)
+            if not len(at):
+                continue
+            at, told = said(batch, label, target, at, points)
+            rows = points.row.ravel()[at[is_wrong(label, told)]]
+            wrong.setdefault(in_words(label), []).append(table.owner[rows])
+    found = {words: np.unique(np.concatenate(owners)) for words, owners in wrong.items()}
+    return [(words, objects) for words, objects in found.items() if len(objects)]
+
+
+def places(sites: list[SiteTable], table: SiteTable) -> PointSet:
+    """A grid on every surface of every row of a site, as far as the row has it: (points, 1)."""
+    u, v = (a.ravel() for a in np.meshgrid(GRID, GRID, indexing="ij"))
+    patches = len(surfaces(table.primitive))
+    row = np.repeat(np.arange(len(table)), patches * len(u))
+    patch = np.tile(np.repeat(np.arange(patches), len(u)), len(table))
+    u, v = (np.tile(a, patches * len(table)) for a in (u, v))
+    site = np.full(len(row), table.number)
+    position, normal, exists = evaluate_flat(sites, table.owner[row], site, row, patch, u, v)
+    return PointSet(*(x[exists, None] for x in (site, row, patch, u, v, position, normal)))
+
+
+class _Place:
+    """The variables ``p``, ``n`` and ``size`` of a target: those of their coordinates that ``names`` tells."""
+
+    def __init__(self, reader: Reader, target: Target, scope: Scope, names: set[str], vector: bool):
+        self.names, self.kinds = sorted(names), {name.partition(".")[0] for name in names}
+        if vector or self.kinds & {"p", "n"}:
+            self.rotation, translation, self.mirror = read_pose(reader, target.frame, scope)
+            self.columns = np.ascontiguousarray(self.rotation.reshape(-1, 9).T)
+            self.translation = np.ascontiguousarray(translation.T)
+        if self.kinds & {"p", "size"}:
+            size, center = read_triples(reader, [target.size, target.center], scope)
+            self.size, self.center = np.ascontiguousarray(size.T), np.ascontiguousarray(center.T)
+
+    def variables(self, row: np.ndarray, at: np.ndarray, points: Points) -> dict[str, np.ndarray]:
+        """Values at the flat point numbers ``at``, whose rows are ``row``."""
+        away = {}
+        if "p" in self.kinds:
+            position = points.position.reshape(-1, 3)
+            away["p"] = [position[at, k] - self.translation[k][row] for k in range(3)]
+        if "n" in self.kinds:
+            normal = points.normal.reshape(-1, 3)
+            away["n"] = [normal[at, k] for k in range(3)]
+        out = {}
+        for name in self.names:
+            kind, _, letter = name.partition(".")
+            axis = "xyz".index(letter)
+            if kind == "size":
+                out[name] = self.size[axis][row]
+                continue
+            x, y, z = (self.columns[3 * k + axis][row] * away[kind][k] for k in range(3))
+            value = x + y + z
+            value = value * self.mirror[row] if axis == 1 else value
+            out[name] = value - self.center[axis][row] if kind == "p" else value
+        return out
+
+    def turned(self, row: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+        """Vectors of the target (m, 3) in the object's frame."""
+        return apply(
+            self.rotation[row], np.stack([vectors[:, 0], vectors[:, 1] * self.mirror[row], vectors[:, 2]], axis=-1)
+        )
