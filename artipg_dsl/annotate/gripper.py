@@ -27,6 +27,7 @@ REASONS = ("reachable", "wide", "blocked", "empty")
 """What can become of a grasp, by number: made; opened wider than the stroke; fingers or palm hit something; nothing held."""
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 PAIRS = 2_000_000  # of a hand and a piece, at a time
+ROOM = 1e-3  # about the palm: pieces of what is bent lie within its surface by as much
 CORNERS = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
 
 
@@ -63,15 +64,15 @@ class Gripper:
         """Low and high corners (G, 4, 3) of left and right finger, palm, and the space between the pads of grippers of
         the ``measures`` (G, 8)."""
         _, length, width, thickness, tip, palm, flat, depth = measures.T
-        half, wide, palm, flat = opening / 2, width / 2, palm / 2, flat / 2
+        half, wide, palm, flat = opening / 2, width / 2, palm / 2 + ROOM, flat / 2 + ROOM
         back = tip - length
         low = [
             [-wide, half, back],
             [-wide, -half - thickness, back],
-            [-flat, -palm, back - depth],
+            [-flat, -palm, back - depth - ROOM],
             [-wide, -half, -tip],
         ]
-        high = [[wide, half + thickness, tip], [wide, -half, tip], [flat, palm, back], [wide, half, tip]]
+        high = [[wide, half + thickness, tip], [wide, -half, tip], [flat, palm, back + ROOM], [wide, half, tip]]
         made = (np.stack([np.stack(row, axis=-1) for row in rows], axis=1) for rows in (low, high))
         least, most = made
         return least + DEPTH / 2, most - DEPTH / 2  # what touches does not hit

@@ -1,6 +1,6 @@
 """Labels and grasps by physics: a hand moves what labels say, in MuJoCo; two fingers hold what grasps say, on exported meshes.
 
-A few categories and two objects of each, four for grasps; ``ARTIPG_EVERY=1`` takes all of them. ``benchmarks/affordances.py`` and
+A few categories and two objects of each; ``ARTIPG_EVERY=1`` takes all of them. ``benchmarks/affordances.py`` and
 ``benchmarks/holding.py`` take more.
 """
 
@@ -24,8 +24,8 @@ GRIPPED = ["faucet", "foldingrack", "globe", "kettle", "usb", "washing_machine"]
 
 
 @cache
-def batch(category: str, count: int = 2) -> Batch:
-    return Session.of(str(ROOT / "categories" / f"{category}.apg")).sampler.batch(np.arange(count), 1)
+def batch(category: str) -> Batch:
+    return Session.of(str(ROOT / "categories" / f"{category}.apg")).sampler.batch(np.arange(2), 1)
 
 
 @pytest.mark.parametrize("category", SHIPPED if EVERY else PUSHED)
@@ -45,7 +45,7 @@ def test_what_a_hand_grips_has_grasps_that_hold(category: str) -> None:
         pytest.importorskip(package, reason=f"{package} is not installed: pip install 'artipg_dsl[collide,rays]'")
     from .fingers import verdicts
 
-    made = batch(category, 4)  # some twenty grasps at least, so that one of them is less than 5 %
+    made = batch(category)
     held, links = verdicts(made, describe(made))
     loose = [verdict for verdict in held if verdict.fault]
     lacking = [name for name, grasped in links if not grasped]
