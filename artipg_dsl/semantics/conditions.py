@@ -8,7 +8,7 @@ from ..diagnostics.suggest import did_you_mean
 from ..syntax import ast
 from .fold import constant
 from .guards import OPERATORS, TRUE, VERSUS, Atom, Compare, Condition, Not, Or, conjunction
-from .meanings import Word
+from .meanings import Global, Word
 from .offers import TEMPLATES, missing
 from .scope import Guard
 from .symbols import is_a
@@ -43,7 +43,9 @@ def check_is(ck: Checker, ctx: Context, expr: ast.IsExpr) -> Type:
             f"there is no role or template `{expr.type_name}` here",
             hint=missing(expr.type_name, names, *TEMPLATES),
         )  # fmt: skip
-    elif isinstance(subject, Part | Style):
+        return BOOL
+    ck.mean(expr, Global(wanted))
+    if isinstance(subject, Part | Style):
         known = [v for v in subject.domain if v is not None]
         if all(v.symbol is not None for v in known):
             if not any(v.symbol and (is_a(v.symbol, wanted) or is_a(wanted, v.symbol)) for v in known):

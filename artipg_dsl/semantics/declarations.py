@@ -11,7 +11,7 @@ from . import conditions, paths
 from .entries import of_alternative, of_reference
 from .fold import components, constant
 from .guards import consistent
-from .meanings import Global, Word
+from .meanings import Declared, Global, Word
 from .names import CONSTRUCTORS, DIRECTIONS, FACES, FUNCTIONS, OWN, RESERVED_TYPES, WORDS
 from .offers import missing
 from .scope import Entry, Scope
@@ -263,12 +263,17 @@ def _options(ck: Checker, ctx: Context, node: ast.Distribution, kind: Choice) ->
 
 def check_part(ck: Checker, ctx: Context, node: ast.PartDecl) -> None:
     """Role, alternatives, arguments and placements of a part."""
-    role = _role(ck, ctx, node.role, node.role_span) if node.role is not None else None
+    role = _role(ck, ctx, node, node.role, node.role_span) if node.role is not None else None
     for placement in node.placements:
         check_placement(ck, ctx, placement)
     if role is not None:
         check_arguments(ck, ctx, node.arguments, [role])
     _alternatives(ck, ctx, node.alternatives, role, node.role)
+    if node.role is not None or len(node.alternatives) > 1:
+        alone = f"write `part {node.name} : STYLE`; what else it may be, and `none`, belongs into the style"
+        _no_style(ck, ctx, node.alternatives, alone)
+    if all(alternative.name is None for alternative in node.alternatives):
+        ck.error("wrong-kind", node.name_span, f"`{node.name}` has no alternative but none")
 
 
 def check_style(ck: Checker, ctx: Context, node: ast.StyleDecl) -> None:
@@ -278,6 +283,8 @@ def check_style(ck: Checker, ctx: Context, node: ast.StyleDecl) -> None:
             symbol = ctx.module.find(alternative.name) if alternative.name else None
             if symbol is None or symbol.kind != "material":
                 unknown_material(ck, ctx, alternative.name or "none", alternative.name_span)
+            else:
+                ck.mean(alternative, Global(symbol))
             _weight(ck, ctx, alternative)
             if alternative.guard is not None:
                 conditions.truth(ck, ctx, alternative.guard)
@@ -288,7 +295,8 @@ def check_style(ck: Checker, ctx: Context, node: ast.StyleDecl) -> None:
                 )  # fmt: skip
         _unweighed(ck, node.alternatives)
         return
-    _alternatives(ck, ctx, node.alternatives, _role(ck, ctx, node.role, node.role_span), node.role)
+    _alternatives(ck, ctx, node.alternatives, _role(ck, ctx, node, node.role, node.role_span), node.role)
+    _no_style(ck, ctx, node.alternatives, "name its templates here, one by one")
 
 
 def unknown_material(ck: Checker, ctx: Context, name: str, span: Span) -> None:
@@ -297,7 +305,7 @@ def unknown_material(ck: Checker, ctx: Context, name: str, span: Span) -> None:
     ck.unknown(ctx.module, name, "unknown-material", span, f"there is no material `{name}` here", hint)
 
 
-def _role(ck: Checker, ctx: Context, name: str, span: Span | None) -> Symbol | None:
+def _role(ck: Checker, ctx: Context, node: ast.Stmt, name: str, span: Span | None) -> Symbol | None:
     symbol = ctx.module.find(name)
     assert span is not None
     if symbol is None or symbol.kind not in ("role", "template"):
@@ -305,7 +313,16 @@ def _role(ck: Checker, ctx: Context, name: str, span: Span | None) -> Symbol | N
         hint = missing(name, roles, "role", "template")
         ck.unknown(ctx.module, name, "unknown-template", span, f"there is no role `{name}` here", hint)
         return None
+    ck.mean(node, Global(symbol))
     return symbol
+
+
+def _no_style(ck: Checker, ctx: Context, alternatives: tuple[ast.Alternative, ...], hint: str) -> None:
+    """A style is no alternative among others."""
+    for alternative in alternatives:
+        if isinstance(ck.meanings.get(id(alternative)), Declared):
+            message = f"`{alternative.name}` is a style: it stands alone, without a role and other alternatives"
+            ck.error("wrong-kind", alternative.name_span, message, hint=hint)
 
 
 def _alternatives(

@@ -127,6 +127,7 @@ def of_reference(ck: Checker, ctx: Context, ref: ast.TypeRef) -> Type:
             return ck.unknown(
                 ctx.module, ref.name, "unknown-type", ref.span, f"there is no role `{ref.name}` here", hint
             )
+        ck.mean(ref, Global(symbol))
         return Style((Variant(ref.name, symbol), None), ref.name)
     if ref.name == "count":
         return COUNT

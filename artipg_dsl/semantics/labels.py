@@ -156,6 +156,8 @@ def _label(ck: Checker, ctx: Context, stmt: ast.LabelStmt) -> None:
             "unknown-label", stmt.label_span, f"the vocabulary `{stmt.vocabulary}` has no word `{stmt.label}`",
             hint=_word(ck, ctx, stmt.vocabulary, stmt.label),
         )  # fmt: skip
+    elif (symbol := ctx.module.find(stmt.vocabulary)) is not None and symbol.kind == "vocabulary":
+        ck.mean(stmt, Global(symbol))
     if stmt.joint is not None:
         _acted(ck, ctx, stmt.joint, stmt.vocabulary)
     place = formula(_targets(ck, ctx, stmt.targets, "a label lies on"))

@@ -9,7 +9,6 @@ from ...graph.expr import Scope
 from ...semantics.meanings import Declared, Global, Word
 from ...semantics.symbols import Symbol
 from ...semantics.types import DIMENSIONS
-from ...source import Span
 from ...syntax import ast
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
@@ -20,7 +19,7 @@ from .interface import own_parameter, parameters_of
 from .looks import look_of
 from .part import Instance, Option, Part
 from .place import pose_of
-from .style import Style, complete_choice, sole_style
+from .style import Style, complete_choice, sole_style, templates_of
 
 LowerBody = Callable[[Instance, Option, Scope, dict[str, Value]], Env]  # of a template: ``body.lower_body``
 
@@ -42,10 +41,13 @@ def build_part(env: Env, declaration: ast.PartDecl, lower_body: LowerBody) -> Pa
         if guard is not None:
             part.exists = Evaluator(env).truth(Evaluator(env).value(guard), guard.span)
     elif declaration.role is not None:
-        part.role = resolve(env, declaration.role, declaration.role_span or declaration.span)
+        part.role = context.symbol(declaration)
     if part.style is None:
         alternatives = complete_choice(env, alternatives)
-    resolve_options(part, alternatives, env if part.style is None else part.style.env)
+    templates = templates_of(env, alternatives) if part.style is None else part.style.templates
+    part.options = [
+        Option(a.name, templates[a.name], a, code) for code, a in enumerate(alternatives) if a.name is not None
+    ]
     make_choice(part, alternatives)
     if part.role is None and len(part.options) == 1:
         arguments = arguments + part.options[0].source.arguments
@@ -61,32 +63,6 @@ def named_style(env: Env, alternative: ast.Alternative) -> Value | None:
     """The style that an alternative names; None where it names a template or a primitive."""
     meaning = env.context.meaning(alternative)
     return env.find(meaning.name, meaning.depth) if isinstance(meaning, Declared) else None
-
-
-def resolve(env: Env, name: str, span: Span) -> Symbol:
-    symbol = env.module.find(name)
-    if symbol is None:
-        raise env.context.error("unknown-name", span, f"there is no template, role or primitive `{name}`")
-    return symbol
-
-
-def resolve_options(part: Part, alternatives: tuple[ast.Alternative, ...], env: Env) -> None:
-    for code, alternative in enumerate(alternatives):
-        if alternative.name is None:
-            continue
-        if part.style is None and isinstance(named_style(env, alternative), Style):
-            raise part.context.error(
-                "wrong-kind", alternative.name_span, f"`{alternative.name}` is a style: it stands alone, without a role and other alternatives",
-                hint=f"write `part {part.name} : {alternative.name}`; what else it may be, and `none`, belongs into the style",
-            )  # fmt: skip
-        symbol = resolve(env, alternative.name, alternative.name_span)
-        if symbol.kind not in ("template", "primitive"):
-            raise part.context.error(
-                "wrong-kind", alternative.name_span, f"`{alternative.name}` is a {symbol.kind}; a part is made of a template or a primitive"
-            )  # fmt: skip
-        part.options.append(Option(alternative.name, symbol, alternative, code))
-    if not part.options:
-        raise part.context.error("wrong-kind", part.span, f"`{part.name}` has no alternative but none")
 
 
 def make_choice(part: Part, alternatives: tuple[ast.Alternative, ...]) -> None:
@@ -146,7 +122,7 @@ def handed_in(
         case Word(text):
             return Choice(E.const(float(kind.values.index(text))), kind.values)
         case Global(symbol) if symbol.kind == "template":
-            return sole_style(part.env, f"{part.name}.{name}", owner.module.find(kind.name), symbol, node.span)
+            return sole_style(part.env, f"{part.name}.{name}", env.context.symbol(kind), symbol, node.span)
     if kind.name == "material":
         return look_of(env, node)
     value = Evaluator(env).value(node)

@@ -228,7 +228,7 @@ def drives_in(node: ast.Node | None) -> list[ast.Expr]:
 
 def motion(env: Env, statement: ast.LabelStmt) -> str:
     """The kind of joint that the word of a label moves by, as its vocabulary says."""
-    symbol = env.module.find(statement.vocabulary)
+    symbol = env.context.symbol(statement)
     if symbol is None or not isinstance(symbol.decl, ast.VocabularyDecl) or statement.label not in symbol.decl.words:
         return ""
     return symbol.decl.motions[symbol.decl.words.index(statement.label)]

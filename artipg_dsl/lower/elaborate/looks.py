@@ -38,7 +38,7 @@ def build_look(env: Env, statement: ast.StyleDecl) -> Look:
     choice = draw_choice(env, env.path + statement.name, tuple(several), same, statement.name_span, statement)
     options = []
     for code, (alternative, *_) in enumerate(same):
-        symbol = env.module.find(alternative.name or "")
+        symbol = env.context.symbol(alternative)
         if symbol is None or symbol.kind != "material":
             raise env.context.error(
                 "unknown-material", alternative.name_span, f"there is no material `{alternative.name}`"

@@ -83,11 +83,8 @@ class Part:
             return E.both(ev.truth(ev.value(alone), alone.span), chosen)
         return chosen
 
-    def matches(self, name: str, span: Span, env: Env) -> Expr:
+    def matches(self, symbol: Symbol) -> Expr:
         """Where ``part is Name`` holds."""
-        symbol = env.module.find(name)
-        if symbol is None:
-            raise self.context.error("unknown-name", span, f"there is no role or template `{name}`")
         options = [o for o in self.options if is_a(o.symbol, symbol)]
         if len(options) == len(self.options):
             return self.exists

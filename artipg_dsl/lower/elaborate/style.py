@@ -26,14 +26,14 @@ class Style(Alternatives):
     role: Symbol | None
     choice: Choice
     alternatives: tuple[ast.Alternative, ...]
+    templates: dict[str, Symbol]  # by the names of the alternatives
     drawn: dict[tuple[str, str], Expr] = field(default_factory=dict)
 
-    def matches(self, name: str) -> Expr:
+    def matches(self, symbol: Symbol) -> Expr:
         """The predicate of ``style is Name``."""
-        wanted, found = self.env.module.find(name), E.FALSE
-        for option in dict.fromkeys(self.choice.options):
-            symbol = self.env.module.find(option)
-            if wanted is not None and symbol is not None and is_a(symbol, wanted):
+        found = E.FALSE
+        for option, template in self.templates.items():
+            if is_a(template, symbol):
                 found = E.either(found, self.choice.chosen(option))
         return found
 
@@ -83,13 +83,20 @@ class Style(Alternatives):
 def build_style(env: Env, declaration: ast.StyleDecl) -> Style:
     alternatives = complete_choice(env, declaration.alternatives)
     names = tuple(a.name or "none" for a in alternatives)
-    role = env.module.find(declaration.role)
     path = env.path + declaration.name
     if len(names) == 1:
         choice = Choice(E.ZERO, names)
     else:
         choice = draw_choice(env, path, names, [(a,) for a in alternatives], declaration.name_span, declaration)
-    return Style(env, declaration, role, choice, alternatives)
+    return Style(
+        env, declaration, env.context.symbol(declaration), choice, alternatives, templates_of(env, alternatives)
+    )
+
+
+def templates_of(env: Env, alternatives: tuple[ast.Alternative, ...]) -> dict[str, Symbol]:
+    """The template or primitive of each alternative, by its name."""
+    found = ((a.name, env.context.symbol(a)) for a in alternatives)
+    return {name: symbol for name, symbol in found if name is not None and symbol is not None}
 
 
 def complete_choice(env: Env, alternatives: tuple[ast.Alternative, ...]) -> tuple[ast.Alternative, ...]:
@@ -121,4 +128,4 @@ def sole_style(env: Env, name: str, role: Symbol | None, template: Symbol, span:
         role_span=span,
         alternatives=(alternative,),
     )
-    return Style(env, declaration, role, Choice(E.ZERO, (template.name,)), declaration.alternatives)
+    return Style(env, declaration, role, Choice(E.ZERO, (template.name,)), (alternative,), {template.name: template})

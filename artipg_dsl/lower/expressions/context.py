@@ -13,12 +13,13 @@ from ...graph import expr as E
 from ...graph.expr import Column, Expr, Scope, ScopeError
 from ...graph.interval import Interval
 from ...graph.program import Draw, Program, Where
+from ...semantics.meanings import Global, Meaning
+from ...semantics.symbols import Symbol
 from ...source import Span
 from ...syntax import ast
 
 if TYPE_CHECKING:
     from ...semantics.check import TypedProgram
-    from ...semantics.meanings import Meaning
     from ..elaborate.part import Part
     from ..elaborate.ranges import Quantity
     from ..values.kinds import Surface, Value
@@ -169,6 +170,11 @@ class Context:
     def meaning(self, node: ast.Node) -> Meaning | None:
         """What a name stands for, as the checker found; None for what is no name."""
         return self.typed.meanings.get(id(node))
+
+    def symbol(self, node: ast.Node) -> Symbol | None:
+        """The declaration of a file that a node names: a role, a template, a material, a vocabulary."""
+        meaning = self.meaning(node)
+        return meaning.symbol if isinstance(meaning, Global) else None
 
     def internal(self, span: Span, what: str) -> InternalError:
         """What the checker should have ruled out; what the caller raises."""

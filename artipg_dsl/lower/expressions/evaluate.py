@@ -155,13 +155,14 @@ class Evaluator:
         return Vec(tuple(items), on)
 
     def _IsExpr(self, node: ast.IsExpr) -> Value:
-        subject = self.value(node.subject)
+        subject, wanted = self.value(node.subject), self.env.context.symbol(node)
+        if wanted is None:
+            raise self.env.context.internal(node.type_span, "this is not a role or a template")
         if isinstance(subject, Alternatives):
-            return subject.matches(node.type_name)
+            return subject.matches(wanted)
         if not isinstance(subject, Ref) or len(subject.branches) != 1:
             raise self.wrong(node.subject.span, "a part", subject)
-        part = subject.branches[0].members[0][0]
-        return part.matches(node.type_name, node.type_span, self.env)
+        return subject.branches[0].members[0][0].matches(wanted)
 
     # ------------------------------------------------------------ names, members, calls
 

@@ -18,6 +18,7 @@ from ...graph.program import Pose
 from .vectors import HERE, Matrix, minus, plus, times
 
 if TYPE_CHECKING:
+    from ...semantics.symbols import Symbol
     from ..elaborate.part import Part
 
 
@@ -29,7 +30,7 @@ class Alternatives:
 
     __slots__ = ()
 
-    def matches(self, name: str) -> Expr:
+    def matches(self, symbol: Symbol) -> Expr:
         """Whether it is the template, or a template of the role, of that name."""
         raise NotImplementedError
 
