@@ -11,7 +11,7 @@ MESHES = 60  # objects of a report whose meshes are looked at
 EMITS = {
     "graph": "the constraint graph (default); `apgc sample` reads it from an .apgc file",
     "ast": "the syntax tree",
-    "typed": "declarations with their types",
+    "typed": "declarations with their types, and what names stand for",
     "plan": "the order of evaluation",
     "python": "a Python module that samples the tables with NumPy alone",
 }

@@ -1,15 +1,20 @@
-"""Typed programs as text: one declaration per line with its type, for ``apgc compile --emit typed``."""
+"""Typed programs as text, for ``apgc compile --emit typed``: declarations with their types, then what the names in them stand for."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from ..syntax import ast
+from ..syntax.walk import walk
 from .check import TypedProgram
+from .meanings import Base, BuiltIn, Clearance, Current, Declared, Global, Last, Local, Meaning, OwnBox, Previous
 from .scope import Entry, Scope
-from .types import Element, Function, Part
+from .types import UNKNOWN, Element, Function, Part
 
 
 def show_typed(typed: TypedProgram) -> str:
-    """The declarations of the main module, then of the modules it uses, each body indented under its name."""
+    """The declarations of the main module, then of the modules it uses, each body indented under its name; in the main module
+    also what the names and paths of a body stand for, each once."""
     lines: list[str] = []
     ordered = [typed.main, *(m for m in typed.modules.values() if m is not typed.main)]
     for module in ordered:
@@ -19,6 +24,8 @@ def show_typed(typed: TypedProgram) -> str:
             lines.append(f"  {symbol.kind} {symbol.name}" + (f" : {role}" if role else ""))
             if symbol.body:
                 _scope(typed, typed.checker.scope_of(symbol), 2, lines)
+                if module is typed.main:
+                    lines += dict.fromkeys(f"    {line}" for line in _names(typed, symbol.body))
             elif isinstance(symbol.decl, ast.VocabularyDecl):
                 lines[-1] += " { " + " ".join(symbol.decl.words) + " }"
             elif isinstance(symbol.decl, ast.FunctionDecl) and not symbol.decl.parameters:
@@ -53,7 +60,53 @@ def _entry(typed: TypedProgram, entry: Entry) -> str:
 def _guards(entry: Entry) -> str:
     texts = []
     for guard in entry.guards:
-        span = guard.test.span
-        text = " ".join(span.source.text[span.start : span.end].split())
+        text = _text(guard.test)
         texts.append(text if guard.truth else f"not ({text})")
     return f"  when {' and '.join(texts)}" if texts else ""
+
+
+def _names(typed: TypedProgram, nodes: object) -> Iterator[str]:
+    """What each path in some nodes stands for: its type, and where its first name comes from."""
+    within: set[int] = set()  # the beginnings of paths that have been shown
+    for node in walk(nodes):
+        if not isinstance(node, ast.NameExpr | ast.MemberExpr | ast.IndexExpr) or id(node) in within:
+            continue
+        first: ast.Expr = node
+        while isinstance(first, ast.MemberExpr | ast.IndexExpr):
+            first = first.obj
+            within.add(id(first))
+        meaning = typed.meanings.get(id(first))
+        if meaning is not None:
+            kind, origin = typed.type_of(node), _origin(meaning)
+            shown = "" if kind == UNKNOWN else f" : {kind}"
+            yield f"name {_text(node)}{shown}" + (f"  ({origin})" if origin else "")
+
+
+def _origin(meaning: Meaning) -> str:
+    """Where a name comes from, unless it is declared in the body itself or says so by what it is."""
+    match meaning:
+        case Declared(depth=depth) if depth:
+            return "of the element" if depth == 1 else f"of the element, {depth} deep"
+        case Current():
+            return "the element itself"
+        case Previous():
+            return "the element before"
+        case Last():
+            return "the last element"
+        case Global(symbol=symbol):
+            return f"a {symbol.kind} of {symbol.module.name}"
+        case BuiltIn():
+            return "a function of the language"
+        case OwnBox():
+            return "of the own box"
+        case Base():
+            return "what it is attached to"
+        case Clearance():
+            return "as far as nothing is in the way"
+        case Local():
+            return "of the formula"
+    return ""
+
+
+def _text(node: ast.Node) -> str:
+    return " ".join(node.span.source.text[node.span.start : node.span.end].split())

@@ -60,4 +60,13 @@ category Chest {
         "      part board : Cuboid\n"
         "      let above : a plane  when r > 0\n"
         "      let first : true or false  when not (r > 0)\n"
+        "    name body : a part (Cuboid)\n"
+        "    name pull : a part (BarHandle)\n"
+        "    name rows : a count\n"
+        "    name row : an element of a repeat  (the element itself)\n"
+        "    name board : a part (Cuboid)  (of the element)\n"
+        "    name r : a count  (of the element)\n"
+        "    name row.top : a plane  (the element itself)\n"
+        "    name true : true or false\n"
+        "    name z : a direction (x, -y, ...)\n"
     )
