@@ -5,7 +5,7 @@ JSON can hold. Begin with ``annotation`` (everything of an object) and ``cloud``
 
     annotation, hierarchy, interactions      an object as plain data; whose handle it is; where and which way one acts
     cloud, sampling, shares, soup            points on the surface: how many of what, and the triangles behind them
-    points, fields                           labels and fields evaluated at points
+    points                                   labels and fields evaluated at points
     rebind                                   the same points on other objects of the program
     poses, frames, states, jacobian          where parts are, at rest and as joints move; how points move
     grasps, gripper                          grasps and keypoints; which of them a hand can make
