@@ -19,6 +19,7 @@ from .primitive import Patch, Piece, Primitive
 from .reference import Elsewhere, Onward, Reference, Under, definitions
 
 WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+OPTION = re.compile(NAME.pattern + r"(#[0-9]{1,4})?")  # the second of one template is told apart
 UNITS = frozenset({"", "m", "rad", "kg", "kg/m3", "s", "m/s", "N", "Nm"})
 LAWS: dict[str, Callable[[int], bool]] = {  # how many arguments each takes
     "uniform": lambda n: n in (0, 2), "normal": lambda n: n == 2, "lognormal": lambda n: n == 2, "values": lambda n: n > 0,
@@ -121,7 +122,8 @@ class Verifier:
         for name in NAMED.get(type(item), ()):
             value = getattr(item, name)
             for one in (value,) if isinstance(value, str) else value:
-                need(NAME.fullmatch(one), f"{name}: {shapes.shown(one)} is not a name")
+                form = OPTION if name == "options" else NAME
+                need(form.fullmatch(one), f"{name}: {shapes.shown(one)} is not a name")
 
     def index(self, number: int, among: Sequence[Any], what: str, least: int = 0) -> None:
         need(least <= number < len(among), f"there is no {what} {number}")

@@ -33,6 +33,12 @@ category A {
     assert to_text(from_text(text)) == text
 
 
+def test_two_alternatives_of_one_template_round_trip():
+    text = "use primitives { Cuboid }\ncategory C { root part p : Cuboid(size = [1cm, 1cm, 1cm]) | Cuboid(size = [2cm, 1cm, 1cm]) }"
+    told = to_text(Session.of_text("apg 1\n" + text).lowering.program)
+    assert '"Cuboid#2"' in told and to_text(from_text(told)) == told
+
+
 def test_a_program_read_back_samples_the_same(program):
     numbers = np.arange(40)
     first = Sampler(program).batch(numbers, 3)
