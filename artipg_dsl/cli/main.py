@@ -73,7 +73,7 @@ def build_parser() -> Parser:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; returns the exit code."""
-    from ..errors import UsageError, UserError
+    from ..errors import InternalError, UsageError, UserError
 
     try:
         options = build_parser().parse(arguments)
@@ -86,6 +86,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except UserError as wrong:
         error(wrong.message, wrong.hint)
         return USAGE if isinstance(wrong, UsageError) else FAILED
+    except InternalError as fault:
+        error(
+            f"{fault.place}: {fault.what}",
+            "this is a fault of apgc, not of the program: please report it with its text",
+        )
+        return FAILED
     except KeyboardInterrupt:
         say("\ninterrupted: no file is left incomplete; run the same command again to finish")
         return INTERRUPTED

@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
-import numpy as np
+import re
+from pathlib import Path
 
+import numpy as np
+import pytest
+
+from artipg_dsl.cli.main import main
+from artipg_dsl.lower.expressions.evaluate import Evaluator
 from artipg_dsl.session import Session
 
 HEAD = """apg 1
@@ -85,3 +91,15 @@ def test_a_material_may_be_handed_in() -> None:
     default = template.replace("made : material", "made : material = ash")
     program = lowered(default + use.format(BODY, "")).sampler.program
     assert {name for site in program.sites for name, _ in site.materials} == {"ash"}
+
+
+def test_what_the_checker_should_have_found_is_a_fault_of_the_compiler(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "c.apg"
+    file.write_text(f"{HEAD}category C {{\n{BODY}  let deep = body.size.x\n}}\n", encoding="utf-8")
+    monkeypatch.setattr(Evaluator, "meant", lambda self, meaning: None)
+    assert main(["check", str(file)]) == 1
+    told = capsys.readouterr().err
+    assert re.match(r"error: [\w/]+\.apg:\d+:\d+: `\w+` has no value here\n", told)
+    assert "a fault of apgc" in told and "Traceback" not in told

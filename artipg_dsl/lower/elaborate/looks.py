@@ -39,10 +39,8 @@ def build_look(env: Env, statement: ast.StyleDecl) -> Look:
     options = []
     for code, (alternative, *_) in enumerate(same):
         symbol = env.context.symbol(alternative)
-        if symbol is None or symbol.kind != "material":
-            raise env.context.error(
-                "unknown-material", alternative.name_span, f"there is no material `{alternative.name}`"
-            )
+        if symbol is None:
+            raise env.context.internal(alternative.name_span, "this is not a material")
         lower_material(env.context, symbol)
         options.append((symbol.name, E.call("eq", choice.code, E.const(float(code)))))
     return Look(tuple(options), choice)

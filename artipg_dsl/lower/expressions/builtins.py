@@ -23,10 +23,8 @@ if TYPE_CHECKING:
     from .env import Env
     from .evaluate import Evaluator
 
-SCALAR = {
-    "sin": 1, "cos": 1, "tan": 1, "asin": 1, "acos": 1, "atan": 1, "atan2": 2, "sqrt": 1, "abs": 1, "floor": 1, "ceil": 1,
-    "exp": 1, "log": 1, "sign": 1, "mod": 2,
-}  # fmt: skip
+SCALAR = frozenset("sin cos tan asin acos atan atan2 sqrt abs floor ceil exp log sign mod".split())
+"""Functions of numbers that the graph has too, under the same names."""
 
 
 def pick(ports: Ports, index: Expr, env: Env, span: Span) -> Value:
@@ -59,7 +57,6 @@ def function(ev: Evaluator, node: ast.CallExpr, name: str) -> Value:
     context = ev.env.context
     if name in SCALAR:
         arguments = [ev.scalar(a.value) for a in node.arguments]
-        count(ev, node, SCALAR[name], len(arguments))
         return applied(ev, node, name, arguments)
     if name == "round":
         return E.call("floor", E.add(ev.scalar(node.arguments[0].value), E.const(0.5)))
@@ -97,14 +94,6 @@ def farthest(box: Box, ev: Evaluator, node: ast.CallExpr) -> tuple[Expr, Expr, E
         sign = direction[k].constant
         point.append(outer.low[k] if sign is not None and sign < 0 else outer.high[k])
     return triple(point)
-
-
-def count(ev: Evaluator, node: ast.CallExpr, expected: int, given: int) -> None:
-    if expected != given:
-        name = node.function.name
-        raise ev.env.context.error(
-            "wrong-arguments", node.span, f"`{name}` takes {expected} arguments, {given} are given"
-        )
 
 
 def named(node: ast.CallExpr, *order: str) -> dict[str, ast.Expr]:
