@@ -7,5 +7,6 @@ columns, at rest and in motion. Knows neither text nor solids. Begin with ``plan
     kernels, laws, newton     what that code calls: segments and draws, distributions, roots
     tables, referred, rooted  instances as columns, references between them, chains that end
     batch, motion, loops      objects; where links are for given joint values; closed loops
+    fields                    formulas of labels and grasps as functions of points
     repairs                   what was moved to make an object valid, as columns
 """

@@ -8,5 +8,6 @@ Begin with ``sample``.
     settled, values           objects whose values are known, or given, evaluated again
     mutate, correspondence    new objects from old ones (APA, DPA, CPA), and what became of each primitive
     trace                     what was done to an object, as data and in words, and done again
+    statistics                what attempts came to, and what failed
     module                    a sampler as a Python module of its own
 """

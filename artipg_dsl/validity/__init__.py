@@ -9,5 +9,6 @@ the way. Begin with ``faults``.
     apart, together, clearance    distances that are kept, whatever other joints do; how far a joint can go
     floating, stance, hull    parts that nothing holds; does an object stand by itself
     materials, mass           mass, centre and inertia of links
+    formulas                  labels evaluated at points, and whether their values can be said
     faults, sound             all of it together; the last look at numbers before an object is handed out
 """
