@@ -142,7 +142,7 @@ def test_a_loop_is_a_ball_joint_where_it_closes() -> None:
         )
     assert robot.closures
     apart = replace(robot.closures[0], points=(robot.closures[0].points[0] + 0.01, robot.closures[0].points[1]))
-    with pytest.raises(ExportError, match="not closed with all joints at 0"):
+    with pytest.raises(ExportError, match="is open with all joints at 0"):
         sdf_files(replace(robot, closures=(apart,)))
 
 
