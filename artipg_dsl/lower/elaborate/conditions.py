@@ -1,0 +1,186 @@
+"""What objects have to fulfil: ``require``, ``prefer``, ``clear``; and what may touch: ``allow``, ``free``."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from ...graph import expr as E
+from ...graph.depend import draws_behind
+from ...graph.expr import Expr, ScopeError
+from ...graph.program import Allowed, Clear, Preference, Requirement, Stable
+from ...syntax import ast
+from ...syntax.walk import walk
+from ..expressions.context import Abort, text_of, where
+from ..expressions.env import Element, Env
+from ..expressions.evaluate import Evaluator
+from ..solids.primitives import comparison
+from ..values.kinds import Choice, Ref, Value, part_of
+from . import paths
+from .connect import carriers
+from .links import Links
+from .part import Part
+from .place import begins
+
+
+def conditions(links: Links, env: Env) -> None:
+    """Requirements and pairs of links that may touch, of an environment and all inside it."""
+    context = links.context
+    for part in env.parts:
+        for instance in part.instances:
+            if instance.env is not None:
+                conditions(links, instance.env)
+    for inner in env.inner:
+        conditions(links, inner)
+    for statement in env.statements:
+        try:
+            match statement:
+                case ast.RequireStmt() if statement.condition is not None:
+                    require(env, statement)
+                case ast.RequireStmt():
+                    message = statement.message or (
+                        "it tips over when open" if statement.stable == "open" else "it tips over"
+                    )
+                    context.program.stable.append(
+                        Stable(env.scope, statement.stable == "open", message, where(statement.span))
+                    )
+                case ast.PreferStmt():
+                    prefer(env, statement)
+                case ast.AllowStmt():
+                    allow(links, env, statement)
+                case ast.ClearStmt():
+                    clear(links, env, statement)
+                case _:
+                    pass
+        except (Abort, ScopeError) as error:
+            context.failed(error, statement.span)
+
+
+def require(env: Env, statement: ast.RequireStmt) -> None:
+    assert statement.condition is not None
+    ev = Evaluator(env)
+    for node in conjuncts(statement.condition):
+        others, bounding = disjuncts(node)
+        condition, slack = comparison(ev, bounding)
+        guard = presence(env, node)
+        for other in others:
+            guard = E.both(guard, E.negate(ev.truth(ev.value(other), other.span)))
+        message = statement.message or text_of(statement.span)
+        repair = () if statement.repair is None else giving(env, ev.value(statement.repair))
+        requirements = env.context.program.requirements
+        env.context.stated[len(requirements)] = statement.span, env.scope.parent is None and not env.path
+        requirements.append(
+            Requirement(env.scope, condition, guard, message, where(statement.span), slack, repair, text_of(node.span))
+        )
+
+
+def giving(env: Env, value: Value) -> tuple[int, ...]:
+    """The draws that a ``repair`` names: the value itself, a part's template, or what determines the value."""
+    if isinstance(value, Ref):
+        parts: list[Part] = [part for branch in value.branches for part, *_ in branch.members]
+        codes = [part.choice.code for part in parts if part.choice is not None]
+    else:
+        codes = [value.code if isinstance(value, Choice) else value] if isinstance(value, Expr | Choice) else []
+    drawn = {draw.column: number for number, draw in enumerate(env.context.program.draws)}
+    own = [drawn[code.value] for code in codes if code.op == "col" and code.value in drawn]
+    return tuple(own) or tuple(draws_behind(env.context.program, codes))
+
+
+def prefer(env: Env, statement: ast.PreferStmt) -> None:
+    ev = Evaluator(env)
+    weight = E.ONE if statement.weight is None else ev.scalar(statement.weight)
+    if statement.weight is not None and weight.constant is not None and not 0.0 <= float(weight.constant) < math.inf:
+        raise env.context.error(
+            "wrong-arguments", statement.weight.span, "a preference weighs 0 or more",
+            hint="to prefer the opposite, write the opposite condition",
+        )  # fmt: skip
+    condition, _ = comparison(ev, statement.condition)
+    guard = presence(env, statement.condition)
+    env.context.program.preferences.append(
+        Preference(env.scope, condition, guard, weight, where(statement.span), text_of(statement.condition.span))
+    )
+
+
+def conjuncts(node: ast.Expr) -> list[ast.Expr]:
+    """``a and b`` is two requirements."""
+    if isinstance(node, ast.BinaryExpr) and node.op == "and":
+        return conjuncts(node.left) + conjuncts(node.right)
+    return [node]
+
+
+def disjuncts(node: ast.Expr) -> tuple[list[ast.Expr], ast.Expr]:
+    """``a or b``: where ``a`` does not hold, ``b`` is required; ``b`` is the last inequality, which can narrow a draw."""
+    found: list[ast.Expr] = []
+
+    def flatten(e: ast.Expr) -> None:
+        if isinstance(e, ast.BinaryExpr) and e.op == "or":
+            flatten(e.left)
+            flatten(e.right)
+        else:
+            found.append(e)
+
+    flatten(node)
+    ordered = [e for e in found if isinstance(e, ast.BinaryExpr) and e.op in ("<", "<=", ">", ">=")]
+    if len(found) == 1 or not ordered:
+        return [], node
+    return [e for e in found if e is not ordered[-1]], ordered[-1]
+
+
+def presence(env: Env, node: ast.Node) -> Expr:
+    """A requirement on a member of an optional part holds trivially without it (the part's name alone asks for it)."""
+    guard = E.TRUE
+    for child in walk(node):
+        if isinstance(child, ast.MemberExpr) and isinstance(child.obj, ast.NameExpr):
+            name = begins(env, child)
+            value = None if name is None else env.find(name.name, name.depth)
+            if isinstance(value, Ref) and len(value.branches) == 1:
+                part: Part = value.branches[0].members[0][0]
+                guard = E.both(guard, part.exists)
+    return guard
+
+
+def allow(links: Links, env: Env, statement: ast.AllowStmt) -> None:
+    sides = [statement.subject] if statement.other is None else [statement.subject, statement.other]
+    first, second = (*(nodes(links, env, node) for node in sides), ())[:2]
+    ranks = (*(tuple(indices(env, node)) for node in sides), ())[:2]
+    links.context.program.allowed.append(
+        Allowed(statement.kind, env.scope, first, second, statement.reason or "", ranks)
+    )
+
+
+def clear(links: Links, env: Env, statement: ast.ClearStmt) -> None:
+    first, second = (nodes(links, env, node) for node in (statement.subject, statement.other))
+    distance = Evaluator(env).scalar(statement.distance)
+    ranks = tuple(tuple(indices(env, node)) for node in (statement.subject, statement.other))
+    links.context.program.clear.append(
+        Clear(env.scope, first, second, distance, text_of(statement.span), ranks, where(statement.span), statement.all)
+    )
+
+
+def indices(env: Env, node: ast.Expr) -> Iterator[tuple[str, int]]:
+    """The repeats of a path that have a number behind them: their names and that rank, -1 for `last`."""
+    if isinstance(node, ast.MemberExpr | ast.IndexExpr):
+        yield from indices(env, node.obj)
+    if isinstance(node, ast.IndexExpr):
+        obj = node.obj
+        name = text_of(obj.span) if isinstance(obj, ast.NameExpr) else getattr(obj, "name", "")
+        if isinstance(node.index, ast.NameExpr) and node.index.name == "last":
+            yield name, -1
+            return
+        rank = Evaluator(env).scalar(node.index).constant
+        if rank is None or rank < 0:
+            raise env.context.error(
+                "wrong-kind", node.index.span, "a statement about parts names an element by its number, or `last`",
+                hint=f"`{name}[0]`, `{name}[last]`; leave the number out for all elements, or state it inside the repeat",
+            )  # fmt: skip
+        yield name, int(rank)
+
+
+def nodes(links: Links, env: Env, node: ast.Expr) -> tuple[int, ...]:
+    """The nodes of the part tree that a path of names means."""
+    parts: set[Part] = set()
+    for value, home, _ in paths.walk(env, node):
+        parts.update(value.env.all_parts() if isinstance(value, Element) else map(part_of, carriers(value, home.scope)))
+    if not parts:
+        raise env.context.error("wrong-kind", node.span, f"`{text_of(node.span)}` is no part")
+    return tuple(sorted(number for (part, _), number in links.nodes.items() if part in parts))
