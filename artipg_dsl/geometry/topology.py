@@ -241,6 +241,9 @@ def _turned(tangents: np.ndarray) -> float:
     return float(np.where(good, angles, 0.0).max())
 
 
+_AWAY = 100.0 * np.array([[0.9, 0.5, 0.7], [-0.8, 0.6, -0.9], [0.6, -0.7, 0.8], [-0.7, -0.9, -0.6]])  # a few places
+
+
 @lru_cache(maxsize=512)
 def orientation(primitive: Primitive) -> np.ndarray:
     """(patches,) +1 where du x dv points outwards, -1 where inwards, told by the inside function."""
@@ -269,5 +272,9 @@ def orientation(primitive: Primitive) -> np.ndarray:
             raise PrimitiveError(
                 primitive, surface.name, f"the inside function does not agree with it: {fault} inside ({place})"
             )
+        far = _AWAY.T[:, :, None] * scale[None, :, 0, 0]
+        if (inside(*(chosen[n] for n in primitive.parameters), *far)[0] < 0).any():
+            words = "the inside function says that points far outside are inside: it is negative within the solid alone"
+            raise PrimitiveError(primitive, None, words)
         out[patch] = 1 if outward > inward else -1
     return out

@@ -174,12 +174,20 @@ class Verifier:
 
     def _part(self, part: P.Part, number: int) -> None:
         need(-1 <= part.parent < number, "a part comes after the part that it is of")
+        need(
+            part.parent < 0 or self.among(part.scope, part.parent),
+            "the part that it is of is not there in all its rows",
+        )
         for word, _ in part.semantic:
             self.word("semantic", word)
         for axis in () if part.symmetry is None else choices(part.symmetry[1]):
             need(axis.constant in (0.0, 1.0, 2.0), "the symmetry of a part is about axis 0, 1 or 2")
         self.reference(part.link, self.program.links, "link")
         self.reference(part.holder, self.program.parts, "part")
+
+    def among(self, scope: Scope, part: int) -> bool:
+        """Whether each row of a table lies in one of the part."""
+        return scope.within(self.program.parts[part].scope)
 
     def _site(self, site: P.Site, number: int) -> None:
         primitive = self.program.primitives.get(site.primitive)
@@ -190,6 +198,7 @@ class Verifier:
             f"{site.primitive} takes {len(primitive.parameters)} parameters",
         )
         self.index(site.part, self.program.parts, "part")
+        need(self.among(site.scope, site.part), "the part that it is of is not there in all its rows")
         for name, _ in site.materials:
             need(name in self.program.materials, f"there is no material {shapes.shown(name)}")
         self.reference(site.link, self.program.links, "link")

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..geometry.block import block
+from ..geometry.box import bounds
+from ..geometry.errors import PrimitiveError
 from ..geometry.overlap import overlaps
 from ..geometry.quadrature import volume_inertia
 from ..runtime.motion import apply, product
@@ -18,6 +20,7 @@ if TYPE_CHECKING:
     from ..runtime.batch import Batch
 
 
+INVERTED = 1e-6  # of the box: more than rounding
 LEAST = 1e-9  # kg: what weighs less is no body
 
 
@@ -100,6 +103,9 @@ Portion = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]  # link, mass, c
 def _whole(table: SiteTable, density: np.ndarray, link_start: np.ndarray) -> Portion:
     """The primitives of a site."""
     volume, center, inertia = volume_inertia(table.primitive, table.params)
+    low, high = bounds(table.primitive, table.params)
+    if (volume < -INVERTED * np.prod(high - low, axis=1)).any():  # one that was edited: the check of a program finds it
+        raise PrimitiveError(table.primitive, None, "its surfaces are inside out")
     center = center * np.stack([np.ones_like(table.mirror), table.mirror, np.ones_like(table.mirror)], axis=-1)
     center = apply(table.rotation, center) + table.translation
     about = turned_inertia(table, inertia * density[:, None, None])

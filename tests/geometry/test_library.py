@@ -141,6 +141,7 @@ WRONG = {
     "a bottom that spans less": ("bottom (u in -half ..", "bottom (u in -half / 2 ..", ("`side`", "v end of bottom", "about [")),
     "a top too high": ("sin(v), height / 2]", "sin(v), height / 2 + 1mm]", ("`side`", "edge v end", "u end of top", "% of its size away")),
     "another radius": ("hypot(p.x, p.y) - radius,", "hypot(p.x, p.y) - 0.9 * radius,", ("`side`", "neither side is inside", "about [")),
+    "an inside function that is negative outside": ("inside (p) = max(", "inside (p) = -max(", ("far outside", "inside")),
 }  # fmt: skip
 
 

@@ -22,6 +22,7 @@ from artipg_dsl.runtime.plan import make_plan
 from artipg_dsl.sampling.module import to_module
 from artipg_dsl.session import Session
 from artipg_dsl.units import SI_UNITS
+from artipg_dsl.validity.mass import masses
 
 DATA = Path(__file__).parents[1] / "data"
 HOSTILE = "z=__import__('os').system('touch ran')"
@@ -138,6 +139,7 @@ EDITS = {
     r'vocabulary "semantic" \["unlabelled"': [('vocabulary "semantic" [', "is not unlabelled")],
     r'program "Box"': [('program "Box <b>"', "no name"), ("program 3", "program is text"), ('category "Box"', "no item")],
     r"part 0\)": [("part 77)", "no part 77"), ("part 0", "ends before")],
+    r"link \[0\] part 0\)": [("link [0] part 1)", "not there in all its rows")],
     r"test \[\[0\.001": [("test [[nan", "finite"), ("test [[9.0", "ends before")],
     r"parent -1": [("parent 0", "comes after"), ("parent 99", "comes after")],
     r"\(Pose ": [("(System ", "no record")],
@@ -232,6 +234,16 @@ def test_surfaces_that_do_not_close_are_a_users_error(text: str) -> None:
     job = prepare(make_sampler(from_text(edited), "edited.apgc"), Request("edited.apgc"))
     with pytest.raises(UserError, match="Cylinder: surface"):
         Samples(job).meshes()
+
+
+def test_a_solid_that_is_inside_out_is_a_users_error(text: str) -> None:
+    """Its mass would be right and its inertia negative."""
+    inside = next(re.finditer(r'Primitive name "Cuboid".*? inside %(\d+)', text))[1]
+    edited = re.sub(rf"%{inside} = max", f"%{inside} = div", text, count=1)
+    job = prepare(make_sampler(from_text(edited), "edited.apgc"), Request("edited.apgc"))
+    assert edited != text
+    with pytest.raises(UserError, match="Cuboid: its surfaces are inside out"):
+        masses(job.batch(np.arange(2)))
 
 
 def test_pieces_beyond_all_bounds_are_a_users_error() -> None:
