@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import re
 import struct
 import xml.etree.ElementTree as ElementTree
+from functools import cache
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -15,7 +17,9 @@ from pxr import Usd
 from artipg_dsl.api import Samples, load
 from artipg_dsl.cli.main import main
 from artipg_dsl.errors import UserError
+from artipg_dsl.graph.text import TextError, from_text, to_text
 from artipg_dsl.runtime.batch import apart
+from artipg_dsl.session import Session
 
 TEXTS = [
     '"><script>alert(1)</script>',
@@ -138,6 +142,89 @@ def test_a_name_too_long_for_a_file_is_told(tmp_path: Path) -> None:
     made = load(program("plain").replace("door_glass", "d" * 300))
     with pytest.raises(UserError, match="too long"):
         made.to_obj(tmp_path)
+
+
+FREE = [
+    "a'b\"c\\d`e", "a\nb\r\nc\td", "a\x00b", "\u202eevil\u2066", "\x01\x1b[31m\x7f\x85", "]]> & <b></script>", "", "%n%s $HOME `id`",
+]  # fmt: skip
+NAMES = {
+    "category": "Clash", "parameter": "width", "part": "door_glass", "joint": "a", "material": "glass_clear", "word": "body",
+    "vocabulary": "semantic", "template": "Cuboid", "surface": "front",
+}  # fmt: skip
+
+
+@cache
+def artefact() -> str:
+    session = Session.of_text(program("about it"), "/home/clash.apg")
+    assert session.lowering is not None
+    return to_text(session.lowering.program)
+
+
+def edited(old: str, new: str) -> str:
+    """The compiled program with another text (or number) wherever it stands."""
+    assert old in artefact()
+    return artefact().replace(old, new)
+
+
+def sealed(text: str) -> str:
+    return f"{text}\n# hash {from_text(text).hash}\n"
+
+
+@pytest.mark.parametrize("place", ["about it", "/home/clash.apg"], ids=["text", "file"])
+def test_free_texts_of_edited_artefacts_stay_in_their_strings(
+    place: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Documentation, messages, reasons and names of files, in every format and on a page."""
+    for number, text in enumerate(FREE if place == "about it" else ["../../evil\x00\n</script>"]):
+        folder, asked = tmp_path / str(number), ["-n", "1", "--points", "16"]
+        folder.mkdir()
+        (folder / "a.apgc").write_text(
+            sealed(edited(json.dumps(place), json.dumps(text))), encoding="utf-8", newline="\n"
+        )
+        formats = FORMATS if number == 0 else "points,annotation,urdf,glb"
+        asked += ["--format", formats, "-o", str(folder / "out")]
+        assert main(["sample", str(folder / "a.apgc"), *asked]) == 0, capsys.readouterr().err
+        assert {path.name for path in folder.iterdir()} == {"a.apgc", "out"}
+        for path in (folder / "out").rglob("*"):
+            if path.suffix in (".urdf", ".xml", ".sdf", ".config", ".srdf"):
+                assert "script" not in {element.tag for element in ElementTree.fromstring(path.read_bytes()).iter()}
+            elif path.suffix == ".json":
+                json.loads(path.read_text("utf-8"))
+            elif path.suffix == ".jsonl":
+                for line in path.read_text("utf-8").split("\n")[:-1]:
+                    json.loads(line)
+            elif path.suffix == ".usda":
+                assert Usd.Stage.Open(str(path))
+            elif path.suffix == ".glb":
+                data = path.read_bytes()
+                json.loads(data[20 : 20 + struct.unpack("<I", data[12:16])[0]])
+        assert not {c for c in "".join(capsys.readouterr()) if ord(c) < 32} - {"\n", "\t", "\r"}
+    assert main(["report", str(folder / "a.apgc"), "-n", "2", "--html", str(folder / "r.html"), "--unchecked"]) == 0
+    assert "script" not in Tags((folder / "r.html").read_text("utf-8")).found
+
+
+@pytest.mark.parametrize("name", NAMES.values(), ids=NAMES)
+def test_names_of_edited_artefacts_are_words_or_are_refused(name: str) -> None:
+    for evil in (*FREE, "../../tmp/evil", "/tmp/evil", "..", "</script>", "\ud800"):
+        with pytest.raises(TextError, match="line|incomplete"):
+            from_text(edited(json.dumps(name), json.dumps(evil)))
+
+
+@pytest.mark.parametrize("number", ["1e308", "-1e308", "1e999", "nan"])
+@pytest.mark.parametrize("place", ["const 0.025\n", "const 0.4\n", "[1000.0 ", "[0.9 "])
+def test_numbers_beyond_all_bounds_are_refused(
+    place: str, number: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = edited(place, re.sub(r"\d+\.\d+", number, place))
+    try:
+        (tmp_path / "a.apgc").write_text(sealed(text), encoding="utf-8")
+    except TextError as error:
+        assert "a finite number is expected" in str(error)
+        return
+    asked = ["sample", str(tmp_path / "a.apgc"), "-n", "1", "--format", "urdf", "-o", str(tmp_path / "out")]
+    assert main(asked) == 1
+    told = capsys.readouterr().err
+    assert "not finite, or beyond all bounds" in told or "no valid Clash" in told
 
 
 def test_tags_that_meet_stay_apart() -> None:
