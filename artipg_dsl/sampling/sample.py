@@ -11,7 +11,7 @@ from ..graph.feasible import conflicts
 from ..graph.program import Program
 from ..runtime.batch import Batch, full_plan
 from ..runtime.kernels import State, preferred
-from ..runtime.needs import narrowing
+from ..runtime.needs import narrowing, wanted
 from ..runtime.plan import Plan, make_plan
 from ..validity.contact import contact, in_words
 from ..validity.faults import faults
@@ -30,7 +30,7 @@ GROUP = 32  # objects that try again together
 @lru_cache(maxsize=8)
 def planned(program: Program) -> Sampler:
     """The sampler of a program that came from another process: one for all batches of it."""
-    return Sampler(program)
+    return Sampler(program, full_plan(program))
 
 
 class Sampler:
@@ -38,7 +38,7 @@ class Sampler:
 
     def __init__(self, program: Program, plan: Plan | None = None):
         self.program = program
-        self.plan = plan or full_plan(program)
+        self.plan = plan or make_plan(program, wanted(program))
 
     def __reduce__(self) -> tuple[Callable[[Program], Sampler], tuple[Program]]:
         """To another process goes the program, which is planned anew there."""
