@@ -113,6 +113,10 @@ def _three_corners(triangles: np.ndarray) -> np.ndarray:
 
 def _check_closed(topology: Topology, faces: np.ndarray, owner: np.ndarray) -> None:
     """Every directed edge occurs once and its opposite too."""
+    if not len(faces):
+        raise PrimitiveError(
+            topology.primitive, None, "it has no face: each of its surfaces shrinks to a line or a point"
+        )
     start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     count = int(faces.max()) + 1
     forward, back = start * count + end, end * count + start

@@ -12,9 +12,11 @@ import numpy as np
 
 from ..errors import UserError
 from ..geometry.patches import evaluate_rows
+from ..runtime.needs import pose_cells
 
 if TYPE_CHECKING:
     from ..geometry.sites import SiteTable
+    from ..graph.expr import Expr, Scope
     from ..runtime.batch import Batch
 
 FAR = 1e6  # metres, radians and what else objects have: beyond all that is meant
@@ -72,6 +74,7 @@ def prove(batch: Batch) -> None:
     )
     if batch.program.foreign:
         _tree(batch)
+        _said(batch)
 
 
 def _site(batch: Batch, table: SiteTable) -> None:
@@ -106,6 +109,21 @@ def _turned(batch: Batch, what: str, owner: np.ndarray, names: list[str], rotati
     a, b, c = rotation[:, 0], rotation[:, 1], rotation[:, 2]
     wrong: np.ndarray = np.logical_or(off > SQUARE, (np.cross(a, b) * c).sum(axis=1) < 0)
     _refuse(batch, what, owner, names, wrong, "its rotation is none")
+
+
+def _said(batch: Batch) -> None:
+    """Keypoints, and the frames of what labels are on."""
+    program = batch.program
+    places: dict[tuple[str, Scope, tuple[Expr, ...]], str] = {
+        (point.name, point.scope, point.point): "keypoint" for point in program.keypoints
+    }
+    for label in program.labels:
+        for target in label.targets:
+            cells = (*pose_cells(target.frame), *target.size, *target.center)
+            places[label.name, program.sites[target.site].scope, cells] = "label"
+    for (name, scope, cells), what in places.items():
+        owner = batch.owner(scope)
+        _numbers(batch, what, owner, [name] * len(owner), np.stack(batch.read(list(cells), scope), axis=-1))
 
 
 def _tree(batch: Batch) -> None:

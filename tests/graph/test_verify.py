@@ -41,6 +41,7 @@ category Box {
   require width * knobs <= 60cm else "too many knobs"
   label semantic.body on body
   label affordance.turn on row.knob where p.z > 0
+  keypoint edge on body at [width / 3, 0, 0]
 }
 """
 
@@ -211,6 +212,11 @@ def sampled(text: str, old: str, new: str) -> str:
         (r"(joints .*?)parent \[0\]", r"\1parent [1]", "hangs on itself|ring"),
         (r"(joints .*?)rest (%\d+)", r"\1rest %infinite", "not finite"),
         (r"(sites .*?)rotation \[\[(%\d+) (%\d+)", r"\1rotation [[\3 \3", "its rotation is none"),
+        (
+            r"(keypoints .*?point) \[(%\d+) %\d+ %\d+\]",
+            r"\1 [%infinite %infinite %infinite]",
+            "keypoint edge: a number of it is not finite",
+        ),
         (r"(joints .*?axis) \[(%\d+) %\d+ %\d+\]", r"\1 [\2 \2 \2]", "its axis is not a direction"),
     ],
 )
@@ -233,6 +239,15 @@ def test_surfaces_that_do_not_close_are_a_users_error(text: str) -> None:
     )
     job = prepare(make_sampler(from_text(edited), "edited.apgc"), Request("edited.apgc"))
     with pytest.raises(UserError, match="Cylinder: surface"):
+        Samples(job).meshes()
+
+
+def test_a_solid_without_faces_is_a_users_error(text: str) -> None:
+    box = re.search(r'Primitive name "Cuboid".*', text)[0]
+    flat = re.sub(r"u_range \[(%\d+) %\d+\] v_range \[%\d+ %\d+\]", r"u_range [\1 \1] v_range [\1 \1]", box)
+    job = prepare(make_sampler(from_text(text.replace(box, flat)), "edited.apgc"), Request("edited.apgc"))
+    assert flat != box
+    with pytest.raises(UserError, match="Cuboid: "):
         Samples(job).meshes()
 
 
