@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
 
-from artipg_dsl.diagnostics import Report
+from geometry.shipped import SHIPPED
+
 from artipg_dsl.geometry.trial import trial
 from artipg_dsl.resources import library_dir
 from artipg_dsl.session import Session
-from artipg_dsl.solids import own
 from artipg_dsl.syntax import ast
 
 SIZES = (
@@ -91,9 +91,9 @@ def shipped() -> dict[str, Shipped]:
     trees = {path.stem: Session.of(path) for path in sorted(library_dir().glob("*.apg"))}
     declared = {d.name: (module, d) for module, s in trees.items() for d in s.tree.declarations}  # type: ignore[union-attr]
     found = {}
-    for module, session in trees.items():
-        for symbol, lowered in own(session.typed, Report()).items():
-            found[symbol.name] = primitive(module, symbol.name, lowered.primitive, symbol.decl)
+    for name, made in SHIPPED.items():
+        module, node = declared[name]
+        found[name] = primitive(module, name, made, node)
     for name, (module, node) in declared.items():
         if isinstance(node, ast.TemplateDecl):
             found[name] = template(module, node, declared)
