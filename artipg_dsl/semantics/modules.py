@@ -63,7 +63,7 @@ class Workspace:
         tree = self.loader(source, self.report)
         if tree is None:
             return None
-        scope = ModuleScope(Path(source.name).stem, source, tree)
+        scope = ModuleScope(Path(source.name).stem, tree.span.source, tree)
         self.modules[key] = scope
         self._declare(scope)
         for use in tree.uses:

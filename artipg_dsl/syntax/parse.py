@@ -18,6 +18,11 @@ _ONE_AT_A_TIME = Lock()
 MOST_ERRORS = 10
 """So many syntax errors are reported for one file."""
 
+MOST_TREES = 64
+"""So many trees are kept: a library is read once by a process, whatever programs use it."""
+
+_trees: dict[tuple[str, str], ast.Module] = {}
+
 
 def load(path: Path, report: Report, name: str | None = None) -> Source | None:
     """Read a file; what is wrong with it goes to the report. ``name`` is shown in messages instead of the path."""
@@ -46,16 +51,26 @@ def load(path: Path, report: Report, name: str | None = None) -> Source | None:
 
 
 def parse(source: Source, report: Report) -> ast.Module | None:
-    """The tree of a source, or None after reporting why there is none."""
+    """The tree of a source, or None after reporting why there is none. Trees are never changed: equal sources share one,
+    with the places in the source that was read first."""
     with _ONE_AT_A_TIME:
+        key = source.name, source.text
+        if key in _trees:
+            _trees[key] = _trees.pop(key)  # the last to go
+            return _trees[key]
         tools = machine()
         enabled = gc.isenabled()
         gc.disable()  # the tree is kept whole: collecting while it grows only costs time
         try:
-            return _parse(tools, source, report)
+            tree = _parse(tools, source, report)
         finally:
             if enabled:
                 gc.enable()
+        if tree is not None:
+            while len(_trees) >= MOST_TREES:
+                del _trees[next(iter(_trees))]
+            _trees[key] = tree
+        return tree
 
 
 def _parse(tools: Machine, source: Source, report: Report) -> ast.Module | None:
