@@ -58,9 +58,16 @@ def sample(
     Raises CompileError, SettingError, NoObject, UserError.
     """
     request = read_request(
-        category, seed=seed, n=n, numbers=numbers, settings=set, checked=checked, sampling=sampling, repair=repair,
+        category,
+        seed=seed,
+        n=n,
+        numbers=numbers,
+        settings=set,
+        checked=checked,
+        sampling=sampling,
+        repair=repair,
         values=values,
-    )  # fmt: skip
+    )
     return Samples(open_job(request, values=str(values) if isinstance(values, str | Path) else "values"))
 
 
@@ -375,9 +382,18 @@ class Samples:
 
         names = formats if formats is None or isinstance(formats, str) else list(formats)
         content = read_content(
-            points=points, surface=surface, spread=spread, per=per, balance=balance, weights=weights, states=states,
-            motion=motion, views=views, tolerance=tolerance, triangles=triangles,
-        )  # fmt: skip
+            points=points,
+            surface=surface,
+            spread=spread,
+            per=per,
+            balance=balance,
+            weights=weights,
+            states=states,
+            motion=motion,
+            views=views,
+            tolerance=tolerance,
+            triangles=triangles,
+        )
         write_dataset(self.job, folder, Output.of(choose(names, views=views is not None), content), force=force)
         return Path(folder)
 

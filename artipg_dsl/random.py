@@ -21,8 +21,10 @@ _W0, _W1 = 0x9E3779B9, 0xBB67AE85
 _MASK, _HALF = np.uint64(0xFFFFFFFF), np.uint64(32)
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 _MIX = (
-    (np.uint64(30), np.uint64(0xBF58476D1CE4E5B9)), (np.uint64(27), np.uint64(0x94D049BB133111EB)), (np.uint64(31), None)
-)  # fmt: skip
+    (np.uint64(30), np.uint64(0xBF58476D1CE4E5B9)),
+    (np.uint64(27), np.uint64(0x94D049BB133111EB)),
+    (np.uint64(31), None),
+)
 _STREAM_LANE = 0xFFFFFFFD
 _CHUNK = 8192  # counters at a time: the working set of one chunk stays in the first two cache levels
 

@@ -122,9 +122,11 @@ class Session:
             self.report.error("no-category", None, f"{what} declares no category: there is nothing to sample")
         for span in () if lowering is None else lowering.context.unclear:
             self.report.error(
-                "needs-clearance", span, "this clearance is not solved for",
+                "needs-clearance",
+                span,
+                "this clearance is not solved for",
                 hint="the high end of a revolute or prismatic joint that moves by itself can be; write a number or a formula",
-            )  # fmt: skip
+            )
         if lowering is None or self.report.failed:
             raise CompileError(self.report)
         lowering.program.hash = lowering.program.hash or digest(lowering.program)
@@ -132,9 +134,11 @@ class Session:
             return Sampler(lowering.program)
         except PlanError as error:
             self.report.error(
-                "circular-definition", None, f"values need one another in a circle: {error}",
+                "circular-definition",
+                None,
+                f"values need one another in a circle: {error}",
                 hint="let one of them follow from something else",
-            )  # fmt: skip
+            )
             raise CompileError(self.report) from None
 
     def advise(self) -> None:
@@ -147,9 +151,11 @@ class Session:
             return
         for part in lowering.unplaced():
             self.report.warning(
-                "unplaced", part.span, f"nothing says where `{part.name}` is: it lies in the middle, along x, y and z",
+                "unplaced",
+                part.span,
+                f"nothing says where `{part.name}` is: it lies in the middle, along x, y and z",
                 hint=f"`connect {part.name}.bottom on ...` or `align` places it; `align {part.name}.center = ...` says that it is meant",
-            )  # fmt: skip
+            )
         program = lowering.program
         warn_unlabelled(lowering, typed.category.decl.name_span)
         bare = list(dict.fromkeys(program.parts[site.part].path for site in program.sites if not site.materials))
@@ -158,9 +164,11 @@ class Session:
             more = f" and {len(bare) - NAMED} more" if len(bare) > NAMED else ""
             what = f"the parts {named}{more} have" if len(bare) > 1 else f"the part {named} has"
             self.report.warning(
-                "missing-material", typed.category.decl.name_span, f"{what} no material",
+                "missing-material",
+                typed.category.decl.name_span,
+                f"{what} no material",
                 hint="`material oak on body` gives one; without, 700 kg/m3 and a light grey are taken",
-            )  # fmt: skip
+            )
 
 
 def shown(path: Path) -> str:

@@ -46,9 +46,15 @@ class Misfit(ValueError):
 
 
 _WORDS: dict[Any, str] = {
-    bool: "true or false", int: "a whole number", float: "a number", str: "text", NoneType: "nothing", list: "a list", tuple: "a list",
+    bool: "true or false",
+    int: "a whole number",
+    float: "a number",
+    str: "text",
+    NoneType: "nothing",
+    list: "a list",
+    tuple: "a list",
     dict: "an object",
-}  # fmt: skip
+}
 NAMED: dict[type, str] = {}
 """Words for classes of one's own, which are taken as they are."""
 

@@ -54,10 +54,11 @@ def cover(symbol: Symbol, lowered: Lowered, report: Report) -> None:
     far, place = found
     told = report.error if far > ABSENT else report.warning
     told(
-        "missing-pieces", stated[0].span,
+        "missing-pieces",
+        stated[0].span,
         f"the pieces of the primitive `{symbol.name}` leave out part of it, up to {100 * far:.0f} % of its size away ({place})",
         hint="collisions are those of the convex pieces: state pieces that fill the solid, or none where it is convex",
-    )  # fmt: skip
+    )
 
 
 def examine(primitive: Primitive) -> None:

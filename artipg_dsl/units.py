@@ -65,6 +65,13 @@ UNITS: dict[str, tuple[float, Dimension]] = {
 """Unit as written after a number -> (factor to SI, dimension). A blank unit is a plain number."""
 
 SI_UNITS = {
-    "length": "m", "angle": "rad", "mass": "kg", "density": "kg/m3", "time": "s", "speed": "m/s", "force": "N", "torque": "Nm",
-}  # fmt: skip
+    "length": "m",
+    "angle": "rad",
+    "mass": "kg",
+    "density": "kg/m3",
+    "time": "s",
+    "speed": "m/s",
+    "force": "N",
+    "torque": "Nm",
+}
 """Type of a parameter -> the unit its values are in inside."""

@@ -218,9 +218,16 @@ def delivered(job) -> str:  # noqa: ANN001 - job.Job
     joints, links, mass = made.joints(), made.links(), masses(made.batch)
     annotations = made.annotations()
     numbers = {
-        "points": points.position, "normals": points.normal, "links": links.translation, "origins": joints.origin, "axes": joints.axis,
-        "masses": mass.mass, "centres": mass.center, "inertia": mass.inertia, "parts": made.parts().low,
-    }  # fmt: skip
+        "points": points.position,
+        "normals": points.normal,
+        "links": links.translation,
+        "origins": joints.origin,
+        "axes": joints.axis,
+        "masses": mass.mass,
+        "centres": mass.center,
+        "inertia": mass.inertia,
+        "parts": made.parts().low,
+    }
     for what, array in numbers.items():
         if not np.isfinite(array).all():
             return f"broken: nan in {what}"

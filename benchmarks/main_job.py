@@ -162,8 +162,10 @@ def main() -> None:
     for _ in range(options.rounds):
         ours.append(columns(sampler, numbers, options.points))
         theirs.append(loop.run(few))
-    print(f"{options.objects} microwaves, {options.points} points each; medians of {options.rounds} rounds; "
-          f"microseconds of CPU per object")  # fmt: skip
+    print(
+        f"{options.objects} microwaves, {options.points} points each; medians of {options.rounds} rounds; "
+        f"microseconds of CPU per object"
+    )
     print(f"{'stage':24}{'columns':>12}{'loop':>12}{'ratio':>10}")
     a = {stage: float(np.median([o[stage] for o in ours])) / len(numbers) * 1e6 for stage in STAGES}
     b = {stage: float(np.median([t[stage] for t in theirs])) / len(few) * 1e6 for stage in STAGES}

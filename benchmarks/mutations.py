@@ -26,14 +26,26 @@ DECLARED = re.compile(
 USED = re.compile(r"use +\w+ +\{([^}]*)\}")
 STATEMENT = re.compile(r"^ +(?!\}|#)\S")
 SIDES = (
-    {"left", "right", "front", "back", "top", "bottom"}, {"x", "y", "z"}, {"min", "max"}, {"revolute", "prismatic", "continuous"},
-    {"on", "to"}, {"about", "along"}, {"sin", "cos"}, {"<", "<=", ">", ">="}, {"+", "-"}, {"*", "/"},
-)  # fmt: skip
+    {"left", "right", "front", "back", "top", "bottom"},
+    {"x", "y", "z"},
+    {"min", "max"},
+    {"revolute", "prismatic", "continuous"},
+    {"on", "to"},
+    {"about", "along"},
+    {"sin", "cos"},
+    {"<", "<=", ">", ">="},
+    {"+", "-"},
+    {"*", "/"},
+)
 REFERENCE = re.compile(r"([@$%])(\d+)")
 OPERATORS = (
-    {"add", "sub", "mul", "div", "min", "max", "mod", "atan2", "hypot", "pow"}, {"neg", "abs", "sqrt", "sin", "cos", "floor", "sign"},
-    {"lt", "le", "eq"}, {"and", "or"}, {"sum", "min", "max"}, {"any", "all"},
-)  # fmt: skip
+    {"add", "sub", "mul", "div", "min", "max", "mod", "atan2", "hypot", "pow"},
+    {"neg", "abs", "sqrt", "sin", "cos", "floor", "sign"},
+    {"lt", "le", "eq"},
+    {"and", "or"},
+    {"sum", "min", "max"},
+    {"any", "all"},
+)
 
 
 def exchanged(text: str, found: re.Match[str], new: str) -> str:

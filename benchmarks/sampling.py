@@ -182,9 +182,11 @@ def table(name: str, objects: int) -> None:
     real = sum(d.kind != "choice" for d in program.draws)
     print(f"\n{program.name}: {len(program.draws)} draws ({real} numbers), {len(program.requirements)} requirements")
     for title, plan in (
-        ("independent", independent(program)), ("ordered", ordered(program)), ("static", static(program)),
+        ("independent", independent(program)),
+        ("ordered", ordered(program)),
+        ("static", static(program)),
         ("conditional", make_plan(program, ())),
-    ):  # fmt: skip
+    ):
         share, cost = tried(plan, objects)
         print(f"  {title:14}{100 * share:10.4f} % of first attempts valid{cost:14,.1f} us per valid object")
     known = reference(program)

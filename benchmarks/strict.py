@@ -110,13 +110,20 @@ def read(folder: Path, rest: dict[str, float]) -> Thing:
         axis = node.find("axis")
         joints.append(
             Joint(
-                name, kind, links.index(node.find("parent").get("link")), links.index(node.find("child").get("link")),
-                placed(node.find("origin")), numbers(None if axis is None else axis.get("xyz"), "1 0 0"), low, high,
+                name,
+                kind,
+                links.index(node.find("parent").get("link")),
+                links.index(node.find("child").get("link")),
+                placed(node.find("origin")),
+                numbers(None if axis is None else axis.get("xyz"), "1 0 0"),
+                low,
+                high,
                 rest.get(name, min(max(0.0, low), high)),
-                None if mimic is None else
-                (mimic.get("joint"), float(mimic.get("multiplier", 1)), float(mimic.get("offset", 0))),
+                None
+                if mimic is None
+                else (mimic.get("joint"), float(mimic.get("multiplier", 1)), float(mimic.get("offset", 0))),
             )
-        )  # fmt: skip
+        )
     reached, ordered = {k for k in range(len(links)) if all(j.child != k for j in joints)}, []
     while len(ordered) < len(joints):
         following = [j for j in joints if j.parent in reached and j.child not in reached]
@@ -337,8 +344,11 @@ def measure(folder: Path, only: int | None = None, tell: bool = True) -> dict[st
         for hit in hits:
             names[tuple(sorted(hit.pair))] += 1
             if tell:
-                print(f"  {path.name}  {hit.pair[0]} ({hit.solids[0]}) and {hit.pair[1]} ({hit.solids[1]}) {hit.when}: "
-                      f"{1e3 * hit.depth:.4f} mm at {hit.at}", flush=True)  # fmt: skip
+                print(
+                    f"  {path.name}  {hit.pair[0]} ({hit.solids[0]}) and {hit.pair[1]} ({hit.solids[1]}) {hit.when}: "
+                    f"{1e3 * hit.depth:.4f} mm at {hit.at}",
+                    flush=True,
+                )
     return dict(found)
 
 
@@ -359,8 +369,11 @@ def main() -> None:
                 subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
             found = measure(folder, options.n)
         share = [100 * found[key] / max(found["objects"], 1) for key in ("rest", "sweep", "all")]
-        print(f"{Path(name).name:20} {found['objects']:7} {found['joints']:7} {share[0]:8.1f} {share[1]:9.1f} {share[2]:13.1f}"
-              f" {time.time() - start:8.1f}", flush=True)  # fmt: skip
+        print(
+            f"{Path(name).name:20} {found['objects']:7} {found['joints']:7} {share[0]:8.1f} {share[1]:9.1f} {share[2]:13.1f}"
+            f" {time.time() - start:8.1f}",
+            flush=True,
+        )
 
 
 if __name__ == "__main__":

@@ -69,14 +69,24 @@ def rebind(
     unsaid = {name: np.nan if name.startswith("field.") and a.dtype != bool else 0 for name, a in known.labels.items()}
     labels = {name: spread(a, unsaid[name]) for name, a in known.labels.items()}
     return replace(
-        known, object=owner, position=spread(known.position, np.nan), normal=spread(known.normal, np.nan), npcs=spread(known.npcs, np.nan),
+        known,
+        object=owner,
+        position=spread(known.position, np.nan),
+        normal=spread(known.normal, np.nan),
+        npcs=spread(known.npcs, np.nan),
         **numbers,
-        primitive=site.astype(np.int32), element=element, patch=patch.astype(np.int16), u=u, v=v, labels=labels,
+        primitive=site.astype(np.int32),
+        element=element,
+        patch=patch.astype(np.int16),
+        u=u,
+        v=v,
+        labels=labels,
         motion=None if known.motion is None else spread(known.motion, np.nan),
         drivers=None if known.drivers is None else spread(known.drivers, -1),
-        velocities=None if known.velocities is None else spread(known.velocities, np.nan, 2), bound=bound.reshape(site.shape),
+        velocities=None if known.velocities is None else spread(known.velocities, np.nan, 2),
+        bound=bound.reshape(site.shape),
         acting=None if known.acting is None else {name: spread(values, -1) for name, values in known.acting.items()},
-    )  # fmt: skip
+    )
 
 
 def _binding(batch: Batch, points: Points | Mapping[str, np.ndarray]) -> tuple[np.ndarray, list[np.ndarray]]:

@@ -54,9 +54,14 @@ def draw(
 
 
 def balanced(
-    sites: list[SiteTable], labels: list[np.ndarray], n_objects: int, how: Sampling, key: random.Key,
-    address: np.ndarray, weigh: Weigh,
-) -> Drawn:  # fmt: skip
+    sites: list[SiteTable],
+    labels: list[np.ndarray],
+    n_objects: int,
+    how: Sampling,
+    key: random.Key,
+    address: np.ndarray,
+    weigh: Weigh,
+) -> Drawn:
     """The points of each object shared out over its pools by weight; what shows no surface leaves its own to others."""
     n, times = int(how.count), blue.TIMES if how.spread == "blue" else 1
     pools = Pools.of(sites, labels, n_objects)

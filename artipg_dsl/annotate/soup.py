@@ -61,8 +61,12 @@ def soup(batch: Batch, first: int, stop: int, steps: int = STEPS) -> Soup:
     at = (begins[rows.site] + rows.row)[row]
     link, part = (np.concatenate([getattr(table, name) for table in tables])[at] for name in ("link", "instance"))
     return Soup(
-        rows, np.searchsorted(owner, np.arange(stop - first + 1)), np.concatenate(corners)[order], row,
-        np.concatenate(patches)[order], np.concatenate(fractions)[order],
+        rows,
+        np.searchsorted(owner, np.arange(stop - first + 1)),
+        np.concatenate(corners)[order],
+        row,
+        np.concatenate(patches)[order],
+        np.concatenate(fractions)[order],
         np.searchsorted(batch.links().owner, np.arange(first, stop))[owner] + link,
         np.searchsorted(batch.parts().owner, np.arange(first, stop))[owner] + part,
-    )  # fmt: skip
+    )

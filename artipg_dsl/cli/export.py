@@ -37,9 +37,14 @@ def run(options: argparse.Namespace) -> int:
     with Progress(job.program.name) as progress:
         if folder.is_dir() and out.resolve() == folder.resolve():
             add_formats(
-                job, out, formats, resolution=read_resolution(options), force=options.force, progress=progress,
+                job,
+                out,
+                formats,
+                resolution=read_resolution(options),
+                force=options.force,
+                progress=progress,
                 workers=options.workers,
-            )  # fmt: skip
+            )
         else:
             output = Output.of(formats, Content(resolution=read_resolution(options) or STANDARD))
             write_dataset(job, out, output, force=options.force, progress=progress, workers=options.workers)

@@ -124,9 +124,15 @@ def read_mutation(options: argparse.Namespace, job: Job) -> Mutation:
     if options.one is not None and (options.ops, options.strength, options.share) != PLAIN:
         raise UsageError("--one redraws its value, so --ops, --strength and --share cannot be given as well")
     return Mutation(
-        read_operations(options.ops), options.variant, options.strength, options.share, options.one or options.parts,
-        options.one is not None, options.number or 1, job.request.numbers,
-    )  # fmt: skip
+        read_operations(options.ops),
+        options.variant,
+        options.strength,
+        options.share,
+        options.one or options.parts,
+        options.one is not None,
+        options.number or 1,
+        job.request.numbers,
+    )
 
 
 # ---------------------------------------------------------------- comparing

@@ -65,9 +65,11 @@ def add_sample(to: argparse.ArgumentParser) -> None:
         help="number of points per object, or of what --per names (default: 2048)",
     )
     to.add_argument(
-        "--surface", choices=("boundary", "outside"), default="boundary",
+        "--surface",
+        choices=("boundary", "outside"),
+        default="boundary",
         help="where points lie: boundary, on the union of all primitives (default); outside, on what is visible of it with all joints at 0",
-    )  # fmt: skip
+    )
     to.add_argument(
         "--spread",
         choices=("random", "blue"),
@@ -75,13 +77,16 @@ def add_sample(to: argparse.ArgumentParser) -> None:
         help="how points are spread: random (default), or blue, which keeps them apart",
     )
     to.add_argument(
-        "--per", choices=("object", "semantic", "instance", "link", "primitive"), default="object",
+        "--per",
+        choices=("object", "semantic", "instance", "link", "primitive"),
+        default="object",
         help="what each set of N points covers: an object (default), a semantic class, a part instance, a link or a primitive",
-    )  # fmt: skip
+    )
     to.add_argument(
-        "--balance", choices=("semantic", "instance", "link", "primitive"),
+        "--balance",
+        choices=("semantic", "instance", "link", "primitive"),
         help="divide the N points of an object evenly among its semantic classes, part instances, links or primitives",
-    )  # fmt: skip
+    )
     to.add_argument(
         "--weights",
         metavar="LIST",
@@ -104,9 +109,11 @@ def add_sample(to: argparse.ArgumentParser) -> None:
         help="add the velocities of each point, by its own joint and by every joint that drives it",
     )
     to.add_argument(
-        "--gripper", default="standard", metavar="LIST",
+        "--gripper",
+        default="standard",
+        metavar="LIST",
         help="gripper that grasps are made for: standard (default), any, or sizes such as stroke=8cm,width=2cm",
-    )  # fmt: skip
+    )
     to.add_argument(
         "--views",
         metavar="N|FILE",
@@ -122,9 +129,11 @@ def add_sample(to: argparse.ArgumentParser) -> None:
     )
     _meshes(to)
     to.add_argument(
-        "--sampling", default="sequential", metavar="HOW",
+        "--sampling",
+        default="sequential",
+        metavar="HOW",
         help="sequential (default), or prior: resample to the declared distributions; prior:N considers N attempts per object (default: 32)",
-    )  # fmt: skip
+    )
     to.add_argument(
         "--params",
         metavar="FILE",
@@ -144,11 +153,7 @@ def add_export(to: argparse.ArgumentParser) -> None:
     _source(to)
     _drawing(to, 10)
     to.add_argument(
-        "-o",
-        "--out",
-        type=folder,
-        metavar="DIR",
-        help="output folder (default: the folder of samples, or out)",
+        "-o", "--out", type=folder, metavar="DIR", help="output folder (default: the folder of samples, or out)"
     )
     to.add_argument(
         "--format", metavar="LIST", required=True, help=f"formats, separated by commas: {', '.join(per_object())}"
@@ -166,9 +171,11 @@ def add_mutate(to: argparse.ArgumentParser) -> None:
         help="a folder of samples; with --params, a shipped category or an .apg file",
     )
     to.add_argument(
-        "--ops", default="apa,dpa,cpa", metavar="LIST",
+        "--ops",
+        default="apa,dpa,cpa",
+        metavar="LIST",
         help="operations, always applied in this order: apa (swap templates), dpa (change counts), cpa (perturb parameters) (default: all)",
-    )  # fmt: skip
+    )
     to.add_argument("-n", "--number", type=positive, metavar="N", help="number of mutants per object (default: 1)")
     to.add_argument(
         "-o", "--out", type=folder, default="mutants", metavar="DIR", help="output folder (default: mutants)"
@@ -260,19 +267,20 @@ def add_report(to: argparse.ArgumentParser) -> None:
     shape.add_argument("--json", action="store_true", help="print the figures as JSON")
     shape.add_argument("--markdown", action="store_true", help="print a table with a row per category")
     to.add_argument(
-        "--html",
-        type=place,
-        metavar="FILE",
-        help="also write an HTML page with a picture; - prints the page alone",
+        "--html", type=place, metavar="FILE", help="also write an HTML page with a picture; - prints the page alone"
     )
     to.add_argument("--reference", metavar="FILE", help="file of real sizes to compare with (default: the shipped one)")
     to.add_argument(
         "--unchecked", action="store_true", help="count objects whose links collide as valid, which is faster"
     )
     to.add_argument(
-        "--meshes", type=positive, nargs="?", const=MESHES, metavar="N",
+        "--meshes",
+        type=positive,
+        nargs="?",
+        const=MESHES,
+        metavar="N",
         help=f"check the visible meshes of the first N objects as well (default: {MESHES}), in as many states as `apgc validate --meshes`",
-    )  # fmt: skip
+    )
     to.add_argument("--strict", action="store_true", help="exit with 1 if a goal is not met")
     to.add_argument("--force", action="store_true", help="overwrite the page")
     _sharing(to)
@@ -292,9 +300,11 @@ def _program(to: argparse.ArgumentParser) -> None:
 
 def _meshes(to: argparse.ArgumentParser, steps: int = 24) -> None:
     to.add_argument(
-        "--tolerance", type=tolerance, metavar="LENGTH",
+        "--tolerance",
+        type=tolerance,
+        metavar="LENGTH",
         help=f"how far meshes may deviate from the true surfaces, such as 0.5mm (default: {steps} steps per full turn)",
-    )  # fmt: skip
+    )
     to.add_argument(
         "--triangles",
         type=positive,
@@ -305,9 +315,12 @@ def _meshes(to: argparse.ArgumentParser, steps: int = 24) -> None:
 
 def _sharing(to: argparse.ArgumentParser) -> None:
     to.add_argument(
-        "--workers", type=workers, default=1, metavar="N",
+        "--workers",
+        type=workers,
+        default=1,
+        metavar="N",
         help="number of processes, or auto for one per processor (default: 1)",
-    )  # fmt: skip
+    )
 
 
 def _drawing(to: argparse.ArgumentParser, n: int) -> None:

@@ -25,9 +25,16 @@ def run(options: argparse.Namespace) -> int:
     job = open_wanted(options)
     with Progress("drawing") as progress:
         write_sheet(
-            job.batch(), options.out, force=True, colour=options.colour, tile=options.tile, progress=progress,
-            states="open" if options.open else "alternate", view=options.view, resolution=read_resolution(options) or SMOOTH,
-        )  # fmt: skip
+            job.batch(),
+            options.out,
+            force=True,
+            colour=options.colour,
+            tile=options.tile,
+            progress=progress,
+            states="open" if options.open else "alternate",
+            view=options.view,
+            resolution=read_resolution(options) or SMOOTH,
+        )
     say(f"drew {len(job.request.objects)} of {job.program.name} to {options.out}")
     return 0
 

@@ -112,9 +112,15 @@ def examined(task: Task) -> tuple[Card, bytes]:
         valid = Valid(job.statistics.first_valid, job.statistics.attempts, job.failures())
         meshes = strict(job.of(request.objects[: options.meshes]).batch()) if options.meshes else None
         found = card(
-            job.sampler, batch, valid, checked=request.checked, real=task.known.get(category), lines=own_lines(path),
-            meshes=meshes, progress=step,
-        )  # fmt: skip
+            job.sampler,
+            batch,
+            valid,
+            checked=request.checked,
+            real=task.known.get(category),
+            lines=own_lines(path),
+            meshes=meshes,
+            progress=step,
+        )
     return found, picture(job.of(job.request.objects[:PICTURED])) if options.html is not None else b""
 
 

@@ -46,8 +46,7 @@ def run(options: argparse.Namespace) -> int:
             raise UsageError(f"--{name} applies to points, which are not among the formats", "add points to --format")
     if read_resolution(options) and not any(entry.per_object for entry in formats):
         raise UsageError(
-            "--tolerance and --triangles apply to meshes, and none of the formats has any",
-            "add a format such as glb",
+            "--tolerance and --triangles apply to meshes, and none of the formats has any", "add a format such as glb"
         )
     if options.variant is not None and not options.mutate:
         raise UsageError("--variant applies to mutants, and none are asked for", "add --mutate apa,dpa,cpa")

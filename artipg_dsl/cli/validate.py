@@ -34,10 +34,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def examine(
-    job: Job,
-    states: int,
-    meshes: bool = False,
-    progress: Callable[[int, int], None] = lambda *_: None,
+    job: Job, states: int, meshes: bool = False, progress: Callable[[int, int], None] = lambda *_: None
 ) -> dict[str, Any]:
     """All evidence as plain data. ``drawn`` are objects that meet the requirements, ``delivered`` what is handed out;
     ``meshes``: what is delivered, by what is seen of it. ``progress`` is told (step, steps) before each step."""

@@ -25,12 +25,16 @@ def to_json(diagnostics: Iterable[Diagnostic]) -> str:
     """A JSON list of findings."""
     rows = [
         {
-            "code": d.code, "severity": d.severity, "message": d.message, "place": place(d.span), "hint": d.hint,
+            "code": d.code,
+            "severity": d.severity,
+            "message": d.message,
+            "place": place(d.span),
+            "hint": d.hint,
             "notes": [{"place": place(s), "message": t} for s, t in d.notes],
             "trace": [{"place": place(s), "message": t} for s, t in d.trace],
         }
         for d in diagnostics
-    ]  # fmt: skip
+    ]
     return json.dumps(rows, indent=2)
 
 
@@ -66,7 +70,9 @@ def location(span: Span) -> dict[str, Any]:
     where = place(span)
     assert where is not None
     region = {
-        "startLine": where["line"], "startColumn": where["column"],
-        "endLine": where["end_line"], "endColumn": where["end_column"],
-    }  # fmt: skip
+        "startLine": where["line"],
+        "startColumn": where["column"],
+        "endLine": where["end_line"],
+        "endColumn": where["end_column"],
+    }
     return {"physicalLocation": {"artifactLocation": {"uri": quote(where["file"])}, "region": region}}

@@ -55,17 +55,24 @@ ACTING = Meaning(
 AREA = {"area": Meaning("surface that the point stands for", "objects, points", unit="m2", dtype="float32")}
 MOTIONS = {
     "motion": Meaning(
-        "velocity of the point per unit of the next joint above its link", "objects, points, 3", "object",
-        "m per rad, or m per m", "float32",
+        "velocity of the point per unit of the next joint above its link",
+        "objects, points, 3",
+        "object",
+        "m per rad, or m per m",
+        "float32",
     ),
     "drivers": Meaning(
-        "joints that move the point, places in the annotation's list `joints`; 65535: no more", "objects, points, drivers"
+        "joints that move the point, places in the annotation's list `joints`; 65535: no more",
+        "objects, points, drivers",
     ),
     "velocities": Meaning(
-        "velocity of the point per unit of each of its drivers, with all that follows it", "objects, points, drivers, 3",
-        "object", "m per rad, or m per m", "float32",
+        "velocity of the point per unit of each of its drivers, with all that follows it",
+        "objects, points, drivers, 3",
+        "object",
+        "m per rad, or m per m",
+        "float32",
     ),
-}  # fmt: skip
+}
 MOVING = ("points", "normals", "motion", "velocities")  # what depends on the state
 
 _SHOT, _IMAGE, _CLOUD = ("objects, views" + more for more in ("", ", height, width", ", cloud"))
@@ -77,8 +84,11 @@ VIEWS = {
     "depth": Meaning("distance along the camera's z, 0: nothing seen", _IMAGE, "camera", "m", "float32"),
     "normal": Meaning("outward unit normal, 0: nothing seen", f"{_IMAGE}, 3", "object", "1", "float32"),
     "npcs": Meaning(
-        "place in the box of the instance, its diagonal 1 and its centre 0; 0: nothing seen", f"{_IMAGE}, 3", "part",
-        "1", "float32",
+        "place in the box of the instance, its diagonal 1 and its centre 0; 0: nothing seen",
+        f"{_IMAGE}, 3",
+        "part",
+        "1",
+        "float32",
     ),
     "semantic": Meaning("class, an index into vocabularies.semantic; 0: unlabelled, 65535: nothing seen", _IMAGE),
     "instance": Meaning("part instance, its `number` in the annotation; 65535: nothing seen", _IMAGE),
@@ -91,7 +101,7 @@ VIEWS = {
     "cloud_semantic": Meaning("as semantic", _CLOUD),
     "cloud_instance": Meaning("as instance", _CLOUD),
     "cloud_link": Meaning("as link", _CLOUD),
-}  # fmt: skip
+}
 
 KINDS = {
     "mask": "the label holds",

@@ -112,9 +112,15 @@ def mtl_text(looks: Iterable[Look]) -> str:
         mirror = [look.metalness * c + (1.0 - look.metalness) * 0.04 for c in look.colour]  # 4 % of plain dielectrics
 
         lines = [
-            f"newmtl {look.name}", f"Kd {_numbers(look.colour)}", f"Ks {_numbers(mirror)}", f"Ns {shine:.6g}",
-            f"d {look.opacity:.6g}", f"Pr {look.roughness:.6g}", f"Pm {look.metalness:.6g}", "illum 2",
-        ]  # fmt: skip
+            f"newmtl {look.name}",
+            f"Kd {_numbers(look.colour)}",
+            f"Ks {_numbers(mirror)}",
+            f"Ns {shine:.6g}",
+            f"d {look.opacity:.6g}",
+            f"Pr {look.roughness:.6g}",
+            f"Pm {look.metalness:.6g}",
+            "illum 2",
+        ]
         blocks.append("\n".join(lines) + "\n")
     return "\n".join(blocks)
 

@@ -32,9 +32,21 @@ POINTS = 10000
 URDFS = ("mobility.urdf", "mobility_vhacd.urdf", "mobility_cvx.urdf")  # one text under the names that readers ask for
 CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
 BOX_FACES = np.array(
-    [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4],
-     [1, 5, 7], [1, 7, 3]]
-)  # fmt: skip
+    [
+        [0, 1, 3],
+        [0, 3, 2],
+        [4, 6, 7],
+        [4, 7, 5],
+        [0, 4, 5],
+        [0, 5, 1],
+        [2, 3, 7],
+        [2, 7, 6],
+        [0, 2, 6],
+        [0, 6, 4],
+        [1, 5, 7],
+        [1, 7, 3],
+    ]
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,10 +125,15 @@ def partnet_files(robots: Robots, i: int) -> dict[str, bytes]:
     files["bounding_box.json"] = _json({"min": short(raw.min(axis=0)), "max": short(raw.max(axis=0))})
     files["meta.json"] = _json(
         {
-            "model_id": model, "anno_id": f"{robot.number:06d}", "user_id": "artipg_dsl", "time_in_sec": "0",
-            "version": "1", "model_cat": category(robots.batch.program.name), "metres_per_unit": repr(frame.unit),
+            "model_id": model,
+            "anno_id": f"{robot.number:06d}",
+            "user_id": "artipg_dsl",
+            "time_in_sec": "0",
+            "version": "1",
+            "model_cat": category(robots.batch.program.name),
+            "metres_per_unit": repr(frame.unit),
         }
-    )  # fmt: skip
+    )
     return files | _samples(robots, i, members, frame)
 
 

@@ -63,7 +63,9 @@ FORMATS: dict[str, Format] = {
     entry.name: entry
     for entry in (
         Format("points", "labelled points with their binding, NumPy", ".npz", shard="shards:points_shard"),
-        Format("annotation", "joints, parts, grasps, parameters as JSON lines", ".jsonl", shard="shards:annotation_shard"),
+        Format(
+            "annotation", "joints, parts, grasps, parameters as JSON lines", ".jsonl", shard="shards:annotation_shard"
+        ),
         Format("views", "images and partial clouds from cameras, NumPy", ".npz", shard="shards:views_shard"),
         Format("trace", "how each object was made from another, JSON lines", ".jsonl", shard="mutants:trace_shard"),
         Format("correspondence", "which primitive became which, NumPy", ".npz", shard="mutants:correspondence_shard"),
@@ -72,13 +74,17 @@ FORMATS: dict[str, Format] = {
         Format("sdf", "SDFormat with OBJ meshes, for Gazebo", robot="sdf:sdf_files", file="model.sdf"),
         Format("usd", "OpenUSD with a physics articulation", member="usd:usd_files", file="object.usda"),
         Format("glb", "binary glTF with an opening animation", robot="glb:glb_files", file="object.glb", seen=True),
-        Format("obj", "Wavefront OBJ per link with materials", robot="mesh_obj:obj_files", file="obj/object.mtl", seen=True),
         Format(
-            "partnet-mobility", "the folder of PartNet-Mobility", member="partnet_mobility:partnet_files",
+            "obj", "Wavefront OBJ per link with materials", robot="mesh_obj:obj_files", file="obj/object.mtl", seen=True
+        ),
+        Format(
+            "partnet-mobility",
+            "the folder of PartNet-Mobility",
+            member="partnet_mobility:partnet_files",
             file="mobility.urdf",
         ),
     )
-}  # fmt: skip
+}
 DEFAULT = ("points", "annotation")
 
 

@@ -28,10 +28,19 @@ def simple_joints(robot: Robot) -> Robot:
             ends = [value * advance[1] for value in (joint.low, joint.high) if value is not None]
             low, high = (min(ends), max(ends)) if len(ends) == 2 else (None, None)
             slide = replace(
-                joint, name=joint.name + ADVANCE, kind="prismatic", low=low, high=high, rest=joint.rest * advance[1],
-                effort=joint.effort / max(abs(advance[1]), 1e-3), velocity=joint.velocity * abs(advance[1]),
-                damping=0.0, friction=0.0, mimic=advance, pitch=0.0,
-            )  # fmt: skip
+                joint,
+                name=joint.name + ADVANCE,
+                kind="prismatic",
+                low=low,
+                high=high,
+                rest=joint.rest * advance[1],
+                effort=joint.effort / max(abs(advance[1]), 1e-3),
+                velocity=joint.velocity * abs(advance[1]),
+                damping=0.0,
+                friction=0.0,
+                mimic=advance,
+                pitch=0.0,
+            )
             joints += _chain([slide, replace(joint, kind=kind, pitch=0.0)], links)
         elif joint.kind == "ball":
             tilt = square(joint.axis[None])[0]

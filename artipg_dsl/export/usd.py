@@ -265,10 +265,12 @@ def times(p: np.ndarray, q: np.ndarray) -> np.ndarray:
     e, f, g, h = q.tolist()
     return np.array(
         [
-            a * e - b * f - c * g - d * h, a * f + b * e + c * h - d * g,
-            a * g - b * h + c * e + d * f, a * h + b * g - c * f + d * e,
+            a * e - b * f - c * g - d * h,
+            a * f + b * e + c * h - d * g,
+            a * g - b * h + c * e + d * f,
+            a * h + b * g - c * f + d * e,
         ]
-    )  # fmt: skip
+    )
 
 
 def identifier(name: str) -> str:

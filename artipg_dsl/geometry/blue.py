@@ -109,6 +109,7 @@ def _neighbours(
         near = near * near
         made.append((one, two, near * near))
     return (
-        np.concatenate([a for a, _, _ in made]), np.concatenate([b for _, b, _ in made]),
+        np.concatenate([a for a, _, _ in made]),
+        np.concatenate([b for _, b, _ in made]),
         np.concatenate([c for _, _, c in made]),
-    )  # fmt: skip
+    )

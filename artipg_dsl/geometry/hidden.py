@@ -130,10 +130,17 @@ class Occlusion:
         cell, other = cell[order], other[order]
         count = len(cell)
         pairs = Pairs(
-            cell, other, np.empty((4, 3, count)), np.empty((3, count)), np.empty((4, count)),
-            np.empty(count, np.uint32), np.empty(count, np.uint32), cells.shape[cell] == PLANAR,
-            rows.rank[other] < rows.rank[cells.row[cell]], edges,
-        )  # fmt: skip
+            cell,
+            other,
+            np.empty((4, 3, count)),
+            np.empty((3, count)),
+            np.empty((4, count)),
+            np.empty(count, np.uint32),
+            np.empty(count, np.uint32),
+            cells.shape[cell] == PLANAR,
+            rows.rank[other] < rows.rank[cells.row[cell]],
+            edges,
+        )
         for start in range(0, count, _CHUNK):
             self._carry_over(pairs, slice(start, start + _CHUNK))
         return pairs

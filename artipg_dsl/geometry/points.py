@@ -72,9 +72,15 @@ def sample(
 
 
 def sample_pools(
-    sites: list[SiteTable], labels: list[np.ndarray], n_objects: int, n_points: int, key: random.Key,
-    address: np.ndarray, *, outside: bool = False,
-) -> tuple[PointSet, Pools, np.ndarray]:  # fmt: skip
+    sites: list[SiteTable],
+    labels: list[np.ndarray],
+    n_objects: int,
+    n_points: int,
+    key: random.Key,
+    address: np.ndarray,
+    *,
+    outside: bool = False,
+) -> tuple[PointSet, Pools, np.ndarray]:
     """The same for the pools that ``labels`` tell: one array (k,) of whole numbers from 0 on per site table.
 
     The points (P, n) and the pools that have them, and about how much surface each shows (P,), in square metres. Pools
@@ -91,9 +97,14 @@ def sample_pools(
 
 
 def sample_counts(
-    sites: list[SiteTable], pools: Pools, counts: np.ndarray, key: random.Key, address: np.ndarray, *,
+    sites: list[SiteTable],
+    pools: Pools,
+    counts: np.ndarray,
+    key: random.Key,
+    address: np.ndarray,
+    *,
     outside: bool = False,
-) -> tuple[PointSet, np.ndarray, np.ndarray]:  # fmt: skip
+) -> tuple[PointSet, np.ndarray, np.ndarray]:
     """The same with a number of points of its own for each pool, ``counts`` (P,): they come first in rows (P, n) of the
     largest number. Which pools have all of theirs (P,) bool, and their surface (P,)."""
     named = random.mix(np.asarray(address, dtype=np.uint64)[pools.owner], pools.label)
@@ -236,9 +247,16 @@ class _Sampler:
         return survivors
 
     def _group(
-        self, out: PointSet, number: int, low: int, high: int, filled: np.ndarray, thin: np.ndarray, drawn: _Drawn,
+        self,
+        out: PointSet,
+        number: int,
+        low: int,
+        high: int,
+        filled: np.ndarray,
+        thin: np.ndarray,
+        drawn: _Drawn,
         loose: _LoosePoints,
-    ) -> np.ndarray:  # fmt: skip
+    ) -> np.ndarray:
         """The candidates of the pools ``low .. high - 1``; how many of each can be seen."""
         cells, stride, pools = self.cells, out.u.shape[1], slice(low, high)
         n = self.n[pools]
@@ -377,9 +395,14 @@ def evaluate(sites: list[SiteTable], binding: PointSet) -> tuple[np.ndarray, np.
 
 
 def evaluate_flat(
-    sites: list[SiteTable], owner: np.ndarray, site: np.ndarray, row: np.ndarray, patch: np.ndarray, u: np.ndarray,
+    sites: list[SiteTable],
+    owner: np.ndarray,
+    site: np.ndarray,
+    row: np.ndarray,
+    patch: np.ndarray,
+    u: np.ndarray,
     v: np.ndarray,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:  # fmt: skip
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The same for m points of objects ``owner`` (m,), ascending: positions and normals (m, 3), and whether the patch
     exists (m,)."""
     position, normal = np.empty((len(owner), 3)), np.empty((len(owner), 3))

@@ -29,9 +29,14 @@ class PointSet:
         """Room for ``n`` points of each of ``rows``, all zeros."""
         shape = rows, n
         return PointSet(
-            np.zeros(shape, np.int32), np.zeros(shape, np.int32), np.zeros(shape, np.int16), np.zeros(shape),
-            np.zeros(shape), np.zeros((*shape, 3)), np.zeros((*shape, 3)),
-        )  # fmt: skip
+            np.zeros(shape, np.int32),
+            np.zeros(shape, np.int32),
+            np.zeros(shape, np.int16),
+            np.zeros(shape),
+            np.zeros(shape),
+            np.zeros((*shape, 3)),
+            np.zeros((*shape, 3)),
+        )
 
     def take(self, at: np.ndarray | tuple[np.ndarray, np.ndarray]) -> PointSet:
         """Those of some rows, or at some rows and columns."""
@@ -46,8 +51,11 @@ class PointSet:
         arrays = (getattr(self, name) for name in PointSet.__slots__)
         normals = ("position", "normal")
         return PointSet(
-            *(a.reshape(*shape, 3) if n in normals else a.reshape(shape) for n, a in zip(PointSet.__slots__, arrays, strict=True))
-        )  # fmt: skip
+            *(
+                a.reshape(*shape, 3) if n in normals else a.reshape(shape)
+                for n, a in zip(PointSet.__slots__, arrays, strict=True)
+            )
+        )
 
 
 def _rows_at(array: np.ndarray, flat: np.ndarray) -> np.ndarray:

@@ -76,8 +76,16 @@ def plan(topology: Topology, steps: tuple[int, ...]) -> Plan:
         owners.append(np.full(len(triangles), patch))
     every, owner = np.concatenate(faces), np.concatenate(owners)
     _check_closed(topology, every, owner)
-    return Plan(len(representatives), every.astype(np.int32), owner.astype(np.int32), np.concatenate(fractions),
-                topology.patches, tuple(vertex), tuple(us), tuple(vs))  # fmt: skip
+    return Plan(
+        len(representatives),
+        every.astype(np.int32),
+        owner.astype(np.int32),
+        np.concatenate(fractions),
+        topology.patches,
+        tuple(vertex),
+        tuple(us),
+        tuple(vs),
+    )
 
 
 def _edge(nodes: np.ndarray, edge: int) -> np.ndarray:

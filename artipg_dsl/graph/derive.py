@@ -4,24 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from .expr import (
-    CROSSING,
-    ONE,
-    PREDICATES,
-    ZERO,
-    Expr,
-    add,
-    call,
-    const,
-    div,
-    mul,
-    neg,
-    power,
-    show,
-    sub,
-    var,
-    where,
-)
+from .expr import CROSSING, ONE, PREDICATES, ZERO, Expr, add, call, const, div, mul, neg, power, show, sub, var, where
 
 
 def derive(root: Expr, by: Expr | str) -> Expr:

@@ -498,9 +498,17 @@ def substitute(root: Expr, mapping: dict[Expr, Expr]) -> Expr:
 
 
 _BUILDERS: dict[str, Callable[..., Expr]] = {
-    "add": add, "sub": sub, "mul": mul, "div": div, "neg": neg, "pow": power,
-    "and": both, "or": either, "not": negate, "where": where,
-}  # fmt: skip
+    "add": add,
+    "sub": sub,
+    "mul": mul,
+    "div": div,
+    "neg": neg,
+    "pow": power,
+    "and": both,
+    "or": either,
+    "not": negate,
+    "where": where,
+}
 
 
 def rebuild(node: Expr, args: tuple[Expr, ...]) -> Expr:

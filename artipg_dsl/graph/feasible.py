@@ -146,9 +146,15 @@ def _range(draw: Draw, intervals: Narrowed, reader: Linear) -> tuple[float, floa
 
 
 def _hull(
-    draw: Draw, union: Union, intervals: Narrowed, low: float, high: float, why: dict[str, list[int]], read: dict[str, list[Any]],
+    draw: Draw,
+    union: Union,
+    intervals: Narrowed,
+    low: float,
+    high: float,
+    why: dict[str, list[int]],
+    read: dict[str, list[Any]],
     reader: Linear,
-) -> tuple[float, float]:  # fmt: skip
+) -> tuple[float, float]:
     """The range narrowed to what a union of intervals leaves of it; an empty one where no interval has room."""
     if intervals.of(union.guard)[0] < 1.0 or low > high + SMALL:
         return low, high
@@ -209,9 +215,11 @@ def idle(program: Program) -> list[int]:
     intervals = Intervals(program.draws, program.definitions)
     reader = Linear(lambda c: c not in program.definitions, program.definitions, through=True)
     return [
-        number for number, requirement in enumerate(program.requirements)
-        if reader.columns(requirement.condition) and intervals.of(negate(both(requirement.guard, negate(requirement.condition))))[0] >= 1.0
-    ]  # fmt: skip
+        number
+        for number, requirement in enumerate(program.requirements)
+        if reader.columns(requirement.condition)
+        and intervals.of(negate(both(requirement.guard, negate(requirement.condition))))[0] >= 1.0
+    ]
 
 
 def certain(scope: Scope, intervals: Intervals) -> bool:

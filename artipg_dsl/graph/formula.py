@@ -15,15 +15,38 @@ import numpy as np
 from .expr import Expr, show
 
 NUMPY = {
-    "add": "({0} + {1})", "sub": "({0} - {1})", "mul": "({0} * {1})", "div": "np.divide({0}, {1})", "neg": "(-{0})",
-    "pow": "np.power({0}, {1})", "abs": "np.abs({0})", "sqrt": "np.sqrt({0})", "sin": "np.sin({0})", "cos": "np.cos({0})",
-    "tan": "np.tan({0})", "asin": "np.arcsin({0})", "acos": "np.arccos({0})", "atan": "np.arctan({0})",
-    "atan2": "np.arctan2({0}, {1})", "hypot": "np.hypot({0}, {1})", "exp": "np.exp({0})", "log": "np.log({0})",
-    "floor": "np.floor({0})", "ceil": "np.ceil({0})", "sign": "np.sign({0})", "min": "np.minimum({0}, {1})",
-    "max": "np.maximum({0}, {1})", "mod": "np.mod({0}, {1})", "lt": "({0} < {1})", "le": "({0} <= {1})",
-    "eq": "({0} == {1})", "and": "np.logical_and({0}, {1})", "or": "np.logical_or({0}, {1})",
-    "not": "np.logical_not({0})", "where": "np.where({0}, {1}, {2})",
-}  # fmt: skip
+    "add": "({0} + {1})",
+    "sub": "({0} - {1})",
+    "mul": "({0} * {1})",
+    "div": "np.divide({0}, {1})",
+    "neg": "(-{0})",
+    "pow": "np.power({0}, {1})",
+    "abs": "np.abs({0})",
+    "sqrt": "np.sqrt({0})",
+    "sin": "np.sin({0})",
+    "cos": "np.cos({0})",
+    "tan": "np.tan({0})",
+    "asin": "np.arcsin({0})",
+    "acos": "np.arccos({0})",
+    "atan": "np.arctan({0})",
+    "atan2": "np.arctan2({0}, {1})",
+    "hypot": "np.hypot({0}, {1})",
+    "exp": "np.exp({0})",
+    "log": "np.log({0})",
+    "floor": "np.floor({0})",
+    "ceil": "np.ceil({0})",
+    "sign": "np.sign({0})",
+    "min": "np.minimum({0}, {1})",
+    "max": "np.maximum({0}, {1})",
+    "mod": "np.mod({0}, {1})",
+    "lt": "({0} < {1})",
+    "le": "({0} <= {1})",
+    "eq": "({0} == {1})",
+    "and": "np.logical_and({0}, {1})",
+    "or": "np.logical_or({0}, {1})",
+    "not": "np.logical_not({0})",
+    "where": "np.where({0}, {1}, {2})",
+}
 
 
 def literal(value: object) -> str:

@@ -25,16 +25,55 @@ VERSION = 1
 RECORDS = {
     cls.__name__: cls
     for cls in (
-        P.Where, P.Pose, P.Bound, P.Limit, P.Union, P.Draw, P.Requirement, P.Preference, P.Part, P.Site, P.Link, P.Joint,
-        P.Target, P.Label, P.Grasp, P.Keypoint, P.Material, P.Allowed, P.Closure, P.Slot, P.Clear, P.Stable, Primitive, Patch, Piece,
-        Under, Elsewhere, Onward,
+        P.Where,
+        P.Pose,
+        P.Bound,
+        P.Limit,
+        P.Union,
+        P.Draw,
+        P.Requirement,
+        P.Preference,
+        P.Part,
+        P.Site,
+        P.Link,
+        P.Joint,
+        P.Target,
+        P.Label,
+        P.Grasp,
+        P.Keypoint,
+        P.Material,
+        P.Allowed,
+        P.Closure,
+        P.Slot,
+        P.Clear,
+        P.Stable,
+        Primitive,
+        Patch,
+        Piece,
+        Under,
+        Elsewhere,
+        Onward,
     )
-}  # fmt: skip
+}
 KEPT = {
-    "draw": P.Draw, "requirements": P.Requirement, "preferences": P.Preference, "parts": P.Part, "links": P.Link, "joints": P.Joint,
-    "sites": P.Site, "labels": P.Label, "grasps": P.Grasp, "keypoints": P.Keypoint, "allowed": P.Allowed, "closures": P.Closure,
-    "slots": P.Slot, "clear": P.Clear, "stable": P.Stable, "materials": P.Material, "primitives": Primitive,
-}  # fmt: skip
+    "draw": P.Draw,
+    "requirements": P.Requirement,
+    "preferences": P.Preference,
+    "parts": P.Part,
+    "links": P.Link,
+    "joints": P.Joint,
+    "sites": P.Site,
+    "labels": P.Label,
+    "grasps": P.Grasp,
+    "keypoints": P.Keypoint,
+    "allowed": P.Allowed,
+    "closures": P.Closure,
+    "slots": P.Slot,
+    "clear": P.Clear,
+    "stable": P.Stable,
+    "materials": P.Material,
+    "primitives": Primitive,
+}
 LISTS = tuple(word for word in KEPT if word not in ("draw", "materials", "primitives"))
 DEEPEST = 64  # lists and records within one another
 

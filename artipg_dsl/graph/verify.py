@@ -22,16 +22,29 @@ WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 OPTION = re.compile(NAME.pattern + r"(#[0-9]{1,4})?")  # the second of one template is told apart
 UNITS = frozenset({"", "m", "rad", "kg", "kg/m3", "s", "m/s", "N", "Nm"})
 LAWS: dict[str, Callable[[int], bool]] = {  # how many arguments each takes
-    "uniform": lambda n: n in (0, 2), "normal": lambda n: n == 2, "lognormal": lambda n: n == 2, "values": lambda n: n > 0,
-}  # fmt: skip
+    "uniform": lambda n: n in (0, 2),
+    "normal": lambda n: n == 2,
+    "lognormal": lambda n: n == 2,
+    "values": lambda n: n > 0,
+}
 JOINTS = ("revolute", "prismatic", "continuous", "screw", "ball", "fixed")
 MOST_PATCHES = 100  # of one indexed surface; the language allows 64
 NAMED = {  # fields that hold names, which flow into files and paths
-    P.Draw: ("options",), P.Part: ("path", "name", "template"), P.Site: ("path", "primitive"), P.Link: ("path",),
-    P.Joint: ("path", "name"), P.Target: ("surfaces",), P.Label: ("vocabulary", "name"), P.Grasp: ("name",), P.Keypoint: ("name",),
-    P.Material: ("name",), P.Slot: ("path", "name"), Primitive: ("name", "parameters", "surfaces", "whole"), Patch: ("name",),
+    P.Draw: ("options",),
+    P.Part: ("path", "name", "template"),
+    P.Site: ("path", "primitive"),
+    P.Link: ("path",),
+    P.Joint: ("path", "name"),
+    P.Target: ("surfaces",),
+    P.Label: ("vocabulary", "name"),
+    P.Grasp: ("name",),
+    P.Keypoint: ("name",),
+    P.Material: ("name",),
+    P.Slot: ("path", "name"),
+    Primitive: ("name", "parameters", "surfaces", "whole"),
+    Patch: ("name",),
     Piece: ("name",),
-}  # fmt: skip
+}
 _SURFACE = frozenset({"u", "v", *(f"{a}.{b}" for a in ("p", "n", "size") for b in "xyz")})
 _GRASP = frozenset({"t", *(f"size.{b}" for b in "xyz")})
 _REFERENCES = (Under, Elsewhere, Onward)

@@ -149,9 +149,11 @@ def idle_starts(lowering: Lowering) -> None:
     for span, searched in lowering.context.near.items():
         if not searched and span.source is lowering.root.module.source:
             lowering.context.report.warning(
-                "idle-near", span, "`near` says nothing here: the equation is solved without a search",
+                "idle-near",
+                span,
+                "`near` says nothing here: the equation is solved without a search",
                 hint="drop it; which value is drawn is said by a range, a default or a requirement",
-            )  # fmt: skip
+            )
 
 
 def bounds(lowering: Lowering) -> None:

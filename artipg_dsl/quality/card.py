@@ -121,11 +121,11 @@ class Card:
                 "share": pairs.share,
                 "missed": [asdict(p) for p in pairs.missed],
                 "excluded": [asdict(p) for p in pairs.excluded],
-            },  # fmt: skip
+            },
             "sizes": {
                 "axes": [asdict(e) for e in self.sizes],
                 "source": self.real.source if self.real is not None else "",
-            },  # fmt: skip
+            },
             "dead": {
                 "parameters": [asdict(d) for d in self.dead_parameters],
                 "alternatives": [asdict(d) for d in self.dead_alternatives],
@@ -143,9 +143,16 @@ STEPS = ("sampling", "graphs", "near-duplicates", "pairs", "sizes", "dead parame
 
 
 def card(
-    sampler: Sampler, batch: Batch, valid: Valid, *, checked: bool, real: Real | None = None, lines: int | None = None,
-    meshes: Strict | None = None, progress: Callable[[str, int, int], None] | None = None,
-) -> Card:  # fmt: skip
+    sampler: Sampler,
+    batch: Batch,
+    valid: Valid,
+    *,
+    checked: bool,
+    real: Real | None = None,
+    lines: int | None = None,
+    meshes: Strict | None = None,
+    progress: Callable[[str, int, int], None] | None = None,
+) -> Card:
     """The card of a program over the objects of a batch; ``valid``: how often the sampling of these succeeded at first.
 
     ``checked``: collisions were looked for; ``meshes``: what the meshes of some of them share.
@@ -162,9 +169,16 @@ def card(
     kind, count = found.kinds
     kinds = tuple((found.text[k], int(c)) for k, c in zip(kind[:SHOWN], count[:SHOWN], strict=True))
     variety = Variety(
-        len(kind), found.perplexity, distance, pairs, float(found.joints.mean()), float(found.joints.var()),
-        int(found.joints.min()), int(found.joints.max()), kinds,
-    )  # fmt: skip
+        len(kind),
+        found.perplexity,
+        distance,
+        pairs,
+        float(found.joints.mean()),
+        float(found.joints.var()),
+        int(found.joints.min()),
+        int(found.joints.max()),
+        kinds,
+    )
     step(2)
     close = int(near_duplicates(batch, found.code).sum())
     step(3)
@@ -176,9 +190,22 @@ def card(
     step(6)
     alternatives = tuple(dead_alternatives(sampler, batch))
     return Card(
-        batch.program.name, batch.program.hash, batch.seed, len(batch), checked, valid, variety, close, together,
-        tuple(compare(size, real)), real, parameters, alternatives, lines, meshes,
-    )  # fmt: skip
+        batch.program.name,
+        batch.program.hash,
+        batch.seed,
+        len(batch),
+        checked,
+        valid,
+        variety,
+        close,
+        together,
+        tuple(compare(size, real)),
+        real,
+        parameters,
+        alternatives,
+        lines,
+        meshes,
+    )
 
 
 def text_lines(text: str) -> int:

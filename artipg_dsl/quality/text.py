@@ -93,9 +93,18 @@ def few(told: Sequence[str]) -> list[str]:
 
 
 HEAD = (
-    "category", "valid", "graphs (goal)", "perplexity", "edit distance", "joints (mean, variance)", "near-duplicates",
-    "pairs of choices", "real size (w, d, h)", "dead", "lines",
-)  # fmt: skip
+    "category",
+    "valid",
+    "graphs (goal)",
+    "perplexity",
+    "edit distance",
+    "joints (mean, variance)",
+    "near-duplicates",
+    "pairs of choices",
+    "real size (w, d, h)",
+    "dead",
+    "lines",
+)
 
 
 def markdown(cards: Sequence[Card]) -> str:
@@ -121,9 +130,15 @@ def cells(card: Card) -> list[str]:
     goal = "" if card.real is None or card.real.graphs is None else f" ({card.real.graphs})"
     within = [f"{100 * e.within:.0f}" for e in card.sizes if e.within is not None]
     return [
-        card.category, f"{100 * card.valid.first / card.objects:.1f}%", f"{variety.distinct}{goal}", f"{variety.perplexity:.1f}",
-        f"{variety.distance:.2f}", f"{variety.joints_mean:.1f}, {variety.joints_variance:.1f}",
-        f"{100 * card.duplicates / card.objects:.1f}%", f"{pairs.seen} of {pairs.possible}",
-        f"{', '.join(within)}%" if within else "-", str(len(card.dead_parameters) + len(card.dead_alternatives)),
+        card.category,
+        f"{100 * card.valid.first / card.objects:.1f}%",
+        f"{variety.distinct}{goal}",
+        f"{variety.perplexity:.1f}",
+        f"{variety.distance:.2f}",
+        f"{variety.joints_mean:.1f}, {variety.joints_variance:.1f}",
+        f"{100 * card.duplicates / card.objects:.1f}%",
+        f"{pairs.seen} of {pairs.possible}",
+        f"{', '.join(within)}%" if within else "-",
+        str(len(card.dead_parameters) + len(card.dead_alternatives)),
         "-" if card.lines is None else str(card.lines),
-    ]  # fmt: skip
+    ]

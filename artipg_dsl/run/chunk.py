@@ -59,9 +59,15 @@ class Chunk:
             write_bytes(shard_path(self.out, entry, self.shard), entry.shard_bytes(batch, self.content))
         if len(absent):
             write_objects(
-                batch, self.out, self.each, only=absent, force=self.force, add=not self.force, progress=progress,
+                batch,
+                self.out,
+                self.each,
+                only=absent,
+                force=self.force,
+                add=not self.force,
+                progress=progress,
                 resolution=self.content.resolution,
-            )  # fmt: skip
+            )
 
     def absent(self) -> np.ndarray:
         """The objects whose folders lack some of their files."""

@@ -53,9 +53,10 @@ def summarize(program: Program, made: Statistics, checked: bool) -> Counts:
     if made.candidates:
         attempts = max(1, made.attempts)
         found["candidates"] = {
-            "each": made.candidates, "valid": made.candidates_valid / attempts,
+            "each": made.candidates,
+            "valid": made.candidates_valid / attempts,
             "effective": made.effective * made.candidates / attempts,
-        }  # fmt: skip
+        }
     return found
 
 

@@ -63,9 +63,14 @@ class Job:
             return self.values.batch(self.sampler, numbers, request.seed, statistics, request.checked)
         if not mutations:
             return self.sampler.batch(
-                numbers, request.seed, given=self.given, statistics=statistics, checked=request.checked,
-                candidates=request.candidates, mend=request.repair,
-            )  # fmt: skip
+                numbers,
+                request.seed,
+                given=self.given,
+                statistics=statistics,
+                checked=request.checked,
+                candidates=request.candidates,
+                mend=request.repair,
+            )
         *before, step = mutations
         sources, variants = step.origins(numbers)
         stock, place = np.unique(sources, return_inverse=True)
@@ -138,8 +143,5 @@ def prepare(sampler: Sampler, request: Request, *, values: str = "values") -> Jo
                 f"{program.name} draws no `{name}`",
                 did_you_mean(name, names) or f"it draws {', '.join(list(names)[:8])}, ...",
             )
-    known = replace(
-        request, program=program.hash, settings=settings,
-        values=None if held is None else held.plain,
-    )  # fmt: skip
+    known = replace(request, program=program.hash, settings=settings, values=None if held is None else held.plain)
     return Job(sampler, known, given, held)

@@ -60,9 +60,7 @@ class Written(TypedDict):
     gripper: Annotated[Hand | None, Title("the gripper")]
     meshes: NotRequired[Annotated[Meshes, Title("the resolution of meshes")]]
     formats: Annotated[
-        list[Known],
-        Rule("formats, each once", lambda value: 0 < len(value) == len(set(value))),
-        Title("the formats"),
+        list[Known], Rule("formats, each once", lambda value: 0 < len(value) == len(set(value))), Title("the formats")
     ]
     shard: Annotated[int, within(1, MOST), Title("the number of objects per shard")]
 
@@ -125,8 +123,13 @@ class Output:
                 cameras = from_description({key: value for key, value in views.items() if key != "engine"})
         with fitting("identity", "points that can be taken"):
             points = Sampling(
-                found["points"], found["surface"], found["spread"], found["per"], found.get("balance", ""), read_weights(weights)
-            )  # fmt: skip
+                found["points"],
+                found["surface"],
+                found["spread"],
+                found["per"],
+                found.get("balance", ""),
+                read_weights(weights),
+            )
         content = Content(
             points,
             read_states(found["states"]),

@@ -47,9 +47,11 @@ class Made(TypedDict):
     checked: Annotated[bool, Title("the check of collisions")]
     sampling: Annotated[
         str,
-        Rule(f"sequential or prior:N with 2 to {MOST_CANDIDATES} candidates", lambda text: _candidates(text) is not None),
+        Rule(
+            f"sequential or prior:N with 2 to {MOST_CANDIDATES} candidates", lambda text: _candidates(text) is not None
+        ),
         Title("the sampling"),
-    ]  # fmt: skip
+    ]
     repair: Annotated[bool, Title("the repair")]
     mutations: Annotated[list[Replayed | Mutated], Title("the mutations")]
     values: Annotated[
@@ -180,9 +182,15 @@ def read_request(
         if asked[-1][1] >= len(given):
             raise UsageError(f"there is no object {asked[-1][1]}: {name} gives {len(given)}, numbered from 0")
     return Request(
-        str(source), read_whole("seed", seed), asked, settings or {}, checked, read_sampling(sampling),
-        repair and given is None, given,
-    )  # fmt: skip
+        str(source),
+        read_whole("seed", seed),
+        asked,
+        settings or {},
+        checked,
+        read_sampling(sampling),
+        repair and given is None,
+        given,
+    )
 
 
 def is_file(source: str | Path) -> bool:

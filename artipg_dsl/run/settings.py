@@ -125,8 +125,7 @@ def _unknown(program: Program, name: str) -> SettingError:
     inside = [n for n in names if n.startswith(name + ".")]
     if any(column.name == name or column.name.startswith(name + ".") for column in program.definitions) and not inside:
         return SettingError(
-            f"`{name}` follows from other values: it cannot be set",
-            "set what determines it, which `apgc ledger` shows",
+            f"`{name}` follows from other values: it cannot be set", "set what determines it, which `apgc ledger` shows"
         )
     if inside:
         shown = ", ".join(inside[:6]) + (", ..." if len(inside) > 6 else "")

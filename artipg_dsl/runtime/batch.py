@@ -37,9 +37,15 @@ class Batch:
     """
 
     def __init__(
-        self, program: Program, plan: Plan, state: State, tables: list[Any], values: list[Any], numbers: np.ndarray | None = None,
+        self,
+        program: Program,
+        plan: Plan,
+        state: State,
+        tables: list[Any],
+        values: list[Any],
+        numbers: np.ndarray | None = None,
         ends: Callable[[Batch], JointTable] | None = None,
-    ):  # fmt: skip
+    ):
         self.program, self.plan, self.state = program, plan, state
         self.seed = state.seed
         self.numbers = (state.objects if numbers is None else np.asarray(numbers)).astype(np.int64)
@@ -187,7 +193,7 @@ class Batch:
                     instance,
                     word,
                     rank,
-                )  # fmt: skip
+                )
             )
         return found
 
@@ -210,9 +216,13 @@ class Batch:
             translations.append(translation)
             names.append(self.rowmap.names(link.scope, link.path))
         return LinkTable(
-            made.owner, made.number, apart(made.sort_names(names), made.owner), made.definition,
-            made.sort(rotations, (3, 3)), made.sort(translations, (3,)),
-        )  # fmt: skip
+            made.owner,
+            made.number,
+            apart(made.sort_names(names), made.owner),
+            made.definition,
+            made.sort(rotations, (3, 3)),
+            made.sort(translations, (3,)),
+        )
 
     def joints(self) -> JointTable:
         """The joints, each the one above its child link."""
@@ -254,10 +264,12 @@ class Batch:
         kinds = [program.joints[d].kind for d in made.definition]
         sorted_columns = {
             name: made.sort(
-                values, (3,) if name in ("origin", "axis") else (), np.int64 if name in ("parent", "child", "mimic") else np.float64
+                values,
+                (3,) if name in ("origin", "axis") else (),
+                np.int64 if name in ("parent", "child", "mimic") else np.float64,
             )
             for name, values in columns.items()
-        }  # fmt: skip
+        }
         table = JointTable(
             made.owner, made.number, apart(made.sort_names(names), made.owner), made.definition, kinds, **sorted_columns
         )
@@ -292,12 +304,22 @@ class Batch:
             symmetries.append(np.broadcast_to(turns, (size, 2)))
             names.append(self.rowmap.names(part.scope, part.path))
         return PartTable(
-            made.owner, made.number, made.sort_names(names), [program.parts[d].path for d in made.definition],
-            [program.parts[d].template for d in made.definition], made.definition, made.sort(parents, dtype=np.int64),
-            made.sort(semantics, dtype=np.int64), made.sort(links, dtype=np.int64), made.sort(rotations, (3, 3)),
-            made.sort(translations, (3,)), made.sort(lows, (3,)), made.sort(highs, (3,)), made.sort(symmetries, (2,), np.int64),
+            made.owner,
+            made.number,
+            made.sort_names(names),
+            [program.parts[d].path for d in made.definition],
+            [program.parts[d].template for d in made.definition],
+            made.definition,
+            made.sort(parents, dtype=np.int64),
+            made.sort(semantics, dtype=np.int64),
+            made.sort(links, dtype=np.int64),
+            made.sort(rotations, (3, 3)),
+            made.sort(translations, (3,)),
+            made.sort(lows, (3,)),
+            made.sort(highs, (3,)),
+            made.sort(symmetries, (2,), np.int64),
             made.sort(holders, dtype=np.int64),
-        )  # fmt: skip
+        )
 
     # ------------------------------------------------------------ motion
 
@@ -371,9 +393,22 @@ def plain(draw: Draw, value: float) -> Any:
 
 
 _JOINT_COLUMNS = (
-    "parent", "child", "origin", "axis", "low", "high", "rest", "mimic", "multiplier", "offset", "damping", "friction", "effort",
-    "velocity", "pitch",
-)  # fmt: skip
+    "parent",
+    "child",
+    "origin",
+    "axis",
+    "low",
+    "high",
+    "rest",
+    "mimic",
+    "multiplier",
+    "offset",
+    "damping",
+    "friction",
+    "effort",
+    "velocity",
+    "pitch",
+)
 
 
 @lru_cache(maxsize=1 << 16)  # a batch has few names, each in many objects
@@ -406,9 +441,13 @@ def full_plan(program: Program) -> Plan:
 
 
 def revived(
-    program: Program, state: State, numbers: np.ndarray, ends: Callable[[Batch], JointTable] | None,
-    history: tuple[Any, ...], repairs: Repairs,
-) -> Batch:  # fmt: skip
+    program: Program,
+    state: State,
+    numbers: np.ndarray,
+    ends: Callable[[Batch], JointTable] | None,
+    history: tuple[Any, ...],
+    repairs: Repairs,
+) -> Batch:
     """A batch from what it was evaluated with; the same to the bit."""
     plan = full_plan(program)
     tables, values = plan.function(state)

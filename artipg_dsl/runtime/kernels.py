@@ -156,9 +156,12 @@ def merge(parent: Rows, default: np.ndarray | float, branches: list[tuple[Rows, 
 
 
 _REDUCTIONS = {
-    "sum": (np.add, 0.0), "min": (np.minimum, np.inf), "max": (np.maximum, -np.inf), "any": (np.logical_or, False),
+    "sum": (np.add, 0.0),
+    "min": (np.minimum, np.inf),
+    "max": (np.maximum, -np.inf),
+    "any": (np.logical_or, False),
     "all": (np.logical_and, True),
-}  # fmt: skip
+}
 
 
 def reduce_rows(kind: str, rows: Rows, value: np.ndarray | float) -> np.ndarray:
@@ -244,9 +247,18 @@ def _given(
 
 
 def draw_real(
-    state: State, rows: Rows, number: int, address: str, low: np.ndarray, high: np.ndarray, distribution: str,
-    arguments: tuple[Any, ...], default: np.ndarray | float | None, domain: tuple[Any, ...] | None = None, unions: tuple[Any, ...] = (),
-) -> np.ndarray:  # fmt: skip
+    state: State,
+    rows: Rows,
+    number: int,
+    address: str,
+    low: np.ndarray,
+    high: np.ndarray,
+    distribution: str,
+    arguments: tuple[Any, ...],
+    default: np.ndarray | float | None,
+    domain: tuple[Any, ...] | None = None,
+    unions: tuple[Any, ...] = (),
+) -> np.ndarray:
     """A value between ``low`` and ``high`` per row, distributed as asked within them.
 
     ``domain``: the ends of the declared range, where it is another one. ``unions`` as ``laws.gaps_of`` has them.
@@ -287,9 +299,16 @@ def _spread(
 
 
 def _weigh(
-    state: State, rows: Rows, number: int, value: np.ndarray, ends: tuple[Any, ...], domain: tuple[Any, ...],
-    gaps: Gaps | None, distribution: str, arguments: tuple[Any, ...],
-) -> None:  # fmt: skip
+    state: State,
+    rows: Rows,
+    number: int,
+    value: np.ndarray,
+    ends: tuple[Any, ...],
+    domain: tuple[Any, ...],
+    gaps: Gaps | None,
+    distribution: str,
+    arguments: tuple[Any, ...],
+) -> None:
     """Note how much of the declared law lies in the range that was left of it, or how likely a value given is by it."""
     whole = held(
         full(rows, domain[0]).astype(np.float64),
@@ -329,9 +348,18 @@ def _near(
 
 
 def draw_count(
-    state: State, rows: Rows, number: int, address: str, low: np.ndarray, high: np.ndarray, distribution: str,
-    arguments: tuple[Any, ...], default: np.ndarray | float | None, domain: tuple[Any, ...] | None = None, unions: tuple[Any, ...] = (),
-) -> np.ndarray:  # fmt: skip
+    state: State,
+    rows: Rows,
+    number: int,
+    address: str,
+    low: np.ndarray,
+    high: np.ndarray,
+    distribution: str,
+    arguments: tuple[Any, ...],
+    default: np.ndarray | float | None,
+    domain: tuple[Any, ...] | None = None,
+    unions: tuple[Any, ...] = (),
+) -> np.ndarray:
     """A whole number between ``low`` and ``high`` per row; ``domain`` and ``unions`` as of ``draw_real``."""
     gaps = gaps_of(low, unions, True) if unions else None
     first, last = np.ceil(low - TOLERANCE), np.floor(high + TOLERANCE)

@@ -13,10 +13,16 @@ def rotation_about(axis: np.ndarray, angle: np.ndarray) -> np.ndarray:
     t = 1.0 - c
     x, y, z = axis[:, 0], axis[:, 1], axis[:, 2]
     cells = [
-        x * x * t + c, x * y * t - z * s, x * z * t + y * s,
-        x * y * t + z * s, y * y * t + c, y * z * t - x * s,
-        x * z * t - y * s, y * z * t + x * s, z * z * t + c,
-    ]  # fmt: skip
+        x * x * t + c,
+        x * y * t - z * s,
+        x * z * t + y * s,
+        x * y * t + z * s,
+        y * y * t + c,
+        y * z * t - x * s,
+        x * z * t - y * s,
+        y * z * t + x * s,
+        z * z * t + c,
+    ]
     return np.stack(cells, axis=-1).reshape(-1, 3, 3)
 
 

@@ -99,10 +99,14 @@ class Repairs:
                 because = f"`{draw.column.name}` has no value"
             found.append(
                 {
-                    "path": self.name[k], "from": shown(draw, self.before[k]), "to": shown(draw, self.after[k]),
-                    "how": HOW[self.how[k]], "because": because, "where": where,
+                    "path": self.name[k],
+                    "from": shown(draw, self.before[k]),
+                    "to": shown(draw, self.after[k]),
+                    "how": HOW[self.how[k]],
+                    "because": because,
+                    "where": where,
                 }
-            )  # fmt: skip
+            )
         return found
 
 

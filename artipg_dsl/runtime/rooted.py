@@ -51,7 +51,7 @@ def rooted(joints: JointTable, numbers: np.ndarray) -> JointTable:
         raise Ring(
             f"the links of object {numbers[joints.owner[row]]} form a ring: the link that the joint `{joints.name[row]}` moves hangs on itself",
             hint="joints form a tree: one of the parts of the ring has to hang on the root, or on a part that does",
-        )  # fmt: skip
+        )
     return joints
 
 

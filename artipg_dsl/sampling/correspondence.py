@@ -72,9 +72,16 @@ def correspondence(before: Batch, after: Batch) -> Correspondence:
     owner = owner[order]
     sites, ranks, match, rank = (c.astype(np.int32) for c in joined[:4])
     return Correspondence(
-        after.numbers[owner], before.numbers[owner], sites, ranks, match, rank,
-        joined[4].astype(np.uint8), joined[5], joined[6],
-    )  # fmt: skip
+        after.numbers[owner],
+        before.numbers[owner],
+        sites,
+        ranks,
+        match,
+        rank,
+        joined[4].astype(np.uint8),
+        joined[5],
+        joined[6],
+    )
 
 
 def _nearest(before: Batch, after: Batch, scope: Scope) -> tuple[np.ndarray, np.ndarray]:

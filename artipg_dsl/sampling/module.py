@@ -31,24 +31,43 @@ def to_module(program: Program, version: str) -> str:
     plan = make_plan(program, wanted)
     sites = [
         (
-            site.path, site.primitive, plan.scopes[site.scope], program.primitives[site.primitive].parameters,
-            indices(plan, site.parameters, site.scope), indices(plan, pose_cells(site.pose), site.scope),
+            site.path,
+            site.primitive,
+            plan.scopes[site.scope],
+            program.primitives[site.primitive].parameters,
+            indices(plan, site.parameters, site.scope),
+            indices(plan, pose_cells(site.pose), site.scope),
         )
         for site in program.sites
-    ]  # fmt: skip
+    ]
     joints = [
         (
-            joint.path, joint.kind, plan.scopes[joint.scope], indices(plan, joint.origin, joint.scope),
-            indices(plan, joint.axis, joint.scope), limit(plan, joint.low, joint.scope), limit(plan, joint.high, joint.scope),
+            joint.path,
+            joint.kind,
+            plan.scopes[joint.scope],
+            indices(plan, joint.origin, joint.scope),
+            indices(plan, joint.axis, joint.scope),
+            limit(plan, joint.low, joint.scope),
+            limit(plan, joint.high, joint.scope),
         )
         for joint in program.joints
-    ]  # fmt: skip
+    ]
     environment = Environment(loader=PackageLoader("artipg_dsl.sampling"), keep_trailing_newline=True, autoescape=False)
     return environment.get_template("module.py.j2").render(
-        program=program, version=version, hash=digest(program), plan=plan, scopes=plan.scopes, sites=sites, joints=joints,
-        random=body(random), kernels=body(laws) + "\n\n" + body(kernels), newton=body(newton), attempts=ATTEMPTS, about=spoken(program.doc),
+        program=program,
+        version=version,
+        hash=digest(program),
+        plan=plan,
+        scopes=plan.scopes,
+        sites=sites,
+        joints=joints,
+        random=body(random),
+        kernels=body(laws) + "\n\n" + body(kernels),
+        newton=body(newton),
+        attempts=ATTEMPTS,
+        about=spoken(program.doc),
         name=" ".join(spoken(program.name).split()),
-    )  # fmt: skip
+    )
 
 
 def indices(plan: Plan, exprs: Iterable[Expr], scope: Scope) -> tuple[Any, ...]:

@@ -94,13 +94,27 @@ class Mutation:
         )
 
     def apply(
-        self, sampler: Sampler, batch: Batch, numbers: np.ndarray, variants: np.ndarray, statistics: Statistics, checked: bool
-    ) -> Batch:  # fmt: skip
+        self,
+        sampler: Sampler,
+        batch: Batch,
+        numbers: np.ndarray,
+        variants: np.ndarray,
+        statistics: Statistics,
+        checked: bool,
+    ) -> Batch:
         """The mutants ``numbers`` of the objects of a batch, one of each, in its order."""
         found = mutate(
-            sampler, batch, operations=self.operations, variant=variants, strength=self.strength, share=self.share,
-            only=self.only, one=self.one, statistics=statistics, checked=checked,
-        )  # fmt: skip
+            sampler,
+            batch,
+            operations=self.operations,
+            variant=variants,
+            strength=self.strength,
+            share=self.share,
+            only=self.only,
+            one=self.one,
+            statistics=statistics,
+            checked=checked,
+        )
         found.numbers = numbers
         return found
 
@@ -127,10 +141,18 @@ def structural(program: Program) -> set[int]:
 
 
 def mutate(
-    sampler: Sampler, batch: Batch, *, operations: Sequence[str] = OPERATIONS, variant: int | np.ndarray = 0,
-    strength: float = 1.0, share: float = SHARE, only: str = "*", one: bool = False,
-    statistics: Statistics | None = None, checked: bool = False,
-) -> Batch:  # fmt: skip
+    sampler: Sampler,
+    batch: Batch,
+    *,
+    operations: Sequence[str] = OPERATIONS,
+    variant: int | np.ndarray = 0,
+    strength: float = 1.0,
+    share: float = SHARE,
+    only: str = "*",
+    one: bool = False,
+    statistics: Statistics | None = None,
+    checked: bool = False,
+) -> Batch:
     """Mutants of all objects of a batch, one each; the arguments are those of ``Mutation``.
 
     ``variant`` may differ from object to object; an object of variant -1 stays what it is. ``checked``: only mutants
@@ -208,9 +230,17 @@ class _Step:
     """One operation on a batch: which rows it is about, and the attempts at it."""
 
     def __init__(
-        self, sampler: Sampler, batch: Batch, operation: str, salt: str, lane: np.ndarray, able: np.ndarray,
-        strength: float, share: float, names: Names,
-    ):  # fmt: skip
+        self,
+        sampler: Sampler,
+        batch: Batch,
+        operation: str,
+        salt: str,
+        lane: np.ndarray,
+        able: np.ndarray,
+        strength: float,
+        share: float,
+        names: Names,
+    ):
         self.sampler, self.batch, self.operation = sampler, batch, operation
         self.salt, self.lane, self.able, self.strength, self.share = salt, lane, able, strength, share
         draws = batch.program.draws

@@ -28,9 +28,14 @@ class Resampling:
     """Chooses the attempt of each object. ``made(numbers, attempts)`` gives a batch, ``colliding`` its objects at fault."""
 
     def __init__(
-        self, plan: Plan, seed: int, given: dict[int, float], candidates: int, made: Callable[[np.ndarray, np.ndarray], Batch],
+        self,
+        plan: Plan,
+        seed: int,
+        given: dict[int, float],
+        candidates: int,
+        made: Callable[[np.ndarray, np.ndarray], Batch],
         colliding: Callable[[Batch], np.ndarray] | None,
-    ):  # fmt: skip
+    ):
         self.plan, self.seed, self.given, self.candidates = plan, seed, given, candidates
         self.made, self.colliding = made, colliding
         self.states: list[State] = []  # what was evaluated, to be counted

@@ -48,9 +48,15 @@ class Outcome:
 
 
 def repair(
-    sampler: Sampler, batch: Batch, asked: Asked | None = None, *, statistics: Statistics | None = None,
-    checked: bool = True, counted: bool = False, fixed: Iterable[int] = (),
-) -> Outcome:  # fmt: skip
+    sampler: Sampler,
+    batch: Batch,
+    asked: Asked | None = None,
+    *,
+    statistics: Statistics | None = None,
+    checked: bool = True,
+    counted: bool = False,
+    fixed: Iterable[int] = (),
+) -> Outcome:
     """The objects of a batch, each made valid by the least change.
 
     ``asked``: the values that they should have (default: those they have), which the batch has kept as far as they fit. Draws that
@@ -343,9 +349,9 @@ class Handler:
         if not len(spots.owner):
             return []
         free = np.array([why != cause for why in moved.why], dtype=bool)
-        allowed = Spots.of([
-            (spots.owner, spots.draw, spots.row), (moved.owner[free], moved.draw[free], moved.row[free]),
-        ])  # fmt: skip
+        allowed = Spots.of(
+            [(spots.owner, spots.draw, spots.row), (moved.owner[free], moved.draw[free], moved.row[free])]
+        )
         moves = search.alone(spots)
         if not len(moves.place):
             return []

@@ -50,9 +50,17 @@ class Sampler:
         return make_plan(self.program, narrowing(self.program))
 
     def batch(
-        self, numbers: np.ndarray, seed: int, *, given: dict[int, float] | None = None, defaults: bool = False,
-        statistics: Statistics | None = None, checked: bool = False, candidates: int = 0, mend: bool = False,
-    ) -> Batch:  # fmt: skip
+        self,
+        numbers: np.ndarray,
+        seed: int,
+        *,
+        given: dict[int, float] | None = None,
+        defaults: bool = False,
+        statistics: Statistics | None = None,
+        checked: bool = False,
+        candidates: int = 0,
+        mend: bool = False,
+    ) -> Batch:
         """The objects of the given numbers; each is the same whatever else is in the batch. Raises Exhausted.
 
         ``checked``: only objects whose links do not penetrate one another, at rest and while each joint moves.

@@ -104,9 +104,13 @@ class Search:
     """
 
     def __init__(
-        self, sampler: Sampler, batch: Batch, target: Sequence[np.ndarray], stated: Sequence[np.ndarray],
+        self,
+        sampler: Sampler,
+        batch: Batch,
+        target: Sequence[np.ndarray],
+        stated: Sequence[np.ndarray],
         sound: Callable[[Batch], np.ndarray] | None,
-    ):  # fmt: skip
+    ):
         self.sampler, self.batch, self.target, self.stated, self.sound = (
             sampler,
             batch,

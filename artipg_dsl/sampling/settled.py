@@ -54,9 +54,16 @@ def kept(
 
 
 def again(
-    batch: Batch, objects: np.ndarray, *, numbers: np.ndarray | None = None, attempt: np.ndarray | None = None,
-    lane: np.ndarray | None = None, salt: str | None = None, values: Sequence[Kept] | None = None, plan: Plan | None = None,
-) -> Batch:  # fmt: skip
+    batch: Batch,
+    objects: np.ndarray,
+    *,
+    numbers: np.ndarray | None = None,
+    attempt: np.ndarray | None = None,
+    lane: np.ndarray | None = None,
+    salt: str | None = None,
+    values: Sequence[Kept] | None = None,
+    plan: Plan | None = None,
+) -> Batch:
     """The objects at the given places of a batch with all the values they have, or with ``values`` (one per draw).
 
     ``numbers`` are their new numbers; ``attempt``, ``lane`` and ``salt`` what they are said to be drawn with; ``plan``
@@ -64,9 +71,13 @@ def again(
     """
     old = batch.state
     state = State(
-        old.seed, old.objects[objects], old.attempt[objects] if attempt is None else attempt, dict(old.given),
-        salt=old.salt if salt is None else salt, lane=old.lanes()[objects] if lane is None else lane,
-    )  # fmt: skip
+        old.seed,
+        old.objects[objects],
+        old.attempt[objects] if attempt is None else attempt,
+        dict(old.given),
+        salt=old.salt if salt is None else salt,
+        lane=old.lanes()[objects] if lane is None else lane,
+    )
     draws = range(len(batch.program.draws))
     state.kept = dict(enumerate(values)) if values is not None else {k: kept(batch, k, objects) for k in draws}
     return made(batch.program, plan or batch.plan, state, batch.numbers[objects] if numbers is None else numbers)

@@ -45,8 +45,12 @@ class Statistics:
 
     def _tables(self) -> dict[str, dict[Any, int]]:
         return {
-            "requirement": self.broken, "domain": self.outside, "draw": self.missed, "collision": self.collided, "solid": self.unsound
-        }  # fmt: skip
+            "requirement": self.broken,
+            "domain": self.outside,
+            "draw": self.missed,
+            "collision": self.collided,
+            "solid": self.unsound,
+        }
 
     def fail(self, cause: Cause, count: int) -> None:
         """Count what failed in so many objects."""

@@ -40,17 +40,26 @@ Value = float | int | str | None
 Changed = TypedDict(
     "Changed",
     {
-        "op": Literal["apa", "dpa", "cpa"], "how": Literal["changed", "clipped", "new", "gone", "determined"], "path": str, "from": Value,
-        "to": Value, "draw": NotRequired[str], "at": NotRequired[list[Place]],
+        "op": Literal["apa", "dpa", "cpa"],
+        "how": Literal["changed", "clipped", "new", "gone", "determined"],
+        "path": str,
+        "from": Value,
+        "to": Value,
+        "draw": NotRequired[str],
+        "at": NotRequired[list[Place]],
     },
-)  # fmt: skip
+)
 Repaired = TypedDict(
     "Repaired",
     {
-        "path": str, "from": Value, "to": Value, "how": Annotated[str, Rule(f"one of {', '.join(HOW)}", lambda value: value in HOW)],
-        "because": str, "where": str | None,
+        "path": str,
+        "from": Value,
+        "to": Value,
+        "how": Annotated[str, Rule(f"one of {', '.join(HOW)}", lambda value: value in HOW)],
+        "because": str,
+        "where": str | None,
     },
-)  # fmt: skip
+)
 
 
 class Record(TypedDict):
@@ -170,10 +179,14 @@ def _determined(stage: Stage) -> Iterable[tuple[int, Step]]:
 def record(batch: Batch, index: int, made: Sequence[Step], sources: np.ndarray) -> dict[str, Any]:
     """The trace of one object as a line of a file holds it."""
     return {
-        "object": int(batch.numbers[index]), "source": int(sources[index]), "rejected": int(batch.state.attempt[index]),
-        "salt": batch.state.salt, "lane": int(batch.state.lanes()[index]), "program": batch.program.hash,
+        "object": int(batch.numbers[index]),
+        "source": int(sources[index]),
+        "rejected": int(batch.state.attempt[index]),
+        "salt": batch.state.salt,
+        "lane": int(batch.state.lanes()[index]),
+        "program": batch.program.hash,
         "steps": [s.plain() for s in made],
-    } | ({"repairs": found} if (found := batch.repairs.of(np.array([index])).plain(batch.program)) else {})  # fmt: skip
+    } | ({"repairs": found} if (found := batch.repairs.of(np.array([index])).plain(batch.program)) else {})
 
 
 def trace_lines(batch: Batch) -> bytes:
@@ -229,8 +242,14 @@ class Replay:
         )
 
     def apply(
-        self, sampler: Sampler, batch: Batch, numbers: np.ndarray, variants: np.ndarray, statistics: Statistics, checked: bool
-    ) -> Batch:  # fmt: skip
+        self,
+        sampler: Sampler,
+        batch: Batch,
+        numbers: np.ndarray,
+        variants: np.ndarray,
+        statistics: Statistics,
+        checked: bool,
+    ) -> Batch:
         """The objects ``numbers``, made from those of the batch as their records say. Raises Exhausted, UserError."""
         found = replay(batch, [self.records[n] for n in numbers.tolist()])
         bad = found.state.failed.copy()

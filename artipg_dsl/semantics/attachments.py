@@ -67,44 +67,51 @@ def _check_roots(ck: Checker, scope: Scope, roots: list[Entry]) -> None:
         for earlier in roots[:position]:
             if consistent(ck.entry_condition(entry), ck.entry_condition(earlier)):
                 ck.error(
-                    "two-roots", entry.span, "a category has one root part",
-                    notes=((earlier.span, "the first one"),),
-                )  # fmt: skip
+                    "two-roots", entry.span, "a category has one root part", notes=((earlier.span, "the first one"),)
+                )
                 break
 
 
 def _count(ck: Checker, entry: Entry, found: list[Attachment], needed: bool, root: bool) -> None:
     for attachment in found if root else ():
         ck.error(
-            "two-attachments", attachment.span, f"`{entry.name}` is the root: it cannot be attached",
+            "two-attachments",
+            attachment.span,
+            f"`{entry.name}` is the root: it cannot be attached",
             notes=((entry.span, "declared as root here"),),
-        )  # fmt: skip
+        )
         return
     exists = _exists(ck, entry)
     for position, later in enumerate(found):
         for earlier in found[:position]:
             if consistent(exists, earlier.condition, later.condition):
                 ck.error(
-                    "two-attachments", later.span, f"`{entry.name}` is attached twice",
+                    "two-attachments",
+                    later.span,
+                    f"`{entry.name}` is attached twice",
                     hint="a part has one attachment: `align` places without attaching",
                     notes=((earlier.span, "the first attachment"),),
-                )  # fmt: skip
+                )
                 return
     if not needed:
         return
     if not found:
         ck.error(
-            "no-attachment", entry.span, f"`{entry.name}` is not attached to anything",
+            "no-attachment",
+            entry.span,
+            f"`{entry.name}` is not attached to anything",
             hint=f"write `connect {entry.name} to ...` or give it a joint; `align` places but does not attach",
-        )  # fmt: skip
+        )
         return
     open_cases = assignments(And((exists, Not(Or(tuple(a.condition for a in found))))))
     case = next(open_cases, None) if open_cases is not None else None
     if case is not None:
         ck.error(
-            "no-attachment", entry.span, f"`{entry.name}` is not attached {_words(case, found)}",
+            "no-attachment",
+            entry.span,
+            f"`{entry.name}` is not attached {_words(case, found)}",
             notes=((found[0].span, "attached here, under a guard"),),
-        )  # fmt: skip
+        )
 
 
 def _words(case: dict[str, Hashable], found: list[Attachment]) -> str:

@@ -42,7 +42,7 @@ from .types import (
     fits,
     is_number,
     power,
-)  # fmt: skip
+)
 
 if TYPE_CHECKING:
     from .checker import Checker, Context
@@ -56,9 +56,11 @@ def call(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
         for part in (expr.function, *(argument.value for argument in expr.arguments)):
             ck.infer(ctx, part)
         return ck.error(
-            "wrong-type", expr.function.span, "only the name of a function can be called",
+            "wrong-type",
+            expr.function.span,
+            "only the name of a function can be called",
             hint="functions give numbers, places or curves, which take no arguments; with `*` one multiplies",
-        )  # fmt: skip
+        )
     word = expr.function.name
     home = ctx.scope.home(word) if ctx.scope is not None else None
     own = [e for e in home.table[word] if _is_function(e.node)] if home is not None else []
@@ -81,9 +83,13 @@ def call(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
         return ck.error("wrong-type", expr.function.span, f"`{word}` is not a function", hint=hint)
     near = [n for n in ctx.names() if n in FUNCTIONS or n in CONSTRUCTORS]
     return ck.unknown(
-        ctx.module, word, "unknown-function", expr.function.span, f"there is no function `{word}`",
+        ctx.module,
+        word,
+        "unknown-function",
+        expr.function.span,
+        f"there is no function `{word}`",
         hint=did_you_mean(word, [*FUNCTIONS, *CONSTRUCTORS, *near, *ctx.names()]),
-    )  # fmt: skip
+    )
 
 
 def _is_function(node: ast.Stmt) -> bool:
@@ -228,9 +234,11 @@ def _reduce(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
         return ck.error("wrong-type", argument.span, f"`{word}` takes a number of each element, but this is {kind}")
     if not _mentions_many(ck, argument.value):
         return ck.error(
-            "wrong-arguments", argument.span, f"`{word}` with one argument reduces over the elements of a repeat",
+            "wrong-arguments",
+            argument.span,
+            f"`{word}` with one argument reduces over the elements of a repeat",
             hint="name a repeat in it, as in `sum(cell.size.z)`, or give several arguments",
-        )  # fmt: skip
+        )
     return LENGTH if kind == PLANE else kind
 
 
@@ -243,9 +251,12 @@ def _one_repeat(ck: Checker, ctx: Context, expr: ast.Expr) -> None:
         repeats = [e for e in home.table[node.name] if e.kind == "repeat"]
         if sum(consistent(ctx.condition, ck.entry_condition(e)) for e in repeats) > 1:
             ck.error(
-                "many-elements", node.span, f"`{node.name}` is another repeat in each branch of a `when`",
-                hint="reduce each within its own branch", notes=tuple((e.span, "one of them") for e in repeats),
-            )  # fmt: skip
+                "many-elements",
+                node.span,
+                f"`{node.name}` is another repeat in each branch of a `when`",
+                hint="reduce each within its own branch",
+                notes=tuple((e.span, "one of them") for e in repeats),
+            )
 
 
 def _mentions_many(ck: Checker, expr: ast.Expr) -> bool:
@@ -372,9 +383,11 @@ def chain(ck: Checker, ctx: Context, expr: ast.ChainExpr) -> Type:
         word = piece.function.name
         if (word == "from") != (number == 0) or word not in ("from", "line", "arc"):
             ck.error(
-                "wrong-type", piece.span, f"`{word}` cannot stand here in a path",
+                "wrong-type",
+                piece.span,
+                f"`{word}` cannot stand here in a path",
                 hint="a path is `from(point, direction)`, then `line(length)` and `arc(radius, angle, towards)`",
-            )  # fmt: skip
+            )
         ck.infer(ctx, piece)
     return CURVE
 
@@ -395,9 +408,11 @@ def _drive(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
     word = expr.function.name
     if "n" not in ctx.extra:
         return ck.error(
-            "wrong-type", expr.span, f"`{word}` asks about a point of a surface: it stands in formulas of labels and fields",
+            "wrong-type",
+            expr.span,
+            f"`{word}` asks about a point of a surface: it stands in formulas of labels and fields",
             hint=f"as in `label affordance.push on door.panel where {word}(open)`",
-        )  # fmt: skip
+        )
     (kind,) = _positional(ck, ctx.but(lenient=[], asked=True, many=True), expr, 1, word)
     if not isinstance(kind, Joint) and kind != UNKNOWN:
         ck.error("wrong-type", expr.arguments[0].span, f"`{word}` takes a joint, but this is {kind}")
@@ -458,4 +473,4 @@ _BUILT_IN: dict[str, Callable[[Checker, Context, ast.CallExpr], Type]] = {
     "rectangle": _named(CURVE, {"width": (LENGTH, True), "height": (LENGTH, True)}),
     "polygon": _polygon,
     "offset": _offset,
-}  # fmt: skip
+}

@@ -48,9 +48,11 @@ def check(workspace: Workspace, module: ModuleScope, report: Report) -> TypedPro
     categories = [s for s in module.own() if s.kind == "category"]
     for extra in categories[1:]:
         report.error(
-            "two-categories", extra.decl.name_span, "a file holds one category",
+            "two-categories",
+            extra.decl.name_span,
+            "a file holds one category",
             notes=((categories[0].decl.name_span, "the first one"),),
-        )  # fmt: skip
+        )
     return TypedProgram(workspace.modules, module, categories[0] if categories else None, ck.types, ck.meanings, ck)
 
 
@@ -93,9 +95,14 @@ _DENSITY, _RATIO = Scalar(DIMENSIONS["density"]), Scalar(DIMENSIONS["ratio"])
 def _material(ck: Checker, symbol: Symbol, decl: ast.MaterialDecl) -> None:
     ctx = Context(symbol.module)
     ratios = (
-        decl.friction, decl.static_friction, decl.dynamic_friction, decl.restitution, decl.roughness, decl.metalness,
+        decl.friction,
+        decl.static_friction,
+        decl.dynamic_friction,
+        decl.restitution,
+        decl.roughness,
+        decl.metalness,
         decl.transparency,
-    )  # fmt: skip
+    )
     wanted: list[tuple[ast.Clause[ast.RangeExpr] | None, Type]] = [(clause, _RATIO) for clause in ratios]
     for clause, kind in ((decl.density, _DENSITY), (decl.colour, Vec(3, DIMENSIONS["ratio"])), *wanted):
         if clause is not None:
@@ -106,6 +113,8 @@ def _material(ck: Checker, symbol: Symbol, decl: ast.MaterialDecl) -> None:
     for clause in decl.unknown:
         words = ast.clause_words(ast.MaterialDecl)
         ck.error(
-            "unknown-argument", clause.span, f"a material has no property `{clause.word}`",
+            "unknown-argument",
+            clause.span,
+            f"a material has no property `{clause.word}`",
             hint=did_you_mean(clause.word, words) or "it has " + ", ".join(words),
-        )  # fmt: skip
+        )

@@ -160,9 +160,10 @@ class Checker:
             if entry in self._open:
                 ring = [e.name for e in self._open[self._open.index(entry) :]]
                 self._entries[key] = self.error(
-                    "circular-definition", entry.span,
+                    "circular-definition",
+                    entry.span,
                     f"`{entry.name}` is defined by itself: {' -> '.join([*ring, entry.name])}",
-                )  # fmt: skip
+                )
                 return UNKNOWN
             self._open.append(entry)
             muted, self._muted = self._muted, 0  # a declaration is typed once: its errors must not get lost
@@ -197,9 +198,15 @@ class Checker:
         return Context(scope.owner.module, scope, self.condition(scope.guards))
 
     def demand(
-        self, ctx: Context, wanted: Condition, span: Span, message: str, hint: str | None,
-        notes: tuple[tuple[Span, str], ...] = (), value: bool = False,
-    ) -> None:  # fmt: skip
+        self,
+        ctx: Context,
+        wanted: Condition,
+        span: Span,
+        message: str,
+        hint: str | None,
+        notes: tuple[tuple[Span, str], ...] = (),
+        value: bool = False,
+    ) -> None:
         """Reports an optional name outside a guard that ensures it, unless the place is lenient.
 
         Nothing can do without a ``value``: it may be absent only where it is ``asked`` for.

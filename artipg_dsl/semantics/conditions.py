@@ -39,10 +39,13 @@ def check_is(ck: Checker, ctx: Context, expr: ast.IsExpr) -> Type:
     if wanted is None or wanted.kind not in ("role", "template", "primitive"):
         names = [s.name for s in ctx.module.names.values() if s.kind in ("role", "template", "primitive")]
         ck.unknown(
-            ctx.module, expr.type_name, "unknown-template", expr.type_span,
+            ctx.module,
+            expr.type_name,
+            "unknown-template",
+            expr.type_span,
             f"there is no role or template `{expr.type_name}` here",
             hint=missing(expr.type_name, names, *TEMPLATES),
-        )  # fmt: skip
+        )
         return BOOL
     ck.mean(expr, Global(wanted))
     if isinstance(subject, Part | Style):
@@ -51,9 +54,11 @@ def check_is(ck: Checker, ctx: Context, expr: ast.IsExpr) -> Type:
             if not any(v.symbol and (is_a(v.symbol, wanted) or is_a(wanted, v.symbol)) for v in known):
                 names = sorted({v.name for v in known})
                 ck.error(
-                    "unrelated-type", expr.type_span, f"this {'part' if isinstance(subject, Part) else 'style'} can never be {expr.type_name}",
+                    "unrelated-type",
+                    expr.type_span,
+                    f"this {'part' if isinstance(subject, Part) else 'style'} can never be {expr.type_name}",
                     hint=did_you_mean(expr.type_name, names) or f"it is {' or '.join(names)}",
-                )  # fmt: skip
+                )
     elif subject != UNKNOWN:
         ck.error("wrong-type", expr.subject.span, f"`is` asks what a part or a style is, but this is {subject}")
     return BOOL
@@ -196,9 +201,11 @@ def check_discrete(ck: Checker, ctx: Context, expr: ast.Expr) -> None:
                 kind = ck.types.get(id(side), UNKNOWN)
                 if isinstance(kind, Scalar) and not kind.count:
                     ck.error(
-                        "bad-guard", expr.span, f"a guard compares counts, ranks or choices, but this is {kind}",
+                        "bad-guard",
+                        expr.span,
+                        f"a guard compares counts, ranks or choices, but this is {kind}",
                         hint="what depends on measures is a `require`, or an alternative with `when`",
-                    )  # fmt: skip
+                    )
                     return
 
 
@@ -215,9 +222,11 @@ def choice_word(ck: Checker, ctx: Context, other: ast.Expr, expr: ast.Expr) -> T
         return None
     if expr.name not in kind.values:
         return ck.error(
-            "unknown-choice", expr.span, f"`{expr.name}` is none of the values {', '.join(kind.values)}",
+            "unknown-choice",
+            expr.span,
+            f"`{expr.name}` is none of the values {', '.join(kind.values)}",
             hint=did_you_mean(expr.name, kind.values),
-        )  # fmt: skip
+        )
     ck.mean(expr, Word(expr.name))
     if not ctx.silent:
         ck.types[id(expr)] = kind

@@ -51,9 +51,12 @@ def check_names(ck: Checker, scope: Scope) -> None:
                     ck.set_aside(entry)
                 elif (around := _repeat_of(scope, entry)) is not None:
                     ck.error(
-                        "duplicate-name", entry.span, f"`{name}` is the name of the repeat around it, which it stands for here",
-                        hint="choose another name for one of them", notes=((around.name_span, "the repeat"),),
-                    )  # fmt: skip
+                        "duplicate-name",
+                        entry.span,
+                        f"`{name}` is the name of the repeat around it, which it stands for here",
+                        hint="choose another name for one of them",
+                        notes=((around.name_span, "the repeat"),),
+                    )
                     ck.set_aside(entry)
         for position, entry in enumerate(entries):
             for earlier in entries[:position]:
@@ -61,10 +64,12 @@ def check_names(ck: Checker, scope: Scope) -> None:
                     continue
                 if consistent(ck.entry_condition(earlier), ck.entry_condition(entry)):
                     ck.error(
-                        "duplicate-name", entry.span, f"`{name}` is declared twice",
+                        "duplicate-name",
+                        entry.span,
+                        f"`{name}` is declared twice",
                         hint="one name may be declared again only under guards that exclude each other",
                         notes=((earlier.span, "first declared here"),),
-                    )  # fmt: skip
+                    )
                     break
 
 
@@ -156,9 +161,11 @@ def _default(ck: Checker, ctx: Context, default: ast.Expr, kind: Type, what: str
     if isinstance(kind, Choice) and isinstance(default, ast.NameExpr):
         if default.name not in kind.values:
             ck.error(
-                "unknown-choice", default.span, f"`{default.name}` is none of the values {', '.join(kind.values)}",
+                "unknown-choice",
+                default.span,
+                f"`{default.name}` is none of the values {', '.join(kind.values)}",
                 hint=did_you_mean(default.name, kind.values),
-            )  # fmt: skip
+            )
         ck.mean(default, Word(default.name))
         return default.name in kind.values
     given = ck.expect(ctx.but(holes=True) if isinstance(default, ast.VectorExpr) else ctx, default, kind, what)
@@ -175,9 +182,11 @@ def check_range(ck: Checker, ctx: Context, interval: ast.RangeExpr, kind: Type, 
         for low, high in zip(lows, highs, strict=True):
             if low is not None and high is not None and low > high * (1 + TOLERANCE * (1 if high > 0 else -1)):
                 ck.error(
-                    "empty-range", interval.span, "the range is empty: its low end lies above its high end",
+                    "empty-range",
+                    interval.span,
+                    "the range is empty: its low end lies above its high end",
                     hint="swap the ends" if len(lows) == 1 else None,
-                )  # fmt: skip
+                )
                 return
 
 
@@ -196,9 +205,11 @@ def _inside(ck: Checker, ctx: Context, default: ast.Expr, domain: ast.RangeExpr 
         if (low is not None and value < low - slack) or (high is not None and value > high + slack):
             text = domain.span.source.text[domain.span.start : domain.span.end]
             ck.error(
-                "default-outside-range", default.span, f"the default of {what} lies outside its range {text}",
+                "default-outside-range",
+                default.span,
+                f"the default of {what} lies outside its range {text}",
                 notes=((domain.span, "the range"),),
-            )  # fmt: skip
+            )
             return
 
 
@@ -208,9 +219,11 @@ _DISTRIBUTIONS = ("uniform", "normal", "lognormal", "values")
 def _distribution(ck: Checker, ctx: Context, node: ast.Distribution, kind: Type, domain: ast.RangeExpr | None) -> None:
     if node.name not in _DISTRIBUTIONS:
         ck.error(
-            "unknown-distribution", node.span, f"there is no distribution `{node.name}`",
+            "unknown-distribution",
+            node.span,
+            f"there is no distribution `{node.name}`",
             hint=did_you_mean(node.name, _DISTRIBUTIONS) or "there are " + ", ".join(_DISTRIBUTIONS),
-        )  # fmt: skip
+        )
         return
     for argument in node.arguments:
         if argument.name is not None:
@@ -253,9 +266,11 @@ def _options(ck: Checker, ctx: Context, node: ast.Distribution, kind: Choice) ->
             _default(ck, ctx, argument.value, kind, "a value of the distribution")
         else:
             ck.error(
-                "wrong-type", argument.span, f"a value of this choice is one of the words {', '.join(kind.values)}",
+                "wrong-type",
+                argument.span,
+                f"a value of this choice is one of the words {', '.join(kind.values)}",
                 hint="a word that stands there twice is twice as likely",
-            )  # fmt: skip
+            )
 
 
 # ---------------------------------------------------------------- parts and styles
@@ -290,9 +305,11 @@ def check_style(ck: Checker, ctx: Context, node: ast.StyleDecl) -> None:
                 conditions.truth(ck, ctx, alternative.guard)
             for extra in (*alternative.arguments, *alternative.placements)[:1]:
                 ck.error(
-                    "unknown-clause", extra.span, "a material takes no arguments and is not turned",
+                    "unknown-clause",
+                    extra.span,
+                    "a material takes no arguments and is not turned",
                     hint="another look is a material of its own: `material dark_oak { ... }`",
-                )  # fmt: skip
+                )
         _unweighed(ck, node.alternatives)
         return
     _alternatives(ck, ctx, node.alternatives, _role(ck, ctx, node, node.role, node.role_span), node.role)
@@ -326,11 +343,7 @@ def _no_style(ck: Checker, ctx: Context, alternatives: tuple[ast.Alternative, ..
 
 
 def _alternatives(
-    ck: Checker,
-    ctx: Context,
-    alternatives: tuple[ast.Alternative, ...],
-    role: Symbol | None,
-    role_name: str | None,
+    ck: Checker, ctx: Context, alternatives: tuple[ast.Alternative, ...], role: Symbol | None, role_name: str | None
 ) -> None:
     assert ctx.scope is not None
     _unweighed(ck, alternatives)
@@ -354,10 +367,11 @@ def _alternatives(
         wrong = [s for s in symbols if role is not None and not is_a(s, role) and not is_a(role, s)]
         if wrong:
             ck.error(
-                "wrong-role", alternative.name_span,
+                "wrong-role",
+                alternative.name_span,
                 f"`{wrong[0].name}` is no alternative here: it does not have the role {role_name}",
                 notes=((wrong[0].decl.name_span, f"`{wrong[0].name}` is declared here"),),
-            )  # fmt: skip
+            )
         check_arguments(ck, ctx, alternative.arguments, symbols)
 
 
@@ -366,9 +380,11 @@ def _bad_alternative(ck: Checker, ctx: Context, alternative: ast.Alternative, sy
     if symbol is not None and symbol.kind == "role":
         playing = [s.name for s in ctx.module.names.values() if s.kind == "template" and is_a(s, symbol)]
         ck.error(
-            "unknown-template", alternative.name_span, f"`{alternative.name}` is a role: a part needs a template of it",
+            "unknown-template",
+            alternative.name_span,
+            f"`{alternative.name}` is a role: a part needs a template of it",
             hint="name the alternatives: `= " + " | ".join(playing) + "`" if playing else None,
-        )  # fmt: skip
+        )
         return
     if symbol is not None:
         ck.error("unknown-template", alternative.name_span, f"`{alternative.name}` is a {symbol.kind}, not a template")
@@ -376,10 +392,13 @@ def _bad_alternative(ck: Checker, ctx: Context, alternative: ast.Alternative, sy
     offered = [s.name for s in ctx.module.names.values() if s.kind in ("template", "primitive")]
     offered += [e.name for scope in ctx.scope.chain() for e in scope.entries if e.kind in ("style", "param")]
     ck.unknown(
-        ctx.module, alternative.name, "unknown-template", alternative.name_span,
+        ctx.module,
+        alternative.name,
+        "unknown-template",
+        alternative.name_span,
         f"there is no template, primitive or style `{alternative.name}` here",
         hint=missing(alternative.name, offered, "template", "primitive"),
-    )  # fmt: skip
+    )
 
 
 def _weight(ck: Checker, ctx: Context, alternative: ast.Alternative) -> None:
@@ -394,9 +413,11 @@ def _unweighed(ck: Checker, alternatives: tuple[ast.Alternative, ...]) -> None:
     """A weight says how often one alternative is taken before others: a sole one has none."""
     if len(alternatives) == 1 and (weight := alternatives[0].weight) is not None:
         ck.error(
-            "unknown-clause", weight.span, "a weight without another alternative says nothing",
+            "unknown-clause",
+            weight.span,
+            "a weight without another alternative says nothing",
             hint="add what else it may be, such as `| none weight 0.5`; a style carries its own weights",
-        )  # fmt: skip
+        )
 
 
 def check_placement(ck: Checker, ctx: Context, placement: ast.Placement) -> None:
@@ -411,9 +432,11 @@ def check_arguments(ck: Checker, ctx: Context, given: tuple[ast.Argument, ...], 
     for argument in given:
         if argument.name is None:
             ck.error(
-                "wrong-arguments", argument.span, "an argument of a template or primitive needs its name",
+                "wrong-arguments",
+                argument.span,
+                "an argument of a template or primitive needs its name",
                 hint="as in `Cuboid(size = [1cm, 2cm, 3cm])`",
-            )  # fmt: skip
+            )
             ck.infer(ctx.but(holes=True), argument.value)
             continue
         if argument.name in seen:
@@ -425,10 +448,12 @@ def check_arguments(ck: Checker, ctx: Context, given: tuple[ast.Argument, ...], 
             if kind is None:
                 offered = parameters(ck, symbol)
                 ck.error(
-                    "unknown-argument", argument.span, f"{symbol.name} has no parameter `{argument.name}`",
+                    "unknown-argument",
+                    argument.span,
+                    f"{symbol.name} has no parameter `{argument.name}`",
                     hint=did_you_mean(argument.name, offered)
                     or ("it has " + ", ".join(offered) if offered else "it has none"),
-                )  # fmt: skip
+                )
                 break
             wanted = kind
         _argument(ck, ctx, argument, wanted)
@@ -448,9 +473,11 @@ def _argument(ck: Checker, ctx: Context, argument: ast.Argument, wanted: Type) -
         symbol = meaning.symbol if isinstance(meaning := ck.meanings.get(id(value)), Global) else None
         if symbol is not None and symbol.kind == "role":
             ck.error(
-                "wrong-arguments", value.span, f"`{symbol.name}` is a role: it cannot be handed in as a value",
+                "wrong-arguments",
+                value.span,
+                f"`{symbol.name}` is a role: it cannot be handed in as a value",
                 hint="a parameter `style` takes a template's name, or a style: `style chosen : Role = A | B`",
-            )  # fmt: skip
+            )
         elif isinstance(given, Style):
             role = next((v.symbol for v in wanted.domain if v is not None), None)
             for variant in given.domain:

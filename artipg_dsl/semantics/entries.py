@@ -33,7 +33,7 @@ from .types import (
     Style,
     Type,
     Vec,
-)  # fmt: skip
+)
 
 if TYPE_CHECKING:
     from .checker import Checker, Context
@@ -53,9 +53,11 @@ def type_of(ck: Checker, entry: Entry) -> Type:
             kind = ck.infer(ctx, value)
             if isinstance(kind, Style) and isinstance(meaning := ck.meanings.get(id(value)), Global):
                 return ck.error(
-                    "wrong-type", value.span, f"`{meaning.symbol.name}` is a {meaning.symbol.kind}, not a value",
+                    "wrong-type",
+                    value.span,
+                    f"`{meaning.symbol.name}` is a {meaning.symbol.kind}, not a value",
                     hint="what is chosen once for several parts is a style: `style chosen : Role = A | B`",
-                )  # fmt: skip
+                )
             if keyword == "curve" and kind != CURVE and not isinstance(kind, Vec) and kind != UNKNOWN:
                 return ck.error("wrong-type", value.span, f"`{entry.name}` is declared as a curve, but this is {kind}")
             return kind

@@ -38,7 +38,7 @@ from .types import (
     is_number,
     power,
     times,
-)  # fmt: skip
+)
 
 if TYPE_CHECKING:
     from .checker import Checker, Context
@@ -67,9 +67,11 @@ def infer(ck: Checker, ctx: Context, expr: ast.Expr) -> Type:
             return _vector(ck, ctx, expr)
         case ast.HoleExpr():
             return ck.error(
-                "misplaced-hole", expr.span, "`_` may only stand for a component of a vector argument",
+                "misplaced-hole",
+                expr.span,
+                "`_` may only stand for a component of a vector argument",
                 hint="as in `Cuboid(size = [_, wall, _])`; to leave a single number to the equations, leave its argument out",
-            )  # fmt: skip
+            )
         case ast.UnaryExpr(op="not", operand=operand):
             conditions.truth(ck, ctx, operand)
             return BOOL
@@ -100,10 +102,13 @@ def _number(ck: Checker, expr: ast.NumberExpr) -> Type:
     if expr.unit:
         if expr.unit not in UNITS:
             return ck.error(
-                "unknown-unit", expr.span, f"there is no unit `{expr.unit}`",
-                hint=foreign.UNITS.get(expr.unit.lower()) or did_you_mean(expr.unit, UNITS)
- or "lengths are in mm, cm or m, angles in deg, rad or turn",
-            )  # fmt: skip
+                "unknown-unit",
+                expr.span,
+                f"there is no unit `{expr.unit}`",
+                hint=foreign.UNITS.get(expr.unit.lower())
+                or did_you_mean(expr.unit, UNITS)
+                or "lengths are in mm, cm or m, angles in deg, rad or turn",
+            )
         return Scalar(UNITS[expr.unit][1])
     if expr.value == 0:
         return ZERO
@@ -278,7 +283,9 @@ def _power(ck: Checker, expr: ast.BinaryExpr, left: Type, right: Type) -> Type:
     value = constant(expr.right)
     if value is None:
         return ck.error(
-            "wrong-dimension", expr.right.span, f"{left} can only be raised to a constant power",
+            "wrong-dimension",
+            expr.right.span,
+            f"{left} can only be raised to a constant power",
             hint="the dimension of the result must be known",
-        )  # fmt: skip
+        )
     return Scalar(power(dimension, Fraction(value).limit_denominator(12)))

@@ -14,9 +14,11 @@ _FRAME = "x is to the front, y to the left, z up"
 NAMES = {
     **_each("self this", _ALONE),
     **_each("None null nil nothing", _ABSENT),
-    **_each("mm cm m m2 cm2 m3 cm3 mm3 deg rad kg g", "a unit stands right behind its number, as in `5cm` or `700kg/m3`"),
+    **_each(
+        "mm cm m m2 cm2 m3 cm3 mm3 deg rad kg g", "a unit stands right behind its number, as in `5cm` or `700kg/m3`"
+    ),
     **_each("X Y Z vertical horizontal up down upwards downwards forward forwards backward backwards sideways", _FRAME),
-}  # fmt: skip
+}
 
 UNITS = {
     **_each("inch inches in ft feet foot", "lengths are in mm, cm or m: an inch is 25.4mm, a foot 30.48cm"),
@@ -25,14 +27,17 @@ UNITS = {
 }
 
 TYPES = {
-    **_each("float double real number num scalar", "numbers are of type `length`, `angle`, `ratio`, `mass` ...; whole ones of `count`"),
+    **_each(
+        "float double real number num scalar",
+        "numbers are of type `length`, `angle`, `ratio`, `mass` ...; whole ones of `count`",
+    ),
     **_each("int integer uint", "a whole number is drawn by `count legs in 3 .. 5`"),
     **_each("boolean flag", "did you mean `bool`?"),
     **_each("str text", "did you mean `string`?"),
     **_each("enum option options", "one of some words is `choice round | square`"),
     **_each("vector vec3 array list tuple", "three lengths are `length[3]`, three plain numbers `vec`"),
     **_each("distance width height size metre meter", "did you mean `length`?"),
-}  # fmt: skip
+}
 
 JOINTS = {
     **_each("hinge hinged rotary rotate turn swing pivot", "revolute"),

@@ -63,8 +63,14 @@ def check(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
         case ast.KeypointStmt(target=at, at=place):
             kind, ctx = _place(ck, ctx, at)
             if not isinstance(kind, Part | Slot | Element) and kind not in (
-                UNKNOWN, FRAME, POINT, PLANE, EDGE, LINE, SURFACE,
-            ):  # fmt: skip
+                UNKNOWN,
+                FRAME,
+                POINT,
+                PLANE,
+                EDGE,
+                LINE,
+                SURFACE,
+            ):
                 ck.error("wrong-type", at.span, f"a keypoint lies on a part, a port or a point, but this is {kind}")
             if place is not None:
                 ck.expect(formula(ctx), place, POINT, "the place of a keypoint")
@@ -98,9 +104,11 @@ def target(ck: Checker, ctx: Context, expr: ast.Expr, rule: str) -> Context:
         ck.error("wrong-type", expr.span, f"{rule} parts, slots or surfaces, but this is {kind}")
     elif kind == PLANE and not _is_surface(ck, expr):
         ck.error(
-            "wrong-type", expr.span, f"{rule} parts, slots or surfaces, but this is a face of a box",
+            "wrong-type",
+            expr.span,
+            f"{rule} parts, slots or surfaces, but this is a face of a box",
             hint="name the part, and where on it: `label affordance.push on door where p.x > 0`",
-        )  # fmt: skip
+        )
     not_previous(ck, expr)
     return ctx
 
@@ -121,9 +129,11 @@ def not_previous(ck: Checker, expr: ast.Expr) -> None:
         expr = expr.obj
     if isinstance(ck.meanings.get(id(expr)), Previous):
         ck.error(
-            "wrong-type", expr.span, "`previous` cannot stand here: the statement means the part in every element",
+            "wrong-type",
+            expr.span,
+            "`previous` cannot stand here: the statement means the part in every element",
             hint="leave `previous` out, or name one element by its number: `post[0]`, `post[last]`",
-        )  # fmt: skip
+        )
 
 
 def _targets(ck: Checker, ctx: Context, targets: tuple[ast.Expr, ...], rule: str) -> Context:
@@ -146,16 +156,21 @@ def _label(ck: Checker, ctx: Context, stmt: ast.LabelStmt) -> None:
     words = ck.vocabularies.get(stmt.vocabulary)
     if words is None:
         ck.unknown(
-            ctx.module, stmt.vocabulary, "unknown-vocabulary", stmt.label_span,
+            ctx.module,
+            stmt.vocabulary,
+            "unknown-vocabulary",
+            stmt.label_span,
             f"there is no vocabulary `{stmt.vocabulary}`",
             hint=missing(stmt.vocabulary, ck.vocabularies, "vocabulary")
             or f"declare it: `vocabulary {stmt.vocabulary} {{ {stmt.label} }}`",
-        )  # fmt: skip
+        )
     elif stmt.label not in words:
         ck.error(
-            "unknown-label", stmt.label_span, f"the vocabulary `{stmt.vocabulary}` has no word `{stmt.label}`",
+            "unknown-label",
+            stmt.label_span,
+            f"the vocabulary `{stmt.vocabulary}` has no word `{stmt.label}`",
             hint=_word(ck, ctx, stmt.vocabulary, stmt.label),
-        )  # fmt: skip
+        )
     elif (symbol := ctx.module.find(stmt.vocabulary)) is not None and symbol.kind == "vocabulary":
         ck.mean(stmt, Global(symbol))
     if stmt.joint is not None:
@@ -171,9 +186,11 @@ def _acted(ck: Checker, ctx: Context, joint: ast.Expr, vocabulary: str) -> None:
     """The joint that a label is ``for``."""
     if vocabulary == "semantic":
         ck.error(
-            "wrong-type", joint.span, "`semantic` says what a part is, which is for no joint",
+            "wrong-type",
+            joint.span,
+            "`semantic` says what a part is, which is for no joint",
             hint="`for` belongs to what one does: `label affordance.lift for raise on lid`",
-        )  # fmt: skip
+        )
     kind = ck.infer(ctx.but(lenient=[], asked=True, many=True), joint)
     if not isinstance(kind, Joint) and kind != UNKNOWN:
         ck.error("wrong-type", joint.span, f"a label is for a joint, but this is {kind}")
@@ -183,9 +200,11 @@ def _field(ck: Checker, ctx: Context, stmt: ast.FieldStmt) -> None:
     kind = of_reference(ck, ctx, stmt.type)
     if not isinstance(kind, Scalar) and kind not in (BOOL, UNKNOWN) and not (isinstance(kind, Vec) and kind.size == 3):
         ck.error(
-            "wrong-type", stmt.type.span, f"a field holds a number, a vector of three or true and false, but this is {kind}",
+            "wrong-type",
+            stmt.type.span,
+            f"a field holds a number, a vector of three or true and false, but this is {kind}",
             hint="write for example `ratio`, `length`, `vec`, `length[3]` or `bool`",
-        )  # fmt: skip
+        )
         kind = UNKNOWN
     place = formula(_targets(ck, ctx, stmt.targets, "a field lies on"))
     _condition(ck, place, stmt.where)
@@ -211,9 +230,11 @@ def _relative(ck: Checker, expr: ast.Expr) -> None:
         for number in walk(compared):
             if isinstance(number, ast.NumberExpr) and number.value and _is_length(number.unit):
                 ck.warning(
-                    "absolute-tolerance", number.span, "a fixed length in a label does not follow the size of the part",
+                    "absolute-tolerance",
+                    number.span,
+                    "a fixed length in a label does not follow the size of the part",
                     hint="write a share of `size` (`p.z > 0.45 * size.z`), or name a parameter of the part",
-                )  # fmt: skip
+                )
 
 
 def _is_length(unit: str) -> bool:
@@ -227,17 +248,23 @@ def _grasp(ck: Checker, ctx: Context, stmt: ast.GraspStmt) -> None:
         kind = range_type(ck, place, stmt.range)
         place = place.but(extra={**place.extra, stmt.parameter: kind})
     wanted: tuple[tuple[ast.Clause[ast.Expr] | None, Type], ...] = (
-        (stmt.at, POINT), (stmt.approach, DIRECTION), (stmt.close, DIRECTION), (stmt.opening, LENGTH), (stmt.quality, RATIO),
+        (stmt.at, POINT),
+        (stmt.approach, DIRECTION),
+        (stmt.close, DIRECTION),
+        (stmt.opening, LENGTH),
+        (stmt.quality, RATIO),
         *((measure, LENGTH) for measure in stmt.hand),
-    )  # fmt: skip
+    )
     for clause, kind in wanted:
         if clause is not None:
             ck.expect(place, clause.value, kind, f"`{clause.word}` of a grasp")
     for clause in stmt.unknown:
         ck.error(
-            "unknown-clause", clause.span, f"`grasp` takes no `{clause.word}`",
+            "unknown-clause",
+            clause.span,
+            f"`grasp` takes no `{clause.word}`",
             hint=did_you_mean(clause.word, ast.clause_words(ast.GraspStmt)),
-        )  # fmt: skip
+        )
     needed = {"at": stmt.at, "approach": stmt.approach, "close": stmt.close, "opening": stmt.opening}
     meant = {suggest(clause.word, needed) for clause in stmt.unknown}
     missing = [f"`{word}`" for word, clause in needed.items() if clause is None and word not in meant]

@@ -75,15 +75,19 @@ class Workspace:
             why = reserved_name(decl.name)
             if why is not None:
                 self.report.error(
-                    "reserved-name", decl.name_span, f"`{decl.name}` cannot be declared: it is {why}",
+                    "reserved-name",
+                    decl.name_span,
+                    f"`{decl.name}` cannot be declared: it is {why}",
                     hint="choose another name",
-                )  # fmt: skip
+                )
             elif decl.name in scope.names:
                 first = scope.names[decl.name].decl.name_span
                 self.report.error(
-                    "duplicate-name", decl.name_span, f"`{decl.name}` is declared twice in this file",
+                    "duplicate-name",
+                    decl.name_span,
+                    f"`{decl.name}` is declared twice in this file",
                     notes=((first, "first declared here"),),
-                )  # fmt: skip
+                )
             else:
                 scope.names[decl.name] = Symbol(decl.name, KINDS[type(decl)], decl, scope)
 
@@ -91,10 +95,12 @@ class Workspace:
         found = self._locate(use.module, folder, Path(scope.source.name).parent)
         if found is None:
             self.report.error(
-                "unknown-module", use.module_span, f"there is no module `{use.module}`",
+                "unknown-module",
+                use.module_span,
+                f"there is no module `{use.module}`",
                 hint=did_you_mean(use.module, self._available(folder))
                 or f"`use` looks for {use.module}.apg beside this file, then in the library",
-            )  # fmt: skip
+            )
             scope.lost.update(use.names)
             return
         path, shown = found
@@ -122,16 +128,20 @@ class Workspace:
                 meant = suggest(name, offered)
                 scope.lost.update((name,) if meant is None else (name, meant))
                 self.report.error(
-                    "unknown-import", span, f"module `{use.module}` declares no `{name}`",
+                    "unknown-import",
+                    span,
+                    f"module `{use.module}` declares no `{name}`",
                     hint=f"did you mean `{meant}`?" if meant else self._elsewhere(name, module, use.module),
-                )  # fmt: skip
+                )
             elif name in scope.names and scope.names[name] is not symbol:
                 other = scope.names[name]
                 where = "declared" if other.module is scope else f"imported from `{other.module.name}`"
                 self.report.error(
-                    "duplicate-name", span, f"`{name}` is already {where} in this file",
+                    "duplicate-name",
+                    span,
+                    f"`{name}` is already {where} in this file",
                     notes=((other.decl.name_span, "the other one"),),
-                )  # fmt: skip
+                )
             else:
                 scope.names[name] = symbol
 
@@ -150,9 +160,12 @@ class Workspace:
             for (_, span), name, following in zip(ring[:-1], names, names[1:], strict=False)
         )
         self.report.error(
-            "import-cycle", ring[-1][1], "modules use each other in a circle: " + " -> ".join([*names, names[0]]),
-            hint="move what both need into a module of its own", notes=notes,
-        )  # fmt: skip
+            "import-cycle",
+            ring[-1][1],
+            "modules use each other in a circle: " + " -> ".join([*names, names[0]]),
+            hint="move what both need into a module of its own",
+            notes=notes,
+        )
 
     def _locate(self, name: str, folder: Path, shown: Path) -> tuple[Path, str] | None:
         """Where a module is, and what to call it: beside the importing file, or as ``library/name.apg``."""

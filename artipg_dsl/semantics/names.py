@@ -11,27 +11,80 @@ OWN = ("size", "center", "box")
 DIRECTIONS = ("x", "y", "z")
 
 SCALAR_TYPES = (
-    "length", "angle", "ratio", "count", "bool", "area", "volume", "mass", "density", "time", "force", "torque",
+    "length",
+    "angle",
+    "ratio",
+    "count",
+    "bool",
+    "area",
+    "volume",
+    "mass",
+    "density",
+    "time",
+    "force",
+    "torque",
     "speed",
-)  # fmt: skip
+)
 """Type names whose values are numbers."""
 
 TYPE_NAMES = (
     *SCALAR_TYPES,
-    "choice", "vec", "point", "frame", "plane", "edge", "line", "curve", "box", "material", "string",
-)  # fmt: skip
+    "choice",
+    "vec",
+    "point",
+    "frame",
+    "plane",
+    "edge",
+    "line",
+    "curve",
+    "box",
+    "material",
+    "string",
+)
 
 DRIVES = ("pushes", "pulls", "pushes_back", "pulls_back")
 """The functions of a joint at a point of a surface, which stand in formulas of labels and fields."""
 
 FUNCTIONS = (
-    "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sqrt", "hypot", "abs", "min", "max", "sum", "floor",
-    "ceil", "round", "exp", "log", "sign", "mod", "number", "lowest", *DRIVES,
-)  # fmt: skip
+    "sin",
+    "cos",
+    "tan",
+    "asin",
+    "acos",
+    "atan",
+    "atan2",
+    "sqrt",
+    "hypot",
+    "abs",
+    "min",
+    "max",
+    "sum",
+    "floor",
+    "ceil",
+    "round",
+    "exp",
+    "log",
+    "sign",
+    "mod",
+    "number",
+    "lowest",
+    *DRIVES,
+)
 
 RESERVED_TYPES = (
-    "length", "angle", "ratio", "count", "bool", "choice", "vec", "frame", "plane", "line", "curve", "material",
-)  # fmt: skip
+    "length",
+    "angle",
+    "ratio",
+    "count",
+    "bool",
+    "choice",
+    "vec",
+    "frame",
+    "plane",
+    "line",
+    "curve",
+    "material",
+)
 """Type names that a program may not take: the others are free, they only stand where a type is expected."""
 
 CONSTRUCTORS = ("frame", "line", "box", "from", "arc", "circle", "rectangle", "polygon", "offset")

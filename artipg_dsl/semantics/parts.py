@@ -121,9 +121,11 @@ def part_member(ck: Checker, ctx: Context, part: Part, word: str, span: Span, pa
     if isinstance(first, Element):
         if not ctx.many:
             return ck.error(
-                "many-elements", span, f"`{word}` stands for all elements of a repeat here",
+                "many-elements",
+                span,
+                f"`{word}` stands for all elements of a repeat here",
                 hint=f"name one: `{word}[0]` or `{word}[last]`",
-            )  # fmt: skip
+            )
         return replace(first, key=f"{part.key}.{word}", many=True)
     if len(set(kinds)) == 1:
         return first
@@ -189,10 +191,13 @@ def _lacking(
     if having:
         names = " and ".join(v.name for v in having)
         return ck.error(
-            "optional-outside-when", span, f"only {names} has `{word}`, the other alternatives have not"
-            if len(having) == 1 else f"only {names} have `{word}`, the other alternatives have not",
+            "optional-outside-when",
+            span,
+            f"only {names} has `{word}`, the other alternatives have not"
+            if len(having) == 1
+            else f"only {names} have `{word}`, the other alternatives have not",
             hint=f"put this under `when {path} is {having[0].name} {{ }}`",
-        )  # fmt: skip
+        )
     if promised is not None:
         what = " or ".join(dict.fromkeys(v.name for v in part.variants))
         return ck.error("optional-outside-when", span, f"`{word}` is optional in the role, and {what} does not bind it")
@@ -200,10 +205,14 @@ def _lacking(
     what = " or ".join(dict.fromkeys(v.name for v in part.variants))
     code, missing = ("unknown-port", f"port or part `{word}`") if ctx.ends else ("unknown-member", f"`{word}`")
     return ck.error(
-        code, span, f"{what} has no {missing}",
-        hint=foreign.MEMBERS.get(word) or did_you_mean(word, offered) or listed([n for n in offered if n not in BOX_MEMBERS])
+        code,
+        span,
+        f"{what} has no {missing}",
+        hint=foreign.MEMBERS.get(word)
+        or did_you_mean(word, offered)
+        or listed([n for n in offered if n not in BOX_MEMBERS])
         or listed(list(BOX_MEMBERS)),
-    )  # fmt: skip
+    )
 
 
 def _optional_in_role(ck: Checker, part: Part, word: str) -> Type | None:

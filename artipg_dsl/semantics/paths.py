@@ -41,7 +41,7 @@ from .types import (
     Style,
     Type,
     Vec,
-)  # fmt: skip
+)
 
 if TYPE_CHECKING:
     from .checker import Checker, Context
@@ -128,9 +128,11 @@ def _use(ck: Checker, ctx: Context, entries: list[Entry], span: Span) -> Type:
     wanted = [ck.entry_condition(e) for e in live]
     if not any(consistent(ctx.condition, w) for w in wanted):
         return ck.error(
-            "optional-outside-when", span, f"`{entry.name}` never exists here: its guard excludes this one",
+            "optional-outside-when",
+            span,
+            f"`{entry.name}` never exists here: its guard excludes this one",
             notes=((entry.span, "declared here"),),
-        )  # fmt: skip
+        )
     if isinstance(kind, Part):
         parts = [t for e in live if isinstance(t := ck.entry_type(e), Part)]
         kind = parts[0] if len(parts) == 1 else _either(parts)
@@ -159,9 +161,11 @@ def _repeat(ck: Checker, ctx: Context, entry: Entry, span: Span) -> Type:
         ck.demand(ctx, condition, span, *guarded(entry, span))
     if not inside and not ctx.many:
         return ck.error(
-            "many-elements", span, f"`{entry.name}` stands for all elements of a repeat here",
+            "many-elements",
+            span,
+            f"`{entry.name}` stands for all elements of a repeat here",
             hint=f"name one, `{entry.name}[0]` or `{entry.name}[last]`, or reduce them with sum, min or max",
-        )  # fmt: skip
+        )
     return Element(entry, entry.key, many=not inside)
 
 
@@ -173,14 +177,18 @@ def _own_box(ck: Checker, ctx: Context, word: str, span: Span) -> Type:
     ring = any(s.repeat is not None and s.repeat.form == "ring" for s in scope.chain())
     if owner.kind == "category" and not ring:
         return ck.error(
-            "no-own-box", span, f"`{word}` without a part: a category has no box of its own",
+            "no-own-box",
+            span,
+            f"`{word}` without a part: a category has no box of its own",
             hint=f"name the part: `body.{word}`",
-        )  # fmt: skip
+        )
     if owner.kind == "template" and "size" not in scope.root.table and not ring:
         return ck.error(
-            "no-own-box", span, f"`{word}` of the template's own box, but {owner.name} derives its box from its parts",
+            "no-own-box",
+            span,
+            f"`{word}` of the template's own box, but {owner.name} derives its box from its parts",
             hint="name a part's face, or let the template take `param size : length[3]`",
-        )  # fmt: skip
+        )
     if owner.kind == "primitive":
         return unknown_name(ck, ctx, word, span)
     return PLANE if word in FACES else POINT if word == "center" else BOX if word == "box" else SIZE
@@ -190,9 +198,12 @@ def _previous(ck: Checker, ctx: Context, expr: ast.NameExpr) -> Type:
     for scope in ctx.scope.chain() if ctx.scope is not None else ():
         if scope.repeat is not None and scope.parent is not None:
             ck.demand(
-                ctx, scope.after_first, expr.span, "`previous` does not exist for the first element",
+                ctx,
+                scope.after_first,
+                expr.span,
+                "`previous` does not exist for the first element",
                 "put this under a guard such as `when i > 0 { }`",
-            )  # fmt: skip
+            )
             ck.mean(expr, Previous(scope.depth))
             entry = next(e for e in scope.parent.table[scope.repeat.name] if e.node is scope.repeat)
             return Element(entry, f"{entry.key}.previous", shift=1)
@@ -274,9 +285,12 @@ def _element_member(ck: Checker, ctx: Context, obj: Element, word: str, span: Sp
     if word == "gap":
         if not obj.many and obj.key == entry.key:
             ck.demand(
-                ctx, inner.after_first, span, f"`{entry.name}.gap` does not exist for the first element",
+                ctx,
+                inner.after_first,
+                span,
+                f"`{entry.name}.gap` does not exist for the first element",
                 f"put this under `when {entry.name}.gap {{ }}`",
-            )  # fmt: skip
+            )
         return BOX
     own = box_member(word)
     if own is not None:
@@ -293,9 +307,11 @@ def _inner(ck: Checker, ctx: Context, obj: Element, target: Entry, span: Span) -
     if obj.key != obj.entry.key:  # of one named element, all of an inner repeat
         if not ctx.many:
             return ck.error(
-                "many-elements", span, f"`{target.name}` stands for all elements of a repeat here",
+                "many-elements",
+                span,
+                f"`{target.name}` stands for all elements of a repeat here",
                 hint=f"name one: `{target.name}[0]` or `{target.name}[last]`",
-            )  # fmt: skip
+            )
         return Element(target, f"{obj.key}.{target.name}", many=True, outer=obj)
     return _repeat(ck, ctx, target, span)
 
@@ -326,7 +342,11 @@ def _port(ck: Checker, ctx: Context, ports: Array, expr: ast.IndexExpr) -> Type:
     wanted = conjunction(own) if number is None else TRUE if TRUE in own or not own else Or(tuple(own))
     if wanted != TRUE:
         ck.demand(
-            ctx, wanted, expr.span, f"`{path_text(expr)}` exists only under a guard",
-            "put this under the same `when`, or bind the port in every branch of it", value=True,
-        )  # fmt: skip
+            ctx,
+            wanted,
+            expr.span,
+            f"`{path_text(expr)}` exists only under a guard",
+            "put this under the same `when`, or bind the port in every branch of it",
+            value=True,
+        )
     return ports.item

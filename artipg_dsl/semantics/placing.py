@@ -49,9 +49,11 @@ _TAKES: dict[str, tuple[str, ...]] = {
     "fixed": (),
 }
 _UNITS = {  # of what turns, and of what slides
-    "damping": (("Nms/rad", "Nms"), ("Ns/m",)), "friction": (("Nm",), ("N",)), "effort": (("Nm",), ("N",)),
+    "damping": (("Nms/rad", "Nms"), ("Ns/m",)),
+    "friction": (("Nm",), ("N",)),
+    "effort": (("Nm",), ("N",)),
     "velocity": (("rad/s",), ("m/s",)),
-}  # fmt: skip
+}
 Given = TypeVar("Given", bound="ast.Clause[Any] | None")
 _TURNS = ("revolute", "continuous", "screw")
 
@@ -135,9 +137,11 @@ def _idle(ck: Checker, node: ast.Attaching, mounted: bool | None) -> None:
             ck.error("unknown-clause", clause.span, f"`{clause.word}` goes with {any_of(_WITH[clause.word])}")
         else:
             ck.error(
-                "unknown-clause", clause.span, f"`{clause.word}` says nothing here: attaching a whole part does not place it",
+                "unknown-clause",
+                clause.span,
+                f"`{clause.word}` says nothing here: attaching a whole part does not place it",
                 hint="name a face or a port of the part, as in `connect lid.bottom on body.top`, or place it with `align`",
-            )  # fmt: skip
+            )
 
 
 def _at(ck: Checker, ctx: Context, name: str | None, value: ast.Expr, framed: bool) -> None:
@@ -147,18 +151,22 @@ def _at(ck: Checker, ctx: Context, name: str | None, value: ast.Expr, framed: bo
         ck.infer(ctx, value)
     elif name:
         ck.error(
-            "unknown-argument", value.span, f"`at` takes coordinates x, y and z, not `{name}`",
+            "unknown-argument",
+            value.span,
+            f"`at` takes coordinates x, y and z, not `{name}`",
             hint=did_you_mean(name, DIRECTIONS),
-        )  # fmt: skip
+        )
     elif framed and isinstance(value, ast.NameExpr) and value.name == "center":
         ck.mean(value, Word("center"))
     else:
         kind = ck.infer(ctx, value)
         if kind not in (UNKNOWN, FRAME, EDGE, LINE, PLANE) and not fits(kind, POINT):
             ck.error(
-                "wrong-type", value.span, f"`at` needs `center`, coordinates or a point, but this is {kind}",
+                "wrong-type",
+                value.span,
+                f"`at` needs `center`, coordinates or a point, but this is {kind}",
                 hint="write `at y = ..., z = ...`",
-            )  # fmt: skip
+            )
 
 
 # ---------------------------------------------------------------- joints
@@ -172,9 +180,11 @@ def check_joint(ck: Checker, ctx: Context, node: ast.JointDecl) -> None:
         assert node.kind_span is not None
         meant = foreign.JOINTS.get(node.kind) or suggest(node.kind, KINDS)
         ck.error(
-            "unknown-joint-kind", node.kind_span, f"there is no kind of joint `{node.kind}`",
+            "unknown-joint-kind",
+            node.kind_span,
+            f"there is no kind of joint `{node.kind}`",
             hint=f"did you mean `{meant}`?" if meant else f"there are {', '.join(KINDS)}",
-        )  # fmt: skip
+        )
     child, ctx = subject(ck, ctx, node.child)
     _end(ck, node.child, child, "what a joint moves")
     parent = ck.infer(ctx.but(ends=True), node.parent)
@@ -297,9 +307,11 @@ def axis_value(ck: Checker, word: str, value: ast.Expr, kind: Type) -> None:
         if word == "along":
             return
         ck.error(
-            "bad-axis", value.span, "an axis is an edge or a line, but this is a plane",
+            "bad-axis",
+            value.span,
+            "an axis is an edge or a line, but this is a plane",
             hint="two faces meet in an edge: `door.left.back`",
-        )  # fmt: skip
+        )
     else:
         need = "a direction" if word == "along" else "an edge or a line"
         hint = (
@@ -329,6 +341,8 @@ def _axis(ck: Checker, node: ast.JointDecl, parent: Type, child: Type) -> None:
     if word == "about" and ck.types.get(id(value)) == DIRECTION:
         if parent not in (*ends, POINT) and child not in (*ends, POINT) and not placed:
             ck.error(
-                "bad-axis", value.span, "a direction alone is no axis: nothing says where it lies",
+                "bad-axis",
+                value.span,
+                "a direction alone is no axis: nothing says where it lies",
                 hint="write `about line(at = ..., along = ...)`",
-            )  # fmt: skip
+            )

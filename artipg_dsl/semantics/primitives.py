@@ -86,9 +86,11 @@ def _piece(ck: Checker, ctx: Context, stmt: ast.PieceDecl) -> None:
 def _solid(ck: Checker, ctx: Context, stmt: ast.SolidDecl) -> None:
     if stmt.operator not in _OPERATORS:
         ck.error(
-            "unknown-function", stmt.span, f"there is no operator `{stmt.operator}`",
+            "unknown-function",
+            stmt.span,
+            f"there is no operator `{stmt.operator}`",
             hint=did_you_mean(stmt.operator, _OPERATORS) or "there are " + ", ".join(_OPERATORS),
-        )  # fmt: skip
+        )
     for argument in stmt.arguments:
         chain = argument.value.items if isinstance(argument.value, ast.VectorExpr) else (argument.value,)
         for curve in chain:  # one curve, or a chain of them in brackets
@@ -97,9 +99,11 @@ def _solid(ck: Checker, ctx: Context, stmt: ast.SolidDecl) -> None:
     for given in ast.clauses(stmt) if known else ():
         if given.word not in known:
             ck.error(
-                "unknown-clause", given.span, f"`{stmt.operator}` takes no `{given.word}`",
+                "unknown-clause",
+                given.span,
+                f"`{stmt.operator}` takes no `{given.word}`",
                 hint="it takes " + ", ".join(f"`{w}`" for w in known),
-            )  # fmt: skip
+            )
     for end in (stmt.from_, stmt.to):
         if end is not None:
             ck.expect(ctx, end.value, LENGTH, f"`{end.word}`")
@@ -121,9 +125,11 @@ def check_whole(ck: Checker, symbol: Symbol, scope: Scope) -> None:
     solids = [s for s in body if isinstance(s, ast.SolidDecl)]
     if len(solids) > 1:
         ck.error(
-            "duplicate-name", solids[1].span, "a primitive is made by one operator",
+            "duplicate-name",
+            solids[1].span,
+            "a primitive is made by one operator",
             notes=((solids[0].span, "the first one"),),
-        )  # fmt: skip
+        )
     if solids:
         return
     lacking = [
@@ -133,10 +139,11 @@ def check_whole(ck: Checker, symbol: Symbol, scope: Scope) -> None:
     ]
     if lacking:
         ck.error(
-            "incomplete-primitive", symbol.decl.name_span,
+            "incomplete-primitive",
+            symbol.decl.name_span,
             f"the primitive `{symbol.name}` lacks {any_of(lacking, 'and')}",
             hint="state surfaces, `inside` and `box`, or a `solid`",
-        )  # fmt: skip
+        )
 
 
 def _flat(body: tuple[ast.Stmt, ...]) -> list[ast.Stmt]:

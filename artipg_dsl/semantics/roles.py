@@ -66,11 +66,12 @@ def check_template(ck: Checker, symbol: Symbol) -> None:
     if missing:
         names = ", ".join(f"{kind} `{name}`" for kind, name, _ in missing)
         ck.error(
-            "role-not-fulfilled", symbol.decl.name_span,
+            "role-not-fulfilled",
+            symbol.decl.name_span,
             f"the template `{symbol.name}` does not fulfil its role {role.name}: it lacks {names}",
             hint=_how(*missing[0][:2]),
             notes=tuple((s.span, f"{kind} `{n}` is asked for here") for kind, n, s in missing),
-        )  # fmt: skip
+        )
 
 
 def check_nesting(ck: Checker, symbols: list[Symbol]) -> None:
@@ -113,10 +114,12 @@ def _how(kind: str, name: str) -> str:
 def _not_assigned(ck: Checker, name: str, own: list[Entry], stmt: ast.ParamDecl) -> None:
     for entry in own:
         ck.error(
-            "inherited-assigned", entry.span,
+            "inherited-assigned",
+            entry.span,
             f"`{name}` is inherited: the role's user gives it, so a template cannot declare it again",
-            hint="use it as it is, or choose another name", notes=((stmt.span, "inherited here"),),
-        )  # fmt: skip
+            hint="use it as it is, or choose another name",
+            notes=((stmt.span, "inherited here"),),
+        )
 
 
 def _names_at_any_depth(scope: Scope) -> dict[str, list[Entry]]:

@@ -169,9 +169,11 @@ def _output(ck: Checker, ctx: Context, stmt: ast.ParamDecl | ast.LetDecl, name: 
     if isinstance(stmt, ast.ParamDecl):
         if declared is None:
             ck.error(
-                "unknown-member", stmt.name_spans[0], f"the role of {owner.name} has no output `{name}`",
+                "unknown-member",
+                stmt.name_spans[0],
+                f"the role of {owner.name} has no output `{name}`",
                 hint=did_you_mean(name, outputs) or "a value of the template's own is a `let`",
-            )  # fmt: skip
+            )
         if stmt.default is None:
             hint = f"write `out {name} : {stmt.type.name} = ...`"
             ck.error("missing-value", stmt.span, f"the output `{name}` has no value", hint=hint)
@@ -202,9 +204,11 @@ def _port(ck: Checker, ctx: Context, stmt: ast.PortDecl) -> None:
     if stmt.value is None:
         if scope.owner.kind != "role":
             ck.error(
-                "missing-value", stmt.span, f"the port `{stmt.name}` has no value",
+                "missing-value",
+                stmt.span,
+                f"the port `{stmt.name}` has no value",
                 hint=f"write `port {stmt.name} = ...`",
-            )  # fmt: skip
+            )
         return
     wanted = kind.item if isinstance(kind, Array) else kind
     given = ck.infer(ctx, stmt.value)
@@ -271,9 +275,14 @@ def _parts(ck: Checker, ctx: Context, subject: ast.Expr, other: ast.Expr | None,
 
 
 _FORMS: dict[str, tuple[str, tuple[str, ...]]] = {  # what a form needs, and what else it takes
-    "": ("", ()), "split": ("along", ("weight", "gap", "each")), "spread": ("along", ("margin",)), "pitch": ("along", ("margin",)),
-    "fill": ("along every", ("margin",)), "ring": ("about", ()), "mirror": ("across", ()),
-}  # fmt: skip
+    "": ("", ()),
+    "split": ("along", ("weight", "gap", "each")),
+    "spread": ("along", ("margin",)),
+    "pitch": ("along", ("margin",)),
+    "fill": ("along every", ("margin",)),
+    "ring": ("about", ()),
+    "mirror": ("across", ()),
+}
 _EXAMPLES = {"along": "along z", "every": "every 2cm", "about": "about table.axis", "across": "across y"}
 
 
@@ -302,9 +311,11 @@ def _repeat(ck: Checker, ctx: Context, stmt: ast.RepeatStmt) -> None:
             kind = ck.infer(ctx, box.value)
             if not isinstance(kind, Part | Slot | Element) and kind not in (BOX, UNKNOWN):
                 ck.error(
-                    "wrong-type", box.value.span, f"`{box.word}` needs a box, but this is {kind}",
+                    "wrong-type",
+                    box.value.span,
+                    f"`{box.word}` needs a box, but this is {kind}",
                     hint="name a part, a box or an element of another repeat",
-                )  # fmt: skip
+                )
     for length in (stmt.pitch, stmt.margin, stmt.every, stmt.gap):
         if length is not None:
             ck.expect(ctx, length.value, LENGTH, f"the `{length.word}`")

@@ -523,8 +523,15 @@ class GraspStmt(Stmt):
     def hand(self) -> tuple[Clause[Expr], ...]:
         """The measures of the gripper that the grasp is meant for, as far as they are given."""
         measures = (
-            self.stroke, self.length, self.width, self.thickness, self.pad, self.palm, self.palm_width, self.palm_depth
-        )  # fmt: skip
+            self.stroke,
+            self.length,
+            self.width,
+            self.thickness,
+            self.pad,
+            self.palm,
+            self.palm_width,
+            self.palm_depth,
+        )
         return tuple(m for m in measures if m is not None)
 
 

@@ -34,9 +34,17 @@ class TreeBuilder(StatementBuilder):
         index, number = found.get("index", (None, None))
         at = 3 if index is None else 4
         return ast.SurfaceDecl(
-            **self.stmt(c), **self.named(c[1]), u=c[at].value, u_range=c[at + 2], v=c[at + 4].value,
-            v_range=c[at + 6], value=c[at + 9], guard=found.get("when"), index=index, index_count=number,
-        )  # fmt: skip
+            **self.stmt(c),
+            **self.named(c[1]),
+            u=c[at].value,
+            u_range=c[at + 2],
+            v=c[at + 4].value,
+            v_range=c[at + 6],
+            value=c[at + 9],
+            guard=found.get("when"),
+            index=index,
+            index_count=number,
+        )
 
     def curve(self, c: Children) -> ast.Stmt:
         return ast.CurveDecl(**self.stmt(c), **self.named(c[1]), parameter=c[3].value, parameter_range=c[5], value=c[8])
@@ -72,9 +80,13 @@ class TreeBuilder(StatementBuilder):
         found = self.pieces(c)
         index, number = found.get("index", (None, None))
         return ast.PieceDecl(
-            **self.stmt(c), **self.named(c[1]), index=index, count=number, points=self.hull_points(exprs(c)[0]),
+            **self.stmt(c),
+            **self.named(c[1]),
+            index=index,
+            count=number,
+            points=self.hull_points(exprs(c)[0]),
             guard=found.get("when"),
-        )  # fmt: skip
+        )
 
     def solid(self, c: Children) -> ast.Stmt:
         return ast.SolidDecl(
@@ -122,9 +134,12 @@ class TreeBuilder(StatementBuilder):
             told[k - 2].value: c[k].value for k in range(len(c)) if k - 2 in told and c[k].type in ("ALONG", "ABOUT")
         }
         return ast.VocabularyDecl(
-            **self.stmt(c), **self.named(c[1]), words=tuple(t.value for t in words),
-            word_spans=tuple(self.at(t) for t in words), motions=tuple(motions.get(t.value, "") for t in words),
-        )  # fmt: skip
+            **self.stmt(c),
+            **self.named(c[1]),
+            words=tuple(t.value for t in words),
+            word_spans=tuple(self.at(t) for t in words),
+            motions=tuple(motions.get(t.value, "") for t in words),
+        )
 
     def function(self, c: Children) -> ast.Decl:
         return ast.FunctionDecl(
@@ -134,9 +149,12 @@ class TreeBuilder(StatementBuilder):
     def use(self, c: Children) -> ast.UseDecl:
         names = tokens(c, "NAME")[1:]
         return ast.UseDecl(
-            span=self.span(c), module=c[1].value, module_span=self.at(c[1]), names=tuple(t.value for t in names),
+            span=self.span(c),
+            module=c[1].value,
+            module_span=self.at(c[1]),
+            names=tuple(t.value for t in names),
             name_spans=tuple(self.at(t) for t in names),
-        )  # fmt: skip
+        )
 
     def version(self, c: Children) -> Piece:
         if c[1].value != str(VERSION):
@@ -145,7 +163,8 @@ class TreeBuilder(StatementBuilder):
 
     def module(self, c: Children) -> ast.Module:
         return ast.Module(
-            span=Span(self.source, 0, len(self.source.text)), version=VERSION,
+            span=Span(self.source, 0, len(self.source.text)),
+            version=VERSION,
             uses=tuple(x for x in c if isinstance(x, ast.UseDecl)),
             declarations=tuple(x for x in c if isinstance(x, ast.Decl)),
-        )  # fmt: skip
+        )

@@ -50,12 +50,20 @@ class StatementBuilder(ExpressionBuilder):
         found = self.pieces(c)
         names: list[Token] = found["names"]
         return ast.ParamDecl(
-            **self.stmt(c), keyword=c[0].value, names=tuple(t.value for t in names),
-            name_spans=tuple(self.at(t) for t in names), type=next(x for x in c if isinstance(x, ast.TypeRef)),
-            domain=found.get("in"), positive=found.get(">", False), default=found.get("="),
-            distribution=found.get("~"), vary=found.get("vary"), derived=found.get("derived", False),
-            test=found.get("test"), was=found.get("was"),
-        )  # fmt: skip
+            **self.stmt(c),
+            keyword=c[0].value,
+            names=tuple(t.value for t in names),
+            name_spans=tuple(self.at(t) for t in names),
+            type=next(x for x in c if isinstance(x, ast.TypeRef)),
+            domain=found.get("in"),
+            positive=found.get(">", False),
+            default=found.get("="),
+            distribution=found.get("~"),
+            vary=found.get("vary"),
+            derived=found.get("derived", False),
+            test=found.get("test"),
+            was=found.get("was"),
+        )
 
     def count(self, c: Children) -> ast.Stmt:
         found = self.pieces(c)
@@ -69,15 +77,22 @@ class StatementBuilder(ExpressionBuilder):
             none = ast.NumberExpr(span=self.at(c[1]), value=0.0, unit="")
             domain = ast.RangeExpr(span=none.span, low=none, high=none)
         return ast.CountDecl(
-            **self.stmt(c), **self.named(c[1]), domain=domain, default=found.get("="), distribution=found.get("~"),
+            **self.stmt(c),
+            **self.named(c[1]),
+            domain=domain,
+            default=found.get("="),
+            distribution=found.get("~"),
             was=found.get("was"),
-        )  # fmt: skip
+        )
 
     def let(self, c: Children) -> ast.Stmt:
         return ast.LetDecl(
-            **self.stmt(c), keyword="let", **self.named(c[1]), parameters=self.pieces(c).get("parameters", ()),
+            **self.stmt(c),
+            keyword="let",
+            **self.named(c[1]),
+            parameters=self.pieces(c).get("parameters", ()),
             value=c[-1],
-        )  # fmt: skip
+        )
 
     # ---------------------------------------------------------------- parts
 
@@ -100,11 +115,14 @@ class StatementBuilder(ExpressionBuilder):
         found = self.pieces(c)
         head = found["reference"] if "reference" in found else c[:1]
         return ast.Alternative(
-            span=self.span(c), name=head[0].value if "reference" in found else None, name_span=self.at(head[0]),
+            span=self.span(c),
+            name=head[0].value if "reference" in found else None,
+            name_span=self.at(head[0]),
             arguments=self.pieces(head).get("arguments", ()),
             placements=tuple(x for x in head if isinstance(x, ast.Placement)),
-            weight=found.get("weight"), guard=found.get("when"),
-        )  # fmt: skip
+            weight=found.get("weight"),
+            guard=found.get("when"),
+        )
 
     def alternatives(self, c: Children) -> Piece:
         return self.piece("alternatives", tuple(x for x in c if isinstance(x, ast.Alternative)), c)
@@ -114,18 +132,27 @@ class StatementBuilder(ExpressionBuilder):
         found = self.pieces(c)
         head: Children = found.get("reference", [])
         return ast.PartDecl(
-            **self.stmt(c), root=root, **self.named(c[1 + root]), role=head[0].value if head else None,
-            role_span=self.at(head[0]) if head else None, arguments=self.pieces(head).get("arguments", ()),
-            placements=tuple(x for x in head if isinstance(x, ast.Placement)), alternatives=found["alternatives"],
+            **self.stmt(c),
+            root=root,
+            **self.named(c[1 + root]),
+            role=head[0].value if head else None,
+            role_span=self.at(head[0]) if head else None,
+            arguments=self.pieces(head).get("arguments", ()),
+            placements=tuple(x for x in head if isinstance(x, ast.Placement)),
+            alternatives=found["alternatives"],
             was=found.get("was"),
-        )  # fmt: skip
+        )
 
     def style(self, c: Children) -> ast.Stmt:
         found = self.pieces(c)
         return ast.StyleDecl(
-            **self.stmt(c), **self.named(c[1]), role=c[3].value, role_span=self.at(c[3]),
-            alternatives=found["alternatives"], was=found.get("was"),
-        )  # fmt: skip
+            **self.stmt(c),
+            **self.named(c[1]),
+            role=c[3].value,
+            role_span=self.at(c[3]),
+            alternatives=found["alternatives"],
+            was=found.get("was"),
+        )
 
     def slot(self, c: Children) -> ast.Stmt:
         return ast.SlotDecl(**self.stmt(c), **self.named(c[1]), optional=bool(tokens(c, "QUESTION")), targets=exprs(c))
@@ -139,9 +166,13 @@ class StatementBuilder(ExpressionBuilder):
     def port(self, c: Children) -> ast.Stmt:
         found = self.pieces(c)
         return ast.PortDecl(
-            **self.stmt(c), **self.named(c[1]), index=found.get("index"), optional=bool(tokens(c, "QUESTION")),
-            type=found.get("type"), value=found.get("="),
-        )  # fmt: skip
+            **self.stmt(c),
+            **self.named(c[1]),
+            index=found.get("index"),
+            optional=bool(tokens(c, "QUESTION")),
+            type=found.get("type"),
+            value=found.get("="),
+        )
 
     # ---------------------------------------------------------------- connections
 
@@ -151,9 +182,15 @@ class StatementBuilder(ExpressionBuilder):
             return ast.JointDecl(**self.stmt(c), **self.named(c[1]), optional=optional)
         at = 3 + optional
         return ast.JointDecl(
-            **self.stmt(c), **self.named(c[1]), optional=optional, kind=c[at].value, kind_span=self.at(c[at]),
-            parent=c[at + 1], child=c[at + 3], **self.clauses(c),
-        )  # fmt: skip
+            **self.stmt(c),
+            **self.named(c[1]),
+            optional=optional,
+            kind=c[at].value,
+            kind_span=self.at(c[at]),
+            parent=c[at + 1],
+            child=c[at + 3],
+            **self.clauses(c),
+        )
 
     def clauses(self, c: Children) -> dict[str, Any]:
         """The clauses among the children by the field of the tree that holds each; one that is given twice is a problem."""
@@ -190,9 +227,12 @@ class StatementBuilder(ExpressionBuilder):
     def require(self, c: Children) -> ast.Stmt:
         found = self.pieces(c)
         return ast.RequireStmt(
-            **self.stmt(c), condition=c[1] if isinstance(c[1], ast.Expr) else None, stable=found.get("stable"),
-            message=found.get("else"), repair=found.get("repair"),
-        )  # fmt: skip
+            **self.stmt(c),
+            condition=c[1] if isinstance(c[1], ast.Expr) else None,
+            stable=found.get("stable"),
+            message=found.get("else"),
+            repair=found.get("repair"),
+        )
 
     def prefer(self, c: Children) -> ast.Stmt:
         return ast.PreferStmt(**self.stmt(c), condition=c[1], weight=self.pieces(c).get("weight"))
@@ -249,9 +289,14 @@ class StatementBuilder(ExpressionBuilder):
         elif number is None:
             self.problem(c[1], f"how often? the repeat `{c[1].value}` has no number", "for example `in 0 ..< 4`")
         return ast.RepeatStmt(
-            **self.stmt(c), **self.named(c[1]), index=found.get("index"), count=number, form=form, body=body_of(c),
+            **self.stmt(c),
+            **self.named(c[1]),
+            index=found.get("index"),
+            count=number,
+            form=form,
+            body=body_of(c),
             **clauses,
-        )  # fmt: skip
+        )
 
     def when(self, c: Children) -> ast.Stmt:
         otherwise: tuple[ast.Stmt, ...] = ()
@@ -265,9 +310,15 @@ class StatementBuilder(ExpressionBuilder):
         targets, where, value = self.formula(c)
         joint = targets[0] if isinstance(c[4], Token) and c[4].type == "FOR" else None
         return ast.LabelStmt(
-            **self.stmt(c), vocabulary=c[1].value, label=c[3].value, label_span=self.at(c[3]),
-            targets=targets[joint is not None :], joint=joint, where=where, value=value,
-        )  # fmt: skip
+            **self.stmt(c),
+            vocabulary=c[1].value,
+            label=c[3].value,
+            label_span=self.at(c[3]),
+            targets=targets[joint is not None :],
+            joint=joint,
+            where=where,
+            value=value,
+        )
 
     def field(self, c: Children) -> ast.Stmt:
         targets, where, value = self.formula(c)

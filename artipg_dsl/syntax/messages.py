@@ -30,11 +30,26 @@ _ENDS_VALUE = frozenset("NUMBER QUANTITY FRACTION NAME STRING RPAR RSQB HOLE".sp
 _CONDITIONS = frozenset("WHEN WHEN_BLOCK REQUIRE PREFER WHERE IF".split())
 _PAIRS = {"LPAR": "(", "LSQB": "["}
 _SIGNS = {
-    "LBRACE": "`{`", "RBRACE": "`}`", "LPAR": "`(`", "RPAR": "`)`", "LSQB": "`[`", "RSQB": "`]`", "COLON": "`:`",
-    "COMMA": "`,`", "EQUAL": "`=`", "ARROW": "`->`", "UNTIL": "`..`", "UPTO": "`..<`", "DOT": "`.`", "BAR": "`|`",
-    "NAME": "a name", "WORD": "a word", "NUMBER": "a number", "STRING": "a text in quotes",
+    "LBRACE": "`{`",
+    "RBRACE": "`}`",
+    "LPAR": "`(`",
+    "RPAR": "`)`",
+    "LSQB": "`[`",
+    "RSQB": "`]`",
+    "COLON": "`:`",
+    "COMMA": "`,`",
+    "EQUAL": "`=`",
+    "ARROW": "`->`",
+    "UNTIL": "`..`",
+    "UPTO": "`..<`",
+    "DOT": "`.`",
+    "BAR": "`|`",
+    "NAME": "a name",
+    "WORD": "a word",
+    "NUMBER": "a number",
+    "STRING": "a text in quotes",
     "$END": "the end of the file",
-}  # fmt: skip
+}
 
 
 class Found(NamedTuple):

@@ -20,9 +20,27 @@ if TYPE_CHECKING:
 NEUTRAL = "d5d9de"
 #: one colour per word of a vocabulary, in its order; place 0 is no word
 COLOURS = (
-    "2f6fd0", "9b59b6", "e4572e", "f2c12e", "f28e1c", "12a594", "7bb32e", "d6409f", "8c6d4f", "5b6b7d", "7d2ae8",
-    "2aa8e0", "b0215a", "a03030", "3f7f5c", "101418", "1c3f6e", "e58fb0", "8fd0c0", "b58900",
-)  # fmt: skip
+    "2f6fd0",
+    "9b59b6",
+    "e4572e",
+    "f2c12e",
+    "f28e1c",
+    "12a594",
+    "7bb32e",
+    "d6409f",
+    "8c6d4f",
+    "5b6b7d",
+    "7d2ae8",
+    "2aa8e0",
+    "b0215a",
+    "a03030",
+    "3f7f5c",
+    "101418",
+    "1c3f6e",
+    "e58fb0",
+    "8fd0c0",
+    "b58900",
+)
 FINE = 24  # pieces along the diagonal of a primitive
 LEAST = 200  # pieces along that of the object, at most
 STRIPE = 3.0  # pieces to a stripe where several words hold
@@ -67,9 +85,13 @@ def regions(
     colour = np.concatenate([tint, opacity[:, None]], axis=1).repeat(3, axis=0)
     count = len(link)
     shown = Scene(
-        carried(turn, shift, link, corner.reshape(-1, 3)), carried(turn, None, link, normal),
-        np.arange(count).reshape(-1, 3), colour, np.zeros(count), np.full(count, 0.2),
-    )  # fmt: skip
+        carried(turn, shift, link, corner.reshape(-1, 3)),
+        carried(turn, None, link, normal),
+        np.arange(count).reshape(-1, 3),
+        colour,
+        np.zeros(count),
+        np.full(count, 0.2),
+    )
     return shown, {word for word, share in shares.items() if share.any()}
 
 

@@ -14,9 +14,23 @@ from ..export.robot import Robots
 COLOURINGS = ("part", "material", "affordance")
 # one colour per semantic class in the order of the vocabulary; the first word, as a rule the body, is neutral
 PALETTE = (
-    "c4ccd5", "4a86cf", "e8603c", "62a87c", "f2a93b", "8e6bb0", "2fa5a8", "d8648f", "9a7256", "5f6f7a", "b3c151",
-    "e9b59c", "3f5f9e", "c9473a", "3f7f5c", "c98a1b",
-)  # fmt: skip
+    "c4ccd5",
+    "4a86cf",
+    "e8603c",
+    "62a87c",
+    "f2a93b",
+    "8e6bb0",
+    "2fa5a8",
+    "d8648f",
+    "9a7256",
+    "5f6f7a",
+    "b3c151",
+    "e9b59c",
+    "3f5f9e",
+    "c9473a",
+    "3f7f5c",
+    "c98a1b",
+)
 UNSAID = "efece6"  # of what has no label
 
 

@@ -22,8 +22,13 @@ if TYPE_CHECKING:
 
 RENDERERS = ("moderngl", "embreex", "numpy")
 VIEWS = {  # degrees to the left of the front, and above
-    "iso": (33.0, 24.0), "front": (0.0, 0.0), "back": (180.0, 0.0), "left": (90.0, 0.0), "right": (-90.0, 0.0), "top": (0.0, 90.0),
-}  # fmt: skip
+    "iso": (33.0, 24.0),
+    "front": (0.0, 0.0),
+    "back": (180.0, 0.0),
+    "left": (90.0, 0.0),
+    "right": (-90.0, 0.0),
+    "top": (0.0, 90.0),
+}
 BACKDROP = "eaedf1"
 
 

@@ -64,10 +64,16 @@ def value(points: Points, name: str) -> np.ndarray:
 
 def test_kinds(batch: Batch) -> None:
     assert field_kinds(batch.program.labels) == {
-        "affordance.grasp": "grade", "affordance.pull": "mask", "affordance.push": "mask", "field.ahead": "vectors",
-        "field.depth": "field", "field.offset": "vectors", "field.pulling": "vectors", "field.rusty": "mask",
+        "affordance.grasp": "grade",
+        "affordance.pull": "mask",
+        "affordance.push": "mask",
+        "field.ahead": "vectors",
+        "field.depth": "field",
+        "field.offset": "vectors",
+        "field.pulling": "vectors",
+        "field.rusty": "mask",
         "field.wear": "field",
-    }  # fmt: skip
+    }
 
 
 def test_a_slot_binds_several_surfaces(points: Points) -> None:

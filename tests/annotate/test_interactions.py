@@ -39,9 +39,14 @@ def test_the_handle_of_the_door_of_the_microwave(batch: Batch) -> None:
             above = "Microwave" if part["of"] is None else parts[part["of"]]["lineage"]
             assert part["lineage"] == f"{above}/{part['semantic']}"
     assert {
-        "Microwave/body", "Microwave/body/cavity", "Microwave/door", "Microwave/door/window", "Microwave/door/handle",
-        "Microwave/tray", "Microwave/body/control_panel/button",
-    } <= lineages  # fmt: skip
+        "Microwave/body",
+        "Microwave/body/cavity",
+        "Microwave/door",
+        "Microwave/door/window",
+        "Microwave/door/handle",
+        "Microwave/tray",
+        "Microwave/body/control_panel/button",
+    } <= lineages
     assert not any(name.endswith(("body/door", "body/handle")) for name in lineages)
 
 
@@ -176,9 +181,15 @@ def test_a_label_is_for_a_joint_of_several_in_a_row() -> None:
     batch = Session(Source("jar.apg", TWO), None).sampler.batch(np.arange(2), seed=0)
     up = [0.0, 0.0, 1.0]
     wanted = {
-        "lift": ("raise", up), "turn": ("swing", None), "push": ("raise", up), "close": ("swing", None), "pull": ("raise", up),
-        "press": ("raise", up), "grasp": ("swing", None), "roll": ("raise", up),
-    }  # fmt: skip
+        "lift": ("raise", up),
+        "turn": ("swing", None),
+        "push": ("raise", up),
+        "close": ("swing", None),
+        "pull": ("raise", up),
+        "press": ("raise", up),
+        "grasp": ("swing", None),
+        "roll": ("raise", up),
+    }
     for annotation in describe(batch):
         told = {e["affordance"].split(".")[1]: (e["joint"], e["direction"]) for e in annotation["interactions"]}
         assert told == wanted

@@ -88,13 +88,25 @@ def test_the_check_names_the_part_and_its_primitives() -> None:
         ("label semantic.switch on tap where p.z > 0\n  label semantic.lid on tap where not (p.z > 0)", True),
         ("label semantic.switch on tap where p.z > 0\n  label semantic.lid on tap where p.z < -5mm", False),
         ("label semantic.switch on tap where depth < 2cm\n  label semantic.lid on tap where depth >= 2cm", True),
-        ("when kind == plain or kind == gilt { label semantic.switch on tap }\n  when kind == carved { label semantic.lid on tap }", True),
-        ("when kind == plain or kind == gilt { label semantic.switch on tap }\n  when kind == gilt { label semantic.lid on tap }", False),
-        ("part lid : Cuboid(size = [5cm, 5cm, 1cm]) | none\n  connect lid.top on body.bottom\n  label semantic.lid on lid, tap", True),
-        ("when kind == plain {\n  part lid : Cuboid(size = [5cm, 5cm, 1cm])\n  connect lid.top on body.bottom\n"
-         "  label semantic.lid on lid }\n  label semantic.switch on tap", True),
+        (
+            "when kind == plain or kind == gilt { label semantic.switch on tap }\n  when kind == carved { label semantic.lid on tap }",
+            True,
+        ),
+        (
+            "when kind == plain or kind == gilt { label semantic.switch on tap }\n  when kind == gilt { label semantic.lid on tap }",
+            False,
+        ),
+        (
+            "part lid : Cuboid(size = [5cm, 5cm, 1cm]) | none\n  connect lid.top on body.bottom\n  label semantic.lid on lid, tap",
+            True,
+        ),
+        (
+            "when kind == plain {\n  part lid : Cuboid(size = [5cm, 5cm, 1cm])\n  connect lid.top on body.bottom\n"
+            "  label semantic.lid on lid }\n  label semantic.switch on tap",
+            True,
+        ),
     ],
-)  # fmt: skip
+)
 def test_conditions_that_leave_nothing_out_cover(said: str, covers: bool) -> None:
     found = warned(said)
     assert (

@@ -41,10 +41,13 @@ def points(said: str):  # noqa: ANN201
         ("field f : ratio on body = sqrt(p.x / 1m)", "block.apg:6: the field `f` has no value at a point of object 7"),
         ("field f : ratio on body = 1 / (p.x - 10cm) * 1m", "the field `f` has no value"),
         ("field f : vec on body = n * log(p.y / 1m)", "the field `f` has no value"),
-        ("label affordance.push on body = sqrt(p.x / 1m)", "the label `push` is not a degree from 0 to 1 at a point of object 7"),
+        (
+            "label affordance.push on body = sqrt(p.x / 1m)",
+            "the label `push` is not a degree from 0 to 1 at a point of object 7",
+        ),
         ("label affordance.push on body = 1 + p.x / 1m", "the label `push` is not a degree from 0 to 1"),
     ],
-)  # fmt: skip
+)
 def test_what_is_no_number_at_a_point_is_reported(said: str, message: str) -> None:
     with pytest.raises(UserError, match=message.replace("(", r"\(")):
         points(said)
@@ -58,7 +61,7 @@ def test_what_is_no_number_at_a_point_is_reported(said: str, message: str) -> No
         ("label affordance.push on body where p.x > 0 = min(1, 1cm / p.x)", "affordance.push"),
         ("label affordance.push on body = 1 - abs(p.x) / (size.x / 2)", "affordance.push"),
     ],
-)  # fmt: skip
+)
 def test_what_is_not_taken_need_not_have_a_value(said: str, name: str) -> None:
     found = points(said).labels[name]
     told = found[~np.isnan(found)]
@@ -70,8 +73,11 @@ def test_what_is_not_taken_need_not_have_a_value(said: str, name: str) -> None:
 SOMETIMES = [
     ("field f : ratio on body = sqrt(q + 1/2 + p.x / size.x)", "block.apg:7: the field `f` has no value at a point"),
     ("field f : vec on body = n * log(q + 1/2 + p.y / 1m)", "block.apg:7: the field `f` has no value at a point"),
-    ("label affordance.push on body = q + 1/2 + p.x / size.x / 4", "block.apg:7: the label `push` is not a degree from 0 to 1 at a point"),
-]  # fmt: skip
+    (
+        "label affordance.push on body = q + 1/2 + p.x / size.x / 4",
+        "block.apg:7: the label `push` is not a degree from 0 to 1 at a point",
+    ),
+]
 
 
 def sometimes(said: str) -> Sampler:

@@ -46,9 +46,20 @@ def test_object_37_is_the_same_alone_and_among_others(apgc: Apgc, tmp_path: Path
 def test_files_are_the_same_in_processes_with_other_hash_seeds(tmp_path: Path) -> None:
     for seed in ("1", "4242"):
         done = spawn(
-            "sample", CHEST, "-n", 6, "--seed", 7, "--points", 64, "--format", "points,urdf,glb", "-o", tmp_path / seed,
+            "sample",
+            CHEST,
+            "-n",
+            6,
+            "--seed",
+            7,
+            "--points",
+            64,
+            "--format",
+            "points,urdf,glb",
+            "-o",
+            tmp_path / seed,
             hash_seed=seed,
-        )  # fmt: skip
+        )
         assert done.returncode == 0, done.stderr
     assert tree(tmp_path / "1") == tree(tmp_path / "4242")
 

@@ -170,8 +170,11 @@ def test_a_full_disk_or_an_interruption_leaves_whole_objects_and_can_be_resumed(
 def test_a_limit_on_file_sizes_is_told_in_words(made: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-c", LIMITED, *command("export", made, "--format", "glb")[2:]],
-        env=environment(), capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        env=environment(),
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert done.returncode == 1 and "exceeds the size" in done.stderr and "Traceback" not in done.stderr
     assert not (made / "objects").exists() or not list((made / "objects").iterdir())
 
@@ -199,11 +202,16 @@ def test_meshes_as_fine_as_asked(apgc: Apgc, tmp_path: Path) -> None:
     assert code == 1 and "the resolution of meshes" in err
 
 
-@pytest.mark.parametrize("wish, message", [
-    (("--tolerance", "5"), "'5' is not a length"), (("--tolerance", "1nm"), "not a length"),
-    (("--tolerance", "0.001mm"), "is not between 0.01mm and 10m"), (("--triangles", "0"), "from 1 to"),
-    (("--tolerance", "1mm"), "--tolerance and --triangles apply to meshes"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "wish, message",
+    [
+        (("--tolerance", "5"), "'5' is not a length"),
+        (("--tolerance", "1nm"), "not a length"),
+        (("--tolerance", "0.001mm"), "is not between 0.01mm and 10m"),
+        (("--triangles", "0"), "from 1 to"),
+        (("--tolerance", "1mm"), "--tolerance and --triangles apply to meshes"),
+    ],
+)
 def test_wishes_about_meshes_that_make_no_sense(
     apgc: Apgc, tmp_path: Path, wish: tuple[str, ...], message: str
 ) -> None:

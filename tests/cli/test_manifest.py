@@ -24,12 +24,24 @@ from .helpers import CHEST, Apgc
 EVERY = ("text", 1, 0, -1, 10**30, 1.5, float("nan"), None, True, [], [[0]], {}, "../../x", "\0", "\ud800")
 CHECKED = {"numbers", "settings"}  # of these, every value that is read at all is tried
 EDITS = [
-    (("identity", "numbers"), []), (("identity", "numbers"), [[10**18, 10**18]]), (("identity", "numbers"), "0..1"),
-    (("identity", "seed"), -(10**30)), (("identity", "program"), ""), (("identity", "formats"), ["glb"]),
-    (("identity", "settings"), {"widht": 1}), (("identity", "settings"), {"width": "wide"}), (("identity", "points"), 1),
-    (("identity", "made", "mutations"), [{"replay": ""}]), (("identity", "made", "values"), [{"width": {}}]), (("source",), "o"),
-    (("source",), "Microwaev"), (("identity", "states"), "open"), (("identity",), None), (("objects",), 10**9), (("shards",), ["../*"]),
-]  # fmt: skip
+    (("identity", "numbers"), []),
+    (("identity", "numbers"), [[10**18, 10**18]]),
+    (("identity", "numbers"), "0..1"),
+    (("identity", "seed"), -(10**30)),
+    (("identity", "program"), ""),
+    (("identity", "formats"), ["glb"]),
+    (("identity", "settings"), {"widht": 1}),
+    (("identity", "settings"), {"width": "wide"}),
+    (("identity", "points"), 1),
+    (("identity", "made", "mutations"), [{"replay": ""}]),
+    (("identity", "made", "values"), [{"width": {}}]),
+    (("source",), "o"),
+    (("source",), "Microwaev"),
+    (("identity", "states"), "open"),
+    (("identity",), None),
+    (("objects",), 10**9),
+    (("shards",), ["../*"]),
+]
 Path_ = tuple[str | int, ...]
 
 

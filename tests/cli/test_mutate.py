@@ -64,8 +64,12 @@ def test_a_folder_of_mutants(apgc, chest, tmp_path):
     assert code == 0 and "15 objects" in err
     files = tree(out)
     assert set(files) == {
-        "manifest.json", "annotation-00000.jsonl", "points-00000.npz", "trace-00000.jsonl", "correspondence-00000.npz"
-    }  # fmt: skip
+        "manifest.json",
+        "annotation-00000.jsonl",
+        "points-00000.npz",
+        "trace-00000.jsonl",
+        "correspondence-00000.npz",
+    }
     lines = [json.loads(line) for line in files["trace-00000.jsonl"].decode().splitlines()]
     assert [(line["object"], line["source"]) for line in lines] == [(k, k // 3) for k in range(15)]
     assert len({json.dumps(line["steps"]) for line in lines}) == 15
@@ -144,8 +148,11 @@ def test_wrong_use_is_told(apgc, chest, tmp_path, arguments, said):
 def test_values_that_do_not_fit_are_told(apgc, tmp_path):
     file = tmp_path / "values.json"
     for text, said in (
-        ('{"widht": 1}', "draws no `widht`"), ("[]", "holds no objects"), ("{", "is not JSON"), ('{"width": "70"}', "has no unit"),
-    ):  # fmt: skip
+        ('{"widht": 1}', "draws no `widht`"),
+        ("[]", "holds no objects"),
+        ("{", "is not JSON"),
+        ('{"width": "70"}', "has no unit"),
+    ):
         file.write_text(text, encoding="utf-8")
         code, _, err = apgc("mutate", CHEST, "--params", file, "-o", tmp_path / "x")
         assert code in (1, 2) and said in err

@@ -19,8 +19,17 @@ def test_the_card_in_words(apgc: Apgc) -> None:
     assert code == 0
     names = [line[:18].strip() for line in out.splitlines()[1:] if not line.startswith("    ")]
     assert names == [
-        "valid", "graphs", "edit distance", "joints", "duplicates", "pairs", "sizes", "dead parameters", "dead alternatives", "lines",
-    ]  # fmt: skip
+        "valid",
+        "graphs",
+        "edit distance",
+        "joints",
+        "duplicates",
+        "pairs",
+        "sizes",
+        "dead parameters",
+        "dead alternatives",
+        "lines",
+    ]
     assert out.startswith("Chest: 30 objects, seed 3\n")
     assert "goal >= 99%: met" in out and "nothing is known of real ones" in out
 
@@ -29,9 +38,23 @@ def test_the_card_as_json_is_the_same_each_time(apgc: Apgc) -> None:
     first = apgc("report", CHEST, "-n", 20, "--json")[1]
     found = json.loads(first)
     assert list(found) == [
-        "version", "category", "program", "seed", "objects", "checked", "valid", "graphs", "duplicates", "pairs", "sizes",
-        "dead", "meshes", "lines", "goals", "met",
-    ]  # fmt: skip
+        "version",
+        "category",
+        "program",
+        "seed",
+        "objects",
+        "checked",
+        "valid",
+        "graphs",
+        "duplicates",
+        "pairs",
+        "sizes",
+        "dead",
+        "meshes",
+        "lines",
+        "goals",
+        "met",
+    ]
     assert found["meshes"] is None
     assert (found["category"], found["objects"], found["checked"]) == ("Chest", 20, True)
     assert found["valid"]["first"] == 20 and found["valid"]["share"] == 1.0

@@ -239,11 +239,18 @@ def test_wild_values_are_repaired_and_told(apgc: Apgc, tmp_path: Path) -> None:
     assert re.search(rf"1 +1 +0  {re.escape(str(program))}:6: b is too long", out)
     repairs = [a["repairs"] for a in annotations(tmp_path / "o")]
     assert [[(r["path"], r["from"], r["how"]) for r in found] for found in repairs] == [
-        [("a", 1e300, "clipped"), ("b", None, "redrawn")], [("b", -1.7976931348623157e308, "clipped")], [("b", 0.08, "clipped")]
-    ]  # fmt: skip
+        [("a", 1e300, "clipped"), ("b", None, "redrawn")],
+        [("b", -1.7976931348623157e308, "clipped")],
+        [("b", 0.08, "clipped")],
+    ]
     assert repairs[2][0] | {"where": None} == {
-        "path": "b", "from": 0.08, "to": 0.05, "how": "clipped", "because": "b is too long (b <= a + 2cm)", "where": None
-    }  # fmt: skip
+        "path": "b",
+        "from": 0.08,
+        "to": 0.05,
+        "how": "clipped",
+        "because": "b is too long (b <= a + 2cm)",
+        "where": None,
+    }
     assert repairs[2][0]["where"] == f"{program}:6:3"
     assert apgc("export", tmp_path / "o", "--format", "obj")[0] == 0  # from its manifest
 
@@ -251,10 +258,15 @@ def test_wild_values_are_repaired_and_told(apgc: Apgc, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ('{"a": "wide"}', "`a` cannot be `wide`"), ('{"lid": "Cubiod"}', "`lid` cannot be `Cubiod`"), ('{"a": {"b": 1}}', "a number is needed"),
-        ('{"q": 1}', "draws no `q`"), ('{"n": 2.5}', "not a whole number"), ("{", "is not JSON"), ('{"a": "5kg"}', "wrong unit"),
+        ('{"a": "wide"}', "`a` cannot be `wide`"),
+        ('{"lid": "Cubiod"}', "`lid` cannot be `Cubiod`"),
+        ('{"a": {"b": 1}}', "a number is needed"),
+        ('{"q": 1}', "draws no `q`"),
+        ('{"n": 2.5}', "not a whole number"),
+        ("{", "is not JSON"),
+        ('{"a": "5kg"}', "wrong unit"),
     ],
-)  # fmt: skip
+)
 def test_values_of_a_wrong_kind_are_errors(apgc: Apgc, tmp_path: Path, text: str, message: str) -> None:
     program = tmp_path / "p.apg"
     program.write_text(

@@ -16,9 +16,15 @@ _TOKEN = re.compile(r'#[^\n]*|"[^"\n]*"|\d[\d.]*[A-Za-z%/0-9]*|\w+|[^\s\w]')
 _NAME = re.compile(r"[A-Za-z_]\w*$")
 _NUMBER = re.compile(r"(\d+(?:\.\d+)?)([A-Za-z%]*)$")
 KINDS = (
-    "drop a token", "exchange names", "drop a statement", "change a unit",
-    "exchange faces", "drop an equation", "change a number", "drop an argument",
-)  # fmt: skip
+    "drop a token",
+    "exchange names",
+    "drop a statement",
+    "change a unit",
+    "exchange faces",
+    "drop an equation",
+    "change a number",
+    "drop an argument",
+)
 FACES = ("front", "back", "left", "right", "top", "bottom", "center")
 UNITS = ("mm", "cm", "deg", "kg", "%", "", "inch")
 

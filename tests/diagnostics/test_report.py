@@ -23,9 +23,13 @@ def at(word: str) -> Span:
 def example() -> Report:
     report = Report()
     report.error(
-        "unknown-template", at("Dd"), "there is no `Dd`", hint="did you mean `B`?", notes=((at("B"), "this one"),),
+        "unknown-template",
+        at("Dd"),
+        "there is no `Dd`",
+        hint="did you mean `B`?",
+        notes=((at("B"), "this one"),),
         trace=((at("category"), "in category `C`"),),
-    )  # fmt: skip
+    )
     report.warning("redundant", at("part a : B"), "not needed")
     return report
 

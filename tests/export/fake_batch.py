@@ -60,9 +60,15 @@ def cylinder() -> Primitive:
     radial = e.call("hypot", e.var("p.x"), e.var("p.y")) - r
     inside = e.maximum(radial, e.call("abs", e.var("p.z")) - up)
     return Primitive(
-        "Cylinder", ("radius", "height"), ((0.001, 1.0), (0.001, 2.0)), patches, inside, (-r, -r, down), (r, r, up),
+        "Cylinder",
+        ("radius", "height"),
+        ((0.001, 1.0), (0.001, 2.0)),
+        patches,
+        inside,
+        (-r, -r, down),
+        (r, r, up),
         surfaces=("side", "top", "bottom"),
-    )  # fmt: skip
+    )
 
 
 BOARDS = ("back", "left", "right", "top", "bottom")
@@ -105,23 +111,48 @@ def program() -> Program:
     at = (ZERO, ZERO, e.var("t") * e.var("size.z"))
     size = (ONE, ONE, e.const(0.2))
     grasp = Grasp(
-        "pull_handle", root, (1,), grip.frame, size, zero3, e.const(-0.4), e.const(0.4), at, (-ONE, ZERO, ZERO),
-        (ZERO, ONE, ZERO), e.const(0.02), ONE,
-    )  # fmt: skip
+        "pull_handle",
+        root,
+        (1,),
+        grip.frame,
+        size,
+        zero3,
+        e.const(-0.4),
+        e.const(0.4),
+        at,
+        (-ONE, ZERO, ZERO),
+        (ZERO, ONE, ZERO),
+        e.const(0.02),
+        ONE,
+    )
     joints = [
         Joint("open", "open", root, "revolute", (0,), 1, zero3, (ZERO, ZERO, ONE), ZERO, ONE, ZERO),
         Joint("press", "press", root, "prismatic", (0,), 2, zero3, (-ONE, ZERO, ZERO), ZERO, ONE, ZERO),
     ]
     return Program(
-        "Cupboard", "A cupboard.", [root], parts=parts, links=[Link(n, root, p) for n, p in LINKS], joints=joints,
-        sites=sites, labels=labels, grasps=[grasp], keypoints=[Keypoint("tip", root, (1,), (width, ZERO, ZERO))],
+        "Cupboard",
+        "A cupboard.",
+        [root],
+        parts=parts,
+        links=[Link(n, root, p) for n, p in LINKS],
+        joints=joints,
+        sites=sites,
+        labels=labels,
+        grasps=[grasp],
+        keypoints=[Keypoint("tip", root, (1,), (width, ZERO, ZERO))],
         materials={
             "paint": Material("paint", (600.0, 800.0), colour=((0.92, 0.91, 0.88), (0.35, 0.45, 0.55))),
-            "glass": Material("glass", (2500.0, 2500.0), colour=((0.6, 0.75, 0.8),), roughness=(0.05, 0.05), transparency=(0.6, 0.6)),
-            "steel": Material("steel", (7850.0, 7850.0), colour=((0.75, 0.75, 0.78),), metalness=(1.0, 1.0), roughness=(0.3, 0.3)),
+            "glass": Material(
+                "glass", (2500.0, 2500.0), colour=((0.6, 0.75, 0.8),), roughness=(0.05, 0.05), transparency=(0.6, 0.6)
+            ),
+            "steel": Material(
+                "steel", (7850.0, 7850.0), colour=((0.75, 0.75, 0.78),), metalness=(1.0, 1.0), roughness=(0.3, 0.3)
+            ),
         },
-        primitives=primitives, vocabularies={"semantic": SEMANTIC}, hash="f" * 64,
-    )  # fmt: skip
+        primitives=primitives,
+        vocabularies={"semantic": SEMANTIC},
+        hash="f" * 64,
+    )
 
 
 LINKS = (("base", 0), ("door", 5), ("button", 7))
@@ -177,13 +208,20 @@ class FakeBatch:
             params = names if site.primitive == "Cuboid" else {"radius": size[:, 0], "height": size[:, 2]}
             made.append(
                 SiteTable(
-                    number=s, path=site.path, primitive=self.program.primitives[site.primitive], params=params,
-                    owner=np.arange(self.n), rotation=np.broadcast_to(turn, (self.n, 3, 3)), translation=centers[s],
-                    mirror=np.full(self.n, -1.0 if s == 2 else 1.0), link=np.full(self.n, site.link[0]),
-                    instance=np.full(self.n, s), semantic=np.full(self.n, words.index(self.program.parts[s].word)),
+                    number=s,
+                    path=site.path,
+                    primitive=self.program.primitives[site.primitive],
+                    params=params,
+                    owner=np.arange(self.n),
+                    rotation=np.broadcast_to(turn, (self.n, 3, 3)),
+                    translation=centers[s],
+                    mirror=np.full(self.n, -1.0 if s == 2 else 1.0),
+                    link=np.full(self.n, site.link[0]),
+                    instance=np.full(self.n, s),
+                    semantic=np.full(self.n, words.index(self.program.parts[s].word)),
                     rank=np.zeros(self.n, dtype=np.int64),
                 )
-            )  # fmt: skip
+            )
         return made
 
     def _table(self, names: list[str]) -> dict:
@@ -209,12 +247,24 @@ class FakeBatch:
         n = self.n
         nan = np.full(2 * n, np.nan)
         return SimpleNamespace(
-            **self._table(["open", "press"]), kind=["revolute", "prismatic"] * n, parent=np.zeros(2 * n, dtype=int),
-            child=np.tile([1, 2], n), origin=np.stack([self._hinge(), self._boxes()[0][7]], axis=1).reshape(-1, 3),
-            axis=np.tile([[0.0, 0, 1], [-1.0, 0, 0]], (n, 1)), low=np.zeros(2 * n), high=np.tile([1.9, 0.005], n),
-            rest=np.zeros(2 * n), mimic=np.tile([-1, 0 if self.mimic else -1], n), multiplier=np.full(2 * n, 0.002),
-            offset=np.zeros(2 * n), damping=nan, friction=nan, effort=nan, velocity=nan, pitch=nan,
-        )  # fmt: skip
+            **self._table(["open", "press"]),
+            kind=["revolute", "prismatic"] * n,
+            parent=np.zeros(2 * n, dtype=int),
+            child=np.tile([1, 2], n),
+            origin=np.stack([self._hinge(), self._boxes()[0][7]], axis=1).reshape(-1, 3),
+            axis=np.tile([[0.0, 0, 1], [-1.0, 0, 0]], (n, 1)),
+            low=np.zeros(2 * n),
+            high=np.tile([1.9, 0.005], n),
+            rest=np.zeros(2 * n),
+            mimic=np.tile([-1, 0 if self.mimic else -1], n),
+            multiplier=np.full(2 * n, 0.002),
+            offset=np.zeros(2 * n),
+            damping=nan,
+            friction=nan,
+            effort=nan,
+            velocity=nan,
+            pitch=nan,
+        )
 
     def parts(self) -> SimpleNamespace:
         program, n = self.program, self.n
@@ -223,14 +273,19 @@ class FakeBatch:
         half[6:, :, :2] *= 2  # a radius is a half already
         rotation = np.stack([site.rotation for site in self.sites()], axis=1).reshape(-1, 3, 3)
         return SimpleNamespace(
-            **self._table([part.path for part in program.parts]), parent=np.tile([p.parent for p in program.parts], n),
-            path=[p.path for p in program.parts] * n, template=[p.template for p in program.parts] * n,
+            **self._table([part.path for part in program.parts]),
+            parent=np.tile([p.parent for p in program.parts], n),
+            path=[p.path for p in program.parts] * n,
+            template=[p.template for p in program.parts] * n,
             semantic=np.tile([SEMANTIC.index(p.word) for p in program.parts], n),
-            link=np.tile([p.link[0] for p in program.parts], n), rotation=rotation,
-            translation=centers.transpose(1, 0, 2).reshape(-1, 3), low=-half.transpose(1, 0, 2).reshape(-1, 3),
-            high=half.transpose(1, 0, 2).reshape(-1, 3), symmetry=np.tile([[1, 2]] * 6 + [[0, 2]] * 2, (n, 1)),
+            link=np.tile([p.link[0] for p in program.parts], n),
+            rotation=rotation,
+            translation=centers.transpose(1, 0, 2).reshape(-1, 3),
+            low=-half.transpose(1, 0, 2).reshape(-1, 3),
+            high=half.transpose(1, 0, 2).reshape(-1, 3),
+            symmetry=np.tile([[1, 2]] * 6 + [[0, 2]] * 2, (n, 1)),
             holder=np.full(8 * n, -1),
-        )  # fmt: skip
+        )
 
     def settled(self, states: np.ndarray) -> np.ndarray:
         return follow(self.joints(), states)

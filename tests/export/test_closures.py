@@ -106,8 +106,11 @@ def test_usd_has_a_joint_outside_the_articulation(robots: Robots) -> None:
     assert joint.GetExcludeFromArticulationAttr().Get() is True
     (closure,) = robot.closures
     for k, point, body, local in zip(
-        closure.links, closure.points, (joint.GetBody0Rel(), joint.GetBody1Rel()),
-        (joint.GetLocalPos0Attr(), joint.GetLocalPos1Attr()), strict=True,
-    ):  # fmt: skip
+        closure.links,
+        closure.points,
+        (joint.GetBody0Rel(), joint.GetBody1Rel()),
+        (joint.GetLocalPos0Attr(), joint.GetLocalPos1Attr()),
+        strict=True,
+    ):
         assert [p.name for p in body.GetTargets()] == [robot.links[k].name]
         assert np.array(local.Get()) == pytest.approx(point, abs=1e-6)

@@ -89,8 +89,9 @@ def test_cylinders_balls_and_capsules_are_known() -> None:
     ball = 0.03 * ball.reshape(-1, 3)
     capsule = ball + np.sign(ball[:, 2:]) * [0, 0, 0.04]
     assert as_round(np.stack([ball, capsule])).tolist() == [
-        [pytest.approx(0.03), 0, 1], [pytest.approx(0.03), pytest.approx(0.08), 1]
-    ]  # fmt: skip
+        [pytest.approx(0.03), 0, 1],
+        [pytest.approx(0.03), pytest.approx(0.08), 1],
+    ]
     assert not as_round(np.stack([ball * [1, 1, 1.1], ball * [1, 0.9, 1]])).any()
 
 
@@ -201,9 +202,14 @@ def test_halves_part_where_the_hull_is_hollow() -> None:
 
 # category, about how many colliders an object has at most, where its cavity is as shares of its box
 CASES = [
-    ("Microwave", 90, (0.4, 0.6, 0.55)), ("Kettle", 75, (0.5, 0.5, 0.4)), ("WashingMachine", 75, (0.5, 0.5, 0.5)),
-    ("Bottle", 75, (0.5, 0.5, 0.4)), ("Laptop", 60, None), ("Scissors", 62, None), ("Foldingrack", 75, None),
-]  # fmt: skip
+    ("Microwave", 90, (0.4, 0.6, 0.55)),
+    ("Kettle", 75, (0.5, 0.5, 0.4)),
+    ("WashingMachine", 75, (0.5, 0.5, 0.5)),
+    ("Bottle", 75, (0.5, 0.5, 0.4)),
+    ("Laptop", 60, None),
+    ("Scissors", 62, None),
+    ("Foldingrack", 75, None),
+]
 
 
 @pytest.mark.parametrize("name, most, cavity", CASES)

@@ -40,9 +40,10 @@ def write(
     sampler: Sampler, out: Path, content: Content = CONTENT, formats: str = FORMATS, n: int = 5
 ) -> dict[str, Any]:
     return write_dataset(
-        prepare(sampler, Request("Microwave", 1, ((0, n - 1),))), out,
+        prepare(sampler, Request("Microwave", 1, ((0, n - 1),))),
+        out,
         Output(tuple(entry.name for entry in choose(formats)), content, shard=3),
-    )  # fmt: skip
+    )
 
 
 @pytest.fixture(scope="module")

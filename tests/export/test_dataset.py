@@ -42,9 +42,18 @@ def sample(numbers: np.ndarray) -> FakeBatch:
 
 
 def write(  # type: ignore[no-untyped-def]
-    out: Path, n: int = 5, formats: str = "points,urdf,glb", *, seed: int = 7, only: tuple[int, ...] | None = None,
-    points: int = 64, shard: int = 2, sample=sample, counts=COUNTS, **options,
-) -> dict:  # fmt: skip
+    out: Path,
+    n: int = 5,
+    formats: str = "points,urdf,glb",
+    *,
+    seed: int = 7,
+    only: tuple[int, ...] | None = None,
+    points: int = 64,
+    shard: int = 2,
+    sample=sample,
+    counts=COUNTS,
+    **options,
+) -> dict:
     program = FakeBatch(1).program
     request = Request("Cupboard", seed, to_runs(only or range(n)), program=program.hash)
     output = Output(tuple(entry.name for entry in choose(formats)), Content(Sampling(points)), shard)

@@ -38,9 +38,13 @@ def one(kind: str, axis: list[float], mass: float = 2.0, lifted: float = 0.0, **
     }
     fields = {name: np.array([value]) for name, value in (plain | given).items()}
     table = SimpleNamespace(
-        owner=np.zeros(1, int), number=np.zeros(1, int), kind=[kind], origin=np.zeros((1, 3)), axis=np.array([axis]),
+        owner=np.zeros(1, int),
+        number=np.zeros(1, int),
+        kind=[kind],
+        origin=np.zeros((1, 3)),
+        axis=np.array([axis]),
         **({name: nan for name in ("damping", "friction", "effort", "velocity")} | fields),
-    )  # fmt: skip
+    )
     inertia = np.array([np.eye(3), mass * np.diag([5e-7, 0.03, 0.03])])
     turn = np.array([[np.cos(lifted), 0, -np.sin(lifted)], [0, 1, 0], [np.sin(lifted), 0, np.cos(lifted)]])
     pose = np.stack([np.eye(3), turn]), np.zeros((2, 3))

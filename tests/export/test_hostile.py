@@ -145,12 +145,26 @@ def test_a_name_too_long_for_a_file_is_told(tmp_path: Path) -> None:
 
 
 FREE = [
-    "a'b\"c\\d`e", "a\nb\r\nc\td", "a\x00b", "\u202eevil\u2066", "\x01\x1b[31m\x7f\x85", "]]> & <b></script>", "", "%n%s $HOME `id`",
-]  # fmt: skip
+    "a'b\"c\\d`e",
+    "a\nb\r\nc\td",
+    "a\x00b",
+    "\u202eevil\u2066",
+    "\x01\x1b[31m\x7f\x85",
+    "]]> & <b></script>",
+    "",
+    "%n%s $HOME `id`",
+]
 NAMES = {
-    "category": "Clash", "parameter": "width", "part": "door_glass", "joint": "a", "material": "glass_clear", "word": "body",
-    "vocabulary": "semantic", "template": "Cuboid", "surface": "front",
-}  # fmt: skip
+    "category": "Clash",
+    "parameter": "width",
+    "part": "door_glass",
+    "joint": "a",
+    "material": "glass_clear",
+    "word": "body",
+    "vocabulary": "semantic",
+    "template": "Cuboid",
+    "surface": "front",
+}
 
 
 @cache

@@ -84,10 +84,17 @@ def test_parts_without_a_material_are_named() -> None:
 
 # kg/m3, of handbooks: solids as they are used
 REAL = {
-    "steel": (7750, 8050), "stainless": (7480, 8000), "aluminium": (2640, 2840), "brass": (8400, 8730),
-    "glass": (2400, 2800), "white_plastic": (1020, 1080), "oak": (600, 900), "pine": (400, 600), "rubber": (1100, 1250),
+    "steel": (7750, 8050),
+    "stainless": (7480, 8000),
+    "aluminium": (2640, 2840),
+    "brass": (8400, 8730),
+    "glass": (2400, 2800),
+    "white_plastic": (1020, 1080),
+    "oak": (600, 900),
+    "pine": (400, 600),
+    "rubber": (1100, 1250),
     "ceramic": (2200, 2600),
-}  # fmt: skip
+}
 
 
 def test_shipped_materials_have_real_values() -> None:
@@ -112,9 +119,17 @@ def test_shipped_materials_have_real_values() -> None:
 
 # kg: what shops and makers state of such things, with some room
 MASSES = {
-    "Bottle": (0.02, 0.7), "Chair": (3, 45), "Faucet": (0.7, 4.5), "Foldingrack": (1.5, 10), "Kettle": (0.3, 4.5),
-    "Laptop": (0.9, 4.5), "Microwave": (9, 27), "Scissors": (0.02, 0.13), "USB": (0.003, 0.03), "WashingMachine": (25, 100),
-}  # fmt: skip
+    "Bottle": (0.02, 0.7),
+    "Chair": (3, 45),
+    "Faucet": (0.7, 4.5),
+    "Foldingrack": (1.5, 10),
+    "Kettle": (0.3, 4.5),
+    "Laptop": (0.9, 4.5),
+    "Microwave": (9, 27),
+    "Scissors": (0.02, 0.13),
+    "USB": (0.003, 0.03),
+    "WashingMachine": (25, 100),
+}
 
 
 @pytest.mark.parametrize("name", MASSES)

@@ -40,10 +40,10 @@ def test_boxes_share_their_overlap_exactly() -> None:
     assert link.inertia == pytest.approx(union.moment_inertia, rel=1e-5, abs=1e-9)
 
 
-@pytest.mark.parametrize("body, bar, mass", [
-    ("light", "heavy", 100 * (WHOLE - SUNK) + 1000 * 2 * SUNK),
-    ("heavy", "light", 1000 * WHOLE + 100 * SUNK),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "body, bar, mass",
+    [("light", "heavy", 100 * (WHOLE - SUNK) + 1000 * 2 * SUNK), ("heavy", "light", 1000 * WHOLE + 100 * SUNK)],
+)
 def test_what_is_shared_weighs_as_the_denser_of_the_two(body: str, bar: str, mass: float) -> None:
     (link,) = links(BAR + f"material {body} on body\nmaterial {bar} on bar")
     assert link.mass == pytest.approx(mass, rel=1e-12)

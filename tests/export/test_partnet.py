@@ -80,9 +80,17 @@ def folder(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
 def test_every_file_is_there(folder: Folder) -> None:
     names = {p.name for p in folder.path.iterdir()}
     assert names == {
-        "mobility.urdf", "mobility_vhacd.urdf", "mobility_cvx.urdf", "mobility_v2.json", "semantics.txt", "result.json",
-        "bounding_box.json", "meta.json", "textured_objs", "point_sample",
-    }  # fmt: skip
+        "mobility.urdf",
+        "mobility_vhacd.urdf",
+        "mobility_cvx.urdf",
+        "mobility_v2.json",
+        "semantics.txt",
+        "result.json",
+        "bounding_box.json",
+        "meta.json",
+        "textured_objs",
+        "point_sample",
+    }
     meta = json.loads((folder.path / "meta.json").read_text())
     assert all(isinstance(value, str) for value in meta.values())
     assert {"model_id", "anno_id", "user_id", "time_in_sec", "version", "model_cat"} <= set(meta)
@@ -193,7 +201,7 @@ PARTNET = {
         base/foot_base base/foot_base/foot""",
     "Door": """door_set door_set outside_frame hinge door door/door_body door/door_body/surface_board door/door_body/glass
         door/door_body/complex_decoration door/handle door/handle/fixed_part door/handle/movable_part""",
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("name", sorted(PARTNET))
@@ -228,8 +236,9 @@ def test_the_part_tree_is_in_the_words_of_partnet(name: str) -> None:
 def test_the_urdf_is_as_the_data_set_writes_it(folder: Folder) -> None:
     urdf = ElementTree.parse(folder.path / "mobility.urdf").getroot()
     assert urdf.attrib["name"].startswith("partnet_") and [link.attrib["name"] for link in urdf.findall("link")] == [
-        "base", *(f"link_{k}" for k in range(len(folder.order)))
-    ]  # fmt: skip
+        "base",
+        *(f"link_{k}" for k in range(len(folder.order))),
+    ]
     roots = [joint for joint in urdf.findall("joint") if joint.find("parent").attrib["link"] == "base"]  # type: ignore[union-attr]
     assert len(roots) == 1 and roots[0].attrib["type"] == "fixed" and roots[0].find("axis") is None
     assert roots[0].find("origin").attrib["rpy"] == "1.570796326794897 0 -1.570796326794897"  # type: ignore[union-attr]

@@ -163,6 +163,7 @@ def test_python_writes_it(tmp_path) -> None:  # type: ignore[no-untyped-def]
 
     batch = sample("USB", 2, seed=1)
     assert [path.relative_to(tmp_path).as_posix() for path in batch.to_sdf(tmp_path)] == [
-        "objects/000000/model.sdf", "objects/000001/model.sdf"
-    ]  # fmt: skip
+        "objects/000000/model.sdf",
+        "objects/000001/model.sdf",
+    ]
     assert [path.name for path in batch.to_mjcf(tmp_path / "mjcf")] == ["object.xml", "object.xml"]

@@ -34,8 +34,11 @@ def table(number: int, primitive: Primitive, params: dict, owner, translation, r
         np.broadcast_to(np.eye(3), (count, 3, 3)).copy() if rotation is None else rotation,
         np.broadcast_to(np.asarray(translation, dtype=np.float64), (count, 3)).copy(),
         np.ones(count) if mirror is None else np.asarray(mirror, dtype=np.float64),
-        zeros, zeros, zeros, rank,
-    )  # fmt: skip
+        zeros,
+        zeros,
+        zeros,
+        rank,
+    )
 
 
 def cluttered(primitives: list[Primitive], numbers: np.ndarray, sites: int = 40) -> list[SiteTable]:

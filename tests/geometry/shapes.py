@@ -122,10 +122,7 @@ def hollow_frustum(**changes) -> Primitive:
     height = PZ / h + 0.5
     cut = where(call("le", const(TURN), span), -r0, abs_(PY) * cos(half) - PX * sin(half))
     inside = maximum(
-        (hypot(PX, PY) - r(height)) / lean(r1, r0),
-        (b(height) - hypot(PX, PY)) / lean(b1, b0),
-        abs_(PZ) - h / 2,
-        cut,
+        (hypot(PX, PY) - r(height)) / lean(r1, r0), (b(height) - hypot(PX, PY)) / lean(b1, b0), abs_(PZ) - h / 2, cut
     )
     wide = maximum(r0, r1)
     low_x = minimum(minimum(b0, b1) * cos(half), wide * cos(half))

@@ -136,13 +136,32 @@ primitive Rod {
 }
 """
 WRONG = {
-    "a cut face that is always there": ("(1 - u) * radius * sin(half), (v - 1/2) * height] when span < 1turn",
-        "(1 - u) * radius * sin(half), (v - 1/2) * height]", ("`side`", "u start of side, u end of side, u start of end", "about [")),
-    "a bottom that spans less": ("bottom (u in -half ..", "bottom (u in -half / 2 ..", ("`side`", "v end of bottom", "about [")),
-    "a top too high": ("sin(v), height / 2]", "sin(v), height / 2 + 1mm]", ("`side`", "edge v end", "u end of top", "% of its size away")),
-    "another radius": ("hypot(p.x, p.y) - radius,", "hypot(p.x, p.y) - 0.9 * radius,", ("`side`", "neither side is inside", "about [")),
-    "an inside function that is negative outside": ("inside (p) = max(", "inside (p) = -max(", ("far outside", "inside")),
-}  # fmt: skip
+    "a cut face that is always there": (
+        "(1 - u) * radius * sin(half), (v - 1/2) * height] when span < 1turn",
+        "(1 - u) * radius * sin(half), (v - 1/2) * height]",
+        ("`side`", "u start of side, u end of side, u start of end", "about ["),
+    ),
+    "a bottom that spans less": (
+        "bottom (u in -half ..",
+        "bottom (u in -half / 2 ..",
+        ("`side`", "v end of bottom", "about ["),
+    ),
+    "a top too high": (
+        "sin(v), height / 2]",
+        "sin(v), height / 2 + 1mm]",
+        ("`side`", "edge v end", "u end of top", "% of its size away"),
+    ),
+    "another radius": (
+        "hypot(p.x, p.y) - radius,",
+        "hypot(p.x, p.y) - 0.9 * radius,",
+        ("`side`", "neither side is inside", "about ["),
+    ),
+    "an inside function that is negative outside": (
+        "inside (p) = max(",
+        "inside (p) = -max(",
+        ("far outside", "inside"),
+    ),
+}
 
 
 def test_a_sound_rod_has_no_findings():

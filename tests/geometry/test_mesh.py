@@ -54,8 +54,11 @@ def test_exact_volumes_and_inertia_of_a_cuboid():
     assert np.allclose(volume, sides.prod(axis=1), rtol=1e-13)
     assert np.allclose(centre, 0, atol=1e-15)
     square = sides**2
-    expected = volume[:, None] / 12 * np.stack([square[:, 1] + square[:, 2], square[:, 2] + square[:, 0],
-                                                square[:, 0] + square[:, 1]], axis=1)  # fmt: skip
+    expected = (
+        volume[:, None]
+        / 12
+        * np.stack([square[:, 1] + square[:, 2], square[:, 2] + square[:, 0], square[:, 0] + square[:, 1]], axis=1)
+    )
     assert np.allclose(np.diagonal(inertia, axis1=1, axis2=2), expected, rtol=1e-12)
 
 

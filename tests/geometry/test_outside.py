@@ -21,10 +21,13 @@ def walls(lid: bool) -> list:
     """A box of 30 cm with walls of 1 cm, its top open or closed."""
     t, a = 0.01, 0.15
     plates = [
-        ((0.3, 0.3, t), (0, 0, -a + t / 2)), ((0.3, 0.3, t), (0, 0, a - t / 2)),
-        ((t, 0.3, 0.3 - 2 * t), (a - t / 2, 0, 0)), ((t, 0.3, 0.3 - 2 * t), (t / 2 - a, 0, 0)),
-        ((0.3 - 2 * t, t, 0.3 - 2 * t), (0, a - t / 2, 0)), ((0.3 - 2 * t, t, 0.3 - 2 * t), (0, t / 2 - a, 0)),
-    ]  # fmt: skip
+        ((0.3, 0.3, t), (0, 0, -a + t / 2)),
+        ((0.3, 0.3, t), (0, 0, a - t / 2)),
+        ((t, 0.3, 0.3 - 2 * t), (a - t / 2, 0, 0)),
+        ((t, 0.3, 0.3 - 2 * t), (t / 2 - a, 0, 0)),
+        ((0.3 - 2 * t, t, 0.3 - 2 * t), (0, a - t / 2, 0)),
+        ((0.3 - 2 * t, t, 0.3 - 2 * t), (0, t / 2 - a, 0)),
+    ]
     kept = [0, 2, 3, 4, 5] + ([1] if lid else [])
     return [
         scenes.table(n, BOX, dict(zip(("size.x", "size.y", "size.z"), plates[k][0], strict=True)), [0], [plates[k][1]])

@@ -47,10 +47,9 @@ def test_counts_and_guards_follow_the_parameters():
     half = [(a * (x / 2), b * (y / 2), c * (z / 2)) for a in (-1.0, 1.0) for b in (-1.0, 1.0) for c in (-1.0, 1.0)]
     corners = tuple((const(0.5) * p[0] + var("i") * 0.01, p[1], p[2]) for p in half)
     long = shapes.call("lt", const(0.5), x)
-    split = shapes.cuboid(pieces=(
-        Piece("slab", corners, shapes.call("floor", x * 10.0) + 1.0),
-        Piece("extra", tuple(half), None, long),
-    ))  # fmt: skip
+    split = shapes.cuboid(
+        pieces=(Piece("slab", corners, shapes.call("floor", x * 10.0) + 1.0), Piece("extra", tuple(half), None, long))
+    )
     params = {"size.x": np.array([0.05, 0.25, 0.95]), "size.y": np.full(3, 0.1), "size.z": np.full(3, 0.2)}
     groups = pieces.build(split, params)
     rows = {g.name: g.rows.tolist() for g in groups}

@@ -33,9 +33,22 @@ def only(sites: list[SiteTable], chosen: list[int]) -> list[SiteTable]:
     for site in sites:
         rows = np.concatenate([np.flatnonzero(site.owner == o) for o in chosen])
         owner = np.concatenate([np.full((site.owner == o).sum(), n) for n, o in enumerate(chosen)])
-        out.append(SiteTable(site.number, site.path, site.primitive, mesh.take(site.params, rows), owner,
-                             site.rotation[rows], site.translation[rows], site.mirror[rows], site.link[rows],
-                             site.instance[rows], site.semantic[rows], site.rank[rows]))  # fmt: skip
+        out.append(
+            SiteTable(
+                site.number,
+                site.path,
+                site.primitive,
+                mesh.take(site.params, rows),
+                owner,
+                site.rotation[rows],
+                site.translation[rows],
+                site.mirror[rows],
+                site.link[rows],
+                site.instance[rows],
+                site.semantic[rows],
+                site.rank[rows],
+            )
+        )
     return out
 
 
@@ -100,9 +113,18 @@ def test_points_are_uniform_over_what_is_visible():
     sites = [box(0, (0.4, 0.4, 0.02), (0, 0, 0)), box(1, (0.1, 0.2, 0.3), (0, 0, 0.16))]
     found = points.sample(sites, 1, 40_000, KEY, numbers(3))
     areas = {
-        (0, 0): 0.008, (0, 1): 0.008, (0, 2): 0.008, (0, 3): 0.008, (0, 4): 0.16, (0, 5): 0.16 - 0.02,
-        (1, 0): 0.06, (1, 1): 0.06, (1, 2): 0.03, (1, 3): 0.03, (1, 5): 0.02,
-    }  # fmt: skip
+        (0, 0): 0.008,
+        (0, 1): 0.008,
+        (0, 2): 0.008,
+        (0, 3): 0.008,
+        (0, 4): 0.16,
+        (0, 5): 0.16 - 0.02,
+        (1, 0): 0.06,
+        (1, 1): 0.06,
+        (1, 2): 0.03,
+        (1, 3): 0.03,
+        (1, 5): 0.02,
+    }
     total = sum(areas.values())
     for key, area in areas.items():
         count = int(((found.site == key[0]) & (found.patch == key[1])).sum())
@@ -209,9 +231,11 @@ def test_a_surface_with_a_constant_coordinate():
         for p in BOX.patches
     )
     block = shapes.cuboid(
-        patches=lifted, inside=substitute(BOX.inside, {shapes.PZ: shapes.PZ - z / 2}),
-        low=(*BOX.low[:2], ZERO), high=(*BOX.high[:2], z),
-    )  # fmt: skip
+        patches=lifted,
+        inside=substitute(BOX.inside, {shapes.PZ: shapes.PZ - z / 2}),
+        low=(*BOX.low[:2], ZERO),
+        high=(*BOX.high[:2], z),
+    )
     assert check_primitive(block) == []
     sites = [
         scenes.table(n, block, {"size.x": 0.1, "size.y": 0.1, "size.z": 0.1}, [0], [at])

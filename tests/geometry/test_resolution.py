@@ -49,8 +49,12 @@ def test_chords_keep_within_the_tolerance_and_are_not_finer_than_that():
 
 
 def test_a_cylinder_takes_the_steps_of_its_own_radius_and_flat_things_take_none():
-    params = {"": np.zeros(3), "radius": np.array([0.01, 0.1, 1.0]), "top_radius": np.array([0.01, 0.1, 1.0]),
-              "height": np.full(3, 0.5)}  # fmt: skip
+    params = {
+        "": np.zeros(3),
+        "radius": np.array([0.01, 0.1, 1.0]),
+        "top_radius": np.array([0.01, 0.1, 1.0]),
+        "height": np.full(3, 0.5),
+    }
     tolerance = 5e-4
     steps = {
         int(r): len(g.faces) // 4

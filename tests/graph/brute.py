@@ -18,10 +18,24 @@ DRAWS = [Draw(c, c.name, "real", E.const(LEAST[c]), E.const(MOST[c])) for c in (
 x, y = E.col(X), E.col(Y)
 
 FUNCTIONS = {
-    "add": np.add, "sub": np.subtract, "mul": np.multiply, "div": np.divide, "neg": np.negative, "abs": np.abs,
-    "sqrt": np.sqrt, "hypot": np.hypot, "min": np.minimum, "max": np.maximum, "le": np.less_equal, "lt": np.less,
-    "eq": np.equal, "and": np.logical_and, "or": np.logical_or, "not": np.logical_not, "where": np.where,
-}  # fmt: skip
+    "add": np.add,
+    "sub": np.subtract,
+    "mul": np.multiply,
+    "div": np.divide,
+    "neg": np.negative,
+    "abs": np.abs,
+    "sqrt": np.sqrt,
+    "hypot": np.hypot,
+    "min": np.minimum,
+    "max": np.maximum,
+    "le": np.less_equal,
+    "lt": np.less,
+    "eq": np.equal,
+    "and": np.logical_and,
+    "or": np.logical_or,
+    "not": np.logical_not,
+    "where": np.where,
+}
 REDUCTIONS = {"sum": np.sum, "min": np.min, "max": np.max}
 
 

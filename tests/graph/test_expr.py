@@ -24,12 +24,23 @@ def test_equal_expressions_are_one_object():
 @pytest.mark.parametrize(
     "built, expected",
     [
-        (A + 0, A), (A - 0, A), (0 + A, A), (A * 1, A), (A * 0, E.ZERO), (A - A, E.ZERO), (-(-A), A),  # noqa: B002
+        (A + 0, A),
+        (A - 0, A),
+        (0 + A, A),
+        (A * 1, A),
+        (A * 0, E.ZERO),
+        (A - A, E.ZERO),
+        (-(-A), A),  # noqa: B002
         (A + (-B), A - B),
-        (E.const(2) + E.const(3), E.const(5)), (E.both(E.TRUE, A), A), (E.either(E.TRUE, A), E.TRUE), (E.where(E.TRUE, A, B), A),
-        (E.where(E.call("lt", A, B), A, A), A), (E.negate(E.negate(A)), A), (E.call("max", E.const(1), E.const(4)), E.const(4)),
+        (E.const(2) + E.const(3), E.const(5)),
+        (E.both(E.TRUE, A), A),
+        (E.either(E.TRUE, A), E.TRUE),
+        (E.where(E.TRUE, A, B), A),
+        (E.where(E.call("lt", A, B), A, A), A),
+        (E.negate(E.negate(A)), A),
+        (E.call("max", E.const(1), E.const(4)), E.const(4)),
     ],
-)  # fmt: skip
+)
 def test_folding(built, expected):
     assert built is expected
 
@@ -67,9 +78,19 @@ def test_what_is_shared_a_thousandfold_is_shown_and_written_at_once():
 
 @pytest.mark.parametrize(
     ("operation", "values"),
-    [("div", (1, 0)), ("mod", (1, 0)), ("pow", (-2, 0.5)), ("pow", (0, -1)), ("log", (-1,)), ("log", (0,)), ("sqrt", (-1,)), ("asin", (2,)),
-     ("floor", (math.nan,)), ("sin", (math.inf,))],
-)  # fmt: skip
+    [
+        ("div", (1, 0)),
+        ("mod", (1, 0)),
+        ("pow", (-2, 0.5)),
+        ("pow", (0, -1)),
+        ("log", (-1,)),
+        ("log", (0,)),
+        ("sqrt", (-1,)),
+        ("asin", (2,)),
+        ("floor", (math.nan,)),
+        ("sin", (math.inf,)),
+    ],
+)
 def test_what_has_no_value_is_nan(operation, values):
     folded = E.call(operation, *map(E.const, values))
     assert folded.op == "const" and math.isnan(folded.value)

@@ -43,10 +43,15 @@ def test_definitions_are_read_through():
 @pytest.mark.parametrize(
     "node, target, x",
     [
-        (E.call("sqrt", X + 1), 3.0, 8.0), (2 / (X + 1), 0.5, 3.0), (E.call("sin", X), 0.5, 0.5235987755982989),
-        (E.call("hypot", X, E.const(3)), 5.0, 4.0), (X * X, 9.0, 3.0), (5 - X, 2.0, 3.0), (E.power(X, E.const(3)), 8.0, 2.0),
+        (E.call("sqrt", X + 1), 3.0, 8.0),
+        (2 / (X + 1), 0.5, 3.0),
+        (E.call("sin", X), 0.5, 0.5235987755982989),
+        (E.call("hypot", X, E.const(3)), 5.0, 4.0),
+        (X * X, 9.0, 3.0),
+        (5 - X, 2.0, 3.0),
+        (E.power(X, E.const(3)), 8.0, 2.0),
     ],
-)  # fmt: skip
+)
 def test_isolation(node, target, x):
     found = isolate(node, COLUMNS["x"], E.const(target), linear("x"))
     assert found.constant == pytest.approx(x)

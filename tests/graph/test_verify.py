@@ -117,34 +117,62 @@ def test_the_only_code_that_runs_is_generated_in_two_places():
 
 EDITS = {
     r'\$1 = real @0 "width"': [
-        (f'$1 = real @0 "{HOSTILE}"', "not a name"), ('$1 = real @0 ""', "not a name"), ('$1 = other @0 "width"', "no kind of columns"),
-        ('$7 = real @0 "width"', "\\$1 is expected"), ('$1 = real @7 "width"', "@7 is not known"), ('$1 = real @0 "width', "not text"),
-        ('$1 = real @0 "width" 3', "goes on"), ('$1 real @0 "width"', "= is expected"), ('$1 = real @0 "\\ud800"', "not text"),
+        (f'$1 = real @0 "{HOSTILE}"', "not a name"),
+        ('$1 = real @0 ""', "not a name"),
+        ('$1 = other @0 "width"', "no kind of columns"),
+        ('$7 = real @0 "width"', "\\$1 is expected"),
+        ('$1 = real @7 "width"', "@7 is not known"),
+        ('$1 = real @0 "width', "not text"),
+        ('$1 = real @0 "width" 3', "goes on"),
+        ('$1 real @0 "width"', "= is expected"),
+        ('$1 = real @0 "\\ud800"', "not text"),
     ],
     r"%1 = const 0\.1": [
-        ("%1 = const", "too early"), ("%1 = const inf 3", "arguments of const"), ('%1 = const "1"', "constant"), ("%1 = add", "add takes 2"),
-        ("%1 = system", "no operator"), ("%1 = __class__", "no operator"), ("%1 = add %1 %1", "%1 is not known"),
-        ("%1 = " + "[" * 100, "constant|nested|operator"), ("%1 = const " + "[" * 100, "nested"), ("%1 = const %-1", "not a value"),
-        ('%1 = var "p.x"', "variable"), ('%1 = root "0] or 1" %0', "not known|root"),
-        ("%1 = solve 1 0 %1", "not known|solve"), ("%1 = solve 99999 0", "solve"), ("%1 = reduce os @0 %1", "not known|reduction"),
+        ("%1 = const", "too early"),
+        ("%1 = const inf 3", "arguments of const"),
+        ('%1 = const "1"', "constant"),
+        ("%1 = add", "add takes 2"),
+        ("%1 = system", "no operator"),
+        ("%1 = __class__", "no operator"),
+        ("%1 = add %1 %1", "%1 is not known"),
+        ("%1 = " + "[" * 100, "constant|nested|operator"),
+        ("%1 = const " + "[" * 100, "nested"),
+        ("%1 = const %-1", "not a value"),
+        ('%1 = var "p.x"', "variable"),
+        ('%1 = root "0] or 1" %0', "not known|root"),
+        ("%1 = solve 1 0 %1", "not known|solve"),
+        ("%1 = solve 99999 0", "solve"),
+        ("%1 = reduce os @0 %1", "not known|reduction"),
     ],
-    r'kind "real"': [('kind "unreal"', "no kind of draws"), ("kind 3", "kind: 3 where text"), ("kynd 3", "no field 'kynd'")],
+    r'kind "real"': [
+        ('kind "unreal"', "no kind of draws"),
+        ("kind 3", "kind: 3 where text"),
+        ("kynd 3", "no field 'kynd'"),
+    ],
     r'address "width"': [('address ""', "no address"), ("address none", "address: nothing where text")],
     r'unit "m"': [('unit "furlong"', "not a unit"), ('unit "m" unit "m"', "twice")],
     r'kind "revolute"': [('kind "telepathic"', "no kind of joints")],
-    r"child 1": [("child 9", "no link 9"), ("child -1", "no link -1"), ("child 1.5", "child: 1.5 where a whole number")],
+    r"child 1": [
+        ("child 9", "no link 9"),
+        ("child -1", "no link -1"),
+        ("child 1.5", "child: 1.5 where a whole number"),
+    ],
     r'primitive "Cylinder"': [('primitive "Kernel"', "no primitive Kernel")],
     r'path "row.knob" name': [('path "../../etc/passwd" name', "not a name"), ('path "a\\nb" name', "not a name")],
     r'vocabulary "affordance" name "turn"': [('vocabulary "affordance" name "<script>"', "not a name")],
     r'semantic \[\["body"': [('semantic [["soul"', "no word")],
     r'vocabulary "semantic" \["unlabelled"': [('vocabulary "semantic" [', "is not unlabelled")],
-    r'program "Box"': [('program "Box <b>"', "no name"), ("program 3", "program is text"), ('category "Box"', "no item")],
+    r'program "Box"': [
+        ('program "Box <b>"', "no name"),
+        ("program 3", "program is text"),
+        ('category "Box"', "no item"),
+    ],
     r"part 0\)": [("part 77)", "no part 77"), ("part 0", "ends before")],
     r"link \[0\] part 0\)": [("link [0] part 1)", "not there in all its rows")],
     r"test \[\[0\.001": [("test [[nan", "finite"), ("test [[9.0", "ends before")],
     r"parent -1": [("parent 0", "comes after"), ("parent 99", "comes after")],
     r"\(Pose ": [("(System ", "no record")],
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize(("pattern", "edit", "words"), [(p, e, w) for p, edits in EDITS.items() for e, w in edits])
@@ -225,9 +253,11 @@ def test_objects_that_cannot_be_are_refused(text: str, old: str, new: str, words
         number = sum(line.startswith("%") for line in text.split("\n"))
         at = text.index("\njoints ")
         before = sum(line.startswith("%") for line in text[:at].split("\n"))
-        text = text[:at] + f"\n%{before} = const inf" + re.sub(
-            r"%(\d+)\b", lambda m: f"%{int(m[1]) + (int(m[1]) >= before)}", text[at:]
-        )  # fmt: skip
+        text = (
+            text[:at]
+            + f"\n%{before} = const inf"
+            + re.sub(r"%(\d+)\b", lambda m: f"%{int(m[1]) + (int(m[1]) >= before)}", text[at:])
+        )
         assert number >= before
         new = new.replace("%infinite", f"%{before}")
     assert re.search(words, sampled(text, old, new)), sampled(text, old, new)

@@ -15,32 +15,70 @@ PLACE = "the position of `a` along y"
 @pytest.mark.parametrize(
     ("body", "code", "message", "lines"),
     [
-        (SOLID + "  align a.left = body.left\n  align a.left = body.left + 1cm", "contradictory",
-         "this equation contradicts the others: its sides always differ by 10mm", {9: "", 8: f"determines {PLACE}"}),
-        (CHOICE + SOLID + "  when k == one {\n    align a.left = body.left\n    align a.left = body.left + 1cm\n  }",
-         "contradictory", "this equation contradicts the others where k = one: its sides always differ by 10mm",
-         {11: "", 10: f"determines {PLACE}"}),
-        (CHOICE + SOLID + "  align a.left = body.left\n  when k == two { align a.right = body.right - w / 2 }", "over-determined",
-         f"this is one equation too many where k = two: {PLACE} is determined already", {10: "", 9: f"determines {PLACE}"}),
-        (CHOICE + SOLID + "  align a.left = body.left\n  when k == one { } else { align body.left = a.left }", "redundant",
-         "this equation follows from the others where k is not one", {10: "", 9: f"determines {PLACE}"}),
-        (OPEN + "  align a.left = body.left\n  align body.left = a.left", "not-solvable",
-         f"these equations say the same of `a.size.y` and {PLACE}: one more is needed", {8: "", 9: "together with this"}),
-        (OPEN + "  align a.left = body.left\n  align a.left = body.left + 2mm", "contradictory",
-         "this equation contradicts the others: its sides always differ by 2mm", {8: "the other", 9: ""}),
+        (
+            SOLID + "  align a.left = body.left\n  align a.left = body.left + 1cm",
+            "contradictory",
+            "this equation contradicts the others: its sides always differ by 10mm",
+            {9: "", 8: f"determines {PLACE}"},
+        ),
+        (
+            CHOICE + SOLID + "  when k == one {\n    align a.left = body.left\n    align a.left = body.left + 1cm\n  }",
+            "contradictory",
+            "this equation contradicts the others where k = one: its sides always differ by 10mm",
+            {11: "", 10: f"determines {PLACE}"},
+        ),
+        (
+            CHOICE + SOLID + "  align a.left = body.left\n  when k == two { align a.right = body.right - w / 2 }",
+            "over-determined",
+            f"this is one equation too many where k = two: {PLACE} is determined already",
+            {10: "", 9: f"determines {PLACE}"},
+        ),
+        (
+            CHOICE + SOLID + "  align a.left = body.left\n  when k == one { } else { align body.left = a.left }",
+            "redundant",
+            "this equation follows from the others where k is not one",
+            {10: "", 9: f"determines {PLACE}"},
+        ),
+        (
+            OPEN + "  align a.left = body.left\n  align body.left = a.left",
+            "not-solvable",
+            f"these equations say the same of `a.size.y` and {PLACE}: one more is needed",
+            {8: "", 9: "together with this"},
+        ),
+        (
+            OPEN + "  align a.left = body.left\n  align a.left = body.left + 2mm",
+            "contradictory",
+            "this equation contradicts the others: its sides always differ by 2mm",
+            {8: "the other", 9: ""},
+        ),
         (OPEN, "under-determined", "nothing determines the size of `a` along y (`a.size.y`)", {6: ""}),
-        (OPEN.replace("_", "d").replace("  part", "  param d : length derived\n  part", 1) + CHOICE + "  when k == two { align d = w / 2 }",
-         "under-determined", "nothing determines `d` where k is not two", {6: "", 10: "determines it, but under a guard only"}),
-        (SOLID + SOLID.replace("a ", "b ") + "  align a.left = b.left + 1cm\n  align a.right = b.right + w", "not-solvable",
-         f"these equations place {PLACE} and the position of `b` along y against one another only: nothing ties them to the rest",
-         {10: "", 11: "together with this"}),
+        (
+            OPEN.replace("_", "d").replace("  part", "  param d : length derived\n  part", 1)
+            + CHOICE
+            + "  when k == two { align d = w / 2 }",
+            "under-determined",
+            "nothing determines `d` where k is not two",
+            {6: "", 10: "determines it, but under a guard only"},
+        ),
+        (
+            SOLID + SOLID.replace("a ", "b ") + "  align a.left = b.left + 1cm\n  align a.right = b.right + w",
+            "not-solvable",
+            f"these equations place {PLACE} and the position of `b` along y against one another only: nothing ties them to the rest",
+            {10: "", 11: "together with this"},
+        ),
     ],
     ids=[
-        "contradiction", "contradiction under a guard", "one too many", "redundant in the else", "the same twice",
-        "a contradiction of an open size", "an open size",
-        "open in the other case", "afloat together",
+        "contradiction",
+        "contradiction under a guard",
+        "one too many",
+        "redundant in the else",
+        "the same twice",
+        "a contradiction of an open size",
+        "an open size",
+        "open in the other case",
+        "afloat together",
     ],
-)  # fmt: skip
+)
 def test_a_finding_names_statements_guard_and_degree(body: str, code: str, message: str, lines: dict[int, str]) -> None:
     session = Session.of_text(HEAD + category(body))
     _ = session.lowering

@@ -9,9 +9,11 @@ from artipg_dsl.sampling.statistics import Exhausted, Statistics
 from artipg_dsl.session import Session
 
 USES = {
-    "OpenBox": "bodies { OpenBox }", "BarHandle": "handles { Handle, BarHandle, BowHandle }", "affordance": "vocabularies { affordance }",
+    "OpenBox": "bodies { OpenBox }",
+    "BarHandle": "handles { Handle, BarHandle, BowHandle }",
+    "affordance": "vocabularies { affordance }",
     "Cuboid": "primitives { Cuboid }",
-}  # fmt: skip
+}
 BLOCK = "part b : Cuboid(size = [1cm, 1cm, 1cm])\n"
 CUBE = BLOCK + "connect b.bottom on body.top\n"
 SLIDE = BLOCK + "joint j : prismatic body -> b along x range 0cm .. 5cm "
@@ -41,10 +43,26 @@ CONSTANT = {
     "an angle": (CUBE + "align b.center.y = 1cm * sin(asin(2))", 2, "`asin` takes numbers from -1 to 1, and this is 2"),
     "a remainder": ("let k = mod(5, 0)", 0, "`mod(5, 0)` divides by zero"),
     "a function": ("let f(q) = 1 / q\nlet k = f(0)", 0, "`1 / q` divides by zero"),
-    "a negative size": ("part b : Cuboid(size = [-1cm, 1cm, 1cm])\nconnect b to body", 0, "b: size.x must be positive, whatever is drawn"),
-    "a size beyond": ("part b : Cuboid(size = [1cm, 1cm, 9000km])\nconnect b to body", 0, "the size of `b` along z is 9e+06, but sizes"),
-    "a place beyond": (CUBE + "align b.center.y = 2000km", 0, "the place of `b` is at least 2e+06, but places lie within 1 km of the origin"),
-    "a wall": ("part b : OpenBox(size = [9cm, 9cm, 9cm], wall = -2mm)\nconnect b to body", None, "must be positive, whatever is drawn"),
+    "a negative size": (
+        "part b : Cuboid(size = [-1cm, 1cm, 1cm])\nconnect b to body",
+        0,
+        "b: size.x must be positive, whatever is drawn",
+    ),
+    "a size beyond": (
+        "part b : Cuboid(size = [1cm, 1cm, 9000km])\nconnect b to body",
+        0,
+        "the size of `b` along z is 9e+06, but sizes",
+    ),
+    "a place beyond": (
+        CUBE + "align b.center.y = 2000km",
+        0,
+        "the place of `b` is at least 2e+06, but places lie within 1 km of the origin",
+    ),
+    "a wall": (
+        "part b : OpenBox(size = [9cm, 9cm, 9cm], wall = -2mm)\nconnect b to body",
+        None,
+        "must be positive, whatever is drawn",
+    ),
     "an element": (ROW.format("2 .. 3") + "let w = e[3].k", 6, "`e[3]`: the repeat has no such element"),
     "a rank below": (ROW.format("2 .. 3") + "let w = e[-1].k", 6, "elements are counted from 0"),
     "rest": (SLIDE + "rest 9cm", 1, "the joint rests outside its range 0"),
@@ -52,32 +70,88 @@ CONSTANT = {
     "friction": (SLIDE + "friction -1N", 1, "the friction of the joint `j` is -1"),
     "effort": (SLIDE + "effort 0N", 1, "the effort of the joint `j` is 0, but it is finite and above 0"),
     "velocity": (SLIDE + "velocity 0m/s", 1, "the velocity of the joint `j` is 0"),
-    "pitch": (BLOCK + "joint j : screw body.bottom -> b.top gap 1mm range 0turn .. 3turn pitch 0mm", 1, "the pitch of the joint `j` is 0"),
-    "an axis": (TURN.format("line(at = body.top.center, along = [0, 0, 0])"), 1, "the length of the axis of the joint `j` is 0"),
-    "a line": (TURN.format("line(at = body.top.center, to = body.top.center)"), 1, "the length of the axis of the joint `j` is 0"),
-    "an axis of a part": ("part b : Cuboid(size = [1cm, 1cm, 1cm]) turned 9deg about [0, 0, 0]\nconnect b to body", 0, "an axis has a length"),
-    "an axis askew": ("part b : Cuboid(size = [1cm, 1cm, 1cm]) along [1, 1, 0]\nconnect b to body", 0, "a part lies along x, y or z"),
+    "pitch": (
+        BLOCK + "joint j : screw body.bottom -> b.top gap 1mm range 0turn .. 3turn pitch 0mm",
+        1,
+        "the pitch of the joint `j` is 0",
+    ),
+    "an axis": (
+        TURN.format("line(at = body.top.center, along = [0, 0, 0])"),
+        1,
+        "the length of the axis of the joint `j` is 0",
+    ),
+    "a line": (
+        TURN.format("line(at = body.top.center, to = body.top.center)"),
+        1,
+        "the length of the axis of the joint `j` is 0",
+    ),
+    "an axis of a part": (
+        "part b : Cuboid(size = [1cm, 1cm, 1cm]) turned 9deg about [0, 0, 0]\nconnect b to body",
+        0,
+        "an axis has a length",
+    ),
+    "an axis askew": (
+        "part b : Cuboid(size = [1cm, 1cm, 1cm]) along [1, 1, 0]\nconnect b to body",
+        0,
+        "a part lies along x, y or z",
+    ),
     "no weight": (HANDLE.format(0, 0), 0, "the largest weight of `h` is 0, but one of several has a weight above 0"),
     "a weight": (HANDLE.format("log(-1)", 1), 0, "-1 has no logarithm"),
     "a weight divided by 0": (HANDLE.format("1 / (1 - 1)", 1), 0, "`1 / (1 - 1)` divides by zero"),
-    "a deviation": ("param r : length in 1cm .. 2cm ~ lognormal(0cm, 0.1)", 0, "an argument of the distribution of `r` is 0"),
+    "a deviation": (
+        "param r : length in 1cm .. 2cm ~ lognormal(0cm, 0.1)",
+        0,
+        "an argument of the distribution of `r` is 0",
+    ),
     "a value": ("param r : length in 1cm .. 2cm ~ values(0cm / 0)", 0, "`0cm / 0` divides by zero"),
     "a step": ("param r : length in 1cm .. 2cm vary -5%", 0, "the step of `r` is -0.05"),
-    "many elements": ("repeat k[i] in 0 ..< 10000000 pitch 1mm along y" + KEY.format(), 0, "the number of elements of `k` is 1e+07"),
+    "many elements": (
+        "repeat k[i] in 0 ..< 10000000 pitch 1mm along y" + KEY.format(),
+        0,
+        "the number of elements of `k` is 1e+07",
+    ),
     "a fine fill": ("repeat k[i] fill body along y every 0.0001mm" + KEY.format(), 0, "`every` of `k` is 1e-07"),
-    "a fill of many": ("repeat k[i] fill body along y every 0.01mm" + KEY.format(), 0, "the number of elements of `k` is 50001, but a repeat"),
+    "a fill of many": (
+        "repeat k[i] fill body along y every 0.01mm" + KEY.format(),
+        0,
+        "the number of elements of `k` is 50001, but a repeat",
+    ),
     "a fill every 0": ("repeat k[i] fill body along y every 0cm" + KEY.format(), 0, "`every` of `k` is 0"),
     "a label": (CUBE + "label affordance.push on body = 7", 2, "the label `push` is 7, but it lies in 0 .. 1"),
-    "a label divided by 0": ("label affordance.push on body = 1cm / (p.x - p.x)", 0, "`1cm / (p.x - p.x)` divides by zero"),
+    "a label divided by 0": (
+        "label affordance.push on body = 1cm / (p.x - p.x)",
+        0,
+        "`1cm / (p.x - p.x)` divides by zero",
+    ),
     "a field": ("field f : ratio on body = log(-1)", 0, "-1 has no logarithm"),
     "a field of vectors": ("field f : vec on body = n / (1 - 1)", 0, "`n / (1 - 1)` divides by zero"),
-    "a place of a grasp": (GRASP.format("t * size.z / (1 - 1)", "-z", "y", "size.y", 1), 2, "`t * size.z / (1 - 1)` divides by zero"),
-    "an approach": (GRASP.format(0, "[0, 0, 0]", "y", "size.y", 1), 2, "the length of `approach` of the grasp `g` is 0"),
-    "a closing direction": (GRASP.format(0, "-z", "z", "size.y", 1), 2, "`close` beside `approach` of the grasp `g` is 0"),
-    "an opening": (GRASP.format(0, "-z", "y", "-1cm", 1), 2, "the opening of the grasp `g` is -0.01, but an opening is a length above 0"),
-    "a quality": (GRASP.format(0, "-z", "y", "size.y", 7), 2, "the quality of the grasp `g` is 7, but it lies in 0 .. 1"),
+    "a place of a grasp": (
+        GRASP.format("t * size.z / (1 - 1)", "-z", "y", "size.y", 1),
+        2,
+        "`t * size.z / (1 - 1)` divides by zero",
+    ),
+    "an approach": (
+        GRASP.format(0, "[0, 0, 0]", "y", "size.y", 1),
+        2,
+        "the length of `approach` of the grasp `g` is 0",
+    ),
+    "a closing direction": (
+        GRASP.format(0, "-z", "z", "size.y", 1),
+        2,
+        "`close` beside `approach` of the grasp `g` is 0",
+    ),
+    "an opening": (
+        GRASP.format(0, "-z", "y", "-1cm", 1),
+        2,
+        "the opening of the grasp `g` is -0.01, but an opening is a length above 0",
+    ),
+    "a quality": (
+        GRASP.format(0, "-z", "y", "size.y", 7),
+        2,
+        "the quality of the grasp `g` is 7, but it lies in 0 .. 1",
+    ),
     "a distance": (CUBE + "clear b from body by -1cm", 2, "is -0.01, but a distance is not negative"),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize(("body", "line", "message"), CONSTANT.values(), ids=CONSTANT.keys())
@@ -93,13 +167,18 @@ def test_what_is_never_legal_is_an_error_with_its_place(body: str, line: int | N
 @pytest.mark.parametrize(
     ("properties", "message"),
     [
-        ("density 0kg/m3", "`density` is 0"), ("density -5kg/m3", "`density` is -5"), ("density 5kg/m3 / 0", "divides by zero"),
-        ("density 9kg/m3 .. 5kg/m3", "the range is empty"), ("density 5kg/m3 friction -0.5", "`friction_static` is -0.5"),
-        ("density 5kg/m3 restitution 3", "`restitution` is 3"), ("density 5kg/m3 colour [6, -4, 0.2]", "`colour` is 6"),
-        ("density 5kg/m3 roughness 6", "`roughness` is 6"), ("density 5kg/m3 metalness -1", "`metalness` is -1"),
+        ("density 0kg/m3", "`density` is 0"),
+        ("density -5kg/m3", "`density` is -5"),
+        ("density 5kg/m3 / 0", "divides by zero"),
+        ("density 9kg/m3 .. 5kg/m3", "the range is empty"),
+        ("density 5kg/m3 friction -0.5", "`friction_static` is -0.5"),
+        ("density 5kg/m3 restitution 3", "`restitution` is 3"),
+        ("density 5kg/m3 colour [6, -4, 0.2]", "`colour` is 6"),
+        ("density 5kg/m3 roughness 6", "`roughness` is 6"),
+        ("density 5kg/m3 metalness -1", "`metalness` is -1"),
         ("density 5kg/m3 transparency 7", "`transparency` is 7"),
     ],
-)  # fmt: skip
+)
 def test_properties_of_materials_are_legal(properties: str, message: str) -> None:
     made, first = session("  material bad on body", f"material bad {{\n  {properties}\n}}\n")
     assert made.lowering is None
@@ -126,10 +205,12 @@ DRAWN = {
     "an element": (ROW.format("2 .. 4") + "let w = e[3].k", 7),
     "elements": ("count n in 1 .. 50\nrepeat k[i] in 0 ..< n * n * n * n pitch 1mm along y" + KEY.format(), 2),
     "elements of elements": (
-        "count n in 1 .. 50\nrepeat r[j] in 0 ..< n * n pitch 1mm along x {\nrepeat k[i] in 0 ..< n * n pitch 1mm along y" + KEY.format()
-        + "\n}", 3,
+        "count n in 1 .. 50\nrepeat r[j] in 0 ..< n * n pitch 1mm along x {\nrepeat k[i] in 0 ..< n * n pitch 1mm along y"
+        + KEY.format()
+        + "\n}",
+        3,
     ),
-}  # fmt: skip
+}
 
 
 @pytest.mark.filterwarnings("error")

@@ -441,7 +441,7 @@ def test_paths_of_one_shape_share_a_primitive():
         ("lathe([base, side], [floor, lining]) about", "sweep(circle(wall)) along side up", "bad-curve", "in a plane"),
         ("lathe([base, side], [floor, lining]) about", "extrude(side) along", "wrong-arguments", "both its ends"),
     ],
-)  # fmt: skip
+)
 def test_what_cannot_be_made_is_said_in_words(old, new, code, words):
     assert old in FLASK
     context, module = load(FLASK.replace(old, new))

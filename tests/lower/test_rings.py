@@ -50,32 +50,71 @@ def found(text: str) -> list[tuple[str, str, list[int]]]:
 @pytest.mark.parametrize(
     ("text", "message", "lines"),
     [
-        (category(A + f"  joint j : revolute a -> a about a.left.back {TURN}"), "`a` hangs on itself: the links form a ring", [7]),
+        (
+            category(A + f"  joint j : revolute a -> a about a.left.back {TURN}"),
+            "`a` hangs on itself: the links form a ring",
+            [7],
+        ),
         (category(A + "  joint j : fixed a -> a"), "`a` hangs on itself: the links form a ring", [7]),
-        (category(A + B + f"  joint j : revolute a -> b about a.left.back {TURN}\n  joint k : revolute b -> a about a.left.back {TURN}"),
-         "`a` hangs on itself, by way of `b`: the links form a ring", [9, 8]),
-        (category(A + B + f"  connect a to b\n  joint k : revolute a -> b about a.left.back {TURN}"),
-         "`b` hangs on itself: the links form a ring", [9, 8]),
-        (FIRST + category("  part m : Mast\n  connect m to body\n  align m.grip.bottom = body.top"),
-         "`m.lt` hangs on itself: the links form a ring", [8, 5, 6]),
-        (category(CHAIN.format(count=3, first="seg[last].lt")), "`seg.lt` hangs on itself: the links form a ring", [9, 10]),
-        (category("  count n in 1 .. 3\n"
-                  + CHAIN.format(count="n", first="seg[last].lt")), "`seg.lt` hangs on itself: the links form a ring", [10]),
+        (
+            category(
+                A
+                + B
+                + f"  joint j : revolute a -> b about a.left.back {TURN}\n  joint k : revolute b -> a about a.left.back {TURN}"
+            ),
+            "`a` hangs on itself, by way of `b`: the links form a ring",
+            [9, 8],
+        ),
+        (
+            category(A + B + f"  connect a to b\n  joint k : revolute a -> b about a.left.back {TURN}"),
+            "`b` hangs on itself: the links form a ring",
+            [9, 8],
+        ),
+        (
+            FIRST + category("  part m : Mast\n  connect m to body\n  align m.grip.bottom = body.top"),
+            "`m.lt` hangs on itself: the links form a ring",
+            [8, 5, 6],
+        ),
+        (
+            category(CHAIN.format(count=3, first="seg[last].lt")),
+            "`seg.lt` hangs on itself: the links form a ring",
+            [9, 10],
+        ),
+        (
+            category("  count n in 1 .. 3\n" + CHAIN.format(count="n", first="seg[last].lt")),
+            "`seg.lt` hangs on itself: the links form a ring",
+            [10],
+        ),
         (category(DIALS.format("j0", "j0", "j0")), "the joint `j0` follows itself", [7]),
-        (category(DIALS.format("j1", "j2", "-j0")), "the joint `j0` follows itself, by way of `j1` and `j2`", [7, 9, 11]),
+        (
+            category(DIALS.format("j1", "j2", "-j0")),
+            "the joint `j0` follows itself, by way of `j1` and `j2`",
+            [7, 9, 11],
+        ),
     ],
-    ids=["a joint on itself", "a fixed joint on itself", "two joints", "connect and joint", "an unattached first part", "the last element",
-         "the last of a count", "a mimic of itself", "three mimics"],
-)  # fmt: skip
+    ids=[
+        "a joint on itself",
+        "a fixed joint on itself",
+        "two joints",
+        "connect and joint",
+        "an unattached first part",
+        "the last element",
+        "the last of a count",
+        "a mimic of itself",
+        "three mimics",
+    ],
+)
 def test_a_ring_is_refused(text: str, message: str, lines: list[int]) -> None:
     assert found(text) == [("circular-definition", message, lines)]
 
 
 SWAPPED = (
-    MODE + A + B
+    MODE
+    + A
+    + B
     + f"  when mode == one {{\n    connect a to body\n    joint j : revolute a -> b about a.left.back {TURN}\n  }} else {{\n"
     + f"    connect b to body\n    joint j : revolute b -> a about a.left.back {TURN}\n  }}\n"
-)  # fmt: skip
+)
 
 
 @pytest.mark.parametrize(

@@ -63,18 +63,18 @@ def test_explicit_assignment() -> None:
 
 
 def test_two_faces_determine_place_and_size() -> None:
-    batch = sampled(category(
-        "  part a : Cuboid(size = [1cm, _, 1cm])\n  connect a to body\n"
-        "  align a.left = body.left - 1cm\n  align a.right = body.right + 3cm"
-    ))  # fmt: skip
+    batch = sampled(
+        category(
+            "  part a : Cuboid(size = [1cm, _, 1cm])\n  connect a to body\n"
+            "  align a.left = body.left - 1cm\n  align a.right = body.right + 3cm"
+        )
+    )
     np.testing.assert_allclose(value(batch, "a.size.y"), value(batch, "w") - 0.04)
     np.testing.assert_allclose(box(batch, "a")[0][:, 1], box(batch, "body")[0][:, 1] + 0.03)
 
 
 def test_nonlinear_equation_isolates_its_unknown() -> None:
-    batch = sampled(category(
-        "  part a : Cylinder(height = 1cm)\n  connect a to body\n  align a.radius ^ 2 = w * 1cm"
-    ))  # fmt: skip
+    batch = sampled(category("  part a : Cylinder(height = 1cm)\n  connect a to body\n  align a.radius ^ 2 = w * 1cm"))
     np.testing.assert_allclose(value(batch, "a.radius"), np.sqrt(value(batch, "w") * 0.01))
 
 
@@ -111,10 +111,12 @@ def test_tie_between_parameters_names_both() -> None:
 
 
 def test_of_two_positions_the_later_part_yields() -> None:
-    batch = sampled(category(
-        "  part a : Cuboid(size = [1cm, 1cm, 1cm])\n  part b : Cuboid(size = [1cm, 1cm, 1cm])\n"
-        "  connect a to body\n  connect b to body\n  align a.center.x = b.center.x + 1cm"
-    ))  # fmt: skip
+    batch = sampled(
+        category(
+            "  part a : Cuboid(size = [1cm, 1cm, 1cm])\n  part b : Cuboid(size = [1cm, 1cm, 1cm])\n"
+            "  connect a to body\n  connect b to body\n  align a.center.x = b.center.x + 1cm"
+        )
+    )
     np.testing.assert_allclose(box(batch, "a")[0][:, 0], -0.005)
     np.testing.assert_allclose(box(batch, "b")[0][:, 0], -0.015)
 
@@ -144,40 +146,49 @@ def test_domain_of_a_determined_parameter_is_required() -> None:
 
 
 def test_derived_under_when_and_else() -> None:
-    batch = sampled(category(
-        "  param k : choice one | two = one\n  param d : length in 1cm .. 40cm derived\n"
-        "  when k == one { align d = w / 2 } else { align d = w / 4 }\n"
-        "  part a : Cuboid(size = [d, 1cm, 1cm])\n  connect a to body"
-    ), 40)  # fmt: skip
+    batch = sampled(
+        category(
+            "  param k : choice one | two = one\n  param d : length in 1cm .. 40cm derived\n"
+            "  when k == one { align d = w / 2 } else { align d = w / 4 }\n"
+            "  part a : Cuboid(size = [d, 1cm, 1cm])\n  connect a to body"
+        ),
+        40,
+    )
     one = value(batch, "k") == 0
     assert one.any() and (~one).any()
     np.testing.assert_allclose(value(batch, "d"), np.where(one, value(batch, "w") / 2, value(batch, "w") / 4))
 
 
 def test_branch_parts_and_outer_sizes_are_solved_together() -> None:
-    batch = sampled(category(
-        "  param k : choice one | two = one\n  part a : Cuboid(size = [1cm, _, 1cm])\n  connect a to body\n"
-        "  align a.right = body.right\n"
-        "  when k == one {\n    part b : Cuboid(size = [1cm, 2cm, 1cm])\n    connect b to body\n"
-        "    align b.left = body.left\n    align a.left = b.right\n  } else { align a.left = body.left }"
-    ), 40)  # fmt: skip
+    batch = sampled(
+        category(
+            "  param k : choice one | two = one\n  part a : Cuboid(size = [1cm, _, 1cm])\n  connect a to body\n"
+            "  align a.right = body.right\n"
+            "  when k == one {\n    part b : Cuboid(size = [1cm, 2cm, 1cm])\n    connect b to body\n"
+            "    align b.left = body.left\n    align a.left = b.right\n  } else { align a.left = body.left }"
+        ),
+        40,
+    )
     one = value(batch, "k") == 0
     np.testing.assert_allclose(value(batch, "a.size.y"), value(batch, "w") - np.where(one, 0.02, 0.0))
 
 
 def test_an_optional_part_takes_its_equations_with_it() -> None:
-    batch = sampled(category(
-        "  part a : Cuboid(size = [1cm, _, 1cm]) | none\n  connect a.back on body.front fit left, right"
-    ), 40)  # fmt: skip
+    batch = sampled(
+        category("  part a : Cuboid(size = [1cm, _, 1cm]) | none\n  connect a.back on body.front fit left, right"), 40
+    )
     low, _ = box(batch, "a")
     assert 0 < len(low) < 40
 
 
 def test_requirement_on_a_choice_removes_its_alternatives() -> None:
-    batch = sampled(category(
-        "  part a : Cuboid(size = [1cm, 1cm, 1cm]) | none\n  connect a.back on body.front\n"
-        "  require not a or w >= 30cm"
-    ), 60)  # fmt: skip
+    batch = sampled(
+        category(
+            "  part a : Cuboid(size = [1cm, 1cm, 1cm]) | none\n  connect a.back on body.front\n"
+            "  require not a or w >= 30cm"
+        ),
+        60,
+    )
     assert (batch.state.attempt == 0).all()
     there = np.isin(np.arange(60), batch.parts().owner[[p == "a" for p in batch.parts().path]])
     assert there.any() and (value(batch, "w")[there] >= 0.3).all()
@@ -187,10 +198,13 @@ def test_requirement_on_a_choice_removes_its_alternatives() -> None:
 
 
 def test_nested_splits_fill_their_box() -> None:
-    batch = sampled(category(
-        "  count n in 2 .. 4\n  repeat col[c] in 0 ..< n split body along y gap 1cm {\n    count m in 1 .. 3\n"
-        "    repeat cell[r] in 0 ..< m split col along z gap 5mm {\n      part plate : Cuboid\n      connect plate in cell\n    }\n  }"
-    ), 10)  # fmt: skip
+    batch = sampled(
+        category(
+            "  count n in 2 .. 4\n  repeat col[c] in 0 ..< n split body along y gap 1cm {\n    count m in 1 .. 3\n"
+            "    repeat cell[r] in 0 ..< m split col along z gap 5mm {\n      part plate : Cuboid\n      connect plate in cell\n    }\n  }"
+        ),
+        10,
+    )
     low, high = box(batch, "col.cell.plate")
     body = box(batch, "body")
     owner = batch.parts().owner[[p == "col.cell.plate" for p in batch.parts().path]]
@@ -201,10 +215,13 @@ def test_nested_splits_fill_their_box() -> None:
 
 
 def test_each_keeps_elements_within_limits() -> None:
-    batch = sampled(category(
-        "  repeat row[r] in 0 ..< 4 split body along z weight share gap 1cm each 2cm .. 9cm {\n"
-        "    param share : ratio in 1 .. 9 = 1\n    part plate : Cuboid\n    connect plate in row\n  }\n  require w <= 36cm"
-    ), 40)  # fmt: skip
+    batch = sampled(
+        category(
+            "  repeat row[r] in 0 ..< 4 split body along z weight share gap 1cm each 2cm .. 9cm {\n"
+            "    param share : ratio in 1 .. 9 = 1\n    part plate : Cuboid\n    connect plate in row\n  }\n  require w <= 36cm"
+        ),
+        40,
+    )
     low, high = box(batch, "row.plate")
     size = (high - low)[:, 2].reshape(40, 4)
     assert (size >= 0.02 - 1e-9).all() and (size <= 0.09 + 1e-9).all()
@@ -212,10 +229,13 @@ def test_each_keeps_elements_within_limits() -> None:
 
 
 def test_gap_is_the_box_before_an_element() -> None:
-    batch = sampled(category(
-        "  repeat col[c] in 0 ..< 3 split body along y gap 2cm {\n"
-        "    when col.gap {\n      part wall : Cuboid\n      connect wall in col.gap\n    }\n  }"
-    ), 5)  # fmt: skip
+    batch = sampled(
+        category(
+            "  repeat col[c] in 0 ..< 3 split body along y gap 2cm {\n"
+            "    when col.gap {\n      part wall : Cuboid\n      connect wall in col.gap\n    }\n  }"
+        ),
+        5,
+    )
     low, high = box(batch, "col.wall")
     assert len(low) == 10
     np.testing.assert_allclose((high - low)[:, 1], 0.02)
@@ -226,8 +246,9 @@ def test_mirror_makes_two_halves_with_proper_poses() -> None:
         "template T {\n  param size : length[3]\n  part core : Cuboid(size = [1cm, 1cm, 1cm])\n"
         "  repeat half[k] mirror across y {\n    part ear : Cuboid(size = [1cm, 2cm, 3cm])\n    align ear.left = left\n"
         "    joint flap : revolute core -> ear about ear.right.back range 0deg .. 40deg\n  }\n}\n"
-        + category("  part t : T(size = [5cm, 10cm, 5cm])\n  connect t to body"), 4,
-    )  # fmt: skip
+        + category("  part t : T(size = [5cm, 10cm, 5cm])\n  connect t to body"),
+        4,
+    )
     low, high = box(batch, "t.half.ear")
     np.testing.assert_allclose(high[0::2, 1], 0.05)
     np.testing.assert_allclose(low[1::2, 1], -0.05)
@@ -238,10 +259,13 @@ def test_mirror_makes_two_halves_with_proper_poses() -> None:
 
 
 def test_ring_turns_its_elements_and_their_axes() -> None:
-    batch = sampled(category(
-        "  repeat half[k] ring 2 about x {\n    part arm : Cuboid(size = [1cm, 2cm, 1cm])\n    align arm.bottom = w / 2\n"
-        "    joint open : revolute body -> arm about line(at = [0, 0, 0], along = -z) range 0deg .. 20deg mimic previous.open\n  }"
-    ), 4)  # fmt: skip
+    batch = sampled(
+        category(
+            "  repeat half[k] ring 2 about x {\n    part arm : Cuboid(size = [1cm, 2cm, 1cm])\n    align arm.bottom = w / 2\n"
+            "    joint open : revolute body -> arm about line(at = [0, 0, 0], along = -z) range 0deg .. 20deg mimic previous.open\n  }"
+        ),
+        4,
+    )
     joints = batch.joints()
     np.testing.assert_allclose(joints.axis[0::2], [[0, 0, -1]] * 4, atol=1e-12)
     np.testing.assert_allclose(joints.axis[1::2], [[0, 0, 1]] * 4, atol=1e-12)
@@ -249,10 +273,13 @@ def test_ring_turns_its_elements_and_their_axes() -> None:
 
 
 def test_previous_stacks_elements() -> None:
-    batch = sampled(category(
-        "  repeat stack[i] in 0 ..< 3 {\n    param high : length in 1cm .. 3cm\n    part disc : Cuboid(size = [1cm, 1cm, high])\n"
-        "    align disc.bottom = body.top if i == 0 else previous.disc.top\n    connect disc to body\n  }"
-    ), 6)  # fmt: skip
+    batch = sampled(
+        category(
+            "  repeat stack[i] in 0 ..< 3 {\n    param high : length in 1cm .. 3cm\n    part disc : Cuboid(size = [1cm, 1cm, high])\n"
+            "    align disc.bottom = body.top if i == 0 else previous.disc.top\n    connect disc to body\n  }"
+        ),
+        6,
+    )
     low, high = box(batch, "stack.disc")
     low, high = low[:, 2].reshape(6, 3), high[:, 2].reshape(6, 3)
     np.testing.assert_allclose(low[:, 1:], high[:, :-1])
@@ -273,8 +300,8 @@ def test_mount_opposes_out_and_aligns_up() -> None:
     batch = sampled(
         "template Knob {\n  part shaft : Cylinder(radius = 5mm, height = 2cm)\n"
         "  port foot = frame(at = shaft.bottom.center, out = -z, up = x)\n}\n"
-        + category("  part k : Knob\n  connect k.foot to body.front at y = 3cm, z = body.center.z + 1cm"),
-    )  # fmt: skip
+        + category("  part k : Knob\n  connect k.foot to body.front at y = 3cm, z = body.center.z + 1cm")
+    )
     parts = batch.parts()
     at = np.array([p == "k" for p in parts.path])
     np.testing.assert_allclose(
@@ -288,8 +315,8 @@ def test_between_solves_pose_and_length() -> None:
     batch = sampled(
         "template Rod {\n  param span : length\n  part bar : Cylinder(radius = 3mm, height = span)\n"
         "  port ends : line = line(at = bar.bottom.center, to = bar.top.center)\n}\n"
-        + category("  part r : Rod\n  connect r between body.left.top.front and body.right.top.back facing +z sink 1mm"),
-    )  # fmt: skip
+        + category("  part r : Rod\n  connect r between body.left.top.front and body.right.top.back facing +z sink 1mm")
+    )
     w = value(batch, "w")
     np.testing.assert_allclose(value(batch, "r.span"), np.sqrt(2) * w + 0.002)
     parts = batch.parts()
@@ -308,10 +335,14 @@ template Fat : Grip { part bar : Cuboid(size = [3cm, 3cm, long]) }
 
 
 def test_a_style_is_drawn_once() -> None:
-    batch = sampled(STYLED + category(
-        "  style pull : Grip = Thin | Fat\n  repeat col[c] in 0 ..< 3 split body along y {\n"
-        "    part grip : pull\n    connect grip to body\n    align grip.center.z = col.center.z\n  }"
-    ), 30)  # fmt: skip
+    batch = sampled(
+        STYLED
+        + category(
+            "  style pull : Grip = Thin | Fat\n  repeat col[c] in 0 ..< 3 split body along y {\n"
+            "    part grip : pull\n    connect grip to body\n    align grip.center.z = col.center.z\n  }"
+        ),
+        30,
+    )
     low, high = box(batch, "col.grip.bar")
     size = (high - low).reshape(30, 3, 3)
     np.testing.assert_allclose(size, size[:, :1].repeat(3, axis=1))
@@ -324,8 +355,9 @@ def test_alternatives_that_move_differently() -> None:
         "template Slide : Sash {\n  part leaf : Cuboid(size = size)\n  joint motion : prismatic base -> leaf along y range 0 .. size.y\n}\n"
         "template Swing : Sash {\n  part leaf : Cuboid(size = size)\n"
         "  joint motion : revolute base -> leaf about leaf.left.back range 0deg .. 90deg\n}\n"
-        + category("  part s : Sash(size = [1cm, w, w]) = Slide | Swing\n  connect s.back on body.front gap 1mm"), 40,
-    )  # fmt: skip
+        + category("  part s : Sash(size = [1cm, w, w]) = Slide | Swing\n  connect s.back on body.front gap 1mm"),
+        40,
+    )
     joints = batch.joints()
     assert len(joints.owner) == 40 and set(joints.kind) == {"prismatic", "revolute"}
     sliding = np.array([kind == "prismatic" for kind in joints.kind])
@@ -363,11 +395,14 @@ def test_a_clearance_at_the_low_end_is_checked_but_not_sampled() -> None:
 
 
 def test_a_joint_in_one_branch_and_a_rigid_hold_in_the_other() -> None:
-    batch = sampled(category(
-        "  param k : choice one | two = one\n  part a : Cuboid(size = [1cm, 1cm, 1cm])\n"
-        "  when k == one { joint slide : prismatic body -> a on body.front gap 1mm along x range 0cm .. 2cm } "
-        "else { connect a.back on body.front }"
-    ).replace("-> a on", "-> a.back on"), 40)  # fmt: skip
+    batch = sampled(
+        category(
+            "  param k : choice one | two = one\n  part a : Cuboid(size = [1cm, 1cm, 1cm])\n"
+            "  when k == one { joint slide : prismatic body -> a on body.front gap 1mm along x range 0cm .. 2cm } "
+            "else { connect a.back on body.front }"
+        ).replace("-> a on", "-> a.back on"),
+        40,
+    )
     one = value(batch, "k") == 0
     assert len(batch.joints().owner) == one.sum() and 0 < one.sum() < 40
     links = batch.parts().link[[p == "a" for p in batch.parts().path]]

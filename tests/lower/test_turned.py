@@ -52,7 +52,7 @@ def standing(body: str, name: str = "p") -> dict[str, set[tuple[float, ...]]]:
         (f"  part p : R{SIZE} turned 90deg about x = A | B", {"A": ABOUT_X, "B": ABOUT_X}),
     ],
     ids=["style", "along", "style of two", "in the style", "in both", "alternatives", "role"],
-)  # fmt: skip
+)
 def test_the_turn_counts(body: str, turned: dict[str, tuple[float, ...]]) -> None:
     assert standing(body + "\n  connect p to body") == {name: {at} for name, at in turned.items()}
 
@@ -71,8 +71,14 @@ def test_a_mounted_part_lies_as_it_says() -> None:
     assert p["center"][0] == pytest.approx(0.25 + 0.03) and tuple(p["quaternion"]) == pytest.approx(ALONG_X)
 
 
-@pytest.mark.parametrize("way", [f"  part p : A{SIZE} when c == yes", f"  style f : R = A | B\n  part p : f{SIZE} when c == yes",
-                                 f"  part p : R{SIZE} = A when c == yes | B when c == yes"])  # fmt: skip
+@pytest.mark.parametrize(
+    "way",
+    [
+        f"  part p : A{SIZE} when c == yes",
+        f"  style f : R = A | B\n  part p : f{SIZE} when c == yes",
+        f"  part p : R{SIZE} = A when c == yes | B when c == yes",
+    ],
+)
 def test_an_alternative_is_there_where_its_guard_holds(way: str) -> None:
     batch = Session.of_text(category(way + "\n  connect p to body")).sampler.batch(np.arange(10), seed=1)
     shown = [any(part["name"] == "p" for part in told["parts"]) for told in describe(batch)]
@@ -82,16 +88,29 @@ def test_an_alternative_is_there_where_its_guard_holds(way: str) -> None:
 @pytest.mark.parametrize(
     ("body", "code", "message"),
     [
-        (f"  part p : A{SIZE} turned 90deg about x\n  connect p.seam to body.top", "over-determined",
-         "`p` is turned here, but what it is mounted by turns with it: this says nothing"),
-        (f"  part p : A{SIZE} weight 3\n  connect p to body", "unknown-clause", "a weight without another alternative says nothing"),
-        (f"  style f : R = A | B\n  part p : f{SIZE} | none\n  connect p to body", "wrong-kind",
-         "`f` is a style: it stands alone, without a role and other alternatives"),
-        (f"  style l : material = oak turned 90deg about x | steel\n  part p : A{SIZE}\n  connect p to body\n  material l on p",
-         "unknown-clause", "a material takes no arguments and is not turned"),
+        (
+            f"  part p : A{SIZE} turned 90deg about x\n  connect p.seam to body.top",
+            "over-determined",
+            "`p` is turned here, but what it is mounted by turns with it: this says nothing",
+        ),
+        (
+            f"  part p : A{SIZE} weight 3\n  connect p to body",
+            "unknown-clause",
+            "a weight without another alternative says nothing",
+        ),
+        (
+            f"  style f : R = A | B\n  part p : f{SIZE} | none\n  connect p to body",
+            "wrong-kind",
+            "`f` is a style: it stands alone, without a role and other alternatives",
+        ),
+        (
+            f"  style l : material = oak turned 90deg about x | steel\n  part p : A{SIZE}\n  connect p to body\n  material l on p",
+            "unknown-clause",
+            "a material takes no arguments and is not turned",
+        ),
     ],
     ids=["mounted by a port", "a sole weight", "a style among others", "a turned material"],
-)  # fmt: skip
+)
 def test_what_would_be_lost_is_refused(body: str, code: str, message: str) -> None:
     session = Session.of_text(category(body))
     assert session.lowering is None

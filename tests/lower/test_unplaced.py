@@ -31,10 +31,23 @@ KNOB, LID = "connect knob.bottom on plate.top", "connect lid.bottom on body.top"
         ("align knob.center.x = plate.center.x", LID, []),
         (KNOB, "connect lid to body\n  align lid.center = body.center", []),
         (KNOB, "joint j : prismatic body -> lid along z range 0 .. 5cm", ["lid"]),
-        (KNOB, LID + "\n  repeat k[i] in 0 ..< 3 spread body along y { part b : Cuboid(size = [1cm, 1cm, 1cm])\n connect b to body }", []),
+        (
+            KNOB,
+            LID
+            + "\n  repeat k[i] in 0 ..< 3 spread body along y { part b : Cuboid(size = [1cm, 1cm, 1cm])\n connect b to body }",
+            [],
+        ),
     ],
-    ids=["all placed", "in a template", "attached alone", "one axis", "in the middle on purpose", "by a joint", "an element"],
-)  # fmt: skip
+    ids=[
+        "all placed",
+        "in a template",
+        "attached alone",
+        "one axis",
+        "in the middle on purpose",
+        "by a joint",
+        "an element",
+    ],
+)
 def test_a_part_in_the_middle_by_default_is_warned_of(inner: str, outer: str, told: list[str]) -> None:
     session = Session.of_text(TEXT.format(inner, outer), "box.apg")
     session.advise()

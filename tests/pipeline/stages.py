@@ -41,9 +41,22 @@ LINES = 60  # of a plan are shown
 POINTS = 200  # on which labels are counted
 PLACES = ("low", "high", "origin", "points", "point", "frame", "center")
 KINDS = (
-    "requirements", "preferences", "parts", "links", "joints", "closures", "clear", "allowed", "stable", "sites", "slots",
-    "labels", "grasps", "keypoints", "materials",
-)  # fmt: skip
+    "requirements",
+    "preferences",
+    "parts",
+    "links",
+    "joints",
+    "closures",
+    "clear",
+    "allowed",
+    "stable",
+    "sites",
+    "slots",
+    "labels",
+    "grasps",
+    "keypoints",
+    "materials",
+)
 WITHOUT = {
     "requirements": ("slack", "message"),
     "parts": ("name",),

@@ -59,10 +59,16 @@ def test_pairs_that_guards_or_requirements_exclude_are_told_from_missed_ones() -
     found = coverage(sampler, batch)
     excluded = {(p.first, p.one, p.second, p.two) for p in found.excluded}
     assert excluded == {
-        ("n", "2", "top", "Cylinder"), ("n", "3", "top", "Cylinder"), ("n", "3", "top", "Cuboid"),
-        ("n", "3", "m", "1"), ("n", "3", "m", "2"),
-        ("top", "Cylinder", "m", "1"), ("top", "Cylinder", "m", "2"), ("top", "none", "m", "1"), ("top", "none", "m", "2"),
-    }  # fmt: skip
+        ("n", "2", "top", "Cylinder"),
+        ("n", "3", "top", "Cylinder"),
+        ("n", "3", "top", "Cuboid"),
+        ("n", "3", "m", "1"),
+        ("n", "3", "m", "2"),
+        ("top", "Cylinder", "m", "1"),
+        ("top", "Cylinder", "m", "2"),
+        ("top", "none", "m", "1"),
+        ("top", "none", "m", "2"),
+    }
     assert not found.missed and found.seen == found.possible == 6 + 4 + 2
 
 
@@ -118,8 +124,11 @@ category Dead {
 def test_parameters_without_effect_are_found() -> None:
     _, batch = sampled(DEAD)
     assert {dead.name: dead.why for dead in dead_parameters(batch)} == {
-        "unused": "changes nothing", "idle": "changes nothing", "stuck": "has no room to vary", "bound": "changes nothing",
-    }  # fmt: skip
+        "unused": "changes nothing",
+        "idle": "changes nothing",
+        "stuck": "has no room to vary",
+        "bound": "changes nothing",
+    }
     assert all(dead.where.startswith("<text>:") for dead in dead_parameters(batch))
 
 

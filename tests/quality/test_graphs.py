@@ -18,9 +18,13 @@ def test_graphs_of_a_chest_are_those_one_can_count() -> None:
     found = graphs(batch)
     kind, count = found.kinds
     assert {found.text[k] for k in kind} == {
-        "body", "body(prismatic drawer)", "body(prismatic drawer, prismatic drawer)", "body(revolute lid)",
-        "body(prismatic drawer, revolute lid)", "body(prismatic drawer, prismatic drawer, revolute lid)",
-    }  # fmt: skip
+        "body",
+        "body(prismatic drawer)",
+        "body(prismatic drawer, prismatic drawer)",
+        "body(revolute lid)",
+        "body(prismatic drawer, revolute lid)",
+        "body(prismatic drawer, prismatic drawer, revolute lid)",
+    }
     assert count.sum() == 60 and list(count) == sorted(count, reverse=True)
     assert np.array_equal(found.joints, np.bincount(batch.joints().owner, minlength=60))
     share = count / 60

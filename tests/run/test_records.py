@@ -41,18 +41,33 @@ FORMATS = ("points", "annotation", "views")
 
 # of every field, what it is not by default
 DRAWN: dict[str, Any] = {
-    "source": "Chair", "seed": 11, "numbers": ((0, 3), (7, 7)), "settings": {"width": 0.125, "legs": 4, "back": "Slats"},
-    "checked": False, "candidates": 48, "repair": True, "values": ({"width": 0.5, "legs": [1, None]}, {}), "mutations": (MUTATION,),
+    "source": "Chair",
+    "seed": 11,
+    "numbers": ((0, 3), (7, 7)),
+    "settings": {"width": 0.125, "legs": 4, "back": "Slats"},
+    "checked": False,
+    "candidates": 48,
+    "repair": True,
+    "values": ({"width": 0.5, "legs": [1, None]}, {}),
+    "mutations": (MUTATION,),
     "program": "a" * 32,
-}  # fmt: skip
+}
 CONTENT: dict[str, Any] = {
-    "points": Sampling(64, "outside", "blue", "object", "link", (("base", 2.0), ("door", 0.5))), "states": read_states("rest,random:3"),
-    "motion": True, "cameras": Cameras(count=2, width=40, height=30, points=50), "gripper": Gripper(stroke=0.1),
+    "points": Sampling(64, "outside", "blue", "object", "link", (("base", 2.0), ("door", 0.5))),
+    "states": read_states("rest,random:3"),
+    "motion": True,
+    "cameras": Cameras(count=2, width=40, height=30, points=50),
+    "gripper": Gripper(stroke=0.1),
     "resolution": Resolution(tolerance=0.001, triangles=5000),
-}  # fmt: skip
+}
 SAMPLING: dict[str, Any] = {
-    "count": 65, "surface": "outside", "spread": "blue", "per": "link", "balance": "semantic", "weights": (("door", 3.0),),
-}  # fmt: skip
+    "count": 65,
+    "surface": "outside",
+    "spread": "blue",
+    "per": "link",
+    "balance": "semantic",
+    "weights": (("door", 3.0),),
+}
 WRITTEN: dict[str, Any] = {"formats": ("annotation", "glb"), "content": Content(**CONTENT), "shard": 17}
 
 
@@ -94,10 +109,19 @@ def test_every_field_of_an_output_comes_back(program: Program, tmp_path: Path, n
 
 CASES = [
     *((field.name, {field.name: CONTENT[field.name]}) for field in fields(Content)),
-    *((f"points.{field.name}", {"points": Sampling(**{field.name: SAMPLING[field.name]} | (
-        {"balance": "semantic"} if field.name == "weights" else {}))}) for field in fields(Sampling)),
+    *(
+        (
+            f"points.{field.name}",
+            {
+                "points": Sampling(
+                    **{field.name: SAMPLING[field.name]} | ({"balance": "semantic"} if field.name == "weights" else {})
+                )
+            },
+        )
+        for field in fields(Sampling)
+    ),
     ("gripper: any", {"gripper": None}),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize(("name", "content"), CASES, ids=[name for name, _ in CASES])

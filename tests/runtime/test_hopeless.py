@@ -52,8 +52,10 @@ def test_a_contradiction_within_an_alternative_leaves_the_others() -> None:
     session = Session.of_text(
         "apg 1\nuse primitives { Cuboid }\ntemplate Low {\n  param rise : length in 1cm .. 5cm\n"
         "  part block : Cuboid(size = [20cm, 20cm, rise])\n  require rise >= 6cm\n}\n"
-        + HEAD.split("\n", 2)[2] + BODY + "  part top : Low | none\n  connect top.bottom on body.top\n}\n"
-    )  # fmt: skip
+        + HEAD.split("\n", 2)[2]
+        + BODY
+        + "  part top : Low | none\n  connect top.bottom on body.top\n}\n"
+    )
     batch = session.sampler.batch(np.arange(10), 0)
     assert [d.code for d in session.report.diagnostics] == ["impossible"] and not session.report.failed
     assert {batch.drawn(k)["top"] for k in range(10)} == {"none"}

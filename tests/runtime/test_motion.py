@@ -117,9 +117,11 @@ def test_a_chain_of_mimics_of_any_length():
 
     count = 8
     chain = SimpleNamespace(
-        owner=np.zeros(count, dtype=int), mimic=np.array([1, 2, 3, 4, 5, 6, 7, -1]),
-        multiplier=np.full(count, 2.0), offset=np.full(count, 0.5),
-    )  # fmt: skip
+        owner=np.zeros(count, dtype=int),
+        mimic=np.array([1, 2, 3, 4, 5, 6, 7, -1]),
+        multiplier=np.full(count, 2.0),
+        offset=np.full(count, 0.5),
+    )
     expected = [1.0]
     for _ in range(count - 1):
         expected.append(2.0 * expected[-1] + 0.5)

@@ -52,8 +52,13 @@ def test_a_value_out_of_its_domain_is_clipped_and_told_with_its_line() -> None:
     assert batch.drawn(0) == {"a": 0.1, "b": 0.03, "c": 0.01}
     first, second = log(batch)
     assert first == {
-        "path": "a", "from": 5.0, "to": 0.1, "how": "clipped", "because": "`a` lies outside its domain", "where": "box.apg:4:3"
-    }  # fmt: skip
+        "path": "a",
+        "from": 5.0,
+        "to": 0.1,
+        "how": "clipped",
+        "because": "`a` lies outside its domain",
+        "where": "box.apg:4:3",
+    }
     assert second["path"] == "c" and second["where"] == "box.apg:6:3"
     assert statistics.repaired == statistics.failures() == {("domain", 0): 1, ("domain", 2): 1}
     assert statistics.first_valid == 0
@@ -78,9 +83,14 @@ def test_a_hint_gives_way_before_what_is_drawn_last() -> None:
 
 def test_a_hint_may_name_a_part_or_what_follows_from_others() -> None:
     sampler = sampler_of(
-        *LENGTHS, "let wide = a + b", "part lid : Cuboid(size = [10cm, 10cm, c]) | none", "connect lid.bottom on body.top",
-        "require wide <= 15cm repair wide", "require a <= 5cm or not lid repair lid", "require c <= b repair c",
-    )  # fmt: skip
+        *LENGTHS,
+        "let wide = a + b",
+        "part lid : Cuboid(size = [10cm, 10cm, c]) | none",
+        "connect lid.bottom on body.top",
+        "require wide <= 15cm repair wide",
+        "require a <= 5cm or not lid repair lid",
+        "require c <= b repair c",
+    )
     names = [[sampler.program.draws[k].column.name for k in r.repair] for r in sampler.program.requirements]
     assert [n for n in names if n] == [["a", "b"], ["lid"], ["c"]]
     read = from_text(to_text(sampler.program))
@@ -142,10 +152,11 @@ def test_links_that_collide_are_kept_apart_by_the_values_behind_them() -> None:
 
 def test_two_faults_at_once() -> None:
     sampler = sampler_of(
-        *LENGTHS, "param d : length in 1cm .. 10cm",
+        *LENGTHS,
+        "param d : length in 1cm .. 10cm",
         'require sin(a / 1cm * 60deg) + sin(b / 1cm * 60deg) >= 0.5 else "first" repair a',
         'require cos(c / 1cm * 60deg) + cos(d / 1cm * 60deg) >= 0.5 else "second" repair c',
-    )  # fmt: skip
+    )
     records = [{"a": 0.045 + 0.001 * k, "b": 0.045, "c": 0.03, "d": 0.033 + 0.001 * k} for k in range(12)]
     batch = put_right(sampler, *records)
     assert not batch.state.failed.any()
@@ -159,8 +170,10 @@ def test_nan_and_null_are_drawn_and_infinity_is_the_end() -> None:
     drawn = batch.drawn(0)
     assert 0.01 <= drawn["a"] <= 0.1 and drawn["b"] == 0.1 and 0.01 <= drawn["c"] <= 0.1
     assert [(e["path"], e["from"] is None, e["how"]) for e in log(batch)] == [
-        ("a", True, "redrawn"), ("b", False, "clipped"), ("c", True, "redrawn")
-    ]  # fmt: skip
+        ("a", True, "redrawn"),
+        ("b", False, "clipped"),
+        ("c", True, "redrawn"),
+    ]
     assert log(batch)[0]["because"] == "`a` has no value"
 
 

@@ -90,5 +90,7 @@ def test_a_failed_import_is_not_reported_again_where_its_names_are_used(tmp_path
     )
     report, _ = check_text(tmp_path, text)
     assert [(d.code, d.span.line) for d in report.diagnostics] == [
-        ("unknown-module", 2), ("unknown-import", 3), ("unknown-import", 4)
-    ]  # fmt: skip
+        ("unknown-module", 2),
+        ("unknown-import", 3),
+        ("unknown-import", 4),
+    ]

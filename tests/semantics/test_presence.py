@@ -39,11 +39,14 @@ KINDS = {
         "part q : Cuboid(size = [1cm, 1cm, 1cm])\n  connect q.bottom to {}",
         "u.tip[0]",
     ),
-    "box": ("port k : box = inner.box",
-            "require {}.size.x < 1m", "u.k"),
+    "box": ("port k : box = inner.box", "require {}.size.x < 1m", "u.k"),
     "part": ("part k : Cuboid(size = [1cm, 1cm, 1cm])", "align body.top = {}.bottom", "u.k"),
-    "repeat": ("repeat e[i] in 0 ..< m { part d : Cuboid(size = [1cm, 1cm, 1cm]) }", "require {}[0].d.size.x < 1m", "u.e"),
-}  # fmt: skip
+    "repeat": (
+        "repeat e[i] in 0 ..< m { part d : Cuboid(size = [1cm, 1cm, 1cm]) }",
+        "require {}[0].d.size.x < 1m",
+        "u.e",
+    ),
+}
 
 
 def errors(folder: Path, said: str, body: str, part: str = "part u : U") -> list[str]:
@@ -111,12 +114,27 @@ def test_where_it_is_declared_and_how_it_is_asked_for(tmp_path: Path) -> None:
         ("when a == yes { let k = 1cm }", "when u.a == yes { require u.k < 1m }", "part u : Stand = U | V", True),
         ("when a == yes { let k = 1cm }", "when u is V { require u.k < 1m }", "part u : Stand = U | V", True),
         ("when a == yes { let k = 1cm }", "require u.k < 1m", "part u : Stand = U(a = yes) | V", True),
-        ("when a == yes { let k = 1cm  part d : Cuboid(size = [k, k, k]) }", "when u.d { require u.k < 1m }", "part u : U", True),
-        ("when a == yes { let k = 1cm  part d : Cuboid(size = [k, k, k]) }", "when u.a == yes { require u.d.size.x < 1m }", "part u : U", True),
+        (
+            "when a == yes { let k = 1cm  part d : Cuboid(size = [k, k, k]) }",
+            "when u.d { require u.k < 1m }",
+            "part u : U",
+            True,
+        ),
+        (
+            "when a == yes { let k = 1cm  part d : Cuboid(size = [k, k, k]) }",
+            "when u.a == yes { require u.d.size.x < 1m }",
+            "part u : U",
+            True,
+        ),
         ("when a == yes { when m > 1 { let k = 1cm } }", "when u.a == yes { require u.k < 1m }", "part u : U", False),
-        ("when a == yes { when m > 1 { let k = 1cm } }", "when u.m > 2 and u.a == yes { require u.k < 1m }", "part u : U", True),
+        (
+            "when a == yes { when m > 1 { let k = 1cm } }",
+            "when u.m > 2 and u.a == yes { require u.k < 1m }",
+            "part u : U",
+            True,
+        ),
     ],
-)  # fmt: skip
+)
 def test_what_is_known_of_the_instance_counts(tmp_path: Path, said: str, body: str, part: str, fine: bool) -> None:
     assert (errors(tmp_path, said, body, part) == []) == fine
 

@@ -171,5 +171,9 @@ def test_an_output_of_a_role_has_the_type_that_the_role_says(tmp_path):
     )
     report, _ = check_text(tmp_path, text)
     assert [(d.code, d.span.line) for d in report.diagnostics] == [
-        ("wrong-dimension", 6), ("missing-unit", 8), ("wrong-type", 10), ("missing-value", 11), ("unknown-member", 12)
-    ]  # fmt: skip
+        ("wrong-dimension", 6),
+        ("missing-unit", 8),
+        ("wrong-type", 10),
+        ("missing-value", 11),
+        ("unknown-member", 12),
+    ]

@@ -66,9 +66,13 @@ class BulletSim:
         for joint in self.subject.moving:
             if joint.name in targets:
                 pybullet.setJointMotorControl2(
-                    self.body, self.index[joint.name], pybullet.POSITION_CONTROL, targetPosition=targets[joint.name],
-                    force=joint.effort, physicsClientId=self.client,
-                )  # fmt: skip
+                    self.body,
+                    self.index[joint.name],
+                    pybullet.POSITION_CONTROL,
+                    targetPosition=targets[joint.name],
+                    force=joint.effort,
+                    physicsClientId=self.client,
+                )
 
     def step(self) -> None:
         pybullet.stepSimulation(physicsClientId=self.client)

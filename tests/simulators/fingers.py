@@ -172,10 +172,14 @@ def verdicts(batch: Batch, told: list[dict[str, Any]]) -> tuple[list[Verdict], l
             fine = {name: own[word] for name, word in (("width", "width"), ("tip", "pad")) if word in own}
             hand = Hand(np.array(grasp["point"]), turned(grasp["quaternion"]), grasp["opening"], **fine)
             fault = (
-                "wide" if hand.opening > hand.stroke + 1e-9
-                else "the fingers meet something" if not scene.free(hand)
-                else "" if scene.firm(hand, link) else "not between the pads"
-            )  # fmt: skip
+                "wide"
+                if hand.opening > hand.stroke + 1e-9
+                else "the fingers meet something"
+                if not scene.free(hand)
+                else ""
+                if scene.firm(hand, link)
+                else "not between the pads"
+            )
             held.append(Verdict(i, grasp["name"], paths[link], fault))
         for link, name in enumerate(names):
             joint = moving[first[i] + link]

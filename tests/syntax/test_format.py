@@ -65,10 +65,7 @@ CASES = {
         "# a\n\n\n\n# b\ncategory A {\n\n# one\n      # two\n  when x {\n# three\n}\n# four\n}\n# five",
         "# a\n\n# b\ncategory A {\n  # one\n  # two\n  when x {\n    # three\n  }\n  # four\n}\n# five\n",
     ),
-    "operators keep theirs": (
-        "let f(a) = a*2 + -a/4 - 1/2turn\n",
-        "let f(a) = a*2 + -a/4 - 1/2turn\n",
-    ),
+    "operators keep theirs": ("let f(a) = a*2 + -a/4 - 1/2turn\n", "let f(a) = a*2 + -a/4 - 1/2turn\n"),
     "a comment behind a brace": (
         "category A {  # what\nwhen x {  # why\nlet a = 1\n}\n}\n",
         "category A {  # what\n  when x {  # why\n    let a = 1\n  }\n}\n",

@@ -14,10 +14,7 @@ from artipg_dsl.syntax.parse import MOST_ERRORS, load, parse
 from .helpers import body_of, nodes, prefix, tree_of, value_of
 
 HERE = Path(__file__).parent
-FILES = sorted(
-    [*(HERE / "design").glob("*.apg"), *library_dir().glob("*.apg"),
-     *categories_dir().glob("*.apg")]
-)  # fmt: skip
+FILES = sorted([*(HERE / "design").glob("*.apg"), *library_dir().glob("*.apg"), *categories_dir().glob("*.apg")])
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda p: f"{p.parent.name}/{p.stem}")
@@ -82,15 +79,21 @@ def test_bound_test_values_and_derived():
 def test_types():
     body = body_of("param a : choice x | y", "param b : style Handle", "param c : count", "param d : curve")
     assert [(p.type.name, p.type.values, p.type.style) for p in body] == [
-        ("choice", ("x", "y"), False), ("Handle", (), True), ("count", (), False), ("curve", (), False),
-    ]  # fmt: skip
+        ("choice", ("x", "y"), False),
+        ("Handle", (), True),
+        ("count", (), False),
+        ("curve", (), False),
+    ]
 
 
 def test_part_with_role_and_alternatives():
     (part,) = body_of(
-        "root part lid : Lid(radius = r - t) turned 20deg about y =", "    Lift weight 3   when a is B",
-        "  # another", "  | Hinged(tab = 1cm) along -x", "  | none weight 0.2 was cover",
-    )  # fmt: skip
+        "root part lid : Lid(radius = r - t) turned 20deg about y =",
+        "    Lift weight 3   when a is B",
+        "  # another",
+        "  | Hinged(tab = 1cm) along -x",
+        "  | none weight 0.2 was cover",
+    )
     assert (part.root, part.role, part.was, len(part.alternatives)) == (True, "Lid", "cover", 3)
     first, second, third = part.alternatives
     assert (first.name, prefix(first.weight), prefix(first.guard)) == ("Lift", "3", "(is a B)")
@@ -129,15 +132,25 @@ def test_else_when():
         ("connect a.b to c.d at y = e, z = 1cm", ["to c.d", "at y=e z=1cm"]),
         ("connect a on b.front fit right, top at center", ["on b.front", "fit right top", "at center"]),
         ("connect a between b and c.d facing +x sink 3mm", ["between b c.d", "facing (+ x)", "sink 3mm"]),
-        ("joint j : revolute a -> b about c.left range -r .. r rest 0deg mimic 2 * k",
-         ["about c.left", "range (- r)..r", "rest 0deg", "mimic (* 2 k)"]),
-        ("joint j : screw a -> b along z range 0 .. clearance pitch 2mm", ["along z", "range 0..clearance", "pitch 2mm"]),
-        ("joint j : revolute a -> b about z range 0 .. clearance all rest 0", ["about z", "range 0..(all clearance)", "rest 0"]),
-        ("repeat a in 0 ..< n split b along z weight w gap g each 1cm .. 2cm { }",
-         ["split b", "along z", "weight w", "gap g", "each 1cm..2cm"]),
+        (
+            "joint j : revolute a -> b about c.left range -r .. r rest 0deg mimic 2 * k",
+            ["about c.left", "range (- r)..r", "rest 0deg", "mimic (* 2 k)"],
+        ),
+        (
+            "joint j : screw a -> b along z range 0 .. clearance pitch 2mm",
+            ["along z", "range 0..clearance", "pitch 2mm"],
+        ),
+        (
+            "joint j : revolute a -> b about z range 0 .. clearance all rest 0",
+            ["about z", "range 0..(all clearance)", "rest 0"],
+        ),
+        (
+            "repeat a in 0 ..< n split b along z weight w gap g each 1cm .. 2cm { }",
+            ["split b", "along z", "weight w", "gap g", "each 1cm..2cm"],
+        ),
         ("grasp a on b for t in 0 .. 1 {", ["at [0 0 t]", "approach (- x)", "close y", "opening size.y"]),
     ],
-)  # fmt: skip
+)
 def test_clauses(text: str, clauses: list[str]):
     rest = ("at [0, 0, t]  approach -x", "close y  opening size.y }") if text.startswith("grasp") else ()
     (statement,) = body_of(text, *rest)

@@ -55,9 +55,13 @@ def two_squares() -> Scene:
     colours = [[0.8, 0.1, 0.1, 1.0], [0.1, 0.8, 0.1, 1.0], [0.1, 0.1, 0.8, 0.5]]
     faces = np.array([[0, 1, 2], [0, 2, 3]])
     return Scene(
-        np.concatenate([square, right, left]), np.tile([1.0, 0, 0], (12, 1)),
-        np.concatenate([faces, faces + 4, faces + 8]), np.repeat(colours, 4, axis=0), np.zeros(12), np.zeros(12),
-    )  # fmt: skip
+        np.concatenate([square, right, left]),
+        np.tile([1.0, 0, 0], (12, 1)),
+        np.concatenate([faces, faces + 4, faces + 8]),
+        np.repeat(colours, 4, axis=0),
+        np.zeros(12),
+        np.zeros(12),
+    )
 
 
 @pytest.mark.parametrize("name", sheets.RENDERERS)

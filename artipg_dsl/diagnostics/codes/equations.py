@@ -3,11 +3,15 @@
 from .base import Code
 
 EQUATIONS = (
-    Code("unplaced", "nothing says where a part is", """
+    Code(
+        "unplaced",
+        "nothing says where a part is",
+        """
         No equation and no `connect` with faces or frames places the part, along any axis, so it lies in the middle of what it stands in:
         right for a core, a surprise for most. `connect lid to body` with bare names attaches and places nothing. Say where it is,
         or that the middle is meant: `align lid.center = body.center`. `apgc check` warns of it, the program works.
-        """, """
+        """,
+        """
         apg 1
         use primitives { Cuboid }
         use materials { oak }
@@ -19,25 +23,35 @@ EQUATIONS = (
           material oak on seat, leg
           label semantic.seat on seat, leg
         }
-        """),
-    Code("under-determined", "nothing determines a value", """
+        """,
+    ),
+    Code(
+        "under-determined",
+        "nothing determines a value",
+        """
         A parameter without a range has to be given by its user or follow from equations. This one is neither:
         give it a range, an argument, or one equation more. Nothing is guessed: an object set in which a size
         came from nowhere would be of no use. A `_` in an argument leaves a size to the equations; opposite
         faces (`left` and `right`) determine the size between them.
-        """, """
+        """,
+        """
         apg 1
         use primitives { Cuboid }
         category Chest {
           root part body : Cuboid(size = [40cm, _, 30cm])
         }
-        """),
-    Code("over-determined", "there is an equation too many", """
+        """,
+    ),
+    Code(
+        "over-determined",
+        "there is an equation too many",
+        """
         All that this equation names is already determined by others and by arguments, so it could only repeat
         or contradict them. An equation determines positions first, then sizes left open, then parameters of
         the part's template; the lines shown say what determines what it names. Parameters of the scope itself
         yield only if they are marked `derived`. Drop an equation, leave a size open, or mark the parameter.
-        """, """
+        """,
+        """
         apg 1
         use primitives { Cuboid }
         category Chest {
@@ -47,12 +61,17 @@ EQUATIONS = (
           connect lid.bottom on body.top
           align lid.top = body.top + rise
         }
-        """),
-    Code("tie", "two parameters could yield and nothing says which", """
+        """,
+    ),
+    Code(
+        "tie",
+        "two parameters could yield and nothing says which",
+        """
         An equation determines one of the parameters that it names, and by the order of who yields two are
         equal. Mark one as `derived`, or give one as an argument. The choice must not depend on the order of
         the lines, so the language does not make it.
-        """, """
+        """,
+        """
         apg 1
         use primitives { Cuboid }
         template Slab {
@@ -67,13 +86,18 @@ EQUATIONS = (
           connect two to body
           align one.wide + two.wide = body.size.y
         }
-        """),
-    Code("too-many-cases", "the guards of equations combine in too many ways", """
+        """,
+    ),
+    Code(
+        "too-many-cases",
+        "the guards of equations combine in too many ways",
+        """
         Who determines whom is found once for every combination of guards and alternatives within a block of
         equations, at most 64. Move part of what they place into a template or a repeat, whose inside is a
         block of its own. Guards that exclude each other (`when a { } else { }`) count fewer combinations than
         independent ones.
-        """, """
+        """,
+        """
         apg 1
         use primitives { Cuboid }
         category Chest {
@@ -95,12 +119,17 @@ EQUATIONS = (
           when f == 1 { align lid.top = body.top + 6cm }
           when g == 1 { align lid.top = body.top + 7cm }
         }
-        """),
-    Code("recurrence", "a value that needs itself cannot be computed", """
+        """,
+    ),
+    Code(
+        "recurrence",
+        "a value that needs itself cannot be computed",
+        """
         Through `previous` an element's value may follow from that of the element before it, and from nothing
         else of its own. `x = previous.x + d` is summed up in closed form over all objects at once, anything
         else would need a loop over elements. Write the value by the element's rank: `1cm * 1.1 ^ i`.
-        """, """
+        """,
+        """
         apg 1
         use primitives { Cuboid }
         category Stair {
@@ -111,14 +140,19 @@ EQUATIONS = (
             when i == 0 { align board.size.z = 1cm } else { align board.size.z = 1cm + 1.1 * previous.board.size.z }
           }
         }
-        """),
-    Code("not-solvable", "equations cannot be solved", """
+        """,
+    ),
+    Code(
+        "not-solvable",
+        "equations cannot be solved",
+        """
         Equations are solved symbolically where each unknown has a formula, and by a search (Newton's method)
         where several hang together in curves. Neither can be done when an unknown is read through another
         table in a way that is not linear: squared inside a repeat, and then summed. State such an equation in
         the repeat, or the other way about. Equations that name two parts only against each other leave open
         where the two are together. Tie one of them to something that stands.
-        """, """
+        """,
+        """
         apg 1
         use primitives { Cuboid }
         category Shelf {
@@ -131,11 +165,16 @@ EQUATIONS = (
           }
           align sum(row.area) = body.size.x * body.size.y
         }
-        """),
-    Code("redundant", "an equation follows from others", """
+        """,
+    ),
+    Code(
+        "redundant",
+        "an equation follows from others",
+        """
         The equation holds already because of others. It does no harm and can go. It is a warning: the program
         works. But one of the two may have been meant for another face, or another part.
-        """, """
+        """,
+        """
         apg 1
         use primitives { Cuboid }
         category Chest {
@@ -144,12 +183,17 @@ EQUATIONS = (
           connect lid.bottom on body.top
           align lid.bottom = body.top
         }
-        """),
-    Code("contradictory", "equations contradict one another", """
+        """,
+    ),
+    Code(
+        "contradictory",
+        "equations contradict one another",
+        """
         No values satisfy all of the equations shown. The message says by how much the two sides differ, which
         often shows what was forgotten: a thickness, a gap, a sign. `gap` counts along the outward normal of
         the face that follows `on`, so below a bottom face. Drop or correct one of them.
-        """, """
+        """,
+        """
         apg 1
         use primitives { Cuboid }
         category Chest {
@@ -158,13 +202,18 @@ EQUATIONS = (
           connect lid.bottom on body.top
           align lid.bottom = body.top + 1cm
         }
-        """),
-    Code("plane-across-axes", "a plane is used across another axis", """
+        """,
+    ),
+    Code(
+        "plane-across-axes",
+        "a plane is used across another axis",
+        """
         A face is a plane across one axis, and an equation of planes compares coordinates along one: left with
         right, top with bottom. A turned part has no coordinate planes in its neighbours' frame; equate points,
         or read its extent with `lowest(part, -z)`. `front` and `back` are planes across x, `left` and `right`
         across y, `top` and `bottom` across z.
-        """, """
+        """,
+        """
         apg 1
         use primitives { Cuboid }
         category Chest {
@@ -173,25 +222,35 @@ EQUATIONS = (
           connect lid to body
           align lid.bottom = body.front
         }
-        """),
-    Code("no-own-box", "a template names faces of a box that it derives from its parts", """
+        """,
+    ),
+    Code(
+        "no-own-box",
+        "a template names faces of a box that it derives from its parts",
+        """
         A template either takes `size`, then its own box and faces are given, or derives its box from its
         parts, then the box is read from outside only. A category's box is derived. Otherwise the box would
         depend on parts that depend on the box. Give the template `param size : length[3]`, or name a face of
         one of its parts: `seat.left`.
-        """, """
+        """,
+        """
         apg 1
         use primitives { Cuboid }
         category Chest {
           root part body : Cuboid(size = [40cm, 60cm, 30cm])
           align body.left = left
         }
-        """),
-    Code("many-elements", "a path names many elements where one is needed", """
+        """,
+    ),
+    Code(
+        "many-elements",
+        "a path names many elements where one is needed",
+        """
         From outside, the name of a repeat stands for all its elements. Take one (`row[last]`, `row[0]`),
         reduce them (`sum(row.size.z)`, `max(...)`), or state it within the repeat. The same holds for a port
         with several values: `base.tap[k]`. Which element is meant is never guessed.
-        """, """
+        """,
+        """
         apg 1
         use primitives { Cuboid }
         category Shelf {
@@ -204,12 +263,17 @@ EQUATIONS = (
           connect hook to body
           align hook.top = row.board.bottom
         }
-        """),
-    Code("unrelated-rows", "values of unrelated repeats or alternatives are mixed", """
+        """,
+    ),
+    Code(
+        "unrelated-rows",
+        "values of unrelated repeats or alternatives are mixed",
+        """
         A formula can use values of its own repeat and of those around it. Elements of two repeats side by side
         have nothing to do with each other. The same holds for two alternatives of one part, of which an object
         has only one. State it inside the repeat or template that holds both values, or reduce one side with
         `sum`, `min` or `max`. This has no short example: most such places are told of as `many-elements` or
         `optional-outside-when`.
-        """),
-)  # fmt: skip
+        """,
+    ),
+)

@@ -3,108 +3,165 @@
 from .base import Code
 
 READING = (
-    Code("missing-file", "a file is missing or cannot be read", """
+    Code(
+        "missing-file",
+        "a file is missing or cannot be read",
+        """
         The file named on the command line does not exist, is a folder, or may not be read. Shipped categories
         are known by name alone (`Microwave`); everything else is given by its path. A name that resembles a
         shipped category is answered with a suggestion. Check the spelling, and from which folder the command
         runs.
-        """),
-    Code("not-utf8", "the file is not UTF-8 text", """
+        """,
+    ),
+    Code(
+        "not-utf8",
+        "the file is not UTF-8 text",
+        """
         Program texts are UTF-8. The place shown is the first byte that is not; save the file in that encoding.
         Comments and texts may hold any letters, so one encoding has to be agreed on. Most editors convert
         under `Save with encoding`.
-        """),
-    Code("syntax", "the text does not follow the grammar", """
+        """,
+    ),
+    Code(
+        "syntax",
+        "the text does not follow the grammar",
+        """
         At this place the text is no program any more. A statement begins with a word of its own (`param`,
         `part`, `align` ...) and ends at the end of its line; it goes on over several lines only within
         brackets, after a comma, an operator or `=`, and before `|`. What follows the broken statement is
         checked all the same, so several such errors may be shown.
-        """, """
+        """,
+        """
         apg 1
         category Stool {
           part seat Cuboid
         }
-        """),
-    Code("missing-brace", "a brace is never closed", """
+        """,
+    ),
+    Code(
+        "missing-brace",
+        "a brace is never closed",
+        """
         A block that begins with `{` has no `}`. The place shown is the opening brace that seems to lack its
         partner, judged by the indentation of what follows. Without it the rest of the file would belong to the
         block. Close the block where it ends, and indent its lines.
-        """, """
+        """,
+        """
         apg 1
         category Stool {
           repeat leg[k] in 0 ..< 4 {
             part rod : Cuboid
         }
-        """),
-    Code("missing-bracket", "a round or square bracket is never closed", """
+        """,
+    ),
+    Code(
+        "missing-bracket",
+        "a round or square bracket is never closed",
+        """
         The bracket is not closed before its statement ends or is closed by one of the other kind. Line ends do
         not count within brackets, so the mistake shows only where the next statement begins. Close the bracket
         behind its last argument.
-        """, """
+        """,
+        """
         apg 1
         category Stool {
           part seat : Cuboid(size = [30cm, 30cm, 3cm]
           part back : Cuboid
         }
-        """),
-    Code("unterminated-string", "a text in quotes does not end on its line", """
+        """,
+    ),
+    Code(
+        "unterminated-string",
+        "a text in quotes does not end on its line",
+        """
         Text in double quotes ends on the line on which it begins. Within it `\\"` stands for a quote. Messages
         of `require ... else` are short for that reason. Close the quote, or break the text into a shorter one.
-        """, """
+        """,
+        """
         apg 1
         category Stool {
           require 1cm <= 2cm else "too small
         }
-        """),
-    Code("reserved-word", "a word of the language is used as a name", """
+        """,
+    ),
+    Code(
+        "reserved-word",
+        "a word of the language is used as a name",
+        """
         Most words that begin a statement, and `in for when is else on none and or not if`, are never names.
         Words that only begin clauses (`at`, `range`, `weight` ...) are ordinary names wherever no clause can
         stand. The word would begin a statement, so the text could be read in two ways. Choose another name, or
         add an underscore: `part_`.
-        """, """
+        """,
+        """
         apg 1
         category Stool {
           param part : length in 1cm .. 2cm
         }
-        """),
-    Code("unknown-module", "there is no module of that name", """
+        """,
+    ),
+    Code(
+        "unknown-module",
+        "there is no module of that name",
+        """
         `use name { ... }` looks for `name.apg` beside the file that says so, then in the library. The module's
         name is written without ending or folder. Only these two places are searched, so that a program means
         the same on every machine. Check the spelling, or put the file beside this one.
-        """, """
+        """,
+        """
         apg 1
         use handels { BarHandle }
-        """),
-    Code("unknown-import", "a module has no declaration of that name", """
+        """,
+    ),
+    Code(
+        "unknown-import",
+        "a module has no declaration of that name",
+        """
         A module hands out what it declares itself: roles, templates, primitives, materials, vocabularies,
         functions and categories, not what it brings in by `use`. Each name therefore has one home, however
         many modules pass it on. Check the spelling and its capitals, or import it from the module that
         declares it.
-        """, """
+        """,
+        """
         apg 1
         use primitives { Cubiod }
-        """),
-    Code("import-cycle", "modules import one another in a circle", """
+        """,
+    ),
+    Code(
+        "import-cycle",
+        "modules import one another in a circle",
+        """
         Modules may use each other only one way. Move what both need into a third one. The order in which
         modules are read must not matter, so none may need itself. It takes two files to bring this about:
         `a.apg` with `use b { ... }` and `b.apg` with `use a { ... }`.
-        """),
-    Code("no-category", "a file declares no category", """
+        """,
+    ),
+    Code(
+        "no-category",
+        "a file declares no category",
+        """
         Only a category can be sampled. A module of templates and roles can be checked, and used by others. The
         message appears when such a file is to be sampled, compiled or checked as a category. Add `category
         Name { root part ... }`, or name another file.
-        """, """
+        """,
+        """
         apg 1
         use primitives { Cuboid }
         template Foot { part post : Cuboid(size = [2cm, 2cm, 9cm]) }
-        """),
-    Code("two-categories", "a file declares two categories", """
+        """,
+    ),
+    Code(
+        "two-categories",
+        "a file declares two categories",
+        """
         A file holds one category, so that the file and what is sampled from it have one name. Move the other
         one into a file of its own. Templates that both share go into a module that both `use`.
-        """, """
+        """,
+        """
         apg 1
         use primitives { Cuboid }
         category Stool { root part seat : Cuboid(size = [30cm, 30cm, 3cm]) }
         category Bench { root part seat : Cuboid(size = [30cm, 90cm, 3cm]) }
-        """),
-)  # fmt: skip
+        """,
+    ),
+)

@@ -3,22 +3,31 @@
 from .base import Code
 
 STRUCTURE = (
-    Code("role-not-fulfilled", "a template does not bind what its role promises", """
+    Code(
+        "role-not-fulfilled",
+        "a template does not bind what its role promises",
+        """
         Every template of a role binds every slot, port, joint and output that the role declares without `?`. A
         part of a slot's name binds it by itself. The users of a role rely on all that it promises, whichever
         alternative is drawn. Bind it (`slot cover = plate`, `port mount = ...`), or mark it optional in the
         role: `slot cover ?`.
-        """, """
+        """,
+        """
         apg 1
         use primitives { Cuboid }
         role Lid { inherit size : length[3]  slot cover }
         template FlatLid : Lid { part plate : Cuboid(size = size) }
-        """),
-    Code("inherited-assigned", "a template assigns a value that its role hands in", """
+        """,
+    ),
+    Code(
+        "inherited-assigned",
+        "a template assigns a value that its role hands in",
+        """
         What a role inherits is given by the user of the role and kept when one template replaces another. A
         template reads it and does not declare it again. Otherwise the two values could differ. Remove the
         declaration and read the name.
-        """, """
+        """,
+        """
         apg 1
         use primitives { Cuboid }
         role Lid { inherit size : length[3]  inherit rim : length  slot cover }
@@ -26,12 +35,17 @@ STRUCTURE = (
           param rim : length in 1mm .. 2mm
           part cover : Cuboid(size = size)
         }
-        """),
-    Code("wrong-role", "an alternative does not play the role", """
+        """,
+    ),
+    Code(
+        "wrong-role",
+        "an alternative does not play the role",
+        """
         Alternatives of a role are templates that declare it (`template BarHandle : Handle`). Only then do they
         have the ports and slots that the statements around the part name. Add `: Handle` to the template and
         bind what the role promises, or take it off the list.
-        """, """
+        """,
+        """
         apg 1
         use primitives { Cuboid }
         use handles { Handle, BarHandle }
@@ -40,13 +54,18 @@ STRUCTURE = (
           part handle : Handle = BarHandle | Cuboid
           connect handle to body
         }
-        """),
-    Code("optional-outside-when", "an optional part is named where it may be absent", """
+        """,
+    ),
+    Code(
+        "optional-outside-when",
+        "an optional part is named where it may be absent",
+        """
         A part with the alternative `none`, and what only some alternatives of a part have, may be missing. A
         statement goes with its own subject (the part left of `to`, the child of a joint, the target of a
         label); naming it anywhere else needs `when handle { ... }` or `when handle is BarHandle { ... }`
         around it. The language insists because every object is checked at once, also those that lack the part.
-        """, """
+        """,
+        """
         apg 1
         use primitives { Cuboid }
         use handles { Handle, BarHandle }
@@ -57,12 +76,17 @@ STRUCTURE = (
           part badge : Cuboid(size = [1mm, 3cm, 1cm])
           connect badge.back on body.front at z = handle.top + 1cm, y = body.center.y
         }
-        """),
-    Code("no-attachment", "a part hangs on nothing", """
+        """,
+    ),
+    Code(
+        "no-attachment",
+        "a part hangs on nothing",
+        """
         Equations place, they do not attach. In a category every part but the root is attached exactly once, by
         `connect` (rigid) or `joint` (movable), whatever alternatives and guards are chosen. The attachment
         says which link carries the part when joints move. Write `connect lid to body`, or give it a joint.
-        """, """
+        """,
+        """
         apg 1
         use primitives { Cuboid }
         category Chest {
@@ -70,12 +94,17 @@ STRUCTURE = (
           part lid : Cuboid(size = [40cm, 60cm, 2cm])
           align lid.bottom = body.top
         }
-        """),
-    Code("two-attachments", "a part is attached twice", """
+        """,
+    ),
+    Code(
+        "two-attachments",
+        "a part is attached twice",
+        """
         A part has one parent. Further contacts are equations (`align`); a loop of joints is closed with
         `close`. Parts form a tree of links, as simulators want it. Keep the attachment that carries the part
         and turn the other one into equations.
-        """, """
+        """,
+        """
         apg 1
         use primitives { Cuboid }
         category Chest {
@@ -84,32 +113,47 @@ STRUCTURE = (
           connect lid to body
           joint open : revolute body -> lid about lid.back.bottom range 0deg .. 90deg
         }
-        """),
-    Code("no-root", "a category has no root part", """
+        """,
+    ),
+    Code(
+        "no-root",
+        "a category has no root part",
+        """
         The part marked `root` is what all others hang on; its frame is the object's. All links are counted
         from it, and a written file gives its base. Write `root` before the part that stands still.
-        """, """
+        """,
+        """
         apg 1
         category Chest {
           param width : length in 30cm .. 60cm
         }
-        """),
-    Code("two-roots", "a category has two root parts", """
+        """,
+    ),
+    Code(
+        "two-roots",
+        "a category has two root parts",
+        """
         The part marked `root` is what all others hang on, so there is one. Its link is the base of every file
         that is written. Take the word away from all but one, and attach the others to it with `connect`.
-        """, """
+        """,
+        """
         apg 1
         use primitives { Cuboid }
         category Chest {
           root part body : Cuboid(size = [40cm, 60cm, 30cm])
           root part base : Cuboid(size = [40cm, 60cm, 3cm])
         }
-        """),
-    Code("two-links", "something lies on two links at once", """
+        """,
+    ),
+    Code(
+        "two-links",
+        "something lies on two links at once",
+        """
         A port, plane or edge lies on the link of the parts that its formula names. These move against each
         other, so it would lie on both. When a joint moves, what is connected there could follow only one of
         them. Name a face or a port of one of them alone.
-        """, """
+        """,
+        """
         apg 1
         use primitives { Cuboid }
         template Pair {
@@ -125,13 +169,18 @@ STRUCTURE = (
           part knob : Cuboid(size = [1cm, 1cm, 1cm])
           connect knob to pair.mid
         }
-        """),
-    Code("bad-axis", "a joint or repeat has no valid axis", """
+        """,
+    ),
+    Code(
+        "bad-axis",
+        "a joint or repeat has no valid axis",
+        """
         A joint that turns does so about an edge or a line (`about door.left.back`, `about dial.axis`); a
         direction alone does not say where. A prismatic joint slides along a direction. A ring turns about an
         axis, a mirror stands across x, y or z. The axis decides how the joint moves and which side opens, so
         it is always stated. Two faces of a box meet in an edge: `door.left.back`.
-        """, """
+        """,
+        """
         apg 1
         use primitives { Cuboid }
         template Hinged {
@@ -139,13 +188,18 @@ STRUCTURE = (
           part leaf : Cuboid(size = [1cm, 9cm, 9cm])
           joint open : revolute post -> leaf about z range 0deg .. 90deg
         }
-        """),
-    Code("needs-clearance", "a clearance that is not solved for", """
+        """,
+    ),
+    Code(
+        "needs-clearance",
+        "a clearance that is not solved for",
+        """
         `clearance` as the high end of a range asks for the largest value without a collision. It is solved for
         where a revolute or prismatic joint moves by itself: not for the low end, nor for joints that follow others,
         are followed, or lie in programs that close loops. The program is legal and can be checked, but not sampled.
         Turn the axis round, or give the end as a formula of the sizes, or as a plain angle or length.
-        """, """
+        """,
+        """
         apg 1
         use primitives { Cuboid }
         category Box {
@@ -154,23 +208,33 @@ STRUCTURE = (
           align lid.bottom = body.top + 1mm
           joint open : revolute body -> lid about lid.back.bottom range clearance .. 90deg
         }
-        """),
-    Code("incomplete-primitive", "a primitive lacks surfaces, inside or box", """
+        """,
+    ),
+    Code(
+        "incomplete-primitive",
+        "a primitive lacks surfaces, inside or box",
+        """
         A primitive states its surfaces, an inside function and its box, or one `solid` that supplies all
         three. The mesh, the points and the colliders all come from these three, so none can be left out. Add
         what the message names.
-        """, """
+        """,
+        """
         apg 1
         primitive Sheet {
           param wide : length > 0  test 1cm .. 1m
           surface top (u in 0 .. 1, v in 0 .. 1) = [u * wide, v * wide, 0mm]
         }
-        """),
-    Code("open-count", "an indexed surface may have any number of copies", """
+        """,
+    ),
+    Code(
+        "open-count",
+        "an indexed surface may have any number of copies",
+        """
         The surfaces of a primitive are known when it is compiled, so that their seams can be matched. A number of copies
         that differs between objects needs a greatest value, of at most 64. Use a parameter of type `count` with a domain, or
         a formula of such parameters.
-        """, """
+        """,
+        """
         apg 1
         primitive Fan {
           param blades : count
@@ -181,12 +245,17 @@ STRUCTURE = (
           box = [2 * reach, 2 * reach, reach]
         }
         category Ventilator { root part fan : Fan(blades = 3, reach = 10cm) }
-        """),
-    Code("broken-chain", "curves of a chain do not meet end to end", """
+        """,
+    ),
+    Code(
+        "broken-chain",
+        "curves of a chain do not meet end to end",
+        """
         Each curve of a chain begins where the one before it ends, for every test value of the primitive.
         Otherwise the surface made of them would have a gap. An outer and an inner chain have equally many
         curves. Use the same formula at both ends.
-        """, """
+        """,
+        """
         apg 1
         primitive Bowl {
           param radius : length > 0  test 1cm .. 2cm
@@ -195,13 +264,18 @@ STRUCTURE = (
           solid = lathe([foot, skin]) about z
         }
         category Dish { root part bowl : Bowl(radius = 1cm) }
-        """),
-    Code("bad-curve", "a curve cannot make this solid", """
+        """,
+    ),
+    Code(
+        "bad-curve",
+        "a curve cannot make this solid",
+        """
         The operator needs a curve with a value everywhere: for `lathe` [radius, height] with a radius of at
         least 0, for every test value of the primitive. A formula that fails for some sizes would give broken
         meshes only now and then, so it is tried beforehand. Narrow the ranges after `test`, add a `require` to
         the primitive, or clip the formula with `max`.
-        """, """
+        """,
+        """
         apg 1
         primitive Bowl {
           param radius : length > 0  test 1cm .. 2cm
@@ -209,13 +283,18 @@ STRUCTURE = (
           solid = lathe(skin) about z
         }
         category Dish { root part bowl : Bowl(radius = 5cm) }
-        """),
-    Code("missing-pieces", "convex pieces leave out part of a primitive", """
+        """,
+    ),
+    Code(
+        "missing-pieces",
+        "convex pieces leave out part of a primitive",
+        """
         What touches what is decided by convex pieces, so a solid that its `piece` statements cover only in part could be
         reached into. An error where a place within it lies further than a tenth of its size from all its pieces, at one of
         its test values; a warning from a twentieth on. The place shown is the furthest. A thin gap at a curved surface is no
         fault.
-        """, """
+        """,
+        """
         apg 1
         primitive Bar {
           param long : length > 0  test 5cm .. 20cm
@@ -231,13 +310,18 @@ STRUCTURE = (
             [-1cm, -1cm, long / 4], [1cm, -1cm, long / 4], [1cm, 1cm, long / 4], [-1cm, 1cm, long / 4])
         }
         category Post { root part bar : Bar(long = 10cm) }
-        """),
-    Code("leaky-primitive", "the surfaces of a primitive do not close", """
+        """,
+    ),
+    Code(
+        "leaky-primitive",
+        "the surfaces of a primitive do not close",
+        """
         The surfaces of a primitive meet along whole edges and enclose its inside, all normals outwards, for
         every one of its test values. The place shown is a surface with an edge that meets no other. A mesh
         that is welded from these formulas alone is watertight only then. Compare the formulas of the two
         surfaces at that edge, and the signs and ranges of u and v.
-        """, """
+        """,
+        """
         apg 1
         primitive Open {
           param size : length[3] > 0  test [1cm, 1cm, 1cm] .. [9cm, 9cm, 9cm]
@@ -249,5 +333,6 @@ STRUCTURE = (
         category Cup {
           root part body : Open(size = [5cm, 5cm, 5cm])
         }
-        """),
-)  # fmt: skip
+        """,
+    ),
+)

@@ -38,8 +38,12 @@ def under_another(env: Env, body: Body, when: ast.WhenStmt) -> tuple[list[tuple[
 
     Branches of one guard are one body, however often the text says it.
     """
-    said = {name for s in body if isinstance(s, ast.WhenStmt) and text_of(s.guard.span) == text_of(when.guard.span)
-            for name in declared_parts((s,))}  # fmt: skip
+    said = {
+        name
+        for s in body
+        if isinstance(s, ast.WhenStmt) and text_of(s.guard.span) == text_of(when.guard.span)
+        for name in declared_parts((s,))
+    }
     names = {
         id(s): name
         for s in (*when.body, *when.otherwise)

@@ -148,9 +148,11 @@ def instantiate(part: Part, option: Option, lower_body: LowerBody) -> Instance:
             name = argument.name or ""
             if has_hole(argument.value):
                 raise context.error(
-                    "misplaced-hole", argument.value.span, f"`{option.name}` is one of several: it leaves nothing open to equations",
+                    "misplaced-hole",
+                    argument.value.span,
+                    f"`{option.name}` is one of several: it leaves nothing open to equations",
                     hint="what all have open is handed in by a role: `part lid : Lid(size = [_, _, 1cm]) = Flat | Domed`",
-                )  # fmt: skip
+                )
             if name in declared:
                 own[name] = handed_in(part, home, *declared[name], name, argument)
             else:  # a count
@@ -176,7 +178,9 @@ def complete(instance: Instance) -> None:
             continue
         if declaration.default is None and declaration.domain is None:
             raise part.context.error(
-                "missing-argument", part.span, f"`{symbol.name}` needs `{name}`",
+                "missing-argument",
+                part.span,
+                f"`{symbol.name}` needs `{name}`",
                 hint=f"give it with the alternative: {symbol.name}({name} = ...)",
-            )  # fmt: skip
+            )
         local.names[name] = instance.values[name] = own_parameter(local, declaration, name)

@@ -91,9 +91,11 @@ def prefer(env: Env, statement: ast.PreferStmt) -> None:
     weight = E.ONE if statement.weight is None else ev.scalar(statement.weight)
     if statement.weight is not None and weight.constant is not None and not 0.0 <= float(weight.constant) < math.inf:
         raise env.context.error(
-            "wrong-arguments", statement.weight.span, "a preference weighs 0 or more",
+            "wrong-arguments",
+            statement.weight.span,
+            "a preference weighs 0 or more",
             hint="to prefer the opposite, write the opposite condition",
-        )  # fmt: skip
+        )
     condition, _ = comparison(ev, statement.condition)
     guard = presence(env, statement.condition)
     env.context.program.preferences.append(
@@ -170,9 +172,11 @@ def indices(env: Env, node: ast.Expr) -> Iterator[tuple[str, int]]:
         rank = Evaluator(env).scalar(node.index).constant
         if rank is None or rank < 0:
             raise env.context.error(
-                "wrong-kind", node.index.span, "a statement about parts names an element by its number, or `last`",
+                "wrong-kind",
+                node.index.span,
+                "a statement about parts names an element by its number, or `last`",
                 hint=f"`{name}[0]`, `{name}[last]`; leave the number out for all elements, or state it inside the repeat",
-            )  # fmt: skip
+            )
         yield name, int(rank)
 
 

@@ -56,9 +56,15 @@ def make_draw(env: Env, declaration: ast.ParamDecl | ast.CountDecl, path: str, c
         raise env.context.error("empty-range", domain.span, "the range is empty: its low end lies above its high end")
     unit = SI_UNITS.get(declaration.type.name, "") if isinstance(declaration, ast.ParamDecl) else ""
     draw = Draw(
-        column, address(env, path, declaration.was), "count" if counted else "real", low, high,
-        unit=unit, where=where(declaration.span), doc=declaration.doc,
-    )  # fmt: skip
+        column,
+        address(env, path, declaration.was),
+        "count" if counted else "real",
+        low,
+        high,
+        unit=unit,
+        where=where(declaration.span),
+        doc=declaration.doc,
+    )
     if declaration.default is not None:
         draw.default = component_of(env, declaration.default, component)
         first, value, last = low.constant, draw.default.constant, high.constant
@@ -66,9 +72,11 @@ def make_draw(env: Env, declaration: ast.ParamDecl | ast.CountDecl, path: str, c
             pass
         elif not first - SMALL <= value <= last + SMALL:
             raise env.context.error(
-                "default-outside-range", declaration.default.span, f"the default of `{path}` lies outside its range",
+                "default-outside-range",
+                declaration.default.span,
+                f"the default of `{path}` lies outside its range",
                 notes=((domain.span, "the range"),),
-            )  # fmt: skip
+            )
     if declaration.distribution is not None:
         draw.distribution = declaration.distribution.name
         draw.arguments = tuple(component_of(env, a.value, component) for a in declaration.distribution.arguments)
@@ -95,9 +103,14 @@ def draw_choice(
     weights = [reduce(E.add, [weight_of(env, alternative) for alternative in same]) for same in alternatives]
     column = env.context.column(env.scope, path, "choice", span)
     draw = Draw(
-        column, address(env, path, getattr(declaration, "was", None)), "choice", options=told_apart(names),
-        weights=tuple(weights), where=where(span), doc=declaration.doc,
-    )  # fmt: skip
+        column,
+        address(env, path, getattr(declaration, "was", None)),
+        "choice",
+        options=told_apart(names),
+        weights=tuple(weights),
+        where=where(span),
+        doc=declaration.doc,
+    )
     env.context.draws.append(draw)
     return Choice(E.col(column), names)
 
@@ -133,9 +146,15 @@ def draw_option(env: Env, declaration: ast.ParamDecl, path: str) -> Choice:
         E.const(float(options.index(usual.name))) if isinstance(usual, ast.NameExpr) and usual.name in options else None
     )
     draw = Draw(
-        column, address(env, path, declaration.was), "choice", default=default, options=options, weights=weights,
-        where=where(declaration.span), doc=declaration.doc,
-    )  # fmt: skip
+        column,
+        address(env, path, declaration.was),
+        "choice",
+        default=default,
+        options=options,
+        weights=weights,
+        where=where(declaration.span),
+        doc=declaration.doc,
+    )
     env.context.draws.append(draw)
     return Choice(E.col(column), options)
 

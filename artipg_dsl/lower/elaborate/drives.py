@@ -147,9 +147,11 @@ def report(context: Context) -> None:
     for span, carried in context.driven.items():
         if not carried:
             context.error(
-                "wrong-kind", span, f"nothing that this lies on moves with the joint of `{text_of(span)}`",
+                "wrong-kind",
+                span,
+                f"nothing that this lies on moves with the joint of `{text_of(span)}`",
                 hint="name the joint that carries the target, or one that carries that joint",
-            )  # fmt: skip
+            )
 
 
 def apart(inner: Scope, scope: Scope) -> list[Scope]:
@@ -162,7 +164,4 @@ def room(joint: Joint) -> tuple[Expr, Expr]:
     if joint.low is None or joint.high is None:
         return E.TRUE, E.TRUE
     slack = E.mul(ROOM, E.sub(joint.high, joint.low))
-    return (
-        E.call("lt", slack, E.sub(joint.high, joint.rest)),
-        E.call("lt", slack, E.sub(joint.rest, joint.low)),
-    )
+    return (E.call("lt", slack, E.sub(joint.high, joint.rest)), E.call("lt", slack, E.sub(joint.rest, joint.low)))

@@ -157,9 +157,10 @@ def formula(links: Links, env: Env, aim: Aim) -> Evaluator:
     local: dict[str, Value] = {
         "p": Vec(tuple(E.var(f"p.{a}") for a in "xyz")),
         "n": Vec(tuple(E.var(f"n.{a}") for a in "xyz")),
-        "u": E.var("u"), "v": E.var("v"),
+        "u": E.var("u"),
+        "v": E.var("v"),
         "size": Vec(tuple(E.var(f"size.{a}") for a in "xyz")),
-    }  # fmt: skip
+    }
     origin = Pose(aim.frame.rotation, place(aim.frame, aim.box.center), aim.frame.mirror)
     carry = compose(inverse(origin), links.world(env))
     made = Evaluator(env, local, carry)
@@ -190,9 +191,13 @@ def label(links: Links, env: Env, statement: ast.LabelStmt) -> None:
             else:
                 degree = shown(ev.scalar(statement.value), aim.scope)
                 made = Label(
-                    statement.vocabulary, statement.label, targets(links, aim), degree, where(statement.span),
+                    statement.vocabulary,
+                    statement.label,
+                    targets(links, aim),
+                    degree,
+                    where(statement.span),
                     guard=E.both(there, guard),
-                )  # fmt: skip
+                )
             made = replace(made, joints=acted(links, ev, statement), motion=motion(env, statement))
             links.context.labels.append((aim.depth, made))
             holds = E.both(there, guard)
@@ -247,9 +252,14 @@ def field_label(links: Links, env: Env, statement: ast.FieldStmt) -> None:
             else:
                 number = ev.scalar(statement.value)
             made = Label(
-                "field", statement.name, targets(links, aim), shown(number, aim.scope), where(statement.span),
-                guard=E.both(standing(env, aim), guard), vector=vector,
-            )  # fmt: skip
+                "field",
+                statement.name,
+                targets(links, aim),
+                shown(number, aim.scope),
+                where(statement.span),
+                guard=E.both(standing(env, aim), guard),
+                vector=vector,
+            )
             links.context.labels.append((aim.depth, made))
 
 
@@ -318,7 +328,7 @@ def grasp(links: Links, env: Env, statement: ast.GraspStmt) -> None:
                 ONE if statement.quality is None else number(statement.quality.value),
                 where(statement.span),
                 tuple((measure.word, number(measure.value)) for measure in statement.hand),
-            )  # fmt: skip
+            )
         )
 
 
@@ -400,5 +410,9 @@ def one_element(statement: ast.SymmetryStmt) -> bool:
 
 
 MEANINGS: dict[type[ast.Stmt], Callable[[Links, Env, Any], None]] = {
-    ast.LabelStmt: label, ast.FieldStmt: field_label, ast.MaterialStmt: material, ast.GraspStmt: grasp, ast.KeypointStmt: keypoint,
-}  # fmt: skip
+    ast.LabelStmt: label,
+    ast.FieldStmt: field_label,
+    ast.MaterialStmt: material,
+    ast.GraspStmt: grasp,
+    ast.KeypointStmt: keypoint,
+}

@@ -114,9 +114,12 @@ def refuse(context: Context, quantity: Quantity, intervals: Intervals, sources: 
     value, place = quantity.value, quantity.where
     low, high = intervals.of(value)
     amount = (
-        plain(float(value.constant)) if value.constant is not None
-        else f"at least {plain(low)}" if low > quantity.legal.high else f"at most {plain(high)}"
-    )  # fmt: skip
+        plain(float(value.constant))
+        if value.constant is not None
+        else f"at least {plain(low)}"
+        if low > quantity.legal.high
+        else f"at most {plain(high)}"
+    )
     span = None
     if place is not None and place.file in sources:
         span = line_of(sources[place.file], place)
@@ -126,9 +129,11 @@ def refuse(context: Context, quantity: Quantity, intervals: Intervals, sources: 
         )
         return
     context.report.error(
-        "illegal-value", span, f"{quantity.name} is {amount}, but {quantity.legal.words}",
+        "illegal-value",
+        span,
+        f"{quantity.name} is {amount}, but {quantity.legal.words}",
         hint="lengths are in metres, angles in radians",
-    )  # fmt: skip
+    )
 
 
 def line_of(source: Source, place: Where) -> Span:

@@ -87,10 +87,12 @@ class Links:
             found = [(p, a) for p in self.resolving for a in self.attachments(p)]
             found.sort(key=lambda pair: pair[1].span.start)
             raise self.context.error(
-                "circular-definition", part.span, f"what `{part.name}` is attached to is attached to `{part.name}` in turn",
+                "circular-definition",
+                part.span,
+                f"what `{part.name}` is attached to is attached to `{part.name}` in turn",
                 hint="one of these has to hang on the root, or on a part that does",
                 notes=tuple((a.span, f"attaches `{p.name}`") for p, a in found[:4]),
-            )  # fmt: skip
+            )
         self.resolving.add(part)
         try:
             self.known[part] = self.find(part)
@@ -203,10 +205,12 @@ class Links:
                 found.append(links)
         if len(found) > 1 and not exclusive(parts):
             raise self.context.error(
-                "two-links", span, "this lies on two links: " + " and ".join(f"`{part_of(p).name}`" for p in parts[:2]),
+                "two-links",
+                span,
+                "this lies on two links: " + " and ".join(f"`{part_of(p).name}`" for p in parts[:2]),
                 hint="joints may move them apart: name a face or a port of one of them alone",
                 notes=tuple((part_of(p).span, f"`{part_of(p).name}`") for p in parts[:2]),
-            )  # fmt: skip
+            )
         return self.ordered(k for links in found for k in links)
 
     def ordered(self, links: Iterable[int | Under | Elsewhere | Onward]) -> Reference:
@@ -316,9 +320,13 @@ class Links:
             low, high = self.ends(ev, statement.range.value, kind, len(program.joints))
         elif kind in ("revolute", "prismatic", "screw"):
             raise self.context.error(
-                "missing-clause", statement.span, f"the {kind} joint `{statement.name}` has no range",
-                hint="add `range 0cm .. 30cm`" if kind == "prismatic" else "add `range 0deg .. 90deg`, or make it continuous",
-            )  # fmt: skip
+                "missing-clause",
+                statement.span,
+                f"the {kind} joint `{statement.name}` has no range",
+                hint="add `range 0cm .. 30cm`"
+                if kind == "prismatic"
+                else "add `range 0deg .. 90deg`, or make it continuous",
+            )
         rest = self.rest(ev, statement, low, high)
         if statement.mimic is not None:
             self.mimics[len(program.joints)] = (env, statement.mimic.value)
@@ -326,10 +334,20 @@ class Links:
         physics: dict[str, Any] = {c.word: ev.scalar(c.value) for c in given if c is not None}
         name = part.path if statement.name in ("motion", "") else joint_name(env, statement)
         joint = Joint(
-            joint_name(env, statement), name, program.links[child].scope, kind, parents, child,
-            place(outer, origin), carried_axis(outer, axis, kind), low, high, rest, where=where(statement.span),
+            joint_name(env, statement),
+            name,
+            program.links[child].scope,
+            kind,
+            parents,
+            child,
+            place(outer, origin),
+            carried_axis(outer, axis, kind),
+            low,
+            high,
+            rest,
+            where=where(statement.span),
             **physics,
-        )  # fmt: skip
+        )
         self.joints[child] = self.made[Hinge(env, statement)] = len(program.joints)
         self.stated[len(program.joints)] = statement.span
         program.joints.append(joint)
@@ -377,9 +395,11 @@ class Links:
                 at = statement.at
                 return (ev.vector(at.value[0].value) if at is not None else center), (E.ONE, E.ZERO, E.ZERO)
             raise self.context.error(
-                "bad-axis", statement.span, f"this {kind} joint has no axis",
+                "bad-axis",
+                statement.span,
+                f"this {kind} joint has no axis",
                 hint="say `about` an edge or a line (door.left.back), or `along` a direction for a prismatic joint",
-            )  # fmt: skip
+            )
         value = ev.value(clause.value)
         wrong = kind == "prismatic" if clause is statement.about else kind in MOVING_ABOUT and isinstance(value, Vec)
         if wrong:

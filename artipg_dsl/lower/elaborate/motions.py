@@ -51,9 +51,11 @@ def limit(links: Links, env: Env, statement: ast.LimitStmt) -> None:
         here = held(env.scope, joint.scope)
         if here is not E.TRUE and clears(ev, statement.range.high):
             raise links.context.error(
-                "needs-clearance", statement.range.high.span, "`clearance` cannot stand under a guard that the joint does not stand under",
+                "needs-clearance",
+                statement.range.high.span,
+                "`clearance` cannot stand under a guard that the joint does not stand under",
                 hint="say it in the joint's own range, or state one joint in each branch",
-            )  # fmt: skip
+            )
         ends = links.ends(ev, statement.range, joint.kind, number)
         low, high = (lifted(end, joint.scope) for end in ends)
         low, high = E.maximum(joint.low, low), E.minimum(joint.high, high)

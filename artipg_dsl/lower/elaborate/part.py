@@ -221,15 +221,19 @@ class Instance:
             for value, home, named in walk(env, node):
                 if named is not E.TRUE:
                     raise self.part.context.error(
-                        "wrong-kind", node.span, "a slot binds all elements of a repeat, not one by its number",
+                        "wrong-kind",
+                        node.span,
+                        "a slot binds all elements of a repeat, not one by its number",
                         hint="leave the number out, or bind a part that stands outside the repeat",
-                    )  # fmt: skip
+                    )
                 within = env.scope is self.scope or home.scope.within(env.scope)
                 if not within and held(home.scope, self.scope) is not E.TRUE:
                     raise self.part.context.error(
-                        "wrong-kind", node.span, "a slot that a `when` binds to a slot that another `when` binds cannot be followed",
+                        "wrong-kind",
+                        node.span,
+                        "a slot that a `when` binds to a slot that another `when` binds cannot be followed",
                         hint="name the part itself, or bind the slot in every branch of one `when`",
-                    )  # fmt: skip
+                    )
                 found.append(Reached(value, home if within else env))
         return found
 

@@ -68,9 +68,11 @@ def element_named(env: Env, at: Reached, node: ast.IndexExpr) -> Expr:
     index = Evaluator(env).position(element, node.index)
     if index.scope is not None and not element.scope.within(index.scope):
         raise env.context.error(
-            "wrong-kind", node.index.span, "this number differs from row to row of a table that the elements do not lie in",
+            "wrong-kind",
+            node.index.span,
+            "this number differs from row to row of a table that the elements do not lie in",
             hint="name the element by a number, `last` or a count; or state it inside the repeat, under a `when`",
-        )  # fmt: skip
+        )
     return E.call("eq", E.rank(element.scope), index)
 
 

@@ -159,9 +159,11 @@ def chained(part: Part, pose: Pose, chain: Pose) -> Pose:
     """Close the chain: each element stands on the one before, all turned alike."""
     if pose.rotation != chain.rotation or pose.mirror is not E.ONE:
         raise part.context.error(
-            "recurrence", part.span, f"each `{part.name}` is turned against the one before, which is no sum of offsets",
+            "recurrence",
+            part.span,
+            f"each `{part.name}` is turned against the one before, which is no sum of offsets",
             hint="place the elements straight at joint values 0 and turn them by their joints",
-        )  # fmt: skip
+        )
     for name, value in zip(chain.translation, pose.translation, strict=True):
         part.context.program.definitions[name.value] = closed(part.context, name.value, value)
     return chain
@@ -270,10 +272,12 @@ def turned_in_vain(part: Part, mount: Mount) -> None:
     said = [*part.declaration.placements, *(p for o in part.options for p in o.source.placements)]
     said += part.declaration.alternatives[0].placements if part.style is not None else ()
     raise part.context.error(
-        "over-determined", said[0].span, f"`{part.name}` is turned here, but what it is mounted by turns with it: this says nothing",
+        "over-determined",
+        said[0].span,
+        f"`{part.name}` is turned here, but what it is mounted by turns with it: this says nothing",
         hint="turn the port in its template, or place the part by a face of its box (`connect lid.back on ...`) and equations",
         notes=((mount.statement.span, "the mount"),),
-    )  # fmt: skip
+    )
 
 
 def axes_from(direction: Triple) -> Matrix:
@@ -297,9 +301,11 @@ def located(frame: Frame, mount: Mount, ev: Evaluator) -> Triple:
             axis = AXES.index(name)
             if frame.out[axis].constant in (1.0, -1.0):
                 raise ev.env.context.error(
-                    "plane-across-axes", node.span, f"the target faces along {name}; `at` moves within its plane",
+                    "plane-across-axes",
+                    node.span,
+                    f"the target faces along {name}; `at` moves within its plane",
                     hint=f"give the other two coordinates here, and the distance along {name} by `gap` or `sink`",
-                )  # fmt: skip
+                )
             origin[axis] = ev.scalar(node)
         elif not isinstance(ev.env.context.meaning(node), Word):  # `center` is where it is
             origin = list(ev.vector(node))
@@ -317,9 +323,11 @@ def bridged(part: Part, mount: Mount, ev: Evaluator) -> Pose:
     line = part.own("ends", subject.span) if isinstance(subject, ast.NameExpr) else own_value(part, subject, mount.env)
     if not isinstance(line, Line) or line.to is None:
         raise ev.env.context.error(
-            "unknown-port", subject.span, f"`{part.name}` has no port `ends : line` with two ends, which `between` needs",
+            "unknown-port",
+            subject.span,
+            f"`{part.name}` has no port `ends : line` with two ends, which `between` needs",
             hint="declare it in the template: port ends = line(at = ..., to = ...)",
-        )  # fmt: skip
+        )
     sink = ev.scalar(statement.sink.value) if statement.sink is not None else ZERO
     if statement.gap is not None:
         sink = E.sub(sink, ev.scalar(statement.gap.value))
@@ -380,6 +388,9 @@ def circular_place(part: Part) -> Abort:
     via = f", by way of {' and '.join(f'`{p.name}`' for p in others)}" if others else ""
     notes = [(m.statement.span, f"places `{p.name}`") for p in waiting for m in mounts(part.env, declared(p))]
     return part.context.error(
-        "circular-definition", part.span, f"the place of `{part.name}` depends on itself{via}", notes=tuple(notes[:4]),
+        "circular-definition",
+        part.span,
+        f"the place of `{part.name}` depends on itself{via}",
+        notes=tuple(notes[:4]),
         hint="`to` and `between` take the place from their target: let one of these parts hang on something that stands",
-    )  # fmt: skip
+    )

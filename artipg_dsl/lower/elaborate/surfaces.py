@@ -81,6 +81,9 @@ def solve_v(
     found = isolate(E.substitute(coordinate, {E.var("v"): target}), marker, ev.scalar(arguments[axis]), linear)
     if found is None:
         raise ev.env.context.error(
-            "not-solvable", node.span, f"this surface cannot be solved for the place where {axis} has a value", hint="give u and v",
-        )  # fmt: skip
+            "not-solvable",
+            node.span,
+            f"this surface cannot be solved for the place where {axis} has a value",
+            hint="give u and v",
+        )
     return found

@@ -17,9 +17,11 @@ def turned(env: Env, placements: tuple[ast.Placement, ...], outer: Matrix = IDEN
         if placement.angle is None:
             if signed_axis(direction) is None:
                 raise env.context.error(
-                    "bad-axis", placement.direction.span, "a part lies along x, y or z",
+                    "bad-axis",
+                    placement.direction.span,
+                    "a part lies along x, y or z",
                     hint="any other direction: `turned 20deg about y`, or a `connect` with frames",
-                )  # fmt: skip
+                )
             step = along(direction)
         elif all(c is E.ZERO for c in direction):
             raise env.context.error(

@@ -23,9 +23,11 @@ def warn_unlabelled(lowering: Lowering, category: Span) -> None:
         return
     if len(bare) == len(program.sites) and not any(b.partly for b in bare):
         report.warning(
-            "missing-label", category, f"no part of `{program.name}` has a semantic label",
+            "missing-label",
+            category,
+            f"no part of `{program.name}` has a semantic label",
             hint="`label semantic.body on body` gives one to a part; `use vocabularies { semantic }` brings the words",
-        )  # fmt: skip
+        )
         return
     known = {part.path: part for part in lowering.context.parts}
     of: dict[Part, list[Bare]] = {}

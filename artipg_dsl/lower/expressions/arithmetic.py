@@ -72,9 +72,11 @@ def counted(ev: Evaluator, span: Span, result: Expr, of: tuple[Expr, ...]) -> Ex
 
 def undefined(ev: Evaluator, span: Span, message: str) -> Exception:
     return ev.env.context.error(
-        "undefined-value", span, message,
+        "undefined-value",
+        span,
+        message,
         hint="where it is not meant to be reached, `a if c else b` or `when` with a condition keep it away",
-    )  # fmt: skip
+    )
 
 
 def plane(ev: Evaluator, value: Frame | Plane, span: Span) -> Plane:
@@ -91,9 +93,11 @@ def plane(ev: Evaluator, value: Frame | Plane, span: Span) -> Plane:
 
 def tilted(ev: Evaluator, span: Span) -> Exception:
     return ev.env.context.error(
-        "plane-across-axes", span, "this face is turned: its plane is no coordinate of the frame of this statement",
+        "plane-across-axes",
+        span,
+        "this face is turned: its plane is no coordinate of the frame of this statement",
         hint="equate points instead (`align a.top.center = b.bottom.center`), or use `connect ... to` with frames",
-    )  # fmt: skip
+    )
 
 
 def unary(ev: Evaluator, node: ast.UnaryExpr) -> Value:
@@ -172,11 +176,12 @@ def across(ev: Evaluator, span: Span, left: Plane, right: Plane, a: Span, b: Spa
     """Report planes of different axes; ``a`` and ``b`` are the places of the two."""
     first, second = f"`{text_of(a)}`", f"`{text_of(b)}`"
     return ev.env.context.error(
-        "plane-across-axes", span,
+        "plane-across-axes",
+        span,
         f"{first} is a plane across {AXES[left.axis or 0]}, {second} one across {AXES[right.axis or 0]}:"
         " they have no coordinate in common",
         hint="front and back are planes across x, left and right across y, top and bottom across z",
-    )  # fmt: skip
+    )
 
 
 def vector_arithmetic(ev: Evaluator, node: ast.BinaryExpr, left: Value, right: Value) -> Value:

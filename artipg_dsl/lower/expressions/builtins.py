@@ -154,8 +154,10 @@ def make_box(ev: Evaluator, node: ast.CallExpr) -> Box:
     missing = [n for n, (a, s) in FACES.items() if (high if s > 0 else low)[a] is None]
     if missing:
         raise ev.env.context.error(
-            "wrong-arguments", node.span, f"the faces {', '.join(missing)} are open: this template has no box of its own to take them from"
-        )  # fmt: skip
+            "wrong-arguments",
+            node.span,
+            f"the faces {', '.join(missing)} are open: this template has no box of its own to take them from",
+        )
     return Box(triple(c for c in low if c is not None), triple(c for c in high if c is not None), on=on)
 
 
@@ -164,11 +166,14 @@ def reduction(ev: Evaluator, name: str, node: ast.Expr) -> Expr:
     base = node
     while isinstance(base, ast.MemberExpr | ast.IndexExpr | ast.CallExpr | ast.BinaryExpr | ast.UnaryExpr):
         base = (
-            base.obj if isinstance(base, ast.MemberExpr | ast.IndexExpr)
-            else base.left if isinstance(base, ast.BinaryExpr)
-            else base.operand if isinstance(base, ast.UnaryExpr)
+            base.obj
+            if isinstance(base, ast.MemberExpr | ast.IndexExpr)
+            else base.left
+            if isinstance(base, ast.BinaryExpr)
+            else base.operand
+            if isinstance(base, ast.UnaryExpr)
             else base.arguments[0].value
-        )  # fmt: skip
+        )
     element = ev.value(base) if isinstance(base, ast.NameExpr) else None
     if not isinstance(element, Element) or ev.inside(element):
         raise ev.env.context.error(

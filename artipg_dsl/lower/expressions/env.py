@@ -108,9 +108,11 @@ class Env:
                 running = [n for n, v in self.names.items() if isinstance(v, Thunk) and v.running and n != name]
                 via = f", by way of {' and '.join(f'`{n}`' for n in running)}" if running else ""
                 raise self.context.error(
-                    "circular-definition", value.span, f"`{name}` needs itself{via}",
+                    "circular-definition",
+                    value.span,
+                    f"`{name}` needs itself{via}",
                     hint="give one of them a value of its own, or leave a size open (`_`) and state an equation with `align`",
-                )  # fmt: skip
+                )
             value.running = True
             try:
                 made = value.make()
@@ -146,9 +148,14 @@ class Env:
             return None
         if all(isinstance(value, Ref) for _, value in found):
             own = self.scope
-            return Ref(name, tuple(
-                replace(b, scope=b.scope or (None if scope is own else scope)) for scope, value in found for b in value.branches
-            ))  # fmt: skip
+            return Ref(
+                name,
+                tuple(
+                    replace(b, scope=b.scope or (None if scope is own else scope))
+                    for scope, value in found
+                    for b in value.branches
+                ),
+            )
         return found[0][1] if found[0][0] is self.scope else merged(self.scope, found)
 
     def branched(self, name: str) -> list[tuple[Env, Value]]:

@@ -143,10 +143,11 @@ class Evaluator:
             if isinstance(value, Plane):
                 if value.axis != k:
                     raise self.env.context.error(
-                        "plane-across-axes", item.span,
+                        "plane-across-axes",
+                        item.span,
                         f"`{text_of(item.span)}` is a plane across {AXES[value.axis or 0]}, but stands where the"
                         f" {AXES[k]} coordinate goes",
-                    )  # fmt: skip
+                    )
                 on += value.on
                 value = value.coordinate
             if not isinstance(value, Expr):

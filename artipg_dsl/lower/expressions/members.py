@@ -37,9 +37,19 @@ class At:
 def describe(value: Value) -> str:
     """What a value is, in words for a message."""
     names = {
-        Vec: "a vector", Frame: "a frame", Plane: "a plane", Line: "a line", Box: "a box", Choice: "a choice", Ref: "a part",
-        Element: "an element of a repeat", At: "an element of a repeat", Function: "a function", str: "a text", Expr: "a number",
-    }  # fmt: skip
+        Vec: "a vector",
+        Frame: "a frame",
+        Plane: "a plane",
+        Line: "a line",
+        Box: "a box",
+        Choice: "a choice",
+        Ref: "a part",
+        Element: "an element of a repeat",
+        At: "an element of a repeat",
+        Function: "a function",
+        str: "a text",
+        Expr: "a number",
+    }
     if isinstance(value, Ref):
         return f"the part `{value.name}`"
     if isinstance(value, Frame) and value.face:
@@ -125,9 +135,11 @@ def element_member(ev: Evaluator, value: Element, name: str, span: Span) -> Valu
         inner = value.env.declared(name)
         return inner if inner is None else from_env(ev, value.env, inner)
     raise ev.env.context.error(
-        "many-elements", span, f"`{value.name}` stands for all elements of a repeat here",
+        "many-elements",
+        span,
+        f"`{value.name}` stands for all elements of a repeat here",
         hint=f"name one, `{value.name}[0]` or `{value.name}[last]`, or reduce them with sum, min or max",
-    )  # fmt: skip
+    )
 
 
 def here(ev: Evaluator, element: Element, value: Value) -> Value:

@@ -51,9 +51,11 @@ class Curve(Function):
         if isinstance(value, Vec) and len(value.items) in (2, 3):
             return value.items
         raise self.env.context.error(
-            "wrong-kind", self.value.span, f"this is {describe(value)}, not a point of the curve `{self.name}`",
+            "wrong-kind",
+            self.value.span,
+            f"this is {describe(value)}, not a point of the curve `{self.name}`",
             hint="a curve in a plane gives [a, b], a path in space [x, y, z]",
-        )  # fmt: skip
+        )
 
 
 def offset(ev: Evaluator, node: ast.CallExpr) -> Vec:
@@ -67,9 +69,11 @@ def offset(ev: Evaluator, node: ast.CallExpr) -> Vec:
         curve = named_curve(ev, call)
     if not isinstance(curve, Curve) or len(curve.parameters) != 1:
         raise ev.env.context.error(
-            "wrong-kind", call.span, "`offset` takes a curve at a value of its parameter",
+            "wrong-kind",
+            call.span,
+            "`offset` takes a curve at a value of its parameter",
             hint="write offset(skin(v), -2mm)",
-        )  # fmt: skip
+        )
     point = curve.point()
     if len(point) != 2:
         message = f"`offset` needs a curve in a plane; `{curve.name}` lies in space"
@@ -94,18 +98,18 @@ def spans_of(ev: Evaluator, node: ast.Expr) -> list[Span]:
         if isinstance(curve, Curve):
             if curve.parameters:
                 return [Span(curve.name, plane(ev, curve.point(), node.span), *curve.ends())]
-            return [
-                Span(curve.name, s.position, s.low, s.high) for s in spans_of(Evaluator(curve.env), curve.value)
-            ]  # fmt: skip
+            return [Span(curve.name, s.position, s.low, s.high) for s in spans_of(Evaluator(curve.env), curve.value)]
     if isinstance(node, ast.CallExpr) and isinstance(node.function, ast.NameExpr):
         if node.function.name in OUTLINES:
             return OUTLINES[node.function.name](ev, node)
         if node.function.name == "offset":
             return offset_spans(ev, node)
     raise ev.env.context.error(
-        "wrong-kind", node.span, "a curve is needed here",
+        "wrong-kind",
+        node.span,
+        "a curve is needed here",
         hint="name a curve of this primitive, a list of them, or write circle(...), rectangle(...), polygon(...)",
-    )  # fmt: skip
+    )
 
 
 def plane(ev: Evaluator, point: tuple[Expr, ...], place: Place) -> Point:

@@ -53,18 +53,22 @@ def holed(env: Env, probe: Probe, solid: ast.SolidDecl, chains: list[list[Span]]
             check_values(env, probe, solid, span)
         if not probe.same(chain[0].start, chain[-1].end):
             raise env.context.error(
-                "broken-chain", argument.span, "this chain does not end where it begins",
+                "broken-chain",
+                argument.span,
+                "this chain does not end where it begins",
                 hint="an outline with holes is closed, and so is every hole",
-            )  # fmt: skip
+            )
     loops = [(tuple(map(Side, chain)), number > 0) for number, chain in enumerate(chains)]
     for bend in BENDS:
         region = Holed(loops)
         if fill(probe, region, chains, np.radians(bend)):
             return region
     raise env.context.error(
-        "bad-curve", solid.span, "the region between this outline and its holes cannot be filled at all test values",
+        "bad-curve",
+        solid.span,
+        "the region between this outline and its holes cannot be filled at all test values",
         hint="holes lie within the outline and apart from one another: add a `require`, or narrow the ranges after `test`",
-    )  # fmt: skip
+    )
 
 
 def fill(probe: Probe, region: Holed, chains: list[list[Span]], bend: float) -> bool:

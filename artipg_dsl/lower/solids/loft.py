@@ -63,10 +63,11 @@ def loft(env: Env, solid: ast.SolidDecl) -> Made:
     for section, argument in zip(sections, solid.arguments, strict=True):
         if len(section) != len(sections[0]):
             raise env.context.error(
-                "broken-chain", argument.span,
+                "broken-chain",
+                argument.span,
                 f"the first section has {len(sections[0])} curves, this one {len(section)}",
                 hint="sections have as many curves each, in the same order: each runs to its partner",
-            )  # fmt: skip
+            )
         ends = zip(section, [*section[1:], section[0]], strict=True)
         if not all(probe.same(a.end, b.start) for a, b in ends):
             raise env.context.error("broken-chain", argument.span, "a section is a closed curve, but this one is open")
@@ -75,17 +76,21 @@ def loft(env: Env, solid: ast.SolidDecl) -> Made:
             raise env.context.error("wrong-arguments", solid.span, "along a path `loft` takes two sections")
         if flowing is not None:
             raise env.context.error(
-                "wrong-arguments", flowing.span, "`smooth` has no meaning along a path: its two sections have none between them",
+                "wrong-arguments",
+                flowing.span,
+                "`smooth` has no meaning along a path: its two sections have none between them",
                 hint="leave `smooth` out",
-            )  # fmt: skip
+            )
         return along_path(env, probe, solid, path, [sections[0]], [sections[1]])
     axis = axis_of(env, solid, solid.along)
     levels = levels_of(env, solid, len(sections))
     if flowing is not None and len(sections) < 3:
         raise env.context.error(
-            "wrong-arguments", flowing.span, "`smooth` needs a third section: between two of them there is no kink",
+            "wrong-arguments",
+            flowing.span,
+            "`smooth` needs a third section: between two of them there is no kink",
             hint="add a section, or leave `smooth` out",
-        )  # fmt: skip
+        )
     ways = [None] * (len(sections) - 1) if flowing is None else courses(probe, sections, levels)
     bays = []
     for k in range(len(sections) - 1):
@@ -139,9 +144,11 @@ def levels_of(env: Env, solid: ast.SolidDecl, count: int) -> list[Expr]:
         )
     if ends[0] is None or ends[1] is None:
         raise env.context.error(
-            "wrong-arguments", solid.span, "`loft` needs the levels of its sections",
+            "wrong-arguments",
+            solid.span,
+            "`loft` needs the levels of its sections",
             hint="loft(base, top) along z from 0 to h, or: along z at [0, h1, h2]",
-        )  # fmt: skip
+        )
     low, high = (ev.scalar(node) for node in ends if node is not None)
     return [E.add(low, E.mul(E.const(k / (count - 1)), E.sub(high, low))) for k in range(count - 1)] + [high]
 

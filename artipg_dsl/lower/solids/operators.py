@@ -59,9 +59,11 @@ def solid_of(env: Env, solid: ast.SolidDecl) -> Made:
     makers = {"lathe": lathe, "extrude": extrude, "sweep": sweep if round_sections(solid) else swept, "loft": loft}
     if solid.operator not in makers:
         raise env.context.error(
-            "unknown-function", solid.span, f"there is no operator `{solid.operator}`",
+            "unknown-function",
+            solid.span,
+            f"there is no operator `{solid.operator}`",
             hint="there are " + ", ".join(makers),
-        )  # fmt: skip
+        )
     return makers[solid.operator](env, solid)
 
 
@@ -101,9 +103,11 @@ def lathe_pieces(
         return () if convex(probe, loop, mirrored=True) else slices(env, probe, solid, chains[0], sign, axis)
     if len(chains[0]) != len(chains[1]):
         raise env.context.error(
-            "broken-chain", solid.span, f"the outer chain has {len(chains[0])} curves, the inner one {len(chains[1])}",
+            "broken-chain",
+            solid.span,
+            f"the outer chain has {len(chains[0])} curves, the inner one {len(chains[1])}",
             hint="the chains of a hollow solid have as many curves each: the wall lies between one and its partner",
-        )  # fmt: skip
+        )
     pieces = []
     for number, quad in enumerate(strip(probe, chains[0], chains[1], sign)):
         wide = E.maximum(quad.outer[0][0], quad.outer[1][0])
@@ -154,17 +158,20 @@ def slices(env: Env, probe: Probe, solid: ast.SolidDecl, chain: list[Span], sign
         rise = 1.0 if climb.sum() > 0 else -1.0
         if (climb * rise).min() < -SMALL or way == -rise:
             raise env.context.error(
-                "bad-curve", solid.span, f"the height turns back along `{span.name}`: it has no simple pieces",
+                "bad-curve",
+                solid.span,
+                f"the height turns back along `{span.name}`: it has no simple pieces",
                 hint="let the height rise all the way, or make the solid of several primitives",
-            )  # fmt: skip
+            )
         way = rise
         count = equal_steps(probe, span, math.radians(25.0), MOST)
         for k in range(count):
             ends = chord(probe, span, k / count, (k + 1) / count, sign)
             corners = [
                 turned(axis, (E.mul(radius, E.const(c)), E.mul(radius, E.const(s))), height)
-                for radius, height in ends for c, s in angles
-            ]  # fmt: skip
+                for radius, height in ends
+                for c, s in angles
+            ]
             pieces.append(Piece(f"{span.name}_{k}", tuple(corners)))
     return tuple(pieces)
 
@@ -200,9 +207,11 @@ def check_radius(env: Env, probe: Probe, solid: ast.SolidDecl, span: Span) -> No
     check_values(env, probe, solid, span)
     if samples(probe, span, 16)[..., 0].min() < -1e-9:
         raise env.context.error(
-            "bad-curve", solid.span, f"the curve `{span.name}` reaches a radius below 0 at some of the test values",
+            "bad-curve",
+            solid.span,
+            f"the curve `{span.name}` reaches a radius below 0 at some of the test values",
             hint="profile curves of `lathe` give [radius, height] with radius >= 0",
-        )  # fmt: skip
+        )
 
 
 # ---------------------------------------------------------------- extrude
@@ -244,7 +253,7 @@ def extrude(env: Env, solid: ast.SolidDecl) -> Made:
     bounds = [
         turned(axis, (extreme(probe, spans, 0, sign), extreme(probe, spans, 1, sign)), end)
         for sign, end in ((-1, low), (1, high))
-    ]  # fmt: skip
+    ]
     pieces: tuple[Piece, ...] = ()
     if len(loops) > 1 or not convex(probe, loops[0][0], mirrored=False):
         polygons = parts(probe, strips, orientation(probe, loops[0][0])) if region is None else region.polygons

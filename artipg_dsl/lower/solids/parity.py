@@ -68,8 +68,11 @@ def fitted(probe: Probe, seen: np.ndarray, start: Point, end: Point) -> Quarter 
         if not ((np.abs(off) < EXACT).all() and inner > -EXACT):
             continue
         center = (start[0], end[1]) if flat else (end[0], start[1])
-        reach = (E.sub(end[0], center[0]), E.sub(start[1], center[1])) if flat else (
-            E.sub(start[0], center[0]), E.sub(end[1], center[1]))  # fmt: skip
+        reach = (
+            (E.sub(end[0], center[0]), E.sub(start[1], center[1]))
+            if flat
+            else (E.sub(start[0], center[0]), E.sub(end[1], center[1]))
+        )
         sign = pair(
             E.const(float(s[0])) if (s == s[0]).all() else E.call("sign", r)
             for r, s in zip(reach, np.sign(half).T, strict=True)

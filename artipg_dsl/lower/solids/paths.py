@@ -35,9 +35,11 @@ TESTS = {"at": (-0.1, 0.1), "along": (0.4, 1.0), "length": (0.03, 0.2), "radius"
 TESTS["formula"] = (0.05, 0.2)
 POSITIVE = ("length", "radius", "angle")
 KINDS = {
-    "from": ("at",) * 3 + ("along",) * 3, "line": ("length",), "arc": ("radius", "angle") + ("along",) * 3,
+    "from": ("at",) * 3 + ("along",) * 3,
+    "line": ("length",),
+    "arc": ("radius", "angle") + ("along",) * 3,
     "formula": ("formula",) * 3,
-}  # fmt: skip
+}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,9 +69,11 @@ def steps_of(curve: Curve) -> tuple[Step, ...]:
         point = curve.point()
         if len(point) != 3:
             raise curve.env.context.error(
-                "bad-curve", curve.value.span, f"the curve `{curve.name}` lies in a plane; a path lies in space",
+                "bad-curve",
+                curve.value.span,
+                f"the curve `{curve.name}` lies in a plane; a path lies in space",
                 hint="give [x, y, z], or from(point, direction) line(length) ...",
-            )  # fmt: skip
+            )
         v = E.add(low, E.mul(V, E.sub(high, low)))
         return (Step("formula", tuple(E.substitute(c, {V: v}) for c in point)),)
     found = []

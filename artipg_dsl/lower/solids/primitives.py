@@ -130,7 +130,7 @@ class Lowered:
                     where(place),
                     sides,
                     text=f"{part.path}: {condition.text}",
-                )  # fmt: skip
+                )
             )
 
 
@@ -273,14 +273,24 @@ def make(context: Context, symbol: Symbol, title: str, paths: dict[str, Handed])
         ports = {**made.ports, **{name: Evaluator(env).value(value) for name, value in stated}}
     if inside is None or low is None or high is None or not patches:
         raise context.error(
-            "incomplete-primitive", symbol.decl.name_span,
+            "incomplete-primitive",
+            symbol.decl.name_span,
             f"the primitive `{symbol.name}` needs surfaces, `inside (p) = ...` and `box = ...`, or a `solid`",
-        )  # fmt: skip
+        )
     primitive = Primitive(
-        title, tuple(parameters), tuple(tests), tuple(patches), inside, low, high, tuple(pieces),
-        tuple(c.holds for c in conditions), str(where(symbol.decl.span)), tuple(dict.fromkeys(p.name for p in patches)),
+        title,
+        tuple(parameters),
+        tuple(tests),
+        tuple(patches),
+        inside,
+        low,
+        high,
+        tuple(pieces),
+        tuple(c.holds for c in conditions),
+        str(where(symbol.decl.span)),
+        tuple(dict.fromkeys(p.name for p in patches)),
         tuple(whole),
-    )  # fmt: skip
+    )
     lowered = Lowered(primitive, tuple(names), ports, conditions)
     size = [E.var(f"size.{a}") for a in "xyz"]
     half = [E.mul(s, E.const(0.5)) for s in size]
@@ -386,9 +396,11 @@ def copies(env: Env, number: Expr, node: ast.Expr, limits: dict[Expr, Interval])
     _, most = known.of(number)
     if not most <= MOST_COPIES:
         raise env.context.error(
-            "open-count", node.span, f"how many copies of this surface there are at most is not known, or above {MOST_COPIES}",
+            "open-count",
+            node.span,
+            f"how many copies of this surface there are at most is not known, or above {MOST_COPIES}",
             hint="a count with a domain tells: param sides : count in 3 .. 12",
-        )  # fmt: skip
+        )
     return int(most + 1e-9), E.call("lt", E.var("i"), number)
 
 

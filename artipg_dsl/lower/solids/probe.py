@@ -33,8 +33,9 @@ class Probe:
         assert symbol is not None
         conditions = [
             Evaluator(env).truth(Evaluator(env).value(s.condition), s.condition.span)
-            for s in symbol.body if isinstance(s, ast.RequireStmt) and s.condition is not None
-        ]  # fmt: skip
+            for s in symbol.body
+            if isinstance(s, ast.RequireStmt) and s.condition is not None
+        ]
         self.values = candidates(env)
         good = np.ones(CANDIDATES, dtype=bool)
         for condition in conditions:
@@ -42,9 +43,11 @@ class Probe:
         kept = np.flatnonzero(good)[:ROWS]
         if not len(kept):
             raise env.context.error(
-                "impossible", span, "no value of the test ranges meets the requirements of this primitive",
+                "impossible",
+                span,
+                "no value of the test ranges meets the requirements of this primitive",
                 hint="widen the ranges after `test`",
-            )  # fmt: skip
+            )
         self.values = {name: value[kept] for name, value in self.values.items()}
 
     def spread(self, name: str, values: tuple[float, ...]) -> Probe:

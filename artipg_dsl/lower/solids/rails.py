@@ -38,9 +38,11 @@ def path_of(env: Env, solid: ast.SolidDecl) -> Curve | Handed:
     if node is not None and isinstance(path, Curve | Handed):
         return path
     raise env.context.error(
-        "wrong-kind", solid.span if node is None else node.span, f"`{solid.operator}` needs a path",
+        "wrong-kind",
+        solid.span if node is None else node.span,
+        f"`{solid.operator}` needs a path",
         hint="sweep(circle(r)) along path up y",
-    )  # fmt: skip
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -132,9 +134,11 @@ def check_directions(env: Env, probe: Probe, solid: ast.SolidDecl, rails: list[S
     seen = probe(*(c for rail in rails for k in range(9) for v in (rail.at(k / 8), rail.towards(k / 8)) for c in v))
     if not np.isfinite(seen).all():
         raise env.context.error(
-            "bad-curve", solid.span, "the path has no place or no direction somewhere, at some of the test values",
+            "bad-curve",
+            solid.span,
+            "the path has no place or no direction somewhere, at some of the test values",
             hint="it goes on everywhere: narrow the ranges it is made of",
-        )  # fmt: skip
+        )
 
 
 def ports_of(rails: list[Stretch], first: Across, last: Across) -> dict[str, Value]:

@@ -27,9 +27,11 @@ def chains_of(env: Env, probe: Probe, solid: ast.SolidDecl, most: int = 2) -> li
         for a, b in zip(chain, chain[1:], strict=False):
             if not probe.same(a.end, b.start):
                 raise env.context.error(
-                    "broken-chain", argument.span, f"`{b.name}` does not begin where `{a.name}` ends",
+                    "broken-chain",
+                    argument.span,
+                    f"`{b.name}` does not begin where `{a.name}` ends",
                     hint="the curves of a chain meet end to end, for every test value",
-                )  # fmt: skip
+                )
     return chains
 
 
@@ -54,9 +56,11 @@ def turned(axis: int, across: Point, height: Expr) -> Triple:
 def check_values(env: Env, probe: Probe, solid: ast.SolidDecl, span: Span) -> None:
     if np.isnan(samples(probe, span, 16)).any():
         raise env.context.error(
-            "bad-curve", solid.span, f"the curve `{span.name}` has no value at some of the test values",
+            "bad-curve",
+            solid.span,
+            f"the curve `{span.name}` has no value at some of the test values",
             hint="narrow the ranges after `test`, or add a `require`",
-        )  # fmt: skip
+        )
 
 
 Strips = list[tuple[Span, Span]]
@@ -78,17 +82,21 @@ def outline(
         filled = fan(probe, [side.span for side in sides]) or triangles(probe, tuple(sides))
         if filled is None:
             raise env.context.error(
-                "bad-curve", solid.span, "the region within this outline cannot be filled: it is curved and winds, or crosses itself",
+                "bad-curve",
+                solid.span,
+                "the region within this outline cannot be filled: it is curved and winds, or crosses itself",
                 hint="an outline is straight from corner to corner, or seen whole from one of its corners or its middle; "
                 "otherwise make the solid of several primitives",
-            )  # fmt: skip
+            )
         return [(tuple(sides), False)], filled
     inner = chains[1]
     if closed[0] != closed[1] or len(outer) != len(inner):
         raise env.context.error(
-            "broken-chain", solid.span, "the two chains do not fit",
+            "broken-chain",
+            solid.span,
+            "the two chains do not fit",
             hint="both are closed or both are open, and they have as many curves each",
-        )  # fmt: skip
+        )
     strips = [(a, matched(a, b)) for a, b in zip(outer, inner, strict=True)]
     if closed[0]:
         return [(tuple(map(Side, outer)), False), (tuple(map(Side, inner)), True)], strips

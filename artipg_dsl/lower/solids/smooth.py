@@ -75,9 +75,15 @@ class Course:
             if not self.alike[axis]:
                 wide = E.maximum(E.sub(high.first, low.first), E.sub(high.last, low.last))
                 changes = [
-                    E.call("abs", E.sub(within(b, axis, k / 16, low.last, high.last), within(a, axis, k / 16, low.first, high.first)))
-                    for a, b in pairs for k in range(17)
-                ]  # fmt: skip
+                    E.call(
+                        "abs",
+                        E.sub(
+                            within(b, axis, k / 16, low.last, high.last), within(a, axis, k / 16, low.first, high.first)
+                        ),
+                    )
+                    for a, b in pairs
+                    for k in range(17)
+                ]
                 move = E.add(move, E.mul(E.mul(wide, E.maximum(*changes)), E.mul(E.const(1.05), NATURAL)))
             moves.append(move)
         return E.call("hypot", *moves)

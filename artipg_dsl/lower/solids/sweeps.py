@@ -59,9 +59,14 @@ def sweep(env: Env, solid: ast.SolidDecl) -> Made:
     ports = ports_of(pieces, frames[0][1], frames[-1][1])
     low, high = (triple(reach(probe, pieces, radius, k, sign) for k in range(3)) for sign in (-1, 1))
     return Made(
-        tuple(patches), tube_pieces(probe, pieces, frames, radius, bore), inside(probe, pieces, radius, bore),
-        low, high, ports, tuple(requires),
-    )  # fmt: skip
+        tuple(patches),
+        tube_pieces(probe, pieces, frames, radius, bore),
+        inside(probe, pieces, radius, bore),
+        low,
+        high,
+        ports,
+        tuple(requires),
+    )
 
 
 def round_sections(solid: ast.SolidDecl) -> bool:

@@ -170,9 +170,16 @@ def opposite(draw: Draw, bound: Bound) -> Iterator[Bound]:
 
 
 def bind(
-    program: Program, order: dict[Column, int], draw: Draw, scope: Scope, low: Expr, high: Expr, guard: Expr, number: int,
+    program: Program,
+    order: dict[Column, int],
+    draw: Draw,
+    scope: Scope,
+    low: Expr,
+    high: Expr,
+    guard: Expr,
+    number: int,
     also: tuple[int, ...] = (),
-) -> list[tuple[Draw, Bound, Bound, Scope]]:  # fmt: skip
+) -> list[tuple[Draw, Bound, Bound, Scope]]:
     """Turn ``low <= high`` into bounds of the variable that is drawn last, as far as it can be solved for it.
 
     Each is returned twice: as one of the variable's table, and as stated in the rows of the scope that follows.

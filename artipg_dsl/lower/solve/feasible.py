@@ -32,9 +32,11 @@ def judge(context: Context, hollow: list[tuple[Scope, tuple[int, ...]]], own: st
         span, root = context.stated.get(number, (None, False))
         if span is not None and root and span.source.name == own:
             context.report.warning(
-                "always-true", span, "this requirement always holds: the ranges leave no way to break it",
+                "always-true",
+                span,
+                "this requirement always holds: the ranges leave no way to break it",
                 hint="drop it, or correct what it compares",
-            )  # fmt: skip
+            )
 
 
 def tell(context: Context, conflict: Conflict) -> None:

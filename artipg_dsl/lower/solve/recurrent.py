@@ -69,6 +69,8 @@ def nodes(root: Expr) -> list[Expr]:
 
 def refused(context: Context, column: Column) -> Exception:
     return context.error(
-        "recurrence", context.spans[column], f"`{column.name}` needs itself in the element before in a way that is no sum",
+        "recurrence",
+        context.spans[column],
+        f"`{column.name}` needs itself in the element before in a way that is no sum",
         hint="write it as previous.x plus something, or by the element's rank",
-    )  # fmt: skip
+    )

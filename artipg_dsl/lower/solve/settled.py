@@ -117,7 +117,7 @@ def determined(env: Env, unknown: Unknown, guard: Expr) -> None:
                     where(unknown.span),
                     (a, b),
                     text=f"{name} in its domain",
-                )  # fmt: skip
+                )
             )
     elif unknown.positive or unknown.kind == "size" and unknown.part is not None and ".size." in unknown.column.name:
         context.program.requirements.append(
@@ -129,5 +129,5 @@ def determined(env: Env, unknown: Unknown, guard: Expr) -> None:
                 where(unknown.span),
                 (SMALL, value),
                 text=f"{name} > 0",
-            )  # fmt: skip
+            )
         )

@@ -74,10 +74,12 @@ def circular(env: Env, columns: list[Column]) -> None:
     found = zip((env.context.spans.get(c) for c in columns), names, strict=False)
     spans = [(span, f"for {name}") for span, name in found if span is not None]
     env.context.error(
-        "circular-definition", spans[0][0] if spans else env.symbol.decl.name_span,  # type: ignore[union-attr]
+        "circular-definition",
+        spans[0][0] if spans else env.symbol.decl.name_span,  # type: ignore[union-attr]
         f"{names[0]} needs itself" + (f", by way of {' and '.join(names[1:])}" if names[1:] else ""),
-        hint="give one of these as an argument, or state an equation with something that stands", notes=tuple(spans[1:]),
-    )  # fmt: skip
+        hint="give one of these as an argument, or state an equation with something that stands",
+        notes=tuple(spans[1:]),
+    )
 
 
 # ---------------------------------------------------------------- blocks
@@ -133,9 +135,14 @@ def blocks(env: Env, homes: list[tuple[Env, Expr]]) -> Iterator[Block]:
         incidence.append(names)
     for chosen, members in connected(list(number), incidence, number):
         yield Block(
-            env, [unknowns[u] for u in members], [equations[e] for e in chosen], [forms[e] for e in chosen],
-            [incidence[e] for e in chosen], number, guards,
-        )  # fmt: skip
+            env,
+            [unknowns[u] for u in members],
+            [equations[e] for e in chosen],
+            [forms[e] for e in chosen],
+            [incidence[e] for e in chosen],
+            number,
+            guards,
+        )
 
 
 def gathered(env: Env, homes: list[tuple[Env, Expr]]) -> tuple[list[Unknown], list[Equation], dict[Column, Expr]]:
@@ -194,10 +201,12 @@ def cases(block: Block) -> Iterator[tuple[Expr, list[int], dict[Column, bool]]]:
         found = combinations(every, context.draws)
     except TooManyCases:
         raise context.error(
-            "too-many-cases", block.equations[-1].span, "the guards of these equations can be combined in too many ways",
+            "too-many-cases",
+            block.equations[-1].span,
+            "the guards of these equations can be combined in too many ways",
             hint="move what they place into a template, or under one `when`",
             notes=tuple((q.span, "one of the equations") for q in block.equations[:3]),
-        ) from None  # fmt: skip
+        ) from None
     for truth in found:
         values = dict(zip(every, truth, strict=True))
         holds = [e for e, q in enumerate(block.equations) if values.get(q.guard, True)]
@@ -256,14 +265,17 @@ def ties(env: Env, unknowns: list[Unknown], equations: list[Equation], matching:
                 last = max(spans, key=lambda s: s.start)
                 argument = unknown.name.strip("`").rsplit(".", 1)[-1]
                 raise env.context.error(
-                    "tie", last,
+                    "tie",
+                    last,
                     f"this could determine {unknowns[other].name} or {unknown.name}{guard}: nothing says which of them yields",
                     hint=f"give one of the two as an argument (`{argument} = ...`), such as a parameter of this scope; declared"
                     " `derived` it still follows from the equations",
-                    notes=((unknowns[other].span, f"{unknowns[other].name} is drawn if it need not yield"),
-                           (unknown.span, f"so is {unknown.name}"),
-                           *((s, "together with this") for s in spans if s is not last)),
-                )  # fmt: skip
+                    notes=(
+                        (unknowns[other].span, f"{unknowns[other].name} is drawn if it need not yield"),
+                        (unknown.span, f"so is {unknown.name}"),
+                        *((s, "together with this") for s in spans if s is not last),
+                    ),
+                )
 
 
 def path_between(matching: Matching, start: int, goal: int) -> list[int]:
@@ -284,8 +296,13 @@ def path_between(matching: Matching, start: int, goal: int) -> list[int]:
 
 
 def surplus(
-    env: Env, unknowns: list[Unknown], equations: list[Equation], matching: Matching, values: dict[Column, Expr], guard: str
-) -> None:  # fmt: skip
+    env: Env,
+    unknowns: list[Unknown],
+    equations: list[Equation],
+    matching: Matching,
+    values: dict[Column, Expr],
+    guard: str,
+) -> None:
     """Equations that determine nothing: redundant (a lint), contradictory or too many (errors)."""
     definitions = {**env.context.program.definitions, **values}
     for e in matching.free_equations:
@@ -298,18 +315,23 @@ def surplus(
         cancelled = all(f.constant is not None and abs(f.constant) < 1e-12 for f in terms.values())
         if cancelled and rest.constant is not None and abs(rest.constant) < 1e-9:
             env.context.report.warning(
-                "redundant", equation.span, f"this equation follows from the others{guard}", notes=notes,
+                "redundant",
+                equation.span,
+                f"this equation follows from the others{guard}",
+                notes=notes,
                 hint="it can go: what is shown determines the same" if notes else "it can go",
                 trace=tuple(env.context.trace),
-            )  # fmt: skip
+            )
             continue
         if cancelled and rest.constant is not None:
             length = any(unknowns[u].kind == "position" for u in users)
             raise env.context.error(
-                "contradictory", equation.span,
+                "contradictory",
+                equation.span,
                 f"this equation contradicts the others{guard}: its sides always differ by {amount(rest.constant, length)}",
-                hint="drop or correct one of them; `gap` counts outwards from the face that it follows", notes=notes,
-            )  # fmt: skip
+                hint="drop or correct one of them; `gap` counts outwards from the face that it follows",
+                notes=notes,
+            )
         named = " and ".join(unknowns[u].name for u in users[:3])
         own = (d.column for d in env.context.draws if d.column.scope is env.scope)
         drawn = [c.name.removeprefix(env.path) for c in own if c in terms]
@@ -354,8 +376,9 @@ def settle_block(block: Block, outcomes: list[Outcome]) -> None:
         if open_cases:
             near = [
                 (q, determined_by(block, outcomes, q))
-                for q, names in zip(block.equations, block.incidence, strict=True) if column in names
-            ]  # fmt: skip
+                for q, names in zip(block.equations, block.incidence, strict=True)
+                if column in names
+            ]
             value, reason = default(env, unknown, near, fresh=bool(solved), guard=under(env, any_of(open_cases)))
             unknown.settled.append(Settled(any_of(open_cases), reason=reason))
             if not solved:

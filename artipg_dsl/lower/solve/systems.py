@@ -75,10 +75,12 @@ def unsolved(env: Env, unknowns: list[Unknown], equations: list[Equation], forms
         hint = "state where another face lies in place of one of them, or give a size as an argument"
     elif left_over is not None and left_over.constant is not None:
         raise env.context.error(
-            "contradictory", equations[-1].span,
+            "contradictory",
+            equations[-1].span,
             f"this equation contradicts the others: its sides always differ by {abs(float(left_over.constant)) * 1000:.6g}mm",
-            hint="drop or correct one of them", notes=tuple((q.span, "the other") for q in equations[:-1]),
-        )  # fmt: skip
+            hint="drop or correct one of them",
+            notes=tuple((q.span, "the other") for q in equations[:-1]),
+        )
     elif len(linear) == len(forms):
         message = f"these equations place {listed} against one another only: nothing ties them to the rest"
         hint = "let one of them follow from something that stands already, such as a face of the root"
