@@ -29,6 +29,7 @@ MOST = 1024  # steps at which a path's turning is looked at
 
 P: Triple = triple(E.var(f"p.{a}") for a in "xyz")
 Across = Callable[[float | Expr], Triple]  # the vector beside the path at v
+MOST_TURNS = 64  # of a path: each is searched for how far it reaches
 
 
 def path_of(env: Env, solid: ast.SolidDecl) -> Curve | Handed:
@@ -130,7 +131,7 @@ def disc(rail: Stretch, v: Expr, end: float, radius: Expr) -> Expr:
 
 
 def check_directions(env: Env, probe: Probe, solid: ast.SolidDecl, rails: list[Stretch]) -> None:
-    """Raises Abort after a diagnostic where a path stands still or has no value at some of the test values."""
+    """Raises Abort after a diagnostic where a path stands still, has no value or winds without end at some test values."""
     seen = probe(*(c for rail in rails for k in range(9) for v in (rail.at(k / 8), rail.towards(k / 8)) for c in v))
     if not np.isfinite(seen).all():
         raise env.context.error(
@@ -138,6 +139,14 @@ def check_directions(env: Env, probe: Probe, solid: ast.SolidDecl, rails: list[S
             solid.span,
             "the path has no place or no direction somewhere, at some of the test values",
             hint="it goes on everywhere: narrow the ranges it is made of",
+        )
+    turns = max(windows(probe, rail) for rail in rails)
+    if turns > MOST_TURNS:
+        raise env.context.error(
+            "bad-curve",
+            solid.span,
+            f"the path makes {turns} turns at some of the test values; {MOST_TURNS} are the most that a solid goes along",
+            hint="make it of fewer turns, and repeat the part: `repeat coil[k] ...`",
         )
 
 
