@@ -40,7 +40,6 @@ if TYPE_CHECKING:
 class Evaluator:
     """Evaluates in ``env``; ``local`` holds the names that only this place has (formula variables, function arguments)."""
 
-    _UnaryExpr, _BinaryExpr, _IfExpr = arithmetic.unary, arithmetic.binary, arithmetic.conditional
     truth, number, plane, across = arithmetic.truth, arithmetic.number, arithmetic.plane, arithmetic.across
     member, box_member, own_box, here = members.member, members.box_member, members.own_box, members.here
     ref_box = members.ref_box
@@ -118,22 +117,39 @@ class Evaluator:
     # ------------------------------------------------------------ dispatch
 
     def value(self, node: ast.Expr) -> Value:
-        method = getattr(self, "_" + type(node).__name__, None)
-        if method is None:
-            raise self.env.context.error("wrong-kind", node.span, "this cannot stand here")
         try:
-            return method(node)
+            match node:
+                case ast.NumberExpr():
+                    return self._quantity(node)
+                case ast.StringExpr():
+                    return node.value
+                case ast.NameExpr():
+                    return self._name(node)
+                case ast.MemberExpr():
+                    return self.member(self.value(node.obj), node.name, node.name_span, node)
+                case ast.IndexExpr():
+                    return self._element(node)
+                case ast.CallExpr():
+                    return self._call(node)
+                case ast.VectorExpr():
+                    return self._vector(node)
+                case ast.UnaryExpr():
+                    return arithmetic.unary(self, node)
+                case ast.BinaryExpr():
+                    return arithmetic.binary(self, node)
+                case ast.IfExpr():
+                    return arithmetic.conditional(self, node)
+                case ast.IsExpr():
+                    return self._is(node)
         except ScopeError as error:
             raise self.env.context.mixed(error, node.span) from None
+        raise self.env.context.error("wrong-kind", node.span, "this cannot stand here")
 
-    def _NumberExpr(self, node: ast.NumberExpr) -> Value:
+    def _quantity(self, node: ast.NumberExpr) -> Value:
         factor = UNITS[node.unit][0] if node.unit else 1.0
         return E.const(node.value * factor)
 
-    def _StringExpr(self, node: ast.StringExpr) -> Value:
-        return node.value
-
-    def _VectorExpr(self, node: ast.VectorExpr) -> Value:
+    def _vector(self, node: ast.VectorExpr) -> Value:
         items: list[Expr] = []
         on: tuple[Any, ...] = ()
         for k, item in enumerate(node.items):
@@ -155,7 +171,7 @@ class Evaluator:
             items.append(value)
         return Vec(tuple(items), on)
 
-    def _IsExpr(self, node: ast.IsExpr) -> Value:
+    def _is(self, node: ast.IsExpr) -> Value:
         subject, wanted = self.value(node.subject), self.env.context.symbol(node)
         if wanted is None:
             raise self.env.context.internal(node.type_span, "this is not a role or a template")
@@ -167,7 +183,7 @@ class Evaluator:
 
     # ------------------------------------------------------------ names, members, calls
 
-    def _NameExpr(self, node: ast.NameExpr) -> Value:
+    def _name(self, node: ast.NameExpr) -> Value:
         if id(node) in self.instead:
             return self.instead[id(node)]
         meaning = self.env.context.meaning(node)
@@ -213,10 +229,7 @@ class Evaluator:
             env = env.outer
         return False
 
-    def _MemberExpr(self, node: ast.MemberExpr) -> Value:
-        return self.member(self.value(node.obj), node.name, node.name_span, node)
-
-    def _IndexExpr(self, node: ast.IndexExpr) -> Value:
+    def _element(self, node: ast.IndexExpr) -> Value:
         value = self.value(node.obj)
         if isinstance(value, Ports):
             return builtins.pick(value, self.scalar(node.index), self.env, node.span)
@@ -239,7 +252,7 @@ class Evaluator:
 
     # ------------------------------------------------------------ calls
 
-    def _CallExpr(self, node: ast.CallExpr) -> Value:
+    def _call(self, node: ast.CallExpr) -> Value:
         if isinstance(node.function, ast.MemberExpr):
             return builtins.method(self, node)
         meaning = self.env.context.meaning(node.function)
