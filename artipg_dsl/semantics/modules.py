@@ -10,7 +10,7 @@ from ..diagnostics.suggest import did_you_mean, suggest
 from ..resources import library_dir
 from ..source import Source, Span
 from ..syntax import ast
-from ..syntax.parse import load, parse
+from ..syntax.parse import load, parse_once
 from .names import reserved_name
 from .symbols import KINDS, ModuleScope, Symbol
 
@@ -35,7 +35,7 @@ class Workspace:
     ) -> None:
         self.report = report
         self.search_path = tuple(search_path) if search_path is not None else (library_dir(),)
-        self.loader = loader or parse
+        self.loader = loader or parse_once
         self.reader = reader or load
         self.modules: dict[str, ModuleScope] = {}
         self._trail: list[tuple[str, Span]] = []  # the uses that led to the module being loaded

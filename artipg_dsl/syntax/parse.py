@@ -51,26 +51,28 @@ def load(path: Path, report: Report, name: str | None = None) -> Source | None:
 
 
 def parse(source: Source, report: Report) -> ast.Module | None:
-    """The tree of a source, or None after reporting why there is none. Trees are never changed: equal sources share one,
-    with the places in the source that was read first."""
+    """The tree of a source, or None after reporting why there is none."""
     with _ONE_AT_A_TIME:
-        key = source.name, source.text
-        if key in _trees:
-            _trees[key] = _trees.pop(key)  # the last to go
-            return _trees[key]
         tools = machine()
         enabled = gc.isenabled()
         gc.disable()  # the tree is kept whole: collecting while it grows only costs time
         try:
-            tree = _parse(tools, source, report)
+            return _parse(tools, source, report)
         finally:
             if enabled:
                 gc.enable()
-        if tree is not None:
-            while len(_trees) >= MOST_TREES:
-                del _trees[next(iter(_trees))]
-            _trees[key] = tree
-        return tree
+
+
+def parse_once(source: Source, report: Report) -> ast.Module | None:
+    """As ``parse``, but equal sources share one tree, with the places in the source that was read first: a tree is never
+    changed."""
+    key = source.name, source.text
+    tree = _trees.pop(key, None) or parse(source, report)
+    if tree is not None:
+        while len(_trees) >= MOST_TREES:
+            _trees.pop(next(iter(_trees)), None)
+        _trees[key] = tree  # the last to go
+    return tree
 
 
 def _parse(tools: Machine, source: Source, report: Report) -> ast.Module | None:
