@@ -129,7 +129,7 @@ def test_statistics_tell_the_effective_number_of_candidates():
 @pytest.mark.parametrize("text", ["", "before", "prior:", "prior:1", "prior:x", "sequential:3", "prior:100000"])
 def test_another_sampling_is_refused(text):
     assert read_sampling("prior") == CANDIDATES and read_sampling("prior:8") == 8 and read_sampling("sequential") == 0
-    with pytest.raises(UsageError, match="no sampling"):
+    with pytest.raises(UsageError, match="unknown sampling"):
         read_sampling(text)
 
 
