@@ -7,6 +7,7 @@ links a value lies on (see ``links``).
 from __future__ import annotations
 
 import functools
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -25,14 +26,14 @@ if TYPE_CHECKING:
 Carrier: TypeAlias = "Part | InElement"  # what a value lies on
 
 
-class Alternatives:
+class Alternatives(ABC):
     """One of several templates, drawn once (a style): it can be asked which with ``is``."""
 
     __slots__ = ()
 
+    @abstractmethod
     def matches(self, symbol: Symbol) -> Expr:
-        """Whether it is the template, or a template of the role, of that name."""
-        raise NotImplementedError
+        """Whether it is that template, or one of that role."""
 
 
 @dataclass(frozen=True, slots=True)
