@@ -133,7 +133,8 @@ class _Emitter:
         if node.op == "col":
             return self.column(node.value)
         if node.op == "rank":
-            return self.fresh(f"{self.table(node.scope)}.rank.astype(np.float64)")  # type: ignore[arg-type]
+            assert node.scope is not None
+            return self.fresh(f"{self.table(node.scope)}.rank.astype(np.float64)")
         if node.op == "phi":
             return self.phi(node)
         if node.op in ("reduce", "element", "previous", "scan"):
@@ -158,7 +159,8 @@ class _Emitter:
 
     def phi(self, node: Expr) -> str:
         scopes: tuple[Scope, ...] = node.value
-        parent = self.table(node.scope)  # type: ignore[arg-type]
+        assert node.scope is not None
+        parent = self.table(node.scope)
         default = self.value(node.args[-1], node.scope)
         branches = []
         for scope, value in zip(scopes, node.args[:-1], strict=True):
