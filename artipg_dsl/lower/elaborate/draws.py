@@ -68,9 +68,10 @@ def make_draw(env: Env, declaration: ast.ParamDecl | ast.CountDecl, path: str, c
     if declaration.default is not None:
         draw.default = component_of(env, declaration.default, component)
         first, value, last = low.constant, draw.default.constant, high.constant
-        if first is None or value is None or last is None:
-            pass
-        elif not first - SMALL <= value <= last + SMALL:
+        outside = (
+            first is not None and value is not None and last is not None and not first - SMALL <= value <= last + SMALL
+        )
+        if outside:
             raise env.context.error(
                 "default-outside-range",
                 declaration.default.span,

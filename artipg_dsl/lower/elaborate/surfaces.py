@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -13,7 +12,7 @@ from ...graph.expr import Column, Expr, Scope
 from ...graph.linear import Linear, isolate
 from ...graph.primitive import Patch, triple
 from ...syntax import ast
-from ..expressions.builtins import named
+from ..expressions.builtins import chosen, named
 from ..solve.solve import lifted
 from ..values.carry import mapped, mapped_pose, moved, scalars
 from ..values.faces import frame_of
@@ -58,11 +57,6 @@ def frame_on(ev: Evaluator, surface: Surface, node: ast.CallExpr) -> Frame:
         value = mapped(value, partial(chosen, guard, iter(scalars(other))))
     carriers = tuple(dict.fromkeys(p for _, f in found for p in f.on))
     return moved(replace(value, on=carriers), ev.pose)
-
-
-def chosen(guard: Expr, others: Iterator[Expr], otherwise: Expr) -> Expr:
-    """The next of ``others`` where ``guard`` holds."""
-    return E.where(guard, next(others), otherwise)
 
 
 def solve_v(
