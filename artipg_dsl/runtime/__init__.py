@@ -4,7 +4,8 @@ In: a program (``graph.program``) and the draws to make or keep. Out: a ``Batch`
 columns, at rest and in motion. Knows neither text nor solids. Begin with ``plan`` and ``batch``.
 
     needs, plan               what has to be known, and straight-line NumPy code that computes it in order of dependence
-    kernels, laws, newton     what that code calls: segments and draws, distributions, roots
+    kernels, draws            what that code calls: tables and segments; values drawn per row
+    laws, newton              distributions; roots of equations
     tables, referred, rooted  instances as columns, references between them, chains that end
     batch, motion, loops      objects; where links are for given joint values; closed loops
     fields                    formulas of labels and grasps as functions of points

@@ -44,9 +44,9 @@ class Plan:
     def function(self) -> Callable[..., Any]:
         function = self._function
         if function is None:
-            from . import kernels, newton  # start-up: a plan is made and shown without them
+            from . import draws, kernels, newton  # start-up: a plan is made and shown without them
 
-            namespace: dict[str, Any] = {**vars(kernels), "newton": newton.newton}
+            namespace: dict[str, Any] = {**vars(kernels), **vars(draws), "newton": newton.newton}
             exec(compile(self.source, "<plan>", "exec"), namespace)  # noqa: S102 - no text of a program but literals
             function = self._function = namespace["evaluate"]
         return function

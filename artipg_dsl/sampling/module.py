@@ -14,7 +14,7 @@ from .. import random
 from ..graph.expr import Expr, Scope
 from ..graph.program import Program
 from ..graph.text import digest
-from ..runtime import kernels, laws, newton
+from ..runtime import draws, kernels, laws, newton
 from ..runtime.needs import pose_cells
 from ..runtime.plan import Plan, make_plan
 from .statistics import ATTEMPTS
@@ -62,7 +62,7 @@ def to_module(program: Program, version: str) -> str:
         sites=sites,
         joints=joints,
         random=body(random),
-        kernels=body(laws) + "\n\n" + body(kernels),
+        kernels="\n\n".join(body(m) for m in (laws, kernels, draws)),
         newton=body(newton),
         attempts=ATTEMPTS,
         about=spoken(program.doc),

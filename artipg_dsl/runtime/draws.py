@@ -1,0 +1,276 @@
+"""Draws of the generated code: a value per row within what the requirements leave, by the address of its row alone.
+
+A draw has its value from what is given, else from what was kept, else from its default where those are asked for, else from its law.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..random import key, uniform
+from .kernels import Kept, Rows, State, full
+from .laws import TOLERANCE, clear, density, gaps_of, held, inside, spread, spread_between, support
+
+Gaps = tuple[np.ndarray, np.ndarray]  # where gaps begin and end: (gaps, rows) each
+LEAST = 1e-300  # a range that holds less of its law than this counts as holding so much
+
+
+def narrow(low: np.ndarray, high: np.ndarray, side: str, bound: np.ndarray | float, guard: np.ndarray | bool) -> None:
+    """Narrow the open interval in place by a bound where its guard holds."""
+    if side == "low":
+        np.maximum(low, np.where(guard, bound, -np.inf), out=low)
+    else:
+        np.minimum(high, np.where(guard, bound, np.inf), out=high)
+
+
+def _lot(state: State, rows: Rows, address: str) -> np.ndarray:
+    names = (address, state.salt) if state.salt else (address,)
+    lane = 0 if state.lane is None else state.lane[rows.owner]
+    return uniform(key(state.seed, *names), rows.address, lane, state.attempt[rows.owner])
+
+
+def _no_room(state: State, rows: Rows, number: int, bad: np.ndarray) -> None:
+    if bad.any():
+        owners = rows.owner[bad]
+        state.failed[owners] = True
+        state.missed[number] = state.missed.get(number, 0) + len(np.unique(owners))
+        state.faults.setdefault(("draw", number), []).append(np.flatnonzero(bad))
+
+
+def _given(
+    state: State, rows: Rows, number: int, low: np.ndarray | float, high: np.ndarray | float, gaps: Gaps | None = None
+) -> np.ndarray | None:
+    """The value given for a draw, if any; an object that has no room for it fails (and goes on with a legal value)."""
+    value = state.given.get(number)
+    if value is None:
+        return None
+    found = full(rows, value).astype(np.float64)
+    bad = ~((found >= low - TOLERANCE) & (found <= high + TOLERANCE))
+    _no_room(state, rows, number, bad if gaps is None else bad | inside(found, gaps))
+    return np.where(bad, low, found)
+
+
+def draw_real(
+    state: State,
+    rows: Rows,
+    number: int,
+    address: str,
+    low: np.ndarray,
+    high: np.ndarray,
+    distribution: str,
+    arguments: tuple[Any, ...],
+    default: np.ndarray | float | None,
+    domain: tuple[Any, ...] | None = None,
+    unions: tuple[Any, ...] = (),
+) -> np.ndarray:
+    """A value between ``low`` and ``high`` per row, distributed as asked within them.
+
+    ``domain``: the ends of the declared range, where it is another one. ``unions`` as ``laws.gaps_of`` has them.
+    """
+    gaps = gaps_of(low, unions, False) if unions else None
+    found = _given(state, rows, number, low, high, gaps)
+    if found is None:
+        bad = ~(low <= high + TOLERANCE)  # nor is there room between ends that are no numbers
+        _no_room(state, rows, number, bad)
+        top = np.maximum(low, high)
+        if state.defaults and default is not None:
+            found = np.minimum(np.maximum(full(rows, default).astype(np.float64), low), top)
+            found = found if gaps is None else clear(found, low, top, gaps)
+        else:
+            unit = _lot(state, rows, address)
+            found = _spread(unit, low, top, gaps, distribution, arguments)
+            if number in state.kept:
+                found = _near(state.kept[number], rows, unit, low, top, found, gaps)
+        if gaps is not None:
+            _no_room(state, rows, number, inside(found, gaps) & ~bad)
+    if state.weigh and domain is not None:
+        _weigh(state, rows, number, found, (low, high), domain, gaps, distribution, arguments)
+    state.values[number] = found
+    return found
+
+
+def _spread(
+    unit: np.ndarray,
+    low: np.ndarray,
+    high: np.ndarray,
+    gaps: Gaps | None,
+    distribution: str,
+    arguments: tuple[Any, ...],
+) -> np.ndarray:
+    if gaps is None:
+        return spread(unit, low, high, distribution, arguments)
+    return spread_between(unit, low, high, gaps, distribution, arguments)
+
+
+def _weigh(
+    state: State,
+    rows: Rows,
+    number: int,
+    value: np.ndarray,
+    ends: tuple[Any, ...],
+    domain: tuple[Any, ...],
+    gaps: Gaps | None,
+    distribution: str,
+    arguments: tuple[Any, ...],
+) -> None:
+    """Note how much of the declared law lies in the range that was left of it, or how likely a value given is by it."""
+    whole = held(
+        full(rows, domain[0]).astype(np.float64),
+        full(rows, domain[1]).astype(np.float64),
+        None,
+        distribution,
+        arguments,
+    )
+    part = (
+        density(value, distribution, arguments)
+        if number in state.given
+        else held(ends[0], ends[1], gaps, distribution, arguments)
+    )
+    _note(state, rows, part, whole, number in state.given)
+
+
+def _note(state: State, rows: Rows, part: np.ndarray, whole: np.ndarray, dense: bool = False) -> None:
+    share = np.where(whole > 0.0, part / np.where(whole > 0.0, whole, 1.0), 1.0)
+    share = np.maximum(share if dense else np.minimum(share, 1.0), LEAST)
+    state.log_weight += np.bincount(rows.owner, weights=np.log(share), minlength=len(state.objects))
+
+
+def _near(
+    kept: Kept, rows: Rows, unit: np.ndarray, low: np.ndarray, high: np.ndarray, fresh: np.ndarray, gaps: Gaps | None
+) -> np.ndarray:
+    """Within reach of the value kept, as far as the bounds allow; the fresh value for rows that are new."""
+    known, at = kept.find(rows)
+    if not known.any():
+        return fresh
+    old = kept.value[at]
+    first = np.minimum(np.maximum(old - kept.reach[at], low), high)
+    last = np.minimum(np.maximum(old + kept.reach[at], low), high)
+    if gaps is not None:
+        near = clear(spread_between(unit, first, last, gaps, "uniform", ()), low, high, gaps)
+        return np.where(known, np.where(first < last, near, clear(first, low, high, gaps)), fresh)
+    return np.where(known, np.minimum(first + unit * (last - first), last), fresh)
+
+
+def draw_count(
+    state: State,
+    rows: Rows,
+    number: int,
+    address: str,
+    low: np.ndarray,
+    high: np.ndarray,
+    distribution: str,
+    arguments: tuple[Any, ...],
+    default: np.ndarray | float | None,
+    domain: tuple[Any, ...] | None = None,
+    unions: tuple[Any, ...] = (),
+) -> np.ndarray:
+    """A whole number between ``low`` and ``high`` per row; ``domain`` and ``unions`` as of ``draw_real``."""
+    gaps = gaps_of(low, unions, True) if unions else None
+    first, last = np.ceil(low - TOLERANCE), np.floor(high + TOLERANCE)
+    found = _given(state, rows, number, first, last, gaps)
+    if found is None:
+        bad = ~(first <= last)
+        _no_room(state, rows, number, bad)
+        last = np.maximum(first, last)
+        if state.defaults and default is not None:
+            found = np.minimum(np.maximum(full(rows, default).astype(np.float64), first), last)
+        elif distribution == "uniform" and gaps is None:
+            unit = _lot(state, rows, address)
+            one, two = _whole(first, last, distribution, arguments)
+            found = np.minimum(one + np.floor(unit * (two - one + 1.0)), two)
+        else:
+            one, two = _whole(first, last, distribution, arguments)
+            law = () if distribution == "uniform" else arguments
+            wide = _spread(_lot(state, rows, address), one - 0.5, two + 0.5, gaps, distribution, law)
+            found = np.minimum(np.maximum(np.floor(wide + 0.5), one), two)
+        if number in state.kept:
+            found = _other_count(state.kept[number], rows, _lot(state, rows, address), first, last, found)
+        if gaps is not None:
+            found = (
+                np.floor(clear(found, first - 0.5, last + 0.5, gaps) + 0.5) if state.defaults or state.kept else found
+            )
+            _no_room(state, rows, number, inside(found, gaps) & ~bad)
+    if state.weigh and domain is not None:
+        one, two = _whole(first, last, distribution, arguments)
+        least, most = (full(rows, end).astype(np.float64) for end in domain)
+        least, most = _whole(np.ceil(least - TOLERANCE), np.floor(most + TOLERANCE), distribution, arguments)
+        law = () if distribution == "uniform" else arguments
+        ends = (found, found) if number in state.given else (one, two)
+        part = held(ends[0] - 0.5, ends[1] + 0.5, gaps, distribution, law)
+        _note(state, rows, part, held(least - 0.5, most + 0.5, None, distribution, law))
+    state.values[number] = found
+    return found
+
+
+def _whole(
+    first: np.ndarray, last: np.ndarray, distribution: str, arguments: tuple[Any, ...]
+) -> tuple[np.ndarray, np.ndarray]:
+    """The whole numbers of a range in which a law lies."""
+    first, last = support(first, last, distribution, arguments)
+    return np.ceil(first - TOLERANCE), np.floor(last + TOLERANCE)
+
+
+def _other_count(
+    kept: Kept, rows: Rows, unit: np.ndarray, first: np.ndarray, last: np.ndarray, fresh: np.ndarray
+) -> np.ndarray:
+    """The count kept, moved into the range; another one where that is asked for and there is one."""
+    known, at = kept.find(rows)
+    if not known.any():
+        return fresh
+    old = np.minimum(np.maximum(kept.value[at], first), last)
+    other = np.minimum(first + np.floor(unit * (last - first)), last)
+    other = np.where(other >= old, np.minimum(other + 1.0, last), other)
+    return np.where(known, np.where(kept.swap[at] & (last > first), other, old), fresh)
+
+
+def draw_choice(
+    state: State,
+    rows: Rows,
+    number: int,
+    address: str,
+    weights: tuple[Any, ...],
+    declared: tuple[Any, ...] | None = None,
+    default: np.ndarray | float | None = None,
+) -> np.ndarray:
+    """The index of one of the options, by weight; ``declared`` are the weights before requirements removed some."""
+    table = np.stack([np.broadcast_to(np.asarray(w, dtype=np.float64), (rows.size,)) for w in weights])
+    table = np.where(table < np.inf, table, 0.0)  # a weight that is no number is for a requirement to refuse
+    found = _given(state, rows, number, 0.0, len(weights) - 1.0)
+    if found is not None:
+        _no_room(state, rows, number, table[found.astype(np.int64), np.arange(rows.size)] <= 0.0)
+    else:
+        left = _other_option(state.kept[number], rows, table) if number in state.kept else table
+        total = np.cumsum(np.maximum(left, 0.0), axis=0)
+        _no_room(state, rows, number, total[-1] <= 0.0)
+        if state.defaults:
+            found = np.argmax(left > 0.0, axis=0).astype(np.float64)
+            if default is not None:
+                usual = full(rows, default).astype(np.int64)
+                found = np.where(left[usual, np.arange(rows.size)] > 0.0, usual, found).astype(np.float64)
+        else:
+            mark = _lot(state, rows, address) * total[-1]
+            found = np.minimum((total <= mark).sum(axis=0), len(weights) - 1).astype(np.float64)
+    if state.weigh and (declared is not None or number in state.given):
+        prior = table if declared is None else np.stack([full(rows, w).astype(np.float64) for w in declared])
+        part = (
+            prior[found.astype(np.int64), np.arange(rows.size)]
+            if number in state.given
+            else np.cumsum(np.maximum(table, 0.0), axis=0)[-1]
+        )
+        _note(state, rows, part, np.cumsum(np.maximum(prior, 0.0), axis=0)[-1])
+    state.values[number] = found
+    return found
+
+
+def _other_option(kept: Kept, rows: Rows, table: np.ndarray) -> np.ndarray:
+    """Weights (options, rows) that leave only the option kept, or only others where a swap is asked for and possible."""
+    known, at = kept.find(rows)
+    if not known.any():
+        return table
+    option = np.arange(len(table))[:, None] == kept.value[at].astype(np.int64)
+    alone, others = np.where(option, table, 0.0), np.where(option, 0.0, table)
+    swap = kept.swap[at] & (others > 0.0).any(axis=0)
+    keep = ~swap & (alone > 0.0).any(axis=0)
+    return np.where(known & swap, others, np.where(known & keep, alone, table))
