@@ -116,7 +116,7 @@ class BuilderBase:
             if isinstance(child, Piece):
                 if child.kind in found:
                     what = _SIGNS.get(child.kind, f"`{child.kind}`")
-                    self.problem(child, f"{what} is given twice", "keep one of them")
+                    self.problem(child, f"{what} is given twice", "keep only one")
                 found[child.kind] = child.value
         return found
 

@@ -36,7 +36,7 @@ class ExpressionBuilder(BuilderBase):
         return ast.NumberExpr(span=self.span(c), value=number, unit=unit)
 
     def too_large(self, token: Token) -> float:
-        self.problem(token, "this number is too large", f"numbers lie below {sys.float_info.max:.2g}")
+        self.problem(token, "this number is too large", f"the largest number is {sys.float_info.max:.2g}")
         return 1.0
 
     def string(self, c: Children) -> ast.Expr:
@@ -92,7 +92,7 @@ class ExpressionBuilder(BuilderBase):
         if len(c) > 3 and isinstance(high, ast.NameExpr) and high.name == "clearance":
             high = ast.AllExpr(span=self.span(c[2:]), value=high)
         elif len(c) > 3:
-            self.problem(c[3], "`all` stands behind `clearance` alone", "write `range 0deg .. clearance all`")
+            self.problem(c[3], "`all` can only follow `clearance`", "write `range 0deg .. clearance all`")
         return ast.RangeExpr(span=self.span(c), low=c[0], high=high)
 
     def argument(self, c: Children) -> ast.Argument:
@@ -129,7 +129,7 @@ class ExpressionBuilder(BuilderBase):
         value = c[1]
         if not isinstance(value, ast.RangeExpr):
             self.problem(
-                c[1], "a range of motion has two ends", "for example `range 0deg .. 90deg`, `range 0cm .. 30cm`"
+                c[1], "a range of motion needs two ends", "for example `range 0deg .. 90deg`, `range 0cm .. 30cm`"
             )
             value = ast.RangeExpr(span=value.span, low=value, high=value)
         return self.word(value, c)
@@ -154,7 +154,7 @@ class ExpressionBuilder(BuilderBase):
         """Words of a list in which each stands once."""
         for at, token in enumerate(tokens):
             if any(token.value == other.value for other in tokens[:at]):
-                self.problem(token, f"`{token.value}` stands twice in this list", "keep one of them")
+                self.problem(token, f"`{token.value}` appears twice in this list", "keep only one")
         return tuple(t.value for t in tokens)
 
     def type(self, c: Children) -> ast.TypeRef:
@@ -168,6 +168,6 @@ class ExpressionBuilder(BuilderBase):
             return ast.TypeRef(span=span, name=words[0].value)
         size = words[2].value
         if not size.isdigit() or not int(size):
-            self.problem(words[2], "the number of components is a whole number", "write for example `length[3]`")
+            self.problem(words[2], "the number of components must be a whole number", "for example `length[3]`")
             size = "3"
         return ast.TypeRef(span=span, name=words[0].value, size=int(size))

@@ -56,7 +56,7 @@ class TreeBuilder(StatementBuilder):
         value, rest = c[3], tuple(c[4:])
         first = isinstance(value, ast.CallExpr) and isinstance(value.function, ast.NameExpr)
         if rest and not first:
-            self.problem(value, "a chain of curves begins with a point", "`from([0, 0, 0], z) line(1cm) arc(...)`")
+            self.problem(value, "a chain of curves must begin with a point", "`from([0, 0, 0], z) line(1cm) arc(...)`")
         elif rest or first and value.function.name == "from":
             value = ast.ChainExpr(span=self.span(c[3:]), pieces=(value, *rest))
         return ast.LetDecl(**self.stmt(c), keyword="curve", **self.named(c[1]), parameters=(), value=value)
@@ -73,7 +73,7 @@ class TreeBuilder(StatementBuilder):
         match value:
             case ast.CallExpr(function=ast.NameExpr(name="hull")) if not any(a.name for a in value.arguments):
                 return tuple(a.value for a in value.arguments)
-        self.problem(value, "a piece is the hull of its corners", "write `= hull(a, b, c, d)`")
+        self.problem(value, "a piece must be the hull of its corners", "write `= hull(a, b, c, d)`")
         return (value,)
 
     def piece_decl(self, c: Children) -> ast.Stmt:
@@ -158,7 +158,11 @@ class TreeBuilder(StatementBuilder):
 
     def version(self, c: Children) -> Piece:
         if c[1].value != str(VERSION):
-            self.problem(c[1], f"this is version {c[1].value} of the language", f"this compiler reads `apg {VERSION}`")
+            self.problem(
+                c[1],
+                f"this file is written in version {c[1].value} of the language",
+                f"this compiler reads `apg {VERSION}`",
+            )
         return self.piece("version", VERSION, c)
 
     def module(self, c: Children) -> ast.Module:

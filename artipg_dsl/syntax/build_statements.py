@@ -24,7 +24,7 @@ class StatementBuilder(ExpressionBuilder):
 
     def positive(self, c: Children) -> Piece:
         if float(split_number(c[1].value)[0]):
-            self.problem(c[1], "only `> 0` stands here", "write a domain for other bounds: `in 1cm .. 2cm`")
+            self.problem(c[1], "only `> 0` is allowed here", "for other bounds, write a range: `in 1cm .. 2cm`")
         return self.piece(">", True, c)
 
     def default(self, c: Children) -> Piece:
@@ -70,7 +70,9 @@ class StatementBuilder(ExpressionBuilder):
         for kind in ("vary", "derived", "test"):
             if kind in found:
                 piece = next(x for x in c if isinstance(x, Piece) and x.kind == kind)
-                self.problem(piece, f"a count takes no `{kind}`", "`count name in lo .. hi = default ~ distribution`")
+                self.problem(
+                    piece, f"a count cannot take `{kind}`", "`count name in lo .. hi = default ~ distribution`"
+                )
         domain = found.get("in")
         if domain is None:
             self.problem(c[1], f"the count `{c[1].value}` has no range", f"for example `count {c[1].value} in 1 .. 4`")
@@ -199,7 +201,7 @@ class StatementBuilder(ExpressionBuilder):
             if isinstance(clause, ast.Clause):
                 field = clause.word + "_" * iskeyword(clause.word)
                 if field in found:
-                    self.problem(clause, f"`{clause.word}` is given twice", "keep one of them")
+                    self.problem(clause, f"`{clause.word}` is given twice", "keep only one")
                 found.setdefault(field, clause)
         return found
 
@@ -267,7 +269,9 @@ class StatementBuilder(ExpressionBuilder):
     def repeat_count(self, c: Children) -> Piece:
         low = c[1]
         if not (isinstance(low, ast.NumberExpr) and low.value == 0 and not low.unit):
-            self.problem(low, "elements are counted from 0", "write `in 0 ..< n`; the index is then 0, 1, ... n - 1")
+            self.problem(
+                low, "elements must be counted from 0", "write `in 0 ..< n`; the index is then 0, 1, ... n - 1"
+            )
         return self.piece("in", c[3], c)
 
     def repeat(self, c: Children) -> ast.Stmt:
@@ -276,7 +280,9 @@ class StatementBuilder(ExpressionBuilder):
         forms = [word for word in clauses if word in FORMS]
         form = forms[0] if forms else ""
         if len(forms) > 1:
-            self.problem(clauses[forms[1]], f"a repeat has one form, and `{form}` is already given", "keep one of them")
+            self.problem(
+                clauses[forms[1]], f"a repeat can have only one form, and `{form}` is already given", "keep only one"
+            )
         number = found.get("in")
         if form == "ring":
             if number is not None:
@@ -284,10 +290,10 @@ class StatementBuilder(ExpressionBuilder):
             number = clauses[form].value
         elif form in ("fill", "mirror"):
             if number is not None:
-                fixed = "two elements" if form == "mirror" else "a number of elements that follows from the space"
-                self.problem(c[1], f"`{form}` makes {fixed}: no `in 0 ..< n`", "leave out the `in`")
+                fixed = "two elements" if form == "mirror" else "a number of elements that depends on the space"
+                self.problem(c[1], f"`{form}` makes {fixed}, so `in 0 ..< n` is not allowed", "leave out the `in`")
         elif number is None:
-            self.problem(c[1], f"how often? the repeat `{c[1].value}` has no number", "for example `in 0 ..< 4`")
+            self.problem(c[1], f"the repeat `{c[1].value}` has no number of elements", "for example `in 0 ..< 4`")
         return ast.RepeatStmt(
             **self.stmt(c),
             **self.named(c[1]),
@@ -343,7 +349,7 @@ class StatementBuilder(ExpressionBuilder):
             if isinstance(clause.value, ast.RangeExpr):
                 self.problem(
                     clause,
-                    f"`{clause.word}` of a grasp is one value, not a range",
+                    f"`{clause.word}` of a grasp must be a single value, not a range",
                     "a family of grasps: `grasp g on grip for t in -0.4 .. 0.4 { ... }`",
                 )
         return ast.GraspStmt(
@@ -356,7 +362,11 @@ class StatementBuilder(ExpressionBuilder):
     def symmetry(self, c: Children) -> ast.Stmt:
         turn = c[4] if c[3].type == "TURN" else None
         if isinstance(turn, ast.NumberExpr) and (turn.unit or turn.value < 2 or turn.value != int(turn.value)):
-            self.trouble(turn.span, "a symmetry has a whole number of turns, two or more", "or `any` for every angle")
+            self.trouble(
+                turn.span,
+                "the number of turns of a symmetry must be a whole number, at least 2",
+                "use `any` for symmetry at every angle",
+            )
         return ast.SymmetryStmt(**self.stmt(c), target=c[1], turn=turn, direction=c[-1])
 
     def coat(self, c: Children) -> ast.Stmt:

@@ -49,7 +49,7 @@ def formatted(source: Source, report: Report) -> str | None:
     text = "".join(_lines(pieces))
     check = Report()
     if parse(Source(source.name, text), check) is None or _content(_pieces(text)) != _content(pieces):
-        raise ChangedMeaning(f"laying out {source.name} would change it")
+        raise ChangedMeaning(f"formatting {source.name} would change its tokens or comments")
     return text
 
 

@@ -122,9 +122,9 @@ def _character(at: int, source: Source, text: str) -> Found:
         return Found(
             "syntax",
             span,
-            f"`{word.group()}` is no name",
+            f"`{word.group()}` is not a valid name",
             start,
-            "names are made of the letters a to z, digits and `_`",
+            "a name consists of the letters a to z, digits and `_`",
         )
     shown = f"`{char}`" if char.isprintable() else f"the character U+{ord(char):04X}"
     return Found("syntax", span, f"{shown} has no meaning here", at, CHARACTERS.get(char))
@@ -179,7 +179,11 @@ def _unclosed(token: Token, history: list[Token], source: Source) -> Found | Non
     if bracket is not None and token.type == "LBRACE" and history[-1].type in ("EQUAL", "COMMA", "LPAR", "LSQB"):
         start = token.start_pos or 0
         return Found(
-            "syntax", Span(source, start, start + 1), "a vector stands in square brackets", start, "write `[x, y, z]`"
+            "syntax",
+            Span(source, start, start + 1),
+            "a vector is written in square brackets",
+            start,
+            "write `[x, y, z]`",
         )
     if bracket is not None and (begins and _first_on_line(token, source) or token.type in ("LBRACE", "RBRACE")):
         return _never_closed(bracket, source)
@@ -206,7 +210,7 @@ def _by_history(
         return Found(code, span, message, span.start, hint, notes)
 
     if token.type == "RBRACE" and accepted & TOP and "RBRACE" not in accepted:
-        return found("this brace closes nothing", "remove it, or look for a `{` that is missing above")
+        return found("this brace has no matching `{`", "remove it, or add the missing `{` above")
     if last is None or last.type in ("_NL", "LBRACE", "RBRACE"):
         beginning = _at_beginning(token, last, accepted, tools, found, source, text)
         return beginning._replace(line_alone=True) if beginning is not None else None
@@ -214,17 +218,21 @@ def _by_history(
     if values and token.type in STATEMENTS | TOP and _first_on_line(token, source):
         at = last.start_pos or 0
         where = Span(source, at, last.end_pos or at)
-        return Found("syntax", where, f"a value is missing behind `{last.value}`", at, "a statement ends with its line")
+        return Found(
+            "syntax", where, f"a value is missing after `{last.value}`", at, "a statement ends at the end of its line"
+        )
     reserved = token.value in tools.layout.reserved and last.type != "IS"
     if reserved and last.type == "USE":
-        return found(f"`{token.value}` is no module: it is a word of the language", f"did you mean `{token.value}s`?")
+        return found(f"`{token.value}` is a word of the language, not a module", f"did you mean `{token.value}s`?")
     if reserved and accepted & {"NAME", "WORD"}:
         return found(
-            f"`{token.value}` is a word of the language and cannot be a name", "choose another name", "reserved-word"
+            f"`{token.value}` is a word of the language and cannot be used as a name",
+            "choose another name",
+            "reserved-word",
         )
     doubled = last.type == token.type == "SLASH" and last.end_pos == token.start_pos
     if doubled:
-        return found("a comment begins with `#`", "a whole division is `floor(a / b)`")
+        return found("a comment begins with `#`", "for integer division, write `floor(a / b)`")
     statement = next((t for t in reversed(history) if t.type in STATEMENTS | TOP | {"WHERE", "IF"}), None)
     arrow = last.type == "MINUS" and token.type == "MORE" and last.end_pos == token.start_pos
     if arrow and statement is not None and statement.type == "JOINT":
@@ -232,7 +240,7 @@ def _by_history(
             "the kind of joint is missing", "for example `joint open : revolute body -> door about door.left.back`"
         )
     if values and token.type == "DOT" and text[span.end : span.end + 1].isdigit():
-        return found("a number begins with a digit", "write `0.5`")
+        return found("a number must begin with a digit", "write `0.5`")
     if (
         values
         and token.type in OPERATORS | {"_NL", "RPAR", "RSQB", "BAR", "RBRACE", "LBRACE"}
@@ -241,7 +249,7 @@ def _by_history(
         if (last.type, token.type) not in (("STAR", "STAR"), ("UNTIL", "DOT")):
             return found(f"a value is missing between `{last.value}` and {_quoted(token)}")
     if token.type == "EQUAL" and statement is not None and statement.type in _CONDITIONS:
-        return found("`=` gives a value to a name; it compares nothing", "to compare, write `==`")
+        return found("`=` gives a name its value; it does not compare", "to compare, write `==`")
     if last.type in _ENDS_VALUE and token.type in _BEGINS_VALUE:
         return _two_values(token, last, history, accepted, found)
     return None
@@ -256,11 +264,11 @@ def _at_beginning(
     if not beginners:
         return None
     if token.type == "SLASH" and text[(token.end_pos or 0) : (token.end_pos or 0) + 1] in ("/", "*"):
-        return found("a comment begins with `#`", "`##` documents the declaration that follows")
+        return found("a comment begins with `#`", "`##` documents the next declaration")
     if token.type in OPERATORS and last is not None and token.type != "IF":
         return found(
-            f"a line cannot begin with `{token.value}`: the statement above ended with its line",
-            "put the operator at the end of the line above, or the whole in parentheses",
+            f"a line cannot begin with `{token.value}`: the statement above ended at the end of its line",
+            "put the operator at the end of the line above, or put the whole expression in parentheses",
         )
     if token.value in STATEMENTS_ELSEWHERE:
         return found(f"no statement begins with `{token.value}`", STATEMENTS_ELSEWHERE[token.value])
@@ -271,8 +279,8 @@ def _at_beginning(
     words = keywords(tools.lark)
     if token.type in words and last is not None and last.type == "_NL":
         return found(
-            f"no statement begins with `{token.value}`; the one above ended with its line",
-            f"put `{token.value} ...` above: a line goes on only in brackets or after `,`, `=` or an operator",
+            f"no statement begins with `{token.value}`; the one above ended at the end of its line",
+            f"move `{token.value} ...` up: a statement continues on the next line only in brackets or after `,`, `=` or an operator",
         )
     near = suggest(token.value, [words[b] for b in beginners if b in words])
     hint = f"did you mean `{near}`?" if near else None
@@ -292,14 +300,14 @@ def _misplaced(token: Token, last: Token | None, top: bool, source: Source, text
         return _brace(brace, source)
     if not top:
         return Found(
-            "syntax", span, f"`{token.value}` cannot stand within a body", at, "it belongs to the top of the file"
+            "syntax", span, f"`{token.value}` is not allowed inside a body", at, "move it to the top level of the file"
         )
     notes: Notes = ()
     if last is not None and last.type == "RBRACE":
         end = last.end_pos or 0
-        notes = ((Span(source, end - 1, end), "the declaration above ends with this brace"),)
-    message = f"`{token.value}` cannot stand at the top of a file"
-    hint = "it belongs into a category, template, role or primitive"
+        notes = ((Span(source, end - 1, end), "this brace ends the declaration above"),)
+    message = f"`{token.value}` is not allowed at the top level of a file"
+    hint = "put it in a category, template, role or primitive"
     return Found("syntax", span, message, at, hint, notes, fatal=True)
 
 
@@ -312,7 +320,7 @@ def _brace(at: int, source: Source) -> Found:
 def _two_values(token: Token, last: Token, history: list[Token], accepted: set[str], found: Maker) -> Found | None:
     """Two values in a row."""
     if last.type == "NUMBER" and last.value[-1].isdigit() and token.value in UNITS:
-        return found("a unit stands right behind its number", f"write `{last.value}{token.value}`")
+        return found("a unit must directly follow its number", f"write `{last.value}{token.value}`")
     if _open_bracket(history) is not None:
         return found(
             f"a comma or an operator is missing before `{token.value}`", "values in brackets are separated by commas"
@@ -367,24 +375,25 @@ def _by_accepts(error: UnexpectedToken, history: list[Token], tools: Machine, sp
         and statement.type == "JOINT"
     ):
         return found(
-            f"`->` is missing before {shown}", "`joint name : kind parent -> child`: what moves stands behind the arrow"
+            f"`->` is missing before {shown}",
+            "`joint name : kind parent -> child`: the part that moves follows the arrow",
         )
     if "LBRACE" in accepted and token.type == "_NL":
         return found(f"`{{` is missing before {shown}")
     if token.type in ("RPAR", "RSQB") and token.type not in accepted:
-        return found(f"{shown} closes nothing", "remove it, or look for a bracket that is missing before it")
+        return found(f"{shown} has no matching opening bracket", "remove it, or add the missing bracket before it")
     if 0 < len(accepted) <= 4:
         names = sorted(_SIGNS.get(a, f"`{words.get(a, a.lower())}`") for a in accepted)
-        return found(f"{' or '.join(names)} is expected in place of {shown}")
+        return found(f"expected {' or '.join(names)}, found {shown}")
     if statement is not None and token.type == "COMMA":
         message = "a comma separates values in brackets, names and targets"
-        return found(message, "a number has a point, as in `0.5`; a statement ends with its line")
+        return found(message, "numbers use a decimal point, as in `0.5`; a statement ends at the end of its line")
     elsewhere = CLAUSES_ELSEWHERE.get((statement.value, token.value)) if statement is not None else None
     if statement is not None and elsewhere is not None:
         return found(f"`{statement.value}` takes no `{token.value}`", elsewhere)
     if statement is not None and token.value:
         near = suggest(token.value, clauses)
         listed = ", ".join(f"`{c}`" for c in clauses)
-        hint = f"did you mean `{near}`?" if near else f"here may follow {listed}" if 0 < len(clauses) <= 12 else None
-        return found(f"{shown} does not continue this `{statement.value}`", hint)
-    return found(f"{shown} cannot stand here")
+        hint = f"did you mean `{near}`?" if near else f"expected {listed}" if 0 < len(clauses) <= 12 else None
+        return found(f"{shown} cannot be part of this `{statement.value}`", hint)
+    return found(f"{shown} is not allowed here")

@@ -25,7 +25,7 @@ class Mistake(NamedTuple):
 
 MISTAKES = (
     Mistake(
-        "`:` is missing between a name and what it is",
+        "`:` is missing between the name and its type",
         "for example `part door : SlabDoor`",
         (
             "part x Cuboid",
@@ -40,7 +40,7 @@ MISTAKES = (
     ),
     Mistake(
         "this parameter has no type",
-        "a type stands behind a colon: `param width : length in 40cm .. 60cm = 50cm`",
+        "a type follows a colon: `param width : length in 40cm .. 60cm = 50cm`",
         (
             "param x = 5cm",
             "param x in 1cm .. 2cm",
@@ -54,7 +54,7 @@ MISTAKES = (
     ),
     Mistake(
         "a name is missing before `{}`",
-        "a declaration begins with its word, then its name",
+        "a declaration begins with its keyword, then its name",
         (
             "param : length",
             "part : Cuboid",
@@ -85,7 +85,7 @@ MISTAKES = (
     ),
     Mistake(
         "`=` is missing before `{}`",
-        "a declaration gives its value behind `=`",
+        "a declaration gives its value after `=`",
         (
             "let x 5",
             "let f(x) x",
@@ -118,22 +118,22 @@ MISTAKES = (
         ("when a is 5 {", "when a is not B {", "require a is not B", "require a is (B)", "when a is none {"),
     ),
     Mistake(
-        "elements are counted with `..<`",
+        "elements must be counted with `..<`",
         "write `in 0 ..< n`: the index is then 0, 1, ... n - 1",
         ("repeat x[i] in 0 .. 5 { }", "repeat x in 0 .. n { }"),
     ),
     Mistake(
-        "the elements of a repeat are given as `in 0 ..< n`",
+        "the elements of a repeat must be given as `in 0 ..< n`",
         "for example `repeat shelf[k] in 0 ..< shelves { ... }`",
         ("repeat x in 5 { }", "repeat x[i] in n { }", "repeat x in n split box along x { }"),
     ),
     Mistake(
-        "a range is written with `..`; both ends belong to it",
-        "`..<` counts the elements of a repeat",
+        "a range is written with `..` and includes both ends",
+        "`..<` only counts the elements of a repeat",
         ("count n in 1 ..< 5", "param x : length in 1cm ..< 2cm"),
     ),
     Mistake(
-        "a `let` has the type of its value",
+        "a `let` takes no type: it has the type of its value",
         "write `let half = width / 2`",
         ("let x : 5", "let x : length = 5", "top:let x : 5"),
     ),
@@ -143,7 +143,7 @@ MISTAKES = (
         ("label a:b on c", "label door on door", "label door = 3"),
     ),
     Mistake(
-        "the names that a `use` brings in stand in braces",
+        "the names imported by `use` must be in braces",
         "for example `use handles { Handle, BarHandle }`",
         ("top:use handles BarHandle", "top:use handles\nuse doors { A }", "top:use handles : A"),
     ),
@@ -173,18 +173,18 @@ MISTAKES = (
         ),
     ),
     Mistake(
-        "this `when` is the guard of the alternative before it and has no block",
-        "a statement `when ... { }` begins on a line of its own",
+        "this `when` guards the alternative before it and cannot have a block",
+        "a `when ... { }` statement must begin on a new line",
         ("part x : A when b { part c : D }", "style x : R = A when b { part c : D }", "part x : A weight 2 when b {"),
     ),
-    Mistake("the `when` that follows `else` is not `if`", "write `else when ... { }`", ("when a { } else if b { }",)),
+    Mistake("`else` is followed by `when`, not by `if`", "write `else when ... { }`", ("when a { } else if b { }",)),
     Mistake(
-        "a name stands before `=` in an argument",
+        "an argument needs a name before `=`",
         "for example `Cuboid(size = [1cm, 2cm, 3cm])`",
         ("part x : A(= 3)", "part x : A(b, = 3)"),
     ),
     Mistake(
-        "a vector stands in square brackets",
+        "a vector is written in square brackets",
         "write `[x, y, z]`",
         (
             "let x = (1, 2, 3)",
@@ -195,23 +195,23 @@ MISTAKES = (
         ),
     ),
     Mistake(
-        "arguments stand in parentheses",
+        "arguments must be in parentheses",
         "for example `Cuboid(size = [1cm, 2cm, 3cm])`",
         ("part x : A[b = 1]", "part x : A[b]", "part x : A{", "part x : R = A[b]"),
     ),
     Mistake(
-        "an argument is given with `=`",
+        "an argument is written with `=`",
         "for example `Cuboid(size = [1cm, 2cm, 3cm])`",
         ("part x : A(size : 1)", "part x : A(b, size : 1)", "part x : R = A(size : 1)", "let x = f(size : 1)"),
     ),
     Mistake(
-        "a range has two dots",
+        "a range is written with two dots",
         "write `1cm .. 2cm`",
         ("param x : length in 1cm ... 2cm", "count x in 1 ... 2", "let x = f(1 ... 2)"),
     ),
     Mistake(
-        "a name follows a dot",
-        "a number has digits behind its point, as in `5.0`; a range has two dots, as in `1cm .. 2cm`",
+        "expected a name after the dot",
+        "a number needs digits after its point, as in `5.0`; a range is written with two dots, as in `1cm .. 2cm`",
         (
             "let x = 5. * 2",
             "let x = 5. + 2",
@@ -225,7 +225,7 @@ MISTAKES = (
         ),
     ),
     Mistake(
-        "a range stands without brackets",
+        "a range is written without brackets",
         "write `in 1cm .. 2cm`",
         (
             "param x : length in [1cm .. 2cm]",
@@ -240,7 +240,7 @@ MISTAKES = (
         ("joint j : revolute a => b", "joint j : revolute a = b"),
     ),
     Mistake(
-        "a block stands in braces, without a colon",
+        "a block is written in braces, without a colon",
         "for example `when width > 40cm { ... }`",
         (
             "when a : b",
@@ -255,12 +255,12 @@ MISTAKES = (
         ),
     ),
     Mistake(
-        "the index of a repeat stands in square brackets",
+        "the index of a repeat must be in square brackets",
         "for example `repeat leg[k] in 0 ..< 4 { ... }`",
         ("repeat x i in 0 ..< 4 {", "repeat x(i) in 0 ..< 4 {"),
     ),
     Mistake(
-        "a name has letters, digits and `_` alone",
+        "a name may only contain letters, digits and `_`",
         "write `left_leg`",
         (
             "part a-b : C",
@@ -276,8 +276,8 @@ MISTAKES = (
         ),
     ),
     Mistake(
-        "a name begins with a letter",
-        "write for example `second_leg`",
+        "a name must begin with a letter",
+        "for example `second_leg`",
         (
             "part 2 : A",
             "param 2 : length",
@@ -306,13 +306,13 @@ MISTAKES = (
         ),
     ),
     Mistake(
-        "`?` marks what a role leaves open",
-        "a value by a condition is written `1 if a > b else 2`",
+        "`?` only marks what a role leaves optional",
+        "a conditional value is written `1 if a > b else 2`",
         ("let x = a ? 1 : 2", "let x = a > 1 ? 1 : 2", "let x = a > 1cm ? 1 : 2", "part x : A(b = c ? 1 : 2)"),
     ),
     Mistake(
-        "`align` states its equation with one `=`",
-        "a comparison that has to hold is `require a == b`",
+        "`align` states an equation with a single `=`",
+        "to require a comparison, write `require a == b`",
         (
             "align a == b",
             "align a.left == b.left",
@@ -324,40 +324,40 @@ MISTAKES = (
     ),
     Mistake("a power is written with `^`", "for example `r ^ 2`", ("let x = a ** 2",)),
     Mistake(
-        "a message in quotes is missing behind `else`",
+        "a message in quotes is missing after `else`",
         'for example `require a <= b else "a does not fit"`',
         ("require a else b", "require a else 5", "require a else\n}", "require stable else b"),
     ),
     Mistake(
-        "an overlap needs its reason",
+        "an allowed overlap needs a reason",
         '`allow overlap a, b because "the post is glued into the wall"`',
         ("allow overlap a, b\n", "allow overlap a, b }"),
     ),
     Mistake(
-        "`allow` is followed by `overlap` or `floating`",
+        "`allow` must be followed by `overlap` or `floating`",
         '`allow overlap a, b because "..."`',
         ("allow a, b", "allow a"),
     ),
     Mistake("`from` is missing", "`clear a from b by 1mm`", ("clear a, b by 1mm", "clear a by 1mm", "clear a\n")),
     Mistake("`by` is missing", "`clear a from b by 1mm`", ("clear a from b\n", "clear a from b, c")),
     Mistake(
-        "`free` names two parts",
-        "`free a, b`: they may touch and pass through one another",
+        "`free` takes two parts",
+        "`free a, b` lets two parts touch and pass through one another",
         ("free a\n", "free a }", "free a b", "free a and b"),
     ),
     Mistake(
-        "the range follows the joint",
+        "a range must directly follow the joint",
         "`limit lid.open 0deg .. 20deg`",
         ("limit a range 0deg .. 10deg", "limit a.b range 1 .. 2"),
     ),
     Mistake(
-        "parameters are declared inside the braces",
+        "parameters must be declared inside the braces",
         "for example `param width : length in 1cm .. 2cm`",
         ("top:category C(a) {", "top:template C(a) {", "top:role C(a) {", "top:primitive C(a) {"),
     ),
     Mistake(
         "`on` is missing before `{}`",
-        "a label, keypoint, grasp or material says on what it is",
+        "a label, keypoint, grasp or material must say what it is on",
         (
             "label a.b c",
             "label a.b = c",
@@ -383,13 +383,13 @@ MISTAKES = (
         ),
     ),
     Mistake(
-        "a symmetry is `turn` with a number, or `any`",
+        "a symmetry must be `turn` with a number, or `any`",
         "`symmetry handle : turn 2 about z`",
         ("symmetry a : 2 about z", "symmetry a : z"),
     ),
     Mistake("`and` is missing", "`connect bar between a and b`", ("connect a between b, c", "connect a between b\n")),
     Mistake(
-        "the range of a parameter is written `u in low .. high`",
+        "each parameter needs a range: `u in low .. high`",
         "`surface side (u in 0turn .. 1turn, v in 0 .. 1) = ...`",
         (
             "surface a (u, v) = [1, 2, 3]",

@@ -35,7 +35,7 @@ def load(path: Path, report: Report, name: str | None = None) -> Source | None:
         )
         return None
     except IsADirectoryError:
-        report.error("missing-file", None, f"{shown} is a folder", hint="name an .apg file in it")
+        report.error("missing-file", None, f"{shown} is a folder", hint="give the path of an .apg file in it")
         return None
     except OSError as error:
         report.error("missing-file", None, f"{shown} cannot be read: {error.strerror}")
@@ -46,7 +46,7 @@ def load(path: Path, report: Report, name: str | None = None) -> Source | None:
         text = data[: error.start].decode("utf-8", "replace").replace("\r\n", "\n") + "\N{REPLACEMENT CHARACTER}"
         source = Source(shown, text)
         span = Span(source, len(text) - 1, len(text))
-        report.error("not-utf8", span, "this is not UTF-8 text", hint="save the file in the encoding UTF-8")
+        report.error("not-utf8", span, "this file is not UTF-8 text", hint="save the file with UTF-8 encoding")
         return None
 
 

@@ -1,6 +1,6 @@
 """Programs with the findings written beside the lines that cause them.
 
-    part x Cuboid          #! 10 syntax: `:` is missing between a name and what it is (for example `part door : SlabDoor`)
+    part x Cuboid          #! 10 syntax: `:` is missing between the name and its type (for example `part door : SlabDoor`)
 
 The number is the column, the hint stands in parentheses. Warnings say so: ``#! 3 warning redundant: ...``. Several findings on one line are
 separated by ``#!``. What has no place in the file itself stands on its first line, with a ``-`` for the column.
