@@ -1,13 +1,17 @@
-"""The house: an import inside a function says why it stands there. Arrows between rooms are held by ``lint-imports``."""
+"""The house: an import inside a function says why it stands there, and files of a room hardly go round in circles.
+
+Arrows between rooms, and between files of which none imports inside a function, are held by ``lint-imports``.
+"""
 
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1] / "artipg_dsl"
 REASONS = ("start-up", "extra", "circle")
+LONGEST = 3  # files of one room that import one another in a circle
 START = ("cli", "api.py", "__init__.py", "session.py")  # they load what a command needs, and nothing else
 
 
@@ -31,3 +35,85 @@ def test_imports_inside_functions_say_why() -> None:
         if text.partition("# ")[2].partition(":")[0] not in REASONS
     ]
     assert not silent
+
+
+def for_types(node: ast.AST) -> bool:
+    """``if TYPE_CHECKING``: what stands in it is never imported."""
+    return isinstance(node, ast.If) and isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING"
+
+
+def imported(node: ast.AST, package: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
+    """What may be a module of ours among what is imported below a node of a file of ``package``, inside functions too."""
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.ImportFrom) and child.level:
+            base = (*package[: len(package) - child.level + 1], *(child.module.split(".") if child.module else ()))
+            yield base
+            yield from ((*base, alias.name) for alias in child.names)
+        elif for_types(child):
+            yield from (found for other in child.orelse for found in imported(ast.Module([other], []), package))
+        else:
+            yield from imported(child, package)
+
+
+def imports(root: Path) -> dict[str, set[str]]:
+    """Every module below a folder and which others of them it imports, named by their paths."""
+    files = {path.relative_to(root).with_suffix("").parts: path for path in root.rglob("*.py")}
+    found: dict[str, set[str]] = {}
+    for name, path in files.items():
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        targets = {t for t in imported(tree, name[:-1]) if t in files and t != name}
+        found["/".join(name)] = {"/".join(t) for t in targets}
+    return found
+
+
+def circles(edges: Mapping[str, set[str]]) -> list[set[str]]:
+    """The strongly connected components of more than one module (Tarjan)."""
+    number: dict[str, int] = {}
+    low: dict[str, int] = {}
+    stack: list[str] = []
+    found: list[set[str]] = []
+
+    def visit(node: str) -> None:
+        number[node] = low[node] = len(number)
+        stack.append(node)
+        for other in sorted(edges[node]):
+            if other not in number:
+                visit(other)
+            if other in stack:
+                low[node] = min(low[node], low[other])
+        if low[node] == number[node]:
+            at = stack.index(node)
+            if len(stack) - at > 1:
+                found.append(set(stack[at:]))
+            del stack[at:]
+
+    for node in sorted(edges):
+        if node not in number:
+            visit(node)
+    return found
+
+
+def room(module: str) -> str:
+    return module.rpartition("/")[0]
+
+
+def test_circles_are_found() -> None:
+    edges = {"a/x": {"a/y"}, "a/y": {"a/z", "b/w"}, "a/z": {"a/x"}, "b/w": set(), "b/v": {"b/w"}}
+    assert circles(edges) == [{"a/x", "a/y", "a/z"}]
+
+
+def test_imports_are_read_as_python_does(tmp_path: Path) -> None:
+    (tmp_path / "a").mkdir()
+    (tmp_path / "a" / "x.py").write_text(
+        "from . import y\nfrom ..b import name\nif TYPE_CHECKING:\n    from . import z\ndef f():\n    from .w import g\n"
+    )
+    for name in ("a/y", "a/z", "a/w", "b"):
+        (tmp_path / f"{name}.py").write_text("")
+    assert imports(tmp_path)["a/x"] == {"a/y", "a/w", "b"}
+
+
+def test_no_circle_between_rooms_and_none_within_that_is_long() -> None:
+    edges = imports(ROOT)
+    assert sum(map(len, edges.values())) > 1000  # the files have been read
+    wrong = [c for c in circles(edges) if len(c) > LONGEST or len(set(map(room, c))) > 1]
+    assert not wrong
