@@ -3,7 +3,8 @@
 In: expressions and records, made by ``lower`` or read from a compiled program. Out: a ``Program``, for ``runtime`` to plan and
 evaluate. Begin with ``program`` (the records) and ``expr`` (the expressions in them).
 
-    expr, derive, formula                expressions over columns, their derivatives, formulas as NumPy functions
+    scopes, expr, functions, show        tables and columns, expressions over them, their operations, how they are read
+    derive, formula                      derivatives of expressions; formulas as NumPy functions
     program, primitive, reference        the records of a program; which row of which definition is meant
     linear, matching                     linear forms and solving for one unknown; which equation determines what
     interval, inequality, union          what always holds; what an inequality or a condition says of one value

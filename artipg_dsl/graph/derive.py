@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from .expr import CROSSING, ONE, PREDICATES, ZERO, Expr, add, call, const, div, mul, neg, power, show, sub, var, where
+from .expr import CROSSING, ONE, ZERO, Expr, add, call, const, div, mul, neg, power, show, sub, var, where
+from .functions import PREDICATES
 
 
 def derive(root: Expr, by: Expr | str) -> Expr:

@@ -9,52 +9,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 from typing import Any
 from weakref import WeakValueDictionary
 
-
-@dataclass(eq=False, slots=True)
-class Scope:
-    """A table of the program. ``count`` gives the rows per row of the parent: a count, or a guard that is 0 or 1."""
-
-    name: str
-    parent: Scope | None = None
-    kind: str = "root"  # "root" | "repeat" | "guard"
-    count: Expr | None = None
-
-    @property
-    def depth(self) -> int:
-        return 0 if self.parent is None else self.parent.depth + 1
-
-    def ancestors(self) -> Iterable[Scope]:
-        """This scope, its parent, and so on up to the root."""
-        scope: Scope | None = self
-        while scope is not None:
-            yield scope
-            scope = scope.parent
-
-    def within(self, other: Scope | None) -> bool:
-        return other is None or any(scope is other for scope in self.ancestors())
-
-    def __repr__(self) -> str:
-        return f"<scope {self.name}>"
-
-
-@dataclass(eq=False, slots=True)
-class Column:
-    """A named value per row of a scope. ``kind`` is "real", "count", "choice" or "bool"."""
-
-    scope: Scope
-    name: str
-    kind: str = "real"
-
-    @property
-    def path(self) -> str:
-        return f"{self.scope.name}.{self.name}" if self.scope.parent is not None else self.name
-
-    def __repr__(self) -> str:
-        return f"<column {self.path}>"
+from .functions import FUNCTIONS, folded
+from .functions import PREDICATES as PREDICATES
+from .scopes import Column as Column
+from .scopes import Scope as Scope
+from .scopes import ScopeError as ScopeError
+from .show import few
+from .show import show as show
 
 
 class Expr:
@@ -108,41 +72,6 @@ class Expr:
 _interned: WeakValueDictionary[tuple[Any, ...], Expr] = WeakValueDictionary()
 _bits: dict[Any, int] = {}  # free variable -> its bit
 
-# name -> (arity, scalar implementation used for folding constants)
-FUNCTIONS: dict[str, tuple[int, Callable[..., float]]] = {
-    "add": (2, lambda a, b: a + b),
-    "sub": (2, lambda a, b: a - b),
-    "mul": (2, lambda a, b: a * b),
-    "div": (2, lambda a, b: a / b),
-    "neg": (1, lambda a: -a),
-    "pow": (2, lambda a, b: a**b),
-    "abs": (1, abs),
-    "sqrt": (1, math.sqrt),
-    "sin": (1, math.sin),
-    "cos": (1, math.cos),
-    "tan": (1, math.tan),
-    "asin": (1, math.asin),
-    "acos": (1, math.acos),
-    "atan": (1, math.atan),
-    "atan2": (2, math.atan2),
-    "hypot": (2, math.hypot),
-    "exp": (1, math.exp),
-    "log": (1, math.log),
-    "floor": (1, lambda a: a if math.isinf(a) else math.floor(a)),
-    "ceil": (1, lambda a: a if math.isinf(a) else math.ceil(a)),
-    "sign": (1, lambda a: float((a > 0) - (a < 0))),
-    "min": (2, lambda a, b: a if a != a or a < b else b),
-    "max": (2, lambda a, b: a if a != a or a > b else b),
-    "mod": (2, lambda a, b: a % b),
-    "lt": (2, lambda a, b: a < b),
-    "le": (2, lambda a, b: a <= b),
-    "eq": (2, lambda a, b: a == b),
-    "and": (2, lambda a, b: bool(a) and bool(b)),
-    "or": (2, lambda a, b: bool(a) or bool(b)),
-    "not": (1, lambda a: not a),
-    "where": (3, lambda c, a, b: a if c else b),
-}
-PREDICATES = frozenset({"lt", "le", "eq", "and", "or", "not"})
 # ops that read other tables: phi (value: child scopes; args: one per child, then the default), reduce (value: (kind, child)),
 # element (value: child; args: expression, rank), previous (value: scope; args: expression, first), scan (exclusive sum before a row)
 CROSSING = frozenset({"phi", "reduce", "element", "previous", "scan"})
@@ -177,14 +106,6 @@ def deepest(args: Iterable[Expr]) -> Scope | None:
         elif not best.within(arg.scope):
             raise ScopeError(best, arg.scope)
     return best
-
-
-class ScopeError(Exception):
-    """Two values of tables that are not on one chain; the lowering turns it into a diagnostic."""
-
-    def __init__(self, first: Scope, second: Scope):
-        super().__init__(f"{first.name} and {second.name} have no common rows")
-        self.first, self.second = first, second
 
 
 def truth(a: Expr) -> bool:
@@ -240,18 +161,6 @@ def call(op: str, *args: Expr) -> Expr:
             value = float(round(value))  # quarter turns are exact
         return const(value)
     return _make(op, args, scope=deepest(args))
-
-
-def folded(function: Callable[..., float], values: Sequence[float]) -> float:
-    """The value of a function of constants: nan where it has none (1 / 0, the root or the logarithm of -1), inf where it is
-    too large for a number. What an author writes of this kind is refused where it stands (``lower.expressions.arithmetic``)."""
-    try:
-        value = function(*values)
-    except (ValueError, ZeroDivisionError):
-        return math.nan
-    except OverflowError:
-        return math.inf
-    return math.nan if isinstance(value, complex) else value
 
 
 def add(a: Expr, b: Expr) -> Expr:
@@ -521,65 +430,3 @@ def rebuild(node: Expr, args: tuple[Expr, ...]) -> Expr:
     if node.op in ("solve", "root"):
         return _make(node.op, args, node.value, deepest(args))
     return _BUILDERS[node.op](*args) if node.op in _BUILDERS else call(node.op, *args)
-
-
-_INFIX = {
-    "add": "+",
-    "sub": "-",
-    "mul": "*",
-    "div": "/",
-    "pow": "^",
-    "lt": "<",
-    "le": "<=",
-    "eq": "==",
-    "and": "and",
-    "or": "or",
-}
-
-
-def few(node: Expr, most: int) -> bool:
-    """Whether the written form of an expression, which repeats what is shared, has at most so many nodes."""
-    left, stack = most, [node]
-    while stack and left >= 0:
-        left -= 1
-        stack.extend(stack.pop().args)
-    return left >= 0
-
-
-def show(node: Expr, most: int = 20_000) -> str:
-    """A readable form, for people; the exact form is in ``graph.text``. What is shared is repeated, so after ``most``
-    nodes there are dots.
-    """
-    left = [most]
-
-    def inner(node: Expr) -> str:
-        left[0] -= 1
-        return "..." if left[0] < 0 else _shown(node, inner)
-
-    return inner(node)
-
-
-def _shown(node: Expr, show: Callable[[Expr], str]) -> str:
-    if node.op == "const":
-        return f"{node.value:.9g}" if not isinstance(node.value, bool) else str(node.value).lower()
-    if node.op == "col":
-        return node.value.path
-    if node.op == "var":
-        return str(node.value)
-    if node.op == "rank":
-        return f"rank({node.value.name})"
-    if node.op in _INFIX:
-        return f"({show(node.args[0])} {_INFIX[node.op]} {show(node.args[1])})"
-    if node.op == "neg":
-        return f"-{show(node.args[0])}"
-    if node.op == "solve":
-        return f"newton({', '.join(show(a) + ' = 0' for a in node.args[: node.value[0]])})"
-    inner = ", ".join(show(a) for a in node.args)
-    if node.op == "phi":
-        return f"phi({inner})"
-    if node.op == "reduce":
-        kind, child = node.value
-        return f"{kind}[{child.name}]({inner})"
-    if node.op == "root":
-        return f"{inner}[{node.value[0]}]"
-    return f"{node.op}({inner})"

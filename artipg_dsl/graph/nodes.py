@@ -9,7 +9,8 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from .expr import FUNCTIONS, PREDICATES, Column, Expr, Scope, ScopeError, raw
+from .expr import Column, Expr, Scope, ScopeError, raw
+from .functions import FUNCTIONS, PREDICATES
 
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z0-9_]+)*")
 KINDS = ("real", "count", "choice", "bool")
