@@ -45,6 +45,7 @@ NAMED = {  # fields that hold names, which flow into files and paths
     Patch: ("name",),
     Piece: ("name",),
 }
+CONDITIONS = frozenset({"guard", "condition", "allowed", "requires", "semantic", "materials"})
 _SURFACE = frozenset({"u", "v", *(f"{a}.{b}" for a in ("p", "n", "size") for b in "xyz")})
 _GRASP = frozenset({"t", *(f"size.{b}" for b in "xyz")})
 _REFERENCES = (Under, Elsewhere, Onward)
@@ -72,6 +73,8 @@ class Verifier:
         """A record of a list of the program, the one of this number in its list, when all have their shape."""
         for cell in _cells(item, type(item)):
             self.placed(cell, _scope_of(item))
+        for name, cell in _conditions(item):
+            need(self.nodes.truth[cell], f"{name} is true or false, not a number")
         getattr(self, f"_{type(item).__name__.lower()}", lambda *_: None)(item, number)
 
     def whole(self) -> None:
@@ -342,6 +345,17 @@ def _cells(value: Any, kind: type | None = None) -> Iterator[Expr]:
         for field in fields(value):
             if kind is None or field.name not in _FORMULAS.get(kind, ()):
                 yield from _cells(getattr(value, field.name))
+
+
+def _conditions(value: Any) -> Iterator[tuple[str, Expr]]:
+    """The expressions of an item, and of the records in it, which must be true or false, with the names of their fields."""
+    for field in fields(value):
+        held = getattr(value, field.name)
+        if field.name in CONDITIONS:
+            yield from ((field.name, cell) for cell in _cells(held))
+        for one in held if isinstance(held, tuple | list) else ():
+            if is_dataclass(one) and not isinstance(one, _REFERENCES):
+                yield from _conditions(one)
 
 
 def _records(reference: Reference) -> Iterator[Under | Elsewhere | Onward]:

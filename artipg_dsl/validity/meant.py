@@ -29,7 +29,8 @@ class Meant:
 def meant(batch: Batch, statement: Allowed | Clear, nodes: Sequence[int], ranks: Sequence[tuple[str, int]]) -> Meant:
     """The parts that one side of a statement names, where it is said."""
     found = [_of(batch, statement.scope, node, ranks) for node in nodes]
-    return Meant(*(np.concatenate([np.zeros(0, dtype=np.int64), *columns]) for columns in zip(*found, strict=True)))
+    none = np.zeros(0, dtype=np.int64)  # a compiled program may name no part at all
+    return Meant(*(np.concatenate([none, *(columns[k] for columns in found)]) for k in range(3)))
 
 
 def _of(

@@ -13,6 +13,7 @@ from artipg_dsl.errors import UserError
 from artipg_dsl.geometry import pieces
 from artipg_dsl.graph.expr import call, const, raw, var
 from artipg_dsl.graph.formula import compile_formula, source
+from artipg_dsl.graph.program import Allowed
 from artipg_dsl.graph.text import TextError, from_text, to_text
 from artipg_dsl.graph.verify import UNITS
 from artipg_dsl.run.compiled import make_sampler, to_compiled
@@ -159,7 +160,6 @@ EDITS = {
     ],
     r'primitive "Cylinder"': [('primitive "Kernel"', "no primitive Kernel")],
     r'path "row.knob" name': [('path "../../etc/passwd" name', "not a name"), ('path "a\\nb" name', "not a name")],
-    r'vocabulary "affordance" name "turn"': [('vocabulary "affordance" name "<script>"', "not a name")],
     r'semantic \[\["body"': [('semantic [["soul"', "no word")],
     r'vocabulary "semantic" \["unlabelled"': [('vocabulary "semantic" [', "is not unlabelled")],
     r'program "Box"': [
@@ -170,6 +170,11 @@ EDITS = {
     r"part 0\)": [("part 77)", "no part 77"), ("part 0", "ends before")],
     r"link \[0\] part 0\)": [("link [0] part 1)", "not there in all its rows")],
     r"test \[\[0\.001": [("test [[nan", "finite"), ("test [[9.0", "ends before")],
+    r"condition %\d+": [("condition %1", "condition is true or false, not a number")],
+    r'vocabulary "affordance" name "turn"': [
+        ('vocabulary "affordance" name "<script>"', "not a name"),
+        ('guard %1 vocabulary "affordance" name "turn"', "guard is true or false, not a number"),
+    ],
     r"parent -1": [("parent 0", "comes after"), ("parent 99", "comes after")],
     r"\(Pose ": [("(System ", "no record")],
 }
@@ -303,3 +308,13 @@ def test_pieces_beyond_all_bounds_are_a_users_error() -> None:
                 pieces.build(replace(primitive, pieces=(piece,)), params)
             return
     raise AssertionError("no primitive of a bottle has pieces")
+
+
+def test_an_exception_that_names_no_part_excuses_none(text: str) -> None:
+    """``allow floating`` with an empty list of parts can stand in a compiled program: it says nothing of any part."""
+    program = from_text(text)
+    program.allowed.append(Allowed("floating", program.scopes[0], (), (), "nothing"))
+    made = Samples(
+        prepare(make_sampler(from_text(to_text(program)), "none.apgc"), Request("none.apgc", numbers=((0, 1),)))
+    )
+    assert len(made) == 2
