@@ -89,7 +89,7 @@ def _count(ck: Checker, entry: Entry, found: list[Attachment], needed: bool, roo
                     "two-attachments",
                     later.span,
                     f"`{entry.name}` is attached twice",
-                    hint="a part has one attachment: `align` places without attaching",
+                    hint="a part has only one attachment; `align` places without attaching",
                     notes=((earlier.span, "the first attachment"),),
                 )
                 return
@@ -100,7 +100,7 @@ def _count(ck: Checker, entry: Entry, found: list[Attachment], needed: bool, roo
             "no-attachment",
             entry.span,
             f"`{entry.name}` is not attached to anything",
-            hint=f"write `connect {entry.name} to ...` or give it a joint; `align` places but does not attach",
+            hint=f"write `connect {entry.name} to ...` or give it a joint; `align` only places it",
         )
         return
     open_cases = assignments(And((exists, Not(Or(tuple(a.condition for a in found))))))

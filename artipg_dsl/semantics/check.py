@@ -68,11 +68,9 @@ def _declaration(ck: Checker, symbol: Symbol) -> None:
             seen: set[str] = set()
             for word, span in zip(decl.words, decl.word_spans, strict=True):
                 if word == UNLABELLED:
-                    ck.error(
-                        "reserved-name", span, f"`{word}` is what surface without a word of a vocabulary is called"
-                    )
+                    ck.error("reserved-name", span, f"`{word}` is reserved for surface without a label")
                 if word in seen:
-                    ck.error("duplicate-name", span, f"`{word}` stands twice in this vocabulary")
+                    ck.error("duplicate-name", span, f"`{word}` appears twice in this vocabulary")
                 seen.add(word)
 
 

@@ -146,7 +146,7 @@ class Checker:
             if given.dimension == NONE and need not in (NONE, None) and is_unitless(expr):
                 unit = expressions.usual_unit(need)
                 text = expr.span.source.text[expr.span.start : expr.span.end]
-                hint = f"write {text}{unit}" if isinstance(expr, ast.NumberExpr) else f"give the numbers a unit: {unit}"
+                hint = f"write {text}{unit}" if isinstance(expr, ast.NumberExpr) else f"give the numbers units: {unit}"
                 self.error("missing-unit", expr.span, f"{what} needs a unit: {wanted} is expected", hint=hint)
                 return
             self.error("wrong-dimension", expr.span, f"{what} is {wanted}, but this is {given}")

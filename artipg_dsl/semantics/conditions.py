@@ -25,7 +25,7 @@ def truth(ck: Checker, ctx: Context, expr: ast.Expr) -> None:
     kind = ck.infer(ctx.but(lenient=[], asked=True) if _asks_presence(expr) else ctx, expr)
     if kind in (BOOL, UNKNOWN) or isinstance(kind, Part) or (kind == BOX and isinstance(expr, ast.MemberExpr)):
         return
-    ck.error("wrong-type", expr.span, f"a condition is true or false, but this is {kind}")
+    ck.error("wrong-type", expr.span, f"a condition must be true or false, but this is {kind}")
 
 
 def _asks_presence(expr: ast.Expr) -> bool:
@@ -60,7 +60,7 @@ def check_is(ck: Checker, ctx: Context, expr: ast.IsExpr) -> Type:
                     hint=did_you_mean(expr.type_name, names) or f"it is {' or '.join(names)}",
                 )
     elif subject != UNKNOWN:
-        ck.error("wrong-type", expr.subject.span, f"`is` asks what a part or a style is, but this is {subject}")
+        ck.error("wrong-type", expr.subject.span, f"`is` tests a part or a style, but this is {subject}")
     return BOOL
 
 
@@ -203,8 +203,8 @@ def check_discrete(ck: Checker, ctx: Context, expr: ast.Expr) -> None:
                     ck.error(
                         "bad-guard",
                         expr.span,
-                        f"a guard compares counts, ranks or choices, but this is {kind}",
-                        hint="what depends on measures is a `require`, or an alternative with `when`",
+                        f"a guard must compare counts, ranks or choices, but this is {kind}",
+                        hint="for a condition on lengths or angles use `require`, or an alternative with `when`",
                     )
                     return
 
@@ -224,7 +224,7 @@ def choice_word(ck: Checker, ctx: Context, other: ast.Expr, expr: ast.Expr) -> T
         return ck.error(
             "unknown-choice",
             expr.span,
-            f"`{expr.name}` is none of the values {', '.join(kind.values)}",
+            f"`{expr.name}` is not one of {', '.join(kind.values)}",
             hint=did_you_mean(expr.name, kind.values),
         )
     ck.mean(expr, Word(expr.name))

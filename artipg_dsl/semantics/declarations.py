@@ -53,8 +53,8 @@ def check_names(ck: Checker, scope: Scope) -> None:
                     ck.error(
                         "duplicate-name",
                         entry.span,
-                        f"`{name}` is the name of the repeat around it, which it stands for here",
-                        hint="choose another name for one of them",
+                        f"`{name}` is already the name of the repeat around it",
+                        hint="rename one of them",
                         notes=((around.name_span, "the repeat"),),
                     )
                     ck.set_aside(entry)
@@ -67,7 +67,7 @@ def check_names(ck: Checker, scope: Scope) -> None:
                         "duplicate-name",
                         entry.span,
                         f"`{name}` is declared twice",
-                        hint="one name may be declared again only under guards that exclude each other",
+                        hint="a name may be declared twice only under guards that exclude each other",
                         notes=((earlier.span, "first declared here"),),
                     )
                     break
@@ -123,12 +123,12 @@ def check_param(ck: Checker, ctx: Context, node: ast.ParamDecl) -> None:
         kind = of_reference(ck, ctx, node.type)
     if "size" in node.names and kind not in (SIZE, UNKNOWN):
         span = node.name_spans[node.names.index("size")]
-        ck.error("reserved-name", span, "`size` is the size of the box: it has to be of type `length[3]`")
+        ck.error("reserved-name", span, "`size` is the size of the box, so its type must be `length[3]`")
     what = f"`{node.names[0]}`"
     if node.domain is not None or node.positive or node.test is not None:
         if not isinstance(kind, Scalar | Vec) and kind != UNKNOWN:
             span = node.domain.span if node.domain is not None else node.span
-            ck.error("wrong-type", span, f"{what} is {kind}: only numbers have a range")
+            ck.error("wrong-type", span, f"{what} is {kind}: only numbers can have a range")
             return
     if node.domain is not None:
         check_range(ck, ctx, node.domain, kind, f"an end of the range of {what}")
@@ -163,7 +163,7 @@ def _default(ck: Checker, ctx: Context, default: ast.Expr, kind: Type, what: str
             ck.error(
                 "unknown-choice",
                 default.span,
-                f"`{default.name}` is none of the values {', '.join(kind.values)}",
+                f"`{default.name}` is not one of {', '.join(kind.values)}",
                 hint=did_you_mean(default.name, kind.values),
             )
         ck.mean(default, Word(default.name))
@@ -227,7 +227,7 @@ def _distribution(ck: Checker, ctx: Context, node: ast.Distribution, kind: Type,
         return
     for argument in node.arguments:
         if argument.name is not None:
-            ck.error("wrong-arguments", argument.span, "arguments of a distribution have no names")
+            ck.error("wrong-arguments", argument.span, "arguments of a distribution are given without names")
     if isinstance(kind, Choice):
         _options(ck, ctx, node, kind)
         return
@@ -246,7 +246,7 @@ def _distribution(ck: Checker, ctx: Context, node: ast.Distribution, kind: Type,
         ck.expect(ctx, argument.value, wanted, f"an argument of `{node.name}`")
         value = constant(argument.value, ctx.module)
         if node.name in texts and position == 1 and value is not None and value <= 0:
-            ck.error("wrong-arguments", argument.span, "a deviation is greater than 0")
+            ck.error("wrong-arguments", argument.span, "a deviation must be greater than 0")
         if node.name == "values":
             _inside(ck, ctx, argument.value, domain, "a value of the distribution")
 
@@ -254,9 +254,9 @@ def _distribution(ck: Checker, ctx: Context, node: ast.Distribution, kind: Type,
 def _options(ck: Checker, ctx: Context, node: ast.Distribution, kind: Choice) -> None:
     """What weighs the words of a choice: ``values(round, round, oval)``."""
     if node.name != "values":
-        hint = f"write `~ values({kind.values[0]}, {kind.values[0]}, {kind.values[-1]})`: a word that stands there twice is twice as likely"
+        hint = f"write `~ values({kind.values[0]}, {kind.values[0]}, {kind.values[-1]})`: an option listed twice is twice as likely"
         ck.error(
-            "unknown-distribution", node.span, f"a choice is weighted by `values`, not by `{node.name}`", hint=hint
+            "unknown-distribution", node.span, f"a choice is weighted with `values`, not with `{node.name}`", hint=hint
         )
         return
     if not node.arguments:
@@ -268,8 +268,8 @@ def _options(ck: Checker, ctx: Context, node: ast.Distribution, kind: Choice) ->
             ck.error(
                 "wrong-type",
                 argument.span,
-                f"a value of this choice is one of the words {', '.join(kind.values)}",
-                hint="a word that stands there twice is twice as likely",
+                f"a value of this choice must be one of {', '.join(kind.values)}",
+                hint="an option listed twice is twice as likely",
             )
 
 
@@ -285,10 +285,10 @@ def check_part(ck: Checker, ctx: Context, node: ast.PartDecl) -> None:
         check_arguments(ck, ctx, node.arguments, [role])
     _alternatives(ck, ctx, node.alternatives, role, node.role)
     if node.role is not None or len(node.alternatives) > 1:
-        alone = f"write `part {node.name} : STYLE`; what else it may be, and `none`, belongs into the style"
+        alone = f"write `part {node.name} : STYLE`; other alternatives, and `none`, go into the style"
         _no_style(ck, ctx, node.alternatives, alone)
     if all(alternative.name is None for alternative in node.alternatives):
-        ck.error("wrong-kind", node.name_span, f"`{node.name}` has no alternative but none")
+        ck.error("wrong-kind", node.name_span, f"`{node.name}` has no alternative but `none`")
 
 
 def check_style(ck: Checker, ctx: Context, node: ast.StyleDecl) -> None:
@@ -307,8 +307,8 @@ def check_style(ck: Checker, ctx: Context, node: ast.StyleDecl) -> None:
                 ck.error(
                     "unknown-clause",
                     extra.span,
-                    "a material takes no arguments and is not turned",
-                    hint="another look is a material of its own: `material dark_oak { ... }`",
+                    "a material takes no arguments and cannot be turned",
+                    hint="for another look, declare another material: `material dark_oak { ... }`",
                 )
         _unweighed(ck, node.alternatives)
         return
@@ -338,7 +338,7 @@ def _no_style(ck: Checker, ctx: Context, alternatives: tuple[ast.Alternative, ..
     """A style is no alternative among others."""
     for alternative in alternatives:
         if isinstance(ck.meanings.get(id(alternative)), Declared):
-            message = f"`{alternative.name}` is a style: it stands alone, without a role and other alternatives"
+            message = f"`{alternative.name}` is a style: it cannot be combined with a role or other alternatives"
             ck.error("wrong-kind", alternative.name_span, message, hint=hint)
 
 
@@ -369,7 +369,7 @@ def _alternatives(
             ck.error(
                 "wrong-role",
                 alternative.name_span,
-                f"`{wrong[0].name}` is no alternative here: it does not have the role {role_name}",
+                f"`{wrong[0].name}` cannot be an alternative here: it does not have the role {role_name}",
                 notes=((wrong[0].decl.name_span, f"`{wrong[0].name}` is declared here"),),
             )
         check_arguments(ck, ctx, alternative.arguments, symbols)
@@ -382,7 +382,7 @@ def _bad_alternative(ck: Checker, ctx: Context, alternative: ast.Alternative, sy
         ck.error(
             "unknown-template",
             alternative.name_span,
-            f"`{alternative.name}` is a role: a part needs a template of it",
+            f"`{alternative.name}` is a role: a part needs one of its templates",
             hint="name the alternatives: `= " + " | ".join(playing) + "`" if playing else None,
         )
         return
@@ -406,7 +406,7 @@ def _weight(ck: Checker, ctx: Context, alternative: ast.Alternative) -> None:
         ck.expect(ctx, alternative.weight, RATIO, "a weight")
         value = constant(alternative.weight, ctx.module)
         if value is not None and value < 0:
-            ck.error("wrong-arguments", alternative.weight.span, "a weight is not below 0")
+            ck.error("wrong-arguments", alternative.weight.span, "a weight cannot be negative")
 
 
 def _unweighed(ck: Checker, alternatives: tuple[ast.Alternative, ...]) -> None:
@@ -415,13 +415,13 @@ def _unweighed(ck: Checker, alternatives: tuple[ast.Alternative, ...]) -> None:
         ck.error(
             "unknown-clause",
             weight.span,
-            "a weight without another alternative says nothing",
-            hint="add what else it may be, such as `| none weight 0.5`; a style carries its own weights",
+            "a weight has no effect without another alternative",
+            hint="add another alternative, such as `| none weight 0.5`; a style has weights of its own",
         )
 
 
 def check_placement(ck: Checker, ctx: Context, placement: ast.Placement) -> None:
-    ck.expect(ctx, placement.direction, DIRECTION, f"what follows `{'about' if placement.angle else 'along'}`")
+    ck.expect(ctx, placement.direction, DIRECTION, f"the axis after `{'about' if placement.angle else 'along'}`")
     if placement.angle is not None:
         ck.expect(ctx, placement.angle, ANGLE, "the angle after `turned`")
 
@@ -475,8 +475,8 @@ def _argument(ck: Checker, ctx: Context, argument: ast.Argument, wanted: Type) -
             ck.error(
                 "wrong-arguments",
                 value.span,
-                f"`{symbol.name}` is a role: it cannot be handed in as a value",
-                hint="a parameter `style` takes a template's name, or a style: `style chosen : Role = A | B`",
+                f"`{symbol.name}` is a role: it cannot be passed as a value",
+                hint="a `style` parameter takes the name of a template or of a style: `style chosen : Role = A | B`",
             )
         elif isinstance(given, Style):
             role = next((v.symbol for v in wanted.domain if v is not None), None)

@@ -56,7 +56,7 @@ def type_of(ck: Checker, entry: Entry) -> Type:
                     "wrong-type",
                     value.span,
                     f"`{meaning.symbol.name}` is a {meaning.symbol.kind}, not a value",
-                    hint="what is chosen once for several parts is a style: `style chosen : Role = A | B`",
+                    hint="to choose once for several parts, use a style: `style chosen : Role = A | B`",
                 )
             if keyword == "curve" and kind != CURVE and not isinstance(kind, Vec) and kind != UNKNOWN:
                 return ck.error("wrong-type", value.span, f"`{entry.name}` is declared as a curve, but this is {kind}")
@@ -143,7 +143,7 @@ def of_reference(ck: Checker, ctx: Context, ref: ast.TypeRef) -> Type:
     hint = foreign.TYPES.get(ref.name.lower()) or did_you_mean(ref.name, TYPE_NAMES)
     symbol = ctx.module.find(ref.name)
     if symbol is not None and symbol.kind in ("role", "template"):
-        hint = f"a part is declared with `part`, a choice handed in with `style {ref.name}`"
+        hint = f"declare a part with `part`; pass in a choice with `style {ref.name}`"
     return ck.error("unknown-type", ref.span, f"there is no type `{ref.name}`", hint=hint)
 
 

@@ -69,8 +69,8 @@ def infer(ck: Checker, ctx: Context, expr: ast.Expr) -> Type:
             return ck.error(
                 "misplaced-hole",
                 expr.span,
-                "`_` may only stand for a component of a vector argument",
-                hint="as in `Cuboid(size = [_, wall, _])`; to leave a single number to the equations, leave its argument out",
+                "`_` can only replace a component of a vector argument",
+                hint="as in `Cuboid(size = [_, wall, _])`; to leave a single number to the equations, omit the argument",
             )
         case ast.UnaryExpr(op="not", operand=operand):
             conditions.truth(ck, ctx, operand)
@@ -81,7 +81,9 @@ def infer(ck: Checker, ctx: Context, expr: ast.Expr) -> Type:
                 return kind
             if kind == PLANE:
                 return LENGTH
-            return ck.error("wrong-type", expr.span, f"`{op}` needs a number, a vector or a direction; this is {kind}")
+            return ck.error(
+                "wrong-type", expr.span, f"`{op}` needs a number, a vector or a direction, but this is {kind}"
+            )
         case ast.BinaryExpr(op="and" | "or"):
             conditions.truth(ck, ctx, expr.left)
             known = conditions.of(ck, ctx, expr.left)
@@ -107,7 +109,7 @@ def _number(ck: Checker, expr: ast.NumberExpr) -> Type:
                 f"there is no unit `{expr.unit}`",
                 hint=foreign.UNITS.get(expr.unit.lower())
                 or did_you_mean(expr.unit, UNITS)
-                or "lengths are in mm, cm or m, angles in deg, rad or turn",
+                or "use mm, cm or m for lengths, deg, rad or turn for angles",
             )
         return Scalar(UNITS[expr.unit][1])
     if expr.value == 0:
@@ -122,7 +124,9 @@ def usual_unit(dimension: Dimension) -> str:
 
 def _vector(ck: Checker, ctx: Context, expr: ast.VectorExpr) -> Type:
     if len(expr.items) not in (2, 3):
-        return ck.error("wrong-type", expr.span, f"a vector has two or three components, this has {len(expr.items)}")
+        return ck.error(
+            "wrong-type", expr.span, f"a vector has two or three components, but this one has {len(expr.items)}"
+        )
     dimension = ctx.component
     first: ast.Expr | None = None
     plain = ctx.but(holes=False, component=None)
@@ -136,7 +140,7 @@ def _vector(ck: Checker, ctx: Context, expr: ast.VectorExpr) -> Type:
             continue
         if not is_number(kind):
             failed = True
-            ck.error("wrong-type", item.span, f"a component of a vector is a number, but this is {kind}")
+            ck.error("wrong-type", item.span, f"a component of a vector must be a number, but this is {kind}")
             continue
         found = dimension_of(kind)
         if found is None:
@@ -147,9 +151,9 @@ def _vector(ck: Checker, ctx: Context, expr: ast.VectorExpr) -> Type:
             failed = True
             wanted = Scalar(dimension)
             if first is not None and is_unitless(first):  # the one without a unit is the one to blame
-                ck.mismatch(first, Scalar(dimension), kind, "a component of this vector")
+                ck.mismatch(first, Scalar(dimension), kind, "this component of the vector")
             else:
-                ck.mismatch(item, kind, wanted, "a component of this vector")
+                ck.mismatch(item, kind, wanted, "this component of the vector")
     return UNKNOWN if failed else Vec(len(expr.items), dimension)
 
 
@@ -172,7 +176,7 @@ def _compare(ck: Checker, ctx: Context, expr: ast.BinaryExpr) -> Type:
         return BOOL
     if is_number(left) and is_number(right):
         if None not in (dimension_of(left), dimension_of(right)) and dimension_of(left) != dimension_of(right):
-            _blame(ck, expr, left, right, f"`{expr.op}` compares like with like")
+            _blame(ck, expr, left, right, f"`{expr.op}` compares values of the same kind")
         return BOOL
     same = left == right == BOOL or left == right == STRING or _asks_material(ck, expr, left, right)
     if expr.op in ("==", "!=") and (same or isinstance(left, Choice) and isinstance(right, Choice)):
@@ -182,9 +186,9 @@ def _compare(ck: Checker, ctx: Context, expr: ast.BinaryExpr) -> Type:
         (e.name for e in (expr.left, expr.right) if isinstance(e, ast.NameExpr) and e.name in ("x", "y", "z")), None
     )
     if isinstance(left, Part) or isinstance(right, Part):
-        hint = "to ask what a part is, write `part is Template`"
+        hint = "to test what a part is, write `part is Template`"
     elif STRING in (left, right) and (isinstance(left, Choice) or isinstance(right, Choice)):
-        hint = "the words of a choice stand without quotes"
+        hint = "the options of a choice are written without quotes"
     elif axis is not None:
         hint = f"`{axis}` is a direction; the coordinate of a point p is `p.{axis}`"
     ck.error("wrong-type", expr.span, f"`{expr.op}` cannot compare {left} and {right}", hint=hint)
@@ -276,7 +280,7 @@ def _power(ck: Checker, expr: ast.BinaryExpr, left: Type, right: Type) -> Type:
     if not isinstance(left, Scalar) and left != PLANE:
         return ck.error("wrong-type", expr.left.span, f"`^` needs a number, but this is {left}")
     if not isinstance(right, Scalar) or dimension_of(right) not in (NONE, None):
-        return ck.error("wrong-dimension", expr.right.span, f"an exponent is a plain number, but this is {right}")
+        return ck.error("wrong-dimension", expr.right.span, f"an exponent must be a plain number, but this is {right}")
     dimension = LENGTH_DIM if left == PLANE else left.dimension  # type: ignore[union-attr]
     if dimension == NONE:
         return COUNT if left == COUNT and right == COUNT else Scalar(NONE)
@@ -286,6 +290,6 @@ def _power(ck: Checker, expr: ast.BinaryExpr, left: Type, right: Type) -> Type:
             "wrong-dimension",
             expr.right.span,
             f"{left} can only be raised to a constant power",
-            hint="the dimension of the result must be known",
+            hint="otherwise the dimension of the result is unknown",
         )
     return Scalar(power(dimension, Fraction(value).limit_denominator(12)))

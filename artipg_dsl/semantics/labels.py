@@ -71,7 +71,7 @@ def check(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
                 LINE,
                 SURFACE,
             ):
-                ck.error("wrong-type", at.span, f"a keypoint lies on a part, a port or a point, but this is {kind}")
+                ck.error("wrong-type", at.span, f"a keypoint must be on a part, a port or a point, but this is {kind}")
             if place is not None:
                 ck.expect(formula(ctx), place, POINT, "the place of a keypoint")
         case ast.SymmetryStmt(target=at, turn=turn, direction=direction):
@@ -107,7 +107,7 @@ def target(ck: Checker, ctx: Context, expr: ast.Expr, rule: str) -> Context:
             "wrong-type",
             expr.span,
             f"{rule} parts, slots or surfaces, but this is a face of a box",
-            hint="name the part, and where on it: `label affordance.push on door where p.x > 0`",
+            hint="name the part, and say where on it: `label affordance.push on door where p.x > 0`",
         )
     not_previous(ck, expr)
     return ctx
@@ -131,8 +131,8 @@ def not_previous(ck: Checker, expr: ast.Expr) -> None:
         ck.error(
             "wrong-type",
             expr.span,
-            "`previous` cannot stand here: the statement means the part in every element",
-            hint="leave `previous` out, or name one element by its number: `post[0]`, `post[last]`",
+            "`previous` is not allowed here: the statement applies to the part in every element",
+            hint="omit `previous`, or give the number of an element: `post[0]`, `post[last]`",
         )
 
 
@@ -147,7 +147,7 @@ def _word(ck: Checker, ctx: Context, vocabulary: str, word: str) -> str:
     own = f"`vocabulary {vocabulary} {{ {word} }}`"
     symbol = ctx.module.names.get(vocabulary)
     brought = symbol is not None and symbol.module is not ctx.module
-    add = f"a word of your own: {own}" + (f", with `{vocabulary}` left out of `use`" if brought else "")
+    add = f"to add a word of your own: {own}" + (f", and remove `{vocabulary}` from `use`" if brought else "")
     near = did_you_mean(word, ck.vocabularies[vocabulary])
     return f"{near} {add}" if near else add
 
@@ -188,12 +188,12 @@ def _acted(ck: Checker, ctx: Context, joint: ast.Expr, vocabulary: str) -> None:
         ck.error(
             "wrong-type",
             joint.span,
-            "`semantic` says what a part is, which is for no joint",
-            hint="`for` belongs to what one does: `label affordance.lift for raise on lid`",
+            "a `semantic` label says what a part is, so it takes no `for`",
+            hint="`for` goes with labels of actions: `label affordance.lift for raise on lid`",
         )
     kind = ck.infer(ctx.but(lenient=[], asked=True, many=True), joint)
     if not isinstance(kind, Joint) and kind != UNKNOWN:
-        ck.error("wrong-type", joint.span, f"a label is for a joint, but this is {kind}")
+        ck.error("wrong-type", joint.span, f"`for` must name a joint, but this is {kind}")
 
 
 def _field(ck: Checker, ctx: Context, stmt: ast.FieldStmt) -> None:
@@ -202,8 +202,8 @@ def _field(ck: Checker, ctx: Context, stmt: ast.FieldStmt) -> None:
         ck.error(
             "wrong-type",
             stmt.type.span,
-            f"a field holds a number, a vector of three or true and false, but this is {kind}",
-            hint="write for example `ratio`, `length`, `vec`, `length[3]` or `bool`",
+            f"a field must hold a number, a vector of three or a truth value, but this is {kind}",
+            hint="for example `ratio`, `length`, `vec`, `length[3]` or `bool`",
         )
         kind = UNKNOWN
     place = formula(_targets(ck, ctx, stmt.targets, "a field lies on"))
@@ -232,8 +232,8 @@ def _relative(ck: Checker, expr: ast.Expr) -> None:
                 ck.warning(
                     "absolute-tolerance",
                     number.span,
-                    "a fixed length in a label does not follow the size of the part",
-                    hint="write a share of `size` (`p.z > 0.45 * size.z`), or name a parameter of the part",
+                    "a fixed length in a label does not scale with the part",
+                    hint="write a fraction of `size` (`p.z > 0.45 * size.z`), or name a parameter of the part",
                 )
 
 
@@ -281,7 +281,7 @@ def _material(ck: Checker, ctx: Context, stmt: ast.MaterialStmt) -> None:
         ck.mean(stmt, Declared(stmt.material, home.depth))
         kind = ck.entry_type(paths.sole(ck, ctx, entries, stmt.material_span))
         if kind not in (MATERIAL, UNKNOWN):
-            ck.error("wrong-type", stmt.material_span, f"`{stmt.material}` is no material, but {kind}")
+            ck.error("wrong-type", stmt.material_span, f"`{stmt.material}` is not a material but {kind}")
         return
     symbol = ctx.module.find(stmt.material)
     if symbol is None or symbol.kind != "material":

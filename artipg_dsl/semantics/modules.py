@@ -99,7 +99,7 @@ class Workspace:
                 use.module_span,
                 f"there is no module `{use.module}`",
                 hint=did_you_mean(use.module, self._available(folder))
-                or f"`use` looks for {use.module}.apg beside this file, then in the library",
+                or f"`use` looks for {use.module}.apg next to this file, then in the library",
             )
             scope.lost.update(use.names)
             return
@@ -140,7 +140,7 @@ class Workspace:
                     "duplicate-name",
                     span,
                     f"`{name}` is already {where} in this file",
-                    notes=((other.decl.name_span, "the other one"),),
+                    notes=((other.decl.name_span, "the other declaration"),),
                 )
             else:
                 scope.names[name] = symbol

@@ -123,7 +123,7 @@ def part_member(ck: Checker, ctx: Context, part: Part, word: str, span: Span, pa
             return ck.error(
                 "many-elements",
                 span,
-                f"`{word}` stands for all elements of a repeat here",
+                f"`{word}` means all elements of a repeat here",
                 hint=f"name one: `{word}[0]` or `{word}[last]`",
             )
         return replace(first, key=f"{part.key}.{word}", many=True)
@@ -193,10 +193,10 @@ def _lacking(
         return ck.error(
             "optional-outside-when",
             span,
-            f"only {names} has `{word}`, the other alternatives have not"
+            f"only {names} has `{word}`, the other alternatives do not"
             if len(having) == 1
-            else f"only {names} have `{word}`, the other alternatives have not",
-            hint=f"put this under `when {path} is {having[0].name} {{ }}`",
+            else f"only {names} have `{word}`, the other alternatives do not",
+            hint=f"put this inside `when {path} is {having[0].name} {{ }}`",
         )
     if promised is not None:
         what = " or ".join(dict.fromkeys(v.name for v in part.variants))

@@ -107,7 +107,7 @@ def unknown_name(ck: Checker, ctx: Context, word: str, span: Span) -> Type:
             if word in scope.table and scope.repeat is not None:
                 of = scope.repeat.name
                 if word == scope.repeat.index:
-                    hint = f"`{word}` counts the elements of the repeat `{of}`: it has a meaning only inside it"
+                    hint = f"`{word}` is the index of the repeat `{of}` and only exists inside it"
                     break
                 hint = f"`{word}` is declared inside the repeat `{of}`: write `{of}.{word}`"
                 break
@@ -130,7 +130,7 @@ def _use(ck: Checker, ctx: Context, entries: list[Entry], span: Span) -> Type:
         return ck.error(
             "optional-outside-when",
             span,
-            f"`{entry.name}` never exists here: its guard excludes this one",
+            f"`{entry.name}` never exists here: its guard excludes the one around this statement",
             notes=((entry.span, "declared here"),),
         )
     if isinstance(kind, Part):
@@ -163,7 +163,7 @@ def _repeat(ck: Checker, ctx: Context, entry: Entry, span: Span) -> Type:
         return ck.error(
             "many-elements",
             span,
-            f"`{entry.name}` stands for all elements of a repeat here",
+            f"`{entry.name}` means all elements of a repeat here",
             hint=f"name one, `{entry.name}[0]` or `{entry.name}[last]`, or reduce them with sum, min or max",
         )
     return Element(entry, entry.key, many=not inside)
@@ -179,15 +179,15 @@ def _own_box(ck: Checker, ctx: Context, word: str, span: Span) -> Type:
         return ck.error(
             "no-own-box",
             span,
-            f"`{word}` without a part: a category has no box of its own",
+            f"`{word}` needs a part: a category has no box of its own",
             hint=f"name the part: `body.{word}`",
         )
     if owner.kind == "template" and "size" not in scope.root.table and not ring:
         return ck.error(
             "no-own-box",
             span,
-            f"`{word}` of the template's own box, but {owner.name} derives its box from its parts",
-            hint="name a part's face, or let the template take `param size : length[3]`",
+            f"`{word}` needs the template's own box, but {owner.name} derives its box from its parts",
+            hint="name the face of a part, or declare `param size : length[3]` in the template",
         )
     if owner.kind == "primitive":
         return unknown_name(ck, ctx, word, span)
@@ -202,12 +202,12 @@ def _previous(ck: Checker, ctx: Context, expr: ast.NameExpr) -> Type:
                 scope.after_first,
                 expr.span,
                 "`previous` does not exist for the first element",
-                "put this under a guard such as `when i > 0 { }`",
+                "put this inside a guard such as `when i > 0 { }`",
             )
             ck.mean(expr, Previous(scope.depth))
             entry = next(e for e in scope.parent.table[scope.repeat.name] if e.node is scope.repeat)
             return Element(entry, f"{entry.key}.previous", shift=1)
-    return ck.error("unknown-name", expr.span, "`previous` has a meaning only inside a repeat")
+    return ck.error("unknown-name", expr.span, "`previous` only exists inside a repeat")
 
 
 def _symbol(ck: Checker, ctx: Context, symbol: Symbol, span: Span) -> Type:
@@ -250,7 +250,7 @@ def member(ck: Checker, ctx: Context, expr: ast.MemberExpr) -> Type:
         known = place_names(obj)
         hint = did_you_mean(word, known) or listed(known)
         if word in FACES and isinstance(expr.obj, ast.MemberExpr) and expr.obj.name in FACES:
-            hint = "two faces that meet have an edge, as `left.back`: opposite ones do not meet"
+            hint = "only adjacent faces share an edge, as in `left.back`"
         return ck.error("unknown-member", span, f"{obj} has no `{word}`", hint=hint)
     return found
 
@@ -289,7 +289,7 @@ def _element_member(ck: Checker, ctx: Context, obj: Element, word: str, span: Sp
                 inner.after_first,
                 span,
                 f"`{entry.name}.gap` does not exist for the first element",
-                f"put this under `when {entry.name}.gap {{ }}`",
+                f"put this inside `when {entry.name}.gap {{ }}`",
             )
         return BOX
     own = box_member(word)
@@ -309,7 +309,7 @@ def _inner(ck: Checker, ctx: Context, obj: Element, target: Entry, span: Span) -
             return ck.error(
                 "many-elements",
                 span,
-                f"`{target.name}` stands for all elements of a repeat here",
+                f"`{target.name}` means all elements of a repeat here",
                 hint=f"name one: `{target.name}[0]` or `{target.name}[last]`",
             )
         return Element(target, f"{obj.key}.{target.name}", many=True, outer=obj)
@@ -332,7 +332,7 @@ def index(ck: Checker, ctx: Context, expr: ast.IndexExpr) -> Type:
         return _port(ck, ctx, obj, expr)
     if obj == UNKNOWN:
         return UNKNOWN
-    return ck.error("wrong-type", expr.span, f"only elements of repeats and indexed ports have an index; this is {obj}")
+    return ck.error("wrong-type", expr.span, f"only repeats and indexed ports take an index, but this is {obj}")
 
 
 def _port(ck: Checker, ctx: Context, ports: Array, expr: ast.IndexExpr) -> Type:
@@ -345,8 +345,8 @@ def _port(ck: Checker, ctx: Context, ports: Array, expr: ast.IndexExpr) -> Type:
             ctx,
             wanted,
             expr.span,
-            f"`{path_text(expr)}` exists only under a guard",
-            "put this under the same `when`, or bind the port in every branch of it",
+            f"`{path_text(expr)}` only exists under a guard",
+            "put this inside the same `when`, or bind the port in every branch",
             value=True,
         )
     return ports.item

@@ -70,7 +70,7 @@ def check_connect(ck: Checker, ctx: Context, node: ast.ConnectStmt) -> None:
     _end(ck, node.subject, kind, "what is connected")
     _placing(ck, ctx, node, framed=node.in_ is None)
     if node.to is None and node.on is None and node.in_ is None and node.between is None:
-        ck.error("missing-clause", node.span, "`connect` says to what: `to`, `on`, `in` or `between` is missing")
+        ck.error("missing-clause", node.span, "`connect` needs a target: `to`, `on`, `in` or `between`")
     else:
         _idle(ck, node, None if kind == UNKNOWN else node.to is not None and isinstance(node.subject, ast.MemberExpr))
 
@@ -79,7 +79,7 @@ def _end(ck: Checker, expr: ast.Expr, kind: Type, what: str) -> None:
     """One end of a connection: a part, or a port, face, edge or line of one."""
     places = (UNKNOWN, FRAME, PLANE, EDGE, LINE, POINT, SURFACE, BASE, BOX)
     if not isinstance(kind, Part | Slot | Element) and kind not in places:
-        ck.error("wrong-type", expr.span, f"{what} is a part or one of its ports and faces, but this is {kind}")
+        ck.error("wrong-type", expr.span, f"{what} must be a part or one of its ports and faces, but this is {kind}")
 
 
 def _placing(ck: Checker, ctx: Context, node: ast.Attaching, framed: bool) -> None:
@@ -103,7 +103,7 @@ def _placing(ck: Checker, ctx: Context, node: ast.Attaching, framed: bool) -> No
         if not isinstance(value, ast.NameExpr) or value.name not in (*FACES, *DIRECTIONS):
             near = did_you_mean(value.name, FACES) if isinstance(value, ast.NameExpr) else None
             ck.error(
-                "wrong-type", value.span, "`fit` takes names of faces", hint=near or f"there are {', '.join(FACES)}"
+                "wrong-type", value.span, "`fit` takes the names of faces", hint=near or f"there are {', '.join(FACES)}"
             )
     for argument in node.at.value if node.at is not None else ():
         _at(ck, ctx, argument.name, argument.value, framed)
@@ -124,10 +124,10 @@ def _idle(ck: Checker, node: ast.Attaching, mounted: bool | None) -> None:
     ways = sorted((c for c in (node.to, node.on, node.in_, node.between) if c is not None), key=lambda c: c.span.start)
     for extra in ways[1:]:
         message = f"`{ways[0].word}` and `{extra.word}` both say where this goes"
-        ck.error("unknown-clause", extra.span, message, hint="keep one of them")
+        ck.error("unknown-clause", extra.span, message, hint="keep only one")
     if node.turned is not None:
-        hint = "a part is turned where it is declared: `part handle : BarHandle turned 20deg about x`"
-        ck.error("unknown-clause", node.turned.span, "no part is turned where it is connected", hint=hint)
+        hint = "turn a part where it is declared: `part handle : BarHandle turned 20deg about x`"
+        ck.error("unknown-clause", node.turned.span, "a part cannot be turned where it is connected", hint=hint)
     way = ways[0].word if ways and (ways[0] is not node.to or mounted) else "to" if mounted else ""
     aims = isinstance(node, ast.JointDecl) and node.kind in ("ball", "fixed")  # about what point
     for clause in (node.at, node.fit, node.gap, node.sink, node.facing):
@@ -139,7 +139,7 @@ def _idle(ck: Checker, node: ast.Attaching, mounted: bool | None) -> None:
             ck.error(
                 "unknown-clause",
                 clause.span,
-                f"`{clause.word}` says nothing here: attaching a whole part does not place it",
+                f"`{clause.word}` has no effect here: attaching a whole part does not place it",
                 hint="name a face or a port of the part, as in `connect lid.bottom on body.top`, or place it with `align`",
             )
 
@@ -188,12 +188,12 @@ def check_joint(ck: Checker, ctx: Context, node: ast.JointDecl) -> None:
     child, ctx = subject(ck, ctx, node.child)
     _end(ck, node.child, child, "what a joint moves")
     parent = ck.infer(ctx.but(ends=True), node.parent)
-    _end(ck, node.parent, parent, "what a joint stands on")
+    _end(ck, node.parent, parent, "the parent of a joint")
     assert ctx.scope is not None
     if child == BASE:
-        ck.error("wrong-type", node.child.span, "`base` is what the template is attached to: it cannot be moved")
+        ck.error("wrong-type", node.child.span, "`base` is what the template is attached to, so a joint cannot move it")
     if parent == BASE and ctx.scope.owner.kind == "category":
-        ck.error("wrong-type", node.parent.span, "`base` has a meaning only in a template", hint="name the root part")
+        ck.error("wrong-type", node.parent.span, "`base` only exists in a template", hint="name the root part instead")
     named = isinstance(node.parent, ast.NameExpr) and (parent == BASE or isinstance(parent, Part | Slot | Element))
     aims = named and node.kind in ("ball", "fixed") and node.to is None and node.on is None  # about a point of its own
     _placing(ck, ctx, node, framed=node.in_ is None and not aims)
@@ -210,7 +210,7 @@ def _taken(ck: Checker, kind: str, clause: Given) -> Given:
         return clause
     hint = None
     if kind == "continuous" and clause.word == "range":
-        hint = "a joint with ends is `revolute`"
+        hint = "a joint with limits is `revolute`"
     elif clause.word == "about" and kind == "prismatic":
         hint = "a prismatic joint slides `along` a direction"
     elif clause.word == "along" and kind in _TURNS:
@@ -232,7 +232,7 @@ def _motion(ck: Checker, ctx: Context, node: ast.JointDecl, kind: str) -> None:
             low, value, high = (next(iter(components(end, ctx.module)), None) for end in ends)
             if value is not None and (low is not None and value < low or high is not None and value > high):
                 text = interval.value.span.source.text[interval.value.span.start : interval.value.span.end]
-                ck.error("illegal-value", rest.value.span, f"the joint rests outside its range {text}")
+                ck.error("illegal-value", rest.value.span, f"the rest value of the joint lies outside its range {text}")
     for axis in (_taken(ck, kind, node.about), _taken(ck, kind, node.along)):
         if axis is not None:
             axis_value(ck, axis.word, axis.value, ck.infer(ctx, axis.value))
@@ -254,10 +254,13 @@ def _motion(ck: Checker, ctx: Context, node: ast.JointDecl, kind: str) -> None:
                 bare = isinstance(number.value, ast.NumberExpr) and not number.value.unit
                 code, hint = ("missing-unit", f"write {text}{units[0]}") if bare else ("wrong-dimension", None)
                 ck.error(
-                    code, number.value.span, f"the `{number.word}` of a {kind} joint is in {any_of(units)}", hint=hint
+                    code,
+                    number.value.span,
+                    f"the `{number.word}` of a {kind} joint must be in {any_of(units)}",
+                    hint=hint,
                 )
             else:
-                ck.error("wrong-type", number.value.span, f"`{number.word}` is a number, but this is {given}")
+                ck.error("wrong-type", number.value.span, f"`{number.word}` must be a number, but this is {given}")
 
 
 def motion_range(ck: Checker, ctx: Context, interval: ast.RangeExpr, wanted: Type) -> None:
@@ -294,7 +297,7 @@ def _mimic(ck: Checker, ctx: Context, value: ast.Expr, wanted: Type) -> None:
         case _:
             given = ck.infer(ctx.but(lenient=[], asked=True), value)
             if not isinstance(given, Joint | Scalar) and given != UNKNOWN:
-                ck.error("wrong-type", value.span, f"`mimic` follows a joint, but this is {given}")
+                ck.error("wrong-type", value.span, f"`mimic` must follow a joint, but this is {given}")
 
 
 def axis_value(ck: Checker, word: str, value: ast.Expr, kind: Type) -> None:
@@ -302,24 +305,24 @@ def axis_value(ck: Checker, word: str, value: ast.Expr, kind: Type) -> None:
         return
     if isinstance(kind, Part):
         hint = "name an edge or a line of it, such as `door.left.back` or `hub.axis`"
-        ck.error("bad-axis", value.span, "an axis is an edge or a line, but this is a whole part", hint=hint)
+        ck.error("bad-axis", value.span, "an axis must be an edge or a line, but this is a whole part", hint=hint)
     elif kind == PLANE:
         if word == "along":
             return
         ck.error(
             "bad-axis",
             value.span,
-            "an axis is an edge or a line, but this is a plane",
-            hint="two faces meet in an edge: `door.left.back`",
+            "an axis must be an edge or a line, but this is a plane",
+            hint="two adjacent faces share an edge: `door.left.back`",
         )
     else:
         need = "a direction" if word == "along" else "an edge or a line"
         hint = (
-            "write `line(at = ..., along = ...)` for an axis through it"
+            "for an axis through it, write `line(at = ..., along = ...)`"
             if word == "about"
             else "write x, -y or a vector"
         )
-        ck.error("bad-axis", value.span, f"an axis is {need}, but this is {kind}", hint=hint)
+        ck.error("bad-axis", value.span, f"an axis must be {need}, but this is {kind}", hint=hint)
 
 
 def _axis(ck: Checker, node: ast.JointDecl, parent: Type, child: Type) -> None:
@@ -343,6 +346,6 @@ def _axis(ck: Checker, node: ast.JointDecl, parent: Type, child: Type) -> None:
             ck.error(
                 "bad-axis",
                 value.span,
-                "a direction alone is no axis: nothing says where it lies",
+                "a direction alone is not an axis: nothing says where it lies",
                 hint="write `about line(at = ..., along = ...)`",
             )

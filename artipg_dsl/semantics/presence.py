@@ -185,7 +185,7 @@ def text(node: ast.Node) -> str:
 
 def optional(name: str) -> tuple[str, str]:
     """Message and hint for a part that may be absent."""
-    return f"`{name.rsplit('.', 1)[-1]}` is optional: it may not be there", f"put this under `when {name} {{ }}`"
+    return f"`{name.rsplit('.', 1)[-1]}` is optional and may be absent", f"put this inside `when {name} {{ }}`"
 
 
 def guarded(entry: Entry, at: Span, path: str = "") -> tuple[str, str]:
@@ -200,12 +200,12 @@ def guarded(entry: Entry, at: Span, path: str = "") -> tuple[str, str]:
             f": it is declared in {place} {'under' if guard.truth else 'in the `else` of'} `when {text(guard.test)}`"
         )
     name = f"{path}.{entry.name}" if path else entry.name
-    hint = "put this under the same `when`"
+    hint = "put this inside the same `when`"
     if path:
         test = outside(entry, path)
-        every = f"let every branch of the `when` declare `{entry.name}`"
-        hint = every if test is None else f"put this under `when {test} {{ }}`, or {every}"
-    return f"`{name}` exists only under a guard{where}", hint
+        every = f"declare `{entry.name}` in every branch of the `when`"
+        hint = every if test is None else f"put this inside `when {test} {{ }}`, or {every}"
+    return f"`{name}` only exists under a guard{where}", hint
 
 
 def outside(entry: Entry, path: str) -> str | None:

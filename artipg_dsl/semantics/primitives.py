@@ -51,7 +51,7 @@ def check(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
 def _parameter(ck: Checker, ctx: Context, interval: ast.RangeExpr, what: str) -> Type:
     kind = range_type(ck, ctx, interval)
     if kind != UNKNOWN and not isinstance(kind, Scalar):
-        ck.error("wrong-type", interval.span, f"{what} runs over numbers, but this is {kind}")
+        ck.error("wrong-type", interval.span, f"{what} must range over numbers, but this is {kind}")
         return UNKNOWN
     check_range(ck, ctx, interval, kind, f"an end of the range of {what}")
     return kind
@@ -78,7 +78,7 @@ def _piece(ck: Checker, ctx: Context, stmt: ast.PieceDecl) -> None:
     for point in stmt.points:
         ck.expect(ctx, point, POINT, "a corner of a piece")
     if len(stmt.points) < 4:
-        ck.error("wrong-arguments", stmt.span, "a piece has at least four corners")
+        ck.error("wrong-arguments", stmt.span, "a piece needs at least four corners")
     if stmt.guard is not None:
         truth(ck, ctx, stmt.guard)
 
@@ -141,8 +141,8 @@ def check_whole(ck: Checker, symbol: Symbol, scope: Scope) -> None:
         ck.error(
             "incomplete-primitive",
             symbol.decl.name_span,
-            f"the primitive `{symbol.name}` lacks {any_of(lacking, 'and')}",
-            hint="state surfaces, `inside` and `box`, or a `solid`",
+            f"the primitive `{symbol.name}` is missing {any_of(lacking, 'and')}",
+            hint="give surfaces, `inside` and `box`, or a `solid`",
         )
 
 

@@ -70,7 +70,7 @@ def check_template(ck: Checker, symbol: Symbol) -> None:
             symbol.decl.name_span,
             f"the template `{symbol.name}` does not fulfil its role {role.name}: it lacks {names}",
             hint=_how(*missing[0][:2]),
-            notes=tuple((s.span, f"{kind} `{n}` is asked for here") for kind, n, s in missing),
+            notes=tuple((s.span, f"{kind} `{n}` is required here") for kind, n, s in missing),
         )
 
 
@@ -104,9 +104,9 @@ def check_nesting(ck: Checker, symbols: list[Symbol]) -> None:
 
 def _how(kind: str, name: str) -> str:
     return {
-        "slot": f"name a part `{name}`, or bind the slot: `slot {name} = part`",
+        "slot": f"call a part `{name}`, or bind the slot: `slot {name} = part`",
         "port": f"write `port {name} = ...`",
-        "joint": f"write `joint {name} : ...`; where nothing moves, `joint {name} : fixed base -> part`",
+        "joint": f"write `joint {name} : ...`; if nothing moves, `joint {name} : fixed base -> part`",
         "out": f"write `let {name} = ...`",
     }[kind]
 
@@ -116,7 +116,7 @@ def _not_assigned(ck: Checker, name: str, own: list[Entry], stmt: ast.ParamDecl)
         ck.error(
             "inherited-assigned",
             entry.span,
-            f"`{name}` is inherited: the role's user gives it, so a template cannot declare it again",
+            f"`{name}` is inherited from the role, so the template cannot declare it again",
             hint="use it as it is, or choose another name",
             notes=((stmt.span, "inherited here"),),
         )

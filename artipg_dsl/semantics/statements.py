@@ -75,11 +75,11 @@ def _misplaced(ck: Checker, scope: Scope, stmt: ast.Stmt) -> bool:
     else:
         wrong = isinstance(stmt, _SHAPE) and not isinstance(stmt, ast.CurveDecl)
     if isinstance(stmt, ast.ParamDecl) and stmt.keyword == "inherit" and kind != "role":
-        hint = "a parameter of its own is a `param`"
-        ck.error("misplaced-statement", stmt.span, f"`inherit` belongs into a role, not into a {kind}", hint=hint)
+        hint = "declare a parameter of its own with `param`"
+        ck.error("misplaced-statement", stmt.span, f"`inherit` is only allowed in a role, not in a {kind}", hint=hint)
         return True
     if wrong:
-        ck.error("misplaced-statement", stmt.span, f"this cannot stand in a {kind}")
+        ck.error("misplaced-statement", stmt.span, f"this is not allowed in a {kind}")
     return wrong
 
 
@@ -110,7 +110,7 @@ def _statement(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
         case ast.LimitStmt(joint=joint, range=interval):
             kind, inside = placing.subject(ck, ctx, joint)
             if not isinstance(kind, Joint) and kind != UNKNOWN:
-                ck.error("wrong-type", joint.span, f"`limit` narrows a joint, but this is {kind}")
+                ck.error("wrong-type", joint.span, f"`limit` must name a joint, but this is {kind}")
             wanted: Type = UNKNOWN
             if isinstance(kind, Joint) and kind.kind in ("revolute", "prismatic"):
                 wanted = LENGTH if kind.kind == "prismatic" else ANGLE
@@ -152,7 +152,7 @@ def _declaration(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
             if stmt.root and ctx.scope.owner.kind != "category":
                 ck.error("misplaced-statement", stmt.name_span, "only a category has a `root` part")
             elif stmt.root and ctx.scope.repeat is not None:
-                ck.error("misplaced-statement", stmt.name_span, "the `root` part cannot stand in a repeat")
+                ck.error("misplaced-statement", stmt.name_span, "the `root` part cannot be in a repeat")
             declarations.check_part(ck, ctx, stmt)
         case ast.StyleDecl():
             declarations.check_style(ck, ctx, stmt)
@@ -172,7 +172,7 @@ def _output(ck: Checker, ctx: Context, stmt: ast.ParamDecl | ast.LetDecl, name: 
                 "unknown-member",
                 stmt.name_spans[0],
                 f"the role of {owner.name} has no output `{name}`",
-                hint=did_you_mean(name, outputs) or "a value of the template's own is a `let`",
+                hint=did_you_mean(name, outputs) or "declare a value of the template's own with `let`",
             )
         if stmt.default is None:
             hint = f"write `out {name} : {stmt.type.name} = ...`"
@@ -189,7 +189,7 @@ def _output(ck: Checker, ctx: Context, stmt: ast.ParamDecl | ast.LetDecl, name: 
         with ck.muted():
             own = of_reference(ck, ctx, stmt.type)
         if not fits(own, wanted):
-            ck.error("wrong-type", stmt.type.span, f"in the role the output `{name}` is {wanted}, here it is {own}")
+            ck.error("wrong-type", stmt.type.span, f"the output `{name}` is {wanted} in the role, but {own} here")
 
 
 def _port(ck: Checker, ctx: Context, stmt: ast.PortDecl) -> None:
@@ -219,7 +219,7 @@ def _port(ck: Checker, ctx: Context, stmt: ast.PortDecl) -> None:
         ck.mismatch(stmt.value, given, wanted, f"the port `{stmt.name}`")
     elif given not in places and not is_number(given) and not isinstance(given, Part | Slot | Element):
         if not fits(given, POINT):
-            ck.error("wrong-type", stmt.value.span, f"a port is a place, but this is {given}")
+            ck.error("wrong-type", stmt.value.span, f"a port must be a place, but this is {given}")
 
 
 def _align(ck: Checker, ctx: Context, first: ast.Expr, second: ast.Expr, word: str) -> None:
@@ -230,9 +230,9 @@ def _align(ck: Checker, ctx: Context, first: ast.Expr, second: ast.Expr, word: s
         if not is_number(kind) and not fits(kind, POINT):
             hint = None
             if isinstance(kind, Part | Element | Slot):
-                hint = "name a face of it (`.front`) or its middle (`.center`)"
+                hint = "name one of its faces (`.front`) or its center (`.center`)"
             elif kind in (FRAME, LINE, EDGE):
-                hint = "name its point: `.origin`"
+                hint = "use its point: `.origin`"
             ck.error(
                 "wrong-type", expr.span, f"`{word}` equates planes, numbers or points, but this is {kind}", hint=hint
             )
@@ -260,7 +260,9 @@ def _condition(ck: Checker, ctx: Context, stmt: ast.RequireStmt | ast.PreferStmt
     elif stmt.repair is not None:
         kind = ck.infer(ctx.but(lenient=[], asked=True), stmt.repair)
         if not is_number(kind) and not isinstance(kind, Choice | Part) and kind != UNKNOWN:
-            ck.error("wrong-type", stmt.repair.span, f"`repair` names what should give way, but this is {kind}")
+            ck.error(
+                "wrong-type", stmt.repair.span, f"`repair` must name the parameters that may change, but this is {kind}"
+            )
 
 
 def _parts(ck: Checker, ctx: Context, subject: ast.Expr, other: ast.Expr | None, word: str) -> None:

@@ -124,7 +124,7 @@ class Array(Type):
     bound: tuple[tuple[int | None, Condition], ...] = field(default=(), compare=False)
 
     def __str__(self) -> str:
-        return f"several of {self.item}"
+        return f"several values, each {self.item}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -100,7 +100,7 @@ def test_a_role_cannot_be_handed_in() -> None:
     assert session.lowering is None
     (found,) = session.report.diagnostics
     assert found.code == "wrong-arguments" and "`Handle` is a role" in found.message
-    assert "takes a template's name, or a style" in (found.hint or "")
+    assert "takes the name of a template or of a style" in (found.hint or "")
 
 
 def test_a_style_draws_counts_and_words_once():

@@ -65,7 +65,7 @@ CONSTANT = {
     ),
     "an element": (ROW.format("2 .. 3") + "let w = e[3].k", 6, "`e[3]`: the repeat has no such element"),
     "a rank below": (ROW.format("2 .. 3") + "let w = e[-1].k", 6, "elements are counted from 0"),
-    "rest": (SLIDE + "rest 9cm", 1, "the joint rests outside its range 0"),
+    "rest": (SLIDE + "rest 9cm", 1, "the rest value of the joint lies outside its range 0"),
     "damping": (SLIDE + "damping -5Ns/m", 1, "the damping of the joint `j` is -5, but it is finite and not negative"),
     "friction": (SLIDE + "friction -1N", 1, "the friction of the joint `j` is -1"),
     "effort": (SLIDE + "effort 0N", 1, "the effort of the joint `j` is 0, but it is finite and above 0"),

@@ -96,17 +96,17 @@ def test_an_alternative_is_there_where_its_guard_holds(way: str) -> None:
         (
             f"  part p : A{SIZE} weight 3\n  connect p to body",
             "unknown-clause",
-            "a weight without another alternative says nothing",
+            "a weight has no effect without another alternative",
         ),
         (
             f"  style f : R = A | B\n  part p : f{SIZE} | none\n  connect p to body",
             "wrong-kind",
-            "`f` is a style: it stands alone, without a role and other alternatives",
+            "`f` is a style: it cannot be combined with a role or other alternatives",
         ),
         (
             f"  style l : material = oak turned 90deg about x | steel\n  part p : A{SIZE}\n  connect p to body\n  material l on p",
             "unknown-clause",
-            "a material takes no arguments and is not turned",
+            "a material takes no arguments and cannot be turned",
         ),
     ],
     ids=["mounted by a port", "a sole weight", "a style among others", "a turned material"],

@@ -27,7 +27,7 @@ def test_what_every_branch_declares_is_known_behind_it(tmp_path: Path) -> None:
     [("when a == yes { let w = 1cm }", "under"), ("when a == yes { } else { let w = 1cm }", "in the `else` of")],
 )
 def test_where_it_is_declared_is_said(tmp_path: Path, body: str, where: str) -> None:
-    expected = f"`w` exists only under a guard: it is declared in line 8 {where} `when a == yes`"
+    expected = f"`w` only exists under a guard: it is declared in line 8 {where} `when a == yes`"
     assert errors(tmp_path, body + "\n  " + Q) == [expected]
 
 

@@ -72,7 +72,7 @@ def test_what_a_template_has_under_a_guard_needs_the_guard(tmp_path: Path, kind:
     declared, use, name = KINDS[kind]
     use = use.format(name)
     (message, *_) = errors(tmp_path, f"when a == yes {{ {declared} }}", use)
-    assert message.startswith(f"`{name}` exists only under a guard")
+    assert message.startswith(f"`{name}` only exists under a guard")
     assert errors(tmp_path, f"when a == yes {{ {declared} }}", f"when u.a == no {{ {use} }}") != []
     assert errors(tmp_path, f"when a == yes {{ {declared} }}", f"when u.a == yes {{ {use} }}") == []
     assert errors(tmp_path, f"when a == yes {{ }} else {{ {declared} }}", f"when u.a == no {{ {use} }}") == []
@@ -82,7 +82,7 @@ def test_what_a_template_has_under_a_guard_needs_the_guard(tmp_path: Path, kind:
 def test_a_port_that_may_be_absent_connects_nothing(tmp_path: Path) -> None:
     said = f"when a == yes {{ port tip = {FRAME} }}"
     (message,) = errors(tmp_path, said, "connect u.tip to body.top")
-    assert message.startswith("`u.tip` exists only under a guard")
+    assert message.startswith("`u.tip` only exists under a guard")
     both = "when u.a == yes { connect u.tip to body.top } else { connect u.foot to body.top }"
     assert errors(tmp_path, said, both) == []
 
@@ -91,9 +91,9 @@ def test_where_it_is_declared_and_how_it_is_asked_for(tmp_path: Path) -> None:
     text = f"{HEAD}{UNIT.format(said='when a == yes and m > 1 { let k = 1cm }')}category T {{\n  root part u : U\n  require u.k < 1m\n}}\n"
     report, _ = check_text(tmp_path, text)
     (found,) = (d for d in report.diagnostics if d.code == "optional-outside-when")
-    assert found.message == "`u.k` exists only under a guard: it is declared in line 13 under `when a == yes and m > 1`"
+    assert found.message == "`u.k` only exists under a guard: it is declared in line 13 under `when a == yes and m > 1`"
     assert (
-        found.hint == "put this under `when u.a == yes and u.m > 1 { }`, or let every branch of the `when` declare `k`"
+        found.hint == "put this inside `when u.a == yes and u.m > 1 { }`, or declare `k` in every branch of the `when`"
     )
 
 

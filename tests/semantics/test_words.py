@@ -45,4 +45,4 @@ def test_a_function_may_be_called_like_an_axis(tmp_path: Path) -> None:
 @pytest.mark.parametrize("inside", ["part cap : Cuboid(size = [1cm, 1cm, 1cm])  connect cap to body", "let cap = 1cm"])
 def test_nothing_in_a_repeat_is_called_like_it(tmp_path: Path, inside: str) -> None:
     found = errors(tmp_path, f"repeat cap[i] in 0 ..< 2 {{ {inside} }}")
-    assert found == [("duplicate-name", "`cap` is the name of the repeat around it, which it stands for here")]
+    assert found == [("duplicate-name", "`cap` is already the name of the repeat around it")]

@@ -137,7 +137,7 @@ def element_member(ev: Evaluator, value: Element, name: str, span: Span) -> Valu
     raise ev.env.context.error(
         "many-elements",
         span,
-        f"`{value.name}` stands for all elements of a repeat here",
+        f"`{value.name}` means all elements of a repeat here",
         hint=f"name one, `{value.name}[0]` or `{value.name}[last]`, or reduce them with sum, min or max",
     )
 
