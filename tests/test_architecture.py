@@ -12,7 +12,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1] / "artipg_dsl"
 REASONS = ("start-up", "extra", "circle")
 LONGEST = 3  # files of one room that import one another in a circle
-START = ("cli", "api.py", "__init__.py", "session.py")  # they load what a command needs, and nothing else
+START = ("cli", "api", "__init__.py", "session.py")  # they load what a command needs, and nothing else
 
 
 def late_imports(path: Path) -> Iterator[tuple[int, str]]:

@@ -1,0 +1,77 @@
+"""The Python interface: ``apg.sample("Microwave", n=1000, seed=7)`` gives objects as arrays, meshes and files.
+
+samples     objects as tables, points, views, meshes; one object
+files       what is written of objects: data sets, robots, pictures
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import UsageError
+from ..run.job import open_job, prepare
+from ..run.request import read_request
+from ..run.resume import reopen
+from ..run.settings import Value
+from ..session import Session, categories
+from .samples import Object, Samples
+
+
+def sample(
+    category: str | Path,
+    n: int | None = None,
+    seed: int = 0,
+    *,
+    numbers: Sequence[int] | np.ndarray | None = None,
+    set: Mapping[str, Value] | None = None,
+    checked: bool = True,
+    sampling: str = "sequential",
+    repair: bool = False,
+    values: str | Path | Iterable[Mapping[str, Any]] | None = None,
+) -> Samples:
+    """Objects of a category, by the name of a shipped one or by file.
+
+    ``n`` objects, 0 .. n - 1 (default 1), or those of the given ``numbers``: a number stands for the same object in
+    any set of one seed. ``set`` fixes parameters: text with a unit, ``{"width": "45cm", "handle": "none"}``, or
+    numbers in metres and radians. Objects whose links collide, at rest or while a joint moves, are drawn again unless
+    ``checked`` is false. ``sampling="prior"`` resamples to the declared distributions (``"prior:128"``: among 128
+    attempts for each object) where drawing in sequence shifts them. With ``repair`` what fails is put right by the least
+    change instead of drawn again, and so are objects given by their ``values``: a file, or a dictionary for each,
+    ``[{"width": 0.52, "handle": "BowHandle"}]`` (what they leave out is drawn); ``repairs`` tells what was moved.
+    Raises CompileError, SettingError, NoObject, UserError.
+    """
+    request = read_request(
+        category,
+        seed=seed,
+        n=n,
+        numbers=numbers,
+        settings=set,
+        checked=checked,
+        sampling=sampling,
+        repair=repair,
+        values=values,
+    )
+    return Samples(open_job(request, values=str(values) if isinstance(values, str | Path) else "values"))
+
+
+def load(
+    text: str, n: int = 1, seed: int = 0, *, set: Mapping[str, Value] | None = None, checked: bool = True
+) -> Samples:
+    """Objects of a category whose program is at hand as text. Raises CompileError, SettingError, NoObject."""
+    if text.strip().endswith((".apg", ".apgc")) and "\n" not in text.strip():
+        raise UsageError(f"load takes the text of a program, not its name, {text}", f'write sample("{text}")')
+    sampler = Session.of_text(text).sampler
+    request = read_request(sampler.program.name, seed=seed, n=n, settings=set, checked=checked)
+    return Samples(prepare(sampler, request))
+
+
+def open_samples(folder: str | Path) -> Samples:
+    """The objects of a folder that ``apgc sample`` has written, made again. Raises ExportError, UserError."""
+    return Samples(reopen(folder))
+
+
+__all__ = ["Object", "Samples", "categories", "load", "open_samples", "sample"]

@@ -1,0 +1,178 @@
+"""What is written of objects: data sets, files per object, pictures."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Iterable, Mapping
+from functools import cached_property
+from html import escape
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import UsageError
+from ..run.job import Job
+
+PICTURED = 8  # objects on the picture in a notebook
+
+
+class Files:
+    """Objects of one category, as files and pictures."""
+
+    def __init__(self, job: Job):
+        self.job = job
+        self.batch = job.batch()
+
+    def __len__(self) -> int:
+        return len(self.batch)
+
+    def __repr__(self) -> str:
+        return f"<{self._title()}>"
+
+    def _title(self) -> str:
+        count = "1 object" if len(self) == 1 else f"{len(self)} objects"
+        return f"{self.category}: {count}, seed {self.seed}"
+
+    @property
+    def category(self) -> str:
+        return self.batch.program.name
+
+    @property
+    def seed(self) -> int:
+        return self.job.request.seed
+
+    @property
+    def numbers(self) -> np.ndarray:
+        """(B,) object numbers, ascending."""
+        return self.batch.numbers
+
+    def to(
+        self,
+        folder: str | Path,
+        formats: str | Iterable[str] | None = None,
+        *,
+        points: int = 2048,
+        states: str = "rest",
+        motion: bool = False,
+        views: int | str | Path | Mapping[str, Any] | None = None,
+        surface: str = "boundary",
+        spread: str = "random",
+        per: str = "object",
+        balance: str = "",
+        weights: str | Mapping[str, float] | None = None,
+        tolerance: float | None = None,
+        triangles: int | None = None,
+        force: bool = False,
+    ) -> Path:
+        """Write what ``apgc sample`` writes: shards, a folder per object where a format asks for it, the manifest.
+
+        The options are those of the command, of ``points`` and of ``meshes``: ``states`` such as "open,random:4",
+        ``views`` a number or cameras.
+        """
+        from ..export.registry import choose
+        from ..run.dataset import write_dataset
+        from ..run.output import Output, read_content
+
+        names = formats if formats is None or isinstance(formats, str) else list(formats)
+        content = read_content(
+            points=points,
+            surface=surface,
+            spread=spread,
+            per=per,
+            balance=balance,
+            weights=weights,
+            states=states,
+            motion=motion,
+            views=views,
+            tolerance=tolerance,
+            triangles=triangles,
+        )
+        write_dataset(self.job, folder, Output.of(choose(names, views=views is not None), content), force=force)
+        return Path(folder)
+
+    def export(
+        self,
+        folder: str | Path,
+        formats: str | Iterable[str],
+        *,
+        tolerance: float | None = None,
+        triangles: int | None = None,
+        force: bool = False,
+    ) -> list[Path]:
+        """Files per object, ``batch.export("robots", "urdf,glb")``; returns the folders ``objects/<number>``.
+
+        Formats are those of ``apgc export``, ``tolerance`` and ``triangles`` as in ``meshes``. What is there is refused
+        unless ``force``. Raises ExportError.
+        """
+        from ..export.objects import object_folder, write_objects
+        from ..export.registry import named, per_object
+        from ..geometry.resolution import Resolution
+
+        chosen = named(formats if isinstance(formats, str) else list(formats))
+        for entry in chosen:
+            if not entry.per_object:
+                raise UsageError(f"{entry.name} is written by `to`", f"export writes {', '.join(per_object())}")
+        fine = Resolution(tolerance=tolerance, triangles=triangles)
+        write_objects(self.batch, Path(folder), chosen, force=force, resolution=fine)
+        return [object_folder(Path(folder), n) for n in self.numbers.tolist()]
+
+    def to_urdf(self, folder: str | Path, *, force: bool = False) -> list[Path]:
+        """A robot description with its meshes per object; returns the paths of ``object.urdf``."""
+        return self._objects(folder, "urdf", force)
+
+    def to_glb(self, folder: str | Path, *, force: bool = False) -> list[Path]:
+        """A binary glTF per object; returns the paths of ``object.glb``."""
+        return self._objects(folder, "glb", force)
+
+    def to_usd(self, folder: str | Path, *, force: bool = False) -> list[Path]:
+        """OpenUSD with a physics articulation per object; returns the paths of ``object.usda``."""
+        return self._objects(folder, "usd", force)
+
+    def to_mjcf(self, folder: str | Path, *, force: bool = False) -> list[Path]:
+        """MuJoCo's own format per object; returns the paths of ``object.xml``."""
+        return self._objects(folder, "mjcf", force)
+
+    def to_sdf(self, folder: str | Path, *, force: bool = False) -> list[Path]:
+        """SDFormat per object; returns the paths of ``model.sdf``."""
+        return self._objects(folder, "sdf", force)
+
+    def to_obj(self, folder: str | Path, *, force: bool = False) -> list[Path]:
+        """A Wavefront OBJ per link with the object's materials; returns the paths of ``obj/object.mtl``."""
+        return self._objects(folder, "obj", force)
+
+    def to_partnet_mobility(self, folder: str | Path, *, force: bool = False) -> list[Path]:
+        """The folder of PartNet-Mobility per object; returns the paths of ``mobility.urdf``."""
+        return self._objects(folder, "partnet-mobility", force)
+
+    def _objects(self, folder: str | Path, name: str, force: bool) -> list[Path]:
+        from ..export.registry import FORMATS
+
+        return [made / FORMATS[name].file for made in self.export(folder, name, force=force)]
+
+    # ------------------------------------------------------------ pictures
+
+    def sheet(self, path: str | Path, **options: Any) -> Path:
+        """Draw all objects to a PNG; the options are those of ``view.sheet.sheet`` (colour, tile, columns, states, view)."""
+        from ..view.sheet import write_sheet
+
+        if Path(path).suffix.lower() != ".png":
+            raise UsageError(f"the picture is written as PNG, not to {path}", "choose a name that ends in .png")
+        write_sheet(self.batch, path, force=True, **options)
+        return Path(path)
+
+    @cached_property
+    def _picture(self) -> bytes:
+        from ..view.png import png_bytes
+        from ..view.sheet import sheet
+
+        return png_bytes(sheet(self.job.batch(self.numbers[:PICTURED]), tile=220))
+
+    def _repr_png_(self) -> bytes:
+        return self._picture
+
+    def _repr_html_(self) -> str:
+        picture = base64.b64encode(self._picture).decode("ascii")
+        more = f", the first {PICTURED} shown" if len(self) > PICTURED else ""
+        title = escape(self._title())
+        return f'<img alt="{title}" src="data:image/png;base64,{picture}"><p>{title}{more}</p>'
