@@ -8,11 +8,11 @@ of all objects at once, led from rest to the values asked for, so that a loop do
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .motion import Chains, apply, follow
+from .motion import Cells, Chains, apply, carried, follow
 from .newton import solved
 from .tables import JointTable
 
@@ -24,6 +24,7 @@ CLOSED = 1e-13  # and nearer than this, no step brings them closer
 STAGES = 6  # on the way from rest
 ROUNDS = 8  # steps for each
 INDEPENDENT = 1e-6  # of a column that the columns before do not make up
+BLOCK = 30_000  # links at a time, each in a state
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,60 +68,103 @@ class Loops:
 
     def slopes(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Gaps (B, M) and their derivatives by the leading joints (B, M, V), 0 where an object has fewer of either."""
+        gap, slope = self.equations(values[None])
+        return gap[:, 0].T, slope[:, :, 0].transpose(2, 0, 1)
+
+    def equations(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """As ``slopes`` for states (S, J): gaps (M, S, B) and derivatives (M, V, S, B)."""
         chains = self.chains
-        turn, shift = chains.motion(values)
-        places = np.stack(
-            [apply(turn[link], point) + shift[link] for link, point in zip(self.link, self.point, strict=True)]
-        )
-        k = self.joint
-        holder = chains.parent[k]
-        axis, slide = (apply(turn[holder], way[k]) for way in (chains.axis, chains.slide))
-        origin = apply(turn[holder], chains.joints.origin[k]) + shift[holder]
-        speed = np.cross(axis, places[self.side, self.at] - origin) + slide
-        speed = speed * (self.rate * np.where(self.side == 0, 1.0, -1.0))[:, None]
+        turn, shift = chains.cells(values)
+        places = [self._placed(turn, shift, self.link[side], list(self.point[side].T)) for side in range(2)]
+        holder = chains.parent[self.joint]
+        above = [cell[:, holder] for cell in turn]
+        axis, slide = (carried(above, list(way[:, self.joint])) for way in (chains.axis, chains.slide))
+        origin = self._placed(turn, shift, holder, list(chains.origin[:, self.joint]))
+        # from the joint to the point that it moves
+        arm = [
+            np.where(self.side == 0, a[:, self.at], b[:, self.at]) - o for a, b, o in zip(*places, origin, strict=True)
+        ]
+        speed = [axis[i - 2] * arm[i - 1] - axis[i - 1] * arm[i - 2] + slide[i] for i in range(3)]
+        rate = self.rate * np.where(self.side == 0, 1.0, -1.0)
         rank = np.arange(len(self.owner)) - np.searchsorted(self.owner, self.owner)
-        count, most = len(self.batch), int(rank.max(initial=0)) + 1
-        gap, slope = np.zeros((count, most, 3)), np.zeros((count, most, 3, self.variable.shape[1]))
-        gap[self.owner, rank] = places[0] - places[1]
-        where: Any = (self.owner[self.at], rank[self.at], slice(None), self.slot)
-        np.add.at(slope, where, speed)
-        return gap.reshape(count, -1), slope.reshape(count, 3 * most, -1)
+        (count, size), most = self.variable.shape, int(rank.max(initial=0)) + 1
+        gap, slope = np.zeros((3, len(values), most * count)), np.zeros((3, len(values), most * size * count))
+        cell = (rank[self.at] * size + self.slot) * count + self.owner[self.at]
+        turns = _times(cell)
+        for k, (one, two, way) in enumerate(zip(*places, speed, strict=True)):
+            gap[k][:, rank * count + self.owner] = one - two
+            for at in turns:  # several joints that follow one another add up
+                slope[k][:, cell[at]] += (way * rate)[:, at]
+        gap = gap.reshape(3, len(values), most, count).transpose(2, 0, 1, 3)
+        slope = slope.reshape(3, len(values), most, size, count).transpose(2, 0, 3, 1, 4)
+        return gap.reshape(3 * most, len(values), count), slope.reshape(3 * most, size, len(values), count)
+
+    @staticmethod
+    def _placed(turn: Cells, shift: Cells, link: np.ndarray, point: Cells) -> Cells:
+        """Points on links, posed."""
+        moved = carried([cell[:, link] for cell in turn], point)
+        return [at + cell[:, link] for at, cell in zip(moved, shift, strict=True)]
 
     def settle(self, states: np.ndarray) -> np.ndarray:
-        """Joint values (J,) that mimics and loops obey, the driving joints as in ``states``."""
+        """Joint values (..., J) that mimics and loops obey, the driving joints as in ``states`` (..., J); each row of states
+        the same whatever the others are."""
+        found = np.array(states, dtype=np.float64).reshape(-1, states.shape[-1])
+        size = max(1, BLOCK // max(self.chains.count, 1))
+        for start in range(0, len(found), size):
+            found[start : start + size] = self._settled(found[start : start + size])
+        return found.reshape(states.shape)
+
+    def _settled(self, states: np.ndarray) -> np.ndarray:
         joints = self.batch.joints()
         rest, wanted = follow(joints, self.batch.rest()), follow(joints, states)
         driven = np.zeros(len(rest), dtype=bool)
         driven[self.variable[self.follows]] = True
-        values = rest.copy()
+        values = np.tile(rest, (len(states), 1))
         for stage in range(1, STAGES + 1):
             share = stage / STAGES
             values = follow(joints, np.where(driven, values, rest + share * (wanted - rest)))
+            open_ones = np.arange(len(states))
             for _ in range(ROUNDS):
-                gap, slope = self.slopes(values)
-                going = np.abs(gap).max(axis=1, initial=0.0) >= CLOSED  # each object stops by itself
-                if not going.any():
+                gap, slope = self.equations(values[open_ones])
+                going = np.abs(gap).max(axis=0, initial=0.0) >= CLOSED  # each object stops by itself
+                some = np.flatnonzero(going.any(axis=1))
+                if not len(some):
                     break
-                values = self._stepped(joints, values, gap, slope, going)
+                open_ones = open_ones[some]
+                step = self._step(gap[:, some], slope[:, :, some])
+                values[open_ones] = self._stepped(joints, values[open_ones], step, going[some])
         return values
 
-    def _stepped(
-        self, joints: JointTable, values: np.ndarray, gap: np.ndarray, slope: np.ndarray, going: np.ndarray
-    ) -> np.ndarray:
-        """A step of the objects that are ``going`` (B,)."""
-        held = np.where(self.follows[:, None], slope, 0.0)
-        size = held.shape[2]
-        matrix, right = np.zeros((size, size, len(held))), np.zeros((size, len(held)))
+    def _step(self, gap: np.ndarray, slope: np.ndarray) -> np.ndarray:
+        """The Gauss-Newton step (V, S, B) of what follows."""
+        _, size, *shape = slope.shape
+        held = [[np.where(self.follows[:, i], column[i], 0.0) for i in range(size)] for column in slope]
+        matrix, right = np.zeros((size, size, *shape)), np.zeros((size, *shape))
         for i in range(size):
-            for m in range(held.shape[1]):
-                right[i] += held[:, m, i] * gap[:, m]
-                for j in range(size):
-                    matrix[i, j] += held[:, m, i] * held[:, m, j]
+            for m, column in enumerate(held):
+                right[i] += column[i] * gap[m]
+                for j in range(i, size):
+                    matrix[i, j] += column[i] * column[j]
+            for j in range(i):
+                matrix[i, j] = matrix[j, i]
             matrix[i, i] += np.where(self.follows[:, i], 1e-15, 1.0)
-        step = solved(matrix, right).T
-        moved, chosen = values.copy(), self.follows & going[:, None]
-        moved[self.variable[chosen]] -= step[chosen]
+        return solved(matrix.reshape(size, size, -1), right.reshape(size, -1)).reshape(size, *shape)
+
+    def _stepped(self, joints: JointTable, values: np.ndarray, step: np.ndarray, going: np.ndarray) -> np.ndarray:
+        """States (S, J) after a step of the objects that are ``going`` (S, B)."""
+        moved = values.copy()
+        for way, held, joint in zip(step, self.follows.T, self.variable.T, strict=True):
+            at = np.flatnonzero(held)
+            moved[:, joint[at]] -= np.where(going[:, at], way[:, at], 0.0)
         return follow(joints, moved)
+
+
+def _times(cell: np.ndarray) -> list[np.ndarray]:
+    """The places of what occurs for the first time, for the second, ..., in order."""
+    order = np.argsort(cell, kind="stable")
+    rank = np.empty(len(cell), dtype=np.int64)
+    rank[order] = np.arange(len(cell)) - np.searchsorted(cell[order], cell[order])
+    return [np.flatnonzero(rank == number) for number in range(int(rank.max(initial=-1)) + 1)]
 
 
 def loops_of(batch: Batch) -> Loops | None:
@@ -149,9 +193,11 @@ def loops_of(batch: Batch) -> Loops | None:
     slot_of[used] = np.arange(len(used)) - np.searchsorted(joints.owner[used], joints.owner[used])
     variable = np.full((len(batch), int(slot_of[used].max(initial=0)) + 1), -1, dtype=np.int64)
     variable[joints.owner[used], slot_of[used]] = used
+    matter = np.zeros(len(leader), dtype=bool)
+    matter[joint] = True
     made = Loops(
         batch,
-        Chains(links, joints),
+        Chains(links, joints, matter),
         owner,
         link,
         point,

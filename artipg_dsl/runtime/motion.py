@@ -6,13 +6,20 @@ import numpy as np
 
 from .tables import JointTable, LinkTable
 
+Cells = list[np.ndarray]  # of matrices, row by row, or of vectors: an array of any shape for each
+
 
 def rotation_about(axis: np.ndarray, angle: np.ndarray) -> np.ndarray:
     """Rotation matrices (k, 3, 3) about unit axes (k, 3) by angles (k,) (Rodrigues' formula)."""
+    return np.stack(turning(list(axis.T), angle), axis=-1).reshape(-1, 3, 3)
+
+
+def turning(axis: Cells, angle: np.ndarray) -> Cells:
+    """The 9 cells of rotations about unit axes by angles (..., k)."""
     c, s = np.cos(angle), np.sin(angle)
     t = 1.0 - c
-    x, y, z = axis[:, 0], axis[:, 1], axis[:, 2]
-    cells = [
+    x, y, z = axis
+    return [
         x * x * t + c,
         x * y * t - z * s,
         x * z * t + y * s,
@@ -23,32 +30,36 @@ def rotation_about(axis: np.ndarray, angle: np.ndarray) -> np.ndarray:
         y * z * t + x * s,
         z * z * t + c,
     ]
-    return np.stack(cells, axis=-1).reshape(-1, 3, 3)
+
+
+def carried(rotation: Cells, vector: Cells) -> Cells:
+    """Rotations, as 9 cells, times vectors, as 3, written out."""
+    x, y, z = vector
+    return [rotation[i] * x + rotation[i + 1] * y + rotation[i + 2] * z for i in (0, 3, 6)]
 
 
 def apply(rotation: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    """Matrices (k, 3, 3) times vectors (k, 3), written out."""
-    columns = [
-        rotation[:, i, 0] * vector[:, 0] + rotation[:, i, 1] * vector[:, 1] + rotation[:, i, 2] * vector[:, 2]
-        for i in range(3)
-    ]
+    """Matrices (..., 3, 3) times vectors (..., 3), written out."""
+    x, y, z = vector[..., 0], vector[..., 1], vector[..., 2]
+    columns = [rotation[..., i, 0] * x + rotation[..., i, 1] * y + rotation[..., i, 2] * z for i in range(3)]
     return np.stack(columns, axis=-1)
 
 
 def product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Products (k, 3, 3) of matrices, written out."""
-    return np.stack([apply(a, b[:, :, j]) for j in range(3)], axis=-1)
+    """Products (..., 3, 3) of matrices, written out."""
+    return np.stack([apply(a, b[..., j]) for j in range(3)], axis=-1)
 
 
 def follow(joints: JointTable, states: np.ndarray) -> np.ndarray:
-    """Joint values in which those that mimic another take the value that follows from it, along chains of any length."""
+    """Joint values (..., J) in which those that mimic another take the value that follows from it, along chains of any
+    length."""
     values = np.array(states, dtype=np.float64)
     leads = np.flatnonzero(joints.mimic >= 0)
     leader = np.searchsorted(joints.owner, joints.owner)[leads] + joints.mimic[leads]
     for _ in range(len(leads)):
-        before = values[leads]
-        values[leads] = joints.multiplier[leads] * values[leader] + joints.offset[leads]
-        if np.array_equal(before, values[leads], equal_nan=True):
+        before = values[..., leads]
+        values[..., leads] = joints.multiplier[leads] * values[..., leader] + joints.offset[leads]
+        if np.array_equal(before, values[..., leads], equal_nan=True):
             break
     return values
 
@@ -75,30 +86,51 @@ def square(axis: np.ndarray) -> np.ndarray:
 
 
 class Chains:
-    """The joints between the links of a batch, with all that does not change when they move."""
+    """The joints between the links of a batch, with all that does not change when they move. ``only`` (J,) bool: links that
+    no such joint moves stay where they are."""
 
-    def __init__(self, links: LinkTable, joints: JointTable):
-        self.joints, self.count = joints, len(links.owner)
+    def __init__(self, links: LinkTable, joints: JointTable, only: np.ndarray | None = None):
+        self.count = len(links.owner)
         first = np.searchsorted(links.owner, np.arange(int(links.owner[-1]) + 1)) if self.count else np.zeros(0, int)
         self.parent, self.child = first[joints.owner] + joints.parent, first[joints.owner] + joints.child
-        self.axis, self.slide = freedoms(joints)
-        self.turning, self.sliding = (self.axis != 0.0).any(axis=1), (self.slide != 0.0).any(axis=1)
-        self.levels = [(at, self.parent[at], self.child[at]) for at in levels(self.count, self.parent, self.child)]
+        self.axis, self.slide = (np.ascontiguousarray(way.T) for way in freedoms(joints))
+        self.origin = np.ascontiguousarray(joints.origin.T)
+        self.turning, self.sliding = (self.axis != 0.0).any(axis=0), (self.slide != 0.0).any(axis=0)
+        chosen = np.ones(len(joints.owner), dtype=bool) if only is None else only
+        self.levels = [at[chosen[at]] for at in levels(self.count, self.parent, self.child)]
 
     def motion(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Rotation (L, 3, 3) and translation (L, 3) that carry each link from joint values 0 to ``values`` (J,), mimics obeyed."""
-        rotation, translation = np.tile(np.eye(3), (self.count, 1, 1)), np.zeros((self.count, 3))
-        turn = rotation_about(self.axis, np.where(self.turning, values, 0.0))
-        shift = self.joints.origin - apply(turn, self.joints.origin)
-        shift = shift + self.slide * np.where(self.sliding, values, 0.0)[:, None]
-        for at, p, c in self.levels:
-            rotation[c] = product(rotation[p], turn[at])
-            translation[c] = apply(rotation[p], shift[at]) + translation[p]
+        """Rotation (..., L, 3, 3) and translation (..., L, 3) that carry each link from joint values 0 to ``values`` (..., J),
+        mimics obeyed."""
+        rotation, translation = self.cells(values)
+        return np.stack(rotation, axis=-1).reshape(*rotation[0].shape, 3, 3), np.stack(translation, axis=-1)
+
+    def cells(self, values: np.ndarray) -> tuple[Cells, Cells]:
+        """The same, cell by cell: (..., L) each."""
+        shape = (*values.shape[:-1], self.count)
+        rotation, translation = (
+            [np.full(shape, 1.0 if k % 4 == 0 else 0.0) for k in range(9)],
+            [np.zeros(shape) for _ in "xyz"],
+        )
+        for at in self.levels:
+            p, c = self.parent[at], self.child[at]
+            value, origin = values[..., at], list(self.origin[:, at])
+            turn = turning(list(self.axis[:, at]), np.where(self.turning[at], value, 0.0))
+            slide = np.where(self.sliding[at], value, 0.0)
+            shift = [
+                o - t + way * slide for o, t, way in zip(origin, carried(turn, origin), self.slide[:, at], strict=True)
+            ]
+            above = [cell[..., p] for cell in rotation]
+            for j in range(3):
+                for i, cell in enumerate(carried(above, turn[j::3])):
+                    rotation[3 * i + j][..., c] = cell
+            for cell, moved in zip(translation, carried(above, shift), strict=True):
+                cell[..., c] = moved + cell[..., p]
         return rotation, translation
 
 
 def link_motion(links: LinkTable, joints: JointTable, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Rotation (L, 3, 3) and translation (L, 3) that carry each link from joint values 0 to ``states`` (J,)."""
+    """Rotation (..., L, 3, 3) and translation (..., L, 3) that carry each link from joint values 0 to ``states`` (..., J)."""
     return Chains(links, joints).motion(follow(joints, states))
 
 

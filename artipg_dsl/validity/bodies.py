@@ -60,6 +60,18 @@ class Pieces:
         )
         return found
 
+    def opposed(self, i: np.ndarray, j: np.ndarray) -> np.ndarray:
+        """Which pairs of pieces are asked whether they meet: of two sides, where there are any, those of one group."""
+        if self.side is None:
+            return np.ones(len(i), dtype=bool)
+        one, two = self.side[i], self.side[j]
+        keep: np.ndarray = ((one & 1) * (two >> 1)) | ((one >> 1) * (two & 1)) > 0
+        keep &= (self.link[i] != self.link[j]) | (self.solid[i] < self.solid[j])
+        if self.group is not None:
+            own, others = self.group[i], self.group[j]
+            keep &= (own == others) | (own < 0) | (others < 0)
+        return keep
+
     def boxes(self, turn: np.ndarray | None = None, chosen: np.ndarray | None = None) -> Pieces:
         """The boxes of the pieces at rest in place of the pieces; with the turns (L, 3, 3) of the links from joint values 0
         to rest, boxes along the axes that the links had there, right for the pieces ``chosen`` alone."""
@@ -208,6 +220,16 @@ def packed(groups: list[Alike]) -> Pieces:
     done = [np.zeros(len(points), dtype=bool) for points in corners]
     faces = list({id(group.faces): group.faces for group in groups}.values())  # in the order of ``alike``
     return Pieces(corners, faces, done, *(column[order] for column in columns))
+
+
+def link_boxes(body: Pieces, links: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Box (L, 3) and range of pieces of every link; those without pieces here have none."""
+    begin, end = (np.searchsorted(body.link, np.arange(links), side=side) for side in ("left", "right"))
+    low, high = np.full((links, 3), np.inf), np.full((links, 3), -np.inf)
+    full = np.flatnonzero(end > begin)
+    if len(full):
+        low[full], high[full] = np.minimum.reduceat(body.low, begin[full]), np.maximum.reduceat(body.high, begin[full])
+    return low, high, begin, end
 
 
 def turned(rotation: np.ndarray, points: np.ndarray) -> np.ndarray:

@@ -16,7 +16,10 @@ from .meant import meant, pairs
 if TYPE_CHECKING:
     from .validate import Collisions
 
-KEPT = 5_000  # links of which the poses in all states are kept
+KEPT = 500_000  # links, each in a state, of which the poses are kept
+SHARES = np.unique(np.concatenate([[0.002, 0.005, 0.01, 0.02, 0.035], np.linspace(0.0, 1.0, 41), [0.98, 0.995]]))
+Ends = tuple[np.ndarray, np.ndarray]
+Poses = tuple[np.ndarray, np.ndarray, list[Ends]]
 TURNING = ("revolute", "continuous", "screw")
 
 
@@ -53,7 +56,7 @@ class Tree:
         assert np.array_equal(self.leader, self.leader[self.leader]), "a joint follows one that follows another"
         if batch.loops is not None:  # what the loops of an object determine follows its first driving joint
             self.leader = batch.loops.driven(self.leader)
-        self._states: dict[bytes, tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray]]] = {}
+        self._poses: dict[bytes, Poses] = {}
         self.alone = np.bincount(self.leader, minlength=len(base))[self.leader] == 1
         self.alone &= self.turns | self.slides | (kinds == "fixed")  # a ball turns about what is no axis of the table
 
@@ -69,18 +72,33 @@ class Tree:
             groups.setdefault((pair[0], pair[1], program.joints[j].path if j >= 0 else ""), []).append(row)
         return {key: np.array(rows) for key, rows in groups.items()}
 
-    def at(self, states: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray]]:
+    def at(self, states: np.ndarray) -> tuple[np.ndarray, np.ndarray, Ends]:
         """Turn and shift of the links from rest with the joints at ``states`` (J,), and the links where loops do not close."""
+        turn, shift, apart = self.poses(states[None])
+        return turn[0], shift[0], apart[0]
+
+    def poses(self, states: np.ndarray) -> Poses:
+        """The same for states (S, J): (S, L, 3, 3), (S, L, 3), and the links of each state; kept for as long as there is room."""
         key = states.tobytes()
-        if key not in self._states:
-            if len(self.links.owner) > KEPT:
-                self._states.clear()
+        found = self._poses.get(key)
+        if found is None:
             turn, shift = self.batch.pose(states)
-            none = np.zeros(0, dtype=np.int64)
-            apart = (none, none) if self.batch.loops is None else self.batch.loops.apart(turn, shift)
+            loops, none = self.batch.loops, np.zeros(0, dtype=np.int64)
+            apart = [(none, none) if loops is None else loops.apart(*pose) for pose in zip(turn, shift, strict=True)]
             turn = product(turn, self.turn.transpose(0, 2, 1))
-            self._states[key] = turn, shift - apply(turn, self.shift), apart
-        return self._states[key]
+            found = turn, shift - apply(turn, self.shift), apart
+            if sum(kept[1].shape[0] * kept[1].shape[1] for kept in self._poses.values()) + shift.size // 3 > KEPT:
+                self._poses.clear()
+            self._poses[key] = found
+        return found
+
+    @cached_property
+    def following(self) -> tuple[np.ndarray, np.ndarray]:
+        """The joint that leads each object (S, B), -1 for none, and the states (S, J) that show what joints do that move others,
+        or turn about more than one axis."""
+        made = [(lead, states) for lead, states, _ in led(self, ~self.alone, SHARES)]
+        lead = np.array([lead for lead, _ in made], dtype=np.int64).reshape(-1, len(self.first))
+        return lead, np.array([states for _, states in made]).reshape(-1, len(self.joints.owner))
 
     def blame(self, body: Pieces, i: np.ndarray, j: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The links of pairs of pieces that meet; where the text does not allow it, the pieces remember."""

@@ -17,16 +17,16 @@ import numpy as np
 from ..geometry.collide import dot, examine, overlap, within
 from ..runtime.batch import Batch
 from ..runtime.motion import apply, rotation_about
-from .bodies import FULL, Pieces, Placed, gather, rings, swept_extent
+from .bodies import FULL, Pieces, Placed, gather, link_boxes, rings, swept_extent
+from .following import following
 from .parting import Parting
-from .tree import Tree, led, spread
+from .tree import Tree, spread
 
 BLOCK = 20_000  # pieces at a time
 HALVINGS = 16  # of an interval of angles; what is not decided then is nearer than a turn by 0.005 degrees
 EXACT = 1 - 1e-6  # of the distance: how well it is known where a gap is asked for
 COARSE = 12  # halvings for which boxes stand for the pieces
 TILTED = 8  # and for which the boxes of tilted links do
-SHARES = np.unique(np.concatenate([[0.002, 0.005, 0.01, 0.02, 0.035], np.linspace(0.0, 1.0, 41), [0.98, 0.995]]))
 Pairs = tuple[np.ndarray, np.ndarray]
 
 
@@ -157,7 +157,7 @@ def near(
     if joint is None:
         first = body.link[piece] + (1 if body.side is None else 0)
     i, link = spread(first, stop - first)
-    lows, highs, begin, end = _link_boxes(body, len(tree.links.owner))
+    lows, highs, begin, end = link_boxes(body, len(tree.links.owner))
     if joint is not None:  # what hangs on the joint's link moves along
         child = tree.child[joint]
         stays = ~(tree.chain[link] == child[i][:, None]).any(axis=1)
@@ -165,14 +165,7 @@ def near(
     i, link = _touching(i, link, low, high, lows, highs)
     k, other = spread(begin[link], (end - begin)[link])
     i, other = _touching(i[k], other, low, high, body.low, body.high)
-    if body.side is None:
-        return i, other
-    one, two = body.side[piece[i]], body.side[other]
-    apart = (body.link[piece[i]] != body.link[other]) | (body.solid[piece[i]] < body.solid[other])
-    keep = (((one & 1) * (two >> 1)) | ((one >> 1) * (two & 1))).astype(bool) & apart
-    if body.group is not None:
-        own, others = body.group[piece[i]], body.group[other]
-        keep &= (own == others) | (own < 0) | (others < 0)
+    keep = body.opposed(piece[i], other)
     return i[keep], other[keep]
 
 
@@ -181,19 +174,6 @@ def meeting(body: Pieces, first: Placed, second: Placed) -> np.ndarray:
     if body.gap is None:
         return overlap(first, second)
     return within(first, second, body.gap[first.piece], EXACT)
-
-
-def _link_boxes(body: Pieces, links: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Box (L, 3) and range of pieces of every link; those without pieces here have none."""
-    begin, end = (
-        np.searchsorted(body.link, np.arange(links)),
-        np.searchsorted(body.link, np.arange(links), side="right"),
-    )
-    low, high = np.full((links, 3), np.inf), np.full((links, 3), -np.inf)
-    full = np.flatnonzero(end > begin)
-    if len(full):
-        low[full], high[full] = np.minimum.reduceat(body.low, begin[full]), np.maximum.reduceat(body.high, begin[full])
-    return low, high, begin, end
 
 
 def _touching(
@@ -371,17 +351,16 @@ def _possible(tree: Tree, body: Pieces, turns: Turns) -> np.ndarray:
 
 def _following(tree: Tree, body: Pieces) -> Iterator[np.ndarray]:
     """Joints that others follow, in many states."""
-    parting = Parting()
-    for lead, states, _ in led(tree, ~tree.alone, SHARES):
-        i, j = met(tree, body, states, parting)
-        pairs = [(*tree.blame(body, i, j), body.source[i], body.source[j])]
-        if tree.batch.loops is not None:
-            first, second = tree.at(states)[2]
-            pairs.append((first, second, np.full(len(first), -1), np.full(len(first), -1)))
-        for first, second, one, two in pairs:
-            at = lead[tree.links.owner[first]]
+    for found in following(tree, body, None if body.gap is None else lambda one, two: meeting(body, one, two)):
+        i, j = found.pieces
+        for first, second, one, two in (
+            (*tree.blame(body, i, j), body.source[i], body.source[j]),
+            (*found.apart, *[np.full(len(found.apart[0]), -1)] * 2),
+        ):
+            at = found.lead[tree.links.owner[first]]
             keep = (at >= 0) & np.isin(tree.links.owner[first], body.owner)
-            yield Hits(first[keep], second[keep], at[keep], states[at[keep]], (one[keep], two[keep])).rows()
+            if keep.any():
+                yield Hits(first[keep], second[keep], at[keep], found.states[at[keep]], (one[keep], two[keep])).rows()
 
 
 def posed(

@@ -1,0 +1,186 @@
+"""What meets while a joint moves others, or turns about more than one axis: many states of all objects at once.
+
+Boxes of links tell first which of them can meet in which state, boxes of pieces then. A direction along which one piece lies
+beyond another proves that they are apart, wherever it comes from: of all the states in which two pieces come near, the one in
+the middle is asked, and its direction tried in the others, as it turns with the one piece and as it turns with the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..geometry.collide import dot, examine
+from ..runtime.motion import apply
+from .bodies import Pieces, Placed, link_boxes
+from .parting import CLEAR
+from .tree import Tree, spread
+
+BLOCK = 50_000  # pieces at a time, each in a state
+TRIES = 6  # states of two pieces that are asked for a direction; what is left is asked one by one
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Met:
+    """What meets in one state: the joint that leads each object there (B,), the joint values (J,), pairs of pieces, and
+    pairs of links of loops that do not close."""
+
+    lead: np.ndarray
+    states: np.ndarray
+    pieces: tuple[np.ndarray, np.ndarray]
+    apart: tuple[np.ndarray, np.ndarray]
+
+
+def following(tree: Tree, body: Pieces, meeting: Callable[[Placed, Placed], np.ndarray] | None = None) -> Iterator[Met]:
+    """State by state, what meets of the objects that have pieces. ``meeting`` tells instead which placed pieces meet."""
+    lead, states = tree.following
+    here = np.zeros(len(tree.first), dtype=bool)
+    here[body.owner] = True
+    asked = np.logical_and(lead >= 0, here)
+    if not asked.any():
+        return
+    pairs, ways = _pairs(tree, body, np.logical_or.reduce(asked, axis=0)), Ways()
+    size = max(1, BLOCK // max(len(body), len(pairs[0]), len(tree.links.owner)))
+    for start in range(0, len(lead), size):
+        part = slice(start, start + size)
+        turn, shift, apart = tree.poses(states[part])
+        state, i, j = _near(body, turn, shift, pairs, asked[part], tree.links.owner)
+        body.ready(i, j)
+        first, second = (
+            Placed(body, piece, turn[state, body.link[piece]], shift[state, body.link[piece]]) for piece in (i, j)
+        )
+        hit = ways.meeting(first, second, i * len(body) + j) if meeting is None else meeting(first, second)
+        state, i, j = state[hit], i[hit], j[hit]
+        edge = np.searchsorted(state, np.arange(len(turn) + 1))
+        for k in range(len(turn)):
+            rows = slice(edge[k], edge[k + 1])
+            yield Met(lead[start + k], states[start + k], (i[rows], j[rows]), apart[k])
+
+
+Pairs = tuple[np.ndarray, np.ndarray]
+
+
+def _pairs(tree: Tree, body: Pieces, asked: np.ndarray) -> Pairs:
+    """Links of objects ``asked`` (B,) bool that have pieces, in pairs; where sides are told, each with itself, too."""
+    _, _, begin, end = link_boxes(body, len(tree.links.owner))
+    full = np.flatnonzero((end > begin) & asked[tree.links.owner])
+    owner = tree.links.owner[full]
+    own = np.arange(len(full)) + (1 if body.side is None else 0)
+    at, other = spread(own, np.searchsorted(owner, owner, side="right") - own)
+    first, second = full[at], full[other]
+    if body.side is None:  # of other pairs it is asked whether they keep a distance
+        keep = ~tree.permitted(first, second)
+        first, second = first[keep], second[keep]
+    return first, second
+
+
+def _near(
+    body: Pieces, turn: np.ndarray, shift: np.ndarray, pairs: Pairs, asked: np.ndarray, owner: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(state, piece, piece): those whose boxes overlap with the links posed by ``turn`` (S, L, 3, 3), ``shift`` (S, L, 3), in
+    the objects that are ``asked`` (S, B). Sorted by state."""
+    links = turn.shape[1]
+    low, high, begin, end = link_boxes(body, links)
+    used = np.unique(np.concatenate(pairs))
+    place = np.zeros(links, dtype=np.int64)
+    place[used] = np.arange(len(used))
+    first, second = place[pairs[0]], place[pairs[1]]
+    one, two = _boxes(turn[:, used], shift[:, used], low[used], high[used])
+    close = asked[:, owner[pairs[0]]]
+    for axis in range(3):
+        close &= (one[..., axis][:, first] < two[..., axis][:, second]) & (
+            one[..., axis][:, second] < two[..., axis][:, first]
+        )
+    state, pair = np.nonzero(close)
+    # the pieces of the links that come near another, in these states
+    posed, back = np.unique(np.concatenate([state * links + side[pair] for side in pairs]), return_inverse=True)
+    if not len(posed):
+        return state, state, state
+    link, where = np.remainder(posed, links), np.floor_divide(posed, links)
+    count = (end - begin)[link]
+    at, piece = spread(begin[link], count)
+    low, high = _boxes(turn[where, link][at], shift[where, link][at], body.low[piece], body.high[piece])
+    start = np.cumsum(count) - count
+    least, most = np.minimum.reduceat(low, start), np.maximum.reduceat(high, start)
+    here, there = back[: len(pair)], back[len(pair) :]
+    found = []
+    for own, other in ((here, there), (there, here)):  # those of either that come near the other as a whole
+        k, i = spread(start[own], count[own])
+        keep = _overlapping(i, other[k], low, high, least, most)
+        found.append((k[keep], i[keep]))
+    (k, i), (pair_of, j) = found
+    begun = np.searchsorted(pair_of, k)
+    n, near = spread(begun, np.searchsorted(pair_of, k, side="right") - begun)
+    k, i, j = k[n], i[n], j[near]
+    keep = _overlapping(i, j, low, high, low, high)
+    state, i, j = state[k[keep]], piece[i[keep]], piece[j[keep]]
+    keep = body.opposed(i, j)
+    return state[keep], i[keep], j[keep]
+
+
+def _boxes(turn: np.ndarray, shift: np.ndarray, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Boxes (..., 3) about boxes (..., 3) that are turned and shifted."""
+    middle, half = (low + high) / 2, (high - low) / 2
+    at = [dot(turn[..., i, :], middle) + shift[..., i] for i in range(3)]
+    wide = [dot(np.abs(turn[..., i, :]), half) for i in range(3)]
+    return (
+        np.stack([a - w for a, w in zip(at, wide, strict=True)], axis=-1),
+        np.stack([a + w for a, w in zip(at, wide, strict=True)], axis=-1),
+    )
+
+
+def _overlapping(
+    i: np.ndarray, j: np.ndarray, low: np.ndarray, high: np.ndarray, lows: np.ndarray, highs: np.ndarray
+) -> np.ndarray:
+    """The places of the pairs (i, j) whose boxes overlap."""
+    rows = np.arange(len(i))
+    for k in range(3):
+        rows = rows[(low[i[rows], k] < highs[j[rows], k]) & (lows[j[rows], k] < high[i[rows], k])]
+    return rows
+
+
+class Ways:
+    """Directions along which pieces were apart, in the frames of both: of the pairs ``code`` (G,), ascending."""
+
+    def __init__(self) -> None:
+        self.code, self.held = np.zeros(0, dtype=np.int64), np.zeros((2, 0, 3))
+
+    def meeting(self, first: Placed, second: Placed, code: np.ndarray) -> np.ndarray:
+        """Which placed pieces meet (k,); ``code`` (k,) is the same for the same two in several states."""
+        assert first.turn is not None and second.turn is not None
+        turns = first.turn, second.turn
+        pairs = np.union1d(self.code, code)
+        held = np.zeros((2, len(pairs), 3))
+        held[:, np.searchsorted(pairs, self.code)] = self.held
+        self.code, self.held = pairs, held
+        group, hit, met = (
+            np.searchsorted(pairs, code),
+            np.zeros(len(code), dtype=bool),
+            np.zeros(len(pairs), dtype=bool),
+        )
+        left = self.open(first, second, group, np.argsort(group, kind="stable"))
+        for number in range(TRIES + 1):
+            if not len(left):
+                break
+            own = group[left]
+            start, stop = np.searchsorted(own, own), np.searchsorted(own, own, side="right")
+            chosen = np.arange(len(own)) == (start + stop - 1) // 2
+            chosen |= met[own] | (number == TRIES)
+            rows, left = left[chosen], left[~chosen]
+            hit[rows], way = examine(first.at(rows), second.at(rows), near=0.0)
+            met[group[rows[hit[rows]]]] = True
+            way = way / np.maximum(np.sqrt(dot(way, way)), 1e-300)[:, None]
+            for known, turn in zip(self.held, turns, strict=True):
+                known[group[rows]] = apply(turn[rows].transpose(0, 2, 1), way)
+            left = self.open(first, second, group, left)
+        return hit
+
+    def open(self, first: Placed, second: Placed, group: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        """Those of ``rows`` that no known direction parts."""
+        assert first.turn is not None and second.turn is not None
+        for known, turn in zip(self.held, (first.turn, second.turn), strict=True):
+            tried = apply(turn[rows], known[group[rows]])
+            rows = rows[~(dot(tried, first.support(rows, -tried) - second.support(rows, tried)) > CLEAR)]
+        return rows

@@ -1,0 +1,64 @@
+"""Many states of joints that others follow, looked at together: what single states show."""
+
+from __future__ import annotations
+
+from unittest import mock
+
+import numpy as np
+import pytest
+
+from artipg_dsl.runtime.batch import Batch
+from artipg_dsl.session import Session
+from artipg_dsl.validity import tree as trees
+from artipg_dsl.validity.bodies import gather
+from artipg_dsl.validity.following import following
+from artipg_dsl.validity.tree import Tree
+from artipg_dsl.validity.validate import collisions, met
+
+
+@pytest.fixture(scope="module")
+def shaken() -> Batch:
+    """Racks of which some rods are out of place, so that much meets."""
+    batch = Session.of("Foldingrack").sampler.batch(np.arange(5), seed=2)
+    lot = np.random.default_rng(4)
+    for table in batch.sites():
+        moved = lot.random(len(table)) < 0.1
+        table.translation[moved] += 0.03 * lot.standard_normal((int(moved.sum()), 3))
+    return batch
+
+
+def test_states_together_show_what_each_shows_alone(shaken: Batch) -> None:
+    tree, count = Tree(shaken), 0
+    body = gather(shaken, tree.first, tree.turn, tree.shift)
+    for found in following(tree, body):
+        i, j = met(tree, body, found.states)
+        asked = ~tree.permitted(body.link[i], body.link[j]) & (found.lead[body.owner[i]] >= 0)
+        assert set(zip(*(side.tolist() for side in found.pieces), strict=True)) == set(
+            zip(i[asked].tolist(), j[asked].tolist(), strict=True)
+        )
+        count += len(i)
+    assert count > 100
+
+
+def test_loops_are_settled_for_all_states_at_once(shaken: Batch) -> None:
+    loops = shaken.loops
+    assert loops is not None
+    states = Tree(shaken).following[1]
+    assert loops.settle(states).tobytes() == np.stack([loops.settle(state) for state in states]).tobytes()
+    with mock.patch("artipg_dsl.runtime.loops.BLOCK", 1):  # whatever fits into memory at a time
+        assert loops.settle(states).tobytes() == loops.settle(states[::-1])[::-1].tobytes()
+
+
+def test_a_check_settles_loops_a_few_times(shaken: Batch) -> None:
+    """At rest, and in all states together, not state by state."""
+    kind = type(shaken.loops)
+    with mock.patch.object(kind, "_settled", autospec=True, side_effect=kind._settled) as calls:
+        collisions(shaken)
+    assert calls.call_count <= 3
+
+
+def test_poses_of_more_states_than_fit_are_worked_out_anew(shaken: Batch) -> None:
+    one = collisions(shaken)
+    with mock.patch.object(trees, "KEPT", 1), mock.patch("artipg_dsl.validity.following.BLOCK", 1):
+        two = collisions(shaken)
+    assert one.value.tobytes() == two.value.tobytes() and one.pieces.tobytes() == two.pieces.tobytes()
