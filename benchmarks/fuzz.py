@@ -157,7 +157,7 @@ def share_library() -> None:
 
     def once(primitive) -> None:  # noqa: ANN001
         program = Program("P", primitives={primitive.name: primitive})
-        key = texts.to_text(program, places=False)
+        key = texts.digest(program)
         if key not in examined:
             examine(primitive)
             examined.add(key)

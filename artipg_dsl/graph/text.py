@@ -170,8 +170,13 @@ class _Writer:
         return "(" + " ".join(words) + ")"
 
 
-def to_text(program: P.Program, *, places: bool = True) -> str:
-    """The program as text; without ``places`` also without source positions and documentation (for the hash)."""
+def to_text(program: P.Program) -> str:
+    """The program as text, which ``from_text`` reads."""
+    return _written(program, places=True)
+
+
+def _written(program: P.Program, *, places: bool) -> str:
+    """A program as text; without ``places`` also without source positions, documentation and comments, which nothing reads back."""
     writer = _Writer(program, places)
     for number, scope in enumerate(program.scopes):
         if scope.parent is None:
@@ -207,7 +212,7 @@ def to_text(program: P.Program, *, places: bool = True) -> str:
 
 def digest(program: P.Program) -> str:
     """The hash of what a program computes: places and documentation left out."""
-    return blake2b(to_text(program, places=False).encode(), digest_size=16).hexdigest()
+    return blake2b(_written(program, places=False).encode(), digest_size=16).hexdigest()
 
 
 # ---------------------------------------------------------------- reading
