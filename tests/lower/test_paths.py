@@ -1,6 +1,16 @@
 """Paths that authors write: what works, and whose curve is named where one does not."""
 
-from artipg_dsl.session import Session
+import math
+
+import numpy as np
+import pytest
+
+from artipg_dsl.graph import expr as E
+from artipg_dsl.lower.solids.handed import Step
+from artipg_dsl.lower.solids.paths import stretches, turned
+from artipg_dsl.lower.solids.probe import Probe
+from artipg_dsl.session import Session, check_text
+from artipg_dsl.source import Source
 
 STRAP = """
 primitive Strap {
@@ -38,3 +48,35 @@ def test_only_what_domains_allow_is_tested():
     """At rise = -5cm the root has no value, but no domain allows that."""
     one = session("curve way (t in 0 .. 1) = [r * t, 0mm, sqrt(rise - 9mm) * sqrt(1cm) * t]")
     assert one.lowering is not None, [d.message for d in one.report.diagnostics]
+
+
+SPRING = """apg 1
+primitive Spring {
+  param r     : length > 0  test 3cm .. 5cm
+  param share : angle > 0   test ANGLE .. ANGLE
+  curve run (u in 0turn .. 1turn) = [r * cos(u * share / 1turn), r * sin(u * share / 1turn), r * u / 1turn]
+  solid = sweep(circle(0.5mm)) along run up z
+}
+"""
+
+
+@pytest.mark.parametrize("turns", [65, 256, 512])
+def test_turns_are_counted_whatever_the_steps_show(turns):
+    """A path of 256 turns has the same direction at each of 256 steps."""
+    found = check_text(Source("test.apg", SPRING.replace("ANGLE", f"{turns}turn"))).diagnostics
+    assert [d.code for d in found] == ["bad-curve"]
+    assert f"the path makes {turns} turns" in found[0].message
+
+
+def winding(turns, power):
+    """A circle that is run through with a speed that grows as a power of v."""
+    angle = E.mul(E.const(math.tau * turns), E.power(E.var("v"), E.const(power)))
+    (path,) = stretches([Step("formula", (E.call("cos", angle), E.call("sin", angle), E.ZERO))])
+    return path
+
+
+@pytest.mark.parametrize(("turns", "power"), [(0.75, 1.0), (20.0, 1.0), (60.0, 8.0), (1024.0, 1.0), (5000.0, 2.0)])
+def test_turns_of_a_path_are_exact(turns, power):
+    probe = object.__new__(Probe)
+    probe.values = {"": np.zeros(1)}
+    assert turned(probe, winding(turns, power)) / math.tau == pytest.approx(turns, rel=1e-2)

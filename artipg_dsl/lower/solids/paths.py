@@ -33,6 +33,8 @@ from .profiles import V
 # how the numbers of a path are tested where nothing is known of them: metres and radians
 TESTS = {"at": (-0.1, 0.1), "along": (0.4, 1.0), "length": (0.03, 0.2), "radius": (0.05, 0.12), "angle": (0.3, 2.6)}
 TESTS["formula"] = (0.05, 0.2)
+MOST_STEPS = 1024  # at which the turning of a path is looked at
+GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 POSITIVE = ("length", "radius", "angle")
 KINDS = {
     "from": ("at",) * 3 + ("along",) * 3,
@@ -121,11 +123,38 @@ def stretches(steps: Iterable[Step]) -> list[Stretch]:
     return found
 
 
+def angles(probe: Probe, rail: Stretch, steps: int) -> np.ndarray:
+    """(steps, rows): the angles between a path's directions at the ends of equal steps, half a turn at the most."""
+    places = [rail.towards(k / steps) for k in range(steps + 1)]
+    seen = np.nan_to_num(probe(*(c for d in places for c in d)).reshape(steps + 1, 3, -1))
+    return np.arccos(np.clip((seen[1:] * seen[:-1]).sum(axis=1), -1.0, 1.0))
+
+
+def speeds(probe: Probe, rail: Stretch, steps: int) -> np.ndarray:
+    """(steps, rows): how fast a path turns, radians by v, at a place within each step that no period of the path meets always."""
+    k = np.arange(steps)
+    speed = [derive(c, "v") for c in rail.place]
+    places = probe.spread("v", tuple((k + (0.5 + k * GOLDEN) % 1.0) / steps))
+    first, second = places(*speed, *(derive(c, "v") for c in speed)).reshape(2, 3, steps, -1)
+    with np.errstate(all="ignore"):
+        turning = np.sqrt((np.cross(first, second, axis=0) ** 2).sum(axis=0)) / (first**2).sum(axis=0)
+    return np.nan_to_num(turning, posinf=0.0)
+
+
 def turned(probe: Probe, rail: Stretch) -> float:
-    """The greatest angle (radians) that a formula's path turns through in all."""
-    places = [rail.towards(k / 256) for k in range(257)]
-    seen = np.nan_to_num(probe(*(c for d in places for c in d)).reshape(257, 3, -1))
-    return float(np.arccos(np.clip((seen[1:] * seen[:-1]).sum(axis=1), -1.0, 1.0)).sum(axis=0).max())
+    """The greatest angle (radians) that a formula's path turns through in all.
+
+    It is the sum of the angles between equal steps. A step that turns by more than half a turn shows less than that, so
+    the steps are halved until they show what the speed of turning says, and where they never do, the speed is believed.
+    """
+    steps = 256
+    while True:
+        shown, meant = angles(probe, rail, steps).sum(axis=0), speeds(probe, rail, steps).mean(axis=0)
+        if (meant <= 1.05 * shown + 0.5).all():
+            return float(shown.max())
+        if steps >= MOST_STEPS:
+            return float(np.maximum(shown, meant).max())
+        steps *= 2
 
 
 def windows(probe: Probe, rail: Stretch) -> int:

@@ -19,13 +19,12 @@ from ..values.kinds import Frame, Value
 from ..values.vectors import cross, dot, minus, plus, times
 from .curves import TURN, Curve, named_curve
 from .handed import Handed
-from .paths import Stretch, windows
+from .paths import MOST_STEPS, Stretch, angles, windows
 from .probe import Probe
 from .profiles import FINE, SLOW, STEPS, V, clamp, halved, onwards, tops
 
 BRACKET = np.radians(25.0)  # how far a path turns within one
 NEAR = E.const(0.1)  # of the width of a section: further off, the distance to the path tells how far it is
-MOST = 1024  # steps at which a path's turning is looked at
 
 P: Triple = triple(E.var(f"p.{a}") for a in "xyz")
 Across = Callable[[float | Expr], Triple]  # the vector beside the path at v
@@ -207,10 +206,8 @@ def brackets(probe: Probe, rail: Stretch) -> list[tuple[float, float]]:
     """A formula's path cut so that it turns by little in each bracket."""
     fine = FINE
     while True:
-        places = [rail.towards(k / fine) for k in range(fine + 1)]
-        seen = np.nan_to_num(probe(*(c for d in places for c in d)).reshape(fine + 1, 3, -1))
-        turns = np.arccos(np.clip((seen[1:] * seen[:-1]).sum(axis=1), -1.0, 1.0)).T
-        if fine >= MOST or turns.max() <= BRACKET / 2:
+        turns = angles(probe, rail, fine).T
+        if fine >= MOST_STEPS or turns.max() <= BRACKET / 2 and 4 * windows(probe, rail) <= fine:
             return halved(turns, BRACKET)
         fine *= 2
 
