@@ -98,7 +98,7 @@ class Tree:
         or turn about more than one axis."""
         made = [(lead, states) for lead, states, _ in led(self, ~self.alone, SHARES)]
         lead = np.array([lead for lead, _ in made], dtype=np.int64).reshape(-1, len(self.first))
-        return lead, np.array([states for _, states in made]).reshape(-1, len(self.joints.owner))
+        return lead, np.array([states for _, states in made]).reshape(len(made), len(self.joints.owner))
 
     def blame(self, body: Pieces, i: np.ndarray, j: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The links of pairs of pieces that meet; where the text does not allow it, the pieces remember."""

@@ -62,3 +62,12 @@ def test_poses_of_more_states_than_fit_are_worked_out_anew(shaken: Batch) -> Non
     with mock.patch.object(trees, "KEPT", 1), mock.patch("artipg_dsl.validity.following.BLOCK", 1):
         two = collisions(shaken)
     assert one.value.tobytes() == two.value.tobytes() and one.pieces.tobytes() == two.pieces.tobytes()
+
+
+def test_objects_without_a_joint_have_no_states_to_look_at() -> None:
+    text = "apg 1\nuse primitives { Cuboid }\ncategory Box {\n  root part body : Cuboid(size = [1m, 1m, 1m])\n}\n"
+    batch = Session.of_text(text).sampler.batch(np.arange(2), seed=0, checked=True)
+    tree = Tree(batch)
+    lead, states = tree.following
+    assert states.shape == (len(lead), 0)
+    assert not len(collisions(batch, tree, gather(batch, tree.first, tree.turn, tree.shift)).objects())
