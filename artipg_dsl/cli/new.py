@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..errors import UsageError
 from ..export.write import write_bytes
-from ..semantics.names import reserved_name
+from ..language import reserved_name
 from ..syntax.grammar import reserved_words
 from .arguments import STREAM
 from .messages import say

@@ -17,12 +17,14 @@ from ..syntax import ast
 from .elaborate import conditions as stated
 from .elaborate import drives, labels, mimic, rings
 from .elaborate.body import enter_when, lower_statements
+from .elaborate.drives import driven
 from .elaborate.legal import legalize
 from .elaborate.links import Links, first_part
 from .elaborate.motions import motions
 from .elaborate.part import Part
 from .elaborate.slots import slots
 from .elaborate.surfaces import frame_on
+from .expressions import builtins
 from .expressions.context import Abort, Context, Makers
 from .expressions.env import Env
 from .solids.curves import offset
@@ -52,9 +54,13 @@ class Lowering:
                 yield part
 
 
+FUNCTIONS = {**builtins.FUNCTIONS, "offset": offset, "at": frame_on, "drive": driven}
+"""What calls of functions mean, by the ``meaning`` of their forms; curves and the pieces of paths mean something to solids only."""
+
+
 def new_context(report: Report, program: Program, typed: TypedProgram) -> Context:
     """What the lowering of a program, or of the primitives of a file, shares."""
-    return Context(report, program, typed, Makers(enter_when, offset, frame_on))
+    return Context(report, program, typed, Makers(enter_when, FUNCTIONS))
 
 
 def lower_category(typed: TypedProgram, category: Symbol, report: Report) -> Lowering | None:

@@ -11,5 +11,5 @@ it. Begin with ``check``, then ``checker``.
     declarations, entries, fold          names, domains, defaults; values of constants
     statements, placing, attachments, labels      rules of statements, one group a file
     roles, parts, primitives             rules of roles and templates, of their members, of primitives
-    names, offers, foreign               words of the language; what the library would offer; words of other languages
+    offers, foreign                      what the library would offer; words of other languages
 """

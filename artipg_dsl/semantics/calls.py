@@ -6,26 +6,21 @@ from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from ..diagnostics.suggest import did_you_mean, given
+from ..diagnostics.suggest import any_of, did_you_mean, given
+from ..language import FUNCTIONS, METHODS, Form, Parameter
 from ..syntax import ast
 from ..syntax.walk import walk
 from . import paths
 from .fold import is_unitless
 from .guards import consistent
 from .meanings import BuiltIn, Declared, Global
-from .names import CONSTRUCTORS, DRIVES, FACES, FUNCTIONS
 from .scope import Entry
 from .types import (
     ANGLE,
     BOOL,
-    BOX,
     COUNT,
     CURVE,
-    DIRECTION,
-    FRAME,
     LENGTH,
-    LINE,
-    NONE,
     PLANE,
     POINT,
     RATIO,
@@ -39,9 +34,10 @@ from .types import (
     Type,
     Vec,
     dimension_of,
-    fits,
     is_number,
+    named,
     power,
+    with_article,
 )
 
 if TYPE_CHECKING:
@@ -67,9 +63,8 @@ def call(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
     if home is not None and own:
         ck.mean(expr.function, Declared(word, home.depth))
         return _own(ck, ctx, expr, paths.sole(ck, ctx, own, expr.function.span))
-    if word in _BUILT_IN:
-        ck.mean(expr.function, BuiltIn(word))
-        return _BUILT_IN[word](ck, ctx, expr)
+    if word in FUNCTIONS:
+        return _built_in(ck, ctx, expr, FUNCTIONS[word])
     symbol = ctx.module.find(word)
     if symbol is not None and isinstance(symbol.decl, ast.FunctionDecl) and symbol.decl.parameters:
         ck.mean(expr.function, Global(symbol))
@@ -81,14 +76,13 @@ def call(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
     if symbol is not None or (ctx.scope is not None and ctx.scope.find(word)):
         hint = f"a part is made by `part name : {word}(...)`" if symbol is not None else None
         return ck.error("wrong-type", expr.function.span, f"`{word}` is not a function", hint=hint)
-    near = [n for n in ctx.names() if n in FUNCTIONS or n in CONSTRUCTORS]
     return ck.unknown(
         ctx.module,
         word,
         "unknown-function",
         expr.function.span,
         f"there is no function `{word}`",
-        hint=did_you_mean(word, [*FUNCTIONS, *CONSTRUCTORS, *near, *ctx.names()]),
+        hint=did_you_mean(word, [*FUNCTIONS, *ctx.names()]),
     )
 
 
@@ -160,86 +154,134 @@ def _apply(
     return ck.calls[key]
 
 
-# ---------------------------------------------------------------- numbers
+# ---------------------------------------------------------------- functions of the language
+
+Bound = list[tuple[ast.Argument, Parameter]]
 
 
-def _unary(rule: Callable[[Scalar], Scalar | None], what: str) -> Callable[[Checker, Context, ast.CallExpr], Type]:
-    def check(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
-        word = expr.function.name
-        (kind,) = _positional(ck, ctx, expr, 1, word)
-        if kind == UNKNOWN:
-            return UNKNOWN
-        kind = LENGTH if kind == PLANE else kind
-        found = rule(kind) if isinstance(kind, Scalar) else None
-        if found is None:
-            hint = None
-            if word in ("sin", "cos", "tan") and kind in (RATIO, COUNT):
-                hint = "angles carry a unit: multiply by 1rad or 1turn"
-            code = "wrong-dimension" if isinstance(kind, Scalar) else "wrong-type"
-            return ck.error(code, expr.arguments[0].span, f"`{word}` takes {what}, but this is {kind}", hint=hint)
-        return found
-
-    return check
+def _built_in(ck: Checker, ctx: Context, expr: ast.CallExpr, forms: tuple[Form, ...]) -> Type:
+    """A call of a function of the language: of its first form that takes arguments of these names."""
+    names = [a.name for a in expr.arguments]
+    form = next((f for f in forms if f.takes(names)), forms[0] if len(forms) == 1 else None)
+    if form is None:
+        known = any_of([f.call for f in forms])
+        ck.error(
+            "wrong-arguments", expr.span, f"`{forms[0].name}` does not take these arguments", hint=f"write {known}"
+        )
+    elif (bound := _bound(ck, expr, form)) is not None:
+        ck.mean(expr.function, BuiltIn(form))
+        return RULES[form.rule](ck, ctx, expr, form, bound)
+    for argument in expr.arguments:
+        ck.infer(ctx.but(many=True), argument.value)
+    return UNKNOWN
 
 
-def _same(ck: Checker, ctx: Context, expr: ast.CallExpr, kinds: list[Type]) -> Type:
-    """One type for arguments that must agree."""
+def _bound(ck: Checker, expr: ast.CallExpr, form: Form) -> Bound | None:
+    """The arguments with the parameters that they are for; what is too many, unknown, twice or missing is reported."""
+    names = [a.name for a in expr.arguments]
+    pairs = list(zip(expr.arguments, form.bind(names), strict=True))
+    if form.takes(names):
+        return [(argument, parameter) for argument, parameter in pairs if parameter is not None]
+    known, word = [p.name for p in form.parameters], form.name
+    if not any(names) and form.kind in ("number", "reduction", "force"):
+        ck.error("wrong-arguments", expr.span, f"`{word}` takes {_counted(form)}, {given(len(names))}")
+        return None
+    found: set[str] = set()
+    for argument, parameter in pairs:
+        if parameter is None:
+            what = f"has no argument `{argument.name}`" if argument.name else f"takes {len(known)} arguments at most"
+            hint = did_you_mean(argument.name or "", known) or "it takes " + ", ".join(known)
+            ck.error("unknown-argument", argument.span, f"`{word}` {what}", hint=hint)
+        elif parameter.name in found:
+            ck.error("wrong-arguments", argument.span, f"`{parameter.name}` is given twice")
+        found.add("" if parameter is None else parameter.name)
+    missing = [p.name for p in form.required if p.name not in found]
+    if missing and "" not in found:
+        ck.error("missing-argument", expr.span, f"`{word}` needs {any_of(missing, 'and')}")
+    return None
+
+
+def _counted(form: Form) -> str:
+    number = len(form.parameters)
+    return ("one argument" if number == 1 else f"{number} arguments") + " or more" * form.more
+
+
+def _dimension(kind: Type) -> Type:
+    """A plane counts as its coordinate."""
+    return LENGTH if kind == PLANE else kind
+
+
+def _one(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: Bound) -> Type:
+    """One number, of the dimension that its parameter says."""
+    ((argument, parameter),) = bound
+    kind = _dimension(ck.infer(ctx, argument.value))
+    if kind == UNKNOWN:
+        return UNKNOWN
+    wanted = None if parameter.type == "number" else named(parameter.type)
+    angle_zero = wanted == ANGLE and isinstance(kind, Scalar) and kind.zero
+    if not isinstance(kind, Scalar) or not (wanted is None or angle_zero or kind.dimension == dimension_of(wanted)):
+        hint = "angles carry a unit: multiply by 1rad or 1turn" if wanted == ANGLE and kind in (RATIO, COUNT) else None
+        code = "wrong-dimension" if isinstance(kind, Scalar) else "wrong-type"
+        takes = with_article(parameter.type)
+        return ck.error(code, argument.span, f"`{form.name}` takes {takes}, but this is {kind}", hint=hint)
+    if form.gives == "root":
+        return Scalar(power(kind.dimension, Fraction(1, 2)))
+    return kind if form.gives == "number" else named(form.gives)
+
+
+def _alike(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: Bound) -> Type:
+    """Numbers of one dimension."""
     found: Type | None = None
     first: ast.Argument | None = None
-    for argument, kind in zip(expr.arguments, kinds, strict=True):
+    kinds = [_dimension(ck.infer(ctx, argument.value)) for argument, _ in bound]
+    for (argument, _), kind in zip(bound, kinds, strict=True):
         if kind == UNKNOWN:
             return UNKNOWN
-        if not is_number(kind):
-            word = expr.function.name
-            return ck.error("wrong-type", argument.span, f"`{word}` takes numbers, but this is {kind}")
-        kind = LENGTH if kind == PLANE else kind
-        if dimension_of(kind) is None:
+        if not isinstance(kind, Scalar):
+            return ck.error("wrong-type", argument.span, f"`{form.name}` takes numbers, but this is {kind}")
+        if kind.zero:
             found = found or kind
-        elif found is None or (isinstance(found, Scalar) and found.zero):
+        elif not isinstance(found, Scalar) or found.zero:
             found, first = kind, argument
-        elif dimension_of(kind) != dimension_of(found):
+        elif kind.dimension != found.dimension:
             if first is not None and is_unitless(first.value):
                 ck.mismatch(first.value, found, kind, "this argument")
             else:
                 ck.mismatch(argument.value, kind, found, "this argument")
             return UNKNOWN
-        elif isinstance(kind, Scalar) and not kind.count:
+        elif not kind.count:
             found = kind
-    return found or UNKNOWN
+    return found or UNKNOWN if form.gives == "number" else named(form.gives)
 
 
-def _several(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
-    """``hypot`` and, with several arguments, ``min`` and ``max``."""
-    word = expr.function.name
-    if not expr.arguments:
-        return ck.error("wrong-arguments", expr.span, f"`{word}` needs arguments")
-    return _same(ck, ctx, expr, [ck.infer(ctx, a.value) for a in expr.arguments])
-
-
-def _extremum(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
-    return _reduce(ck, ctx, expr) if len(expr.arguments) == 1 else _several(ck, ctx, expr)
-
-
-def _reduce(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
-    """A reduction over the elements of a repeat: ``sum(cell.size.z)``."""
-    word = expr.function.name
-    if len(expr.arguments) != 1:
-        return ck.error("wrong-arguments", expr.span, f"`{word}` over the elements of a repeat takes one argument")
-    argument = expr.arguments[0]
-    kind = ck.infer(ctx.but(many=True), argument.value)
+def _elements(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: Bound) -> Type:
+    """A number of each element of a repeat: ``sum(cell.size.z)``."""
+    ((argument, _),) = bound
+    kind = _dimension(ck.infer(ctx.but(many=True), argument.value))
     _one_repeat(ck, ctx, argument.value)
     if kind == UNKNOWN:
         return UNKNOWN
     if not is_number(kind):
-        return ck.error("wrong-type", argument.span, f"`{word}` takes a number of each element, but this is {kind}")
+        return ck.error(
+            "wrong-type", argument.span, f"`{form.name}` takes a number of each element, but this is {kind}"
+        )
     if not _mentions_many(ck, argument.value):
         return ck.error(
             "wrong-arguments",
             argument.span,
-            f"`{word}` with one argument reduces over the elements of a repeat",
+            f"`{form.name}` with one argument reduces over the elements of a repeat",
             hint="name a repeat in it, as in `sum(cell.size.z)`, or give several arguments",
         )
-    return LENGTH if kind == PLANE else kind
+    return kind
+
+
+def _counted_elements(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: Bound) -> Type:
+    ((argument, _),) = bound
+    kind = ck.infer(ctx.but(many=True), argument.value)
+    _one_repeat(ck, ctx, argument.value)
+    if kind != UNKNOWN and not isinstance(kind, Element | Slot | Part):
+        ck.error("wrong-type", argument.span, f"`number` counts the elements of a repeat, but this is {kind}")
+    return COUNT
 
 
 def _one_repeat(ck: Checker, ctx: Context, expr: ast.Expr) -> None:
@@ -278,102 +320,74 @@ def _mentions_many(ck: Checker, expr: ast.Expr) -> bool:
     return False
 
 
-def _number(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
-    (kind,) = _positional(ck, ctx.but(many=True), expr, 1, "number")
-    for argument in expr.arguments:
-        _one_repeat(ck, ctx, argument.value)
-    if kind != UNKNOWN and not isinstance(kind, Element | Slot | Part):
-        ck.error("wrong-type", expr.arguments[0].span, f"`number` counts the elements of a repeat, but this is {kind}")
-    return COUNT
-
-
-def _atan2(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
-    kinds = _positional(ck, ctx, expr, 2, "atan2")
-    if len(expr.arguments) == 2:
-        _same(ck, ctx, expr, kinds)
-    return ANGLE
-
-
-def _mod(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
-    kinds = _positional(ck, ctx, expr, 2, "mod")
-    return _same(ck, ctx, expr, kinds) if len(expr.arguments) == 2 else UNKNOWN
-
-
-# ---------------------------------------------------------------- places and curves
-
-
-Shape = dict[str, tuple[Type, bool]]  # parameter -> (type, required)
-
-
-def _named(result: Type, shape: Shape) -> Callable[[Checker, Context, ast.CallExpr], Type]:
-    def check(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
-        arguments(ck, ctx, expr, expr.function.name, shape)
-        return result
-
-    return check
-
-
-def arguments(ck: Checker, ctx: Context, expr: ast.CallExpr, word: str, shape: Shape) -> set[str]:
-    """Checks arguments, by name or in order, against parameters; the names that were given."""
-    given: set[str] = set()
-    order = list(shape)
-    for position, argument in enumerate(expr.arguments):
-        name = argument.name
-        if name is None and position < len(order):
-            name = order[position]
-        if name is None or name not in shape:
-            what = f"`{word}` has no argument `{name}`" if name else f"`{word}` takes {len(order)} arguments at most"
-            hint = did_you_mean(name, order) if name else None
-            ck.error("unknown-argument", argument.span, what, hint=hint or "it takes " + ", ".join(order))
-            ck.infer(ctx, argument.value)
+def _typed(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: Bound) -> Type:
+    """Each argument is of the type of its parameter."""
+    for argument, parameter in bound:
+        if parameter.type not in ("part", "number"):
+            ck.expect(ctx, argument.value, named(parameter.type), f"`{parameter.name}` of `{form.name}`")
             continue
-        if name in given:
-            ck.error("wrong-arguments", argument.span, f"`{name}` is given twice")
-        given.add(name)
-        ck.expect(ctx, argument.value, shape[name][0], f"`{name}` of `{word}`")
-    missing = [n for n, (_, required) in shape.items() if required and n not in given]
-    if missing:
-        ck.error("missing-argument", expr.span, f"`{word}` needs {' and '.join(f'`{n}`' for n in missing)}")
-    return given
+        kind = ck.infer(ctx, argument.value)
+        if parameter.type == "part" and kind != UNKNOWN and not isinstance(kind, Part | Slot | Element):
+            ck.error("wrong-type", argument.span, f"`{form.name}` reads the extent of a part, but this is {kind}")
+    return named(form.gives)
 
 
-def _line(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
-    if len(expr.arguments) == 1 and expr.arguments[0].name is None:
-        return CURVE if ck.expect(ctx, expr.arguments[0].value, LENGTH, "the length of a line") else CURVE
-    given = arguments(ck, ctx, expr, "line", {"at": (POINT, True), "along": (DIRECTION, False), "to": (POINT, False)})
-    if "at" in given and ("along" in given) == ("to" in given):
-        ck.error("wrong-arguments", expr.span, "`line` needs either `along` (a direction) or `to` (a point)")
-    return LINE
-
-
-def _box(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
-    arguments(ck, ctx, expr, "box", {face: (LENGTH, False) for face in FACES})
-    return BOX
-
-
-def _polygon(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
-    for argument in expr.arguments:
-        ck.expect(ctx, argument.value, Vec(2, LENGTH.dimension), "a corner of a polygon")
-    if len(expr.arguments) < 3:
-        ck.error("wrong-arguments", expr.span, "a polygon has at least three corners")
-    return CURVE
-
-
-def _offset(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
-    kinds = _positional(ck, ctx, expr, 2, "offset")
-    if UNKNOWN in kinds:
-        return UNKNOWN
-    curve, distance = kinds
-    if curve != CURVE and not isinstance(curve, Vec):
-        return ck.error("wrong-type", expr.arguments[0].span, f"`offset` takes a curve, but this is {curve}")
-    if not fits(distance, LENGTH):
-        ck.mismatch(expr.arguments[1].value, distance, LENGTH, "the distance")
+def _moved(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: Bound) -> Type:
+    """A curve, or the point of one at a value of its parameter, and a length."""
+    (argument, _), (distance, parameter) = bound
+    curve = ck.infer(ctx, argument.value)
+    ck.expect(ctx, distance.value, LENGTH, f"`{parameter.name}` of `{form.name}`")
+    if curve not in (CURVE, UNKNOWN) and not isinstance(curve, Vec):
+        return ck.error("wrong-type", argument.span, f"`{form.name}` takes a curve, but this is {curve}")
     return curve
 
 
-def _from(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
-    arguments(ck, ctx, expr, "from", {"at": (POINT, True), "along": (DIRECTION, True)})
-    return CURVE
+def _force(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: Bound) -> Type:
+    """``pushes(open)``: what a force on the surface does to a joint, in the formula of a label."""
+    if "n" not in ctx.extra:
+        return ck.error(
+            "wrong-type",
+            expr.span,
+            f"`{form.name}` asks about a point of a surface: it stands in formulas of labels and fields",
+            hint=f"as in `label affordance.push on door.panel where {form.name}(open)`",
+        )
+    ((argument, _),) = bound
+    kind = ck.infer(ctx.but(lenient=[], asked=True, many=True), argument.value)
+    if not isinstance(kind, Joint) and kind != UNKNOWN:
+        ck.error("wrong-type", argument.span, f"`{form.name}` takes a joint, but this is {kind}")
+    return BOOL
+
+
+RULES: dict[str, Callable[[Checker, Context, ast.CallExpr, Form, Bound], Type]] = {
+    "one": _one,
+    "alike": _alike,
+    "elements": _elements,
+    "counted": _counted_elements,
+    "typed": _typed,
+    "moved": _moved,
+    "force": _force,
+}
+"""The rules of types, by the name that the table of functions gives them."""
+
+
+def _method(ck: Checker, ctx: Context, expr: ast.CallExpr, function: ast.MemberExpr) -> Type:
+    """``body.wall.at(u, z = h)``: a frame on a curved surface."""
+    obj = ck.infer(ctx, function.obj)
+    form = METHODS.get(function.name)
+    if obj == UNKNOWN or form is None or not (obj == SURFACE or isinstance(obj, Slot)):
+        for argument in expr.arguments:
+            ck.infer(ctx, argument.value)
+        if obj == UNKNOWN:
+            return UNKNOWN
+        hint = (
+            None if form is None else f"`{form.name}` is a function of curved surfaces: `body.wall.at(0.25turn, z = h)`"
+        )
+        return ck.error("unknown-function", function.name_span, f"{obj} has no function `{function.name}`", hint=hint)
+    bound = _bound(ck, expr, form)
+    if bound is not None and len(bound) != 2:
+        return ck.error("wrong-arguments", expr.span, "`at` needs two values, as in `wall.at(0.25turn, z = h)`")
+    ck.mean(function, BuiltIn(form))
+    return _typed(ck, ctx, expr, form, bound or [])
 
 
 def chain(ck: Checker, ctx: Context, expr: ast.ChainExpr) -> Type:
@@ -390,87 +404,3 @@ def chain(ck: Checker, ctx: Context, expr: ast.ChainExpr) -> Type:
             )
         ck.infer(ctx, piece)
     return CURVE
-
-
-def _lowest(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
-    kinds = _positional(ck, ctx, expr, 2, "lowest")
-    part, direction = kinds
-    if part != UNKNOWN and not isinstance(part, Part | Slot | Element):
-        ck.error("wrong-type", expr.arguments[0].span, f"`lowest` reads the extent of a part, but this is {part}")
-    if not fits(direction, DIRECTION):
-        ck.mismatch(expr.arguments[1].value, direction, DIRECTION, "the second argument")
-    return LENGTH
-
-
-def _drive(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
-    """``pushes(open)``: what a force on the surface does to a joint, in the formula of a label."""
-    assert isinstance(expr.function, ast.NameExpr)
-    word = expr.function.name
-    if "n" not in ctx.extra:
-        return ck.error(
-            "wrong-type",
-            expr.span,
-            f"`{word}` asks about a point of a surface: it stands in formulas of labels and fields",
-            hint=f"as in `label affordance.push on door.panel where {word}(open)`",
-        )
-    (kind,) = _positional(ck, ctx.but(lenient=[], asked=True, many=True), expr, 1, word)
-    if not isinstance(kind, Joint) and kind != UNKNOWN:
-        ck.error("wrong-type", expr.arguments[0].span, f"`{word}` takes a joint, but this is {kind}")
-    return BOOL
-
-
-def _method(ck: Checker, ctx: Context, expr: ast.CallExpr, function: ast.MemberExpr) -> Type:
-    obj = ck.infer(ctx, function.obj)
-    if obj == UNKNOWN:
-        return UNKNOWN
-    if function.name == "at" and (obj in (SURFACE, PLANE) or isinstance(obj, Slot | Part)):
-        for argument in expr.arguments:
-            kind = ck.infer(ctx, argument.value)
-            name = argument.name
-            if name not in (None, "u", "v", "x", "y", "z"):
-                ck.error("unknown-argument", argument.span, f"`at` takes u, v, x, y and z, not `{name}`")
-            elif name in ("x", "y", "z") and not fits(kind, LENGTH):
-                ck.mismatch(argument.value, kind, LENGTH, f"`{name}` of `at`")
-        if not 1 <= len(expr.arguments) <= 2:
-            ck.error("wrong-arguments", expr.span, "`at` needs two values, as in `wall.at(0.25turn, z = h)`")
-        return FRAME
-    for argument in expr.arguments:
-        ck.infer(ctx, argument.value)
-    return ck.error("unknown-function", function.name_span, f"{obj} has no function `{function.name}`")
-
-
-def _angle_in(kind: Scalar) -> Scalar | None:
-    return RATIO if kind.zero or kind.dimension == ANGLE.dimension else None
-
-
-def _ratio_in(result: Scalar) -> Callable[[Scalar], Scalar | None]:
-    return lambda kind: result if kind.dimension == NONE else None
-
-
-_BUILT_IN: dict[str, Callable[[Checker, Context, ast.CallExpr], Type]] = {
-    **{word: _unary(_angle_in, "an angle") for word in ("sin", "cos", "tan")},
-    **{word: _unary(_ratio_in(ANGLE), "a ratio") for word in ("asin", "acos", "atan")},
-    **{word: _unary(_ratio_in(RATIO), "a ratio") for word in ("exp", "log")},
-    **{word: _unary(_ratio_in(COUNT), "a ratio") for word in ("floor", "ceil", "round")},
-    "sqrt": _unary(lambda kind: Scalar(power(kind.dimension, Fraction(1, 2))), "a number"),
-    "abs": _unary(lambda kind: kind, "a number"),
-    "sign": _unary(lambda kind: COUNT, "a number"),
-    "hypot": _several,
-    "min": _extremum,
-    "max": _extremum,
-    "sum": _reduce,
-    "number": _number,
-    "atan2": _atan2,
-    "mod": _mod,
-    "lowest": _lowest,
-    **dict.fromkeys(DRIVES, _drive),
-    "frame": _named(FRAME, {"at": (POINT, True), "out": (DIRECTION, True), "up": (DIRECTION, True)}),
-    "line": _line,
-    "box": _box,
-    "from": _from,
-    "arc": _named(CURVE, {"radius": (LENGTH, True), "angle": (ANGLE, True), "towards": (DIRECTION, False)}),
-    "circle": _named(CURVE, {"radius": (LENGTH, True)}),
-    "rectangle": _named(CURVE, {"width": (LENGTH, True), "height": (LENGTH, True)}),
-    "polygon": _polygon,
-    "offset": _offset,
-}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..diagnostics.suggest import did_you_mean, given
+from ..language import DIRECTIONS, FACES, FUNCTIONS, OWN, TYPES, WORDS
 from ..source import Span
 from ..syntax import ast
 from . import conditions, paths
@@ -12,7 +13,6 @@ from .entries import of_alternative, of_reference
 from .fold import components, constant
 from .guards import consistent
 from .meanings import Declared, Global, Word
-from .names import CONSTRUCTORS, DIRECTIONS, FACES, FUNCTIONS, OWN, RESERVED_TYPES, WORDS
 from .offers import missing
 from .scope import Entry, Scope
 from .symbols import Symbol, is_a
@@ -100,14 +100,16 @@ def _reserved(scope: Scope, kind: str, node: ast.Stmt, name: str) -> str | None:
         return "a member that every part has"
     called = isinstance(node, ast.LetDecl) and node.parameters
     if called:  # `x` alone stays the axis
-        if name in FUNCTIONS or name in CONSTRUCTORS:
+        if name in FUNCTIONS:
             return "a built-in function"
         return "a word of the language" if name in WORDS and name not in DIRECTIONS else None
     if kind == "surface" or kind == "curve" and name == "base":
         return None  # reached after a dot
     if kind in ("port", "slot", "curve", "joint"):
         return "a word of the language" if name in WORDS else None
-    if name in RESERVED_TYPES and kind != "part":  # `part frame` is no riddle: a type name alone says nothing
+    if (
+        name in TYPES and not TYPES[name].free and kind != "part"
+    ):  # `part frame` is no riddle: a type name alone says nothing
         return "a type name"
     if name in WORDS and not (name == "base" and scope.owner.kind == "category"):
         return "a word of the language"

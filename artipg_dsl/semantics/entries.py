@@ -6,12 +6,12 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ..diagnostics.suggest import did_you_mean
+from ..language import TYPES
 from ..syntax import ast
 from . import conditions, foreign
 from .fold import constant
 from .guards import Condition, Or, implies, possible
 from .meanings import Declared, Global
-from .names import TYPE_NAMES
 from .presence import given
 from .scope import Entry, Scope, Variant
 from .types import (
@@ -140,7 +140,7 @@ def of_reference(ck: Checker, ctx: Context, ref: ast.TypeRef) -> Type:
         return Vec(ref.size or 3, DIMENSIONS["ratio"])
     if ref.name in PLACES:
         return PLACES[ref.name] if ref.size is None else Array(PLACES[ref.name])
-    hint = foreign.TYPES.get(ref.name.lower()) or did_you_mean(ref.name, TYPE_NAMES)
+    hint = foreign.TYPES.get(ref.name.lower()) or did_you_mean(ref.name, TYPES)
     symbol = ctx.module.find(ref.name)
     if symbol is not None and symbol.kind in ("role", "template"):
         hint = f"declare a part with `part`; pass in a choice with `style {ref.name}`"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ..language import NUMBERS
 from ..syntax import ast
 from ..units import UNITS
 from .symbols import ModuleScope
@@ -18,6 +19,8 @@ def constant(expr: ast.Expr, module: ModuleScope | None = None) -> float | None:
         case ast.BinaryExpr(op="+" | "-" | "*" | "/" | "^", left=left, right=right):
             a, b = constant(left, module), constant(right, module)
             return None if a is None or b is None else _apply(expr.op, a, b)
+        case ast.NameExpr(name=name) if name in NUMBERS:
+            return NUMBERS[name]
         case ast.NameExpr(name=name) if module is not None:
             symbol = module.find(name)
             if symbol is not None and isinstance(symbol.decl, ast.FunctionDecl) and not symbol.decl.parameters:
@@ -55,6 +58,8 @@ def is_unitless(expr: ast.Expr) -> bool:
     match expr:
         case ast.NumberExpr(unit=unit):
             return unit == ""
+        case ast.NameExpr(name=name):
+            return name in NUMBERS
         case ast.UnaryExpr(operand=operand):
             return is_unitless(operand)
         case ast.BinaryExpr(left=left, right=right):

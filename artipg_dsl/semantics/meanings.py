@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ..language import Form
 from .symbols import Symbol
 
 
@@ -54,9 +55,9 @@ class Global(Meaning):
 
 @dataclass(frozen=True, slots=True)
 class BuiltIn(Meaning):
-    """A function of the language."""
+    """A function of the language, in the form in which it is called here."""
 
-    name: str
+    form: Form
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,10 +75,10 @@ class Axis(Meaning):
 
 
 @dataclass(frozen=True, slots=True)
-class Truth(Meaning):
-    """``true`` or ``false``."""
+class Constant(Meaning):
+    """``true``, ``false`` or ``pi``."""
 
-    value: bool
+    value: float | bool
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,11 +7,11 @@ from pathlib import Path
 
 from ..diagnostics import Report
 from ..diagnostics.suggest import did_you_mean, suggest
+from ..language import reserved_name
 from ..resources import library_dir
 from ..source import Source, Span
 from ..syntax import ast
 from ..syntax.parse import load, parse_once
-from .names import reserved_name
 from .symbols import KINDS, ModuleScope, Symbol
 
 Loader = Callable[[Source, Report], "ast.Module | None"]

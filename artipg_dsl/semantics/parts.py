@@ -6,26 +6,20 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ..diagnostics.suggest import did_you_mean
+from ..language import DIRECTIONS, FACES, MEMBERS
 from ..source import Span
 from ..syntax import ast
 from . import foreign
 from .entries import narrowed
 from .guards import TRUE, Atom, Condition, Not, Or, conjunction
-from .names import DIRECTIONS, FACES
 from .presence import declared, guarded, optional, relevant, renamed
 from .scope import Entry, Scope, Variant
 from .symbols import Symbol
 from .types import (
     BOX,
     CURVE,
-    DIRECTION,
-    EDGE,
     FRAME,
-    LENGTH,
-    LINE,
     PLANE,
-    POINT,
-    SIZE,
     SURFACE,
     UNKNOWN,
     Array,
@@ -37,21 +31,16 @@ from .types import (
     Slot,
     Type,
     Vec,
+    named,
 )
 
 if TYPE_CHECKING:
     from .checker import Checker, Context
 
-BOX_MEMBERS = (*FACES, "center", "size", "box")
+PLACES = {named(of): {m.name: named(m.type) for m in members.values()} for of, members in MEMBERS.items()}
+"""By type: what stands after a dot, and of which type it is."""
 
-PLACES: dict[Type, dict[str, Type]] = {
-    PLANE: {**{face: EDGE for face in FACES}, "center": POINT, "origin": POINT, "out": DIRECTION, "up": DIRECTION},
-    EDGE: {**{face: POINT for face in FACES}, "center": POINT, "origin": POINT, "along": DIRECTION},
-    POINT: {axis: LENGTH for axis in DIRECTIONS},
-    FRAME: {"origin": POINT, "out": DIRECTION, "up": DIRECTION},
-    LINE: {"origin": POINT, "along": DIRECTION},
-    BOX: {**{face: PLANE for face in FACES}, "center": POINT, "size": SIZE, "box": BOX},
-}
+BOX_MEMBERS = tuple(PLACES[BOX])
 
 
 def place_member(obj: Named, word: str) -> Type | None:

@@ -6,14 +6,14 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ..diagnostics.suggest import did_you_mean
+from ..language import DIRECTIONS, FACES, FUNCTIONS, WORDS
 from ..source import Span
 from ..syntax import ast
 from . import foreign
 from .entries import narrowed
 from .fold import constant
 from .guards import TRUE, And, Or, conjunction, consistent, implies
-from .meanings import Axis, Base, Current, Declared, Global, Last, Local, Meaning, OwnBox, Previous, Truth
-from .names import DIRECTIONS, FACES, FUNCTIONS
+from .meanings import Axis, Base, Constant, Current, Declared, Global, Last, Local, Meaning, OwnBox, Previous
 from .parts import BOX_MEMBERS, below, box_member, listed, part_member, path_text, place_member, place_names, present
 from .presence import declared, guarded, of_element, optional
 from .scope import Entry, Scope, Variant
@@ -28,6 +28,7 @@ from .types import (
     MATERIAL,
     PLANE,
     POINT,
+    RATIO,
     SIZE,
     UNKNOWN,
     Array,
@@ -64,9 +65,9 @@ def name(ck: Checker, ctx: Context, expr: ast.NameExpr) -> Type:
     if ctx.scope is not None and word in BOX_MEMBERS:
         ck.mean(expr, OwnBox(word))
         return _own_box(ck, ctx, word, expr.span)
-    if word in ("true", "false"):
-        ck.mean(expr, Truth(word == "true"))
-        return BOOL
+    if word in WORDS and (value := WORDS[word].value) is not None:
+        ck.mean(expr, Constant(value))
+        return BOOL if isinstance(value, bool) else RATIO
     if word == "base":
         ck.mean(expr, Base())
         return BASE
@@ -101,7 +102,9 @@ def _declared(ctx: Context, word: str, home: Scope) -> Meaning:
 
 def unknown_name(ck: Checker, ctx: Context, word: str, span: Span) -> Type:
     """Reports a name that nothing declares."""
-    hint = did_you_mean(word, [*ctx.names(), *DIRECTIONS, "true", "false"]) or foreign.NAMES.get(word)
+    hint = did_you_mean(
+        word, [*ctx.names(), *(w.name for w in WORDS.values() if w.kind != "place")]
+    ) or foreign.NAMES.get(word)
     if hint is None and ctx.scope is not None:
         for scope in below(ctx.scope.root):
             if word in scope.table and scope.repeat is not None:

@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..diagnostics.suggest import any_of, did_you_mean, suggest
+from ..language import DIRECTIONS, FACES
 from ..syntax import ast
 from ..units import UNITS
 from . import foreign
 from .declarations import check_range
 from .fold import components
 from .meanings import Clearance, Word
-from .names import DIRECTIONS, FACES
 from .types import (
     ANGLE,
     BASE,

@@ -241,6 +241,16 @@ PLACES: dict[str, Type] = {
 """Type names that stand for a Named type."""
 
 
+def named(name: str) -> Type:
+    """The type that the tables of the language call so: ``length``, ``length[3]``, ``direction``."""
+    base, _, size = name.rstrip("]").partition("[")
+    if base == "count" or base == "direction":
+        return COUNT if base == "count" else DIRECTION
+    if base in PLACES:
+        return PLACES[base]
+    return Vec(int(size), DIMENSIONS[base]) if size else Scalar(DIMENSIONS[base])
+
+
 def is_number(kind: Type) -> bool:
     """Whether a value can be computed with as one number: a scalar, or a plane read as its coordinate."""
     return isinstance(kind, Scalar) or kind == PLANE

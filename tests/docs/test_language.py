@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from artipg_dsl.diagnostics import CompileError
-from artipg_dsl.semantics import names, types
+from artipg_dsl.language.tables import TABLES
+from artipg_dsl.semantics import types
 from artipg_dsl.syntax.grammar import keywords, machine, reserved_words
 from artipg_dsl.units import UNITS
 
@@ -84,26 +85,17 @@ def test_units() -> None:
     assert told == {unit: (f, types.dimension_name(d)) for unit, (f, d) in UNITS.items()}
 
 
-def test_types() -> None:
-    words = set(re.findall(r"\w+", " ".join(row[0] for row in rows(section("Types")))))
-    assert set(names.TYPE_NAMES) <= words
-
-
-def test_functions() -> None:
-    told = set(re.findall(r"(\w+)\(", " ".join(row[0] for row in rows(section("Functions")))))
-    assert told - {"curve"} == {*names.FUNCTIONS, *names.CONSTRUCTORS}
-
-
-def test_members() -> None:
-    from artipg_dsl.semantics import parts
-
-    told = {}
-    for heads, members in rows(section("Members")):
-        for head in re.findall(r"`(\w+)`", heads):
-            told[head] = re.findall(r"`(\w+)`", members)
-    found = {str(kind.name): sorted(members) for kind, members in parts.PLACES.items()}  # type: ignore[attr-defined]
-    assert {head: sorted(told[head]) for head in found} == found
-    assert set(told["part"]) == set(parts.BOX_MEMBERS)
+def test_tables(update_golden: bool) -> None:
+    """Types, words, functions and members stand there as the tables of the language have them."""
+    current = TEXT
+    for mark, table in TABLES.items():
+        head, begin, rest = current.partition(f"<!-- table {mark} -->\n")
+        assert begin, mark
+        current = head + begin + table() + "<!-- end -->" + rest.partition("<!-- end -->")[2]
+    if update_golden:
+        PAGE.write_text(current, encoding="utf-8")
+    else:
+        assert current == TEXT, "run pytest tests/docs/test_language.py --update-golden, and read the difference"
 
 
 def test_joint_kinds() -> None:

@@ -18,9 +18,11 @@ from ...graph.expr import Expr, Scope
 from ...graph.primitive import Triple, triple
 from ...graph.program import Joint, Pose
 from ...graph.reference import definitions
+from ...language import Form
 from ...syntax import ast
 from ..expressions.context import Context, text_of
 from ..expressions.env import Env
+from ..expressions.evaluate import Evaluator
 from ..solve.solve import lifted
 from ..values.vectors import cross, dot, inverse, minus, norm, place, plus, times
 from .links import MOVING_ABOUT, Links, carried_axis
@@ -30,11 +32,17 @@ from .paths import elements_named, joints
 if TYPE_CHECKING:
     from .labels import Aim
 
-FUNCTIONS = {"pushes": (-1, 1), "pulls": (1, 1), "pushes_back": (-1, -1), "pulls_back": (1, -1)}
+FORCES = {"pushes": (-1, 1), "pulls": (1, 1), "pushes_back": (-1, -1), "pulls_back": (1, -1)}
 """By name: the force along the normal, and whether it moves the joint from rest (1) or back to it (-1)."""
 NEAR = E.const(0.6)  # the cosine of the widest angle between force and motion: 53 degrees
 LEVER = E.const(0.5)  # of the longest lever arm of a target, the shortest that is enough
 ROOM = E.const(1e-3)  # of a range, what is no way to go
+
+
+def driven(ev: Evaluator, node: ast.CallExpr, form: Form) -> Expr:
+    """``pushes(joint)`` in the formula of a label."""
+    assert ev.drive is not None
+    return ev.drive.truth(node, form)
 
 
 class Drive:
@@ -43,10 +51,9 @@ class Drive:
     def __init__(self, links: Links, env: Env, aim: Aim, origin: Pose):
         self.links, self.env, self.aim, self.origin = links, env, aim, origin
 
-    def truth(self, node: ast.CallExpr) -> Expr:
+    def truth(self, node: ast.CallExpr, form: Form) -> Expr:
         """The value of a call, a predicate over ``p`` and ``n``; false on what is there without the joint."""
-        assert isinstance(node.function, ast.NameExpr)
-        force, way = FUNCTIONS[node.function.name]
+        force, way = FORCES[form.name]
         target = node.arguments[0].value
         held = E.FALSE
         for joint in self.joints(target):

@@ -14,14 +14,14 @@ from ...graph.program import Grasp, Keypoint, Label, Pose, Target
 from ...semantics.meanings import Current, Declared, Global
 from ...syntax import ast
 from ...syntax.walk import walk as nodes_in
-from ..expressions.context import Abort, where
+from ..expressions.context import Abort, Context, where
 from ..expressions.env import Element, Env
 from ..expressions.evaluate import Evaluator
 from ..values.carry import moved
 from ..values.faces import extent
 from ..values.kinds import Box, Frame, Line, Ref, Surface, Value, Vec
 from ..values.vectors import compose, inverse, place, unit
-from .drives import FUNCTIONS, Drive
+from .drives import Drive
 from .guards import held, shown
 from .links import Links
 from .looks import Look, sole_look
@@ -215,20 +215,16 @@ def label(links: Links, env: Env, statement: ast.LabelStmt) -> None:
 def acted(links: Links, ev: Evaluator, statement: ast.LabelStmt) -> tuple[int, ...]:
     """The joints that a label is for: the one it names, else those that its formula asks about."""
     assert ev.drive is not None
-    asked = (
-        [statement.joint] if statement.joint is not None else drives_in(statement.where) + drives_in(statement.value)
-    )
+    formulas = (statement.where, statement.value)
+    asked = [statement.joint] if statement.joint is not None else drives_in(ev.env.context, formulas)
     found = [joint for node in asked for joint in ev.drive.joints(node)]
     return tuple(k for k, joint in enumerate(links.context.program.joints) if any(joint is one for one in found))
 
 
-def drives_in(node: ast.Node | None) -> list[ast.Expr]:
-    """What `pushes(joint)` and the like in a formula name."""
-    if isinstance(node, ast.CallExpr) and isinstance(node.function, ast.NameExpr) and node.function.name in FUNCTIONS:
-        return [node.arguments[0].value]
-    inner = [getattr(node, name) for name in node.__dataclass_fields__] if isinstance(node, ast.Node) else []
-    flat = [one for value in inner for one in (value if isinstance(value, tuple) else (value,))]
-    return [found for one in flat if isinstance(one, ast.Node) for found in drives_in(one)]
+def drives_in(context: Context, formulas: tuple[ast.Expr | None, ...]) -> list[ast.Expr]:
+    """What `pushes(joint)` and the like in formulas name."""
+    calls = ((one, context.form(one)) for one in nodes_in(formulas) if isinstance(one, ast.CallExpr))
+    return [call.arguments[0].value for call, form in calls if form is not None and form.kind == "force"]
 
 
 def motion(env: Env, statement: ast.LabelStmt) -> str:

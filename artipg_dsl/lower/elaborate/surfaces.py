@@ -11,8 +11,10 @@ from ...graph.derive import derive
 from ...graph.expr import Column, Expr, Scope
 from ...graph.linear import Linear, isolate
 from ...graph.primitive import Patch, triple
+from ...language import Form
 from ...syntax import ast
-from ..expressions.builtins import chosen, named
+from ..expressions.builtins import bound, chosen
+from ..expressions.context import text_of
 from ..solve.solve import lifted
 from ..values.carry import mapped, mapped_pose, moved, scalars
 from ..values.faces import frame_of
@@ -24,12 +26,20 @@ if TYPE_CHECKING:
     from ..expressions.evaluate import Evaluator
 
 
-def frame_on(ev: Evaluator, surface: Surface, node: ast.CallExpr) -> Frame:
+def frame_on(ev: Evaluator, node: ast.CallExpr, form: Form) -> Frame:
     """The frame at (u, v) of a surface, or at u and a given coordinate: out = outward normal, up = z.
 
     Of several alternatives each is evaluated in the table of the statement, and the one that exists is taken.
     """
-    arguments = named(node, "u", "v")
+    assert isinstance(node.function, ast.MemberExpr)
+    surface, arguments = ev.value(node.function.obj), bound(node, form)
+    if not isinstance(surface, Surface):
+        raise ev.env.context.error(
+            "wrong-kind",
+            node.function.name_span,
+            f"`{text_of(node.function.obj.span)}` binds no surface: `at` is a function of curved surfaces",
+            hint="bind a surface to it, as in `slot face = body.wall`",
+        )
     scope = ev.env.scope
     u = ev.scalar(arguments["u"])
     found: list[tuple[Expr, Frame]] = []
@@ -65,9 +75,7 @@ def solve_v(
     """The v at which a coordinate of the surface takes the given value."""
     axis = next((a for a in AXES if a in arguments), None)
     if axis is None:
-        raise ev.env.context.error(
-            "wrong-arguments", node.span, "`at` takes u and v, or u and one coordinate (z = ...)"
-        )
+        raise ev.env.context.internal(node.span, "neither v nor a coordinate is given")
     coordinate = E.substitute(patch.position[AXES.index(axis)], {**mapping, E.var("u"): u})
     marker = Column(coordinate.scope or Scope("surface"), "v")
     target = E.col(marker)

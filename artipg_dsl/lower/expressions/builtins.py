@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterator
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -9,22 +10,20 @@ from typing import TYPE_CHECKING, Any
 from ...graph import expr as E
 from ...graph.expr import Expr
 from ...graph.primitive import triple
+from ...language import Form
 from ...source import Span
 from ...syntax import ast
 from ..values.carry import mapped, scalars
 from ..values.faces import FACES, extent, frame_of, squared
-from ..values.kinds import Box, Frame, Line, Ports, Surface, Value
-from ..values.vectors import dot, minus, normalized, times, unit
+from ..values.kinds import Box, Frame, Line, Ports, Value
+from ..values.vectors import dot, minus, normalized, times
 from .arithmetic import applied
 from .env import Element
-from .members import describe
 
 if TYPE_CHECKING:
+    from .context import Makes
     from .env import Env
     from .evaluate import Evaluator
-
-SCALAR = frozenset("sin cos tan asin acos atan atan2 sqrt abs floor ceil exp log sign mod".split())
-"""Functions of numbers that the graph has too, under the same names."""
 
 
 def pick(ports: Ports, index: Expr, env: Env, span: Span) -> Value:
@@ -52,104 +51,81 @@ def chosen(here: Expr, others: Iterator[Expr], otherwise: Expr) -> Expr:
     return E.where(here, next(others), otherwise)
 
 
-def function(ev: Evaluator, node: ast.CallExpr, name: str) -> Value:
-    """A call of a function of the language."""
-    context = ev.env.context
-    if name in SCALAR:
-        arguments = [ev.scalar(a.value) for a in node.arguments]
-        return applied(ev, node, name, arguments)
-    if name == "round":
-        return E.call("floor", E.add(ev.scalar(node.arguments[0].value), E.const(0.5)))
-    if name == "hypot":
-        arguments = [ev.scalar(a.value) for a in node.arguments]
-        total = arguments[0]
-        for other in arguments[1:]:
-            total = E.call("hypot", total, other)
-        return total
-    if name in ("sum", "min", "max", "number") and len(node.arguments) == 1:
-        return reduction(ev, name, node.arguments[0].value)
-    if name in ("min", "max"):
-        arguments = [ev.scalar(a.value) for a in node.arguments]
-        return (E.minimum if name == "min" else E.maximum)(*arguments)
-    if name == "offset":
-        return context.makers.offset(ev, node)
-    if name == "frame":
-        return make_frame(ev, node)
-    if name == "line":
-        return make_line(ev, node)
-    if name == "box":
-        return make_box(ev, node)
-    if name == "lowest":
-        box = ev.box(node.arguments[0].value)
-        return dot(times(ev.direction(node.arguments[1].value), E.const(1.0)), farthest(box, ev, node))
-    raise context.error("unknown-name", node.function.span, f"there is no function `{name}`")
+def of_graph(ev: Evaluator, node: ast.CallExpr, form: Form) -> Expr:
+    """A function of numbers that the graph has too, under the same name."""
+    return applied(ev, node, form.name, numbers(ev, node))
 
 
-def farthest(box: Box, ev: Evaluator, node: ast.CallExpr) -> tuple[Expr, Expr, Expr]:
-    """The point of a box that lies farthest along a direction."""
-    direction = ev.direction(node.arguments[1].value)
-    outer = extent(box)
-    point = []
-    for k in range(3):
-        sign = direction[k].constant
-        point.append(outer.low[k] if sign is not None and sign < 0 else outer.high[k])
-    return triple(point)
+def rounded(ev: Evaluator, node: ast.CallExpr, form: Form) -> Expr:
+    return E.call("floor", E.add(ev.scalar(node.arguments[0].value), E.const(0.5)))
 
 
-def named(node: ast.CallExpr, *order: str) -> dict[str, ast.Expr]:
-    """Arguments by name; positional ones take the names of ``order``."""
-    found: dict[str, ast.Expr] = {}
-    for k, argument in enumerate(node.arguments):
-        found[argument.name or (order[k] if k < len(order) else str(k))] = argument.value
-    return found
+def hypotenuse(ev: Evaluator, node: ast.CallExpr, form: Form) -> Expr:
+    return functools.reduce(partial(E.call, "hypot"), numbers(ev, node))
 
 
-def need(ev: Evaluator, node: ast.CallExpr, arguments: dict[str, ast.Expr], name: str) -> ast.Expr:
-    if name not in arguments:
-        raise ev.env.context.error("wrong-arguments", node.span, f"the argument `{name}` is missing")
-    return arguments[name]
+def least(ev: Evaluator, node: ast.CallExpr, form: Form) -> Expr:
+    return E.minimum(*numbers(ev, node))
+
+
+def greatest(ev: Evaluator, node: ast.CallExpr, form: Form) -> Expr:
+    return E.maximum(*numbers(ev, node))
+
+
+def lowest(ev: Evaluator, node: ast.CallExpr, form: Form) -> Expr:
+    """How far a box reaches along a direction."""
+    given = bound(node, form)
+    outer, direction = extent(ev.box(given["part"])), ev.direction(given["direction"])
+    signs = (d.constant for d in direction)
+    corners = zip(signs, outer.low, outer.high, strict=True)
+    point = triple(low if sign is not None and sign < 0 else high for sign, low, high in corners)
+    return dot(times(direction, E.const(1.0)), point)
+
+
+def numbers(ev: Evaluator, node: ast.CallExpr) -> list[Expr]:
+    return [ev.scalar(a.value) for a in node.arguments]
+
+
+def bound(node: ast.CallExpr, form: Form) -> dict[str, ast.Expr]:
+    """Arguments by the names of their parameters, of a form that takes each once."""
+    parameters = form.bind([a.name for a in node.arguments])
+    return {p.name: a.value for a, p in zip(node.arguments, parameters, strict=True) if p is not None}
 
 
 def carriers(value: Value) -> tuple[Any, ...]:
     return getattr(value, "on", ())
 
 
-def make_frame(ev: Evaluator, node: ast.CallExpr) -> Frame:
-    arguments = named(node, "at", "out", "up")
-    at = need(ev, node, arguments, "at")
-    place_value = ev.value(at)
-    origin = ev.vector(at)
-    out = ev.direction(need(ev, node, arguments, "out"))
-    up = ev.direction(arguments["up"]) if "up" in arguments else unit(0 if abs(out[2].constant or 0) == 1 else 2)
-    return Frame(origin, frame_of(out, up), carriers(place_value))
+def frame(ev: Evaluator, node: ast.CallExpr, form: Form) -> Frame:
+    given = bound(node, form)
+    return Frame(
+        ev.vector(given["at"]),
+        frame_of(ev.direction(given["out"]), ev.direction(given["up"])),
+        carriers(ev.value(given["at"])),
+    )
 
 
-def make_line(ev: Evaluator, node: ast.CallExpr) -> Line:
-    arguments = named(node, "at")
-    at = need(ev, node, arguments, "at")
-    value, point = ev.value(at), ev.vector(at)
-    if "to" in arguments:
-        to = ev.vector(arguments["to"])
-        return Line(point, normalized(minus(to, point)), to, carriers(value))
-    return Line(point, normalized(ev.direction(need(ev, node, arguments, "along"))), None, carriers(value))
+def line(ev: Evaluator, node: ast.CallExpr, form: Form) -> Line:
+    given = bound(node, form)
+    point, on = ev.vector(given["at"]), carriers(ev.value(given["at"]))
+    if "to" in given:
+        to = ev.vector(given["to"])
+        return Line(point, normalized(minus(to, point)), to, on)
+    return Line(point, normalized(ev.direction(given["along"])), None, on)
 
 
-def make_box(ev: Evaluator, node: ast.CallExpr) -> Box:
+def box(ev: Evaluator, node: ast.CallExpr, form: Form) -> Box:
     """``box(front = a, ...)``: faces that are left out are the template's own."""
     own = ev.own_box()
     own = squared(own) if own is not None else None
     low: list[Expr | None] = list(own.low) if own is not None else [None] * 3
     high: list[Expr | None] = list(own.high) if own is not None else [None] * 3
     on: tuple[Any, ...] = ()
-    for argument in node.arguments:
-        if argument.name not in FACES:
-            raise ev.env.context.error(
-                "wrong-arguments", argument.span, "box takes front, back, left, right, top, bottom"
-            )
-        axis, sign = FACES[argument.name]
-        value = ev.value(argument.value)
+    for name, argument in bound(node, form).items():
+        axis, sign = FACES[name]
+        value = ev.value(argument)
         on += carriers(value)
-        coordinate = ev.number(value, argument.value.span)
+        coordinate = ev.number(value, argument.span)
         (high if sign > 0 else low)[axis] = coordinate
     missing = [n for n, (a, s) in FACES.items() if (high if s > 0 else low)[a] is None]
     if missing:
@@ -161,8 +137,22 @@ def make_box(ev: Evaluator, node: ast.CallExpr) -> Box:
     return Box(triple(c for c in low if c is not None), triple(c for c in high if c is not None), on=on)
 
 
-def reduction(ev: Evaluator, name: str, node: ast.Expr) -> Expr:
+def count(ev: Evaluator, node: ast.CallExpr, form: Form) -> Expr:
+    """How many elements a repeat has."""
+    return repeat_of(ev, node.arguments[0].value, form).count
+
+
+def reduction(ev: Evaluator, node: ast.CallExpr, form: Form) -> Expr:
     """``sum(cell.size.z)``: over the elements of the repeat that the path goes through."""
+    argument = node.arguments[0].value
+    value = type(ev)(repeat_of(ev, argument, form).env).scalar(argument)
+    while value.scope is not None and not ev.env.scope.within(value.scope):
+        value = E.reduce(form.name, value.scope, value)
+    return value
+
+
+def repeat_of(ev: Evaluator, node: ast.Expr, form: Form) -> Element:
+    """The repeat that a path goes through."""
     base = node
     while isinstance(base, ast.MemberExpr | ast.IndexExpr | ast.CallExpr | ast.BinaryExpr | ast.UnaryExpr):
         base = (
@@ -177,21 +167,24 @@ def reduction(ev: Evaluator, name: str, node: ast.Expr) -> Expr:
     element = ev.value(base) if isinstance(base, ast.NameExpr) else None
     if not isinstance(element, Element) or ev.inside(element):
         raise ev.env.context.error(
-            "wrong-kind", node.span, f"`{name}` of one value needs a path through a repeat, such as {name}(cell.size.z)"
+            "wrong-kind",
+            node.span,
+            f"`{form.name}` of one value needs a path through a repeat, such as {form.name}(cell.size.z)",
         )
-    if name == "number":
-        return element.count
-    value = type(ev)(element.env).scalar(node)
-    while value.scope is not None and not ev.env.scope.within(value.scope):
-        value = E.reduce(name, value.scope, value)
-    return value
+    return element
 
 
-def method(ev: Evaluator, node: ast.CallExpr) -> Value:
-    """``body.wall.at(u, z = h)``: a frame on a curved surface."""
-    function = node.function
-    assert isinstance(function, ast.MemberExpr)
-    owner = ev.value(function.obj)
-    if function.name == "at" and isinstance(owner, Surface):
-        return ev.env.context.makers.frame_on(ev, owner, node)
-    raise ev.env.context.error("unknown-member", function.name_span, f"{describe(owner)} has no `{function.name}(...)`")
+FUNCTIONS: dict[str, Makes] = {
+    "graph": of_graph,
+    "round": rounded,
+    "hypot": hypotenuse,
+    "least": least,
+    "greatest": greatest,
+    "reduce": reduction,
+    "count": count,
+    "lowest": lowest,
+    "frame": frame,
+    "line": line,
+    "box": box,
+}
+"""What calls mean, by the ``meaning`` that the table of functions gives a form; rooms above add theirs (``Makers``)."""

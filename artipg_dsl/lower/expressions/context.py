@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ...diagnostics import Report
 from ...errors import InternalError
@@ -13,7 +13,8 @@ from ...graph import expr as E
 from ...graph.expr import Column, Expr, Scope, ScopeError
 from ...graph.interval import Interval
 from ...graph.program import Draw, Program, Where
-from ...semantics.meanings import Global, Meaning
+from ...language import Form
+from ...semantics.meanings import BuiltIn, Global, Meaning
 from ...semantics.symbols import Symbol
 from ...source import Span
 from ...syntax import ast
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from ...semantics.check import TypedProgram
     from ..elaborate.part import Part
     from ..elaborate.ranges import Quantity
-    from ..values.kinds import Surface, Value
+    from ..values.kinds import Value
     from .env import Env
     from .evaluate import Evaluator
 
@@ -92,14 +93,16 @@ class Fetched:
     guard: Expr
 
 
+Makes: TypeAlias = "Callable[[Evaluator, ast.CallExpr, Form], Value]"
+
+
 @dataclass(frozen=True, slots=True)
 class Makers:
     """What rooms above make when an expression asks for it: the branches of a ``when``, each with its statements, as soon
-    as a name is looked for there; ``offset(skin(v), d)`` of a curve; ``wall.at(u, v)`` of a surface."""
+    as a name is looked for there; what calls of functions mean, by the ``meaning`` of a form."""
 
     enter_when: Callable[[Env, ast.WhenStmt], list[tuple[Env, tuple[ast.Stmt, ...]]]]
-    offset: Callable[[Evaluator, ast.CallExpr], Value]
-    frame_on: Callable[[Evaluator, Surface, ast.CallExpr], Value]
+    functions: Mapping[str, Makes]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -170,6 +173,11 @@ class Context:
     def meaning(self, node: ast.Node) -> Meaning | None:
         """What a name stands for, as the checker found; None for what is no name."""
         return self.typed.meanings.get(id(node))
+
+    def form(self, node: ast.Expr) -> Form | None:
+        """The function of the language that is called, in the form that the checker chose; None for what is no such call."""
+        meaning = self.meaning(node.function) if isinstance(node, ast.CallExpr) else None
+        return meaning.form if isinstance(meaning, BuiltIn) else None
 
     def symbol(self, node: ast.Node) -> Symbol | None:
         """The declaration of a file that a node names: a role, a template, a material, a vocabulary."""

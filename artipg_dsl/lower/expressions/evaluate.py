@@ -7,20 +7,7 @@ from typing import TYPE_CHECKING, Any
 from ...graph import expr as E
 from ...graph.expr import Expr, ScopeError
 from ...graph.program import Pose
-from ...semantics import names
-from ...semantics.meanings import (
-    Axis,
-    BuiltIn,
-    Current,
-    Declared,
-    Global,
-    Last,
-    Local,
-    Meaning,
-    OwnBox,
-    Previous,
-    Truth,
-)
+from ...semantics.meanings import Axis, Constant, Current, Declared, Global, Last, Local, Meaning, OwnBox, Previous
 from ...semantics.symbols import Symbol
 from ...source import Span
 from ...syntax import ast
@@ -103,6 +90,8 @@ class Evaluator:
         return self.box_of(self.value(node), node.span)
 
     def box_of(self, value: Value, span: Span) -> Box:
+        if isinstance(value, At):
+            return members.fetch(self, value, Evaluator(value.element.env).box_of(value.inner, span))
         if isinstance(value, Ref):
             value = self.ref_box(value, span)
         if isinstance(value, Element) and value.box is not None:
@@ -209,7 +198,7 @@ class Evaluator:
                 return None if own is None else self.box_member(own, name)
             case Axis(number):
                 return Vec(unit(number))
-            case Truth(value):
+            case Constant(value):
                 return E.const(value)
             case Global(symbol) if symbol.kind == "function":
                 function = self.module_function(symbol)
@@ -253,16 +242,12 @@ class Evaluator:
     # ------------------------------------------------------------ calls
 
     def _call(self, node: ast.CallExpr) -> Value:
-        if isinstance(node.function, ast.MemberExpr):
-            return builtins.method(self, node)
-        meaning = self.env.context.meaning(node.function)
-        if isinstance(meaning, BuiltIn):
-            if self.drive is not None and meaning.name in names.DRIVES:
-                return self.drive.truth(node)
-            return builtins.function(self, node, meaning.name)
-        function = self.meant(meaning)
+        context = self.env.context
+        if (form := context.form(node)) is not None:
+            return context.makers.functions[form.meaning](self, node, form)
+        function = self.meant(context.meaning(node.function))
         if not isinstance(function, Function):
-            raise self.env.context.internal(node.span, "no function is known here")
+            raise context.internal(node.span, "no function is known here")
         return self.called(function, tuple(self.value(a.value) for a in node.arguments))
 
     def called(self, function: Function, values: tuple[Value, ...]) -> Value:

@@ -12,8 +12,9 @@ from ...graph import expr as E
 from ...graph.derive import derive
 from ...graph.expr import ONE, ZERO, Expr
 from ...graph.primitive import pair
+from ...language import Form
 from ...syntax import ast
-from ..expressions.builtins import named, need
+from ..expressions.builtins import bound
 from ..expressions.env import Env, Function
 from ..expressions.evaluate import Evaluator
 from ..expressions.members import describe
@@ -58,10 +59,10 @@ class Curve(Function):
         )
 
 
-def offset(ev: Evaluator, node: ast.CallExpr) -> Vec:
+def offset(ev: Evaluator, node: ast.CallExpr, form: Form) -> Vec:
     """``offset(skin(v), d)``: the place at distance d to the right of the curve (outwards where it runs upwards)."""
-    arguments = named(node, "curve", "distance")
-    call, distance = need(ev, node, arguments, "curve"), ev.scalar(need(ev, node, arguments, "distance"))
+    given = bound(node, form)
+    call, distance = given["curve"], ev.scalar(given["distance"])
     curve, at = None, V
     if isinstance(call, ast.CallExpr) and isinstance(call.function, ast.NameExpr) and len(call.arguments) == 1:
         curve, at = named_curve(ev, call.function), ev.scalar(call.arguments[0].value)
@@ -99,11 +100,9 @@ def spans_of(ev: Evaluator, node: ast.Expr) -> list[Span]:
             if curve.parameters:
                 return [Span(curve.name, plane(ev, curve.point(), node.span), *curve.ends())]
             return [Span(curve.name, s.position, s.low, s.high) for s in spans_of(Evaluator(curve.env), curve.value)]
-    if isinstance(node, ast.CallExpr) and isinstance(node.function, ast.NameExpr):
-        if node.function.name in OUTLINES:
-            return OUTLINES[node.function.name](ev, node)
-        if node.function.name == "offset":
-            return offset_spans(ev, node)
+    form = ev.env.context.form(node)
+    if form is not None and form.kind == "curve" and isinstance(node, ast.CallExpr):
+        return OUTLINES[form.meaning](ev, node, form)
     raise ev.env.context.error(
         "wrong-kind",
         node.span,
@@ -118,35 +117,33 @@ def plane(ev: Evaluator, point: tuple[Expr, ...], place: Place) -> Point:
     return point
 
 
-def offset_spans(ev: Evaluator, node: ast.CallExpr) -> list[Span]:
-    value = offset(Evaluator(ev.env, ev.local), node)
+def offset_spans(ev: Evaluator, node: ast.CallExpr, form: Form) -> list[Span]:
+    value = offset(Evaluator(ev.env, ev.local), node, form)
     first = node.arguments[0].value
     curve = named_curve(ev, first.function if isinstance(first, ast.CallExpr) else first)
     assert isinstance(curve, Curve)
     return [Span(f"{curve.name}_offset", pair(value.items), *curve.ends())]
 
 
-def circle(ev: Evaluator, node: ast.CallExpr) -> list[Span]:
-    radius = ev.scalar(need(ev, node, named(node, "radius"), "radius"))
+def circle(ev: Evaluator, node: ast.CallExpr, form: Form) -> list[Span]:
+    radius = ev.scalar(bound(node, form)["radius"])
     return [Span("skin", (E.mul(radius, E.call("cos", V)), E.mul(radius, E.call("sin", V))), ZERO, E.const(TURN))]
 
 
-def rectangle(ev: Evaluator, node: ast.CallExpr) -> list[Span]:
-    arguments = named(node, "width", "height")
-    a, b = (E.mul(ev.scalar(need(ev, node, arguments, k)), E.const(0.5)) for k in ("width", "height"))
+def rectangle(ev: Evaluator, node: ast.CallExpr, form: Form) -> list[Span]:
+    given = bound(node, form)
+    a, b = (E.mul(ev.scalar(given[k]), E.const(0.5)) for k in ("width", "height"))
     corners = [(E.neg(a), E.neg(b)), (a, E.neg(b)), (a, b), (E.neg(a), b)]
     return closed("skin", corners)
 
 
-def polygon(ev: Evaluator, node: ast.CallExpr) -> list[Span]:
+def polygon(ev: Evaluator, node: ast.CallExpr, form: Form) -> list[Span]:
     corners: list[Point] = []
     for argument in node.arguments:
         value = ev.value(argument.value)
         if not isinstance(value, Vec) or len(value.items) != 2:
             raise ev.wrong(argument.span, "a corner [a, b]", value)
         corners.append(value.items)
-    if len(corners) < 3:
-        raise ev.env.context.error("wrong-arguments", node.span, "a polygon has at least three corners")
     return closed("skin", corners)
 
 
@@ -155,4 +152,5 @@ def closed(name: str, corners: list[Point]) -> list[Span]:
     return [Span(name, between(name, a, b).position) for a, b in ends]
 
 
-OUTLINES = {"circle": circle, "rectangle": rectangle, "polygon": polygon}
+OUTLINES = {"circle": circle, "rectangle": rectangle, "polygon": polygon, "offset": offset_spans}
+"""Closed and moved curves, by the ``meaning`` of their forms."""

@@ -56,14 +56,8 @@ ROUND = 24  # corners of a slice
 
 def solid_of(env: Env, solid: ast.SolidDecl) -> Made:
     """The solid of ``solid = operator(curves) ...``; raises Abort after a diagnostic where it cannot be made."""
-    makers = {"lathe": lathe, "extrude": extrude, "sweep": sweep if round_sections(solid) else swept, "loft": loft}
-    if solid.operator not in makers:
-        raise env.context.error(
-            "unknown-function",
-            solid.span,
-            f"there is no operator `{solid.operator}`",
-            hint="there are " + ", ".join(makers),
-        )
+    swung = sweep if round_sections(env.context, solid) else swept
+    makers = {"lathe": lathe, "extrude": extrude, "sweep": swung, "loft": loft}
     return makers[solid.operator](env, solid)
 
 

@@ -22,7 +22,7 @@ from ...graph.expr import ONE, ZERO, Expr
 from ...graph.interval import Interval, Intervals
 from ...graph.primitive import Triple, triple
 from ...syntax import ast
-from ..expressions.builtins import named, need
+from ..expressions.builtins import bound
 from ..expressions.evaluate import Evaluator
 from ..values.vectors import dot, minus, normalized, plus, times
 from .curves import Curve
@@ -63,6 +63,13 @@ class Stretch:
         return triple(E.substitute(c, {V: E.wrap(value)}) for c in self.direction)
 
 
+def number(ev: Evaluator, node: ast.Expr) -> tuple[Expr, ...]:
+    return (ev.scalar(node),)
+
+
+READ = {"point": Evaluator.vector, "direction": Evaluator.direction}  # what is not one number
+
+
 def steps_of(curve: Curve) -> tuple[Step, ...]:
     """The words of a path; raises Abort after a diagnostic where the curve is none."""
     ev = Evaluator(curve.env)
@@ -79,19 +86,12 @@ def steps_of(curve: Curve) -> tuple[Step, ...]:
         v = E.add(low, E.mul(V, E.sub(high, low)))
         return (Step("formula", tuple(E.substitute(c, {V: v}) for c in point)),)
     found = []
-    numbers: tuple[Expr, ...]
     for piece in curve.value.pieces:
-        word = piece.function.name
-        if word == "from":
-            given = named(piece, "at", "along")
-            numbers = (*ev.vector(need(ev, piece, given, "at")), *ev.direction(need(ev, piece, given, "along")))
-        elif word == "line":
-            numbers = (ev.scalar(need(ev, piece, named(piece, "length"), "length")),)
-        else:
-            given = named(piece, "radius", "angle", "towards")
-            radius, angle = (ev.scalar(need(ev, piece, given, k)) for k in ("radius", "angle"))
-            numbers = (radius, angle, *ev.direction(need(ev, piece, given, "towards")))
-        found.append(Step(word, numbers))
+        form = ev.env.context.form(piece)
+        assert form is not None
+        given = bound(piece, form)
+        numbers = (n for p in form.parameters for n in READ.get(p.type, number)(ev, given[p.name]))
+        found.append(Step(form.name, tuple(numbers)))
     if len(found) < 2:
         raise curve.env.context.error(
             "bad-curve", curve.value.span, f"the path `{curve.name}` has no length", hint="add line(...) or arc(...)"

@@ -14,7 +14,8 @@ from ...graph import expr as E
 from ...graph.expr import ONE, ZERO, Expr
 from ...graph.primitive import Patch, Piece, Triple, triple
 from ...syntax import ast
-from ..expressions.builtins import named, need
+from ..expressions.builtins import bound
+from ..expressions.context import Context
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..values.vectors import cross, dot, minus, plus, times
@@ -69,19 +70,16 @@ def sweep(env: Env, solid: ast.SolidDecl) -> Made:
     )
 
 
-def round_sections(solid: ast.SolidDecl) -> bool:
+def round_sections(context: Context, solid: ast.SolidDecl) -> bool:
     """Whether all sections are circles; others are swept by ``loft``."""
-    calls = [a.value for a in solid.arguments]
-    return all(
-        isinstance(c, ast.CallExpr) and isinstance(c.function, ast.NameExpr) and c.function.name == "circle"
-        for c in calls
-    )
+    forms = (context.form(a.value) for a in solid.arguments)
+    return all(form is not None and form.meaning == "circle" for form in forms)
 
 
 def section_radius(ev: Evaluator, argument: ast.Argument) -> Expr:
-    node = argument.value
-    assert isinstance(node, ast.CallExpr)
-    return ev.scalar(need(ev, node, named(node, "radius"), "radius"))
+    node, form = argument.value, ev.env.context.form(argument.value)
+    assert isinstance(node, ast.CallExpr) and form is not None
+    return ev.scalar(bound(node, form)["radius"])
 
 
 def ring(center: Triple, axes: tuple[Triple, Triple], radius: Expr, angle: Expr = U) -> Triple:
