@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .diagnostics import CompileError, Report, did_you_mean
+from .garbage import uncollected
 from .resources import categories_dir, library_dir
 from .semantics.check import TypedProgram, check
 from .semantics.modules import Workspace
@@ -95,6 +96,10 @@ class Session:
     @cached_property
     def lowering(self) -> Lowering | None:
         """The constraint graph of the category; None after errors, and for a file without a category."""
+        with uncollected():
+            return self._lowered()
+
+    def _lowered(self) -> Lowering | None:
         from . import solids
         from .lower.program import lower_category
 

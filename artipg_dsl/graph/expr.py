@@ -386,6 +386,11 @@ def leaves(root: Expr, *, through: bool = True) -> set[Column]:
 
 def substitute(root: Expr, mapping: dict[Expr, Expr]) -> Expr:
     """Replace nodes (columns or variables, as a rule) throughout, folding again."""
+    return substitute_all((root,), mapping)[0]
+
+
+def substitute_all(roots: Iterable[Expr], mapping: dict[Expr, Expr]) -> list[Expr]:
+    """As ``substitute``, in several expressions; what they share is replaced once."""
     memo: dict[int, Expr] = {}
     sought = 0  # the variables to be replaced; -1 where other nodes are
     for key in mapping:
@@ -403,7 +408,7 @@ def substitute(root: Expr, mapping: dict[Expr, Expr]) -> Expr:
             memo[id(node)] = done
         return done
 
-    return visit(root)
+    return list(map(visit, roots))
 
 
 _BUILDERS: dict[str, Callable[..., Expr]] = {

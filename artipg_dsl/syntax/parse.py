@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import gc
 from pathlib import Path
 from threading import Lock
 
 from lark import UnexpectedInput
 
 from ..diagnostics import Report
+from ..garbage import uncollected
 from ..source import Source, Span
 from . import ast
 from .grammar import Machine, machine
@@ -52,15 +52,8 @@ def load(path: Path, report: Report, name: str | None = None) -> Source | None:
 
 def parse(source: Source, report: Report) -> ast.Module | None:
     """The tree of a source, or None after reporting why there is none."""
-    with _ONE_AT_A_TIME:
-        tools = machine()
-        enabled = gc.isenabled()
-        gc.disable()  # the tree is kept whole: collecting while it grows only costs time
-        try:
-            return _parse(tools, source, report)
-        finally:
-            if enabled:
-                gc.enable()
+    with _ONE_AT_A_TIME, uncollected():
+        return _parse(machine(), source, report)
 
 
 def parse_once(source: Source, report: Report) -> ast.Module | None:

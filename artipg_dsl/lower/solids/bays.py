@@ -70,7 +70,7 @@ def mixed(a: Span, b: Span, blend: Expr) -> Span:
 
 
 def swapped(point: Sequence[Expr], mapping: dict[Expr, Expr]) -> Point:
-    return pair(E.substitute(c, mapping) for c in point)
+    return pair(E.substitute_all(point, mapping))
 
 
 # ---------------------------------------------------------------- pieces

@@ -65,7 +65,7 @@ def at(vector: Triple) -> Vector:
     def there(v: float | Expr) -> Triple:
         place = E.wrap(v)
         if place not in known:
-            known[place] = triple(E.substitute(c, {V: place}) for c in vector)
+            known[place] = triple(E.substitute_all(vector, {V: place}))
         return known[place]
 
     return there
@@ -77,7 +77,8 @@ def sine(probe: Probe, direction: Triple, axis: Triple) -> np.ndarray:
 
 def least(probe: Probe, rails: list[Stretch], axis: Triple) -> float:
     """The sine of the least angle between a path and an axis."""
-    return float(min(sine(probe, rail.towards(k / 64), axis).min() for rail in rails for k in range(65)))
+    across = (probe.along(cross(axis, rail.direction), [k / 64 for k in range(65)], V) for rail in rails)
+    return float(min(np.nan_to_num(np.sqrt((seen**2).sum(axis=1))).min() for seen in across))
 
 
 def upright(rail: Stretch, up: Triple) -> Frames:

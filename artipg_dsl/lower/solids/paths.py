@@ -57,10 +57,10 @@ class Stretch:
     angle: Expr = ZERO
 
     def at(self, value: float | Expr) -> Triple:
-        return triple(E.substitute(c, {V: E.wrap(value)}) for c in self.place)
+        return triple(E.substitute_all(self.place, {V: E.wrap(value)}))
 
     def towards(self, value: float | Expr) -> Triple:
-        return triple(E.substitute(c, {V: E.wrap(value)}) for c in self.direction)
+        return triple(E.substitute_all(self.direction, {V: E.wrap(value)}))
 
 
 def number(ev: Evaluator, node: ast.Expr) -> tuple[Expr, ...]:
@@ -125,8 +125,7 @@ def stretches(steps: Iterable[Step]) -> list[Stretch]:
 
 def angles(probe: Probe, rail: Stretch, steps: int) -> np.ndarray:
     """(steps, rows): the angles between a path's directions at the ends of equal steps, half a turn at the most."""
-    places = [rail.towards(k / steps) for k in range(steps + 1)]
-    seen = np.nan_to_num(probe(*(c for d in places for c in d)).reshape(steps + 1, 3, -1))
+    seen = np.nan_to_num(probe.along(rail.direction, [k / steps for k in range(steps + 1)], V))
     return np.arccos(np.clip((seen[1:] * seen[:-1]).sum(axis=1), -1.0, 1.0))
 
 

@@ -6,7 +6,7 @@ test value that meets the primitive's requirements.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -62,6 +62,17 @@ class Probe:
         """(expressions, rows): their values; nan where a formula has none."""
         with np.errstate(all="ignore"):
             return np.array([np.asarray(v, dtype=np.float64) for v in evaluate(exprs, {**self.values})])
+
+    def along(self, exprs: Sequence[Expr], places: Sequence[float], variable: Expr) -> np.ndarray:
+        """(places, expressions, rows): their values where a variable has each of several values, at once."""
+        values: dict[str, np.ndarray | float] = {**self.values, str(variable.value): np.array(places)[:, None]}
+        with np.errstate(all="ignore"):
+            seen = np.stack([np.asarray(v, dtype=np.float64) for v in evaluate(exprs, values)], axis=1)
+        if np.isfinite(seen).all():
+            return seen
+        # 0 times what has no value is 0 where the 0 is written: only a formula of its own at each place tells
+        each = [self(*(E.substitute(e, {variable: E.wrap(place)}) for e in exprs)) for place in places]
+        return np.stack(each)
 
     def zero(self, *exprs: Expr) -> bool:
         """Whether all of the lengths vanish for every test value."""

@@ -81,7 +81,7 @@ Loop = tuple[Side, ...]
 
 
 def substituted(point: Point, value: Expr) -> Point:
-    return pair(E.substitute(c, {V: value}) for c in point)
+    return pair(E.substitute_all(point, {V: value}))
 
 
 def between(name: str, a: Point, b: Point) -> Span:
@@ -114,9 +114,8 @@ def clamp(value: Expr, low: float, high: float) -> Expr:
 
 def samples(probe: Probe, span: Span, count: int) -> np.ndarray:
     """(rows, count + 1, 2): places at equal steps."""
-    points = [span.fraction(k / count) for k in range(count + 1)]
-    values = probe(*(c for p in points for c in p))
-    return np.ascontiguousarray(values.T).reshape(-1, count + 1, 2)
+    values = probe.along(span.by_fraction, [k / count for k in range(count + 1)], V)
+    return np.ascontiguousarray(values.transpose(2, 0, 1))
 
 
 def turning(points: np.ndarray) -> np.ndarray:
@@ -374,7 +373,7 @@ def crests(probe: Probe, height: Expr, windows: int = 1) -> list[Expr]:
 
 def rises(probe: Probe, height: Expr) -> bool:
     """Whether a function of v is greater somewhere between its ends than at both: at some step, or by its slopes there."""
-    values = probe(*(E.substitute(height, {V: E.const(k / 32)}) for k in range(33)))
+    values = probe.along([height], [k / 32 for k in range(33)], V)[:, 0]
     ends = np.maximum(values[0], values[-1])
     if (values.max(axis=0) > ends + 1e-12).any():
         return True

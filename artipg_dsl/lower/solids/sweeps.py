@@ -220,11 +220,10 @@ def step_count(probe: Probe, piece: Stretch, radius: Expr, bore: Expr | None) ->
         return 1
     wall = probe(E.sub(radius, bore) if bore is not None else E.mul(radius, E.const(0.5)))[0]
     for count in (*range(3, 24), 32, 48, 64, 96, 128, 192):
-        cuts = []
-        for k in range(count):
-            ends = plus(piece.at(k / count), piece.at((k + 1) / count))
-            cuts.append(length_of(minus(piece.at((k + 0.5) / count), times(ends, E.const(0.5)))))
+        seen = probe.along(piece.place, [k / (2 * count) for k in range(2 * count + 1)], V)
+        off = seen[1::2] - (seen[:-1:2] + seen[2::2]) / 2
+        cuts = np.sqrt((off**2).sum(axis=1))
         turns = probe(piece.angle)[0] / count if piece.center is not None else np.zeros(1)
-        if (probe(*cuts).max(axis=0) <= wall / 8).mean() > 0.98 and turns.max() <= np.radians(31.0):
+        if (cuts.max(axis=0) <= wall / 8).mean() > 0.98 and turns.max() <= np.radians(31.0):
             return count
     return 192
