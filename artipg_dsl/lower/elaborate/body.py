@@ -17,7 +17,7 @@ from ..expressions.evaluate import Evaluator
 from ..expressions.ports import PortArray
 from ..solids.curves import Curve
 from ..solve.solve import settle
-from ..values.kinds import Box, Ref, Value, Vec, reference
+from ..values.kinds import Box, Ref, Value, reference
 from ..values.vectors import times
 from . import connect
 from .behind import said_inside
@@ -46,15 +46,13 @@ def lower_body(instance: Instance, option: Option, scope: Scope, given: dict[str
         if name in given or declaration.keyword == "out":
             continue
         env.module = owner.module
-        env.names[name] = own_parameter(env, declaration, name, part.style, option.name)
-        instance.values[name] = env.names[name]
+        env.names[name] = instance.values[name] = own_parameter(env, declaration, name, part.style, option.name)
     env.module = symbol.module
     if part.style is not None:
         share_counts(env, symbol, part.style, option.name)
     instance.values.update({k: v for k, v in given.items() if k not in instance.values})
-    size = instance.values.get("size")
-    if isinstance(size, Vec) and len(size.items) == 3:
-        half = times(size.items, HALF)
+    if instance.size is not None:
+        half = times(instance.size, HALF)
         env.box = Box(times(half, E.const(-1.0)), half)
     lower_statements(env, tuple(s for s in symbol.body if not isinstance(s, ast.ParamDecl)))
     return env

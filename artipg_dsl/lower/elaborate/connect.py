@@ -11,11 +11,11 @@ from ...semantics.meanings import Base, Word
 from ...source import Span
 from ...syntax import ast
 from ..expressions.context import Abort, Equation, text_of
-from ..expressions.env import Env
+from ..expressions.env import Element, Env
 from ..expressions.evaluate import Evaluator
 from ..expressions.members import At, in_element
 from ..values.faces import FACES, squared
-from ..values.kinds import Box, Frame, Plane, Ref, Value, Vec
+from ..values.kinds import Box, Frame, Plane, Ref, Value, Vec, carriers_of
 from ..values.vectors import AXES, sole_axis
 from .place import begins
 
@@ -102,7 +102,7 @@ def placing(env: Env, part: Part, subject: ast.Expr, statement: ast.Attaching) -
     ev = Evaluator(env)
     on, within, fit = statement.on, statement.in_, statement.fit
     gap = ev.scalar(statement.gap.value) if statement.gap is not None else E.ZERO
-    target: Value = None
+    target: Value | None = None
     if on is not None:
         target = ev.value(on.value)
         if statement.sink is not None:
@@ -128,7 +128,10 @@ def placing(env: Env, part: Part, subject: ast.Expr, statement: ast.Attaching) -
 
 def named_box(ev: Evaluator, part: Part, span: Span) -> Box:
     """The box of what the name of a part stands for in an environment."""
-    return ev.box_of(ev.env.find(part.name, part.env.depth), span)
+    found = ev.env.find(part.name, part.env.depth)
+    if found is None:
+        raise ev.env.context.internal(span, f"`{part.name}` has no value here")
+    return ev.box_of(found, span)
 
 
 def face_names(clause: ast.Clause[tuple[ast.Expr, ...]]) -> tuple[str, ...]:
@@ -194,7 +197,7 @@ def connect(env: Env, statement: ast.ConnectStmt) -> Part:
         target = ev.value(statement.to.value)
     else:
         target = placing(env, part, statement.subject, statement)
-    carried = carriers(target, env.scope)
+    carried = () if target is None else carriers(target, env.scope)
     attach(part, Attachment(env, statement.span, carried, base=not carried))
     return part
 
@@ -226,8 +229,9 @@ def carriers(value: Value, scope: Scope) -> tuple[Carrier, ...]:
         return in_element(value, carriers(value.inner, value.element.scope), scope)
     if isinstance(value, Ref):
         return tuple(p for b in value.branches for p, _ in b.members)
-    box = getattr(value, "box", None)
-    return tuple(dict.fromkeys(getattr(value, "on", ()) or (getattr(box, "on", ()) if box is not None else ())))
+    if isinstance(value, Element):
+        return () if value.box is None else value.box.on
+    return tuple(dict.fromkeys(carriers_of(value)))
 
 
 def attach(part: Part, attachment: Attachment) -> None:

@@ -19,12 +19,12 @@ from ..expressions.env import Element, Env
 from ..expressions.evaluate import Evaluator
 from ..values.carry import moved
 from ..values.faces import extent
-from ..values.kinds import Box, Frame, Line, Ref, Surface, Value, Vec
+from ..values.kinds import Box, Frame, Line, Look, Ref, Surface, Value, Vec, carriers_of
 from ..values.vectors import compose, inverse, place, unit
 from .drives import Drive
 from .guards import held, shown
 from .links import Links
-from .looks import Look, sole_look
+from .looks import sole_look
 from .part import Part
 from .paths import elements_named, walk
 from .place import root
@@ -352,14 +352,12 @@ def keypoint(links: Links, env: Env, statement: ast.KeypointStmt) -> None:
             )
         return
     value = Evaluator(env).value(statement.target)
-    point = (
-        value.origin
-        if isinstance(value, Frame)
-        else value.point
-        if isinstance(value, Line)
-        else Evaluator(env).vector(statement.target)
-    )
-    on = getattr(value, "on", ())
+    match value:
+        case Frame(origin=point) | Line(point=point):
+            pass
+        case _:
+            point = Evaluator(env).vector(statement.target)
+    on = carriers_of(value)
     program.keypoints.append(
         Keypoint(
             statement.name,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 from ...graph import expr as E
@@ -14,20 +13,9 @@ from ...syntax import ast
 from ..expressions.context import Context
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
-from ..values.kinds import Choice, Vec
+from ..values.kinds import Choice, Look, Vec
 from .draws import draw_choice
 from .ranges import MATERIAL, plain
-
-
-@dataclass(slots=True, eq=False)
-class Look:
-    """``style look : material = oak | white``: each material with the predicate under which it is the one."""
-
-    options: tuple[tuple[str, Expr], ...]
-    choice: Choice
-
-    def chosen(self, name: str) -> Expr:
-        return self.choice.chosen(name)
 
 
 def build_look(env: Env, statement: ast.StyleDecl) -> Look:
@@ -54,7 +42,12 @@ def sole_look(context: Context, symbol: Symbol) -> Look:
 def look_of(env: Env, node: ast.Expr) -> Look:
     """The material, or the style of materials, that an expression names."""
     meaning = env.context.meaning(node)
-    return sole_look(env.context, meaning.symbol) if isinstance(meaning, Global) else Evaluator(env).value(node)
+    if isinstance(meaning, Global):
+        return sole_look(env.context, meaning.symbol)
+    value = Evaluator(env).value(node)
+    if isinstance(value, Look):
+        return value
+    raise env.context.internal(node.span, "this is not a material")
 
 
 def lower_material(context: Context, symbol: Symbol) -> Material:

@@ -53,8 +53,8 @@ def leader_of(links: Links, env: Env, node: ast.Expr) -> Reference:
     while isinstance(at, ast.MemberExpr):
         at = at.obj
     meaning = env.context.meaning(at)
-    if isinstance(at, ast.IndexExpr) and isinstance(element := ev.value(at.obj), Element):
-        return (Elsewhere(env.scope, element.scope, ev.position(element, at.index), leaders),)
+    if isinstance(at, ast.IndexExpr) and isinstance(repeat := ev.value(at.obj), Element):
+        return (Elsewhere(env.scope, repeat.scope, ev.position(repeat, at.index), leaders),)
     if isinstance(meaning, Previous) and (element := env.element_at(meaning.depth)) is not None:
         return (Elsewhere(env.scope, element.scope, None, leaders),)
     homes = (links.context.program.joints[k].scope for k in leaders if isinstance(k, int))

@@ -19,7 +19,7 @@ from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..expressions.extents import frame_in, union_of
 from ..values.carry import merged, moved
-from ..values.kinds import Box, Branch, Choice, Ports, Ref, Surface, Value, Vec
+from ..values.kinds import Box, Branch, Choice, Lying, Ports, Ref, Surface, Value, Vec, alike
 from ..values.vectors import IDENTITY, Matrix, compose, matrix, times
 from .guards import held
 from .paths import Reached, walk
@@ -145,19 +145,17 @@ class Part:
                 found.append((instance.scope, value))
         if not found:
             return None
-        if all(isinstance(v, Ref) for _, v in found):
+        if (references := alike(Ref, found)) is not None:
             branches = [
                 Branch(s if b.scope is None and s is not self.env.scope else b.scope, b.members)
-                for s, v in found
+                for s, v in references
                 for b in v.branches
             ]
             return Ref(name, tuple(branches))
         if len(found) == 1 and found[0][0] is self.env.scope:
             return found[0][1]
-        if all(isinstance(v, Surface) for _, v in found):
-            return Surface(tuple(b if b[0] is not None else (s, *b[1:]) for s, v in found for b in v.branches))
-        if any(not hasattr(v, "__dataclass_fields__") and not isinstance(v, Expr) for _, v in found):
-            return found[0][1]
+        if (surfaces := alike(Surface, found)) is not None:
+            return Surface(tuple(b if b[0] is not None else (s, *b[1:]) for s, v in surfaces for b in v.branches))
         return merged(self.env.scope, found)
 
     def box(self) -> Box:
@@ -173,8 +171,7 @@ class Part:
             elif not self.instances:
                 raise Abort(f"`{self.name}` could not be built")
             else:
-                boxes = [(i.scope, i.box()) for i in self.instances]
-                box = merged(self.env.scope, boxes)
+                box = merged(self.env.scope, [(i.scope, i.box()) for i in self.instances])
                 self._box = Box(box.low, box.high, on=(self,))
         return self._box
 
@@ -194,11 +191,14 @@ class Instance:
     _box: Box | None = None
 
     @property
-    def takes_size(self) -> bool:
-        if self.solid is not None:
-            return self.solid.centred_size
+    def size(self) -> Triple | None:
+        """Its size, where that is handed in."""
         size = self.values.get("size")
-        return isinstance(size, Vec) and len(size.items) == 3
+        return size.items if isinstance(size, Vec) and len(size.items) == 3 else None
+
+    @property
+    def takes_size(self) -> bool:
+        return self.size is not None if self.solid is None else self.solid.centred_size
 
     def member(self, name: str) -> Value | None:
         """A member in the instance's own frame and table."""
@@ -261,8 +261,8 @@ class Instance:
         if self._box is None:
             if self.solid is not None:
                 self._box = self.solid.box(self)
-            elif self.takes_size:
-                half = times(self.values["size"].items, HALF)
+            elif self.size is not None:
+                half = times(self.size, HALF)
                 self._box = Box(times(half, E.const(-1.0)), half)
             else:
                 assert self.env is not None
@@ -275,6 +275,4 @@ class Instance:
 
 def carried(value: Value, part: Part) -> Value:
     """A value that names no inner part lies on the part itself."""
-    if isinstance(value, Ref) or not hasattr(value, "on") or value.on:
-        return value
-    return replace(value, on=(part,))
+    return replace(value, on=(part,)) if isinstance(value, Lying) and not value.on else value

@@ -13,7 +13,7 @@ from ..expressions.context import where
 from ..expressions.env import Element, Env
 from ..expressions.evaluate import Evaluator
 from ..values.faces import squared
-from ..values.kinds import Box, Line
+from ..values.kinds import Box, Frame, Line
 from ..values.vectors import HERE, IDENTITY, ORIGIN, matrix, norm, rotation_about, signed_axis
 from .ranges import EVERY, Quantity
 from .split import axis_of, scalar, split
@@ -112,8 +112,11 @@ def ring(ev: Evaluator, statement: ast.RepeatStmt, count: Expr, scope: Scope) ->
     found = statement.about
     assert found is not None
     value = ev.value(found.value)
-    line = value if isinstance(value, Line) else None
-    point = line.point if line is not None else getattr(value, "origin", ORIGIN)
+    match value:
+        case Line(point=point) | Frame(origin=point):
+            pass
+        case _:
+            point = ORIGIN
     direction = ev.direction(found.value)
     if norm(direction) is not E.ONE:
         raise ev.env.context.error("bad-axis", found.span, "a ring turns about an axis of unit length")
@@ -121,7 +124,7 @@ def ring(ev: Evaluator, statement: ast.RepeatStmt, count: Expr, scope: Scope) ->
     # the origin: the point of the axis nearest the scope's origin keeps it independent of where the line starts
     axis = signed_axis(direction)
     if axis is not None:
-        point = tuple(E.ZERO if k == axis[0] else c for k, c in enumerate(point))
+        point = triple(E.ZERO if k == axis[0] else c for k, c in enumerate(point))
     return Pose(rotation_about(direction, angle), point, E.ONE)
 
 

@@ -18,7 +18,7 @@ from ..expressions.context import text_of
 from ..solve.solve import lifted
 from ..values.carry import mapped, mapped_pose, moved, scalars
 from ..values.faces import frame_of
-from ..values.kinds import Frame, Surface, Value
+from ..values.kinds import Frame, Surface
 from ..values.vectors import AXES, cross, normalized, unit
 from .guards import held
 
@@ -62,7 +62,7 @@ def frame_on(ev: Evaluator, node: ast.CallExpr, form: Form) -> Frame:
             found.append((held(instance.scope, scope), moved(frame, pose)))
     if not found:
         raise ev.env.context.error("unknown-member", node.span, "none of the alternatives has this surface")
-    value: Value = found[-1][1]
+    value = found[-1][1]
     for guard, other in reversed(found[:-1]):
         value = mapped(value, partial(chosen, guard, iter(scalars(other))))
     carriers = tuple(dict.fromkeys(p for _, f in found for p in f.on))

@@ -13,7 +13,7 @@ from ...semantics.meanings import Global, Word
 from ...semantics.symbols import Symbol
 from ...source import Span
 from ...syntax import ast
-from ..values.kinds import Box, Choice, Frame, Line, Plane, Ref, Value, Vec
+from ..values.kinds import Box, Choice, Frame, Line, Look, Plane, Ref, Value, Vec
 from ..values.vectors import AXES, sole_axis, times
 from .context import text_of
 
@@ -159,17 +159,16 @@ def binary(ev: Evaluator, node: ast.BinaryExpr) -> Value:
 
 
 def plane_arithmetic(ev: Evaluator, node: ast.BinaryExpr, left: Value, right: Value) -> Value:
-    a = left.coordinate if isinstance(left, Plane) else number(ev, left, node.left.span)
-    b = right.coordinate if isinstance(right, Plane) else number(ev, right, node.right.span)
-    result = operate(ev, node, a, b)
-    if isinstance(left, Plane) and isinstance(right, Plane):
-        if left.axis != right.axis:
-            raise across(ev, node.span, left, right, node.left.span, node.right.span)
-        if node.op == "-":
+    result = operate(ev, node, number(ev, left, node.left.span), number(ev, right, node.right.span))
+    match left, right:
+        case Plane(), Plane():
+            if left.axis != right.axis:
+                raise across(ev, node.span, left, right, node.left.span, node.right.span)
+            return result if node.op == "-" else Plane(left.axis, result, left.on + right.on)
+        case (Plane(axis, _, on), _) | (_, Plane(axis, _, on)) if node.op in "+-":
+            return Plane(axis, result, on)
+        case _:
             return result
-        return Plane(left.axis, result, left.on + right.on)
-    plane = left if isinstance(left, Plane) else right
-    return Plane(plane.axis, result, plane.on) if node.op in "+-" else result
 
 
 def across(ev: Evaluator, span: Span, left: Plane, right: Plane, a: Span, b: Span) -> Exception:
@@ -186,36 +185,44 @@ def across(ev: Evaluator, span: Span, left: Plane, right: Plane, a: Span, b: Spa
 
 def vector_arithmetic(ev: Evaluator, node: ast.BinaryExpr, left: Value, right: Value) -> Value:
     operation = partial(operate, ev, node)
-    if isinstance(left, Vec) and isinstance(right, Vec):
-        if len(left.items) != len(right.items) or node.op not in "+-":
-            raise ev.wrong(node.span, "a sum or difference of vectors of one length", right)
-        items = tuple(operation(a, b) for a, b in zip(left.items, right.items, strict=True))
-        point = left.point and not (node.op == "-" and right.point) or (node.op == "+" and right.point)
-        return Vec(items, left.on + right.on, point)
-    if isinstance(left, Vec):
-        factor = number(ev, right, node.right.span)
-        return Vec(tuple(operation(a, factor) for a in left.items), left.on)
-    factor = number(ev, left, node.left.span)
-    return Vec(tuple(operation(factor, b) for b in right.items), right.on)
+    match left, right:
+        case Vec(), Vec():
+            if len(left.items) != len(right.items) or node.op not in "+-":
+                raise ev.wrong(node.span, "a sum or difference of vectors of one length", right)
+            items = tuple(operation(a, b) for a, b in zip(left.items, right.items, strict=True))
+            point = left.point and not (node.op == "-" and right.point) or (node.op == "+" and right.point)
+            return Vec(items, left.on + right.on, point)
+        case Vec(), _:
+            factor = number(ev, right, node.right.span)
+            return Vec(tuple(operation(a, factor) for a in left.items), left.on)
+        case _, Vec():
+            factor = number(ev, left, node.left.span)
+            return Vec(tuple(operation(factor, b) for b in right.items), right.on)
+    raise ev.wrong(node.span, "a vector", left)
 
 
 def number(ev: Evaluator, value: Value, span: Span) -> Expr:
-    if isinstance(value, Choice):
-        return value.code
-    if isinstance(value, Plane):
-        return value.coordinate
-    if isinstance(value, Frame) and value.face:
-        return plane(ev, value, span).coordinate
-    if not isinstance(value, Expr):
-        raise ev.wrong(span, "a number", value)
-    return value
+    match value:
+        case Expr():
+            return value
+        case Choice():
+            return value.code
+        case Plane():
+            return value.coordinate
+        case Frame(face=True):
+            return plane(ev, value, span).coordinate
+        case _:
+            raise ev.wrong(span, "a number", value)
 
 
 def equal(ev: Evaluator, node: ast.BinaryExpr) -> Expr:
     for subject, option in ((node.left, node.right), (node.right, node.left)):
         match ev.env.context.meaning(option):
             case Word(name) | Global(Symbol(name=name, kind="material")):
-                return ev.value(subject).chosen(name)
+                one = ev.value(subject)
+                if isinstance(one, Choice | Look):
+                    return one.chosen(name)
+                raise ev.wrong(subject.span, "a choice", one)
     return E.call("eq", ev.scalar(node.left), ev.scalar(node.right))
 
 

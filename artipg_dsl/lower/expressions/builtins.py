@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Iterator
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ...graph import expr as E
 from ...graph.expr import Expr
@@ -15,12 +15,13 @@ from ...source import Span
 from ...syntax import ast
 from ..values.carry import mapped, scalars
 from ..values.faces import FACES, extent, frame_of, squared
-from ..values.kinds import Box, Frame, Line, Ports, Value
+from ..values.kinds import Box, Frame, Line, Ports, Value, carriers_of
 from ..values.vectors import dot, minus, normalized, times
 from .arithmetic import applied
 from .env import Element
 
 if TYPE_CHECKING:
+    from ..values.kinds import Carrier
     from .context import Makes
     from .env import Env
     from .evaluate import Evaluator
@@ -92,22 +93,18 @@ def bound(node: ast.CallExpr, form: Form) -> dict[str, ast.Expr]:
     return {p.name: a.value for a, p in zip(node.arguments, parameters, strict=True) if p is not None}
 
 
-def carriers(value: Value) -> tuple[Any, ...]:
-    return getattr(value, "on", ())
-
-
 def frame(ev: Evaluator, node: ast.CallExpr, form: Form) -> Frame:
     given = bound(node, form)
     return Frame(
         ev.vector(given["at"]),
         frame_of(ev.direction(given["out"]), ev.direction(given["up"])),
-        carriers(ev.value(given["at"])),
+        carriers_of(ev.value(given["at"])),
     )
 
 
 def line(ev: Evaluator, node: ast.CallExpr, form: Form) -> Line:
     given = bound(node, form)
-    point, on = ev.vector(given["at"]), carriers(ev.value(given["at"]))
+    point, on = ev.vector(given["at"]), carriers_of(ev.value(given["at"]))
     if "to" in given:
         to = ev.vector(given["to"])
         return Line(point, normalized(minus(to, point)), to, on)
@@ -120,11 +117,11 @@ def box(ev: Evaluator, node: ast.CallExpr, form: Form) -> Box:
     own = squared(own) if own is not None else None
     low: list[Expr | None] = list(own.low) if own is not None else [None] * 3
     high: list[Expr | None] = list(own.high) if own is not None else [None] * 3
-    on: tuple[Any, ...] = ()
+    on: tuple[Carrier, ...] = ()
     for name, argument in bound(node, form).items():
         axis, sign = FACES[name]
         value = ev.value(argument)
-        on += carriers(value)
+        on += carriers_of(value)
         coordinate = ev.number(value, argument.span)
         (high if sign > 0 else low)[axis] = coordinate
     missing = [n for n, (a, s) in FACES.items() if (high if s > 0 else low)[a] is None]

@@ -18,7 +18,7 @@ from ...semantics.symbols import ModuleScope, Symbol
 from ...source import Span
 from ...syntax import ast
 from ..values.carry import merged, moved
-from ..values.kinds import Box, Choice, Frame, Line, Plane, Ports, Ref, Value, Vec
+from ..values.kinds import Box, Choice, Frame, Line, Plane, Ports, Ref, Value, Vec, alike
 from ..values.vectors import HERE, compose, inverse
 from .context import Abort, Context, Equation, Unknown
 
@@ -81,7 +81,7 @@ class Env:
     frame: Pose = HERE  # this frame in the outer environment's
     instance: Instance | None = None  # whose body this is
     box: Box | None = None  # the template's own box, in the root environment of a body
-    names: dict[str, Value] = field(default_factory=dict)
+    names: dict[str, Value | Thunk] = field(default_factory=dict)
     unknowns: list[Unknown] = field(default_factory=list)
     equations: list[Equation] = field(default_factory=list)
     inner: list[Env] = field(default_factory=list)
@@ -98,9 +98,9 @@ class Env:
             env = env.outer
         return env
 
-    def force(self, name: str) -> Value | None:
+    def force(self, name: str) -> Value:
         """The value of a name declared right here, lowering its declaration if that has not happened yet."""
-        value = self.names.get(name)
+        value = self.names[name]
         if isinstance(value, Thunk):
             if value.failed:
                 raise Abort(f"`{name}` could not be lowered")
@@ -146,16 +146,10 @@ class Env:
             return found[0][1]  # an element's values are fetched from its own table; styles and functions have a home
         if not found or not all(isinstance(value, MERGED) for _, value in found):
             return None
-        if all(isinstance(value, Ref) for _, value in found):
+        if (references := alike(Ref, found)) is not None:
             own = self.scope
-            return Ref(
-                name,
-                tuple(
-                    replace(b, scope=b.scope or (None if scope is own else scope))
-                    for scope, value in found
-                    for b in value.branches
-                ),
-            )
+            branches = ((b, None if scope is own else scope) for scope, ref in references for b in ref.branches)
+            return Ref(name, tuple(replace(b, scope=b.scope or scope) for b, scope in branches))
         return found[0][1] if found[0][0] is self.scope else merged(self.scope, found)
 
     def branched(self, name: str) -> list[tuple[Env, Value]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ...graph import expr as E
 from ...graph.expr import Expr, ScopeError
@@ -22,6 +22,7 @@ from .members import At, describe
 
 if TYPE_CHECKING:
     from ..elaborate.drives import Drive
+    from ..values.kinds import Carrier
 
 
 class Evaluator:
@@ -140,7 +141,7 @@ class Evaluator:
 
     def _vector(self, node: ast.VectorExpr) -> Value:
         items: list[Expr] = []
-        on: tuple[Any, ...] = ()
+        on: tuple[Carrier, ...] = ()
         for k, item in enumerate(node.items):
             value = self.value(item)
             if isinstance(value, Frame) and value.face:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypeVar, overload
 
 from ...graph import expr as E
 from ...graph.expr import Expr, Scope
@@ -14,7 +14,22 @@ from ...source import Span
 from ...syntax import ast
 from ..values.carry import baked, mapped, mapped_pose, merged, moved
 from ..values.faces import FACES, corner_of, edge_of, extent, face_of, squared
-from ..values.kinds import Box, Choice, Edge, Face, Frame, InElement, Line, Plane, Ref, Surface, Value, Vec
+from ..values.kinds import (
+    Box,
+    Choice,
+    Edge,
+    Face,
+    Frame,
+    InElement,
+    Line,
+    Lying,
+    Plane,
+    Ref,
+    Surface,
+    Value,
+    Vec,
+    alike,
+)
 from ..values.vectors import AXES, HERE, compose, inverse, place
 from .env import Element, Env, Function
 from .extents import raised
@@ -23,6 +38,8 @@ if TYPE_CHECKING:
     from ..elaborate.part import Part
     from ..values.kinds import Carrier
     from .evaluate import Evaluator
+
+K = TypeVar("K")
 
 
 class At:
@@ -142,10 +159,15 @@ def element_member(ev: Evaluator, value: Element, name: str, span: Span) -> Valu
     )
 
 
-def here(ev: Evaluator, element: Element, value: Value) -> Value:
-    return from_env(ev, element.env, value)
+def here(ev: Evaluator, element: Element, box: Box) -> Box:
+    """The box of an element around this environment, in this one's frame."""
+    return from_env(ev, element.env, box)
 
 
+@overload
+def from_env(ev: Evaluator, env: Env, value: Box) -> Box: ...
+@overload
+def from_env(ev: Evaluator, env: Env, value: Value) -> Value: ...
 def from_env(ev: Evaluator, env: Env, value: Value) -> Value:
     """A value of an environment around this one, in this one's frame."""
     chain = HERE
@@ -158,23 +180,28 @@ def from_env(ev: Evaluator, env: Env, value: Value) -> Value:
     return moved(value, ev.pose)
 
 
-def at_member(ev: Evaluator, value: At, name: str, span: Span) -> Value:
+def at_member(ev: Evaluator, value: At, name: str, span: Span) -> Value | None:
     within = type(ev)(value.element.env)
     boxed = name in FACES or name in ("center", "size", "box")
     if boxed and isinstance(value.inner, Ref):
-        found = box_member(ev, fetch(ev, value, within.ref_box(value.inner, span)), name)
-    elif boxed and isinstance(value.inner, Element) and value.inner.box is not None:
-        found = box_member(ev, fetch(ev, value, value.inner.box), name)
-    else:
-        return fetch(ev, value, within.member(value.inner, name, span))
-    return found
+        return box_member(ev, fetch(ev, value, within.ref_box(value.inner, span)), name)
+    if boxed and isinstance(value.inner, Element) and value.inner.box is not None:
+        return box_member(ev, fetch(ev, value, value.inner.box), name)
+    return fetch(ev, value, within.member(value.inner, name, span))
 
 
+@overload
+def fetch(ev: Evaluator, at: At, inner: Expr) -> Expr: ...
+@overload
+def fetch(ev: Evaluator, at: At, inner: Box) -> Box: ...
+@overload
+def fetch(ev: Evaluator, at: At, inner: Value) -> Value: ...
 def fetch(ev: Evaluator, at: At, inner: Value) -> Value:
+    """A value of an element's rows in this environment's frame and table."""
     if isinstance(inner, Ref | Element | At):
         return At(at.element, at.index, inner)
     scope = at.element.scope
-    if hasattr(inner, "on"):
+    if isinstance(inner, Lying):
         inner = replace(inner, on=in_element(at, inner.on, ev.env.scope))
     index = at.index
     if index is None:
@@ -194,6 +221,10 @@ def in_element(at: At, on: tuple[Carrier, ...], scope: Scope) -> tuple[Carrier, 
     return tuple(InElement(p, scope, repeat, at.index) if home.within(repeat) else p for p, home in inside)
 
 
+@overload
+def lift(ev: Evaluator, value: Box, scope: Scope | None) -> Box: ...
+@overload
+def lift(ev: Evaluator, value: Value, scope: Scope | None) -> Value: ...
 def lift(ev: Evaluator, value: Value, scope: Scope | None) -> Value:
     """A value of the rows of ``scope`` in this environment's table: as it is, or by the one row that exists."""
     while scope is not None and not ev.env.scope.within(scope):
@@ -217,7 +248,7 @@ def ref_member(ev: Evaluator, ref: Ref, name: str, span: Span) -> Value | None:
     if not results or len(results) < len(ref.branches):
         box = ref_box(ev, ref, span)
         if (found := box_member(ev, box, name)) is not None:
-            return labelled(ev, found, box)
+            return labelled(found, box)
         if not results:
             return None
     return moved(joined(ev, name, results), ref.frame)
@@ -225,29 +256,31 @@ def ref_member(ev: Evaluator, ref: Ref, name: str, span: Span) -> Value | None:
 
 def joined(ev: Evaluator, name: str, results: list[tuple[Scope | None, Value]]) -> Value:
     """One value out of those of alternatives, in this environment's table."""
-    if all(isinstance(v, Surface) for _, v in results):
-        return Surface(tuple(b if b[0] is not None else (s, *b[1:]) for s, v in results for b in v.branches))
+    if (surfaces := alike(Surface, results)) is not None:
+        return Surface(tuple(b if b[0] is not None else (s, *b[1:]) for s, v in surfaces for b in v.branches))
     if len(results) == 1:
         scope, value = results[0]
         if not isinstance(value, Ref):
             return lift(ev, value, scope)
         return replace(value, branches=tuple(replace(b, scope=b.scope or scope) for b in value.branches))
-    if all(isinstance(v, Ref) for _, v in results):
-        branches = [replace(b, scope=b.scope or s) for s, v in results for b in baked(v).branches]
+    if (references := alike(Ref, results)) is not None:
+        branches = [replace(b, scope=b.scope or s) for s, v in references for b in baked(v).branches]
         return Ref(name, tuple(branches))
-    return lift(ev, *united(results))
+    parent, values = parted(results)
+    return lift(ev, merged(parent, values), parent)
 
 
-def united(values: Sequence[tuple[Scope | None, Value]]) -> tuple[Any, Scope]:
-    """One value out of those of alternatives, each in its own table, in the table that they part."""
-    parted = [(scope, value) for scope, value in values if scope is not None]
-    parent = parted[0][0].parent
-    assert parent is not None and len(parted) == len(values)
-    return merged(parent, parted), parent
+def parted(values: Sequence[tuple[Scope | None, K]]) -> tuple[Scope, list[tuple[Scope, K]]]:
+    """Values of alternatives, each in its own table, and the table that they part."""
+    own = [(scope, value) for scope, value in values if scope is not None]
+    parent = own[0][0].parent
+    assert parent is not None and len(own) == len(values)
+    return parent, own
 
 
-def labelled(ev: Evaluator, value: Value, box: Box) -> Value:
-    return replace(value, on=box.on) if hasattr(value, "on") else value
+def labelled(value: Value, box: Box) -> Value:
+    """A value of a box lies on what the box lies on."""
+    return replace(value, on=box.on) if isinstance(value, Lying) else value
 
 
 def ref_box(ev: Evaluator, ref: Ref, span: Span) -> Box:
@@ -258,7 +291,7 @@ def ref_box(ev: Evaluator, ref: Ref, span: Span) -> Box:
 def branch_box(ev: Evaluator, ref: Ref, span: Span) -> Box:
     """The box of what a reference names; for several parts, the axis-aligned box around them."""
     boxes: list[tuple[Scope | None, Box]] = []
-    carriers: list[Any] = []
+    carriers: list[Part] = []
     for branch in ref.branches:
         held = [member_box(ev, part, outer, ref.own, branch.scope) for part, outer in branch.members]
         carriers += [part for part, _ in branch.members if part not in carriers]
@@ -271,11 +304,11 @@ def branch_box(ev: Evaluator, ref: Ref, span: Span) -> Box:
     on = tuple(carriers)
     if len(boxes) == 1:
         return lift(ev, replace(boxes[0][1], on=on), boxes[0][0])
-    value, parent = united(boxes)
-    return lift(ev, replace(value, on=on), parent)
+    parent, values = parted(boxes)
+    return lift(ev, replace(merged(parent, values), on=on), parent)
 
 
-def member_box(ev: Evaluator, part: Part, outer: Pose, own: bool, scope: Scope | None) -> Value:
+def member_box(ev: Evaluator, part: Part, outer: Pose, own: bool, scope: Scope | None) -> Box:
     """The box of one part of a reference; over all rows where the part stands in a repeat of its template."""
     box = moved(part.box(), outer if own else compose(outer, part.pose))
     target = scope if scope is not None else ev.env.scope

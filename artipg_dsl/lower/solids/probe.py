@@ -19,6 +19,7 @@ from ...syntax import ast
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..values.kinds import Vec
+from .handed import Handed
 
 ROWS = 48
 CANDIDATES = 64 * ROWS
@@ -140,7 +141,9 @@ def test_ranges(env: Env) -> Iterable[tuple[str, tuple[float, float]]]:
             continue
         if statement.type.name == "curve":
             for name in statement.names:
-                path = env.names[name]
+                path = env.force(name)
+                if not isinstance(path, Handed):
+                    raise env.context.internal(statement.span, f"`{name}` is not a path")
                 yield from zip(path.names, path.tests, strict=True)
             continue
         source = statement.test or statement.domain

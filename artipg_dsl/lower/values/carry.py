@@ -2,46 +2,52 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import overload
 
 from ...graph import expr as E
 from ...graph.expr import ONE, Expr, Scope
 from ...graph.primitive import triple
 from ...graph.program import Pose
 from .faces import extent
-from .kinds import Box, Choice, Frame, Line, Plane, Ports, Ref, Surface, Value, Vec
+from .kinds import Box, Choice, Frame, Line, Lying, Plane, Ports, Ref, Surface, Value, Vec
 from .vectors import HERE, compose, direct, matrix, place, sole_axis, times, unit
 
-if TYPE_CHECKING:
-    from ..elaborate.part import Part
 
-
+@overload
+def mapped(value: Expr, scalar: Callable[[Expr], Expr]) -> Expr: ...
+@overload
+def mapped(value: Box, scalar: Callable[[Expr], Expr]) -> Box: ...
+@overload
+def mapped(value: Frame, scalar: Callable[[Expr], Expr]) -> Frame: ...
+@overload
+def mapped(value: Value, scalar: Callable[[Expr], Expr]) -> Value: ...
 def mapped(value: Value, scalar: Callable[[Expr], Expr]) -> Value:
     """A geometric value with every scalar replaced by a function of it (gather, element, ...)."""
-    if isinstance(value, Expr):
-        return scalar(value)
-    if isinstance(value, Vec):
-        return replace(value, items=tuple(map(scalar, value.items)))
-    if isinstance(value, Frame):
-        rotation = matrix(map(scalar, row) for row in value.rotation)
-        return Frame(triple(map(scalar, value.origin)), rotation, value.on, value.face)
-    if isinstance(value, Plane):
-        return replace(value, coordinate=scalar(value.coordinate))
-    if isinstance(value, Line):
-        to = None if value.to is None else triple(map(scalar, value.to))
-        point, direction = triple(map(scalar, value.point)), triple(map(scalar, value.direction))
-        return Line(point, direction, to, value.on)
-    if isinstance(value, Box):
-        low: Any = tuple(map(scalar, value.low))
-        high: Any = tuple(map(scalar, value.high))
-        return replace(value, low=low, high=high, pose=mapped_pose(value.pose, scalar))
-    if isinstance(value, Choice):
-        return replace(value, code=scalar(value.code))
-    if isinstance(value, Ports):
-        return Ports(value.name, {k: mapped(v, scalar) for k, v in value.settled().items()})
-    return value
+    match value:
+        case Expr():
+            return scalar(value)
+        case Vec():
+            return replace(value, items=tuple(map(scalar, value.items)))
+        case Frame():
+            rotation = matrix(map(scalar, row) for row in value.rotation)
+            return Frame(triple(map(scalar, value.origin)), rotation, value.on, value.face)
+        case Plane():
+            return replace(value, coordinate=scalar(value.coordinate))
+        case Line():
+            to = None if value.to is None else triple(map(scalar, value.to))
+            point, direction = triple(map(scalar, value.point)), triple(map(scalar, value.direction))
+            return Line(point, direction, to, value.on)
+        case Box():
+            low, high = triple(map(scalar, value.low)), triple(map(scalar, value.high))
+            return replace(value, low=low, high=high, pose=mapped_pose(value.pose, scalar))
+        case Choice():
+            return replace(value, code=scalar(value.code))
+        case Ports():
+            return Ports(value.name, {k: mapped(v, scalar) for k, v in value.settled().items()})
+        case _:
+            return value
 
 
 def mapped_pose(pose: Pose, scalar: Callable[[Expr], Expr]) -> Pose:
@@ -63,13 +69,17 @@ def scalars(value: Value) -> tuple[Expr, ...]:
     return tuple(found)
 
 
-def merged(parent: Scope, branches: list[tuple[Scope, Value]], on: tuple[Part, ...] = ()) -> Value:
+@overload
+def merged(parent: Scope, branches: Sequence[tuple[Scope, Box]]) -> Box: ...
+@overload
+def merged(parent: Scope, branches: Sequence[tuple[Scope, Value]]) -> Value: ...
+def merged(parent: Scope, branches: Sequence[tuple[Scope, Value]]) -> Value:
     """One value in ``parent`` out of values of exclusive child scopes (of equal kinds)."""
     first = branches[0][1]
     if isinstance(first, Ports):
         arrays = [(s, v.settled()) for s, v in branches if isinstance(v, Ports)]
         keys = sorted({k for _, a in arrays for k in a})
-        return Ports(first.name, {k: merged(parent, [(s, a[k]) for s, a in arrays if k in a], on) for k in keys})
+        return Ports(first.name, {k: merged(parent, [(s, a[k]) for s, a in arrays if k in a]) for k in keys})
     lists = [scalars(extent(v) if isinstance(v, Box) and len(branches) > 1 else v) for _, v in branches]
     if isinstance(first, Box) and len(branches) > 1:
         first = extent(first)
@@ -80,35 +90,42 @@ def merged(parent: Scope, branches: list[tuple[Scope, Value]], on: tuple[Part, .
         return E.phi(parent, [(s, values[k]) for (s, _), values in zip(branches, lists, strict=True)])
 
     value = mapped(first, pick)
-    carriers: list[Part] = list(on)
-    for _, v in branches:
-        carriers.extend(p for p in getattr(v, "on", ()) if p not in carriers)
-    return replace(value, on=tuple(carriers)) if hasattr(value, "on") else value
+    if not isinstance(value, Lying):
+        return value
+    return replace(value, on=tuple(dict.fromkeys(p for _, v in branches if isinstance(v, Lying) for p in v.on)))
 
 
+@overload
+def moved(value: Box, pose: Pose) -> Box: ...
+@overload
+def moved(value: Frame, pose: Pose) -> Frame: ...
+@overload
+def moved(value: Value, pose: Pose) -> Value: ...
 def moved(value: Value, pose: Pose) -> Value:
     """A value of an inner frame in the outer frame that ``pose`` places it in."""
-    if pose is HERE or isinstance(value, Expr | Choice):
+    if pose is HERE:
         return value
-    if isinstance(value, Vec):
-        return replace(value, items=place(pose, triple(value.items))) if value.point else value
-    if isinstance(value, Frame):
-        inner = compose(pose, Pose(value.rotation, value.origin, ONE))
-        return Frame(inner.translation, inner.rotation, value.on, value.face)
-    if isinstance(value, Line):
-        to = None if value.to is None else place(pose, value.to)
-        return Line(place(pose, value.point), direct(pose, value.direction), to, value.on)
-    if isinstance(value, Plane):
-        return moved_plane(value, pose)
-    if isinstance(value, Box):
-        return replace(value, pose=compose(pose, value.pose))
-    if isinstance(value, Ports):
-        return Ports(value.name, {k: moved(v, pose) for k, v in value.settled().items()})
-    if isinstance(value, Surface):
-        return Surface(tuple((s, part, compose(pose, outer), name) for s, part, outer, name in value.branches))
-    if isinstance(value, Ref):
-        return replace(value, frame=compose(pose, value.frame) if value.frame is not HERE else pose)
-    return value
+    match value:
+        case Vec():
+            return replace(value, items=place(pose, triple(value.items))) if value.point else value
+        case Frame():
+            inner = compose(pose, Pose(value.rotation, value.origin, ONE))
+            return Frame(inner.translation, inner.rotation, value.on, value.face)
+        case Line():
+            to = None if value.to is None else place(pose, value.to)
+            return Line(place(pose, value.point), direct(pose, value.direction), to, value.on)
+        case Plane():
+            return moved_plane(value, pose)
+        case Box():
+            return replace(value, pose=compose(pose, value.pose))
+        case Ports():
+            return Ports(value.name, {k: moved(v, pose) for k, v in value.settled().items()})
+        case Surface():
+            return Surface(tuple((s, part, compose(pose, outer), name) for s, part, outer, name in value.branches))
+        case Ref():
+            return replace(value, frame=compose(pose, value.frame) if value.frame is not HERE else pose)
+        case _:
+            return value
 
 
 def baked(ref: Ref) -> Ref:

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import functools
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
 from ...graph import expr as E
 from ...graph.expr import Expr, Scope
@@ -21,8 +22,13 @@ from .vectors import HERE, Matrix, minus, plus, times
 if TYPE_CHECKING:
     from ...semantics.symbols import Symbol
     from ..elaborate.part import Part
+    from ..expressions.env import Element, Function, Hinge
+    from ..expressions.members import At
+    from ..solids.handed import Handed
 
 
+K = TypeVar("K")
+S = TypeVar("S")
 Carrier: TypeAlias = "Part | InElement"  # what a value lies on
 
 
@@ -131,6 +137,17 @@ class Choice:
         return functools.reduce(E.either, codes) if codes else E.FALSE
 
 
+@dataclass(slots=True, eq=False)
+class Look:
+    """``style look : material = oak | white``: each material with the predicate under which it is the one."""
+
+    options: tuple[tuple[str, Expr], ...]
+    choice: Choice
+
+    def chosen(self, name: str) -> Expr:
+        return self.choice.chosen(name)
+
+
 @dataclass(frozen=True, slots=True)
 class Branch:
     """Parts that exist together in ``scope`` (None: wherever the reference is made), each with its pose."""
@@ -166,9 +183,9 @@ class Ports:
     """``port socket[2]``: values by index."""
 
     name: str
-    values: dict[int, Any]
+    values: dict[int, Value]
 
-    def settled(self) -> dict[int, Any]:
+    def settled(self) -> dict[int, Value]:
         return self.values
 
 
@@ -190,4 +207,19 @@ def part_of(carrier: Carrier) -> Part:
     return carrier
 
 
-Value = Any  # one of the above: the checker has made sure which
+Lying = Vec | Frame | Plane | Line | Box  # what lies on parts
+Value: TypeAlias = (
+    "Expr | Vec | Frame | Plane | Line | Box | Choice | Ref | Surface | Ports | Alternatives | Look"
+    " | Function | Element | At | Hinge | Handed | str"
+)
+
+
+def carriers_of(value: Value) -> tuple[Carrier, ...]:
+    """What a value lies on."""
+    return value.on if isinstance(value, Lying) else ()
+
+
+def alike(kind: type[K], values: Sequence[tuple[S, object]]) -> list[tuple[S, K]] | None:
+    """The values of alternatives where all are of one kind; None where one is of another."""
+    found = [(s, v) for s, v in values if isinstance(v, kind)]
+    return found if len(found) == len(values) else None
