@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 
 NAMED = 6  # parts that a warning names
+LOOKED_AT = 8  # objects that `check` draws to see what floats
 _DECLARED = re.compile(r"^category\s+(\w+)", re.MULTILINE)
 
 
@@ -148,7 +149,7 @@ class Session:
 
     def advise(self) -> None:
         """Report what is legal and perhaps not meant: parts that nothing places, surface without a semantic label, parts
-        that nothing gives a material, whose mass is a guess."""
+        that nothing gives a material, whose mass is a guess, parts that touch nothing."""
         from .lower.elaborate.unlabelled import warn_unlabelled
 
         typed, lowering = self.typed, self.lowering
@@ -161,6 +162,7 @@ class Session:
                 f"nothing says where `{part.name}` is: it lies in the middle, along x, y and z",
                 hint=f"`connect {part.name}.bottom on ...` or `align` places it; `align {part.name}.center = ...` says that it is meant",
             )
+        self._warn_floating(lowering)
         program = lowering.program
         warn_unlabelled(lowering, typed.category.decl.name_span)
         bare = list(dict.fromkeys(program.parts[site.part].path for site in program.sites if not site.materials))
@@ -174,6 +176,30 @@ class Session:
                 f"{what} no material",
                 hint="`material oak on body` gives one; without, 700 kg/m3 and a light grey are taken",
             )
+
+    def _warn_floating(self, lowering: Lowering) -> None:
+        """Report the parts that float in each of a few objects that has them: none of those is ever valid."""
+        import numpy as np  # start-up: most commands do without
+
+        from .sampling.statistics import Exhausted  # start-up
+        from .validity.adrift import adrift  # start-up
+
+        try:
+            found = adrift(self.sampler.batch(np.arange(LOOKED_AT), 0))
+        except (CompileError, Exhausted):
+            return  # reported where objects are asked for
+        floating = [path for path, (wrong, present) in found.items() if wrong == present]
+        for part in lowering.context.parts:
+            own = [path for path in floating if path == part.path or path.startswith(f"{part.path}.")]
+            if own and part.span.source is lowering.root.module.source:
+                floating = [path for path in floating if path not in own]
+                self.report.warning(
+                    "floating-part",
+                    part.span,
+                    f"`{own[0]}` touches nothing of the link that it is part of",
+                    hint=f"`connect {part.name}.bottom on ...` places it on something; "
+                    f'`allow floating {part.name} because "..."` says that it is meant',
+                )
 
 
 def shown(path: Path) -> str:

@@ -7,7 +7,8 @@ the way. Begin with ``faults``.
     validate, parting         links that penetrate one another, at rest or while one joint moves
     contact, evidence         which parts meet, where, and at which value of a joint
     apart, together, clearance    distances that are kept, whatever other joints do; how far a joint can go
-    floating, stance, hull    parts that nothing holds; does an object stand by itself
+    floating, adrift          parts that nothing holds, by their solids and for certain by their boxes alone
+    stance, hull              does an object stand by itself
     materials, mass           mass, centre and inertia of links
     formulas                  labels evaluated at points, and whether their values can be said
     faults, sound             all of it together; the last look at numbers before an object is handed out

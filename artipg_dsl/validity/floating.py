@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..geometry.collide import dot, within
+from ..runtime.batch import Batch
 from .bodies import Pieces, Placed
 from .meant import meant, sites_of
 from .tree import Tree, spread
@@ -81,7 +82,7 @@ class Solids:
     def floating(self) -> Wrong:
         """Primitives that hang together with the first of their link by no chain of contacts."""
         group, margin = np.arange(len(self.site)), self.margin()
-        first, second = self._candidates(margin)
+        first, second = neighbours(self.link, self.low, self.high, margin)
         most, least = np.maximum(self.low[first], self.low[second]), np.minimum(self.high[first], self.high[second])
         shared = (least - most).min(axis=1)  # the deeper boxes overlap, the sooner a pair is asked
         while True:
@@ -91,42 +92,13 @@ class Solids:
                 break
             best = np.unique(np.concatenate([_best(group[side], shared) for side in (first, second)]))
             met = self._touch(first[best], second[best], margin)
-            group = _joined(group, first[best[met]], second[best[met]])
+            group = joined(group, first[best[met]], second[best[met]])
             left = np.ones(len(first), dtype=bool)
             left[best] = False
             first, second, shared = first[left], second[left], shared[left]
-        head = np.full(len(self.tree.links.owner), len(self.site))
-        np.minimum.at(head, self.link, np.arange(len(self.site)))
-        loose = group != group[head[self.link]]
-        excused = np.zeros(len(self.site), dtype=bool)
-        excused[group[self._allowed()]] = True
-        return self.told(loose & ~excused[group], "`{}` touches nothing of the link that it is part of")
-
-    def _allowed(self) -> np.ndarray:
-        """Primitives within parts that may float."""
-        batch = self.tree.batch
-        free = [said for said in batch.program.allowed if said.kind == "floating"]
-        rows = [meant(batch, said, said.first, said.ranks[0]).row for said in free]
-        if not rows:
-            return np.zeros(0, dtype=np.int64)
-        inside = sites_of(batch, np.unique(np.concatenate(rows)))
-        start = np.cumsum([0, *(len(table) for table in batch.sites())])
-        return np.concatenate([begin + row for begin, (row, _) in zip(start[:-1], inside, strict=True)])
-
-    def _candidates(self, margin: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Pairs of primitives of one link whose boxes, made larger, overlap."""
-        sort = np.argsort(self.link, kind="stable")
-        stop = np.searchsorted(self.link[sort], self.link[sort], side="right")
-        place = np.arange(len(sort))
-        i, j = spread(place + 1, stop - place - 1)
-        first, second = sort[i], sort[j]
-        room = np.maximum(margin[first], margin[second])
-        for k in range(3):
-            near = (self.low[first, k] < self.high[second, k] + room) & (
-                self.low[second, k] < self.high[first, k] + room
-            )
-            first, second, room = first[near], second[near], room[near]
-        return first, second
+        return self.told(
+            loose(self.tree.batch, self.link, group), "`{}` touches nothing of the link that it is part of"
+        )
 
     def _touch(self, first: np.ndarray, second: np.ndarray, margin: np.ndarray) -> np.ndarray:
         """Indices of the pairs of primitives that touch."""
@@ -179,7 +151,7 @@ class Solids:
         ]
 
     def _links_allowed(self) -> np.ndarray:
-        return np.unique(self.link[self._allowed()])
+        return np.unique(self.link[may_float(self.tree.batch)])
 
     def _axis_holds(
         self, link: np.ndarray, holder: np.ndarray, joint: np.ndarray, begin: np.ndarray, end: np.ndarray
@@ -280,7 +252,43 @@ def _best(group: np.ndarray, value: np.ndarray) -> np.ndarray:
     return order[np.diff(group[order], prepend=-1) != 0]
 
 
-def _joined(group: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+def may_float(batch: Batch) -> np.ndarray:
+    """Primitives within parts that may float."""
+    free = [said for said in batch.program.allowed if said.kind == "floating"]
+    rows = [meant(batch, said, said.first, said.ranks[0]).row for said in free]
+    if not rows:
+        return np.zeros(0, dtype=np.int64)
+    inside = sites_of(batch, np.unique(np.concatenate(rows)))
+    start = np.cumsum([0, *(len(table) for table in batch.sites())])
+    return np.concatenate([begin + row for begin, (row, _) in zip(start[:-1], inside, strict=True)])
+
+
+def neighbours(
+    link: np.ndarray, low: np.ndarray, high: np.ndarray, margin: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of primitives of one link whose boxes, larger by the margin (S,), overlap."""
+    sort = np.argsort(link, kind="stable")
+    stop = np.searchsorted(link[sort], link[sort], side="right")
+    place = np.arange(len(sort))
+    i, j = spread(place + 1, stop - place - 1)
+    first, second = sort[i], sort[j]
+    room = np.maximum(margin[first], margin[second])
+    for k in range(3):
+        near = (low[first, k] < high[second, k] + room) & (low[second, k] < high[first, k] + room)
+        first, second, room = first[near], second[near], room[near]
+    return first, second
+
+
+def loose(batch: Batch, link: np.ndarray, group: np.ndarray) -> np.ndarray:
+    """Which primitives (S,) are in another group than the first of their link, and in none that may float."""
+    head = np.full(int(link.max(initial=-1)) + 1, len(link))
+    np.minimum.at(head, link, np.arange(len(link)))
+    excused = np.zeros(len(link), dtype=bool)
+    excused[group[may_float(batch)]] = True
+    return (group != group[head[link]]) & ~excused[group]
+
+
+def joined(group: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """Groups (S,), each known by its lowest member, with those of the pairs put together."""
     while True:
         before = group

@@ -26,6 +26,30 @@ EQUATIONS = (
         """,
     ),
     Code(
+        "floating-part",
+        "a part touches nothing of its link",
+        """
+        In each of the objects that `apgc check` draws to look at, the part is away from everything else of the link that it is
+        rigidly part of, so none of them is valid and `apgc sample` has nothing to deliver. Often a name in an equation is not
+        the one that was meant, a sign is wrong, or nothing says where the part is and it lies in the middle. Place it on what
+        carries it; where it hangs on something that is not shown, `allow floating lid because "a glass rod"` says so.
+        """,
+        """
+        apg 1
+        use primitives { Cuboid }
+        use materials { oak }
+        use vocabularies { semantic }
+        category Stool {
+          root part seat : Cuboid(size = [30cm, 30cm, 3cm])
+          part leg : Cuboid(size = [3cm, 3cm, 40cm])
+          align leg.top = seat.bottom - 5cm
+          connect leg to seat
+          material oak on seat, leg
+          label semantic.seat on seat, leg
+        }
+        """,
+    ),
+    Code(
         "under-determined",
         "nothing determines a value",
         """

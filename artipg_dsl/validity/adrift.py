@@ -1,0 +1,48 @@
+"""Parts that float for certain, by the boxes of their primitives: what can be asked of a few objects at once, for `check`.
+
+What hangs together by boxes may float all the same, which the solids tell (``floating``); what does not, floats.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..geometry.box import bounds
+from ..geometry.sites import SiteTable
+from ..runtime.batch import Batch
+from .floating import ROUND, TOUCH, joined, loose, neighbours
+
+
+def adrift(batch: Batch) -> dict[str, tuple[int, int]]:
+    """For parts, by their path: in how many objects one hangs together with the first part of its link by no chain of
+    boxes, at joint values 0, and how many objects have it. Parts that do so in none are left out."""
+    tables = batch.sites()
+    if not tables:
+        return {}
+    first = np.searchsorted(batch.links().owner, np.arange(len(batch)))
+    link = np.concatenate([first[table.owner] + table.link for table in tables])
+    middle, half = np.concatenate([_box(table) for table in tables], axis=1)
+    margin = TOUCH + ROUND * 2 * np.sort(half, axis=1)[:, 1]
+    pairs = neighbours(link, middle - half, middle + half, margin)
+    floats = np.split(
+        loose(batch, link, joined(np.arange(len(link)), *pairs)), np.cumsum([len(t) for t in tables])[:-1]
+    )
+    found: dict[str, tuple[int, int]] = {}
+    for table, wrong in zip(tables, floats, strict=True):
+        if wrong.any():
+            path = batch.program.parts[batch.program.sites[table.number].part].path
+            found[path] = len(np.unique(table.owner[wrong])), len(np.unique(table.owner))
+    return found
+
+
+def _box(table: SiteTable) -> np.ndarray:
+    """Centre and half the size (2, k, 3) of the boxes along the axes of the object that hold the boxes of primitives."""
+    low, high = bounds(table.primitive, table.params)
+    middle, half = (low + high) / 2, (high - low) / 2
+    middle[:, 1] *= table.mirror
+    return np.stack(
+        [
+            np.einsum("kij,kj->ki", table.rotation, middle) + table.translation,
+            np.einsum("kij,kj->ki", np.abs(table.rotation), half),
+        ]
+    )

@@ -1,0 +1,52 @@
+"""`check` warns of a part that touches nothing of its link, whatever is drawn."""
+
+from __future__ import annotations
+
+import pytest
+
+from artipg_dsl.session import Session
+
+TEXT = """apg 1
+use primitives {{ Cuboid }}
+template Lid {{
+  part plate : Cuboid(size = [9cm, 9cm, 1cm])
+  part knob : Cuboid(size = [1cm, 1cm, 1cm])
+  connect knob to plate
+  align knob.bottom = plate.top + {}
+}}
+category Box {{
+  param gap : length in -5cm .. 5cm
+  root part body : Cuboid(size = [9cm, 9cm, 9cm])
+  {}
+}}
+"""
+LID = "part lid : Lid\n  connect lid.bottom on body.top"
+
+
+@pytest.mark.parametrize(
+    ("raised", "outer", "told"),
+    [
+        ("0cm", LID, []),
+        ("2cm", LID, ["lid.knob"]),
+        ("0cm", "part lid : Lid\n  connect lid to body\n  align lid.bottom = body.top + 3cm", ["lid.plate"]),
+        ("0cm", "part lid : Lid\n  connect lid to body\n  align lid.bottom = body.top + gap", []),
+        (
+            "0cm",
+            "part lid : Lid\n  align lid.bottom = body.top + 3cm\n  joint j : prismatic body -> lid along z range 0 .. 5cm",
+            [],
+        ),
+        (
+            "0cm",
+            'part lid : Lid\n  connect lid to body\n  align lid.bottom = body.top + 3cm\n  allow floating lid because "a rod"',
+            [],
+        ),
+    ],
+    ids=["held", "within a template", "far above", "now and then", "another link", "allowed"],
+)
+def test_a_part_that_floats_in_all_objects_is_warned_of(raised: str, outer: str, told: list[str]) -> None:
+    session = Session.of_text(TEXT.format(raised, outer), "box.apg")
+    session.advise()
+    assert not session.report.failed, session.report.diagnostics
+    found = [d for d in session.report.diagnostics if d.code == "floating-part"]
+    assert [d.message.split("`")[1] for d in found] == told
+    assert all(d.severity == "warning" and d.span is not None for d in found)
