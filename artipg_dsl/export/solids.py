@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 import numpy as np
 
 from ..annotate.frames import place
-from ..geometry import mesh, pieces
+from ..geometry import mesh
 from ..geometry.collide import cross, dot
 from ..geometry.resolution import FINEST, STANDARD, Resolution, bends, within_budget
 from ..geometry.topology import topology
@@ -132,7 +132,7 @@ def build_pieces(tables: list[SiteTable]) -> list[PieceGroup]:
         if not len(table.owner):
             continue
         names: dict[str, int] = {}
-        for part in pieces.build(table.primitive, table.params):
+        for part in table.pieces:
             rows = np.asarray(part.rows)
             is_box, size, center = as_box(part.vertices)
             bulge = as_round(part.vertices)

@@ -10,14 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
 from ..graph.primitive import Primitive
 from .block import Block, placed_points, to_local
 from .box import bounds
-from .patches import inside_split
+from .patches import Split, inside_split
 
 FEW, MANY = 512, 4096  # points of a pair: to see whether there is an overlap, and to measure it
 SMALL = 0.05  # of the mass of a link: the box of a pair that is measured with few points
@@ -52,16 +52,39 @@ def overlaps(rows: Block, body: np.ndarray, order: np.ndarray, worth: np.ndarray
     ``worth`` (R,), per m3: boxes that weigh little by it are measured with fewer points. Sorted by body and row, and
     the same whatever the block holds besides.
     """
-    own = _Rows(rows)
-    row, first = own.pairs(body, order)
-    sort = np.lexsort((order[first], order[row], body[row]))
-    row, first = row[sort], first[sort]
-    frame, low, high = own.region(row, first)
-    keep = np.flatnonzero((high - low > THIN).all(axis=0))
-    row, first, frame, low, high = row[keep], first[keep], frame[keep], low[:, keep], high[:, keep]
-    size = high - low
-    pairs = Pairs(row, first, frame, low, high, size[0] * size[1] * size[2] * worth[row] > SMALL)
-    return own.measured(pairs.at(own.near(pairs)))
+    return Touching(rows, body, order, worth).measured()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Regions:
+    """Boxes (n,) that hold what rows ``row`` share with others: volume m3, centre (n, 3) m in the object's frame, and how far
+    a corner is from it, metres."""
+
+    row: np.ndarray
+    volume: np.ndarray
+    center: np.ndarray
+    radius: np.ndarray
+
+
+class Touching:
+    """The pairs of which ``overlaps`` tells what they share, for some of the rows or all."""
+
+    def __init__(self, rows: Block, body: np.ndarray, order: np.ndarray, worth: np.ndarray):
+        self.rows = _Rows(rows)
+        self.pairs = self.rows.touching(body, order, worth)
+
+    def measured(self, asked: np.ndarray | None = None, inertia: bool = True) -> Overlaps:
+        """The overlaps of the rows ``asked`` (R,) bool, by default of all; inertia is noughts unless it is wanted."""
+        pairs = self.pairs if asked is None else self.pairs.at(np.flatnonzero(asked[self.pairs.row]))
+        return self.rows.measured(pairs.at(self.rows.near(pairs)), inertia)
+
+    def regions(self) -> Regions:
+        """Where all of that lies, by boxes alone."""
+        pairs = self.pairs
+        size = pairs.high - pairs.low
+        center = np.stack(placed_points(self.rows.poses, pairs.frame, (pairs.low + pairs.high) / 2), axis=-1)
+        radius = np.sqrt(size[0] * size[0] + size[1] * size[1] + size[2] * size[2]) / 2
+        return Regions(pairs.row, size[0] * size[1] * size[2], center, radius)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -90,9 +113,6 @@ class _Rows:
     def __init__(self, rows: Block):
         self.rows = rows
         self.poses = rows.rotation, rows.translation, rows.mirror
-        self.inside = [inside_split(s.primitive) for s in rows.shelves]
-        self.values = [split.rows(s.params) for split, s in zip(self.inside, rows.shelves, strict=True)]
-        self.effort = np.array([effort(s.primitive) for s in rows.shelves], dtype=np.int64)
         self.shelf = np.zeros(len(rows.owner), dtype=np.int64)
         self.low, self.high = np.empty((3, len(rows.owner))), np.empty((3, len(rows.owner)))
         for number, shelf in enumerate(rows.shelves):
@@ -100,6 +120,29 @@ class _Rows:
             corners = bounds(shelf.primitive, shelf.params)
             self.shelf[part] = number
             self.low[:, part], self.high[:, part] = corners[0].T, corners[1].T
+
+    @cached_property
+    def inside(self) -> list[Split]:
+        return [inside_split(s.primitive) for s in self.rows.shelves]
+
+    @cached_property
+    def values(self) -> list[np.ndarray]:
+        return [split.rows(s.params) for split, s in zip(self.inside, self.rows.shelves, strict=True)]
+
+    @cached_property
+    def effort(self) -> np.ndarray:
+        return np.array([effort(s.primitive) for s in self.rows.shelves], dtype=np.int64)
+
+    def touching(self, body: np.ndarray, order: np.ndarray, worth: np.ndarray) -> Pairs:
+        """Pairs of one body with the boxes that hold what they share, sorted by body and row."""
+        row, first = self.pairs(body, order)
+        sort = np.lexsort((order[first], order[row], body[row]))
+        row, first = row[sort], first[sort]
+        frame, low, high = self.region(row, first)
+        keep = np.flatnonzero((high - low > THIN).all(axis=0))
+        row, first, frame, low, high = row[keep], first[keep], frame[keep], low[:, keep], high[:, keep]
+        size = high - low
+        return Pairs(row, first, frame, low, high, size[0] * size[1] * size[2] * worth[row] > SMALL)
 
     def pairs(self, body: np.ndarray, order: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(row, one that comes before it) of one body whose boxes in the object's frame overlap."""
@@ -190,11 +233,11 @@ class _Rows:
             found.append(great[part][held.any(axis=1)])
         return np.sort(np.concatenate(found))
 
-    def measured(self, pairs: Pairs) -> Overlaps:
+    def measured(self, pairs: Pairs, inertia: bool) -> Overlaps:
         """Pairs sorted by row: what a pair shares, without what a pair of the same row before it has."""
         new = np.diff(pairs.row, prepend=-1) != 0
         begin = np.flatnonzero(new)[np.cumsum(new) - 1] if len(pairs) else pairs.row  # where the pairs of a row begin
-        volume, center, inertia = np.zeros(len(pairs)), np.zeros((len(pairs), 3)), np.zeros((len(pairs), 3, 3))
+        volume, center, about = np.zeros(len(pairs)), np.zeros((len(pairs), 3)), np.zeros((len(pairs), 3, 3))
         for count in (FEW, MANY):
             chosen = np.flatnonzero(pairs.great == (count == MANY))
             for part in _parts(len(chosen), _CHUNK // count):
@@ -210,30 +253,34 @@ class _Rows:
                         asked = held[more]
                         x, y, z = (axis[more] for axis in points)
                         held[more] &= ~self.within(pairs.first[at[more] - back], (x, y, z), asked)
-                volume[at], center[at], inertia[at] = self._moments(some, points, held)
+                volume[at], center[at], about[at] = self._moments(some, points, held, inertia)
         kept = np.flatnonzero(volume > 0.0)
-        return Overlaps(pairs.row[kept], volume[kept], center[kept], inertia[kept])
+        return Overlaps(pairs.row[kept], volume[kept], center[kept], about[kept])
 
-    def _moments(self, pairs: Pairs, points: Points, held: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _moments(
+        self, pairs: Pairs, points: Points, held: np.ndarray, inertia: bool
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Volume (n,), centre (n, 3), inertia (n, 3, 3) of what is held of the boxes; exact where that is all."""
         whole = held.all(axis=1)
         size = pairs.high - pairs.low
         volume = size[0] * size[1] * size[2] * (held.sum(axis=1) / held.shape[1])
         mean = _means(held, points)
-        spread = _products(held, [axis - m[:, None] for axis, m in zip(points, mean, strict=True)])
         middle = placed_points(self.poses, pairs.frame, (pairs.low + pairs.high) / 2)
-        turn = self.rows.rotation[:, pairs.frame]
         center = np.stack([np.where(whole, m, other) for m, other in zip(middle, mean, strict=True)], axis=-1)
-        inertia = np.zeros((len(pairs), 3, 3))
+        about = np.zeros((len(pairs), 3, 3))
+        if not inertia:
+            return volume, center, about
+        spread = _products(held, [axis - m[:, None] for axis, m in zip(points, mean, strict=True)])
+        turn = self.rows.rotation[:, pairs.frame]
         for i in range(3):
             for j in range(3):
                 exact = sum(turn[3 * i + k] * turn[3 * j + k] * size[k] ** 2 for k in range(3)) / 12.0
                 second = volume * np.where(whole, exact, spread[i][j])
-                inertia[:, i, j] -= second
+                about[:, i, j] -= second
                 if i == j:
                     for k in range(3):
-                        inertia[:, k, k] += second
-        return volume, center, inertia
+                        about[:, k, k] += second
+        return volume, center, about
 
 
 def _means(held: np.ndarray, axes: Iterable[np.ndarray]) -> list[np.ndarray]:

@@ -38,8 +38,10 @@ def _rule(primitive: Primitive, patch: int) -> tuple[Split, np.ndarray, np.ndarr
     return Split(primitive, (*made.position, *made.cross)), grid[0].ravel(), grid[1].ravel(), weight.ravel()
 
 
-def volume_inertia(primitive: Primitive, params: Params) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Volume (k,) m3, centre (k, 3) m, inertia about the centre per unit density (k, 3, 3) m5."""
+def volume_inertia(
+    primitive: Primitive, params: Params, inertia: bool = True
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Volume (k,) m3, centre (k, 3) m, inertia about the centre per unit density (k, 3, 3) m5; noughts unless it is asked for."""
     count = rows_of(params)
     low, high = bounds(primitive, params)
     middle = (low + high) / 2  # the moments are taken about it, so that little cancels
@@ -59,18 +61,17 @@ def volume_inertia(primitive: Primitive, params: Params) -> tuple[np.ndarray, np
             for i in range(3):
                 square = x[i] * x[i] * flow[i]
                 first[own, i] += _total(square) / 2
-                for j in range(3):
+                for j in range(3) if inertia else ():
                     second[own, i, j] += _total(square * x[j]) / (3 if i == j else 2)
     second = (second + second.transpose(0, 2, 1)) / 2  # two ways to the same mixed moment
-    centre = first / volume[:, None]
-    inertia = np.empty((count, 3, 3))
-    for i in range(3):
+    centre, about = first / volume[:, None], np.zeros((count, 3, 3))
+    for i in range(3) if inertia else ():
         for j in range(3):
             second[:, i, j] -= volume * centre[:, i] * centre[:, j]
-            inertia[:, i, j] = -second[:, i, j]
-    for i in range(3):
-        inertia[:, i, i] = second[:, (i + 1) % 3, (i + 1) % 3] + second[:, (i + 2) % 3, (i + 2) % 3]
-    return volume, centre + middle, inertia
+            about[:, i, j] = -second[:, i, j]
+    for i in range(3) if inertia else ():
+        about[:, i, i] = second[:, (i + 1) % 3, (i + 1) % 3] + second[:, (i + 2) % 3, (i + 2) % 3]
+    return volume, centre + middle, about
 
 
 def _total(values: np.ndarray) -> np.ndarray:

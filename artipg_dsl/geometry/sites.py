@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from ..graph.primitive import Primitive
+from . import pieces
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class SiteTable:
     """All instances of one site in a batch, k rows sorted by ``owner`` and then ``rank``.
 
@@ -31,3 +33,8 @@ class SiteTable:
 
     def __len__(self) -> int:
         return len(self.owner)
+
+    @cached_property
+    def pieces(self) -> list[pieces.PieceGroup]:
+        """The convex pieces of all rows, in their own frames; built once, whoever asks."""
+        return pieces.build(self.primitive, self.params) if len(self) else []

@@ -51,7 +51,9 @@ class Batch:
         self.numbers = (state.objects if numbers is None else np.asarray(numbers)).astype(np.int64)
         self.history: tuple[Any, ...] = ()
         self.repairs: Repairs = Repairs.none()
+        self.known: dict[str, Any] = {}  # what other rooms worked out, the same wherever joints end
         self._tables, self._values, self._ends = tables, values, ends
+        self._extra: dict[tuple[Expr, Scope], Any] = {}  # what was read that is not planned
         self.rowmap = Rowmap(plan.scopes, tables)
 
     def __len__(self) -> int:
@@ -81,18 +83,17 @@ class Batch:
         """One array (rows of ``scope``,) per expression."""
         size = self.rowmap.rows(scope).size
         missing = [e for e in exprs if (e, scope) not in self.plan.outputs and e.op != "const"]
-        extra: dict[Expr, Any] = {}
-        if missing:
-            plan = make_plan(self.program, [(e, scope) for e in missing])
+        if any((e, scope) not in self._extra for e in missing):
+            plan = self.plan.also(tuple((e, scope) for e in missing))
             _, values = plan.function(self._asked())
-            extra = {e: values[plan.outputs[e, scope]] for e in missing}
+            self._extra |= {(e, scope): values[plan.outputs[e, scope]] for e in missing}
         found = []
         for expr in exprs:
             value = (
                 expr.value
                 if expr.op == "const"
-                else extra[expr]
-                if expr in extra
+                else self._extra[expr, scope]
+                if (expr, scope) in self._extra
                 else self._values[self.plan.outputs[expr, scope]]
             )
             array = np.asarray(value)

@@ -32,6 +32,7 @@ class Plan:
     ]  # bounds that would have needed a later draw: left to the check of requirements
     _function: Callable[..., Any] | None = None
     _bare: Plan | None = None
+    _more: dict[tuple[tuple[Expr, Scope], ...], Plan] = field(default_factory=dict)
 
     @property
     def bare(self) -> Plan:
@@ -39,6 +40,12 @@ class Plan:
         if self._bare is None:
             self._bare = make_plan(self.program, ())
         return self._bare
+
+    def also(self, wanted: tuple[tuple[Expr, Scope], ...]) -> Plan:
+        """The plan of what this one does not give; one for all batches that ask for it."""
+        if wanted not in self._more:
+            self._more[wanted] = make_plan(self.program, wanted)
+        return self._more[wanted]
 
     @property
     def function(self) -> Callable[..., Any]:

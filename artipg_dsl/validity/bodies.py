@@ -10,12 +10,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..geometry import pieces
 from ..geometry.collide import DEPTH, cross, dot, inset
 from ..runtime.batch import Batch
 from ..runtime.motion import apply
 
 FULL = 2 * np.pi
+KEPT = 1 << 27  # bytes of corners, as much as is kept with a batch
 
 
 @dataclass(slots=True, eq=False)
@@ -49,6 +49,15 @@ class Pieces:
 
     def __len__(self) -> int:
         return len(self.owner)
+
+    def fresh(self) -> Pieces:
+        """The same with corners of its own, to be inset and blamed apart from these."""
+        return replace(
+            self,
+            corners=[corners.copy() for corners in self.corners],
+            done=[known.copy() for known in self.done],
+            met=self.met.copy(),
+        )
 
     def part(self, rows: slice | np.ndarray) -> Pieces:
         """Some of the pieces; they share the corners."""
@@ -172,10 +181,24 @@ class Alike:
 
 
 def gather(batch: Batch, first: np.ndarray, turn: np.ndarray, shift: np.ndarray) -> Pieces:
-    """All pieces of a batch; ``first`` (B,) is each object's first link, ``turn`` and ``shift`` carry links to rest."""
+    """All pieces of a batch; ``first`` (B,) is each object's first link, ``turn`` and ``shift`` carry links to rest.
+
+    What was gathered last is kept with the batch: the check, the ends of joints and the gripper want the same.
+    """
+    known = batch.known.get("pieces")
+    if known is None or not (np.array_equal(known[0], turn) and np.array_equal(known[1], shift)):
+        made = _gathered(batch, first, turn, shift)
+        if sum(corners.nbytes for corners in made.corners) > KEPT:
+            return made
+        known = batch.known["pieces"] = turn, shift, made
+    kept: Pieces = known[2]
+    return kept.fresh()
+
+
+def _gathered(batch: Batch, first: np.ndarray, turn: np.ndarray, shift: np.ndarray) -> Pieces:
     groups, start = [], 0
     for table in batch.sites():
-        for group in pieces.build(table.primitive, table.params) if len(table) else ():
+        for group in table.pieces:
             rows = group.rows
             sign = np.stack([np.ones(len(rows)), table.mirror[rows], np.ones(len(rows))], axis=-1)
             link = first[table.owner[rows]] + table.link[rows]

@@ -10,7 +10,7 @@ import numpy as np
 from ..geometry.block import block
 from ..geometry.box import bounds
 from ..geometry.errors import PrimitiveError
-from ..geometry.overlap import overlaps
+from ..geometry.overlap import Touching
 from ..geometry.quadrature import volume_inertia
 from ..runtime.motion import apply, product
 from .materials import catalogue, drawn, material_rows
@@ -34,12 +34,19 @@ class Mass:
 
 
 def masses(batch: Batch) -> Mass:
-    """The mass of every link of a batch, in the object's frame at joint values 0."""
+    """The mass of every link of a batch, in the object's frame at joint values 0; worked out once for a batch."""
+    if "masses" not in batch.known:
+        batch.known["masses"] = link_mass(*weighed(batch))
+    return batch.known["masses"]
+
+
+def weighed(batch: Batch) -> tuple[list[SiteTable], list[np.ndarray], np.ndarray, int, np.ndarray]:
+    """What ``link_mass`` is told of a batch."""
     links, tables = batch.links(), batch.sites()
     start = np.searchsorted(links.owner, np.arange(len(batch)))
     density = np.stack([drawn(batch, material, "density") for material in catalogue(batch)])
     densities = [density[material_rows(batch, table), table.owner] for table in tables]
-    return link_mass(tables, densities, start, len(links.owner), welded(batch, start))
+    return tables, densities, start, len(links.owner), welded(batch, start)
 
 
 def weightless(batch: Batch) -> list[tuple[str, np.ndarray]]:
@@ -80,59 +87,108 @@ def link_mass(
     ``densities`` one array (k,) kg/m3 per table; ``link_start`` (B,) the first link row of each object; ``body`` (L,)
     the same number for links that do not move against one another. Of equally dense ones the first in the text counts.
     """
-    own = [_whole(table, density, link_start) for table, density in zip(tables, densities, strict=True) if len(table)]
-    rows = [*own, *_shared(tables, densities, link_start, body, own)]
-    total = np.zeros(n_links)
-    first = np.zeros((n_links, 3))
-    for link, mass, center, _ in rows:
-        total += np.bincount(link, mass, n_links)
-        first += np.stack([np.bincount(link, mass * center[:, i], n_links) for i in range(3)], axis=1)
-    middle = first / np.where(total > 0, total, 1.0)[:, None]
-    summed = np.zeros((n_links, 3, 3))
-    for link, mass, center, inertia in rows:
-        about = inertia + parallel_axis(mass, center - middle[link])
-        for i in range(3):
-            for j in range(3):
-                summed[:, i, j] += np.bincount(link, about[:, i, j], n_links)
-    return Mass(total, middle, summed)
+    return Weighing(tables, densities, link_start, n_links, body, inertia=True).masses()
 
 
 Portion = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]  # link, mass, centre, inertia about it, of k bodies
 
 
-def _whole(table: SiteTable, density: np.ndarray, link_start: np.ndarray) -> Portion:
+@dataclass(frozen=True, slots=True)
+class Rough:
+    """Per link its mass (L,) kg and centre (L, 3) as if no primitives overlapped; and what overlaps may take away: at most
+    ``most`` (n,) kg of the link ``link`` (n,), no farther than ``radius`` (n,) from ``place`` (n, 3). Axes of the object."""
+
+    mass: np.ndarray
+    center: np.ndarray
+    link: np.ndarray
+    most: np.ndarray
+    place: np.ndarray
+    radius: np.ndarray
+
+
+class Weighing:
+    """The primitives of links, weighed one by one, and which of them may overlap. Arguments as of ``link_mass``."""
+
+    def __init__(
+        self,
+        tables: list[SiteTable],
+        densities: list[np.ndarray],
+        link_start: np.ndarray,
+        n_links: int,
+        body: np.ndarray,
+        inertia: bool = False,
+    ):
+        self.count, self.inertia = n_links, inertia
+        self.own = [_whole(*what, link_start, inertia) for what in zip(tables, densities, strict=True) if len(what[0])]
+        rows = block(tables, 0, len(link_start))
+        self.owner = rows.owner
+        if not len(self.owner):
+            return
+        start = np.cumsum([0, *(len(table) for table in tables)])
+        places = dict(zip((table.number for table in tables), start.tolist(), strict=False))
+        at = np.array([places[number] for number in rows.site.tolist()]) + rows.row
+        self.density = np.concatenate(densities)[at]
+        self.link, self.mass = (np.concatenate([part[k] for part in self.own])[at] for k in (0, 1))
+        order = np.empty(len(at), dtype=np.int64)
+        order[np.lexsort((rows.rank, -self.density))] = np.arange(len(at))
+        worth = self.density / np.bincount(self.link, self.mass, len(body))[self.link]
+        self.touching = Touching(rows, body[self.link], order, worth)
+
+    def masses(self, asked: np.ndarray | None = None) -> Mass:
+        """Of all links; right for the objects ``asked`` (B,) bool alone, by default for all."""
+        rows = [*self.own, *self._shared(asked)]
+        total, middle = _summed(rows, self.count)
+        summed = np.zeros((self.count, 3, 3))
+        for link, mass, center, inertia in rows if self.inertia else ():
+            about = inertia + parallel_axis(mass, center - middle[link])
+            for i in range(3):
+                for j in range(3):
+                    summed[:, i, j] += np.bincount(link, about[:, i, j], self.count)
+        return Mass(total, middle, summed)
+
+    def rough(self) -> Rough:
+        """Bounds of the masses from boxes alone."""
+        mass, center = _summed(self.own, self.count)
+        if not len(self.owner):
+            none = np.zeros(0)
+            return Rough(mass, center, none.astype(np.int64), none, np.zeros((0, 3)), none)
+        found = self.touching.regions()
+        most = np.minimum(found.volume * self.density[found.row], self.mass[found.row])
+        return Rough(mass, center, self.link[found.row], most, found.center, found.radius)
+
+    def _shared(self, asked: np.ndarray | None) -> list[Portion]:
+        """What primitives lose to denser ones that they overlap: portions of negative mass."""
+        if not len(self.owner):
+            return []
+        found = self.touching.measured(None if asked is None else asked[self.owner], self.inertia)
+        lost = found.volume * self.density[found.row]
+        # measured in points: a primitive that lies in others altogether loses what it has, and no more
+        most = self.mass / np.maximum(np.bincount(found.row, lost, len(self.mass)), 1e-300)
+        share = np.minimum(most, 1.0)[found.row]
+        inertia = found.inertia * (self.density[found.row] * share)[:, None, None]
+        return [(self.link[found.row], -lost * share, found.center, -inertia)]
+
+
+def _summed(rows: list[Portion], n_links: int) -> tuple[np.ndarray, np.ndarray]:
+    """Mass (L,) and centre (L, 3) of links."""
+    total, first = np.zeros(n_links), np.zeros((n_links, 3))
+    for link, mass, center, _ in rows:
+        total += np.bincount(link, mass, n_links)
+        first += np.stack([np.bincount(link, mass * center[:, i], n_links) for i in range(3)], axis=1)
+    return total, first / np.where(total > 0, total, 1.0)[:, None]
+
+
+def _whole(table: SiteTable, density: np.ndarray, link_start: np.ndarray, inertia: bool) -> Portion:
     """The primitives of a site."""
-    volume, center, inertia = volume_inertia(table.primitive, table.params)
+    volume, center, about = volume_inertia(table.primitive, table.params, inertia)
     low, high = bounds(table.primitive, table.params)
     if (volume < -INVERTED * np.prod(high - low, axis=1)).any():  # one that was edited: the check of a program finds it
         raise PrimitiveError(table.primitive, None, "its surfaces are inside out")
     center = center * np.stack([np.ones_like(table.mirror), table.mirror, np.ones_like(table.mirror)], axis=-1)
     center = apply(table.rotation, center) + table.translation
-    about = turned_inertia(table, inertia * density[:, None, None])
+    if inertia:
+        about = turned_inertia(table, about * density[:, None, None])
     return link_start[table.owner] + table.link, np.abs(volume) * density, center, about
-
-
-def _shared(
-    tables: list[SiteTable], densities: list[np.ndarray], link_start: np.ndarray, body: np.ndarray, own: list[Portion]
-) -> list[Portion]:
-    """What primitives lose to denser ones that they overlap: portions of negative mass."""
-    rows = block(tables, 0, len(link_start))
-    if not len(rows.owner):
-        return []
-    start = np.cumsum([0, *(len(table) for table in tables)])
-    places = dict(zip((table.number for table in tables), start.tolist(), strict=False))
-    at = np.array([places[number] for number in rows.site.tolist()]) + rows.row
-    density = np.concatenate(densities)[at]
-    link, mass = (np.concatenate([part[k] for part in own])[at] for k in (0, 1))
-    order = np.empty(len(at), dtype=np.int64)
-    order[np.lexsort((rows.rank, -density))] = np.arange(len(at))
-    found = overlaps(rows, body[link], order, density / np.bincount(link, mass, len(body))[link])
-    lost = found.volume * density[found.row]
-    # measured in points: a primitive that lies in others altogether loses what it has, and no more
-    most = mass / np.maximum(np.bincount(found.row, lost, len(at)), 1e-300)
-    share = np.minimum(most, 1.0)[found.row]
-    inertia = found.inertia * (density[found.row] * share)[:, None, None]
-    return [(link[found.row], -lost * share, found.center, -inertia)]
 
 
 def turned_inertia(table: SiteTable, inertia: np.ndarray) -> np.ndarray:

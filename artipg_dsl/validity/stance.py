@@ -11,45 +11,59 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..geometry.collide import dot
 from ..runtime.motion import apply, product, rotation_about
 from .bodies import Pieces
-from .hull import depth, hulls
-from .mass import masses
+from .hull import NEAR, depth, hulls
+from .mass import Mass, Rough, Weighing, masses, weighed
 from .tree import Tree, led
 
 FLOOR = 1e-3  # metres: what is higher does not stand on it
 TILT = float(np.tan(np.radians(2.0)))
+STEEP = 1.001  # a margin changes by no more than this, times what the centre of mass moves
+ROUNDING = 1e-9  # metres
 SHARES = np.linspace(0.0, 1.0, 9)
 WAYS = tuple((np.cos(angle), np.sin(angle)) for angle in np.arange(8) * (np.pi / 4))
 
 
 def falling(tree: Tree, body: Pieces) -> list[np.ndarray]:
-    """For each ``require stable`` of the program, the indices of the objects that do not stand."""
+    """For each ``require stable`` of the program, the indices of the objects that do not stand.
+
+    Bounds of the masses decide most objects; where primitives overlap is measured for the others alone.
+    """
     program, batch = tree.batch.program, tree.batch
     if not program.stable:
         return []
-    stance = Stance(tree, body)
-    still = stance.margin(tree.turn, tree.shift) < 0.0
-    tipped = still | stance.tipping() if any(statement.open for statement in program.stable) else still
-    found = []
+    whatever = any(statement.open for statement in program.stable)
+    everything = np.ones(len(batch), dtype=bool)
+    if "masses" in batch.known:
+        still, tipped = Stance(tree, body, masses(batch)).verdicts(whatever, everything)
+    else:
+        weighing = Weighing(*weighed(batch))
+        known = weighing.rough()
+        stance = Stance(tree, body, known)
+        still, stands = stance.decided(known, whatever)
+        tipped, left = still.copy(), ~(still | stands)
+        if left.any():
+            stance.weigh(weighing.masses(left))
+            found = stance.verdicts(whatever, left)
+            still, tipped = still | found[0], tipped | found[1]
+    verdicts = []
     for statement in program.stable:
         asked = np.zeros(len(batch), dtype=bool)
         asked[batch.owner(statement.scope)] = True
-        found.append(np.flatnonzero(asked & (tipped if statement.open else still)))
-    return found
+        verdicts.append(np.flatnonzero(asked & (tipped if statement.open else still)))
+    return verdicts
 
 
 class Stance:
     """Masses and feet of a batch."""
 
-    def __init__(self, tree: Tree, body: Pieces):
+    def __init__(self, tree: Tree, body: Pieces, weights: Mass | Rough):
         self.tree = tree
-        made = masses(tree.batch)
-        self.mass = made.mass
-        self.center = made.center
         self.owner = tree.links.owner
         self.count = len(tree.batch)
-        self.total = np.bincount(self.owner, self.mass, self.count)
+        self.weigh(weights)
         self.link, self.point = self._feet(body)
         order = np.argsort(self.owner[self.link], kind="stable")
         self.link, self.point = self.link[order], self.point[order]
@@ -57,6 +71,79 @@ class Stance:
         self.place = whose, np.arange(len(whose)) - np.searchsorted(whose, whose)  # (object, rank) of each point
         self.still = (tree.joint[tree.chain[self.link]] < 0) | (tree.chain[self.link] < 0)
         self.base = hulls(*self._padded(self.point))
+
+    def weigh(self, weights: Mass | Rough) -> None:
+        self.mass, self.center = weights.mass, weights.center
+        self.total = np.bincount(self.owner, self.mass, self.count)
+
+    def verdicts(self, whatever: bool, asked: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Which of the objects ``asked`` (B,) bool do not stand, and which do not or, ``whatever`` their joints do, tip over."""
+        still = (self.margin(self.tree.turn, self.tree.shift) < 0.0) & asked
+        return still, still | (self.tipping() & asked) if whatever else still
+
+    # ------------------------------------------------------------ bounds
+
+    def decided(self, known: Rough, whatever: bool) -> tuple[np.ndarray, np.ndarray]:
+        """Which objects (B,) do not stand, and which do, ``whatever`` their joints do, by bounds of their masses alone."""
+        tree = self.tree
+        least = self.total - np.bincount(self.owner[known.link], known.most, self.count)
+        least = np.where(least > self.total / 10, least, 1e-30)  # what may be so light is not known
+        place = apply(tree.turn[known.link], known.place) + tree.shift[known.link]
+        center = self.centers(tree.turn, tree.shift)
+        off = place - center[self.owner[known.link]]
+        spare = known.most * (np.sqrt(dot(off, off)) + known.radius)
+        slack = STEEP * np.bincount(self.owner[known.link], spare, self.count) / least + ROUNDING
+        margin = self.margin(tree.turn, tree.shift)
+        if not whatever:
+            return margin < -slack, margin > slack
+        lowest, spare = self.lowest(center, known, place, least)
+        return margin < -slack, lowest > slack + spare
+
+    def lowest(
+        self, center: np.ndarray, known: Rough, place: np.ndarray, least: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """A bound of the margin (B,) that is left with each joint where it takes the most, edge by edge of the feet, and how far
+        it may be wrong: for what overlaps take away, and as joints within have moved what others carry."""
+        tree, joints, values = self.tree, self.tree.joints, self._alone()[1]
+        count = len(joints.owner)
+        carried, spare = np.zeros(count), np.zeros(count)
+        for level in range(tree.chain.shape[1]):
+            joint, on = _above(tree, np.arange(len(self.owner)), level)
+            carried += np.bincount(joint, self.mass[on], count)
+            joint, on = _above(tree, known.link, level)
+            off = place[on] - tree.origin[joint]
+            spare += np.bincount(joint, known.most[on] * (np.sqrt(dot(off, off)) + known.radius[on]), count)
+        way = np.maximum(np.abs(tree.low - joints.rest), np.abs(tree.high - joints.rest))
+        chord = np.where(tree.turns, 2.0 * np.sin(np.minimum(way, np.pi) / 2), 0.0)
+        moved = np.sqrt(dot(values, values)).max(axis=1) * self.total[joints.owner]  # of the object's mass
+        wrong, within = np.zeros(count), np.zeros(count)
+        depth_of = (tree.chain[tree.child] >= 0).sum(axis=1)
+        for level in np.unique(depth_of)[::-1].tolist():  # the innermost first
+            at = np.flatnonzero(depth_of == level)
+            wrong[at] = chord[at] * (spare[at] + within[at])
+            chain = tree.chain[tree.child[at]]
+            for column in range(1, chain.shape[1]):
+                above, on = _above(tree, tree.child[at], column)
+                within += np.bincount(above, (moved + wrong)[at[on]], count)
+        # a share of the true mass, not of what was weighed
+        wrong += moved * (self.total / least - 1.0)[joints.owner]
+        wrong[~tree.alone] = np.inf
+        edge = np.roll(self.base, -1, axis=1) - self.base
+        length = np.sqrt(edge[..., 0] ** 2 + edge[..., 1] ** 2)
+        real = length > NEAR
+        inward = np.stack([-edge[..., 1], edge[..., 0]], axis=-1) / np.where(real, length, 1.0)[..., None]
+        lowest = np.full(self.count, np.inf)
+        for number in range(self.base.shape[1]):
+            normal = inward[:, number]
+            off = center[:, :2] - self.base[:, number]
+            left = off[:, 0] * normal[:, 0] + off[:, 1] * normal[:, 1] - TILT * (center[:, 2] - self.floor)
+            own = normal[joints.owner][:, None]
+            gain = values[..., 0] * own[..., 0] + values[..., 1] * own[..., 1] - TILT * values[..., 2]
+            left += np.bincount(joints.owner, gain.min(axis=1, initial=0.0), self.count)
+            lowest = np.where(real[:, number], np.minimum(lowest, left), lowest)
+        lowest[~real.any(axis=1) | (center[:, 2] < self.floor)] = -np.inf
+        lowest[self.owner[self.link[~self.still.all(axis=1)]]] = -np.inf  # feet that move along
+        return lowest, STEEP * np.bincount(joints.owner, wrong, self.count) / least
 
     def _feet(self, body: Pieces) -> tuple[np.ndarray, np.ndarray]:
         """Links (n,) and corners (n, 3), at rest, of all that is near the floor."""
@@ -147,3 +234,11 @@ class Stance:
             slid = tree.axis * (by * (tree.slides + tree.advance))[:, None]
             moved[:, number] = np.where(tree.alone[:, None], (turned + slid) * share[:, None], 0.0)
         return values, moved
+
+
+def _above(tree: Tree, link: np.ndarray, level: int) -> tuple[np.ndarray, np.ndarray]:
+    """The joints so many levels above links (n,), and the places of the links that have one."""
+    above = tree.chain[link, level]
+    joint = np.where(above >= 0, tree.joint[np.maximum(above, 0)], -1)
+    on = np.flatnonzero(joint >= 0)
+    return joint[on], on

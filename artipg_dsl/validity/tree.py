@@ -97,7 +97,7 @@ class Tree:
         """The joint that leads each object (S, B), -1 for none, and the states (S, J) that show what joints do that move others,
         or turn about more than one axis."""
         made = [(lead, states) for lead, states, _ in led(self, ~self.alone, SHARES)]
-        lead = np.array([lead for lead, _ in made], dtype=np.int64).reshape(-1, len(self.first))
+        lead = np.array([lead for lead, _ in made], dtype=np.int64).reshape(len(made), len(self.first))
         return lead, np.array([states for _, states in made]).reshape(len(made), len(self.joints.owner))
 
     def blame(self, body: Pieces, i: np.ndarray, j: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

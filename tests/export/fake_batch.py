@@ -172,6 +172,7 @@ class FakeBatch:
         self.program = program()
         self.numbers = np.arange(self.first, self.first + self.n)
         self.repairs = Repairs.none()
+        self.known: dict = {}
         self.state = SimpleNamespace(attempt=self.numbers % 3, objects=self.numbers)
         f = self.numbers % 7 / 7.0
         self.depth, self.width, self.height = 0.3 + 0.1 * f, 0.4 + 0.1 * f, 0.3 + 0.2 * f

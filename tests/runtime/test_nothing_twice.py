@@ -1,0 +1,54 @@
+"""Counts of what is worked out for a batch: once, whoever asks."""
+
+from __future__ import annotations
+
+from unittest import mock
+
+import numpy as np
+import pytest
+
+from artipg_dsl.annotate.annotation import describe
+from artipg_dsl.export.robot import Robots
+from artipg_dsl.geometry import pieces
+from artipg_dsl.graph import expr as E
+from artipg_dsl.runtime import plan as plans
+from artipg_dsl.session import Session
+from artipg_dsl.validity import bodies, mass
+
+
+@pytest.fixture(scope="module")
+def sampler():
+    return Session.of("Kettle").sampler
+
+
+def test_pieces_are_built_once_for_check_gripper_and_exports(sampler) -> None:
+    with mock.patch.object(pieces, "build", side_effect=pieces.build) as built:
+        batch = sampler.batch(np.arange(3), seed=1, checked=True)
+        before = built.call_count
+        with mock.patch.object(bodies, "_gathered", side_effect=bodies._gathered) as gathered:
+            describe(batch)
+            assert all(robot.colliders for robot in [Robots(batch)])
+        assert built.call_count == before == sum(len(table) > 0 for table in batch.sites())
+        assert gathered.call_count == 0
+
+
+def test_masses_are_worked_out_once(sampler) -> None:
+    batch = sampler.batch(np.arange(3), seed=1)
+    with mock.patch.object(mass, "link_mass", side_effect=mass.link_mass) as worked:
+        for _ in range(2):
+            mass.masses(batch)
+            assert Robots(batch).mass is not None
+    assert worked.call_count == 1
+
+
+def test_one_plan_serves_all_batches(sampler) -> None:
+    """Also of what was not planned: what one batch asked for, others of the program find."""
+    scope = sampler.program.scopes[0]
+    column = next(draw.column for draw in sampler.program.draws if draw.column.scope is scope)
+    wanted = [E.col(column) * 2.0, E.col(column) + 7.0]
+    with mock.patch.object(plans, "make_plan", side_effect=plans.make_plan) as made:
+        for first in (0, 3, 6):
+            batch = sampler.batch(np.arange(first, first + 3), seed=1, checked=True)
+            one, two = batch.read(wanted, scope)
+            assert np.allclose(one / 2, two - 7) and batch.read(wanted[:1], scope)[0].tolist() == one.tolist()
+    assert made.call_count == 1
