@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+COMPILED = ".apgc"
+"""What the names of compiled programs end in."""
+
 _PACKAGE = Path(__file__).resolve().parent
 
 

@@ -7,19 +7,21 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from . import kept
 from .diagnostics import CompileError, Report, did_you_mean
 from .garbage import uncollected
 from .resources import categories_dir, library_dir
-from .semantics.check import TypedProgram, check
-from .semantics.modules import Workspace
-from .semantics.symbols import ModuleScope
 from .source import Source
-from .syntax import ast
-from .syntax.parse import load
+from .syntax.load import load
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # start-up: what is kept of a compilation needs neither the parser nor the checker
+    from .graph.program import Program
     from .lower.program import Lowering
     from .sampling.sample import Sampler
+    from .semantics.check import TypedProgram
+    from .semantics.modules import Workspace
+    from .semantics.symbols import ModuleScope
+    from .syntax import ast
 
 
 NAMED = 6  # parts that a warning names
@@ -53,7 +55,10 @@ def locate(name: str | Path, report: Report) -> Path | None:
 
 
 class Session:
-    """A compilation of one file or text. Findings of all phases gather in ``report``; a phase that failed is None."""
+    """A compilation of one file or text. Findings of all phases gather in ``report``; a phase that failed is None.
+
+    ``sampler`` and ``examine`` take what was kept of an equal compilation (see ``kept``); the phases are always computed.
+    """
 
     def __init__(self, source: Source | None, path: Path | None, report: Report | None = None):
         self.report = report or Report()
@@ -76,6 +81,8 @@ class Session:
 
     @cached_property
     def workspace(self) -> Workspace:
+        from .semantics.modules import Workspace
+
         return Workspace(self.report, [library_dir()], reader=lambda path, report, _: load(path, report, shown(path)))
 
     @cached_property
@@ -92,6 +99,8 @@ class Session:
     @cached_property
     def typed(self) -> TypedProgram | None:
         """The checked program; None when it could not be read at all."""
+        from .semantics.check import check
+
         return None if self.module is None else check(self.workspace, self.module, self.report)
 
     @cached_property
@@ -118,7 +127,28 @@ class Session:
     @cached_property
     def sampler(self) -> Sampler:
         """The category ready to be sampled. Raises CompileError."""
-        from .graph.text import digest
+        from .sampling.sample import Sampler
+
+        program = None if "lowering" in self.__dict__ else self._recalled()
+        return self._compiled() if program is None else Sampler(program)
+
+    def _recalled(self) -> Program | None:
+        """The program as it was kept, verified as any that is read from a file; its findings go to the report."""
+        from .graph.text import TextError, from_text
+
+        found = self._recall("program")
+        if found is None:
+            return None
+        with uncollected():
+            try:
+                program = from_text(found)
+            except (TextError, RecursionError):
+                return None
+        program.foreign = False
+        return program
+
+    def _compiled(self) -> Sampler:
+        from .graph.text import digest, to_text
         from .runtime.plan import PlanError
         from .sampling.sample import Sampler
 
@@ -137,7 +167,7 @@ class Session:
             raise CompileError(self.report)
         lowering.program.hash = lowering.program.hash or digest(lowering.program)
         try:
-            return Sampler(lowering.program)
+            sampler = Sampler(lowering.program)
         except PlanError as error:
             self.report.error(
                 "circular-definition",
@@ -146,6 +176,44 @@ class Session:
                 hint="let one of them follow from something else",
             )
             raise CompileError(self.report) from None
+        self._keep("program", to_text(lowering.program))
+        return sampler
+
+    def examine(self) -> Report:
+        """All findings: of the text, of its category as far as it can be put in order, and what is perhaps not meant."""
+        if self._recall("check") is None:
+            if self.lowering is not None:
+                try:
+                    _ = self.sampler
+                except CompileError:
+                    pass  # it has told the report
+                self.advise()
+            self._keep("check")
+        return self.report
+
+    @cached_property
+    def _text(self) -> Source | None:
+        """The text itself; None where it cannot be read."""
+        if self.source is not None or self.path is None:
+            return self.source
+        return load(self.path, Report(), shown(self.path))
+
+    @property
+    def _folder(self) -> Path:
+        return (self.path or Path(self._text.name if self._text else "")).parent
+
+    def _recall(self, kind: str) -> str | None:
+        """What was kept of an equal compilation, whose findings go to the report."""
+        found = None if self._text is None else kept.recall(kind, self._text, self._folder)
+        for diagnostic in () if found is None else found[0]:
+            self.report.add(diagnostic)
+        return None if found is None else found[1]
+
+    def _keep(self, kind: str, rest: str = "") -> None:
+        if self._text is not None:
+            main = self.path.resolve() if self.path else None
+            files = {path: source for path, source in self.workspace.read.items() if path != main}
+            kept.keep(kind, self._text, self._folder, files, self.workspace.absent, self.report.diagnostics, rest)
 
     def advise(self) -> None:
         """Report what is legal and perhaps not meant: parts that nothing places, surface without a semantic label, parts

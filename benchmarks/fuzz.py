@@ -123,7 +123,7 @@ def share_library() -> None:
     from artipg_dsl.semantics import check as checking
     from artipg_dsl.semantics import checker
     from artipg_dsl.semantics.modules import Workspace
-    from artipg_dsl.syntax.parse import load
+    from artipg_dsl.syntax.load import load
 
     whole = Workspace(
         Report(), [ROOT / "library"], reader=lambda path, report, _: load(path, report, f"library/{path.name}")

@@ -1,11 +1,14 @@
 """Options of the test suite."""
 
+import os
 from collections.abc import Iterator
 
 import pytest
 
 from artipg_dsl.graph.text import from_text, to_text
 from artipg_dsl.lower import program as lowering
+
+os.environ["APGC_CACHE"] = "off"  # tests compute what they are about, unless they say where it is kept
 
 SMALL = 40  # parts: larger programs are verified pass by pass in tests/lower/test_passes.py
 

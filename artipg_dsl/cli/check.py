@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from ..diagnostics import CompileError, Report
+from ..diagnostics import Report
 from .compile import of_text
 
 
@@ -30,11 +30,4 @@ def run(options: argparse.Namespace) -> int:
 
 def examine(name: str) -> Report:
     """The findings in one file: those of its text, and of its category as far as it can be put in order."""
-    session = of_text(name)
-    if session.lowering is not None:
-        try:
-            _ = session.sampler
-        except CompileError:
-            pass  # it has told the report
-        session.advise()
-    return session.report
+    return of_text(name).examine()

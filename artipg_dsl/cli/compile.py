@@ -10,16 +10,18 @@ import sys
 from collections.abc import Callable
 from dataclasses import fields
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..diagnostics import CompileError
 from ..errors import UsageError
-from ..run.compiled import COMPILED, to_compiled
+from ..resources import COMPILED
 from ..session import Session
 from ..source import Span
-from ..syntax import ast
 from .arguments import STREAM
 from .messages import findings, say
+
+if TYPE_CHECKING:
+    from ..syntax import ast
 
 
 def of_text(name: str) -> Session:
@@ -43,7 +45,9 @@ def emit_typed(session: Session) -> str | None:
 def emit_graph(session: Session) -> str | None:
     """The artefact, and before its hash, as comments, the blocks of equations that were solved."""
     from ..lower.solve.ledger import blocks
+    from ..run.compiled import to_compiled
 
+    _ = session.lowering  # the blocks of equations are not kept: it is compiled anew
     program, lowering = session.sampler.program, session.lowering
     assert lowering is not None
     lines = blocks((unknown for _, unknown in lowering.context.ledger), lowering.context.draws)
@@ -97,6 +101,8 @@ def run(options: argparse.Namespace) -> int:
 
 def tree_lines(node: ast.Node, name: str = "", depth: int = 0) -> list[str]:
     """A tree with a node per line, its plain fields beside it and its children below."""
+    from ..syntax import ast
+
     plain, below = [], []
     for field in fields(node):
         value: Any = getattr(node, field.name)

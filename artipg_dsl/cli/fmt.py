@@ -11,7 +11,7 @@ from ..diagnostics import Report
 from ..export.write import write_bytes
 from ..source import Source
 from ..syntax.format import formatted
-from ..syntax.parse import load
+from ..syntax.load import load
 from .messages import findings, plural, say
 
 

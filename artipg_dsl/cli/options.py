@@ -356,6 +356,10 @@ def _checking(to: argparse.ArgumentParser) -> None:
     )
 
 
+def add_cache(to: argparse.ArgumentParser) -> None:
+    to.add_argument("action", nargs="?", choices=("show", "clear"), default="show", help="show (default), or clear")
+
+
 COMMANDS = {
     "check": ("check programs for errors", add_check),
     "fmt": ("format programs", add_fmt),
@@ -370,5 +374,6 @@ COMMANDS = {
     "validate": ("report which links collide or block one another", add_validate),
     "report": ("measure the quality of a category over many samples", add_report),
     "ledger": ("show what determines each value of a part", add_ledger),
+    "cache": ("show or clear what is kept between runs", add_cache),
 }
 """What each command does, and what adds its options; the module of its name runs it."""

@@ -14,7 +14,6 @@ from ..sampling.sample import Sampler
 if TYPE_CHECKING:
     from ..graph.program import Program
 
-COMPILED = ".apgc"
 LARGEST = 64 << 20  # bytes of a compiled program
 AGAIN = "compile it again from its .apg file"
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..diagnostics.suggest import did_you_mean
 from ..errors import UsageError, UserError
+from ..resources import COMPILED
 from ..runtime.kernels import TooMany
 from ..sampling.mutate import Mutation, Names
 from ..sampling.sample import Sampler
@@ -19,7 +20,7 @@ from ..sampling.statistics import Exhausted, Statistics
 from ..sampling.trace import Replay
 from ..sampling.values import Values
 from ..validity.sound import prove
-from .compiled import COMPILED, make_sampler, read_compiled
+from .compiled import make_sampler, read_compiled
 from .counts import Counts, count_in_words, explain_exhausted, summarize
 from .params import read_values
 from .request import Request, is_file

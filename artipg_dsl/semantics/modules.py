@@ -11,7 +11,8 @@ from ..language import reserved_name
 from ..resources import library_dir
 from ..source import Source, Span
 from ..syntax import ast
-from ..syntax.parse import load, parse_once
+from ..syntax.load import load
+from ..syntax.parse import parse_once
 from .symbols import KINDS, ModuleScope, Symbol
 
 Loader = Callable[[Source, Report], "ast.Module | None"]
@@ -38,6 +39,8 @@ class Workspace:
         self.loader = loader or parse_once
         self.reader = reader or load
         self.modules: dict[str, ModuleScope] = {}
+        self.read: dict[Path, Source] = {}  # the files that were read
+        self.absent: dict[Path, None] = {}  # where a module was looked for in vain
         self._trail: list[tuple[str, Span]] = []  # the uses that led to the module being loaded
         self._failed: set[str] = set()
 
@@ -49,6 +52,8 @@ class Workspace:
         if key in self._failed:
             return None
         source = self.reader(path, self.report, shown or str(path))
+        if source is not None:
+            self.read[path.resolve()] = source
         scope = self._load(source, key, path.parent) if source is not None else None
         if scope is None:
             self._failed.add(key)
@@ -172,9 +177,11 @@ class Workspace:
         file = f"{name}.apg"
         if (folder / file).is_file():
             return folder / file, str(shown / file)
+        self.absent[(folder / file).resolve()] = None
         for place in self.search_path:
             if (place / file).is_file():
                 return place / file, f"{place.name}/{file}"
+            self.absent[(place / file).resolve()] = None
         return None
 
     def _available(self, folder: Path) -> list[str]:

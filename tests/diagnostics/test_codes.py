@@ -11,7 +11,7 @@ from artipg_dsl.cli.main import main
 from artipg_dsl.diagnostics import CODES, CompileError, Report, explain
 from artipg_dsl.diagnostics.page import COMMAND, page
 from artipg_dsl.session import Session
-from artipg_dsl.syntax.parse import load
+from artipg_dsl.syntax.load import load
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "diagnostics.md"

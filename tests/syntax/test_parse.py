@@ -9,7 +9,8 @@ from artipg_dsl.diagnostics import Report
 from artipg_dsl.resources import categories_dir, library_dir
 from artipg_dsl.source import Source
 from artipg_dsl.syntax import ast
-from artipg_dsl.syntax.parse import MOST_ERRORS, load, parse
+from artipg_dsl.syntax.load import load
+from artipg_dsl.syntax.parse import MOST_ERRORS, parse
 
 from .helpers import body_of, nodes, prefix, tree_of, value_of
 

@@ -1,0 +1,201 @@
+"""What has been computed before, kept in files for the next process: content-addressed, and never needed.
+
+An entry is named by a hash of everything it follows from, and holds data alone: whoever reads it verifies what it says, and
+computes anew where that fails. So the folder may be shared, cut short by a kill, spoilt or deleted at any time. It lies where
+the platform keeps caches; ``APGC_CACHE`` names another place, and ``APGC_CACHE=off`` keeps nothing.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cache
+from hashlib import blake2b
+from importlib.util import find_spec
+from pathlib import Path
+
+MARK = b"apgc kept 1\n"
+MOST = 256 << 20  # bytes; the entries that were read longest ago go first
+LEFT = 0.75  # of these bytes are left after that
+STALE = 3600.0  # seconds after which an unfinished file is of a process that was killed
+SEAL = 32  # bytes of the hash before the data
+
+_pruned = False
+
+
+def folder() -> Path | None:
+    """Where entries lie; None where nothing is to be kept, or no home is known."""
+    chosen = os.environ.get("APGC_CACHE", "")
+    if chosen.strip().lower() in ("off", "0", "no", "false"):
+        return None
+    if chosen:
+        return Path(chosen)
+    home = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA")
+    try:
+        base = Path(home) if home else Path.home() / ("Library/Caches" if sys.platform == "darwin" else ".cache")
+    except RuntimeError:
+        return None
+    return base / "artipg_dsl" / "kept"
+
+
+@cache
+def stamp() -> str:
+    """The compiler: the files of this package with their sizes and times, and the versions of what it computes with."""
+    package = Path(__file__).resolve().parent
+    found = [sys.version, sys.platform]
+    for path in sorted(package.rglob("*.py")):
+        seen = path.stat()
+        found.append(f"{path.relative_to(package)} {seen.st_size} {seen.st_mtime_ns}")
+    for name in ("numpy", "scipy"):  # found without importing them
+        spec = find_spec(name)
+        version = Path(spec.origin).with_name("version.py") if spec is not None and spec.origin else None
+        if version is not None and version.is_file():
+            found.append(f"{name} {digest([version.read_text(encoding='utf-8')])}")
+    return digest(found)
+
+
+def digest(texts: Iterable[str]) -> str:
+    """A hash of texts in their order."""
+    found = blake2b(digest_size=20)
+    for text in texts:
+        data = text.encode("utf-8", "surrogatepass")
+        found.update(b"%d\n" % len(data))
+        found.update(data)
+    return found.hexdigest()
+
+
+def key(kind: str, *texts: str) -> str:
+    """The name of an entry of a kind that follows from texts and the compiler."""
+    return f"{kind}-{digest((stamp(), kind, *texts))}"
+
+
+def read(name: str) -> bytes | None:
+    """The data of an entry; None where there is none, or it is not what was written."""
+    place = folder()
+    if place is None:
+        return None
+    path = place / name
+    try:
+        data = path.read_bytes()
+        body = data[len(MARK) + SEAL :]
+        if not data.startswith(MARK) or data[len(MARK) : len(MARK) + SEAL] != _seal(body):
+            path.unlink(missing_ok=True)
+            return None
+        now = time.time()
+        os.utime(path, (now, now))  # what is read stays longest
+    except OSError:
+        return None
+    return body
+
+
+def drop(name: str) -> None:
+    """Remove an entry that does not say what it should."""
+    place = folder()
+    if place is not None:
+        try:
+            (place / name).unlink(missing_ok=True)
+        except OSError:
+            pass
+
+
+def write(name: str, body: bytes) -> None:
+    """Keep an entry, whole or not at all. Where that cannot be, nothing is kept: it is never needed."""
+    global _pruned
+    place = folder()
+    if place is None:
+        return
+    unfinished = None
+    try:
+        place.mkdir(parents=True, exist_ok=True)
+        number, unfinished = tempfile.mkstemp(prefix=".", suffix=".partial", dir=place)
+        with os.fdopen(number, "wb") as file:
+            file.write(MARK + _seal(body) + body)
+        os.replace(unfinished, place / name)
+        unfinished = None
+        if not _pruned:
+            _pruned = True
+            prune(place)
+    except OSError:
+        pass
+    finally:
+        if unfinished is not None:
+            try:
+                os.unlink(unfinished)
+            except OSError:
+                pass
+
+
+def _seal(body: bytes) -> bytes:
+    return blake2b(body, digest_size=SEAL).digest()
+
+
+# ---------------------------------------------------------------- the folder as a whole
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A file of the cache: when it was last read or written (seconds since 1970), and its size in bytes."""
+
+    path: Path
+    used: float
+    size: int
+
+    @property
+    def kind(self) -> str:
+        return self.path.name.partition("-")[0]
+
+
+def entries(place: Path) -> list[Entry]:
+    """The entries of a folder, those used longest ago first; what a killed process has left is removed."""
+    found = []
+    try:
+        with os.scandir(place) as listed:
+            for item in listed:
+                try:
+                    seen = item.stat(follow_symlinks=False)
+                    if item.name.endswith(".partial"):
+                        if time.time() - seen.st_mtime > STALE:
+                            os.unlink(item.path)
+                    elif item.is_file(follow_symlinks=False) and "-" in item.name:
+                        found.append(Entry(Path(item.path), seen.st_mtime, seen.st_size))
+                except OSError:  # another process was faster
+                    continue
+    except OSError:
+        return []
+    return sorted(found, key=lambda entry: (entry.used, entry.path.name))
+
+
+def prune(place: Path, most: int | None = None) -> None:
+    """Remove what was used longest ago, once all entries take more than ``most`` bytes."""
+    limit = MOST if most is None else most
+    found = entries(place)
+    total = sum(entry.size for entry in found)
+    if total <= limit:
+        return
+    for entry in found:
+        if total <= LEFT * limit:
+            break
+        total -= entry.size
+        try:
+            entry.path.unlink(missing_ok=True)
+        except OSError:
+            continue
+
+
+def clear() -> tuple[int, int]:
+    """Remove all entries: how many they were, and their bytes."""
+    place = folder()
+    if place is None:
+        return 0, 0
+    number = total = 0
+    for entry in entries(place):
+        try:
+            entry.path.unlink()
+        except OSError:
+            continue
+        number, total = number + 1, total + entry.size
+    return number, total

@@ -1,0 +1,190 @@
+"""What is kept between runs changes nothing but time: the same bytes and findings, whatever becomes of its files."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from artipg_dsl import cache
+from artipg_dsl.cli.main import main
+from artipg_dsl.graph.text import to_text
+from artipg_dsl.session import Session
+
+PROGRAM = """apg 1
+use primitives { Cylinder }
+use feet { Foot }
+category Stool {
+  param tall : length in 40cm .. 60cm = 50cm
+  root part seat : Cylinder(radius = 20cm, height = 3cm)
+  part foot : Foot(tall = tall)
+  connect foot.top on seat.bottom
+}
+"""
+FEET = """apg 1
+use primitives { Cylinder }
+template Foot {
+  param tall : length
+  part leg : Cylinder(radius = 3cm, height = tall)
+}
+"""
+
+
+@pytest.fixture
+def kept(tmp_path, monkeypatch):
+    monkeypatch.setenv("APGC_CACHE", str(tmp_path / "kept"))
+    monkeypatch.setattr(cache, "_pruned", False)
+    return tmp_path / "kept"
+
+
+@pytest.fixture
+def stool(tmp_path):
+    (tmp_path / "feet.apg").write_text(FEET)
+    path = tmp_path / "stool.apg"
+    path.write_text(PROGRAM)
+    return path
+
+
+def computed(session):
+    return "typed" in session.__dict__
+
+
+def found(path):
+    session = Session.of(path)
+    return [repr(d) for d in session.examine().diagnostics], computed(session)
+
+
+def test_findings_are_kept_and_shown_again(kept, stool, capsys):
+    first = found(stool)
+    assert first[1] and any("warning" in text for text in first[0])
+    assert found(stool) == (first[0], False)
+    assert main(["check", str(stool)]) == 0
+    shown = capsys.readouterr()
+    os.environ["APGC_CACHE"] = "off"
+    assert main(["check", str(stool)]) == 0
+    assert capsys.readouterr() == shown
+
+
+def test_errors_are_kept_too(kept, stool):
+    stool.write_text(PROGRAM.replace("tall = tall", "tell = tall"))
+    first = found(stool)
+    assert any("error" in text for text in first[0])
+    assert found(stool) == (first[0], False)
+
+
+def test_a_kept_program_is_the_same(kept, stool):
+    session = Session.of(stool)
+    text = to_text(session.sampler.program)
+    again = Session.of(stool)
+    assert to_text(again.sampler.program) == text and not computed(again)
+    assert again.sampler.program.hash == session.sampler.program.hash and not again.sampler.program.foreign
+
+
+@pytest.mark.parametrize("change", ["text", "import", "import removed", "nearer module", "compiler"])
+def test_what_an_entry_follows_from_is_looked_at(kept, stool, monkeypatch, change):
+    found(stool)
+    if change == "text":
+        stool.write_text(PROGRAM.replace("20cm", "21cm"))
+    elif change == "import":
+        (stool.parent / "feet.apg").write_text(FEET.replace("3cm", "4cm"))
+    elif change == "import removed":
+        (stool.parent / "feet.apg").unlink()
+    elif change == "nearer module":
+        (stool.parent / "primitives.apg").write_text("apg 1\n")
+    else:
+        monkeypatch.setattr(cache, "stamp", lambda: "another")
+    assert found(stool)[1]
+
+
+def test_files_that_are_spoilt_cut_short_or_false_count_for_nothing(kept, stool):
+    first = found(stool)[0]
+    for spoil in (
+        lambda data: data[:-1] + b"?",
+        lambda data: data[: len(data) // 2],
+        lambda data: b"",
+        lambda data: cache.MARK + cache._seal(b"{}\n") + b"{}\n",
+        lambda data: cache.MARK + cache._seal(b"\xff") + b"\xff",
+        lambda data: sealed(data, lambda held: held.update(findings=[["no-code", "x", None, "error", None, [], []]])),
+        lambda data: sealed(data, lambda held: held["findings"][0].__setitem__(2, [0, 5, 10**9])),
+        lambda data: sealed(data, lambda held: held["findings"][0].__setitem__(5, [[[7, 0, 1], "x"]])),
+    ):
+        for path in kept.iterdir():
+            path.write_bytes(spoil(path.read_bytes()))
+        assert found(stool) == (first, True)
+        assert found(stool) == (first, False)  # written again
+
+
+def sealed(data, change):
+    head, _, rest = data[len(cache.MARK) + cache.SEAL :].partition(b"\n")
+    held = json.loads(head)
+    if not held.get("findings"):
+        held["findings"] = [["unplaced", "x", [0, 0, 1], "warning", None, [], []]]
+    change(held)
+    body = json.dumps(held).encode() + b"\n" + rest
+    return cache.MARK + cache._seal(body) + body
+
+
+def test_a_program_in_an_entry_is_verified(kept, stool):
+    text = to_text(Session.of(stool).sampler.program)
+    for path in kept.glob("program-*"):
+        data = (
+            path.read_bytes()[len(cache.MARK) + cache.SEAL :]
+            .replace(b'"real"', b'"evil"')
+            .replace(b"= real", b"= evil")
+        )
+        path.write_bytes(cache.MARK + cache._seal(data) + data)
+    again = Session.of(stool)
+    assert to_text(again.sampler.program) == text and computed(again)
+
+
+def test_nothing_is_kept_when_off_or_where_nothing_can_be_written(tmp_path, stool, monkeypatch):
+    monkeypatch.setenv("APGC_CACHE", "off")
+    found(stool)
+    assert cache.folder() is None and found(stool)[1]
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("APGC_CACHE", str(tmp_path / "file" / "kept"))
+    assert found(stool)[1] and found(stool)[1]
+
+
+def test_the_oldest_go_first(kept):
+    kept.mkdir()
+    for number in range(10):
+        path = kept / f"check-{number}"
+        path.write_bytes(b"x" * 100)
+        os.utime(path, (number, number))
+    cache.prune(kept, 500)
+    assert sorted(path.name for path in kept.iterdir()) == ["check-7", "check-8", "check-9"]
+    (kept / ".left.partial").write_bytes(b"")
+    os.utime(kept / ".left.partial", (1, 1))
+    cache.prune(kept, 500)
+    assert not (kept / ".left.partial").exists()
+
+
+def test_show_and_clear(kept, stool, capsys):
+    found(stool)
+    assert main(["cache"]) == 0
+    assert "findings: 1 file" in capsys.readouterr().out
+    assert main(["cache", "clear"]) == 0
+    assert "removed 2 files" in capsys.readouterr().out and not list(kept.iterdir())
+    os.environ["APGC_CACHE"] = "off"
+    assert main(["cache"]) == 0 and "nothing is kept" in capsys.readouterr().out
+
+
+def test_processes_share_a_folder_and_give_the_same_bytes(kept, stool):
+    """Cold, all at once; then kept; then off: the files of all are equal."""
+    root = Path(cache.__file__).parents[1]
+
+    def start(out, **more):
+        command = [sys.executable, "-m", "artipg_dsl", "sample", str(stool), "-n", "3", "-o", str(stool.parent / out)]
+        env = {**os.environ, "PYTHONPATH": str(root), **more}
+        return subprocess.Popen(command, env=env, stderr=subprocess.DEVNULL)
+
+    for process in [start("a"), start("b")]:
+        assert process.wait() == 0
+    assert start("c").wait() == 0 and start("d", APGC_CACHE="off").wait() == 0
+    first = {path.name: path.read_bytes() for path in (stool.parent / "a").iterdir() if path.name != "manifest.json"}
+    for out in "bcd":
+        for name, data in first.items():
+            assert (stool.parent / out / name).read_bytes() == data, (out, name)
