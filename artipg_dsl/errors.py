@@ -12,7 +12,7 @@ class InternalError(Exception):
     """A fault of the compiler itself, found while it was at ``place``; the text asks for a report."""
 
     def __init__(self, place: object, what: str):
-        super().__init__(f"{place}: {what}; this is a fault of apgc, please report it")
+        super().__init__(f"{place}: {what}; this is a bug in apgc, please report it")
         self.place, self.what = place, what
 
     def __reduce__(self) -> tuple[type[InternalError], tuple[str, str]]:

@@ -49,7 +49,10 @@ def locate(name: str | Path, report: Report) -> Path | None:
     known = {k.lower(): v for k, v in shipped.items()}
     if text.lower().replace("_", "") in known:
         return known[text.lower().replace("_", "")]
-    hint = did_you_mean(text, shipped) or f"shipped are {', '.join(shipped)}; or give the path of an .apg file"
+    hint = (
+        did_you_mean(text, shipped)
+        or f"the shipped categories are {', '.join(shipped)}; or give the path of an .apg file"
+    )
     report.error("missing-file", None, f"there is no category `{text}`", hint=hint)
     return None
 
@@ -155,13 +158,13 @@ class Session:
         lowering = self.lowering
         if lowering is None and not self.report.failed:
             what = self.path or "the text"
-            self.report.error("no-category", None, f"{what} declares no category: there is nothing to sample")
+            self.report.error("no-category", None, f"{what} declares no category, so there is nothing to sample")
         for span in () if lowering is None else lowering.context.unclear:
             self.report.error(
                 "needs-clearance",
                 span,
-                "this clearance is not solved for",
-                hint="the high end of a revolute or prismatic joint that moves by itself can be; write a number or a formula",
+                "this `clearance` cannot be solved for",
+                hint="only the high end of a revolute or prismatic joint that moves independently can be; write a number or a formula",
             )
         if lowering is None or self.report.failed:
             raise CompileError(self.report)
@@ -172,8 +175,8 @@ class Session:
             self.report.error(
                 "circular-definition",
                 None,
-                f"values need one another in a circle: {error}",
-                hint="let one of them follow from something else",
+                f"these values depend on one another in a circle: {error}",
+                hint="determine one of them from something else",
             )
             raise CompileError(self.report) from None
         self._keep("program", to_text(lowering.program))
@@ -227,8 +230,9 @@ class Session:
             self.report.warning(
                 "unplaced",
                 part.span,
-                f"nothing says where `{part.name}` is: it lies in the middle, along x, y and z",
-                hint=f"`connect {part.name}.bottom on ...` or `align` places it; `align {part.name}.center = ...` says that it is meant",
+                f"nothing places `{part.name}`: it is centred along x, y and z",
+                hint=f"place it with `connect {part.name}.bottom on ...` or `align`; if the centre is meant, "
+                f"write `align {part.name}.center = ...`",
             )
         self._warn_floating(lowering)
         program = lowering.program
@@ -242,7 +246,7 @@ class Session:
                 "missing-material",
                 typed.category.decl.name_span,
                 f"{what} no material",
-                hint="`material oak on body` gives one; without, 700 kg/m3 and a light grey are taken",
+                hint="write for example `material oak on body`; the default is 700 kg/m3 and light grey",
             )
 
     def _warn_floating(self, lowering: Lowering) -> None:
@@ -264,9 +268,9 @@ class Session:
                 self.report.warning(
                     "floating-part",
                     part.span,
-                    f"`{own[0]}` touches nothing of the link that it is part of",
+                    f"`{own[0]}` touches nothing else of its link",
                     hint=f"`connect {part.name}.bottom on ...` places it on something; "
-                    f'`allow floating {part.name} because "..."` says that it is meant',
+                    f'if that is meant, write `allow floating {part.name} because "..."`',
                 )
 
 

@@ -21,12 +21,12 @@ from .semantics.check import TypedProgram
 from .semantics.symbols import Symbol
 from .syntax import ast
 
-HINT = "edges meet where two surfaces give the same curve, from end to end; compare the ranges of u and v and the signs"
+HINT = "two edges match where both surfaces give the same curve from end to end; compare the signs and the ranges of u and v"
 
-BROAD = "bend it less, or let something thinner go along it"
+BROAD = "bend it less, or use a thinner section"
 TRIED = 256  # test values at which a bend is looked at
 LOOSE, ABSENT = 0.05, 0.1  # of its size that a solid reaches beyond its pieces: worth a warning, and an error
-NARROW = "does the path cross or touch itself, or bend more tightly than what goes along it is wide? Narrow the domains it is made of"
+NARROW = "does the path cross or touch itself, or bend more tightly than its section allows? Narrow the ranges in its formula"
 
 
 def close(solids: Mapping[Any, Lowered], report: Report) -> None:
@@ -56,8 +56,8 @@ def cover(symbol: Symbol, lowered: Lowered, report: Report) -> None:
     told(
         "missing-pieces",
         stated[0].span,
-        f"the pieces of the primitive `{symbol.name}` leave out part of it, up to {100 * far:.0f} % of its size away ({place})",
-        hint="collisions are those of the convex pieces: state pieces that fill the solid, or none where it is convex",
+        f"the pieces of the primitive `{symbol.name}` miss part of it, up to {100 * far:.0f} % of its size away ({place})",
+        hint="collisions are computed from the convex pieces: give pieces that fill the solid, or none if it is convex",
     )
 
 
@@ -74,10 +74,10 @@ def tell(symbol: Symbol, lowered: Lowered, error: PrimitiveError, report: Report
     """
     name = (error.patch or "").partition("[")[0]
     notes = [(s.span, "this surface") for s in symbol.body if isinstance(s, ast.SurfaceDecl) and s.name == name]
-    notes += [(s.span, "what makes it") for s in symbol.body if isinstance(s, ast.SolidDecl)]
+    notes += [(s.span, "this makes it") for s in symbol.body if isinstance(s, ast.SolidDecl)]
     subject = f"the surface `{error.patch}` of the primitive" if error.patch else "the primitive"
     place, hint = symbol.decl.name_span, HINT if "edge" in error.words else None
-    message = f"{subject} `{symbol.name}` is at fault: {error.words}"
+    message = f"{subject} `{symbol.name}` is faulty: {error.words}"
     tight = too_tight(lowered)
     if tight is not None:
         message, hint = f"the path of the primitive `{symbol.name}` {tight}", BROAD

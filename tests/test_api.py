@@ -61,7 +61,7 @@ def test_wrong_numbers() -> None:
 def test_what_cannot_be_made() -> None:
     with pytest.raises(CompileError, match="did you mean `Microwave`"):
         apg.sample("Microvave")
-    with pytest.raises(NoObject, match="no room is left"):
+    with pytest.raises(NoObject, match="no legal value is left"):
         apg.sample(CHEST, set={"width": "30cm", "height": "40cm"})
 
 

@@ -97,7 +97,7 @@ def read_gripper(text: str | Gripper) -> Gripper | None:
     for piece in (p.strip() for p in text.split(",")):
         match = re.fullmatch(r"(\w+)\s*=\s*(\d+\.?\d*|\.\d+)(m|cm|mm)", piece)
         if match is None and re.fullmatch(r"\w+\s*=\s*[.\d]+", piece):
-            raise UsageError(f"`{piece}` has no unit", f"write mm, cm or m behind the number: {piece}mm")
+            raise UsageError(f"`{piece}` has no unit", f"write mm, cm or m after the number: {piece}mm")
         if match is not None and match[1] in found:
             raise UsageError(f"the gripper's {match[1]} is given twice")
         if match is None or match[1] not in names:

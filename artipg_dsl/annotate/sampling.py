@@ -11,10 +11,10 @@ import numpy as np
 from ..errors import UsageError
 
 SURFACES = {
-    "boundary": "of the union of all primitives, also where only an opened door would show it",
-    "outside": "what of it can be seen from without, with all joints at 0",
+    "boundary": "of the union of all primitives, even where only an open door would show it",
+    "outside": "the part of it that is visible from outside, with all joints at 0",
 }
-SPREADS = {"random": "each point for itself", "blue": "points keep their distance from one another"}
+SPREADS = {"random": "each point independently", "blue": "points keep their distance from one another"}
 POOLS = {
     "object": "the object",
     "semantic": "each class of parts",
@@ -57,9 +57,7 @@ class Sampling:
                 "`per` gives each its own number of points, `balance` shares out those of an object: choose one",
             )
         if self.weights and not self.balance:
-            raise UsageError(
-                "weights of points are given, but not what they are weights of", f"balance may be {', '.join(shared)}"
-            )
+            raise UsageError("weights of points are given without `balance`", f"balance may be {', '.join(shared)}")
         for name, weight in self.weights:
             if not 0 < weight < np.inf:
                 raise UsageError(f"the weight of {name} is {weight}", "give a number above 0")

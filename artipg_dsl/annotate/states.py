@@ -56,7 +56,7 @@ def read_states(text: str) -> States:
         match = re.fullmatch(r"(rest|open|random)(?::(\d{1,9}))?", piece)
         if match is None:
             if re.fullmatch(r"[\w.\[\]]+\s*=\s*[-+.\d]+", piece):
-                raise UsageError(f"`{piece}` has no unit", "write mm, cm, m, deg, rad, turn or % behind the number")
+                raise UsageError(f"`{piece}` has no unit", "write mm, cm, m, deg, rad, turn or % after the number")
             raise UsageError(f"`{piece}` is not a joint state", f"write {FORMS}")
         name, count = match.group(1), match.group(2)
         if name != "random" and count is not None:

@@ -222,7 +222,7 @@ class _Shot:
         self.in_image = len(at)
         if not len(at):
             raise UserError(
-                f"view {view} of object {target.number} sees nothing of it",
+                f"view {view} of object {target.number} does not see it",
                 "turn the camera towards the object, or bring it nearer",
             )
         if len(at) < c.points:

@@ -63,7 +63,7 @@ def load(
 ) -> Samples:
     """Objects of a category whose program is at hand as text. Raises CompileError, SettingError, NoObject."""
     if text.strip().endswith((".apg", ".apgc")) and "\n" not in text.strip():
-        raise UsageError(f"load takes the text of a program, not its name, {text}", f'write sample("{text}")')
+        raise UsageError(f"`load` takes the text of a program, not its name {text}", f'write sample("{text}")')
     sampler = Session.of_text(text).sampler
     request = read_request(sampler.program.name, seed=seed, n=n, settings=set, checked=checked)
     return Samples(prepare(sampler, request))

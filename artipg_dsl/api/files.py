@@ -112,7 +112,7 @@ class Files:
         chosen = named(formats if isinstance(formats, str) else list(formats))
         for entry in chosen:
             if not entry.per_object:
-                raise UsageError(f"{entry.name} is written by `to`", f"export writes {', '.join(per_object())}")
+                raise UsageError(f"{entry.name} is written by `to`", f"`export` writes {', '.join(per_object())}")
         fine = Resolution(tolerance=tolerance, triangles=triangles)
         write_objects(self.batch, Path(folder), chosen, force=force, resolution=fine)
         return [object_folder(Path(folder), n) for n in self.numbers.tolist()]
@@ -157,7 +157,7 @@ class Files:
         from ..view.sheet import write_sheet
 
         if Path(path).suffix.lower() != ".png":
-            raise UsageError(f"the picture is written as PNG, not to {path}", "choose a name that ends in .png")
+            raise UsageError(f"pictures are written as PNG, not as {path}", "choose a name that ends in .png")
         write_sheet(self.batch, path, force=True, **options)
         return Path(path)
 

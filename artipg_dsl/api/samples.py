@@ -123,12 +123,12 @@ class Samples(Files):
         if not draws or any(s.kind == "repeat" for _, d in draws for s in d.column.scope.ancestors()):
             if not isinstance(name, str):
                 raise UsageError(
-                    f"[{name!r}] names no value",
+                    f"[{name!r}] is not the name of a value",
                     'a value is batch["width"], an object batch.object(37), in turn `for one in batch`',
                 )
             known = sorted({d.column.name for d in self.batch.program.draws})
-            why = "an object has several; the annotation lists all" if draws else did_you_mean(name, known)
-            raise KeyError(f"{name}: " + (why or "there is no such value; the annotation lists all"))
+            why = "an object has several of it; see the annotation" if draws else did_you_mean(name, known)
+            raise KeyError(f"{name}: " + (why or "there is no such value; see the annotation"))
         words = draws[0][1].kind == "choice"
         found = np.full(len(self), "" if words else np.nan, dtype=object if words else np.float64)
         for k, draw in draws:

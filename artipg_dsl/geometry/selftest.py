@@ -126,7 +126,11 @@ def _surfaces(seen: _Inspection) -> Report:
         worst = int(np.argmax(value))
         if value[worst] > ON_SURFACE:
             share = f"{100 * value[worst]:.3g} % of its size"
-            yield "inside", made.name, f"the inside function is off the surface by {share} ({seen.at(row[worst])})"
+            yield (
+                "inside",
+                made.name,
+                f"the inside function deviates from the surface by {share} ({seen.at(row[worst])})",
+            )
             continue
         step = OFF_SURFACE * size
         out = seen.inside(row, position + step[:, None] * normal) > 0
@@ -138,7 +142,7 @@ def _surfaces(seen: _Inspection) -> Report:
                 "normal",
                 made.name,
                 (
-                    f"at {100 * wrong.mean():.3g} % of places the normal does not lead from inside to outside "
+                    f"at {100 * wrong.mean():.3g} % of places the normal does not point from inside to outside "
                     f"({seen.at(row[worst])})"
                 ),
             )
@@ -188,7 +192,7 @@ def _box(seen: _Inspection) -> Report:
                 yield (
                     "box",
                     patch,
-                    f"it reaches {1000 * beyond[worst]:.4g} mm out of the box, {end} {name} ({seen.at(worst)})",
+                    f"it reaches {1000 * beyond[worst]:.4g} mm out of the box at {end} {name} ({seen.at(worst)})",
                 )
             elif np.abs(out).max() > LOOSE:
                 yield (

@@ -67,12 +67,12 @@ def seams(primitive: Primitive, variant: tuple[bool, ...]) -> Seams:
     rows = variants(primitive).get(variant)
     if rows is None:
         names = [s.name for s, there in zip(surfaces(primitive), variant, strict=True) if there]
-        message = f"no test value shows the surfaces {', '.join(names)} alone: widen the test ranges"
+        message = f"no test values give the surfaces {', '.join(names)} alone: widen the test ranges"
         raise PrimitiveError(primitive, None, message)
     params = {name: value[rows[:_ROWS]] for name, value in trial(primitive).items()}
     patches = tuple(int(i) for i in np.flatnonzero(variant))
     if not patches:
-        raise PrimitiveError(primitive, None, "no surface exists for some test value")
+        raise PrimitiveError(primitive, None, "there is no surface at some test values")
     curves = np.stack([_edges(primitive, patch, params) for patch in patches], axis=1)
     count, scale = curves.shape[0], _extent(curves)
     curves = curves.reshape(count, 4 * len(patches), len(_ALONG), 3) / scale[:, None, None, None]
@@ -216,7 +216,7 @@ def shown(primitive: Primitive, patch: int) -> Params:
     """The test values at which the patch exists."""
     rows = [r for flags, r in variants(primitive).items() if flags[patch]]
     if not rows:
-        raise PrimitiveError(primitive, surfaces(primitive)[patch].name, "it exists for no test value")
+        raise PrimitiveError(primitive, surfaces(primitive)[patch].name, "it does not exist at any test value")
     every = np.sort(np.concatenate(rows))
     return {name: value[every] for name, value in trial(primitive).items()}
 
@@ -267,14 +267,14 @@ def orientation(primitive: Primitive) -> np.ndarray:
         if max(outward, inward) < 0.75:
             fault = "both sides are" if (votes[0] & votes[1]).mean() > 0.5 else "neither side is"
             if min(outward, inward) > 0.125:
-                fault = "now one side, now the other is"
+                fault = "sometimes one side, sometimes the other is"
             place = _where(chosen, point[0, point.shape[1] // 2])
             raise PrimitiveError(
-                primitive, surface.name, f"the inside function does not agree with it: {fault} inside ({place})"
+                primitive, surface.name, f"the inside function disagrees with it: {fault} inside ({place})"
             )
         far = _AWAY.T[:, :, None] * scale[None, :, 0, 0]
         if (inside(*(chosen[n] for n in primitive.parameters), *far)[0] < 0).any():
-            words = "the inside function says that points far outside are inside: it is negative within the solid alone"
+            words = "the inside function is negative far outside the solid: it must be negative only inside"
             raise PrimitiveError(primitive, None, words)
         out[patch] = 1 if outward > inward else -1
     return out

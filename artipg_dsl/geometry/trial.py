@@ -20,7 +20,7 @@ _PER_END = 3  # rows with one parameter at an end of its range, per end
 def _trial(primitive: Primitive, count: int) -> Params:
     parts = [_draw(primitive, count, {}, 0)]
     if len(parts[0][""]) == 0:
-        raise PrimitiveError(primitive, None, "no value of its test ranges meets its requirements")
+        raise PrimitiveError(primitive, None, "no values in its test ranges meet its requirements")
     fixed = [
         (name, value)
         for name, (low, high) in zip(primitive.parameters, primitive.test, strict=True)

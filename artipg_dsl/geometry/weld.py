@@ -123,7 +123,7 @@ def _check_closed(topology: Topology, faces: np.ndarray, owner: np.ndarray) -> N
     """Every directed edge occurs once and its opposite too."""
     if not len(faces):
         raise PrimitiveError(
-            topology.primitive, None, "it has no face: each of its surfaces shrinks to a line or a point"
+            topology.primitive, None, "it has no face: each of its surfaces collapses to a line or a point"
         )
     start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     count = int(faces.max()) + 1
@@ -132,5 +132,5 @@ def _check_closed(topology: Topology, faces: np.ndarray, owner: np.ndarray) -> N
     bad = np.isin(forward, unique[times > 1]) | ~np.isin(back, unique)
     if bad.any():
         names = sorted({surfaces(topology.primitive)[p].name for p in owner[np.flatnonzero(bad) // 3]})
-        message = f"surfaces {', '.join(names)} do not agree on which side is outside along their common edges"
+        message = f"surfaces {', '.join(names)} disagree about which side is outside along their common edges"
         raise PrimitiveError(topology.primitive, names[0], message)

@@ -43,7 +43,7 @@ class Nodes:
         build = getattr(self, f"_{op}", None) if op in _SPECIAL else None
         need(build or op in FUNCTIONS, f"there is no operator {op[:40]!r}")
         free = NONE.union(*(self.free[a] for a in args)) if args else NONE
-        need(not free or op in FUNCTIONS or op == "solve", f"a variable of a formula stands within {op}")
+        need(not free or op in FUNCTIONS or op == "solve", f"a variable of a formula is inside {op}")
         try:
             node, truth = build(value, args) if build else self._plain(op, args)
         except ScopeError as error:
@@ -76,7 +76,7 @@ class Nodes:
             elif node.op in FUNCTIONS:
                 stack.extend(node.args)
             else:
-                return f"{node.op} stands in a formula"
+                return f"{node.op} is not allowed in a formula"
         return None
 
     # ------------------------------------------------------------ operators
@@ -160,7 +160,7 @@ class Nodes:
             all(self.formula[a] and self.free[a] <= names for a in formulas),
             "solve solves formulas of its unknowns and values",
         )
-        need(not any(self.free[a] for a in values), "a variable of a formula stands within solve")
+        need(not any(self.free[a] for a in values), "a variable of a formula is inside solve")
         return raw("solve", args, value), False
 
     def _root(self, value: Any, args: tuple[Expr, ...]) -> tuple[Expr, bool]:

@@ -254,14 +254,14 @@ class _Reader:
 
     def ends(self, mark: str) -> bool:
         """Whether the next word is ``mark``, which is then read."""
-        need(self.at < len(self.words), f"the line ends before its {mark}")
+        need(self.at < len(self.words), f"the line ends before {mark}")
         found = self.words[self.at] == mark
         self.at += found
         return found
 
     def expect(self, mark: str) -> None:
         word = self.next()
-        need(word == mark, f"{mark} is expected in place of {word[:40]!r}")
+        need(word == mark, f"expected {mark}, found {word[:40]!r}")
 
     def value(self, depth: int = 0) -> Any:
         need(depth < DEEPEST, "the line is nested too deeply")
@@ -283,14 +283,14 @@ class _Reader:
         while not self.ends(")"):
             key = self.next()
             need(key in known, f"{name} has no field {key[:40]!r}")
-            need(key not in found, f"the field {key} of {name} is there twice")
+            need(key not in found, f"the field {key} of {name} is given twice")
             value = self.value(depth)
             as_list = cls is P.Draw and key in ("bounds", "unions", "limits") and isinstance(value, tuple)
             found[key] = list(value) if as_list else value
         missing = [
             f.name for f in fields(cls) if f.default is MISSING and f.default_factory is MISSING and f.name not in found
         ]
-        need(not missing, f"{name} lacks its {', '.join(missing)}")
+        need(not missing, f"{name} has no {', '.join(missing)}")
         return cls(**found)
 
     def atom(self, word: str) -> Any:
@@ -331,7 +331,7 @@ class _Reader:
         word, program = self.next(), self.program
         if word[0] in "@$%":
             among = self.known[word[0]]
-            need(word[1:] == str(len(among)), f"{word[0]}{len(among)} is expected in place of {word[:40]}")
+            need(word[1:] == str(len(among)), f"expected {word[0]}{len(among)}, found {word[:40]}")
             self.expect("=")
             among.append(self.expression() if word[0] == "%" else self.column() if word[0] == "$" else self.scope())
         elif word in ("program", "doc"):
@@ -350,7 +350,7 @@ class _Reader:
             if isinstance(held, list):
                 held.append(item)
             else:
-                need(isinstance(item.name, str) and item.name not in held, f"{word} are named, each in another way")
+                need(isinstance(item.name, str) and item.name not in held, f"{word} must have different names")
                 held[item.name] = item
         elif word == "vocabulary":
             name, words = self.value(), self.value()
@@ -358,7 +358,7 @@ class _Reader:
             program.vocabularies[name] = words
         else:
             raise Fault(f"there is no item {word[:40]!r}")
-        need(self.at == len(self.words), f"the line goes on after its end: {self.words[self.at :][:1]}")
+        need(self.at == len(self.words), f"there is more after the end of the line: {self.words[self.at :][:1]}")
 
     def column(self) -> Column:
         kind, scope, name = self.next(), self.value(), self.value()
@@ -401,6 +401,6 @@ def from_text(text: str) -> P.Program:
     try:
         reader.verifier.whole()
     except Fault as error:
-        raise TextError(f"the compiled program is incomplete or wrong: {error}") from None
+        raise TextError(f"the compiled program is incomplete or damaged: {error}") from None
     program.hash, program.foreign = digest(program), True
     return program

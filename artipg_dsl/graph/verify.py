@@ -81,7 +81,7 @@ class Verifier:
         """What only the whole program tells."""
         program = self.program
         need(program.scopes and program.scopes[0].kind == "root", "the first table is not a root")
-        need(WORD.fullmatch(program.name), "the program has no name that is a word")
+        need(WORD.fullmatch(program.name), "the name of the program is not a valid name")
         named = [draw.column for draw in program.draws]
         need(len(set(named)) == len(named), "a column is drawn twice")
         both = next((c for c in named if c in program.definitions), None)
@@ -93,7 +93,8 @@ class Verifier:
         shapes.fit(scope.name, str, "name")
         if scope.parent is None:
             need(
-                scope.kind == "root" and not self.program.scopes, "only the first table stands on its own, as the root"
+                scope.kind == "root" and not self.program.scopes,
+                "only the first table may be without a parent, as the root",
             )
             return
         need(scope.kind in ("repeat", "guard"), f"a table is a repeat or a guard, not {str(scope.kind)[:40]!r}")
@@ -103,7 +104,7 @@ class Verifier:
 
     def column(self, column: Column) -> None:
         need(isinstance(column.scope, Scope), "a column is of a table (@n)")
-        need(column.kind in KINDS, f"there is no kind of columns {str(column.kind)[:40]!r}")
+        need(column.kind in KINDS, f"there is no kind of column {str(column.kind)[:40]!r}")
         need(
             isinstance(column.name, str) and NAME.fullmatch(column.name),
             f"{shapes.shown(column.name)} is not a name of a column",
@@ -149,7 +150,7 @@ class Verifier:
             self.index(number, among, what)
         for item in _records(reference):
             if isinstance(item, Elsewhere):
-                need(item.repeat.kind == "repeat", "what is elsewhere is in the element of a repeat")
+                need(item.repeat.kind == "repeat", "a value elsewhere must be in an element of a repeat")
                 if item.rank is None:
                     need(item.scope.within(item.repeat), "the element before is looked for outside its repeat")
                 else:
@@ -162,16 +163,20 @@ class Verifier:
         need(draw.unit in UNITS, f"{shapes.shown(draw.unit)} is not a unit of values inside")
         if draw.kind == "choice":
             need(
-                draw.options and len(draw.options) == len(draw.weights), "a choice has a weight for each of its options"
+                draw.options and len(draw.options) == len(draw.weights),
+                "a choice needs a weight for each of its options",
             )
             need(len(set(draw.options)) == len(draw.options), "a choice has an option twice")
             usual = 0.0 if draw.default is None else draw.default.constant
-            need(usual in range(len(draw.options)), "the default of a choice is none of its options")
+            need(usual in range(len(draw.options)), "the default of a choice must be one of its options")
         else:
-            need(draw.kind in ("real", "count"), f"there is no kind of draws {shapes.shown(draw.kind)}")
+            need(draw.kind in ("real", "count"), f"there is no kind of draw {shapes.shown(draw.kind)}")
             need(draw.low is not None and draw.high is not None, "a number is drawn between low and high")
             need(draw.distribution in LAWS, f"there is no distribution {shapes.shown(draw.distribution)}")
-            need(LAWS[draw.distribution](len(draw.arguments)), f"{draw.distribution} takes another number of arguments")
+            need(
+                LAWS[draw.distribution](len(draw.arguments)),
+                f"{draw.distribution} is given the wrong number of arguments",
+            )
         for limit in draw.limits:
             self.index(limit.option, draw.options, "option")
             self.index(limit.requirement, self.program.requirements, "requirement")
@@ -180,7 +185,7 @@ class Verifier:
             self.index(one, self.program.requirements, "requirement")
         for bound in draw.bounds:
             need(bound.side in ("low", "high"), f"the side of a bound is low or high, not {shapes.shown(bound.side)}")
-        need(all(union.intervals for union in draw.unions), "a range of several intervals has none")
+        need(all(union.intervals for union in draw.unions), "a range of several intervals is empty")
 
     def _requirement(self, requirement: P.Requirement, number: int) -> None:
         for one in requirement.repair:
@@ -189,10 +194,10 @@ class Verifier:
     # ------------------------------------------------------------ parts, links and joints
 
     def _part(self, part: P.Part, number: int) -> None:
-        need(-1 <= part.parent < number, "a part comes after the part that it is of")
+        need(-1 <= part.parent < number, "a part must come after the part that contains it")
         need(
             part.parent < 0 or self.among(part.scope, part.parent),
-            "the part that it is of is not there in all its rows",
+            "the part that contains it does not exist in all its rows",
         )
         for word, _ in part.semantic:
             self.word("semantic", word)
@@ -214,7 +219,7 @@ class Verifier:
             f"{site.primitive} takes {len(primitive.parameters)} parameters",
         )
         self.index(site.part, self.program.parts, "part")
-        need(self.among(site.scope, site.part), "the part that it is of is not there in all its rows")
+        need(self.among(site.scope, site.part), "the part that contains it does not exist in all its rows")
         for name, _ in site.materials:
             need(name in self.program.materials, f"there is no material {shapes.shown(name)}")
         self.reference(site.link, self.program.links, "link")
@@ -223,7 +228,7 @@ class Verifier:
         self.index(link.part, self.program.parts, "part", -1)
 
     def _joint(self, joint: P.Joint, number: int) -> None:
-        need(joint.kind in JOINTS, f"there is no kind of joints {shapes.shown(joint.kind)}")
+        need(joint.kind in JOINTS, f"there is no kind of joint {shapes.shown(joint.kind)}")
         self.index(joint.child, self.program.links, "link")
         self.reference(joint.parent, self.program.links, "link")
         joints = self.program.joints
@@ -300,17 +305,16 @@ class Verifier:
 
     def _primitive(self, primitive: Primitive, number: int) -> None:
         names, own = primitive.parameters, frozenset(primitive.parameters)
-        need(len(own) == len(names), "a parameter is there twice")
+        need(len(own) == len(names), "a parameter is given twice")
         clash = own & {"u", "v", "i", "p.x", "p.y", "p.z"}
-        need(not clash, f"a parameter is called {', '.join(sorted(clash))}, which means something else in a formula")
+        need(not clash, f"a parameter is called {', '.join(sorted(clash))}, which has another meaning in a formula")
         need(len(primitive.test) == len(names), "there is a test range for each parameter")
         need(all(low <= high for low, high in primitive.test), "a test range ends before it begins")
-        need(own.issuperset(primitive.whole), "what counts something is not a parameter")
+        need(own.issuperset(primitive.whole), "a number of copies must be a parameter")
         need(primitive.patches, "a primitive has no surface")
         for patch in primitive.patches:
             need(
-                patch.count is None or 0 <= patch.count <= MOST_PATCHES,
-                f"a surface is there up to {MOST_PATCHES} times",
+                patch.count is None or 0 <= patch.count <= MOST_PATCHES, f"a surface exists up to {MOST_PATCHES} times"
             )
             indexed = own | {"i"} if patch.count is not None else own
             self.formulas(patch.position, indexed | {"u", "v"})

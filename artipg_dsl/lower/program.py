@@ -157,8 +157,8 @@ def idle_starts(lowering: Lowering) -> None:
             lowering.context.report.warning(
                 "idle-near",
                 span,
-                "`near` says nothing here: the equation is solved without a search",
-                hint="drop it; which value is drawn is said by a range, a default or a requirement",
+                "`near` has no effect here: the equation is solved without a search",
+                hint="drop it; a range, a default or a requirement determines which value is drawn",
             )
 
 

@@ -154,7 +154,7 @@ class _Emitter:
                 self.scalars.add(name)
             return name
         if node.op == "var":
-            raise PlanError(f"the variable {node.value} stands outside a formula")
+            raise PlanError(f"the variable {node.value} is outside a formula")
         arguments = [self.value(a, node.scope) for a in node.args]
         text = NUMPY[node.op].format(*arguments)
         if node.scope is not None:

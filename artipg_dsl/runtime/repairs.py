@@ -177,12 +177,12 @@ def explained(program: Program, cause: Cause) -> tuple[str, str | None]:
         if requirement.text and requirement.text not in words:
             words = f"{words} ({' '.join(requirement.text.split())})"
     elif kind == "domain":
-        where, words = program.draws[about].where, f"`{program.draws[about].column.name}` lies outside its domain"
+        where, words = program.draws[about].where, f"`{program.draws[about].column.name}` lies outside its range"
     elif kind == "draw":
         draw = program.draws[about]
         lines = list(dict.fromkeys(str(program.requirements[b.requirement].where) for b in draw.bounds))
         by = f" by {', '.join(lines[:3])}" if lines else ""
-        where, words = draw.where, f"no room is left for `{draw.column.name}`{by}"
+        where, words = draw.where, f"no legal value is left for `{draw.column.name}`{by}"
     elif kind == "collision":
         first, second, joint = about
         where = next((j.where for j in program.joints if j.path == joint), None)

@@ -32,7 +32,8 @@ def led(joints: JointTable) -> JointTable:
     else:
         row = leader[rows[0]]
         raise Ring(
-            f"the joint `{joints.name[row]}` follows itself", hint="one of the joints of the ring has to move by itself"
+            f"the joint `{joints.name[row]}` follows itself",
+            hint="one of the joints of the ring must move independently",
         )
     return replace(joints, mimic=np.where(leader >= 0, leader - base, -1), multiplier=multiplier, offset=offset)
 
@@ -49,8 +50,9 @@ def rooted(joints: JointTable, numbers: np.ndarray) -> JointTable:
         ring = np.isin(joints.owner * size + joints.child, above[above >= 0])
         row = int(np.flatnonzero(ring)[0])
         raise Ring(
-            f"the links of object {numbers[joints.owner[row]]} form a ring: the link that the joint `{joints.name[row]}` moves hangs on itself",
-            hint="joints form a tree: one of the parts of the ring has to hang on the root, or on a part that does",
+            f"the links of object {numbers[joints.owner[row]]} form a ring: "
+            f"the link that the joint `{joints.name[row]}` moves is attached to itself",
+            hint="joints form a tree: attach one part of the ring to the root, or to a part that is attached to it",
         )
     return joints
 

@@ -63,7 +63,7 @@ class Mutation:
         if unknown:
             raise UsageError(f"there is no operation `{unknown[0]}`", f"the operations are {', '.join(OPERATIONS)}")
         if not abs(self.variant) < MOST_VARIANTS:
-            raise UsageError(f"the variant is {self.variant}: a number below {MOST_VARIANTS} is needed")
+            raise UsageError(f"the variant is {self.variant}, but must be a number below {MOST_VARIANTS}")
 
     def plain(self) -> dict[str, Any]:
         sources = None if self.sources is None else [list(run) for run in self.sources]
@@ -88,7 +88,7 @@ class Mutation:
         stock = np.concatenate([np.arange(first, last + 1) for first, last in self.sources])
         beyond = numbers[numbers >= len(stock) * self.group]
         if len(beyond):
-            raise UserError(f"there is no object {beyond[0]}: these are {len(stock) * self.group}, numbered from 0")
+            raise UserError(f"there is no object {beyond[0]}: there are {len(stock) * self.group}, numbered from 0")
         return stock[numbers // self.group], numbers % self.group - self.one + np.where(
             numbers % self.group < self.one, 0, self.variant
         )

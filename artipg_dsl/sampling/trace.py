@@ -31,11 +31,11 @@ from .sample import Sampler, asked, colliding
 from .settled import again, chosen
 from .statistics import Exhausted, Statistics
 
-WRITTEN = "give a trace-*.jsonl that `apgc mutate` has written"
+WRITTEN = "give a trace-*.jsonl written by `apgc mutate`"
 TOLD = 1e-9  # determined values that move by less are not told
 
 
-Place = Annotated[int, Rule("a whole number from 0 on", lambda value: 0 <= value < 2**62)]
+Place = Annotated[int, Rule("a whole number, at least 0", lambda value: 0 <= value < 2**62)]
 Value = float | int | str | None
 Changed = TypedDict(
     "Changed",
@@ -201,7 +201,7 @@ def checked(record: Any) -> Mapping[str, Any]:
     try:
         fit(record, Record)
     except Misfit as wrong:
-        raise UserError(f"this is not a record of a trace: {wrong}", WRITTEN) from None
+        raise UserError(f"this is not a trace record: {wrong}", WRITTEN) from None
     return record
 
 
@@ -215,7 +215,7 @@ def read_traces(text: str, name: str) -> dict[int, dict[str, Any]]:
             entry = json.loads(line)
             fit(entry, Record)
         except (ValueError, RecursionError) as error:
-            raise UserError(f"{name}:{number} is not a trace of a mutation: {error}", WRITTEN) from None
+            raise UserError(f"{name}:{number} is not a mutation trace: {error}", WRITTEN) from None
         found[entry["object"]] = entry
     return found
 
@@ -236,7 +236,7 @@ class Replay:
     def origins(self, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         missing = [n for n in numbers.tolist() if n not in self.records]
         if missing:
-            raise UserError(f"the trace says nothing of object {missing[0]}", "give all its files, trace-*.jsonl")
+            raise UserError(f"the trace has no record of object {missing[0]}", "give all its files, trace-*.jsonl")
         return np.array([self.records[n]["source"] for n in numbers.tolist()], dtype=np.int64), np.zeros(
             len(numbers), dtype=np.int64
         )
@@ -280,7 +280,7 @@ def replay(batch: Batch, records: Sequence[Mapping[str, Any]]) -> Batch:
     try:
         told = [repairs.read(batch.program, place, entry.get("repairs", ())) for place, entry in enumerate(records)]
     except ValueError as error:
-        raise UserError(f"the repairs of a trace mean nothing here: {error}", WRITTEN) from None
+        raise UserError(f"the repairs in the trace do not fit this program: {error}", WRITTEN) from None
     found.repairs = Repairs.joined(told)
     found.history = tuple(history) or (Stage(OPERATIONS[0], batch, found, _asked(batch, "", [])[1]),)
     return found
@@ -301,7 +301,7 @@ def _asked(
             number = known.get(step["draw"])
             if number is None:
                 raise UserError(
-                    f"{program.name} draws no `{step['path']}`", "replay a trace with the program it was made with"
+                    f"{program.name} draws no `{step['path']}`", "replay a trace with the program that it was made with"
                 )
             draw = program.draws[number]
             found = int(mix(_address(draw, int(batch.state.objects[owner]), step), owner).item())
@@ -334,7 +334,7 @@ def _address(draw: Draw, number: int, step: Mapping[str, Any]) -> np.ndarray:
     repeats = sum(scope.kind == "repeat" for scope in draw.column.scope.ancestors())
     ranks = step.get("at", [])
     if len(ranks) != repeats:
-        raise UserError(f"`{step['path']}` stands in {repeats} repeats, but the trace gives {len(ranks)} ranks")
+        raise UserError(f"`{step['path']}` is nested in {repeats} repeats, but the trace gives {len(ranks)} indices")
     for rank in ranks:
         address = mix(address, np.array([rank]))
     return address
@@ -344,10 +344,10 @@ def _number(draw: Draw, step: Mapping[str, Any]) -> float:
     value = step["to"]
     if draw.kind == "choice":
         if value not in draw.options:
-            raise UserError(f"`{step['path']}` cannot be `{value}`: it is one of {', '.join(draw.options)}")
+            raise UserError(f"`{step['path']}` cannot be `{value}`: it must be one of {', '.join(draw.options)}")
         return float(draw.options.index(value))
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise UserError(f"`{step['path']}` cannot be {value!r}: a number is needed")
+        raise UserError(f"`{step['path']}` cannot be {value!r}: it must be a number")
     return float(value)
 
 

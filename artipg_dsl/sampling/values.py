@@ -166,7 +166,7 @@ class Values:
                 if given is not None and count[place] and len(given) not in (1, count[place]) and not moved[place]:
                     raise UserError(
                         f"object {name} gives {len(given)} values of `{draw.column.name}`, but has {count[place]}",
-                        "give one for all, or one for each",
+                        "give one value for all, or one for each",
                     )
 
 

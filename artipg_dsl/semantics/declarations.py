@@ -290,7 +290,12 @@ def check_part(ck: Checker, ctx: Context, node: ast.PartDecl) -> None:
         alone = f"write `part {node.name} : STYLE`; other alternatives, and `none`, go into the style"
         _no_style(ck, ctx, node.alternatives, alone)
     if all(alternative.name is None for alternative in node.alternatives):
-        ck.error("wrong-kind", node.name_span, f"`{node.name}` has no alternative but `none`")
+        ck.error(
+            "wrong-kind",
+            node.name_span,
+            f"`{node.name}` has no alternative but `none`",
+            hint="add a template, as in `Cuboid | none`",
+        )
 
 
 def check_style(ck: Checker, ctx: Context, node: ast.StyleDecl) -> None:

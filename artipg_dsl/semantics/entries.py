@@ -63,6 +63,8 @@ def type_of(ck: Checker, entry: Entry) -> Type:
             return kind
         case ast.PartDecl():
             domain = choices(ck, entry)
+            if domain == (None,):
+                return UNKNOWN  # `none` alone, which is reported where the part is declared
             part = Part(tuple(v for v in domain if v is not None), entry.key, domain)
             return replace(part, given=given(ck, entry, part))
         case ast.StyleDecl(role=role):

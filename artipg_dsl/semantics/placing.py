@@ -68,7 +68,7 @@ def subject(ck: Checker, ctx: Context, expr: ast.Expr) -> tuple[Type, Context]:
 def check_connect(ck: Checker, ctx: Context, node: ast.ConnectStmt) -> None:
     kind, ctx = subject(ck, ctx, node.subject)
     _end(ck, node.subject, kind, "what is connected")
-    _placing(ck, ctx, node, framed=node.in_ is None)
+    _placing(ck, ctx, node, framed=True)
     if node.to is None and node.on is None and node.in_ is None and node.between is None:
         ck.error("missing-clause", node.span, "`connect` needs a target: `to`, `on`, `in` or `between`")
     else:
@@ -83,7 +83,7 @@ def _end(ck: Checker, expr: ast.Expr, kind: Type, what: str) -> None:
 
 
 def _placing(ck: Checker, ctx: Context, node: ast.Attaching, framed: bool) -> None:
-    """The clauses that place. ``framed``: on a face or port, whose middle `at center` means."""
+    """The clauses that place. ``framed``: on a face or port or in a box, whose middle `at center` means."""
     ends = ctx.but(ends=True)
     for clause in (node.to, node.on):
         if clause is not None:
@@ -100,13 +100,20 @@ def _placing(ck: Checker, ctx: Context, node: ast.Attaching, framed: bool) -> No
     if node.facing is not None:
         ck.expect(ctx, node.facing.value, DIRECTION, "what follows `facing`")
     for value in node.fit.value if node.fit is not None else ():
-        if not isinstance(value, ast.NameExpr) or value.name not in (*FACES, *DIRECTIONS):
+        if not isinstance(value, ast.NameExpr) or value.name not in FACES:
             near = did_you_mean(value.name, FACES) if isinstance(value, ast.NameExpr) else None
             ck.error(
                 "wrong-type", value.span, "`fit` takes the names of faces", hint=near or f"there are {', '.join(FACES)}"
             )
     for argument in node.at.value if node.at is not None else ():
         _at(ck, ctx, argument.name, argument.value, framed)
+        if node.in_ is not None and node.fit is None and isinstance(ck.meanings.get(id(argument.value)), Word):
+            ck.error(
+                "unknown-clause",
+                argument.value.span,
+                "`at center` has no effect here: `in` without `fit` fits all six faces",
+                hint="name the faces to fit, as in `connect cup in tray fit bottom at center`",
+            )
 
 
 _WITH = {
@@ -196,7 +203,7 @@ def check_joint(ck: Checker, ctx: Context, node: ast.JointDecl) -> None:
         ck.error("wrong-type", node.parent.span, "`base` only exists in a template", hint="name the root part instead")
     named = isinstance(node.parent, ast.NameExpr) and (parent == BASE or isinstance(parent, Part | Slot | Element))
     aims = named and node.kind in ("ball", "fixed") and node.to is None and node.on is None  # about a point of its own
-    _placing(ck, ctx, node, framed=node.in_ is None and not aims)
+    _placing(ck, ctx, node, framed=not aims)
     ported = isinstance(node.child, ast.MemberExpr | ast.IndexExpr) and (not named or node.to is not None)
     _idle(ck, node, None if UNKNOWN in (child, parent) else ported)
     _motion(ck, ctx, node, node.kind)
@@ -225,6 +232,13 @@ def _motion(ck: Checker, ctx: Context, node: ast.JointDecl, kind: str) -> None:
     wanted = LENGTH if kind == "prismatic" else ANGLE
     if (interval := _taken(ck, kind, node.range)) is not None:
         motion_range(ck, ctx, interval.value, wanted if kind in KINDS else UNKNOWN)
+        if kind == "ball" and next(iter(components(interval.value.low, ctx.module)), None) != 0.0:
+            ck.error(
+                "illegal-value",
+                interval.value.low.span,
+                "the range of a ball joint must begin at 0",
+                hint="write `range 0deg .. 30deg`: the angle by which the joint tilts to any side",
+            )
     if (rest := _taken(ck, kind, node.rest)) is not None:
         ck.expect(ctx, rest.value, wanted, "the rest of the joint")
         if interval is not None:

@@ -97,7 +97,7 @@ class Solids:
             left[best] = False
             first, second, shared = first[left], second[left], shared[left]
         return self.told(
-            loose(self.tree.batch, self.link, group), "`{}` touches nothing of the link that it is part of"
+            loose(self.tree.batch, self.link, group), "`{}` touches nothing else of its link"
         )
 
     def _touch(self, first: np.ndarray, second: np.ndarray, margin: np.ndarray) -> np.ndarray:
@@ -146,7 +146,7 @@ class Solids:
             name = tree.batch.program.links[tree.links.definition[link]].path
             found.setdefault(name, []).append(int(tree.links.owner[link]))
         return [
-            (f"nothing holds `{name}`: what carries it is more than 2 cm away", np.unique(o))
+            (f"nothing holds `{name}`: the link that carries it is more than 2 cm away", np.unique(o))
             for name, o in found.items()
         ]
 
@@ -316,8 +316,8 @@ def inverted(tree: Tree) -> Wrong:
     shut = whatever & (high <= joints.rest)
     for row in np.flatnonzero(outside | shut).tolist():
         joint = tree.batch.program.joints[joints.definition[row]]
-        what = "does not hold its rest value"
+        what = "does not contain its rest value"
         if shut[row]:
-            what = "ends where it begins: something is in the way at once when other joints are open"
+            what = "is empty: something is in the way from the start when other joints are open"
         found.setdefault(f"{joint.where}: the range of `{joint.path}` {what}", []).append(int(joints.owner[row]))
     return [(words, np.unique(objects)) for words, objects in found.items()]

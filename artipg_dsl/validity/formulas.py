@@ -99,8 +99,8 @@ def is_wrong(label: Label, told: np.ndarray) -> np.ndarray:
 def in_words(label: Label) -> str:
     """That a label says nothing that can be said at a point."""
     if label.vocabulary == "field":
-        return f"{label.where}: the field `{label.name}` has no value at a point"
-    return f"{label.where}: the label `{label.name}` is not a degree from 0 to 1 at a point"
+        return f"{label.where}: the field `{label.name}` has no value at some point"
+    return f"{label.where}: the label `{label.name}` is not a degree from 0 to 1 at some point"
 
 
 # ---------------------------------------------------------------- validity

@@ -62,7 +62,7 @@ def weightless(batch: Batch) -> list[tuple[str, np.ndarray]]:
     wrong: dict[str, list[int]] = {}
     for row in np.flatnonzero(~((found.mass > LEAST) & (trace > 0.0))).tolist():
         path = batch.program.links[links.definition[row]].path
-        words = f"the link `{path}` weighs nothing beside the denser parts that fill it"
+        words = f"the link `{path}` has no mass of its own: denser parts fill all of it"
         wrong.setdefault(words, []).append(int(links.owner[row]))
     return [(words, np.unique(objects)) for words, objects in wrong.items()]
 

@@ -32,7 +32,7 @@ def prove(batch: Batch) -> None:
         for table in batch.sites():
             bare[table.owner] = False
         if bare.any():
-            raise UserError(f"{batch.program.name} {batch.numbers[bare][0]}: no part of it has a surface", SOLID)
+            raise UserError(f"{batch.program.name} {batch.numbers[bare][0]}: none of its parts has a surface", SOLID)
     for table in batch.sites():
         if len(table.owner):
             _site(batch, table)
@@ -53,7 +53,7 @@ def prove(batch: Batch) -> None:
         joints.offset,
     )
     long = np.abs(np.sqrt((joints.axis**2).sum(axis=1)) - 1.0) <= SQUARE
-    _refuse(batch, "joint", joints.owner, joints.name, ~long, "its axis is not a direction")
+    _refuse(batch, "joint", joints.owner, joints.name, ~long, "its axis is not a unit vector")
     low, high = joints.low, joints.high  # nan: no limit
     _refuse(
         batch,
@@ -61,7 +61,7 @@ def prove(batch: Batch) -> None:
         joints.owner,
         joints.name,
         (low > high) | (np.abs(low) > FAR) | (np.abs(high) > FAR),
-        "it has no range",
+        "its range is empty or infinite",
     )
     physics = np.stack([joints.damping, joints.friction, joints.effort, joints.velocity])
     _refuse(
@@ -70,7 +70,7 @@ def prove(batch: Batch) -> None:
         joints.owner,
         joints.name,
         ((physics < 0) | np.isinf(physics)).any(axis=0),
-        "its damping or force is not an amount",
+        "its damping, friction, effort or velocity is negative or infinite",
     )
     if batch.program.foreign:
         _tree(batch)
@@ -82,7 +82,7 @@ def _site(batch: Batch, table: SiteTable) -> None:
     _numbers(batch, "primitive", table.owner, names, table.rotation, table.translation, *table.params.values())
     _turned(batch, "primitive", table.owner, names, table.rotation)
     flat: np.ndarray = np.abs(table.mirror) != 1.0
-    _refuse(batch, "primitive", table.owner, names, flat, "its mirror is neither 1 nor -1")
+    _refuse(batch, "primitive", table.owner, names, flat, "its mirror factor is neither 1 nor -1")
     if table.primitive.requires:
         holds = evaluate_rows(table.primitive, table.primitive.requires, table.params, bool).all(axis=0)
         _refuse(
@@ -91,7 +91,7 @@ def _site(batch: Batch, table: SiteTable) -> None:
             table.owner,
             names,
             np.logical_not(holds),
-            "its parameters are not what a primitive of its kind requires",
+            "its parameters break a requirement of its primitive",
         )
 
 
@@ -99,7 +99,7 @@ def _numbers(batch: Batch, what: str, owner: np.ndarray, names: list[str], *colu
     wrong = np.zeros(len(owner), dtype=bool)
     for column in columns:
         wrong |= ~(np.abs(column) <= FAR).all(axis=tuple(range(1, column.ndim)))
-    _refuse(batch, what, owner, names, wrong, "a number of it is not finite, or beyond all bounds")
+    _refuse(batch, what, owner, names, wrong, "it has a number that is not finite or far too large")
 
 
 def _turned(batch: Batch, what: str, owner: np.ndarray, names: list[str], rotation: np.ndarray) -> None:
@@ -108,7 +108,7 @@ def _turned(batch: Batch, what: str, owner: np.ndarray, names: list[str], rotati
     )
     a, b, c = rotation[:, 0], rotation[:, 1], rotation[:, 2]
     wrong: np.ndarray = np.logical_or(off > SQUARE, (np.cross(a, b) * c).sum(axis=1) < 0)
-    _refuse(batch, what, owner, names, wrong, "its rotation is none")
+    _refuse(batch, what, owner, names, wrong, "its rotation matrix is not a rotation")
 
 
 def _said(batch: Batch) -> None:
@@ -131,15 +131,15 @@ def _tree(batch: Batch) -> None:
     first = np.searchsorted(links.owner, joints.owner)
     child, parent = first + joints.child, first + joints.parent
     twice = np.bincount(child, minlength=len(links.owner))[child] > 1
-    _refuse(batch, "joint", joints.owner, joints.name, twice, "the link that it moves has another joint above it")
+    _refuse(batch, "joint", joints.owner, joints.name, twice, "the link that it moves is also moved by another joint")
     above = np.full(len(links.owner), -1)
     above[child] = parent
     at = np.arange(len(above))
     for _ in range(int(links.number.max(initial=0)) + 1):
         at = np.where(at >= 0, above[np.maximum(at, 0)], -1)
-    _refuse(batch, "link", links.owner, links.name, at >= 0, "it hangs on itself: the links form a ring")
+    _refuse(batch, "link", links.owner, links.name, at >= 0, "it is attached to itself: the links form a ring")
     loose = (above < 0) & (links.number > 0)
-    _refuse(batch, "link", links.owner, links.name, loose, "nothing joins it to the others")
+    _refuse(batch, "link", links.owner, links.name, loose, "no joint attaches it to the others")
     base = np.searchsorted(joints.owner, joints.owner)
     leader = np.where(joints.mimic >= 0, base + joints.mimic, np.arange(len(base)))
     _refuse(

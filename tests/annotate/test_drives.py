@@ -129,7 +129,7 @@ def test_a_point_near_the_axis_has_no_lever(batch: Batch, points: Points) -> Non
 
 
 REFUSED = {
-    "label affordance.push on foot where pushes(open)": "nothing that this lies on moves with the joint of `open`",
+    "label affordance.push on foot where pushes(open)": "the joint `open` does not move what this is on",
     "label affordance.push on lid where pushes(lid)": "`pushes` takes a joint",
     "label affordance.push on lid where pushes(opening)": "there is no `opening` here",
     "label affordance.push on lid where pushes(stiff)": "is fixed",

@@ -113,7 +113,7 @@ def test_conditions_that_leave_nothing_out_cover(said: str, covers: bool) -> Non
         not found
         if covers
         else [d.message for d in found]
-        == ["`tap.stem` has a semantic label under conditions only, which need not hold"]
+        == ["`tap.stem` has a semantic label only under conditions, which need not hold"]
     )
     batch = session(said).sampler.batch(np.arange(40), seed=2)
     assert (sample_points(batch, 128).semantic > 0).all() == covers, "the points say the same"

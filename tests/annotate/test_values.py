@@ -38,12 +38,15 @@ def points(said: str):  # noqa: ANN201
 @pytest.mark.parametrize(
     ("said", "message"),
     [
-        ("field f : ratio on body = sqrt(p.x / 1m)", "block.apg:6: the field `f` has no value at a point of object 7"),
+        (
+            "field f : ratio on body = sqrt(p.x / 1m)",
+            "block.apg:6: the field `f` has no value at some point of object 7",
+        ),
         ("field f : ratio on body = 1 / (p.x - 10cm) * 1m", "the field `f` has no value"),
         ("field f : vec on body = n * log(p.y / 1m)", "the field `f` has no value"),
         (
             "label affordance.push on body = sqrt(p.x / 1m)",
-            "the label `push` is not a degree from 0 to 1 at a point of object 7",
+            "the label `push` is not a degree from 0 to 1 at some point of object 7",
         ),
         ("label affordance.push on body = 1 + p.x / 1m", "the label `push` is not a degree from 0 to 1"),
     ],
@@ -71,11 +74,11 @@ def test_what_is_not_taken_need_not_have_a_value(said: str, name: str) -> None:
 # ---------------------------------------------------------------- drawn again
 
 SOMETIMES = [
-    ("field f : ratio on body = sqrt(q + 1/2 + p.x / size.x)", "block.apg:7: the field `f` has no value at a point"),
-    ("field f : vec on body = n * log(q + 1/2 + p.y / 1m)", "block.apg:7: the field `f` has no value at a point"),
+    ("field f : ratio on body = sqrt(q + 1/2 + p.x / size.x)", "block.apg:7: the field `f` has no value at some point"),
+    ("field f : vec on body = n * log(q + 1/2 + p.y / 1m)", "block.apg:7: the field `f` has no value at some point"),
     (
         "label affordance.push on body = q + 1/2 + p.x / size.x / 4",
-        "block.apg:7: the label `push` is not a degree from 0 to 1 at a point",
+        "block.apg:7: the label `push` is not a degree from 0 to 1 at some point",
     ),
 ]
 
@@ -100,7 +103,7 @@ def test_objects_in_which_a_label_has_no_value_are_drawn_again(said: str, words:
 def test_a_label_that_never_has_a_value_leaves_no_object() -> None:
     with pytest.raises(Exhausted) as found:
         sometimes("field f : ratio on body = sqrt(p.x / 1m)").batch(np.arange(4), 0)
-    assert set(found.value.statistics.unsound) == {"block.apg:7: the field `f` has no value at a point"}
+    assert set(found.value.statistics.unsound) == {"block.apg:7: the field `f` has no value at some point"}
 
 
 @pytest.mark.parametrize("checked", [True, False])

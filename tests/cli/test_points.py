@@ -63,7 +63,7 @@ def test_bytes_do_not_depend_on_the_process(tmp_path: Path) -> None:
         (("--balance", "link", "--format", "annotation"), "--balance applies to points"),
         (("--balance", "link", "--per", "link"), "points are asked for per link and balanced over each link"),
         (("--balance", "class"), "there is no --balance `class`"),
-        (("--weights", "handle=2"), "weights of points are given, but not what they are weights of"),
+        (("--weights", "handle=2"), "weights of points are given without `balance`"),
         (("--balance", "semantic", "--weights", "handle=many"), "the weight of handle is 'many': a number is needed"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",

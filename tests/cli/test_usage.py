@@ -67,7 +67,7 @@ def test_numbers_without_end_and_signs_of_word_processors(apgc: Apgc, tmp_path: 
     program = tmp_path / "signs.apg"
     program.write_text(f"apg 1\nlet a = 1e999\nlet b = 3 − 2\nlet c = 1{'0' * 400}/3\n", encoding="utf-8")
     code, out, _ = apgc("check", program)
-    assert code == 1 and out.count("this number is too large") == 2 and "the minus of the keyboard" in out
+    assert code == 1 and out.count("this number is too large") == 2 and "the keyboard's minus sign" in out
 
 
 def test_links_devices_and_rights_stay_what_they_are(apgc: Apgc, tmp_path: Path) -> None:
@@ -100,7 +100,7 @@ def test_a_word_of_ones_own(apgc: Apgc, tmp_path: Path) -> None:
     )
     program.write_text(text)
     code, out, _ = apgc("check", program)
-    assert code == 1 and "`vocabulary semantic { pedal }`, with `semantic` left out of `use`" in out
+    assert code == 1 and "`vocabulary semantic { pedal }`, and remove `semantic` from `use`" in out
     program.write_text(
         text.replace("vocabularies { semantic }", "vocabularies { affordance }\nvocabulary semantic { pedal }")
     )
@@ -116,7 +116,7 @@ def test_an_alternative_that_leaves_a_size_open(apgc: Apgc, tmp_path: Path) -> N
         "  part b : Cuboid(size = [3cm, _, 3cm]) | Cylinder(radius = 1cm, height = 2cm)\n  connect b.bottom on a.top\n}\n"
     )
     code, out, _ = apgc("check", program)
-    assert code == 1 and "`Cuboid` is one of several: it leaves nothing open" in out and "handed in by a role" in out
+    assert code == 1 and "`Cuboid` is one of several alternatives" in out and "let the role pass it in" in out
 
 
 def test_one_file_of_text_goes_to_standard_output(apgc: Apgc, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -238,7 +238,7 @@ def test_numbers_beyond_all_bounds_are_refused(
     asked = ["sample", str(tmp_path / "a.apgc"), "-n", "1", "--format", "urdf", "-o", str(tmp_path / "out")]
     assert main(asked) == 1
     told = capsys.readouterr().err
-    assert "not finite, or beyond all bounds" in told or "no valid Clash" in told
+    assert "not finite or far too large" in told or "no valid Clash" in told
 
 
 def test_tags_that_meet_stay_apart() -> None:

@@ -110,7 +110,7 @@ def test_an_inside_function_that_disagrees_is_told_before_anything_is_sampled():
     assert session.lowering is None
     (finding,) = session.report.diagnostics
     assert finding.code == "leaky-primitive" and "surface `bottom`" in finding.message
-    assert "the inside function does not agree with it: both sides are inside" in finding.message
+    assert "the inside function disagrees with it: both sides are inside" in finding.message
 
 
 def test_a_missing_surface_leaks():

@@ -40,7 +40,7 @@ def test_a_wrong_inside_function():
     sides = (shapes.abs_(shapes.PY) - y / 2, shapes.abs_(shapes.PZ) - z / 2)
     assert ("inside", "front") in faults(shapes.cuboid(inside=maximum(shapes.abs_(shapes.PX) - x * 0.45, *sides)))
     (finding,) = check_primitive(shapes.cuboid(inside=-shapes.cuboid().inside))
-    assert finding.check == "inside" and "points far outside are inside" in finding.message
+    assert finding.check == "inside" and "negative far outside the solid" in finding.message
 
 
 def test_an_inside_function_that_is_off_by_a_little():

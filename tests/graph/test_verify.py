@@ -120,7 +120,7 @@ EDITS = {
     r'\$1 = real @0 "width"': [
         (f'$1 = real @0 "{HOSTILE}"', "not a name"),
         ('$1 = real @0 ""', "not a name"),
-        ('$1 = other @0 "width"', "no kind of columns"),
+        ('$1 = other @0 "width"', "no kind of column"),
         ('$7 = real @0 "width"', "\\$1 is expected"),
         ('$1 = real @7 "width"', "@7 is not known"),
         ('$1 = real @0 "width', "not text"),
@@ -146,13 +146,13 @@ EDITS = {
         ("%1 = reduce os @0 %1", "not known|reduction"),
     ],
     r'kind "real"': [
-        ('kind "unreal"', "no kind of draws"),
+        ('kind "unreal"', "no kind of draw"),
         ("kind 3", "kind: 3 where text"),
         ("kynd 3", "no field 'kynd'"),
     ],
     r'address "width"': [('address ""', "no address"), ("address none", "address: nothing where text")],
     r'unit "m"': [('unit "furlong"', "not a unit"), ('unit "m" unit "m"', "twice")],
-    r'kind "revolute"': [('kind "telepathic"', "no kind of joints")],
+    r'kind "revolute"': [('kind "telepathic"', "no kind of joint")],
     r"child 1": [
         ("child 9", "no link 9"),
         ("child -1", "no link -1"),
@@ -168,7 +168,7 @@ EDITS = {
         ('category "Box"', "no item"),
     ],
     r"part 0\)": [("part 77)", "no part 77"), ("part 0", "ends before")],
-    r"link \[0\] part 0\)": [("link [0] part 1)", "not there in all its rows")],
+    r"link \[0\] part 0\)": [("link [0] part 1)", "does not exist in all its rows")],
     r"test \[\[0\.001": [("test [[nan", "finite"), ("test [[9.0", "ends before")],
     r"condition %\d+": [("condition %1", "condition is true or false, not a number")],
     r'vocabulary "affordance" name "turn"': [
@@ -240,17 +240,21 @@ def sampled(text: str, old: str, new: str) -> str:
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        (r"(%\d+) = const 0\.005\b", r"\1 = const -0.005", "primitive row.knob: its parameters are not what|no valid"),
+        (
+            r"(%\d+) = const 0\.005\b",
+            r"\1 = const -0.005",
+            "primitive row.knob: its parameters break a requirement|no valid",
+        ),
         (r"(%\d+) = const 0\.005\b", r"\1 = const nan", "not finite|no valid"),
         (r"(joints .*?)parent \[0\]", r"\1parent [1]", "hangs on itself|ring"),
         (r"(joints .*?)rest (%\d+)", r"\1rest %infinite", "not finite"),
-        (r"(sites .*?)rotation \[\[(%\d+) (%\d+)", r"\1rotation [[\3 \3", "its rotation is none"),
+        (r"(sites .*?)rotation \[\[(%\d+) (%\d+)", r"\1rotation [[\3 \3", "its rotation matrix is not a rotation"),
         (
             r"(keypoints .*?point) \[(%\d+) %\d+ %\d+\]",
             r"\1 [%infinite %infinite %infinite]",
-            "keypoint edge: a number of it is not finite",
+            "keypoint edge: it has a number that is not finite",
         ),
-        (r"(joints .*?axis) \[(%\d+) %\d+ %\d+\]", r"\1 [\2 \2 \2]", "its axis is not a direction"),
+        (r"(joints .*?axis) \[(%\d+) %\d+ %\d+\]", r"\1 [\2 \2 \2]", "its axis is not a unit vector"),
     ],
 )
 def test_objects_that_cannot_be_are_refused(text: str, old: str, new: str, words: str) -> None:

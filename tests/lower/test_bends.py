@@ -72,5 +72,5 @@ def test_what_only_the_draws_show_is_counted_at_the_curve():
         sampler.batch(range(1), seed=0)
     failed = [sampler.program.requirements[number] for number in error.value.statistics.broken]
     assert [(r.where.line, r.message) for r in failed] == [
-        (10, "wire: `way` bends more tightly than what goes along it is wide")
+        (10, "wire: `way` bends more tightly than its section allows")
     ]

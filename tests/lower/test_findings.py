@@ -18,19 +18,19 @@ PLACE = "the position of `a` along y"
         (
             SOLID + "  align a.left = body.left\n  align a.left = body.left + 1cm",
             "contradictory",
-            "this equation contradicts the others: its sides always differ by 10mm",
+            "this equation contradicts the others: its two sides always differ by 10mm",
             {9: "", 8: f"determines {PLACE}"},
         ),
         (
             CHOICE + SOLID + "  when k == one {\n    align a.left = body.left\n    align a.left = body.left + 1cm\n  }",
             "contradictory",
-            "this equation contradicts the others where k = one: its sides always differ by 10mm",
+            "this equation contradicts the others where k = one: its two sides always differ by 10mm",
             {11: "", 10: f"determines {PLACE}"},
         ),
         (
             CHOICE + SOLID + "  align a.left = body.left\n  when k == two { align a.right = body.right - w / 2 }",
             "over-determined",
-            f"this is one equation too many where k = two: {PLACE} is determined already",
+            f"this equation is one too many where k = two: {PLACE} is already determined",
             {10: "", 9: f"determines {PLACE}"},
         ),
         (
@@ -42,13 +42,13 @@ PLACE = "the position of `a` along y"
         (
             OPEN + "  align a.left = body.left\n  align body.left = a.left",
             "not-solvable",
-            f"these equations say the same of `a.size.y` and {PLACE}: one more is needed",
+            f"these equations are equivalent for `a.size.y` and {PLACE}: one more is needed",
             {8: "", 9: "together with this"},
         ),
         (
             OPEN + "  align a.left = body.left\n  align a.left = body.left + 2mm",
             "contradictory",
-            "this equation contradicts the others: its sides always differ by 2mm",
+            "this equation contradicts the others: its two sides always differ by 2mm",
             {8: "the other", 9: ""},
         ),
         (OPEN, "under-determined", "nothing determines the size of `a` along y (`a.size.y`)", {6: ""}),
@@ -58,12 +58,12 @@ PLACE = "the position of `a` along y"
             + "  when k == two { align d = w / 2 }",
             "under-determined",
             "nothing determines `d` where k is not two",
-            {6: "", 10: "determines it, but under a guard only"},
+            {6: "", 10: "determines it, but only under a guard"},
         ),
         (
             SOLID + SOLID.replace("a ", "b ") + "  align a.left = b.left + 1cm\n  align a.right = b.right + w",
             "not-solvable",
-            f"these equations place {PLACE} and the position of `b` along y against one another only: nothing ties them to the rest",
+            f"these equations place {PLACE} and the position of `b` along y relative to one another: nothing ties them to the rest",
             {10: "", 11: "together with this"},
         ),
     ],
@@ -93,7 +93,7 @@ def test_a_tie_under_a_guard_names_it_and_both_parameters() -> None:
     session = Session.of_text(HEAD + PAIR + category(body))
     assert session.lowering is None
     (found,) = session.report.diagnostics
-    assert found.message == "this could determine `a.long` or `a.wide` where k = one: nothing says which of them yields"
+    assert found.message == "this could determine `a.long` or `a.wide` where k = one: nothing says which"
 
 
 @pytest.mark.parametrize("count", [3, 8, 9])

@@ -493,7 +493,7 @@ category T {
   label semantic.lid on row.grip
 }"""
     (found,) = (d for d in check_text(Source("t.apg", HEAD + text)).diagnostics if d.severity == "error")
-    assert "a slot binds all elements of a repeat" in found.message
+    assert "a slot must bind all elements of a repeat" in found.message
 
 
 # ---------------------------------------------------------------- what makes objects invalid

@@ -46,7 +46,7 @@ CONSTANT = {
     "a negative size": (
         "part b : Cuboid(size = [-1cm, 1cm, 1cm])\nconnect b to body",
         0,
-        "b: size.x must be positive, whatever is drawn",
+        "b: size.x must be positive, for every draw",
     ),
     "a size beyond": (
         "part b : Cuboid(size = [1cm, 1cm, 9000km])\nconnect b to body",
@@ -56,19 +56,23 @@ CONSTANT = {
     "a place beyond": (
         CUBE + "align b.center.y = 2000km",
         0,
-        "the place of `b` is at least 2e+06, but places lie within 1 km of the origin",
+        "the place of `b` is at least 2e+06, but places must lie within 1 km of the origin",
     ),
     "a wall": (
         "part b : OpenBox(size = [9cm, 9cm, 9cm], wall = -2mm)\nconnect b to body",
         None,
-        "must be positive, whatever is drawn",
+        "must be positive, for every draw",
     ),
     "an element": (ROW.format("2 .. 3") + "let w = e[3].k", 6, "`e[3]`: the repeat has no such element"),
     "a rank below": (ROW.format("2 .. 3") + "let w = e[-1].k", 6, "elements are counted from 0"),
     "rest": (SLIDE + "rest 9cm", 1, "the rest value of the joint lies outside its range 0"),
-    "damping": (SLIDE + "damping -5Ns/m", 1, "the damping of the joint `j` is -5, but it is finite and not negative"),
+    "damping": (
+        SLIDE + "damping -5Ns/m",
+        1,
+        "the damping of the joint `j` is -5, but it must be finite and not negative",
+    ),
     "friction": (SLIDE + "friction -1N", 1, "the friction of the joint `j` is -1"),
-    "effort": (SLIDE + "effort 0N", 1, "the effort of the joint `j` is 0, but it is finite and above 0"),
+    "effort": (SLIDE + "effort 0N", 1, "the effort of the joint `j` is 0, but it must be finite and above 0"),
     "velocity": (SLIDE + "velocity 0m/s", 1, "the velocity of the joint `j` is 0"),
     "pitch": (
         BLOCK + "joint j : screw body.bottom -> b.top gap 1mm range 0turn .. 3turn pitch 0mm",
@@ -88,14 +92,18 @@ CONSTANT = {
     "an axis of a part": (
         "part b : Cuboid(size = [1cm, 1cm, 1cm]) turned 9deg about [0, 0, 0]\nconnect b to body",
         0,
-        "an axis has a length",
+        "an axis must not be [0, 0, 0]",
     ),
     "an axis askew": (
         "part b : Cuboid(size = [1cm, 1cm, 1cm]) along [1, 1, 0]\nconnect b to body",
         0,
-        "a part lies along x, y or z",
+        "a part can only lie along x, y or z",
     ),
-    "no weight": (HANDLE.format(0, 0), 0, "the largest weight of `h` is 0, but one of several has a weight above 0"),
+    "no weight": (
+        HANDLE.format(0, 0),
+        0,
+        "the largest weight of `h` is 0, but at least one alternative needs a weight above 0",
+    ),
     "a weight": (HANDLE.format("log(-1)", 1), 0, "-1 has no logarithm"),
     "a weight divided by 0": (HANDLE.format("1 / (1 - 1)", 1), 0, "`1 / (1 - 1)` divides by zero"),
     "a deviation": (
@@ -117,7 +125,7 @@ CONSTANT = {
         "the number of elements of `k` is 50001, but a repeat",
     ),
     "a fill every 0": ("repeat k[i] fill body along y every 0cm" + KEY.format(), 0, "`every` of `k` is 0"),
-    "a label": (CUBE + "label affordance.push on body = 7", 2, "the label `push` is 7, but it lies in 0 .. 1"),
+    "a label": (CUBE + "label affordance.push on body = 7", 2, "the label `push` is 7, but it must lie in 0 .. 1"),
     "a label divided by 0": (
         "label affordance.push on body = 1cm / (p.x - p.x)",
         0,
@@ -143,14 +151,14 @@ CONSTANT = {
     "an opening": (
         GRASP.format(0, "-z", "y", "-1cm", 1),
         2,
-        "the opening of the grasp `g` is -0.01, but an opening is a length above 0",
+        "the opening of the grasp `g` is -0.01, but an opening must be above 0",
     ),
     "a quality": (
         GRASP.format(0, "-z", "y", "size.y", 7),
         2,
-        "the quality of the grasp `g` is 7, but it lies in 0 .. 1",
+        "the quality of the grasp `g` is 7, but it must lie in 0 .. 1",
     ),
-    "a distance": (CUBE + "clear b from body by -1cm", 2, "is -0.01, but a distance is not negative"),
+    "a distance": (CUBE + "clear b from body by -1cm", 2, "is -0.01, but a distance must not be negative"),
 }
 
 
@@ -257,7 +265,7 @@ def test_objects_of_too_many_elements_are_told_and_cost_no_memory() -> None:
     made, _ = session(body)
     if made.lowering is None:
         (found,) = made.report.diagnostics
-        assert "a repeat has at most 5,000 elements" in found.message
+        assert "a repeat must have 0 to 5,000 elements" in found.message
         return
     with pytest.raises(Exhausted):
         made.sampler.batch(np.arange(4), seed=0)

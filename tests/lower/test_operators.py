@@ -321,7 +321,7 @@ def test_a_circle_between_rectangles_is_cut_into_arcs_that_close():
 @pytest.mark.parametrize(
     ("old", "new", "code", "words"),
     [
-        ("sweep(rectangle(a, b))", "loft(rectangle(a, b))", "wrong-arguments", "two sections or more"),
+        ("sweep(rectangle(a, b))", "loft(rectangle(a, b))", "wrong-arguments", "at least two sections"),
         (
             "sweep(rectangle(a, b)) along way up y",
             "loft(circle(a), circle(b)) along z",
@@ -339,13 +339,13 @@ def test_a_circle_between_rectangles_is_cut_into_arcs_that_close():
             "sweep(rectangle(a, b)) along way up y",
             "loft(circle(a), circle(b)) along z from 0 to l smooth",
             "wrong-arguments",
-            "`smooth` needs a third section",
+            "`smooth` needs at least three sections",
         ),
         (
             "sweep(rectangle(a, b)) along way up y",
             "loft(circle(a), circle(b)) along way up y smooth",
             "wrong-arguments",
-            "no meaning along a path",
+            "no effect along a path",
         ),
     ],
 )
@@ -387,7 +387,7 @@ def test_the_walls_of_holes_bear_the_names_of_their_curves_and_the_holes_are_emp
     [
         ("- a / 4, r * sin(u)", "- a, r * sin(u)", "bad-curve", "cannot be filled"),
         ("- a / 4, r * sin(u)", "+ a / 4, r * sin(u)", "bad-curve", "cannot be filled"),
-        ("[arch, sill]", "arch", "broken-chain", "does not end where it begins"),
+        ("[arch, sill]", "arch", "broken-chain", "this outline is not closed"),
     ],
     ids=["outside", "overlapping", "open"],
 )

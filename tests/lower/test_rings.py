@@ -52,10 +52,10 @@ def found(text: str) -> list[tuple[str, str, list[int]]]:
     [
         (
             category(A + f"  joint j : revolute a -> a about a.left.back {TURN}"),
-            "`a` hangs on itself: the links form a ring",
+            "`a` is attached to itself: the links form a ring",
             [7],
         ),
-        (category(A + "  joint j : fixed a -> a"), "`a` hangs on itself: the links form a ring", [7]),
+        (category(A + "  joint j : fixed a -> a"), "`a` is attached to itself: the links form a ring", [7]),
         (
             category(
                 A
@@ -67,22 +67,22 @@ def found(text: str) -> list[tuple[str, str, list[int]]]:
         ),
         (
             category(A + B + f"  connect a to b\n  joint k : revolute a -> b about a.left.back {TURN}"),
-            "`b` hangs on itself: the links form a ring",
+            "`b` is attached to itself: the links form a ring",
             [9, 8],
         ),
         (
             FIRST + category("  part m : Mast\n  connect m to body\n  align m.grip.bottom = body.top"),
-            "`m.lt` hangs on itself: the links form a ring",
+            "`m.lt` is attached to itself: the links form a ring",
             [8, 5, 6],
         ),
         (
             category(CHAIN.format(count=3, first="seg[last].lt")),
-            "`seg.lt` hangs on itself: the links form a ring",
+            "`seg.lt` is attached to itself: the links form a ring",
             [9, 10],
         ),
         (
             category("  count n in 1 .. 3\n" + CHAIN.format(count="n", first="seg[last].lt")),
-            "`seg.lt` hangs on itself: the links form a ring",
+            "`seg.lt` is attached to itself: the links form a ring",
             [10],
         ),
         (category(DIALS.format("j0", "j0", "j0")), "the joint `j0` follows itself", [7]),

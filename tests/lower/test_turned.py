@@ -91,7 +91,7 @@ def test_an_alternative_is_there_where_its_guard_holds(way: str) -> None:
         (
             f"  part p : A{SIZE} turned 90deg about x\n  connect p.seam to body.top",
             "over-determined",
-            "`p` is turned here, but what it is mounted by turns with it: this says nothing",
+            "`p` is turned here, but its mount turns with it, so the turn has no effect",
         ),
         (
             f"  part p : A{SIZE} weight 3\n  connect p to body",

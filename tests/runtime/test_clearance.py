@@ -184,7 +184,7 @@ def test_a_joint_that_others_leave_no_way_makes_an_object_invalid() -> None:
     )
     batch = program(text.replace("-20cm .. 20cm", "-25cm .. 20cm")).batch(np.arange(3), 0)
     assert [fault.words.split(": ", 1)[1] for fault in faults(batch).others] == [
-        "the range of `swing` ends where it begins: something is in the way at once when other joints are open"
+        "the range of `swing` is empty: something is in the way from the start when other joints are open"
     ]
 
 

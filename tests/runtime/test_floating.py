@@ -40,7 +40,7 @@ SHELF = (
     ("gap", "floats"), [("0mm", False), ("0.09mm", False), ("0.12mm", True), ("-1cm", False), ("5cm", True)]
 )
 def test_a_part_above_what_it_is_connected_to(gap: str, floats: bool) -> None:
-    assert found(SHELF.format(gap=gap)) == ["`shelf` touches nothing of the link that it is part of"] * floats
+    assert found(SHELF.format(gap=gap)) == ["`shelf` touches nothing else of its link"] * floats
 
 
 def test_a_chain_of_contacts_holds_and_an_island_of_two_does_not() -> None:
@@ -55,7 +55,7 @@ def test_a_chain_of_contacts_holds_and_an_island_of_two_does_not() -> None:
 """
     )
     assert found(text.format(start="0mm")) == []
-    assert found(text.format(start="1mm")) == ["`step.block` touches nothing of the link that it is part of"]
+    assert found(text.format(start="1mm")) == ["`step.block` touches nothing else of its link"]
 
 
 @pytest.mark.parametrize(("sink", "floats"), [("0mm", False), ("-1mm", False), ("2mm", True)])
@@ -102,7 +102,7 @@ JOINTED = (
     ],
 )
 def test_links_must_come_near_what_holds_them(joint: str, gap: str, floats: bool) -> None:
-    words = ["nothing holds `lid`: what carries it is more than 2 cm away"] * floats
+    words = ["nothing holds `lid`: the link that carries it is more than 2 cm away"] * floats
     assert found(JOINTED.format(joint=joint, gap=gap)) == words
 
 
@@ -116,7 +116,7 @@ def test_a_wheel_far_from_its_body_is_held_by_an_axle_that_reaches_both() -> Non
 """
     )
     assert found(text.format(gap="15mm")) == []
-    assert found(text.format(gap="50mm")) == ["nothing holds `wheel`: what carries it is more than 2 cm away"]
+    assert found(text.format(gap="50mm")) == ["nothing holds `wheel`: the link that carries it is more than 2 cm away"]
 
 
 def test_a_range_upside_down_is_drawn_again_and_counted_at_its_line() -> None:
@@ -136,7 +136,7 @@ def test_floating_objects_are_drawn_again() -> None:
     statistics = Statistics()
     batch = sampler.batch(np.arange(30), 0, checked=True, statistics=statistics)
     assert (batch.values()["up"] <= 1.1e-4).all() and 0 < statistics.first_valid < 30
-    assert list(statistics.unsound) == ["`shelf` touches nothing of the link that it is part of"]
+    assert list(statistics.unsound) == ["`shelf` touches nothing else of its link"]
 
 
 def test_the_same_whatever_else_is_in_the_batch() -> None:
@@ -182,7 +182,7 @@ def test_an_edited_range_that_does_not_hold_the_rest_value() -> None:
     (joint,) = sampler.program.joints
     sampler.program.joints[0] = replace(joint, low=E.const(0.02), high=E.const(0.01))
     (fault,) = faults(Sampler(sampler.program).batch(np.arange(1), 0)).others
-    assert fault.words.endswith("the range of `j` does not hold its rest value")
+    assert fault.words.endswith("the range of `j` does not contain its rest value")
 
 
 FIXED = (
@@ -199,7 +199,7 @@ FIXED = (
 
 
 def test_a_link_that_others_fill_weighs_nothing_and_is_drawn_again() -> None:
-    words = "the link `b` weighs nothing beside the denser parts that fill it"
+    words = "the link `b` has no mass of its own: denser parts fill all of it"
     assert found(FIXED.format("0")) == [words]
     assert found(FIXED.format("10cm")) == []
     assert found(FIXED.replace("fixed body -> b", "prismatic body -> b along x range 0 .. 1mm").format("0")) == []

@@ -56,7 +56,7 @@ def test_a_value_out_of_its_domain_is_clipped_and_told_with_its_line() -> None:
         "from": 5.0,
         "to": 0.1,
         "how": "clipped",
-        "because": "`a` lies outside its domain",
+        "because": "`a` lies outside its range",
         "where": "box.apg:4:3",
     }
     assert second["path"] == "c" and second["where"] == "box.apg:6:3"

@@ -29,5 +29,5 @@ def test_a_program_without_its_requirements_hands_out_nothing() -> None:
     made = prepare(Sampler(program), Request("box.apg", checked=False)).batch(range(8))
     assert made.state.attempt.any()
     program.requirements.clear()
-    with pytest.raises(UserError, match="a number of it is not finite"):
+    with pytest.raises(UserError, match="it has a number that is not finite"):
         prepare(Sampler(program), Request("box.apg", checked=False)).batch(range(8))

@@ -5,11 +5,12 @@ from .base import Code
 EQUATIONS = (
     Code(
         "unplaced",
-        "nothing says where a part is",
+        "nothing places a part",
         """
-        No equation and no `connect` with faces or frames places the part, along any axis, so it lies in the middle of what it stands in:
-        right for a core, a surprise for most. `connect lid to body` with bare names attaches and places nothing. Say where it is,
-        or that the middle is meant: `align lid.center = body.center`. `apgc check` warns of it, the program works.
+        No equation and no `connect` with faces or frames places the part along any axis, so it is centred in its
+        surroundings: right for a core, surprising for most parts. `connect lid to body` with bare names only attaches.
+        Place the part, or say that the centre is meant: `align lid.center = body.center`. `apgc check` warns about it,
+        but the program works.
         """,
         """
         apg 1
@@ -27,12 +28,12 @@ EQUATIONS = (
     ),
     Code(
         "floating-part",
-        "a part touches nothing of its link",
+        "a part touches nothing else of its link",
         """
-        In each of the objects that `apgc check` draws to look at, the part is away from everything else of the link that it is
-        rigidly part of, so none of them is valid and `apgc sample` has nothing to deliver. Often a name in an equation is not
-        the one that was meant, a sign is wrong, or nothing says where the part is and it lies in the middle. Place it on what
-        carries it; where it hangs on something that is not shown, `allow floating lid because "a glass rod"` says so.
+        In each of the few objects that `apgc check` draws, the part is apart from everything else of its rigid link, so
+        none of them is valid and `apgc sample` has nothing to deliver. Often an equation names the wrong part, a sign
+        is wrong, or nothing places the part and it is centred. Place it on the part that carries it; if what carries it
+        is not modelled, write `allow floating lid because "a glass rod"`.
         """,
         """
         apg 1
@@ -53,10 +54,9 @@ EQUATIONS = (
         "under-determined",
         "nothing determines a value",
         """
-        A parameter without a range has to be given by its user or follow from equations. This one is neither:
-        give it a range, an argument, or one equation more. Nothing is guessed: an object set in which a size
-        came from nowhere would be of no use. A `_` in an argument leaves a size to the equations; opposite
-        faces (`left` and `right`) determine the size between them.
+        A parameter without a range must be given as an argument or follow from equations. This one has neither: give it
+        a range, an argument, or one more equation. Sizes are never guessed. A `_` in an argument leaves a size to the
+        equations; opposite faces (`left` and `right`) determine the size between them.
         """,
         """
         apg 1
@@ -68,12 +68,12 @@ EQUATIONS = (
     ),
     Code(
         "over-determined",
-        "there is an equation too many",
+        "there is one equation too many",
         """
-        All that this equation names is already determined by others and by arguments, so it could only repeat
-        or contradict them. An equation determines positions first, then sizes left open, then parameters of
-        the part's template; the lines shown say what determines what it names. Parameters of the scope itself
-        yield only if they are marked `derived`. Drop an equation, leave a size open, or mark the parameter.
+        Everything that this equation names is already determined by other equations and arguments, so it could only
+        repeat or contradict them. An equation determines positions first, then sizes left open, then parameters of the
+        part's template; the lines shown say what determines what it names. Parameters of the scope itself yield only if
+        they are marked `derived`. Drop an equation, leave a size open, or mark the parameter.
         """,
         """
         apg 1
@@ -89,11 +89,11 @@ EQUATIONS = (
     ),
     Code(
         "tie",
-        "two parameters could yield and nothing says which",
+        "an equation could determine either of two parameters",
         """
-        An equation determines one of the parameters that it names, and by the order of who yields two are
-        equal. Mark one as `derived`, or give one as an argument. The choice must not depend on the order of
-        the lines, so the language does not make it.
+        An equation determines one of the parameters that it names, and here two are equally suitable. Mark one as
+        `derived`, or pass one as an argument. The choice must not depend on the order of the lines, so the language
+        does not make it.
         """,
         """
         apg 1
@@ -116,10 +116,10 @@ EQUATIONS = (
         "too-many-cases",
         "the guards of equations combine in too many ways",
         """
-        Who determines whom is found once for every combination of guards and alternatives within a block of
-        equations, at most 64. Move part of what they place into a template or a repeat, whose inside is a
-        block of its own. Guards that exclude each other (`when a { } else { }`) count fewer combinations than
-        independent ones.
+        Which equation determines which value is decided for each combination of guards and alternatives within a block
+        of equations, at most 64. Move some of the parts that they place into a template or a repeat, which is a block
+        of its own. Guards that exclude each other (`when a { } else { }`) make fewer combinations than independent
+        ones.
         """,
         """
         apg 1
@@ -147,11 +147,11 @@ EQUATIONS = (
     ),
     Code(
         "recurrence",
-        "a value that needs itself cannot be computed",
+        "a value depends on itself",
         """
-        Through `previous` an element's value may follow from that of the element before it, and from nothing
-        else of its own. `x = previous.x + d` is summed up in closed form over all objects at once, anything
-        else would need a loop over elements. Write the value by the element's rank: `1cm * 1.1 ^ i`.
+        With `previous`, a value of an element may depend on the same value of the element before it, but only as a sum:
+        `x = previous.x + d`. Sums are computed for all elements at once, while anything else would need a loop over
+        elements. Write the value in terms of the element's index: `1cm * 1.1 ^ i`.
         """,
         """
         apg 1
@@ -170,11 +170,11 @@ EQUATIONS = (
         "not-solvable",
         "equations cannot be solved",
         """
-        Equations are solved symbolically where each unknown has a formula, and by a search (Newton's method)
-        where several hang together in curves. Neither can be done when an unknown is read through another
-        table in a way that is not linear: squared inside a repeat, and then summed. State such an equation in
-        the repeat, or the other way about. Equations that name two parts only against each other leave open
-        where the two are together. Tie one of them to something that stands.
+        Equations are solved symbolically where each unknown has a formula, and by a search (Newton's method) where
+        several are coupled nonlinearly. Neither is possible when an unknown is read through another table in a way that
+        is not linear: squared inside a repeat, and then summed. State such an equation inside the repeat. Equations
+        that only place two parts relative to each other leave open where the two are together. Relate one of them to
+        something already placed.
         """,
         """
         apg 1
@@ -195,7 +195,7 @@ EQUATIONS = (
         "redundant",
         "an equation follows from others",
         """
-        The equation holds already because of others. It does no harm and can go. It is a warning: the program
+        The equation already follows from others. It does no harm and can be dropped. This is a warning: the program
         works. But one of the two may have been meant for another face, or another part.
         """,
         """
@@ -213,9 +213,9 @@ EQUATIONS = (
         "contradictory",
         "equations contradict one another",
         """
-        No values satisfy all of the equations shown. The message says by how much the two sides differ, which
-        often shows what was forgotten: a thickness, a gap, a sign. `gap` counts along the outward normal of
-        the face that follows `on`, so below a bottom face. Drop or correct one of them.
+        No values satisfy all of the equations shown. The message says by how much the two sides differ, which often
+        shows what was forgotten: a thickness, a gap, a sign. `gap` is measured along the outward normal of the face
+        after `on`, so it goes down from a bottom face. Drop or correct one of them.
         """,
         """
         apg 1
@@ -252,10 +252,10 @@ EQUATIONS = (
         "no-own-box",
         "a template names faces of a box that it derives from its parts",
         """
-        A template either takes `size`, then its own box and faces are given, or derives its box from its
-        parts, then the box is read from outside only. A category's box is derived. Otherwise the box would
-        depend on parts that depend on the box. Give the template `param size : length[3]`, or name a face of
-        one of its parts: `seat.left`.
+        Either a template takes `size`, and its own box and faces are given, or its box is derived from its parts and
+        can only be read from outside: the box would otherwise depend on parts that depend on the box. The box of a
+        category is always derived. Give the template `param size : length[3]`, or name a face of one of its parts:
+        `seat.left`.
         """,
         """
         apg 1
@@ -270,9 +270,9 @@ EQUATIONS = (
         "many-elements",
         "a path names many elements where one is needed",
         """
-        From outside, the name of a repeat stands for all its elements. Take one (`row[last]`, `row[0]`),
-        reduce them (`sum(row.size.z)`, `max(...)`), or state it within the repeat. The same holds for a port
-        with several values: `base.tap[k]`. Which element is meant is never guessed.
+        From outside, the name of a repeat means all its elements. Take one (`row[last]`, `row[0]`), reduce them
+        (`sum(row.size.z)`, `max(...)`), or move the statement into the repeat. The same applies to a port with several
+        values: `base.tap[k]`. Which element is meant is never guessed.
         """,
         """
         apg 1
@@ -293,11 +293,10 @@ EQUATIONS = (
         "unrelated-rows",
         "values of unrelated repeats or alternatives are mixed",
         """
-        A formula can use values of its own repeat and of those around it. Elements of two repeats side by side
-        have nothing to do with each other. The same holds for two alternatives of one part, of which an object
-        has only one. State it inside the repeat or template that holds both values, or reduce one side with
-        `sum`, `min` or `max`. This has no short example: most such places are told of as `many-elements` or
-        `optional-outside-when`.
+        A formula can use values of its own repeat and of the repeats around it. The elements of two separate repeats
+        are unrelated. The same applies to two alternatives of one part, since an object has only one of them. Move it
+        into the repeat or template that contains both values, or reduce one side with `sum`, `min` or `max`. There is
+        no short example: most such places are reported as `many-elements` or `optional-outside-when`.
         """,
     ),
 )

@@ -7,29 +7,28 @@ READING = (
         "missing-file",
         "a file is missing or cannot be read",
         """
-        The file named on the command line does not exist, is a folder, or may not be read. Shipped categories
-        are known by name alone (`Microwave`); everything else is given by its path. A name that resembles a
-        shipped category is answered with a suggestion. Check the spelling, and from which folder the command
-        runs.
+        The file named on the command line does not exist, is a folder, or may not be read. Shipped categories are known
+        by name alone (`Microwave`); everything else is given by its path. If the name resembles a shipped category, the
+        message suggests it. Check the spelling, and the folder in which the command runs.
         """,
     ),
     Code(
         "not-utf8",
         "the file is not UTF-8 text",
         """
-        Program texts are UTF-8. The place shown is the first byte that is not; save the file in that encoding.
-        Comments and texts may hold any letters, so one encoding has to be agreed on. Most editors convert
-        under `Save with encoding`.
+        Program texts are UTF-8. The place shown is the first byte that is not; save the file in that encoding. Comments
+        and texts may contain any letters, so there has to be one encoding. Most editors convert under `Save with
+        encoding`.
         """,
     ),
     Code(
         "syntax",
         "the text does not follow the grammar",
         """
-        At this place the text is no program any more. A statement begins with a word of its own (`param`,
-        `part`, `align` ...) and ends at the end of its line; it goes on over several lines only within
-        brackets, after a comma, an operator or `=`, and before `|`. What follows the broken statement is
-        checked all the same, so several such errors may be shown.
+        At this place the text no longer follows the grammar. Each statement begins with a keyword (`param`, `part`,
+        `align` ...) and ends at the end of its line; it continues on the next line only within brackets, after a comma,
+        an operator or `=`, and before `|`. The statements after a broken one are still checked, so several such errors
+        may be shown.
         """,
         """
         apg 1
@@ -42,9 +41,9 @@ READING = (
         "missing-brace",
         "a brace is never closed",
         """
-        A block that begins with `{` has no `}`. The place shown is the opening brace that seems to lack its
-        partner, judged by the indentation of what follows. Without it the rest of the file would belong to the
-        block. Close the block where it ends, and indent its lines.
+        A block that begins with `{` has no `}`. The place shown is the opening brace that seems to have no partner,
+        judging by the indentation after it. Without the partner, the rest of the file would belong to the block. Close
+        the block where it ends, and indent its lines.
         """,
         """
         apg 1
@@ -58,9 +57,9 @@ READING = (
         "missing-bracket",
         "a round or square bracket is never closed",
         """
-        The bracket is not closed before its statement ends or is closed by one of the other kind. Line ends do
-        not count within brackets, so the mistake shows only where the next statement begins. Close the bracket
-        behind its last argument.
+        The bracket is not closed before its statement ends, or is closed by one of the other kind. Line ends do not
+        count within brackets, so the mistake only shows where the next statement begins. Close the bracket after its
+        last argument.
         """,
         """
         apg 1
@@ -74,8 +73,8 @@ READING = (
         "unterminated-string",
         "a text in quotes does not end on its line",
         """
-        Text in double quotes ends on the line on which it begins. Within it `\\"` stands for a quote. Messages
-        of `require ... else` are short for that reason. Close the quote, or break the text into a shorter one.
+        Text in double quotes ends on the line on which it begins. Within it, `\\"` is a quote. Keep the messages of
+        `require ... else` short enough for a line. Close the quote, or shorten the text.
         """,
         """
         apg 1
@@ -88,10 +87,10 @@ READING = (
         "reserved-word",
         "a word of the language is used as a name",
         """
-        Most words that begin a statement, and `in for when is else on none and or not if`, are never names.
-        Words that only begin clauses (`at`, `range`, `weight` ...) are ordinary names wherever no clause can
-        stand. The word would begin a statement, so the text could be read in two ways. Choose another name, or
-        add an underscore: `part_`.
+        Most words that begin a statement, and `in for when is else on none and or not if`, are never names. Words that
+        only begin clauses (`at`, `range`, `weight` ...) are ordinary names wherever a clause is not possible. If a word
+        that begins a statement were also a name, the text could be read in two ways. Choose another name, or add an
+        underscore: `part_`.
         """,
         """
         apg 1
@@ -104,9 +103,9 @@ READING = (
         "unknown-module",
         "there is no module of that name",
         """
-        `use name { ... }` looks for `name.apg` beside the file that says so, then in the library. The module's
-        name is written without ending or folder. Only these two places are searched, so that a program means
-        the same on every machine. Check the spelling, or put the file beside this one.
+        `use name { ... }` looks for `name.apg` next to the importing file, then in the library. The module's name is
+        written without extension or folder. Only these two places are searched, so that a program means the same on
+        every machine. Check the spelling, or put the file next to this one.
         """,
         """
         apg 1
@@ -117,10 +116,9 @@ READING = (
         "unknown-import",
         "a module has no declaration of that name",
         """
-        A module hands out what it declares itself: roles, templates, primitives, materials, vocabularies,
-        functions and categories, not what it brings in by `use`. Each name therefore has one home, however
-        many modules pass it on. Check the spelling and its capitals, or import it from the module that
-        declares it.
+        A module exports what it declares itself: roles, templates, primitives, materials, vocabularies, functions and
+        categories, not what it imports with `use`. So each name has one home, however many modules use it. Check the
+        spelling and its capitals, or import it from the module that declares it.
         """,
         """
         apg 1
@@ -131,18 +129,18 @@ READING = (
         "import-cycle",
         "modules import one another in a circle",
         """
-        Modules may use each other only one way. Move what both need into a third one. The order in which
-        modules are read must not matter, so none may need itself. It takes two files to bring this about:
-        `a.apg` with `use b { ... }` and `b.apg` with `use a { ... }`.
+        Two modules cannot use each other, directly or through others: the order in which modules are read must not
+        matter. Move what both need into a third one. It takes two files to cause this error: `a.apg` with `use b { ...
+        }` and `b.apg` with `use a { ... }`.
         """,
     ),
     Code(
         "no-category",
         "a file declares no category",
         """
-        Only a category can be sampled. A module of templates and roles can be checked, and used by others. The
-        message appears when such a file is to be sampled, compiled or checked as a category. Add `category
-        Name { root part ... }`, or name another file.
+        Only a category can be sampled. A module of templates and roles can be checked and imported. The message appears
+        when such a file is sampled, compiled or checked as a category. Add `category Name { root part ... }`, or name
+        another file.
         """,
         """
         apg 1
@@ -154,8 +152,8 @@ READING = (
         "two-categories",
         "a file declares two categories",
         """
-        A file holds one category, so that the file and what is sampled from it have one name. Move the other
-        one into a file of its own. Templates that both share go into a module that both `use`.
+        A file contains one category, so that the file and its samples share one name. Move the other category into its
+        own file. Templates that both share go into a module that both `use`.
         """,
         """
         apg 1

@@ -7,10 +7,9 @@ RESOLVING = (
         "unknown-name",
         "a name is not declared here",
         """
-        No parameter, part, `let` or repeat of this name can be seen from here. Names of a block (`repeat`,
-        `when`) are seen within it only; from outside, what a repeat declares is reached through it:
-        `column.cell.front`. Names are checked before anything is drawn, so that a misspelt one cannot pass
-        unnoticed. Check the spelling, declare it, or bring it in with `use`.
+        No parameter, part, `let` or repeat of this name is visible here. Names declared in a block (`repeat`, `when`)
+        are visible only inside it; from outside, use the name of the repeat: `column.cell.front`. Check the spelling,
+        declare the name, or import it with `use`.
         """,
         """
         apg 1
@@ -25,10 +24,9 @@ RESOLVING = (
         "unknown-member",
         "a value has no member of that name",
         """
-        What stands before the dot has no such member. A part has the faces `front back left right top bottom`,
-        `size`, `center` and `box`, and what its template or role declares: parameters, ports, slots, parts and
-        joints. Types are closed, so that a misspelt member cannot pass unnoticed. Check the spelling, or
-        declare a port, slot or `out` in the template for what others shall see.
+        The value before the dot has no such member. A part has the faces `front back left right top bottom`, `size`,
+        `center` and `box`, and what its template or role declares: parameters, ports, slots, parts and joints. Check
+        the spelling, or declare a port, slot or `out` in the template for what others should see.
         """,
         """
         apg 1
@@ -43,9 +41,8 @@ RESOLVING = (
         "unknown-template",
         "there is no such template, role or primitive",
         """
-        A part is made of a template, primitive or style that the file declares or brings in by `use`. Names of
-        roles cannot stand for a template: a role is what alternatives share. Check the spelling, or add the
-        name to a `use` line.
+        A part is made from a template, primitive or style that the file declares or imports with `use`. A role cannot
+        be used as a template: it is what alternatives share. Check the spelling, or add the name to a `use` line.
         """,
         """
         apg 1
@@ -58,9 +55,9 @@ RESOLVING = (
         "unknown-type",
         "there is no such type",
         """
-        Types are `length angle ratio count bool area volume mass density time force torque speed`, `choice a |
-        b`, `frame line plane edge point box curve material` and `style Role`; `length[3]` is a vector. The
-        type fixes the dimension of a parameter, and so the units that it takes. Check the spelling.
+        Types are `length angle ratio count bool area volume mass density time force torque speed`, `choice a | b`,
+        `frame line plane edge point box curve material` and `style Role`; `length[3]` is a vector. The type fixes the
+        dimension of a parameter, and therefore its units. Check the spelling.
         """,
         """
         apg 1
@@ -73,10 +70,9 @@ RESOLVING = (
         "unknown-port",
         "a part has no port of that name",
         """
-        The place needs a port or slot that the part's template does not have, or an index beyond those it has.
-        Ports are declared by a role or template with `port mount : frame`. What others connect to is named
-        once, in the role, so that every alternative has it. Check the spelling; faces such as `body.front` are
-        there without a declaration.
+        The template of the part has no such port or slot, or the index is too large. Ports are declared in a role or
+        template with `port mount : frame`; declared in the role, every alternative has them. Check the spelling; faces
+        such as `body.front` need no declaration.
         """,
         """
         apg 1
@@ -93,10 +89,9 @@ RESOLVING = (
         "unknown-argument",
         "a template has no parameter of that name",
         """
-        Arguments are given by the names of the template's parameters and of what its role inherits. A material
-        takes its own list of properties, `at` the coordinates `x`, `y` and `z`. A misspelt argument would
-        otherwise leave the parameter to be drawn, unnoticed. Check the spelling, or declare the parameter in
-        the template.
+        Arguments are given by the names of the template's parameters and of what its role inherits. A material has its
+        own list of properties, and `at` takes the coordinates `x`, `y` and `z`. A misspelt argument would otherwise
+        leave the parameter to be drawn. Check the spelling, or declare the parameter in the template.
         """,
         """
         apg 1
@@ -110,9 +105,9 @@ RESOLVING = (
         "unknown-clause",
         "a statement does not take this clause",
         """
-        Each kind of statement, and each kind of joint, takes clauses of its own: a prismatic joint moves
-        `along` a direction and takes no `about`, a continuous one has no `range`. A clause that has no effect
-        would mislead who reads it. Remove it, or choose the kind of statement that takes it.
+        Each kind of statement, and each kind of joint, has its own clauses: a prismatic joint moves `along` a direction
+        and takes no `about`, a continuous one has no `range`. A clause without effect would mislead the reader. Remove
+        it, or choose the kind of statement that takes it.
         """,
         """
         apg 1
@@ -128,10 +123,9 @@ RESOLVING = (
         "unknown-function",
         "there is no such function",
         """
-        Functions are the built-in ones (`sin`, `hypot`, `min`, `sum` ...), those of the module (`let f(x) =
-        ...`), the surfaces and curves of a primitive, and the constructors of frames, lines and boxes. There
-        are no user functions in other languages: formulas have to be differentiated and run on whole tables.
-        Check the spelling, or declare the function with `let`.
+        Functions are the built-in ones (`sin`, `hypot`, `min`, `sum` ...), those of the module (`let f(x) = ...`), the
+        surfaces and curves of a primitive, and the constructors of frames, lines and boxes. Functions cannot be written
+        in another language. Check the spelling, or declare the function with `let`.
         """,
         """
         apg 1
@@ -160,9 +154,9 @@ RESOLVING = (
         "unknown-distribution",
         "there is no such distribution",
         """
-        A parameter is drawn `~ uniform()`, `~ normal(mean, deviation)`, `~ lognormal(median, deviation)` or
-        from `~ values(a, b, b)`, always within its range. Values outside the range are never drawn, so no
-        distribution needs to be cut off by hand. Without `~` the draw is uniform.
+        A parameter is drawn `~ uniform()`, `~ normal(mean, deviation)`, `~ lognormal(median, deviation)` or from `~
+        values(a, b, b)`, always within its range. Values outside the range are never drawn, so there is no need to
+        truncate a distribution. Without `~` the draw is uniform.
         """,
         """
         apg 1
@@ -175,8 +169,8 @@ RESOLVING = (
         "unknown-choice",
         "a choice has no such option",
         """
-        A choice has the options that its type lists; this is none of them. Options are compared by name, so a
-        misspelt one would never hold. Check the spelling, or add the option to the type.
+        This is not one of the options that the type lists. A comparison with a misspelt option would never be true.
+        Check the spelling, or add the option to the type.
         """,
         """
         apg 1
@@ -189,8 +183,8 @@ RESOLVING = (
         "unknown-vocabulary",
         "there is no such vocabulary",
         """
-        A label is written `vocabulary.word`. Vocabularies are declared in the file or come in by `use`. The
-        shipped ones are in the module `vocabularies`: `use vocabularies { semantic, affordance }`.
+        A label is written `vocabulary.word`. Vocabularies are declared in the file or imported with `use`. The shipped
+        ones are in the module `vocabularies`: `use vocabularies { semantic, affordance }`.
         """,
         """
         apg 1
@@ -205,9 +199,8 @@ RESOLVING = (
         "unknown-label",
         "a label is not in its vocabulary",
         """
-        The words of a vocabulary are fixed, so that their numbers are the same in every data set. New words
-        are added at the end of its declaration. Check the spelling, or take the word that is nearest in
-        meaning.
+        The words of a vocabulary are fixed, so that their numbers are the same in every data set. Check the spelling,
+        or use the word that is nearest in meaning. New words are added at the end of the declaration.
         """,
         """
         apg 1
@@ -223,9 +216,9 @@ RESOLVING = (
         "absolute-tolerance",
         "a label compares with a fixed length",
         """
-        A label is a formula that has to hold for every size a part may have. A band of 5 mm is half of a small
-        knob and nothing of a large one, so that the same word means two things. Write a share of `size`, or
-        name a parameter of the part, which changes with it. It is a warning: the program works.
+        A label is a formula that must make sense for every size of a part. A band of 5 mm is half of a small knob but
+        almost nothing of a large one, so the same word would mean two things. Write a fraction of `size`, or use a
+        parameter of the part, which changes with it. This is a warning: the program works.
         """,
         """
         apg 1
@@ -241,8 +234,8 @@ RESOLVING = (
         "unknown-material",
         "there is no such material",
         """
-        Materials are declared in the file (`material oak { ... }`) or come in by `use materials { oak }`. A
-        part without a material has none of its own and takes that of the part around it. Check the spelling.
+        Materials are declared in the file (`material oak { ... }`) or imported with `use materials { oak }`. A part
+        without a material of its own takes that of the part around it. Check the spelling.
         """,
         """
         apg 1
@@ -257,9 +250,8 @@ RESOLVING = (
         "missing-material",
         "parts have no material",
         """
-        Nothing says what a part is made of, so that its mass, friction and colour are guesses: 700 kg/m3, light
-        grey. Write `material oak on body`; the parts within take it, too. `apgc check` warns of it, the program
-        works.
+        Nothing says what a part is made of, so its mass, friction and colour are guesses: 700 kg/m3, light grey. Write
+        `material oak on body`; the parts inside take it too. `apgc check` warns about it, but the program works.
         """,
         """
         apg 1
@@ -275,9 +267,9 @@ RESOLVING = (
         "missing-label",
         "surface has no semantic label",
         """
-        Nothing says what a piece of surface is, in all objects or in some, so that its points are of class 0,
-        `unlabelled`. Write `label semantic.seat on seat`; the parts within take it, too, and labels of their own
-        stand over it. `apgc check` warns of it, the program works.
+        Nothing says what a piece of surface is, in all objects or in some, so its points have class 0, `unlabelled`.
+        Write `label semantic.seat on seat`; the parts inside take it too, unless they have labels of their own. `apgc
+        check` warns about it, but the program works.
         """,
         """
         apg 1
@@ -297,9 +289,9 @@ RESOLVING = (
         "duplicate-name",
         "a name is declared twice",
         """
-        Parameters, parts, ports, surfaces and slots of one template share one namespace. One name may be
-        declared in two branches that exclude each other (`when a { } else { }`). Otherwise it would depend on
-        the place which one is meant. Rename one of the two.
+        Parameters, parts, ports, surfaces and slots of one template share one namespace. One name may be declared in
+        two branches that exclude each other (`when a { } else { }`). Otherwise it would be unclear which one is meant.
+        Rename one of the two.
         """,
         """
         apg 1
@@ -313,10 +305,9 @@ RESOLVING = (
         "reserved-name",
         "a name shadows a built-in one",
         """
-        Types, constructors, built-in functions, the faces of a box, `size`, `center` and `box` keep their
-        meaning everywhere and cannot be declared. A program would read differently in places where both could
-        be meant. Choose another name: `front_edge`, `seat_size`. After a dot and as names of arguments such
-        words are free.
+        Types, constructors, built-in functions, the faces of a box, `size`, `center` and `box` keep their meaning
+        everywhere and cannot be declared: it would be unclear which one is meant. Choose another name: `front_edge`,
+        `seat_size`. After a dot and as names of arguments, such words are allowed.
         """,
         """
         apg 1
@@ -327,14 +318,12 @@ RESOLVING = (
     ),
     Code(
         "circular-definition",
-        "something is defined by itself",
+        "something is defined in terms of itself",
         """
-        The chain of definitions shown comes back to its beginning, so that none of them has a value. This
-        holds for `let`, for sizes of parts, for ranges, for places given by `to`, for attachments, for joints that
-        hang on one another or follow one another, for roles and for templates that contain each other.
-        Equations may run in circles (`align` solves them together),
-        definitions may not. Give one of them a value of its own, or leave a size open with `_` and state an
-        equation.
+        The chain of definitions shown leads back to its beginning, so none of them has a value. This applies to `let`,
+        sizes of parts, ranges, places given by `to`, attachments, joints that carry or follow one another, roles, and
+        templates that contain each other. Equations may be circular (`align` solves them together), definitions may
+        not. Give one of them a value of its own, or leave a size open with `_` and state an equation.
         """,
         """
         apg 1
@@ -346,11 +335,11 @@ RESOLVING = (
     ),
     Code(
         "misplaced-statement",
-        "a statement cannot stand here",
+        "a statement is not allowed here",
         """
-        Roles declare, templates and categories build, primitives have surfaces: each takes statements of its
-        own. A role has no parts because its alternatives bring them; a template has no `root` because its user
-        decides what it hangs on. Move the statement to where it belongs.
+        Roles declare, templates and categories build, primitives have surfaces: each has its own statements. A role has
+        no parts because its alternatives have them; a template has no `root` because its user decides what it is
+        attached to. Move the statement to where it belongs.
         """,
         """
         apg 1
@@ -361,11 +350,10 @@ RESOLVING = (
     ),
     Code(
         "misplaced-hole",
-        "`_` stands where nothing can be left open",
+        "`_` is used where nothing can be left open",
         """
-        `_` leaves one component of a vector argument to be determined by equations: `Cuboid(size = [_, 2cm,
-        _])`. It is no value and cannot be computed with. Leave the argument out altogether to leave all of it
-        open. In formulas, name the value that is meant.
+        `_` leaves one component of a vector argument to be determined by equations: `Cuboid(size = [_, 2cm, _])`. It is
+        not a value and cannot be used in formulas. To leave a whole argument open, omit it.
         """,
         """
         apg 1
@@ -378,8 +366,8 @@ RESOLVING = (
         "missing-argument",
         "an argument is missing",
         """
-        The constructor or function cannot do without the arguments named. They have no sensible default, and
-        guessing would hide a mistake. The help line gives the full form.
+        The constructor or function needs the arguments named. They have no sensible default. The help line shows the
+        full form.
         """,
         """
         apg 1
@@ -412,9 +400,8 @@ RESOLVING = (
         "missing-value",
         "a declaration lacks a value",
         """
-        A role promises, a template gives: within a template a port is bound with `=`. A parameter of a
-        category without a value needs a range to be drawn from. Write the value behind `=`, or move the
-        declaration to a role.
+        A role only declares a port; a template has to bind it with `=`. A parameter of a category without a value needs
+        a range to be drawn from. Write the value after `=`, or move the declaration to a role.
         """,
         """
         apg 1
@@ -429,8 +416,8 @@ RESOLVING = (
         "wrong-arguments",
         "a function or clause is given the wrong arguments",
         """
-        The number or the names of the arguments are not those that the function takes. Arguments are never
-        ignored or made up. The message says what is expected.
+        The number or the names of the arguments are not those that the function takes. An extra argument is never
+        ignored, and a missing one never guessed. The message says what is expected.
         """,
         """
         apg 1

@@ -5,12 +5,12 @@ from .base import Code
 STRUCTURE = (
     Code(
         "role-not-fulfilled",
-        "a template does not bind what its role promises",
+        "a template does not bind everything its role requires",
         """
-        Every template of a role binds every slot, port, joint and output that the role declares without `?`. A
-        part of a slot's name binds it by itself. The users of a role rely on all that it promises, whichever
-        alternative is drawn. Bind it (`slot cover = plate`, `port mount = ...`), or mark it optional in the
-        role: `slot cover ?`.
+        Every template of a role binds every slot, port, joint and output that the role declares without `?`. A part
+        with the name of a slot binds it without further words. The users of a role rely on all of it, whichever
+        alternative is drawn. Bind it (`slot cover = plate`, `port mount = ...`), or mark it optional in the role: `slot
+        cover ?`.
         """,
         """
         apg 1
@@ -21,11 +21,10 @@ STRUCTURE = (
     ),
     Code(
         "inherited-assigned",
-        "a template assigns a value that its role hands in",
+        "a template declares a value that its role passes in",
         """
-        What a role inherits is given by the user of the role and kept when one template replaces another. A
-        template reads it and does not declare it again. Otherwise the two values could differ. Remove the
-        declaration and read the name.
+        A value with `inherit` is given by the user of the role and kept when one template replaces another. A template
+        reads it and must not declare it again: the two values could differ. Remove the declaration and read the name.
         """,
         """
         apg 1
@@ -41,9 +40,9 @@ STRUCTURE = (
         "wrong-role",
         "an alternative does not play the role",
         """
-        Alternatives of a role are templates that declare it (`template BarHandle : Handle`). Only then do they
-        have the ports and slots that the statements around the part name. Add `: Handle` to the template and
-        bind what the role promises, or take it off the list.
+        Alternatives of a role are templates that declare it (`template BarHandle : Handle`). Only then do they have the
+        ports and slots that other statements use. Add `: Handle` to the template and bind what the role requires, or
+        remove the template from the list.
         """,
         """
         apg 1
@@ -58,12 +57,12 @@ STRUCTURE = (
     ),
     Code(
         "optional-outside-when",
-        "an optional part is named where it may be absent",
+        "an optional part is used where it may be absent",
         """
-        A part with the alternative `none`, and what only some alternatives of a part have, may be missing. A
-        statement goes with its own subject (the part left of `to`, the child of a joint, the target of a
-        label); naming it anywhere else needs `when handle { ... }` or `when handle is BarHandle { ... }`
-        around it. The language insists because every object is checked at once, also those that lack the part.
+        A part with the alternative `none`, or a member that only some alternatives have, may be absent. A statement
+        vanishes together with its own subject (the part left of `to`, the child of a joint, the target of a label);
+        using the part anywhere else needs `when handle { ... }` or `when handle is BarHandle { ... }` around it. The
+        language insists because one program describes all objects, including those without the part.
         """,
         """
         apg 1
@@ -80,10 +79,10 @@ STRUCTURE = (
     ),
     Code(
         "no-attachment",
-        "a part hangs on nothing",
+        "a part is not attached",
         """
-        Equations place, they do not attach. In a category every part but the root is attached exactly once, by
-        `connect` (rigid) or `joint` (movable), whatever alternatives and guards are chosen. The attachment
+        Equations place parts but do not attach them. In a category, every part except the root is attached exactly
+        once, by `connect` (rigid) or `joint` (movable), whatever alternatives and guards are chosen. The attachment
         says which link carries the part when joints move. Write `connect lid to body`, or give it a joint.
         """,
         """
@@ -100,9 +99,9 @@ STRUCTURE = (
         "two-attachments",
         "a part is attached twice",
         """
-        A part has one parent. Further contacts are equations (`align`); a loop of joints is closed with
-        `close`. Parts form a tree of links, as simulators want it. Keep the attachment that carries the part
-        and turn the other one into equations.
+        A part has one parent. Further contacts are equations (`align`); a loop of joints is closed with `close`. Links
+        form a tree, as simulators expect. Keep the attachment that carries the part and turn the other one into
+        equations.
         """,
         """
         apg 1
@@ -119,8 +118,9 @@ STRUCTURE = (
         "no-root",
         "a category has no root part",
         """
-        The part marked `root` is what all others hang on; its frame is the object's. All links are counted
-        from it, and a written file gives its base. Write `root` before the part that stands still.
+        The part marked `root` is the one that all others are attached to, so every category needs one. Its frame is the
+        frame of the object, and its link is the base of every exported file. Write `root` before the part that does not
+        move.
         """,
         """
         apg 1
@@ -133,8 +133,8 @@ STRUCTURE = (
         "two-roots",
         "a category has two root parts",
         """
-        The part marked `root` is what all others hang on, so there is one. Its link is the base of every file
-        that is written. Take the word away from all but one, and attach the others to it with `connect`.
+        The part marked `root` is the one that all others are attached to, so there can be only one. Its link is the
+        base of every exported file. Remove the word from all but one, and attach the others to it with `connect`.
         """,
         """
         apg 1
@@ -147,11 +147,11 @@ STRUCTURE = (
     ),
     Code(
         "two-links",
-        "something lies on two links at once",
+        "something is on two links at once",
         """
-        A port, plane or edge lies on the link of the parts that its formula names. These move against each
-        other, so it would lie on both. When a joint moves, what is connected there could follow only one of
-        them. Name a face or a port of one of them alone.
+        A port, plane or edge belongs to the link of the parts that its formula names. These parts move relative to each
+        other, so it would belong to two links, but what is connected there can only follow one. Name a face or a port
+        of only one of the parts.
         """,
         """
         apg 1
@@ -175,10 +175,10 @@ STRUCTURE = (
         "bad-axis",
         "a joint or repeat has no valid axis",
         """
-        A joint that turns does so about an edge or a line (`about door.left.back`, `about dial.axis`); a
-        direction alone does not say where. A prismatic joint slides along a direction. A ring turns about an
-        axis, a mirror stands across x, y or z. The axis decides how the joint moves and which side opens, so
-        it is always stated. Two faces of a box meet in an edge: `door.left.back`.
+        A joint that turns does so about an edge or a line (`about door.left.back`, `about dial.axis`); a direction
+        alone does not say where it is. A prismatic joint slides along a direction. A ring goes about an axis, a mirror
+        is across x, y or z. The axis decides how the joint moves and which side opens, so it is always stated. Two
+        faces of a box meet in an edge: `door.left.back`.
         """,
         """
         apg 1
@@ -192,12 +192,12 @@ STRUCTURE = (
     ),
     Code(
         "needs-clearance",
-        "a clearance that is not solved for",
+        "a `clearance` that cannot be solved for",
         """
-        `clearance` as the high end of a range asks for the largest value without a collision. It is solved for
-        where a revolute or prismatic joint moves by itself: not for the low end, nor for joints that follow others,
-        are followed, or lie in programs that close loops. The program is legal and can be checked, but not sampled.
-        Turn the axis round, or give the end as a formula of the sizes, or as a plain angle or length.
+        `clearance` as the high end of a range asks for the largest value without a collision. It is solved for revolute
+        and prismatic joints that move independently: not for the low end, for joints that follow others or are
+        followed, or in programs with closed loops. The program is legal and can be checked, but not sampled. Reverse
+        the axis, or give the end as a formula of the sizes, or as a plain angle or length.
         """,
         """
         apg 1
@@ -212,11 +212,11 @@ STRUCTURE = (
     ),
     Code(
         "incomplete-primitive",
-        "a primitive lacks surfaces, inside or box",
+        "a primitive has no surfaces, inside function or box",
         """
-        A primitive states its surfaces, an inside function and its box, or one `solid` that supplies all
-        three. The mesh, the points and the colliders all come from these three, so none can be left out. Add
-        what the message names.
+        A primitive gives its surfaces, an inside function and its box, or one `solid` that supplies all three. The
+        mesh, the points and the colliders all come from these three, so none can be left out. Add what the message
+        names.
         """,
         """
         apg 1
@@ -287,12 +287,12 @@ STRUCTURE = (
     ),
     Code(
         "missing-pieces",
-        "convex pieces leave out part of a primitive",
+        "convex pieces miss part of a primitive",
         """
-        What touches what is decided by convex pieces, so a solid that its `piece` statements cover only in part could be
-        reached into. An error where a place within it lies further than a tenth of its size from all its pieces, at one of
-        its test values; a warning from a twentieth on. The place shown is the furthest. A thin gap at a curved surface is no
-        fault.
+        Contacts are computed from the convex pieces, so other parts could pass into a solid that its `piece` statements
+        cover only in part. It is an error if, at one of the test values, some place within the solid is further than a
+        tenth of its size from all pieces, and a warning from a twentieth on. The place shown is the furthest one. A
+        thin gap at a curved surface is fine.
         """,
         """
         apg 1
@@ -316,10 +316,10 @@ STRUCTURE = (
         "leaky-primitive",
         "the surfaces of a primitive do not close",
         """
-        The surfaces of a primitive meet along whole edges and enclose its inside, all normals outwards, for
-        every one of its test values. The place shown is a surface with an edge that meets no other. A mesh
-        that is welded from these formulas alone is watertight only then. Compare the formulas of the two
-        surfaces at that edge, and the signs and ranges of u and v.
+        The surfaces of a primitive meet along whole edges and enclose its inside, all normals outwards, for every one
+        of its test values. The place shown is a surface with an edge that meets no other. Otherwise the mesh, which is
+        made from these formulas alone, would not be watertight. Compare the formulas of the two surfaces at that edge,
+        and the signs and ranges of u and v.
         """,
         """
         apg 1

@@ -7,8 +7,8 @@ VALUES = (
         "missing-unit",
         "a length, angle or other quantity has no unit",
         """
-        Lengths, angles and all other quantities carry their unit (`5cm`, `30deg`, `8N`), so that no number can
-        be misread. Only `0` may go without one. Ratios and counts have no unit; write a percentage as `8%`.
+        Lengths, angles and all other quantities carry their unit (`5cm`, `30deg`, `8N`), so that no number can be
+        misread. Only `0` needs none. Ratios and counts have no unit; write a percentage as `8%`.
         """,
         """
         apg 1
@@ -21,9 +21,9 @@ VALUES = (
         "unknown-unit",
         "a number carries a unit that does not exist",
         """
-        Units are `mm cm m km`, `deg rad turn`, `kg g`, `s ms`, `N`, quotients and products of them such as
-        `kg/m3`, `N*m`, `m/s`, and `%`. The unit stands right behind the number. There are no inches. The list
-        is closed, so that a misspelt unit is found here. Convert the number, for example to `cm`.
+        Units are `mm cm m km`, `deg rad turn`, `kg g`, `s ms`, `N`, quotients and products of them such as `kg/m3`,
+        `N*m`, `m/s`, and `%`. The unit directly follows the number. There are no inches. The list is fixed, so that a
+        misspelt unit is found. Convert the number, for example to `cm`.
         """,
         """
         apg 1
@@ -36,9 +36,9 @@ VALUES = (
         "wrong-dimension",
         "quantities of different dimension are mixed",
         """
-        A length and an angle cannot be added, compared or put in one another's place. Products and quotients
-        make new dimensions: a length times a length is an area. The dimension of every formula is checked
-        before anything is drawn. Look for a missing factor, or for a `sin` that should take an angle.
+        A length and an angle cannot be added, compared or used in place of each other. Products and quotients have new
+        dimensions: a length times a length is an area. The dimension of every formula is checked before anything is
+        drawn. Look for a missing factor, or for a `sin` that should take an angle.
         """,
         """
         apg 1
@@ -50,11 +50,11 @@ VALUES = (
     ),
     Code(
         "wrong-type",
-        "a value is of another type than needed",
+        "a value has the wrong type",
         """
-        What stands here is of another type than the place needs: a whole part where a number belongs, a number
-        where a box belongs, and the like. A face as a number is its coordinate. Name the member that is meant,
-        such as `seat.size.z`, `seat.top` or `seat.center`.
+        The value here is not of the type that is needed: a whole part instead of a number, a number instead of a box,
+        and so on. A face used as a number is its coordinate. Name the member that is meant, such as `seat.size.z`,
+        `seat.top` or `seat.center`.
         """,
         """
         apg 1
@@ -69,9 +69,9 @@ VALUES = (
         "wrong-kind",
         "something else is needed here",
         """
-        The thing named exists, but is no value, part or template of the kind that can stand here. A part is
-        made of a template or a primitive, a material is put on by `material`, a label by `label`. The message
-        says what is needed and what was found.
+        The name exists, but is not a value, part or template of the kind needed here. A part is made of a template or a
+        primitive, a material is put on by `material`, a label by `label`. The message says what is needed and what was
+        found.
         """,
         """
         apg 1
@@ -83,10 +83,10 @@ VALUES = (
     ),
     Code(
         "empty-range",
-        "a range has no value",
+        "a range is empty",
         """
-        In a range `low .. high` the low end must not lie above the high one. The ends may be formulas; where
-        both are known beforehand they are compared before anything is drawn. Exchange the ends.
+        In a range `low .. high` the low end must not lie above the high one. The ends may be formulas; where both are
+        known in advance, they are compared before anything is drawn. Swap the ends.
         """,
         """
         apg 1
@@ -97,11 +97,10 @@ VALUES = (
     ),
     Code(
         "default-outside-range",
-        "a default lies outside its domain",
+        "a default lies outside its range",
         """
-        The default of a parameter is one of its legal values: it lies within its range. Otherwise the object
-        with all defaults, with which the manipulation of a program begins, would be an illegal one. Move the
-        default, or widen the range.
+        The default of a parameter must be a legal value: it lies within its range. Otherwise the object with all
+        defaults would be invalid. Move the default, or widen the range.
         """,
         """
         apg 1
@@ -114,9 +113,9 @@ VALUES = (
         "undefined-value",
         "a formula has no value",
         """
-        The formula divides by zero, takes the root or the logarithm of a negative number, or grows beyond what a
-        number can hold, whatever is drawn. What has no value for some draws alone makes these objects invalid, which
-        are drawn again. Correct the formula, or say where it holds: `a / n if n > 0 else 0cm`.
+        The formula divides by zero, takes the root or the logarithm of a negative number, or exceeds the largest
+        number, for every draw. If it has no value for some draws only, those objects are invalid and drawn again.
+        Correct the formula, or say where it applies: `a / n if n > 0 else 0cm`.
         """,
         """
         apg 1
@@ -129,12 +128,13 @@ VALUES = (
     ),
     Code(
         "illegal-value",
-        "a value lies outside what is legal for it",
+        "a value lies outside its legal range",
         """
-        Every number of an object has a legal range: sizes lie above 0 and below 1 km, places within 1 km, axes and directions have
-        a length, densities lie above 0, damping and friction are not negative, colours lie in 0 .. 1, a repeat has at
-        most 10,000 elements, and so on. Here the value lies outside whatever is drawn. Where only some draws lead out of
-        the range, these objects are invalid and drawn again, which `sample --stats` counts. Correct the formula.
+        Every number of an object has a legal range: sizes lie above 0 and below 1 km, places within 1 km, axes and
+        directions are not [0, 0, 0], densities lie above 0, damping and friction are not negative, colours lie in 0 ..
+        1, a repeat has at most 5,000 elements, and so on. Here the value is illegal for every draw. If it is illegal
+        for some draws only, those objects are invalid and drawn again, which `sample --stats` counts. Correct the
+        formula.
         """,
         """
         apg 1
@@ -150,9 +150,9 @@ VALUES = (
         "bad-guard",
         "a guard is not a condition",
         """
-        A guard decides the structure, which is known before any measure is. So it asks `a is B`, whether an
-        optional part is there, or compares counts, ranks and choices; lengths and angles belong into `require`
-        or into `a if c else b`. Tables are laid out by these guards before any length is drawn.
+        A guard decides the structure, which is fixed before any length is drawn. So a guard tests `a is B` or whether
+        an optional part exists, or compares counts, ranks and choices; conditions on lengths and angles are not
+        possible. Use them in `require` or in `a if c else b`.
         """,
         """
         apg 1
@@ -168,8 +168,8 @@ VALUES = (
         "unrelated-type",
         "a test with `is` can never hold",
         """
-        The part can only be one of its alternatives, and none of them is or plays what stands behind `is`.
-        What stands under the test could never happen. Check the names of the alternatives, or remove the test.
+        The part can only be one of its alternatives, and none of them is the template, or has the role, named after
+        `is`. Nothing under this test could ever exist. Check the names of the alternatives, or remove the test.
         """,
         """
         apg 1
@@ -187,8 +187,8 @@ VALUES = (
         "always-true",
         "a requirement always holds",
         """
-        The ranges of what it names leave no way to break this requirement, so it says nothing. Often it
-        compares the wrong values, or was written before a range was narrowed. Correct what it compares, or drop it.
+        No values in the ranges can break this requirement, so it has no effect. Often it compares the wrong values, or
+        was written before a range was narrowed. Correct the comparison, or drop it.
         """,
         """
         apg 1
@@ -202,11 +202,11 @@ VALUES = (
     ),
     Code(
         "idle-near",
-        "`near` has nothing to choose",
+        "`near` has no effect",
         """
-        `near` says where the search for the values of an equation begins, which chooses among several solutions. This
+        `near` says where the search for a solution of an equation begins, and so chooses among several solutions. This
         equation is solved in closed form and has one solution, so `near` changes nothing. Drop it. To keep a value
-        close to another, draw it in a range, or state a requirement or a preference.
+        close to another, give it a range, a requirement or a preference.
         """,
         """
         apg 1
@@ -223,10 +223,10 @@ VALUES = (
         "impossible",
         "a requirement can never hold",
         """
-        The ranges of what it names leave no way to keep this requirement, so nothing could ever be drawn. For
-        a primitive it is the ranges after `test` that are tried. Where requirements contradict one another, all of
-        them are shown, with what they name. Within an alternative or a `when` it is a warning: what holds the
-        contradiction is never drawn, and nobody would miss it. Widen a range, or correct the requirement.
+        No values in the ranges can satisfy this requirement, so no object could ever be drawn. For a primitive, the
+        ranges after `test` are tried. Where requirements contradict one another, all of them are shown, with the values
+        that they compare. Within an alternative or a `when` this is a warning: that alternative is silently never
+        drawn. Widen a range, or correct the requirement.
         """,
         """
         apg 1

@@ -150,8 +150,9 @@ def instantiate(part: Part, option: Option, lower_body: LowerBody) -> Instance:
                 raise context.error(
                     "misplaced-hole",
                     argument.value.span,
-                    f"`{option.name}` is one of several: it leaves nothing open to equations",
-                    hint="what all have open is handed in by a role: `part lid : Lid(size = [_, _, 1cm]) = Flat | Domed`",
+                    f"`{option.name}` is one of several alternatives, so none of its sizes can be left open",
+                    hint="to leave a size of all alternatives open, let the role pass it in: "
+                    "`part lid : Lid(size = [_, _, 1cm]) = Flat | Domed`",
                 )
             if name in declared:
                 own[name] = handed_in(part, home, *declared[name], name, argument)

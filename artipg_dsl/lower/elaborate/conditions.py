@@ -93,7 +93,7 @@ def prefer(env: Env, statement: ast.PreferStmt) -> None:
         raise env.context.error(
             "wrong-arguments",
             statement.weight.span,
-            "a preference weighs 0 or more",
+            "the weight of a preference cannot be negative",
             hint="to prefer the opposite, write the opposite condition",
         )
     condition, _ = comparison(ev, statement.condition)
@@ -174,8 +174,8 @@ def indices(env: Env, node: ast.Expr) -> Iterator[tuple[str, int]]:
             raise env.context.error(
                 "wrong-kind",
                 node.index.span,
-                "a statement about parts names an element by its number, or `last`",
-                hint=f"`{name}[0]`, `{name}[last]`; leave the number out for all elements, or state it inside the repeat",
+                "this statement can name an element of a repeat only by its number or `last`",
+                hint=f"`{name}[0]`, `{name}[last]`; omit the number for all elements, or put the statement inside the repeat",
             )
         yield name, int(rank)
 
@@ -186,5 +186,5 @@ def nodes(links: Links, env: Env, node: ast.Expr) -> tuple[int, ...]:
     for value, home, _ in paths.walk(env, node):
         parts.update(value.env.all_parts() if isinstance(value, Element) else map(part_of, carriers(value, home.scope)))
     if not parts:
-        raise env.context.error("wrong-kind", node.span, f"`{text_of(node.span)}` is no part")
+        raise env.context.error("wrong-kind", node.span, f"`{text_of(node.span)}` is not a part")
     return tuple(sorted(number for (part, _), number in links.nodes.items() if part in parts))

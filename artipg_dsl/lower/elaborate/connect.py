@@ -16,7 +16,7 @@ from ..expressions.evaluate import Evaluator
 from ..expressions.members import At, in_element
 from ..values.faces import FACES, squared
 from ..values.kinds import Box, Frame, Plane, Ref, Value, Vec, carriers_of
-from ..values.vectors import AXES, sole_axis
+from ..values.vectors import AXES, Triple, place, sole_axis
 from .place import begins
 
 if TYPE_CHECKING:
@@ -122,7 +122,8 @@ def placing(env: Env, part: Part, subject: ast.Expr, statement: ast.Attaching) -
             match_faces(ev, own, owner, name, fit.span, E.ZERO)
     mounted = statement.to is not None or statement.between is not None
     if statement.at is not None and not mounted and (on is not None or within is not None):
-        at_point(ev, subject, statement.at.value, target)
+        fitted = {FACES[name][0] for name in face_names(fit)} if fit is not None else set()
+        at_point(ev, subject, statement.at.value, target, fitted)
     return target
 
 
@@ -167,10 +168,19 @@ def match_faces(ev: Evaluator, own: Box, other: Box, name: str, span: Span, gap:
     ev.env.equations.append(Equation(a[axis], right, span, f"fit {name}"))
 
 
-def at_point(ev: Evaluator, subject: ast.Expr, places: tuple[ast.Argument, ...], target: Value | None) -> None:
-    """``at center`` equates the two other coordinates of the centres; ``at y = ...`` one coordinate each."""
+def middle_of(box: Box) -> Triple:
+    """The centre of a box in the frame of the statement."""
+    return place(box.pose, box.center)
+
+
+def at_point(
+    ev: Evaluator, subject: ast.Expr, places: tuple[ast.Argument, ...], target: Value | None, fitted: set[int]
+) -> None:
+    """``at center`` equates the two other coordinates of the centres, in a box those along which no face is ``fitted``;
+    ``at y = ...`` one coordinate each.
+    """
     own = ev.value(subject)
-    origin = own.origin if isinstance(own, Frame) else ev.box(subject).center
+    origin = own.origin if isinstance(own, Frame) else middle_of(ev.box(subject))
     normal = sole_axis(own.out) if isinstance(own, Frame) else None
     for place in places:
         name, node = place.name, place.value
@@ -179,9 +189,10 @@ def at_point(ev: Evaluator, subject: ast.Expr, places: tuple[ast.Argument, ...],
             ev.env.equations.append(Equation(origin[k], ev.scalar(node), node.span, f"at {name}"))
         else:
             middle = isinstance(ev.env.context.meaning(node), Word)
-            other = target.origin if middle and isinstance(target, Frame) else ev.vector(node)
+            boxed = middle and isinstance(target, Box)
+            other = ev.vector(node) if not middle else target.origin if not boxed else middle_of(target)
             for k in range(3):
-                if k != normal:
+                if k != normal and not (boxed and k in fitted):
                     ev.env.equations.append(Equation(origin[k], other[k], node.span, f"at {AXES[k]}"))
 
 

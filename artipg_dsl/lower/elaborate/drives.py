@@ -67,7 +67,7 @@ class Drive:
         context = self.env.context
         program, found = context.program, joints(self.links, self.env, node)
         if any(program.joints[k].kind == "fixed" for k in found):
-            raise context.error("wrong-kind", node.span, f"the joint `{text_of(node.span)}` is fixed: nothing moves it")
+            raise context.error("wrong-kind", node.span, f"the joint `{text_of(node.span)}` is fixed and cannot move")
         carriers, scope = self.carriers(), self.aim.scope
         carried = [program.joints[k] for k in found if k in carriers]
         if found:
@@ -156,7 +156,7 @@ def report(context: Context) -> None:
             context.error(
                 "wrong-kind",
                 span,
-                f"nothing that this lies on moves with the joint of `{text_of(span)}`",
+                f"the joint `{text_of(span)}` does not move what this is on",
                 hint="name the joint that carries the target, or one that carries that joint",
             )
 

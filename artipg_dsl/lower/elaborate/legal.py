@@ -124,9 +124,7 @@ def refuse(context: Context, quantity: Quantity, intervals: Intervals, sources: 
     if place is not None and place.file in sources:
         span = line_of(sources[place.file], place)
     if quantity.legal is ELEMENT:
-        context.report.error(
-            "illegal-value", span, f"{quantity.name}: {ELEMENT.words}", hint="they are counted from 0 on"
-        )
+        context.report.error("illegal-value", span, f"{quantity.name}: {ELEMENT.words}", hint="they are counted from 0")
         return
     context.report.error(
         "illegal-value",

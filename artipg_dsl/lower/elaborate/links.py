@@ -89,8 +89,8 @@ class Links:
             raise self.context.error(
                 "circular-definition",
                 part.span,
-                f"what `{part.name}` is attached to is attached to `{part.name}` in turn",
-                hint="one of these has to hang on the root, or on a part that does",
+                f"`{part.name}` is attached to a part that is attached to `{part.name}` itself",
+                hint="attach one of them to the root, or to a part that is attached to it",
                 notes=tuple((a.span, f"attaches `{p.name}`") for p, a in found[:4]),
             )
         self.resolving.add(part)
@@ -208,7 +208,7 @@ class Links:
                 "two-links",
                 span,
                 "this lies on two links: " + " and ".join(f"`{part_of(p).name}`" for p in parts[:2]),
-                hint="joints may move them apart: name a face or a port of one of them alone",
+                hint="joints may move them apart: name a face or a port of only one of them",
                 notes=tuple((part_of(p).span, f"`{part_of(p).name}`") for p in parts[:2]),
             )
         return self.ordered(k for links in found for k in links)
@@ -398,7 +398,7 @@ class Links:
                 "bad-axis",
                 statement.span,
                 f"this {kind} joint has no axis",
-                hint="say `about` an edge or a line (door.left.back), or `along` a direction for a prismatic joint",
+                hint="write `about` and an edge or a line (door.left.back), or for a prismatic joint `along` and a direction",
             )
         value = ev.value(clause.value)
         wrong = kind == "prismatic" if clause is statement.about else kind in MOVING_ABOUT and isinstance(value, Vec)
@@ -419,8 +419,8 @@ class Links:
         raise self.context.error(
             "bad-axis",
             clause.span,
-            "this is no axis",
-            hint="an edge (door.left.back), a port of kind line, line(...), or a direction",
+            "this is not an axis",
+            hint="an axis is an edge (door.left.back), a line port, line(...) or a direction",
         )
 
 

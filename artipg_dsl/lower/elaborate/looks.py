@@ -65,7 +65,7 @@ def lower_material(context: Context, symbol: Symbol) -> Material:
             value = ev.value(node)
             if not isinstance(value, Vec):
                 raise context.error(
-                    "wrong-kind", node.span, "a colour is a vector [red, green, blue] of numbers in 0 .. 1"
+                    "wrong-kind", node.span, "a colour must be a vector [red, green, blue] of numbers in 0 .. 1"
                 )
             colours.append(tuple(settled(context, "colour", node, c) for c in value.items))
         values["colour"] = tuple(colours)
@@ -103,7 +103,9 @@ def span_of(ev: Evaluator, name: str, clause: ast.Clause[ast.RangeExpr]) -> tupl
 def settled(context: Context, name: str, node: ast.Expr, value: Expr) -> float:
     """A property's number, which is known beforehand and lies in the range that is legal for it."""
     if value.constant is None:
-        raise context.error("wrong-kind", node.span, "the properties of a material are numbers, or ranges of them")
+        raise context.error(
+            "wrong-kind", node.span, "the properties of a material must be numbers or ranges of numbers"
+        )
     number, legal = float(value.constant), MATERIAL[name]
     if not legal.holds(number):
         raise context.error("illegal-value", node.span, f"`{name}` is {plain(number)}, but {legal.words}")

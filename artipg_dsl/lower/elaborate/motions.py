@@ -53,8 +53,8 @@ def limit(links: Links, env: Env, statement: ast.LimitStmt) -> None:
             raise links.context.error(
                 "needs-clearance",
                 statement.range.high.span,
-                "`clearance` cannot stand under a guard that the joint does not stand under",
-                hint="say it in the joint's own range, or state one joint in each branch",
+                "`clearance` cannot be under a guard that the joint itself is not under",
+                hint="put `clearance` in the joint's own range, or declare a joint in each branch",
             )
         ends = links.ends(ev, statement.range, joint.kind, number)
         low, high = (lifted(end, joint.scope) for end in ends)

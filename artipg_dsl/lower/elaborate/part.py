@@ -223,16 +223,16 @@ class Instance:
                     raise self.part.context.error(
                         "wrong-kind",
                         node.span,
-                        "a slot binds all elements of a repeat, not one by its number",
-                        hint="leave the number out, or bind a part that stands outside the repeat",
+                        "a slot must bind all elements of a repeat, not a single one",
+                        hint="omit the number, or bind a part outside the repeat",
                     )
                 within = env.scope is self.scope or home.scope.within(env.scope)
                 if not within and held(home.scope, self.scope) is not E.TRUE:
                     raise self.part.context.error(
                         "wrong-kind",
                         node.span,
-                        "a slot that a `when` binds to a slot that another `when` binds cannot be followed",
-                        hint="name the part itself, or bind the slot in every branch of one `when`",
+                        "a slot bound in one `when` cannot refer to a slot bound in another",
+                        hint="name the part itself, or bind the slot in every branch of the same `when`",
                     )
                 found.append(Reached(value, home if within else env))
         return found

@@ -45,7 +45,7 @@ def walk(env: Env, node: ast.Expr) -> list[Reached]:
     if isinstance(node, ast.IndexExpr):
         return [at._replace(named=E.both(at.named, element_named(env, at, node))) for at in walk(env, node.obj)]
     if not isinstance(node, ast.MemberExpr):
-        raise env.context.error("wrong-kind", node.span, "a path of names is needed here")
+        raise env.context.error("wrong-kind", node.span, "a name or a name or a path of names is needed here")
     found: list[Reached] = []
     for value, _, named in walk(env, node.obj):
         if isinstance(value, Element):
@@ -64,14 +64,14 @@ def element_named(env: Env, at: Reached, node: ast.IndexExpr) -> Expr:
     """Whether a row of a repeat is the element that an index names."""
     element = at.value
     if not isinstance(element, Element):
-        raise env.context.error("wrong-kind", node.span, "an index stands behind the name of a repeat")
+        raise env.context.error("wrong-kind", node.span, "only the name of a repeat takes an index")
     index = Evaluator(env).position(element, node.index)
     if index.scope is not None and not element.scope.within(index.scope):
         raise env.context.error(
             "wrong-kind",
             node.index.span,
-            "this number differs from row to row of a table that the elements do not lie in",
-            hint="name the element by a number, `last` or a count; or state it inside the repeat, under a `when`",
+            "this index varies over instances that the elements do not belong to",
+            hint="use a number, `last` or a count as index, or put the statement inside the repeat, under a `when`",
         )
     return E.call("eq", E.rank(element.scope), index)
 

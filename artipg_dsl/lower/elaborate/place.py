@@ -161,8 +161,8 @@ def chained(part: Part, pose: Pose, chain: Pose) -> Pose:
         raise part.context.error(
             "recurrence",
             part.span,
-            f"each `{part.name}` is turned against the one before, which is no sum of offsets",
-            hint="place the elements straight at joint values 0 and turn them by their joints",
+            f"each `{part.name}` is turned relative to the one before, so its place is not a sum of offsets",
+            hint="place the elements in line at joint values 0 and turn them by their joints",
         )
     for name, value in zip(chain.translation, pose.translation, strict=True):
         part.context.program.definitions[name.value] = closed(part.context, name.value, value)
@@ -274,7 +274,7 @@ def turned_in_vain(part: Part, mount: Mount) -> None:
     raise part.context.error(
         "over-determined",
         said[0].span,
-        f"`{part.name}` is turned here, but what it is mounted by turns with it: this says nothing",
+        f"`{part.name}` is turned here, but its mount turns with it, so the turn has no effect",
         hint="turn the port in its template, or place the part by a face of its box (`connect lid.back on ...`) and equations",
         notes=((mount.statement.span, "the mount"),),
     )
@@ -303,8 +303,8 @@ def located(frame: Frame, mount: Mount, ev: Evaluator) -> Triple:
                 raise ev.env.context.error(
                     "plane-across-axes",
                     node.span,
-                    f"the target faces along {name}; `at` moves within its plane",
-                    hint=f"give the other two coordinates here, and the distance along {name} by `gap` or `sink`",
+                    f"the target faces along {name}, and `at` only moves within its plane",
+                    hint=f"give the other two coordinates, and the distance along {name} by `gap` or `sink`",
                 )
             origin[axis] = ev.scalar(node)
         elif not isinstance(ev.env.context.meaning(node), Word):  # `center` is where it is
@@ -392,5 +392,5 @@ def circular_place(part: Part) -> Abort:
         part.span,
         f"the place of `{part.name}` depends on itself{via}",
         notes=tuple(notes[:4]),
-        hint="`to` and `between` take the place from their target: let one of these parts hang on something that stands",
+        hint="`to` and `between` take the place from their target: attach one of these parts to something already placed",
     )

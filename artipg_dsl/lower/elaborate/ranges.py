@@ -43,41 +43,41 @@ class Quantity:
     guard: Expr = E.TRUE
 
 
-NUMBER = Legal(-1e12, 1e12, "what an object is made of is a finite number")
-PLACE = Legal(-FAR, FAR, "places lie within 1 km of the origin")
-SIZE = Legal(0.0, FAR, "sizes are not negative and at most 1 km")
-TURN = Legal(-1.0 - NEAR, 1.0 + NEAR, "a direction has a length")
-AXIS = Legal(1.0 - NEAR, 1.0 + NEAR, "an axis has a length")
-DIRECTION = Legal(NEAR, FAR, "a direction has a length")
-APART = Legal(NEAR, FAR, "a gripper closes across its approach")
-MOTION = Legal(-1e4, 1e4, "the range of a joint is finite")
-PITCH = Legal(NEAR, FAR, "the pitch of a screw is a length above 0 or below it, at most 1 km")
-HELD = Legal(0.0, 1e9, "it is finite and not negative")
-DRIVEN = Legal(1e-9, 1e9, "it is finite and above 0")
-OPENING = Legal(NEAR, FAR, "an opening is a length above 0")
-SHARE = Legal(0.0, 1.0, "it lies in 0 .. 1")
-DISTANCE = Legal(0.0, FAR, "a distance is not negative and at most 1 km")
-EVERY = Legal(NEAR, FAR, "the distance of elements lies above 0")
-OPTION = Legal(1e-12, 1e12, "one of several has a weight above 0")
-ELEMENTS = Legal(0.0, MOST_ELEMENTS, f"a repeat has at most {MOST_ELEMENTS:,} elements")
+NUMBER = Legal(-1e12, 1e12, "every value of an object must be a finite number")
+PLACE = Legal(-FAR, FAR, "places must lie within 1 km of the origin")
+SIZE = Legal(0.0, FAR, "sizes must not be negative and are at most 1 km")
+TURN = Legal(-1.0 - NEAR, 1.0 + NEAR, "a direction must not be [0, 0, 0]")
+AXIS = Legal(1.0 - NEAR, 1.0 + NEAR, "an axis must not be [0, 0, 0]")
+DIRECTION = Legal(NEAR, FAR, "a direction must not be [0, 0, 0]")
+APART = Legal(NEAR, FAR, "a gripper must close across its approach")
+MOTION = Legal(-1e4, 1e4, "the range of a joint must be finite")
+PITCH = Legal(NEAR, FAR, "the pitch of a screw must not be 0 and is at most 1 km")
+HELD = Legal(0.0, 1e9, "it must be finite and not negative")
+DRIVEN = Legal(1e-9, 1e9, "it must be finite and above 0")
+OPENING = Legal(NEAR, FAR, "an opening must be above 0")
+SHARE = Legal(0.0, 1.0, "it must lie in 0 .. 1")
+DISTANCE = Legal(0.0, FAR, "a distance must not be negative and is at most 1 km")
+EVERY = Legal(NEAR, FAR, "the spacing of elements must be above 0")
+OPTION = Legal(1e-12, 1e12, "at least one alternative needs a weight above 0")
+ELEMENTS = Legal(0.0, MOST_ELEMENTS, f"a repeat must have 0 to {MOST_ELEMENTS:,} elements")
 ELEMENT = Legal(0.0, MOST_ELEMENTS, "the repeat has no such element")
-ROWS = Legal(0.0, MOST_ROWS, f"an object has at most {MOST_ROWS:,} elements of one kind")
-WEIGHT = Legal(0.0, 1e12, "a weight is a finite number from 0 on")
-SPREAD = Legal(1e-12, 1e12, "a deviation is a finite number above 0")
-STEP = Legal(0.0, 1e12, "a step is finite and not negative")
+ROWS = Legal(0.0, MOST_ROWS, f"an object must have 0 to {MOST_ROWS:,} elements of one kind")
+WEIGHT = Legal(0.0, 1e12, "a weight must be finite and not negative")
+SPREAD = Legal(1e-12, 1e12, "a deviation must be finite and above 0")
+STEP = Legal(0.0, 1e12, "a step must be finite and not negative")
 
 MATERIAL = {
-    "density": Legal(1e-3, 1e6, "a density lies between 1 g/m3 and 1000 t/m3"),
-    "friction_static": Legal(0.0, 1e3, "a coefficient of friction is not negative"),
-    "friction_dynamic": Legal(0.0, 1e3, "a coefficient of friction is not negative"),
+    "density": Legal(1e-3, 1e6, "a density must lie between 1 g/m3 and 1000 t/m3"),
+    "friction_static": Legal(0.0, 1e3, "a coefficient of friction must not be negative"),
+    "friction_dynamic": Legal(0.0, 1e3, "a coefficient of friction must not be negative"),
     "restitution": SHARE,
     "metalness": SHARE,
     "roughness": SHARE,
     "transparency": SHARE,
-    "colour": Legal(0.0, 1.0, "red, green and blue lie in 0 .. 1"),
+    "colour": Legal(0.0, 1.0, "red, green and blue must lie in 0 .. 1"),
 }
 
 
 def plain(value: float) -> str:
     """A value as messages show it."""
-    return "no number" if math.isnan(value) else f"{value:.6g}"
+    return "not a number" if math.isnan(value) else f"{value:.6g}"

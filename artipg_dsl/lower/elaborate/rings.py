@@ -226,11 +226,11 @@ def tell(links: Links, ring: list[int], verb: str) -> None:
     others = list(dict.fromkeys(n for n in names if n != names[0]))
     via = f", by way of {' and '.join(others)}" if others else ""
     if hangs:
-        message = f"{names[0]} hangs on itself{via}: the links form a ring"
-        hint = "one of these parts has to hang on the root, or on a part that does; a loop of joints is closed with `close`"
+        message = f"{names[0]} is attached to itself{via}: the links form a ring"
+        hint = "attach one of these parts to the root, or to a part that is attached to it; a loop of joints is closed with `close`"
     else:
         message = f"the joint {names[0]} follows itself{via}"
-        hint = "one of these joints has to move by itself: drop its `mimic`"
+        hint = "one of these joints must move independently: drop its `mimic`"
     notes: dict[Span, str] = {}
     for number, name, onto in zip(ring, names, [*names[1:], names[0]], strict=True):
         notes.setdefault(links.stated[number], f"{name} {verb} {onto}")
@@ -260,5 +260,5 @@ def between(links: Links, number: int) -> Iterator[tuple[Span, str]]:
             first = None if instance is None else first_part(instance)
             if first is None or first is part:
                 return
-            yield part.span, f"`{part.name}` hangs on nothing: it goes with `{first.name}`, the first part"
+            yield part.span, f"`{part.name}` is not attached: it moves with `{first.name}`, the first part"
             parts = (first,)

@@ -56,8 +56,8 @@ def bound_count(inner: Env, element: Element, statement: ast.RepeatStmt, room: E
     outer = inner.outer
     assert outer is not None
     for sides, message in (
-        ((E.mul(element.count, low), room), f"too many elements of `{element.name}` for the room there is"),
-        ((room, E.mul(element.count, high)), f"too few elements of `{element.name}` to fill the room there is"),
+        ((E.mul(element.count, low), room), f"too many elements of `{element.name}` for the space available"),
+        ((room, E.mul(element.count, high)), f"too few elements of `{element.name}` to fill the space available"),
     ):
         holds = E.call("le", *sides)
         if holds is not E.TRUE:
@@ -94,7 +94,7 @@ def axis_of(ev: Evaluator, statement: ast.RepeatStmt) -> int:
     assert found is not None
     axis = signed_axis(ev.direction(found.value))
     if axis is None:
-        raise ev.env.context.error("bad-axis", found.span, "a repeat runs along x, y or z")
+        raise ev.env.context.error("bad-axis", found.span, "a repeat must run along x, y or z")
     return axis[0]
 
 

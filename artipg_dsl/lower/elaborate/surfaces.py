@@ -83,9 +83,6 @@ def solve_v(
     found = isolate(E.substitute(coordinate, {E.var("v"): target}), marker, ev.scalar(arguments[axis]), linear)
     if found is None:
         raise ev.env.context.error(
-            "not-solvable",
-            node.span,
-            f"this surface cannot be solved for the place where {axis} has a value",
-            hint="give u and v",
+            "not-solvable", node.span, f"u and v cannot be found from {axis} on this surface", hint="give u and v"
         )
     return found

@@ -19,14 +19,12 @@ def turned(env: Env, placements: tuple[ast.Placement, ...], outer: Matrix = IDEN
                 raise env.context.error(
                     "bad-axis",
                     placement.direction.span,
-                    "a part lies along x, y or z",
-                    hint="any other direction: `turned 20deg about y`, or a `connect` with frames",
+                    "a part can only lie along x, y or z",
+                    hint="for any other direction use `turned 20deg about y`, or `connect` with frames",
                 )
             step = along(direction)
         elif all(c is E.ZERO for c in direction):
-            raise env.context.error(
-                "bad-axis", placement.direction.span, "an axis has a length: [0, 0, 0] points nowhere"
-            )
+            raise env.context.error("bad-axis", placement.direction.span, "an axis must not be [0, 0, 0]")
         else:
             step = rotation_about(normalized(direction), ev.scalar(placement.angle))
         made = product(step, made)

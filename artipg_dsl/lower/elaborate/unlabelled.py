@@ -26,7 +26,7 @@ def warn_unlabelled(lowering: Lowering, category: Span) -> None:
             "missing-label",
             category,
             f"no part of `{program.name}` has a semantic label",
-            hint="`label semantic.body on body` gives one to a part; `use vocabularies { semantic }` brings the words",
+            hint="write `label semantic.body on body`, and `use vocabularies { semantic }` for the words",
         )
         return
     known = {part.path: part for part in lowering.context.parts}
@@ -52,9 +52,9 @@ def _message(several: list[Bare], sites: list[Site]) -> str:
     named = ", ".join(told[:_NAMED]) + (f" and {len(told) - _NAMED} more" if len(told) > _NAMED else "")
     verb = "have" if len(told) > 1 else "has"
     if all(b.partly for b in several):
-        return f"{named} {verb} a semantic label under conditions only, which need not hold"
+        return f"{named} {verb} a semantic label only under conditions, which need not hold"
     return f"{named} {verb} no semantic label"
 
 
 def _hint(part: Part) -> str:
-    return f"`label semantic.WORD on {part.name}` covers all of it where no deeper label does; what has none is of class 0, `unlabelled`"
+    return f"`label semantic.WORD on {part.name}` covers all of it, except where a deeper label does; without one it has class 0, `unlabelled`"

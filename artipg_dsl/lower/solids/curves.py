@@ -55,7 +55,7 @@ class Curve(Function):
             "wrong-kind",
             self.value.span,
             f"this is {describe(value)}, not a point of the curve `{self.name}`",
-            hint="a curve in a plane gives [a, b], a path in space [x, y, z]",
+            hint="write [a, b] for a curve in a plane, [x, y, z] for a path in space",
         )
 
 
@@ -72,8 +72,8 @@ def offset(ev: Evaluator, node: ast.CallExpr, form: Form) -> Vec:
         raise ev.env.context.error(
             "wrong-kind",
             call.span,
-            "`offset` takes a curve at a value of its parameter",
-            hint="write offset(skin(v), -2mm)",
+            "`offset` needs a curve at a value of its parameter",
+            hint="for example `offset(skin(v), -2mm)`",
         )
     point = curve.point()
     if len(point) != 2:

@@ -55,8 +55,8 @@ def holed(env: Env, probe: Probe, solid: ast.SolidDecl, chains: list[list[Span]]
             raise env.context.error(
                 "broken-chain",
                 argument.span,
-                "this chain does not end where it begins",
-                hint="an outline with holes is closed, and so is every hole",
+                "this outline is not closed",
+                hint="an outline with holes, and each hole, must end where it begins",
             )
     loops = [(tuple(map(Side, chain)), number > 0) for number, chain in enumerate(chains)]
     for bend in BENDS:
@@ -67,7 +67,7 @@ def holed(env: Env, probe: Probe, solid: ast.SolidDecl, chains: list[list[Span]]
         "bad-curve",
         solid.span,
         "the region between this outline and its holes cannot be filled at all test values",
-        hint="holes lie within the outline and apart from one another: add a `require`, or narrow the ranges after `test`",
+        hint="holes must lie within the outline and apart from one another: add a `require`, or narrow the ranges after `test`",
     )
 
 

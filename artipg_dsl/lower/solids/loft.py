@@ -52,7 +52,7 @@ def loft(env: Env, solid: ast.SolidDecl) -> Made:
         raise env.context.error(
             "wrong-arguments",
             solid.span,
-            "`loft` takes two sections or more",
+            "`loft` needs at least two sections",
             hint="loft(base, top) along z from 0 to h",
         )
     probe = Probe(env, solid.span)
@@ -66,11 +66,13 @@ def loft(env: Env, solid: ast.SolidDecl) -> Made:
                 "broken-chain",
                 argument.span,
                 f"the first section has {len(sections[0])} curves, this one {len(section)}",
-                hint="sections have as many curves each, in the same order: each runs to its partner",
+                hint="all sections need the same number of curves, in the same order: each curve is joined to its partner",
             )
         ends = zip(section, [*section[1:], section[0]], strict=True)
         if not all(probe.same(a.end, b.start) for a, b in ends):
-            raise env.context.error("broken-chain", argument.span, "a section is a closed curve, but this one is open")
+            raise env.context.error(
+                "broken-chain", argument.span, "a section must be a closed curve, but this one is open"
+            )
     if isinstance(path, Curve | Handed):
         if len(sections) != 2:
             raise env.context.error("wrong-arguments", solid.span, "along a path `loft` takes two sections")
@@ -78,8 +80,8 @@ def loft(env: Env, solid: ast.SolidDecl) -> Made:
             raise env.context.error(
                 "wrong-arguments",
                 flowing.span,
-                "`smooth` has no meaning along a path: its two sections have none between them",
-                hint="leave `smooth` out",
+                "`smooth` has no effect along a path: there is no section between its two",
+                hint="drop `smooth`",
             )
         return along_path(env, probe, solid, path, [sections[0]], [sections[1]])
     axis = axis_of(env, solid, solid.along)
@@ -88,8 +90,8 @@ def loft(env: Env, solid: ast.SolidDecl) -> Made:
         raise env.context.error(
             "wrong-arguments",
             flowing.span,
-            "`smooth` needs a third section: between two of them there is no kink",
-            hint="add a section, or leave `smooth` out",
+            "`smooth` needs at least three sections: between two there is no kink",
+            hint="add a section, or drop `smooth`",
         )
     ways = [None] * (len(sections) - 1) if flowing is None else courses(probe, sections, levels)
     bays = []
@@ -102,7 +104,9 @@ def loft(env: Env, solid: ast.SolidDecl) -> Made:
     low, high = (
         at_level(axis, (extreme(probe, spans, 0, s), extreme(probe, spans, 1, s)), levels[-(s > 0)]) for s in (-1, 1)
     )
-    rises = tuple(Demand(a, b, "the sections do not rise") for a, b in zip(levels, levels[1:], strict=False))
+    rises = tuple(
+        Demand(a, b, "the levels of the sections must rise") for a, b in zip(levels, levels[1:], strict=False)
+    )
     return made_of(env, probe, solid, bays, low, high, {}, rises)
 
 
@@ -264,7 +268,9 @@ def made_of(
         seen = probe if bay.even else probe.spread(str(BLEND.value), BLENDS)
         loops, fill = outline(env, seen, solid, chains)
         if any(side.span.closing for loop, _ in loops for side in loop):
-            raise env.context.error("broken-chain", solid.span, "a section is a closed curve, but this one is open")
+            raise env.context.error(
+                "broken-chain", solid.span, "a section must be a closed curve, but this one is open"
+            )
         for chain in chains:
             for span in chain:
                 across = swapped(span.position, {V: U, BLEND: V})

@@ -100,7 +100,7 @@ def lathe_pieces(
             "broken-chain",
             solid.span,
             f"the outer chain has {len(chains[0])} curves, the inner one {len(chains[1])}",
-            hint="the chains of a hollow solid have as many curves each: the wall lies between one and its partner",
+            hint="both chains of a hollow solid need the same number of curves: each wall lies between a curve and its partner",
         )
     pieces = []
     for number, quad in enumerate(strip(probe, chains[0], chains[1], sign)):
@@ -154,8 +154,8 @@ def slices(env: Env, probe: Probe, solid: ast.SolidDecl, chain: list[Span], sign
             raise env.context.error(
                 "bad-curve",
                 solid.span,
-                f"the height turns back along `{span.name}`: it has no simple pieces",
-                hint="let the height rise all the way, or make the solid of several primitives",
+                f"the height turns back along `{span.name}`, so the solid has no simple convex pieces",
+                hint="let the height rise all the way, or split the solid into several primitives",
             )
         way = rise
         count = equal_steps(probe, span, math.radians(25.0), MOST)
@@ -204,7 +204,7 @@ def check_radius(env: Env, probe: Probe, solid: ast.SolidDecl, span: Span) -> No
             "bad-curve",
             solid.span,
             f"the curve `{span.name}` reaches a radius below 0 at some of the test values",
-            hint="profile curves of `lathe` give [radius, height] with radius >= 0",
+            hint="a profile curve of `lathe` gives [radius, height] with radius >= 0",
         )
 
 
@@ -218,7 +218,7 @@ def extrude(env: Env, solid: ast.SolidDecl) -> Made:
     start, end = ast.value_of(solid.from_), ast.value_of(solid.to)
     if start is None or end is None:
         raise env.context.error(
-            "wrong-arguments", solid.span, "`extrude` needs both its ends", hint="extrude(edge) along z from 0 to thick"
+            "wrong-arguments", solid.span, "`extrude` needs both ends", hint="extrude(edge) along z from 0 to thick"
         )
     low, high = (Evaluator(env).scalar(node) for node in (start, end))
     chains = chains_of(env, probe, solid, most=len(solid.arguments))

@@ -80,8 +80,8 @@ def steps_of(curve: Curve) -> tuple[Step, ...]:
             raise curve.env.context.error(
                 "bad-curve",
                 curve.value.span,
-                f"the curve `{curve.name}` lies in a plane; a path lies in space",
-                hint="give [x, y, z], or from(point, direction) line(length) ...",
+                f"the curve `{curve.name}` lies in a plane; a path must lie in space",
+                hint="write [x, y, z], or from(point, direction) line(length) ...",
             )
         v = E.add(low, E.mul(V, E.sub(high, low)))
         return (Step("formula", tuple(E.substitute(c, {V: v}) for c in point)),)

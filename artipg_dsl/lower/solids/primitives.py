@@ -118,7 +118,7 @@ class Lowered:
                 curves = [v for v in instance.values.values() if isinstance(v, Curve)]
                 place = curves[0].statement.name_span if curves else part.span
                 name = f"`{curves[0].name}`" if curves else "the path"
-                message = f"{name} bends more tightly than what goes along it is wide"
+                message = f"{name} bends more tightly than its section allows"
                 context.bends[len(program.requirements)] = Bend(name, place, part.path, part.span, *bend)
             context.stated[len(program.requirements)] = place, False
             program.requirements.append(
@@ -142,7 +142,7 @@ def lower_primitive(context: Context, symbol: Symbol, values: dict[str, Value] |
             for name, span in zip(statement.names, statement.name_spans, strict=True):
                 curve = (values or {}).get(name)
                 if not isinstance(curve, Curve):
-                    raise context.error("wrong-kind", span, f"`{name}` of `{symbol.name}` is no path")
+                    raise context.error("wrong-kind", span, f"`{name}` of `{symbol.name}` is not a path")
                 paths[name] = handed(curve, name)
     key = (symbol, *(path.key for path in paths.values())) if paths else symbol
     tested: dict[str, Interval] = {}
@@ -199,7 +199,7 @@ def beyond_tests(
 def blame(paths: tuple[Handed, ...], primitive: str) -> tuple[Span, str]:
     """Where the curves are written that give a primitive its shape, and the beginning of a message about them."""
     names = " and ".join(f"`{path.curve.name}`" for path in paths)
-    verb = "is no path" if len(paths) == 1 else "are no paths"
+    verb = "is not a valid path" if len(paths) == 1 else "are not valid paths"
     return paths[0].curve.statement.name_span, f"{names} {verb} for `{primitive}`"
 
 
@@ -398,8 +398,8 @@ def copies(env: Env, number: Expr, node: ast.Expr, limits: dict[Expr, Interval])
         raise env.context.error(
             "open-count",
             node.span,
-            f"how many copies of this surface there are at most is not known, or above {MOST_COPIES}",
-            hint="a count with a domain tells: param sides : count in 3 .. 12",
+            f"the number of copies of this surface has no known limit, or one above {MOST_COPIES}",
+            hint="use a count with a range: `param sides : count in 3 .. 12`",
         )
     return int(most + 1e-9), E.call("lt", E.var("i"), number)
 

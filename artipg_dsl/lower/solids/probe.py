@@ -46,7 +46,7 @@ class Probe:
             raise env.context.error(
                 "impossible",
                 span,
-                "no value of the test ranges meets the requirements of this primitive",
+                "no values in the test ranges meet the requirements of this primitive",
                 hint="widen the ranges after `test`",
             )
         self.values = {name: value[kept] for name, value in self.values.items()}

@@ -137,15 +137,15 @@ def check_directions(env: Env, probe: Probe, solid: ast.SolidDecl, rails: list[S
             "bad-curve",
             solid.span,
             "the path has no place or no direction somewhere, at some of the test values",
-            hint="it goes on everywhere: narrow the ranges it is made of",
+            hint="a path must be continuous everywhere: narrow the ranges of its formula",
         )
     turns = max(windows(probe, rail) for rail in rails)
     if turns > MOST_TURNS:
         raise env.context.error(
             "bad-curve",
             solid.span,
-            f"the path makes {turns} turns at some of the test values; {MOST_TURNS} are the most that a solid goes along",
-            hint="make it of fewer turns, and repeat the part: `repeat coil[k] ...`",
+            f"the path makes {turns} turns at some of the test values; a solid can follow at most {MOST_TURNS}",
+            hint="use fewer turns, and repeat the part: `repeat coil[k] ...`",
         )
 
 

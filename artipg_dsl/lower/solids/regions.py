@@ -30,7 +30,7 @@ def chains_of(env: Env, probe: Probe, solid: ast.SolidDecl, most: int = 2) -> li
                     "broken-chain",
                     argument.span,
                     f"`{b.name}` does not begin where `{a.name}` ends",
-                    hint="the curves of a chain meet end to end, for every test value",
+                    hint="the curves of a chain must meet end to end, for every test value",
                 )
     return chains
 
@@ -84,9 +84,9 @@ def outline(
             raise env.context.error(
                 "bad-curve",
                 solid.span,
-                "the region within this outline cannot be filled: it is curved and winds, or crosses itself",
-                hint="an outline is straight from corner to corner, or seen whole from one of its corners or its middle; "
-                "otherwise make the solid of several primitives",
+                "the region within this outline cannot be filled: it is curved and winding, or crosses itself",
+                hint="use straight lines between corners, or an outline that is visible as a whole from one of its corners or "
+                "its middle; or split the solid into several primitives",
             )
         return [(tuple(sides), False)], filled
     inner = chains[1]
@@ -94,8 +94,8 @@ def outline(
         raise env.context.error(
             "broken-chain",
             solid.span,
-            "the two chains do not fit",
-            hint="both are closed or both are open, and they have as many curves each",
+            "the two chains do not match",
+            hint="both must be closed or both open, with the same number of curves",
         )
     strips = [(a, matched(a, b)) for a, b in zip(outer, inner, strict=True)]
     if closed[0]:

@@ -34,8 +34,8 @@ def judge(context: Context, hollow: list[tuple[Scope, tuple[int, ...]]], own: st
             context.report.warning(
                 "always-true",
                 span,
-                "this requirement always holds: the ranges leave no way to break it",
-                hint="drop it, or correct what it compares",
+                "this requirement always holds: no values in the ranges can break it",
+                hint="drop it, or correct the comparison",
             )
 
 
@@ -52,13 +52,13 @@ def tell(context: Context, conflict: Conflict) -> None:
     span: Span | None
     if bend is not None and tight is not None:
         span = bend.place
-        chain.insert(0, (bend.span, "what goes along it"))
+        chain.insert(0, (bend.span, "the section along it"))
         message = tight
     elif conflict.draw is not None:
         draw = program.draws[conflict.draw]
         own = context.spans.get(draw.column)
         message = (
-            f"`{draw.column.name}` has no room: it would have to be at least {plain(conflict.low, draw.unit)} "
+            f"`{draw.column.name}` has no legal value: it would have to be at least {plain(conflict.low, draw.unit)} "
             f"and at most {plain(conflict.high, draw.unit)}"
         )
         if own is not None and spans:
@@ -66,19 +66,15 @@ def tell(context: Context, conflict: Conflict) -> None:
         span = spans[0] if spans else own
     else:
         message = "this requirement can never hold: " + (
-            "others contradict it" if len(spans) > 1 else "the ranges leave no way to keep it"
+            "others contradict it" if len(spans) > 1 else "no values in the ranges can satisfy it"
         )
         span = spans[0] if spans else None
         said = program.requirements[conflict.reasons[0]].message if len(conflict.reasons) == 1 else ""
         if span is not None and said not in ("", text_of(span)):
-            message = f"{said}, whatever is drawn"
+            message = f"{said}, for every draw"
     if span is None:
         return  # what a primitive requires of its parameters is told where it is used
-    hint = (
-        "widen a range, or correct the requirement"
-        if tight is None
-        else "bend it less, or let something thinner go along it"
-    )
+    hint = "widen a range, or correct the requirement" if tight is None else "bend it less, or use a thinner section"
     if conflict.certain:
         context.report.error("impossible", span, message, hint=hint, notes=tuple(chain))
     else:

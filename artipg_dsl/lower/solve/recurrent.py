@@ -71,6 +71,6 @@ def refused(context: Context, column: Column) -> Exception:
     return context.error(
         "recurrence",
         context.spans[column],
-        f"`{column.name}` needs itself in the element before in a way that is no sum",
-        hint="write it as previous.x plus something, or by the element's rank",
+        f"`{column.name}` depends on itself in the element before in a way that is not a sum",
+        hint="write it as `previous.x` plus something, or in terms of the element's index",
     )

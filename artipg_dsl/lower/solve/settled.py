@@ -38,7 +38,7 @@ def default(
     else:
         notes = tuple((q.span, f"this names it, but determines {what}") for q, what in near[:3] if what)
         if fresh:
-            notes = tuple((q.span, "determines it, but under a guard only") for q, _ in near[:3])
+            notes = tuple((q.span, "determines it, but only under a guard") for q, _ in near[:3])
         message = f"nothing determines {degree(unknown)}{guard if fresh else ''}"
         context.error("under-determined", unknown.span, message, hint=remedy(unknown), notes=notes)
         value, reason = E.const(0.1), ""
@@ -58,15 +58,15 @@ def remedy(unknown: Unknown) -> str:
     name = unknown.name.strip("`")
     owner, _, axis = name.rpartition(".size.")
     if unknown.kind == "derived":
-        return f"state an equation that it follows from (`align ... = {name}`), or drop `derived` and give it a range"
+        return f"state an equation that determines it (`align ... = {name}`), or drop `derived` and give it a range"
     if owner:
         low, high = {"x": ("back", "front"), "y": ("right", "left"), "z": ("bottom", "top")}[axis]
         return (
-            f"say where its faces lie (`align {owner}.{high} = ...`, `align {owner}.{low} = ...`, or `fit {high}, {low}`),"
+            f"place its faces (`align {owner}.{high} = ...`, `align {owner}.{low} = ...`, or `fit {high}, {low}`),"
             " or give the size as an argument"
         )
     parameter = name.rpartition(".")[2]
-    return f"give it as an argument (`{parameter} = ...`), state an equation that names it, or give it a range (`in a .. b`)"
+    return f"pass it as an argument (`{parameter} = ...`), state an equation that names it, or give it a range (`in a .. b`)"
 
 
 def drawn(env: Env, unknown: Unknown, draw: Draw, fresh: bool) -> Expr:

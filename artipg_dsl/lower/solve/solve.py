@@ -76,8 +76,8 @@ def circular(env: Env, columns: list[Column]) -> None:
     env.context.error(
         "circular-definition",
         spans[0][0] if spans else env.symbol.decl.name_span,  # type: ignore[union-attr]
-        f"{names[0]} needs itself" + (f", by way of {' and '.join(names[1:])}" if names[1:] else ""),
-        hint="give one of these as an argument, or state an equation with something that stands",
+        f"{names[0]} depends on itself" + (f", by way of {' and '.join(names[1:])}" if names[1:] else ""),
+        hint="pass one of these as an argument, or state an equation with something already determined",
         notes=tuple(spans[1:]),
     )
 
@@ -203,8 +203,8 @@ def cases(block: Block) -> Iterator[tuple[Expr, list[int], dict[Column, bool]]]:
         raise context.error(
             "too-many-cases",
             block.equations[-1].span,
-            "the guards of these equations can be combined in too many ways",
-            hint="move what they place into a template, or under one `when`",
+            "the guards of these equations combine in too many ways",
+            hint="move what they place into a template, or inside one `when`",
             notes=tuple((q.span, "one of the equations") for q in block.equations[:3]),
         ) from None
     for truth in found:
@@ -267,12 +267,12 @@ def ties(env: Env, unknowns: list[Unknown], equations: list[Equation], matching:
                 raise env.context.error(
                     "tie",
                     last,
-                    f"this could determine {unknowns[other].name} or {unknown.name}{guard}: nothing says which of them yields",
-                    hint=f"give one of the two as an argument (`{argument} = ...`), such as a parameter of this scope; declared"
-                    " `derived` it still follows from the equations",
+                    f"this could determine {unknowns[other].name} or {unknown.name}{guard}: nothing says which",
+                    hint=f"pass one of the two as an argument (`{argument} = ...`), such as a parameter of this scope; if it is"
+                    " declared `derived`, it still follows from the equations",
                     notes=(
-                        (unknowns[other].span, f"{unknowns[other].name} is drawn if it need not yield"),
-                        (unknown.span, f"so is {unknown.name}"),
+                        (unknowns[other].span, f"{unknowns[other].name} is drawn unless it is determined"),
+                        (unknown.span, f"and and so is {unknown.name}"),
                         *((s, "together with this") for s in spans if s is not last),
                     ),
                 )
@@ -319,7 +319,9 @@ def surplus(
                 equation.span,
                 f"this equation follows from the others{guard}",
                 notes=notes,
-                hint="it can go: what is shown determines the same" if notes else "it can go",
+                hint="it can be dropped: the equations shown already determine the same"
+                if notes
+                else "it can be dropped",
                 trace=tuple(env.context.trace),
             )
             continue
@@ -328,8 +330,8 @@ def surplus(
             raise env.context.error(
                 "contradictory",
                 equation.span,
-                f"this equation contradicts the others{guard}: its sides always differ by {amount(rest.constant, length)}",
-                hint="drop or correct one of them; `gap` counts outwards from the face that it follows",
+                f"this equation contradicts the others{guard}: its two sides always differ by {amount(rest.constant, length)}",
+                hint="drop or correct one of them; `gap` is measured outwards from the face before it",
                 notes=notes,
             )
         named = " and ".join(unknowns[u].name for u in users[:3])
@@ -338,8 +340,12 @@ def surplus(
         hint = "drop one of these equations, or leave a size open (`_`, or no argument) that it may determine"
         if drawn:
             hint = f"drop one of these equations, or let `{drawn[0]}` follow from them by declaring it `derived`"
-        said = f"{named} {'are' if len(users) > 1 else 'is'} determined already" if users else "it names nothing open"
-        message = f"this is one equation too many{guard}: {said}"
+        said = (
+            f"{named} {'are' if len(users) > 1 else 'is'} already determined"
+            if users
+            else "everything that it names is already fixed"
+        )
+        message = f"this equation is one too many{guard}: {said}"
         raise env.context.error("over-determined", equation.span, message, hint=hint, notes=notes)
 
 

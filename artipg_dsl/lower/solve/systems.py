@@ -71,22 +71,22 @@ def unsolved(env: Env, unknowns: list[Unknown], equations: list[Equation], forms
     linear = [form for form in forms if form is not None]
     left_over = None if len(linear) < len(forms) else remainder(linear, [u.column for u in unknowns])
     if left_over is E.ZERO:
-        message = f"these equations say the same of {listed}: one more is needed"
-        hint = "state where another face lies in place of one of them, or give a size as an argument"
+        message = f"these equations are equivalent for {listed}: one more is needed"
+        hint = "replace one of them by an equation for another face, or pass a size as an argument"
     elif left_over is not None and left_over.constant is not None:
         raise env.context.error(
             "contradictory",
             equations[-1].span,
-            f"this equation contradicts the others: its sides always differ by {abs(float(left_over.constant)) * 1000:.6g}mm",
+            f"this equation contradicts the others: its two sides always differ by {abs(float(left_over.constant)) * 1000:.6g}mm",
             hint="drop or correct one of them",
             notes=tuple((q.span, "the other") for q in equations[:-1]),
         )
     elif len(linear) == len(forms):
-        message = f"these equations place {listed} against one another only: nothing ties them to the rest"
-        hint = "let one of them follow from something that stands already, such as a face of the root"
+        message = f"these equations only place {listed} relative to one another: nothing ties them to the rest"
+        hint = "relate one of them to something already placed, such as a face of the root"
     else:
         message = f"this cannot be solved for {listed}"
-        hint = "state the equation so that the unknown stands alone on one side, or give it as an argument"
+        hint = "write the equation with the unknown alone on one side, or pass it as an argument"
     notes = tuple((q.span, "together with this") for q in equations[1:])
     return env.context.error("not-solvable", equations[0].span, message, hint=hint, notes=notes)
 
