@@ -96,9 +96,7 @@ class Solids:
             left = np.ones(len(first), dtype=bool)
             left[best] = False
             first, second, shared = first[left], second[left], shared[left]
-        return self.told(
-            loose(self.tree.batch, self.link, group), "`{}` touches nothing else of its link"
-        )
+        return self.told(loose(self.tree.batch, self.link, group), "`{}` touches nothing else of its link")
 
     def _touch(self, first: np.ndarray, second: np.ndarray, margin: np.ndarray) -> np.ndarray:
         """Indices of the pairs of primitives that touch."""

@@ -182,8 +182,8 @@ def at_point(
     own = ev.value(subject)
     origin = own.origin if isinstance(own, Frame) else middle_of(ev.box(subject))
     normal = sole_axis(own.out) if isinstance(own, Frame) else None
-    for place in places:
-        name, node = place.name, place.value
+    for argument in places:
+        name, node = argument.name, argument.value
         if name in AXES:
             k = AXES.index(name)
             ev.env.equations.append(Equation(origin[k], ev.scalar(node), node.span, f"at {name}"))
