@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from ...graph import expr as E
 from ...graph.expr import Scope, ScopeError
+from ...graph.primitive import Triple
 from ...semantics.meanings import Base, Word
 from ...source import Span
 from ...syntax import ast
@@ -16,7 +17,7 @@ from ..expressions.evaluate import Evaluator
 from ..expressions.members import At, in_element
 from ..values.faces import FACES, squared
 from ..values.kinds import Box, Frame, Plane, Ref, Value, Vec, carriers_of
-from ..values.vectors import AXES, Triple, place, sole_axis
+from ..values.vectors import AXES, place, sole_axis
 from .place import begins
 
 if TYPE_CHECKING:
@@ -190,7 +191,10 @@ def at_point(
         else:
             middle = isinstance(ev.env.context.meaning(node), Word)
             boxed = middle and isinstance(target, Box)
-            other = ev.vector(node) if not middle else target.origin if not boxed else middle_of(target)
+            if middle and isinstance(target, Box):
+                other = middle_of(target)
+            else:
+                other = target.origin if middle and isinstance(target, Frame) else ev.vector(node)
             for k in range(3):
                 if k != normal and not (boxed and k in fitted):
                     ev.env.equations.append(Equation(origin[k], other[k], node.span, f"at {AXES[k]}"))
