@@ -11,7 +11,7 @@ from .apart import too_near
 from .bodies import Pieces, gather
 from .floating import Solids, inverted
 from .formulas import unsaid
-from .mass import weightless
+from .mass import crossed, weightless
 from .stance import falling
 from .tree import Tree
 from .validate import Collisions, collisions
@@ -53,6 +53,7 @@ def faults(batch: Batch, soon: bool = False) -> Faults:
             *solids.unheld(),
             *inverted(tree),
             *weightless(batch),
+            *crossed(batch),
             *unsaid(batch),
             *too_near(tree, body),
         )

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 
 INVERTED = 1e-6  # of the box: more than rounding
+ROUNDING = 1e-9  # of the moments of a primitive
 LEAST = 1e-9  # kg: what weighs less is no body
 
 
@@ -65,6 +66,47 @@ def weightless(batch: Batch) -> list[tuple[str, np.ndarray]]:
         words = f"the link `{path}` has no mass of its own: denser parts fill all of it"
         wrong.setdefault(words, []).append(int(links.owner[row]))
     return [(words, np.unique(objects)) for words, objects in wrong.items()]
+
+
+def crossed(batch: Batch) -> list[tuple[str, np.ndarray]]:
+    """Primitives whose surfaces cross, so that no body has their moments, in words, and the objects that have them.
+
+    Within the ranges that a primitive is tested for it is sound; those beyond them are asked one by one, and all of a
+    program that anyone may have edited.
+    """
+    found = []
+    for table in batch.sites():
+        rows = np.arange(len(table)) if batch.program.foreign else np.flatnonzero(_untested(table))
+        if not len(rows):
+            continue
+        inertia = volume_inertia(table.primitive, {name: values[rows] for name, values in table.params.items()})[2]
+        trace = np.trace(inertia, axis1=1, axis2=2)
+        second = trace[:, None, None] / 2 * np.eye(3) - inertia  # of a body: no less than none along any direction
+        wrong = rows[~(_definite(inertia, 0.0) & _definite(second, ROUNDING * trace))]
+        if len(wrong):
+            path = batch.program.parts[batch.program.sites[table.number].part].path
+            found.append((f"the surfaces of `{path}` cross one another", np.unique(table.owner[wrong])))
+    return found
+
+
+def _untested(table: SiteTable) -> np.ndarray:
+    """Which rows (k,) have a parameter outside the range that the primitive is tested for."""
+    beyond = np.zeros(len(table), dtype=bool)
+    for name, (low, high) in zip(table.primitive.parameters, table.primitive.test, strict=True):
+        beyond |= (table.params[name] < low) | (table.params[name] > high)
+    return beyond
+
+
+def _definite(matrix: np.ndarray, slack: np.ndarray | float) -> np.ndarray:
+    """Which symmetric matrices (k, 3, 3), plus ``slack`` times one, are positive definite, by their minors."""
+    m = matrix + np.multiply.outer(np.broadcast_to(slack, len(matrix)), np.eye(3))
+    plane = m[:, 0, 0] * m[:, 1, 1] - m[:, 0, 1] ** 2
+    by_last = (
+        m[:, 0, 2] * (m[:, 0, 1] * m[:, 1, 2] - m[:, 1, 1] * m[:, 0, 2])
+        - m[:, 1, 2] * (m[:, 0, 0] * m[:, 1, 2] - m[:, 0, 1] * m[:, 0, 2])
+        + m[:, 2, 2] * plane
+    )
+    return (m[:, 0, 0] > 0) & (plane > 0) & (by_last > 0)
 
 
 def welded(batch: Batch, start: np.ndarray) -> np.ndarray:

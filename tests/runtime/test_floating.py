@@ -13,6 +13,7 @@ from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.sampling.statistics import Exhausted, Statistics
 from artipg_dsl.session import Session
 from artipg_dsl.validity.faults import faults
+from artipg_dsl.validity.mass import crossed
 
 HEAD = "apg 1\nuse primitives { Cuboid, Cylinder, RoundedCuboid }\ncategory Case {\n"
 BODY = "root part body : Cuboid(size = [20cm, 20cm, 20cm])\n"
@@ -210,3 +211,24 @@ def test_a_link_that_others_fill_weighs_nothing_and_is_drawn_again() -> None:
     assert all(not found.others for found in [faults(made)])
     alone = [sampler.batch(np.array([k]), 0, checked=True).state.attempt[0] for k in range(12)]
     assert alone == made.state.attempt.tolist()
+
+
+WASHER = """apg 1
+primitive Washer {
+  param side, bore : length > 0  test 1cm .. 2cm
+  solid = extrude(rectangle(side, side), rectangle(bore / 4, bore / 2)) along z from 0 to 1mm
+}
+category Ring {
+  root part ring : Washer(side = 1.6cm, bore = BORE)
+}
+"""
+
+
+@pytest.mark.parametrize(
+    ("bore", "wrong"), [("2cm", []), ("3cm", []), ("4cm", ["the surfaces of `ring` cross one another"])]
+)
+def test_a_hole_that_is_larger_than_what_it_is_in(bore: str, wrong: list[str]) -> None:
+    """Beyond the range that a primitive is tested for, each of its solids is asked whether a body can have its moments."""
+    batch = Session.of_text(WASHER.replace("BORE", bore)).sampler.batch(np.arange(1), 0)
+    assert [words for words, _ in crossed(batch)] == wrong
+    assert [fault.words for fault in faults(batch).others] == wrong
