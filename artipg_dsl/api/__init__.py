@@ -1,7 +1,9 @@
 """The Python interface: ``apg.sample("Microwave", n=1000, seed=7)`` gives objects as arrays, meshes and files.
 
-samples     objects as tables, points, views, meshes; one object
-files       what is written of objects: data sets, robots, pictures
+In: names, numbers and arrays. Out: objects, and files of them. Begin with ``sample`` below.
+
+    samples     objects as tables, points, views, meshes; one object
+    files       what is written of objects: data sets, robots, pictures
 """
 
 from __future__ import annotations
