@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from math import pi
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from fractions import Fraction
 
 
 class Dimension(NamedTuple):
     """Exponents of the four base dimensions."""
 
-    length: int = 0
-    angle: int = 0
-    mass: int = 0
-    time: int = 0
+    length: int | Fraction = 0
+    angle: int | Fraction = 0
+    mass: int | Fraction = 0
+    time: int | Fraction = 0
 
 
 _NONE = Dimension()

@@ -13,7 +13,7 @@ from functools import lru_cache
 import numpy as np
 
 from ..graph.expr import Expr, call
-from ..graph.primitive import Primitive
+from ..graph.primitive import Primitive, Triple
 from .patches import Params, Split, existing, grid, surfaces
 from .topology import shown, turns
 
@@ -32,7 +32,7 @@ def element_split(primitive: Primitive, patch: int) -> Split:
     return Split(primitive, (norm(surfaces(primitive)[patch].cross),))
 
 
-def norm(vector: tuple[Expr, Expr, Expr]) -> Expr:
+def norm(vector: Triple) -> Expr:
     """The length of a vector."""
     x, y, z = vector
     return call("sqrt", x * x + y * y + z * z)

@@ -429,7 +429,8 @@ def rebuild(node: Expr, args: tuple[Expr, ...]) -> Expr:
     """A node of the same operation on other arguments."""
     if node.op == "phi":
         scopes: tuple[Scope, ...] = node.value
-        return phi(node.scope, zip(scopes, args[:-1], strict=True), args[-1])  # type: ignore[arg-type]
+        assert node.scope is not None
+        return phi(node.scope, zip(scopes, args[:-1], strict=True), args[-1])
     if node.op in CROSSING:
         return _make(node.op, args, node.value, node.scope)
     if node.op in ("solve", "root"):

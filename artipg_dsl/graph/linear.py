@@ -120,11 +120,12 @@ class Linear:
         if node.op == "where" and not self.reads(node.args[0]):
             return self.branches(node.args[1:], lambda values: E.where(node.args[0], *values))
         if node.op == "phi":
-            scopes = node.value
+            scopes, parent = node.value, node.scope
+            assert parent is not None
             return self.branches(
                 node.args,
-                lambda values: E.phi(node.scope, zip(scopes, values[:-1], strict=True), values[-1]),  # type: ignore[arg-type]
-                parent=node.scope,
+                lambda values: E.phi(parent, zip(scopes, values[:-1], strict=True), values[-1]),
+                parent=parent,
             )
         return {node: ONE}, ZERO
 
@@ -150,11 +151,12 @@ class Linear:
             values = [f[0].get(name, ZERO) for f in forms]
             shared = {f[0].get(name, ZERO) for f in real}
             single = shared.pop() if len(shared) == 1 else None
-            alike = single is not None and (parent is None or parent.within(single.scope))
-            if not alike and self.whole and self.undefined(name):
+            if single is not None and (parent is None or parent.within(single.scope)):
+                coefficients[name] = single
+            elif self.whole and self.undefined(name):
                 forms = [inside(form, name) for form in forms]
-                continue
-            coefficients[name] = single if alike else make(values)  # type: ignore[assignment]
+            else:
+                coefficients[name] = make(values)
         return coefficients, make([f[1] for f in forms])
 
 

@@ -58,7 +58,7 @@ def power(a: Dimension, exponent: Fraction) -> Dimension:
     """The dimension of a power."""
     scaled = (Fraction(x) * exponent for x in a)
     # the root of a length has a broken exponent: it may stand in a formula on its way to a whole one
-    return Dimension(*(int(x) if x.denominator == 1 else x for x in scaled))  # type: ignore[arg-type]
+    return Dimension(*(int(x) if x.denominator == 1 else x for x in scaled))
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ from ...syntax import ast
 from ..expressions.context import Abort
 from ..expressions.env import Env, Function, Hinge, Thunk, names_of
 from ..expressions.evaluate import Evaluator
-from ..expressions.ports import PortArray
+from ..expressions.ports import Binding, PortArray
 from ..solids.curves import Curve
 from ..solve.solve import settle
 from ..values.kinds import Box, Ref, Value, reference
@@ -161,7 +161,7 @@ def register_port(env: Env, statement: ast.PortDecl) -> None:
         return
     array = env.root.names.setdefault(statement.name, PortArray(statement.name, {}))
     assert isinstance(array, PortArray)
-    array.pending.append((env, statement))
+    array.pending.append(Binding(env, statement.index, value))
     array.size = array.size or port_count(env, statement.name)
 
 

@@ -173,9 +173,11 @@ def open_parameter(
         return draw_scalar(local, declaration, f"{part.path}.{name}")
     if kind.size is None:
         return open_scalar(part, local, declaration, name, span, None)
-    holes = argument.value.items if argument is not None else (None,) * kind.size  # type: ignore[attr-defined]
+    stated: tuple[ast.Expr | None, ...] = (None,) * kind.size
+    if argument is not None and isinstance(argument.value, ast.VectorExpr):
+        stated = argument.value.items
     items = []
-    for k, item in enumerate(holes):
+    for k, item in enumerate(stated):
         if item is not None and not isinstance(item, ast.HoleExpr):
             items.append(Evaluator(part.env).scalar(item))
         else:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Hashable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -12,7 +12,7 @@ from ...errors import InternalError
 from ...graph import expr as E
 from ...graph.expr import Column, Expr, Scope, ScopeError
 from ...graph.interval import Interval
-from ...graph.program import Draw, Program, Where
+from ...graph.program import Draw, Label, Program, Where
 from ...language import Form
 from ...semantics.meanings import BuiltIn, Global, Meaning
 from ...semantics.symbols import Symbol
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from ...semantics.check import TypedProgram
     from ..elaborate.part import Part
     from ..elaborate.ranges import Quantity
+    from ..solids.primitives import Lowered
     from ..values.kinds import Value
     from .env import Env
     from .evaluate import Evaluator
@@ -139,9 +140,11 @@ class Context:
     asked: list[Quantity] = field(default_factory=list)  # numbers with a legal range that no record keeps
     fetched: list[Fetched] = field(default_factory=list)  # elements of repeats that have to be there
     known: Expr = E.TRUE  # what holds where the expression that is being lowered counts
-    solids: dict[Any, Any] = field(default_factory=dict)  # primitive symbol -> Lowered
-    labels: list[Any] = field(default_factory=list)  # (depth of the target, Label)
-    materials: dict[Any, Any] = field(default_factory=dict)  # site -> [(depth, ((material, predicate), ...))]
+    solids: dict[Hashable, Lowered] = field(default_factory=dict)  # by their symbols and the shapes of their paths
+    labels: list[tuple[int, Label]] = field(default_factory=list)  # with the depths of their targets
+    materials: dict[int, list[tuple[int, tuple[tuple[str, Expr], ...]]]] = field(
+        default_factory=dict
+    )  # of sites, with the depths of the targets
     near: dict[Span, bool] = field(default_factory=dict)  # statements with `near` -> whether a search began there
     clearances: dict[int, Span] = field(
         default_factory=dict

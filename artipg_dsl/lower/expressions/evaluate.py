@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from ...graph import expr as E
 from ...graph.expr import Expr, ScopeError
+from ...graph.primitive import Triple
 from ...graph.program import Pose
 from ...semantics.meanings import Axis, Constant, Current, Declared, Global, Last, Local, Meaning, OwnBox, Previous
 from ...semantics.symbols import Symbol
@@ -62,7 +63,7 @@ class Evaluator:
             raise self.wrong(node.span, "a number", value)
         return value
 
-    def vector(self, node: ast.Expr) -> tuple[Expr, Expr, Expr]:
+    def vector(self, node: ast.Expr) -> Triple:
         """A point or direction as three scalars."""
         value = self.value(node)
         if isinstance(value, Frame):
@@ -71,7 +72,7 @@ class Evaluator:
             return value.items
         raise self.wrong(node.span, "a point or a vector of three", value)
 
-    def direction(self, node: ast.Expr) -> tuple[Expr, Expr, Expr]:
+    def direction(self, node: ast.Expr) -> Triple:
         value = self.value(node)
         if isinstance(value, Frame):
             return value.out

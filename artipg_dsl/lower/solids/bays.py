@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -16,9 +15,10 @@ from .curves import TURN
 from .frames import Frames, turning
 from .paths import Stretch, turned
 from .probe import Probe
-from .profiles import Point, Side, Span, V, between, equal_steps, extreme, orientation, right_of, straight
+from .profiles import Loop, Point, Side, Span, V, between, equal_steps, extreme, orientation, right_of, straight
 from .profiles import dot as flat_dot
 from .profiles import minus as flat_minus
+from .regions import Strips
 from .smooth import Course
 from .strips import parts
 
@@ -76,7 +76,7 @@ def swapped(point: Sequence[Expr], mapping: dict[Expr, Expr]) -> Point:
 # ---------------------------------------------------------------- pieces
 
 
-def polygons(probe: Probe, loops: list[Any], fill: list[Any], solid_section: bool) -> list[list[Point]]:
+def polygons(probe: Probe, loops: list[tuple[Loop, bool]], fill: Strips, solid_section: bool) -> list[list[Point]]:
     """Convex polygons that fill a section: one, or the steps of its strips."""
     if solid_section:
         corners = []

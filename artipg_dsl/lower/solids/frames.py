@@ -174,8 +174,8 @@ def inwards(rail: Stretch) -> list[Triple]:
 
 def bending(rail: Stretch) -> list[tuple[Triple, Triple]]:
     """Speed, and speed x change of speed, at several places of a formula's path."""
-    speed: Triple = tuple(derive(c, "v") for c in rail.place)  # type: ignore[assignment]
-    change: Triple = tuple(derive(c, "v") for c in speed)  # type: ignore[assignment]
+    speed = triple(derive(c, "v") for c in rail.place)
+    change = triple(derive(c, "v") for c in speed)
     steps = [k / PLACES for k in range(PLACES + 1)]
     return [(at(speed)(v), cross(at(speed)(v), at(change)(v))) for v in steps]
 

@@ -14,8 +14,6 @@ bear the names of the first section's curves; the ends are ``start`` and ``end``
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from ...graph import expr as E
@@ -24,6 +22,7 @@ from ...graph.primitive import Patch, Triple, pair, triple
 from ...syntax import ast
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
+from ..values.kinds import Value
 from ..values.vectors import dot, unit
 from .bays import BLEND, Bay, Chains, bay_pieces, polygons, sum_of, swapped
 from .curves import TURN, Curve, named_curve, spans_of
@@ -256,8 +255,8 @@ def made_of(
     bays: list[Bay],
     low: Triple,
     high: Triple,
-    ports: dict[Any, Any],
-    requires: tuple[Any, ...],
+    ports: dict[str, Value],
+    requires: tuple[Demand, ...],
 ) -> Made:
     """Surfaces, inside function and pieces of bays one after another."""
     patches, pieces = [], []

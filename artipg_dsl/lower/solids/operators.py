@@ -22,7 +22,7 @@ import numpy as np
 
 from ...graph import expr as E
 from ...graph.expr import ONE, ZERO, Expr
-from ...graph.primitive import Patch, Piece, pair
+from ...graph.primitive import Patch, Piece, Triple, pair
 from ...syntax import ast
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
@@ -170,7 +170,7 @@ def slices(env: Env, probe: Probe, solid: ast.SolidDecl, chain: list[Span], sign
     return tuple(pieces)
 
 
-def turned_back(axis: int) -> tuple[Expr, Expr, Expr]:
+def turned_back(axis: int) -> Triple:
     """p across (two coordinates) and along an axis."""
     p = (PX, PY, PZ)
     return p[(axis + 1) % 3], p[(axis + 2) % 3], p[axis]

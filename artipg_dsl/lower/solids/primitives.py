@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ...graph import expr as E
 from ...graph.expr import Expr, Scope
 from ...graph.interval import Interval, Intervals, always
-from ...graph.primitive import Patch, Piece, Primitive, triple
+from ...graph.primitive import Patch, Piece, Primitive, Triple, triple
 from ...graph.program import Requirement
 from ...semantics.symbols import Symbol
 from ...source import Span
@@ -21,7 +21,7 @@ from ..expressions.evaluate import Evaluator
 from ..values.carry import mapped
 from ..values.faces import FACES
 from ..values.kinds import Box, Choice, Surface, Value, Vec
-from ..values.vectors import HERE
+from ..values.vectors import HERE, times
 from .curves import Curve
 from .handed import Handed
 from .operators import solid_of
@@ -303,9 +303,9 @@ def declare_parameter(
     env: Env,
     statement: ast.ParamDecl,
     name: str,
-    names: list[Any],
-    parameters: list[Any],
-    tests: list[Any],
+    names: list[tuple[str, int]],
+    parameters: list[str],
+    tests: list[tuple[float, float]],
     conditions: list[Condition],
 ) -> None:
     size = statement.type.size
@@ -367,11 +367,11 @@ def whole(node: Expr) -> bool:
     return False
 
 
-def box_of(ev: Evaluator, statement: ast.BoxDecl) -> tuple[Any, ...]:
+def box_of(ev: Evaluator, statement: ast.BoxDecl) -> tuple[Triple, Triple]:
     if statement.value is not None:
         size = ev.vector(statement.value)
-        half = tuple(E.mul(c, E.const(0.5)) for c in size)
-        return tuple(E.neg(c) for c in half), half
+        half = times(size, E.const(0.5))
+        return triple(E.neg(c) for c in half), half
     assert statement.low is not None and statement.high is not None
     return ev.vector(statement.low), ev.vector(statement.high)
 

@@ -112,10 +112,11 @@ class Probe:
 
 def candidates(env: Env) -> dict[str, np.ndarray]:
     """Values of the parameters over their test ranges."""
+    assert env.symbol is not None
     number = np.arange(CANDIDATES, dtype=np.uint64)
     values: dict[str, np.ndarray] = {"": np.zeros(CANDIDATES)}
     for name, (low, high) in test_ranges(env):
-        q = random.uniform(random.key(0, "probe", env.symbol.name, name), number)  # type: ignore[union-attr]
+        q = random.uniform(random.key(0, "probe", env.symbol.name, name), number)
         value = low + q * (high - low)
         if low > 0:  # small ones too: every other row by ratio
             value = np.where(number % 2 == 1, np.clip(low * np.power(high / low, q), low, high), value)

@@ -6,8 +6,6 @@ ports too: frames whose ``out`` points away from the solid. Arcs must be wider t
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from ...graph import expr as E
@@ -20,7 +18,7 @@ from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..values.vectors import cross, dot, minus, plus, times
 from .curves import TURN
-from .frames import ROOM, tightest
+from .frames import ROOM, Vector, tightest
 from .frames import frames as frames_of
 from .handed import Handed
 from .made import FULL, NARROW, Demand, Made, U
@@ -88,7 +86,7 @@ def ring(center: Triple, axes: tuple[Triple, Triple], radius: Expr, angle: Expr 
     return plus(center, plus(times(axes[0], c), times(axes[1], s)))
 
 
-def tube(name: str, piece: Stretch, frame: tuple[Any, ...], radius: Expr) -> Patch:
+def tube(name: str, piece: Stretch, frame: tuple[Vector, Vector], radius: Expr) -> Patch:
     return Patch(name, ring(piece.place, (frame[0](V), frame[1](V)), radius), FULL, (ZERO, ONE))
 
 
@@ -179,7 +177,7 @@ def reach(probe: Probe, pieces: list[Stretch], radius: Expr, axis: int, sign: in
 
 
 def tube_pieces(
-    probe: Probe, pieces: list[Stretch], frames: list[Any], radius: Expr, bore: Expr | None
+    probe: Probe, pieces: list[Stretch], frames: list[tuple[Vector, Vector]], radius: Expr, bore: Expr | None
 ) -> tuple[Piece, ...]:
     """Hulls of the sections at the ends of each step, smaller by what the path's chord cuts; sectors of a pipe."""
     made = []
