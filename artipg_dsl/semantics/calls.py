@@ -55,7 +55,7 @@ def call(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
             "wrong-type",
             expr.function.span,
             "only the name of a function can be called",
-            hint="functions give numbers, places or curves, which take no arguments; with `*` one multiplies",
+            hint="the result of a function cannot be called; to multiply, write `*`",
         )
     word = expr.function.name
     home = ctx.scope.home(word) if ctx.scope is not None else None
@@ -74,7 +74,7 @@ def call(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
     for argument in expr.arguments:
         ck.infer(ctx, argument.value)
     if symbol is not None or (ctx.scope is not None and ctx.scope.find(word)):
-        hint = f"a part is made by `part name : {word}(...)`" if symbol is not None else None
+        hint = f"to make a part, write `part name : {word}(...)`" if symbol is not None else None
         return ck.error("wrong-type", expr.function.span, f"`{word}` is not a function", hint=hint)
     return ck.unknown(
         ctx.module,
@@ -144,7 +144,7 @@ def _apply(
     arguments = [Scalar(t.dimension) if isinstance(t, Scalar) and not t.zero else t for t in arguments]
     key = (identity, *arguments)
     if identity in ck.calling:
-        return ck.error("circular-definition", expr.span, "this function is defined by itself")
+        return ck.error("circular-definition", expr.span, "this function is defined in terms of itself")
     if key not in ck.calls:
         extra = dict(zip(names, arguments, strict=True))
         silent = inside.but(extra=extra, silent=True)
@@ -220,7 +220,9 @@ def _one(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: Bound
     wanted = None if parameter.type == "number" else named(parameter.type)
     angle_zero = wanted == ANGLE and isinstance(kind, Scalar) and kind.zero
     if not isinstance(kind, Scalar) or not (wanted is None or angle_zero or kind.dimension == dimension_of(wanted)):
-        hint = "angles carry a unit: multiply by 1rad or 1turn" if wanted == ANGLE and kind in (RATIO, COUNT) else None
+        hint = (
+            "an angle needs a unit: multiply by 1rad or 1turn" if wanted == ANGLE and kind in (RATIO, COUNT) else None
+        )
         code = "wrong-dimension" if isinstance(kind, Scalar) else "wrong-type"
         takes = with_article(parameter.type)
         return ck.error(code, argument.span, f"`{form.name}` takes {takes}, but this is {kind}", hint=hint)
@@ -262,9 +264,7 @@ def _elements(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: 
     if kind == UNKNOWN:
         return UNKNOWN
     if not is_number(kind):
-        return ck.error(
-            "wrong-type", argument.span, f"`{form.name}` takes a number of each element, but this is {kind}"
-        )
+        return ck.error("wrong-type", argument.span, f"`{form.name}` takes one number per element, but this is {kind}")
     if not _mentions_many(ck, argument.value):
         return ck.error(
             "wrong-arguments",
@@ -295,8 +295,8 @@ def _one_repeat(ck: Checker, ctx: Context, expr: ast.Expr) -> None:
             ck.error(
                 "many-elements",
                 node.span,
-                f"`{node.name}` is another repeat in each branch of a `when`",
-                hint="reduce each within its own branch",
+                f"`{node.name}` is a different repeat in each branch of a `when`",
+                hint="reduce each inside its own branch",
                 notes=tuple((e.span, "one of them") for e in repeats),
             )
 
@@ -348,7 +348,7 @@ def _force(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: Bou
         return ck.error(
             "wrong-type",
             expr.span,
-            f"`{form.name}` asks about a point of a surface: it stands in formulas of labels and fields",
+            f"`{form.name}` asks about a point of a surface, so it is only allowed in formulas of labels and fields",
             hint=f"as in `label affordance.push on door.panel where {form.name}(open)`",
         )
     ((argument, _),) = bound
@@ -399,8 +399,8 @@ def chain(ck: Checker, ctx: Context, expr: ast.ChainExpr) -> Type:
             ck.error(
                 "wrong-type",
                 piece.span,
-                f"`{word}` cannot stand here in a path",
-                hint="a path is `from(point, direction)`, then `line(length)` and `arc(radius, angle, towards)`",
+                f"`{word}` is not allowed here in a path",
+                hint="a path is written `from(point, direction)`, then `line(length)` and `arc(radius, angle, towards)`",
             )
         ck.infer(ctx, piece)
     return CURVE

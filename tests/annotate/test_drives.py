@@ -134,7 +134,7 @@ REFUSED = {
     "label affordance.push on lid where pushes(opening)": "there is no `opening` here",
     "label affordance.push on lid where pushes(stiff)": "is fixed",
     "label affordance.push on lid where pushes(open, open)": "takes one argument",
-    "require pulls(open)": "stands in formulas of labels",
+    "require pulls(open)": "only allowed in formulas of labels",
 }
 
 

@@ -37,10 +37,10 @@ def session(body: str, before: str = "") -> tuple[Session, int]:
 
 CONSTANT = {
     "a length divided by 0": ("let k = body.size.x / (3 - 3)", 0, "`body.size.x / (3 - 3)` divides by zero"),
-    "a root": ("let k = (0 - 2) ^ 0.5", 0, "-2 has no power 0.5: only whole powers of a negative number exist"),
+    "a root": ("let k = (0 - 2) ^ 0.5", 0, "-2 has no power 0.5: a negative number only has whole powers"),
     "a power": ("let k = 10 ^ 400", 0, "`10 ^ 400` is too large for a number"),
     "a logarithm": ("let k = log(1 - 1)", 0, "0 has no logarithm: only numbers above 0 have one"),
-    "an angle": (CUBE + "align b.center.y = 1cm * sin(asin(2))", 2, "`asin` takes numbers from -1 to 1, and this is 2"),
+    "an angle": (CUBE + "align b.center.y = 1cm * sin(asin(2))", 2, "`asin` takes numbers from -1 to 1, but this is 2"),
     "a remainder": ("let k = mod(5, 0)", 0, "`mod(5, 0)` divides by zero"),
     "a function": ("let f(q) = 1 / q\nlet k = f(0)", 0, "`1 / q` divides by zero"),
     "a negative size": (

@@ -156,7 +156,7 @@ def test_templates_and_functions_do_not_contain_themselves(tmp_path):
     )
     report, _ = check_text(tmp_path, text)
     assert [(d.code, d.message) for d in report.diagnostics] == [
-        ("circular-definition", "this function is defined by itself"),
+        ("circular-definition", "this function is defined in terms of itself"),
         ("circular-definition", "templates contain each other: A > B > C > A"),
     ]
 

@@ -32,9 +32,7 @@ def operate(ev: Evaluator, node: ast.BinaryExpr, a: Expr, b: Expr) -> Expr:
     if node.op == "^" and b.constant is not None:
         power, base = b.constant, a.constant
         if base is not None and base < 0 and power != int(power):
-            raise undefined(
-                ev, node.span, f"{base:g} has no power {power:g}: only whole powers of a negative number exist"
-            )
+            raise undefined(ev, node.span, f"{base:g} has no power {power:g}: a negative number only has whole powers")
         if base == 0 and power < 0:
             raise undefined(ev, node.span, f"`{text_of(node.span)}` divides by zero: 0 has no negative power")
     return counted(ev, node.span, result, (a, b))
@@ -51,10 +49,10 @@ def applied(ev: Evaluator, node: ast.CallExpr, name: str, arguments: list[Expr])
     elif name == "log" and value <= 0:
         what = f"{value:g} has no logarithm: only numbers above 0 have one"
     elif name == "sqrt" and value < 0:
-        what = f"{value:g} has no square root: only numbers from 0 on have one"
+        what = f"{value:g} has no square root: negative numbers have none"
     elif name in ("asin", "acos") and abs(value) > 1:
         if abs(value) > 1 + ROUNDING:
-            what = f"`{name}` takes numbers from -1 to 1, and this is {value:g}"
+            what = f"`{name}` takes numbers from -1 to 1, but this is {value:g}"
         arguments = [E.const(1.0 if value > 0 else -1.0)]
     if what is not None:
         raise undefined(ev, node.span, what)
@@ -72,10 +70,7 @@ def counted(ev: Evaluator, span: Span, result: Expr, of: tuple[Expr, ...]) -> Ex
 
 def undefined(ev: Evaluator, span: Span, message: str) -> Exception:
     return ev.env.context.error(
-        "undefined-value",
-        span,
-        message,
-        hint="where it is not meant to be reached, `a if c else b` or `when` with a condition keep it away",
+        "undefined-value", span, message, hint="to avoid such values, use `a if c else b`, or a condition with `when`"
     )
 
 
@@ -95,7 +90,7 @@ def tilted(ev: Evaluator, span: Span) -> Exception:
     return ev.env.context.error(
         "plane-across-axes",
         span,
-        "this face is turned: its plane is no coordinate of the frame of this statement",
+        "this face is turned, so its plane is not a coordinate in the frame of this statement",
         hint="equate points instead (`align a.top.center = b.bottom.center`), or use `connect ... to` with frames",
     )
 
@@ -178,7 +173,7 @@ def across(ev: Evaluator, span: Span, left: Plane, right: Plane, a: Span, b: Spa
         "plane-across-axes",
         span,
         f"{first} is a plane across {AXES[left.axis or 0]}, {second} one across {AXES[right.axis or 0]}:"
-        " they have no coordinate in common",
+        " they share no coordinate",
         hint="front and back are planes across x, left and right across y, top and bottom across z",
     )
 

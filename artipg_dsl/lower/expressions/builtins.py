@@ -129,7 +129,7 @@ def box(ev: Evaluator, node: ast.CallExpr, form: Form) -> Box:
         raise ev.env.context.error(
             "wrong-arguments",
             node.span,
-            f"the faces {', '.join(missing)} are open: this template has no box of its own to take them from",
+            f"the faces {', '.join(missing)} are open: this template has no box of its own to supply them",
         )
     return Box(triple(c for c in low if c is not None), triple(c for c in high if c is not None), on=on)
 
@@ -166,7 +166,7 @@ def repeat_of(ev: Evaluator, node: ast.Expr, form: Form) -> Element:
         raise ev.env.context.error(
             "wrong-kind",
             node.span,
-            f"`{form.name}` of one value needs a path through a repeat, such as {form.name}(cell.size.z)",
+            f"`{form.name}` with one argument needs a path through a repeat, such as {form.name}(cell.size.z)",
         )
     return element
 

@@ -159,7 +159,7 @@ class Context:
     def error(self, code: str, span: Span, message: str, **more: Any) -> Abort:
         """Report an error with the present trace of instantiations; returns what the caller raises."""
         if self.blamed is not None:
-            more["notes"] = (*more.get("notes", ()), (span, "what goes along it"))
+            more["notes"] = (*more.get("notes", ()), (span, "the section along it"))
             span, message = self.blamed[0], f"{self.blamed[1]}: {message}"
         self.report.error(code, span, message, trace=tuple(self.trace), **more)
         return Abort(message)
@@ -199,14 +199,14 @@ class Context:
     def mixed(self, error: ScopeError, span: Span) -> Abort:
         """Report that values of two tables meet that have no rows in common."""
         first, second = in_words(error.first), in_words(error.second)
-        message = f"values of {first} and of {second} meet here, and nothing says which belong together"
-        hint = "state it inside the one that holds both, or reduce one side with sum, min or max"
+        message = f"this mixes values of {first} and of {second}, and nothing says which belong together"
+        hint = "move it inside the one that contains both, or reduce one side with sum, min or max"
         if error.first.within(error.second):
-            message = f"each element of {first} has a value of its own here, and what this is on lies outside"
+            message = f"each element of {first} has a value of its own here, but the target lies outside"
             hint = "name a part of the repeat, or reduce the values to one with sum, min or max"
         elif "guard" in (error.first.kind, error.second.kind):
             hint = (
-                "state it in each `when` or template on its own, or for what all alternatives share: ports and `size`"
+                "write it separately in each `when` or template, or use what all alternatives share: ports and `size`"
             )
         return self.error("unrelated-rows", span, message, hint=hint)
 

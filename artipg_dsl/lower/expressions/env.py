@@ -110,7 +110,7 @@ class Env:
                 raise self.context.error(
                     "circular-definition",
                     value.span,
-                    f"`{name}` needs itself{via}",
+                    f"`{name}` depends on itself{via}",
                     hint="give one of them a value of its own, or leave a size open (`_`) and state an equation with `align`",
                 )
             value.running = True

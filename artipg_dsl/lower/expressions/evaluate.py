@@ -134,7 +134,7 @@ class Evaluator:
                     return self._is(node)
         except ScopeError as error:
             raise self.env.context.mixed(error, node.span) from None
-        raise self.env.context.error("wrong-kind", node.span, "this cannot stand here")
+        raise self.env.context.error("wrong-kind", node.span, "this is not allowed here")
 
     def _quantity(self, node: ast.NumberExpr) -> Value:
         factor = UNITS[node.unit][0] if node.unit else 1.0
@@ -152,8 +152,8 @@ class Evaluator:
                     raise self.env.context.error(
                         "plane-across-axes",
                         item.span,
-                        f"`{text_of(item.span)}` is a plane across {AXES[value.axis or 0]}, but stands where the"
-                        f" {AXES[k]} coordinate goes",
+                        f"`{text_of(item.span)}` is a plane across {AXES[value.axis or 0]}, but is used as the"
+                        f" {AXES[k]} coordinate",
                     )
                 on += value.on
                 value = value.coordinate
