@@ -8,17 +8,13 @@ as moved is told in ``tests/simulators/hands.py``. ``-v`` lists the points that 
 
 from __future__ import annotations
 
-import argparse
 import sys
 from pathlib import Path
 
-import numpy as np
-
 sys.path[:0] = [str(Path(__file__).parents[1] / "tests")]
 
+from objects import batches, options_of  # noqa: E402
 from simulators.hands import WORDS, trials  # noqa: E402
-
-from artipg_dsl.session import Session, categories  # noqa: E402
 
 
 def share(moved: list[bool]) -> str:
@@ -26,16 +22,11 @@ def share(moved: list[bool]) -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("categories", nargs="*", default=categories())
-    parser.add_argument("-n", type=int, default=10, help="objects of each category")
+    parser = options_of(__doc__, "name the labelled points that do not move")
     parser.add_argument("--each", type=int, default=3, help="points of a word on a link")
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("-v", action="store_true", help="name the labelled points that do not move")
     options = parser.parse_args()
     print(f"{'category':18}{'word':8}{'labelled':>22}{'others of the link':>24}")
-    for category in options.categories:
-        batch = Session.of(category).sampler.batch(np.arange(options.n), options.seed)
+    for category, batch in batches(options):
         found = trials(batch, each=options.each)
         for word in WORDS:
             held = [[t.moved for t in found if t.word == word and t.labelled is value] for value in (True, False)]

@@ -8,31 +8,22 @@ links that joints move and that two fingers can hold at all, how many have a gra
 
 from __future__ import annotations
 
-import argparse
 import sys
 from collections import Counter
 from pathlib import Path
 
-import numpy as np
-
 sys.path[:0] = [str(Path(__file__).parents[1] / "tests")]
 
+from objects import batches, options_of  # noqa: E402
 from simulators.fingers import verdicts  # noqa: E402
 
 from artipg_dsl.annotate.annotation import describe  # noqa: E402
-from artipg_dsl.session import Session, categories  # noqa: E402
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("categories", nargs="*", default=categories())
-    parser.add_argument("-n", type=int, default=10, help="objects of each category")
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("-v", action="store_true", help="name what has none, and what does not hold")
-    options = parser.parse_args()
+    options = options_of(__doc__, "name what has none, and what does not hold").parse_args()
     print(f"{'category':18}{'grasps that hold':>20}{'links with a grasp, of those that can be held':>50}")
-    for category in options.categories:
-        batch = Session.of(category).sampler.batch(np.arange(options.n), options.seed)
+    for category, batch in batches(options):
         held, links = verdicts(batch, describe(batch))
         good, had = sum(not v.fault for v in held), sum(grasped for _, grasped in links)
         print(f"{category:18}{f'{good} of {len(held)}':>20}{f'{had} of {len(links)}':>50}", flush=True)
