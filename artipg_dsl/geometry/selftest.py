@@ -240,7 +240,11 @@ def _volume(seen: _Inspection) -> Report:
     for group in seen.fine:
         expected[group.rows], centre[group.rows], inertia[group.rows] = mesh.moments(group.vertices, group.faces)
     if (expected <= 0).any():
-        yield "volume", None, f"the inside function has the wrong sign ({seen.at(int(np.argmin(expected)))})"
+        yield (
+            "volume",
+            None,
+            f"the surfaces enclose what is outside by the inside function ({seen.at(int(np.argmin(expected)))})",
+        )
         return
     share = expected / box
     error = np.abs(filled - share) - 5 * np.sqrt(share * np.maximum(1 - share, 0) / _VOLUME) - 2e-3

@@ -75,3 +75,11 @@ def test_test_ranges_that_cannot_be_met():
     never = shapes.call("lt", shapes.size()[0], const(0.0))
     (finding,) = check_primitive(shapes.cuboid(requires=(never,)))
     assert "meets its requirements" in finding.message
+
+
+def test_a_solid_that_is_a_skin_around_its_surfaces():
+    """Inside is what lies around the box, not what it encloses: every surface is turned inwards."""
+    box = shapes.cuboid().inside
+    found = check_primitive(shapes.cuboid(inside=maximum(-box, box - const(0.01))))
+    (message,) = (f.message for f in found if f.check == "volume")
+    assert "the surfaces enclose what is outside by the inside function" in message
