@@ -8,7 +8,8 @@ it. Begin with ``check``, then ``checker``.
     check, checker, meanings, show       the check from end to end, its state and its results, printed
     types, expressions, paths, calls     types and how they are inferred
     conditions, guards, presence         what conditions say, and what is there where they hold
-    declarations, entries, fold          names, domains, defaults; values of constants
+    declarations, alternatives           names, domains, defaults; what parts and styles may be, and its arguments
+    entries, fold                        types of declarations; values of constants
     statements, placing, attachments, labels      rules of statements, one group a file
     roles, parts, primitives             rules of roles and templates, of their members, of primitives
     offers, foreign                      what the library would offer; words of other languages

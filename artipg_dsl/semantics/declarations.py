@@ -1,4 +1,4 @@
-"""Checks of declarations: names, domains, defaults, distributions, alternatives and their arguments."""
+"""Checks of declarations: names, domains, defaults, distributions."""
 
 from __future__ import annotations
 
@@ -6,32 +6,13 @@ from typing import TYPE_CHECKING
 
 from ..diagnostics.suggest import did_you_mean, given
 from ..language import DIRECTIONS, FACES, FUNCTIONS, OWN, TYPES, WORDS
-from ..source import Span
 from ..syntax import ast
-from . import conditions, paths
-from .entries import of_alternative, of_reference
+from .entries import of_reference
 from .fold import components, constant
 from .guards import consistent
-from .meanings import Declared, Global, Word
-from .offers import missing
+from .meanings import Word
 from .scope import Entry, Scope
-from .symbols import Symbol, is_a
-from .types import (
-    ANGLE,
-    COUNT,
-    DIRECTION,
-    MATERIAL,
-    RATIO,
-    SIZE,
-    UNKNOWN,
-    Choice,
-    Named,
-    Scalar,
-    Style,
-    Type,
-    Vec,
-    fits,
-)
+from .types import COUNT, RATIO, SIZE, UNKNOWN, Choice, Scalar, Type, Vec, fits
 
 if TYPE_CHECKING:
     from .checker import Checker, Context
@@ -137,7 +118,7 @@ def check_param(ck: Checker, ctx: Context, node: ast.ParamDecl) -> None:
     if node.test is not None:
         check_range(ck, ctx, node.test, kind, f"an end of the test range of {what}")
     if node.default is not None:
-        if _default(ck, ctx, node.default, kind, what):
+        if check_default(ck, ctx, node.default, kind, what):
             _inside(ck, ctx, node.default, node.domain, what)
     if node.distribution is not None:
         _distribution(ck, ctx, node.distribution, kind, node.domain)
@@ -152,13 +133,13 @@ def check_count(ck: Checker, ctx: Context, node: ast.CountDecl) -> None:
     what = f"`{node.name}`"
     check_range(ck, ctx, node.domain, COUNT, f"an end of the range of {what}")
     if node.default is not None:
-        if _default(ck, ctx, node.default, COUNT, what):
+        if check_default(ck, ctx, node.default, COUNT, what):
             _inside(ck, ctx, node.default, node.domain, what)
     if node.distribution is not None:
         _distribution(ck, ctx, node.distribution, RATIO, node.domain)
 
 
-def _default(ck: Checker, ctx: Context, default: ast.Expr, kind: Type, what: str) -> bool:
+def check_default(ck: Checker, ctx: Context, default: ast.Expr, kind: Type, what: str) -> bool:
     """Whether a default fits the type; a value of a choice is a bare word."""
     if isinstance(kind, Choice) and isinstance(default, ast.NameExpr):
         if default.name not in kind.values:
@@ -265,7 +246,7 @@ def _options(ck: Checker, ctx: Context, node: ast.Distribution, kind: Choice) ->
         ck.error("wrong-arguments", node.span, "`values` needs at least one value")
     for argument in node.arguments:
         if isinstance(argument.value, ast.NameExpr):
-            _default(ck, ctx, argument.value, kind, "a value of the distribution")
+            check_default(ck, ctx, argument.value, kind, "a value of the distribution")
         else:
             ck.error(
                 "wrong-type",
@@ -273,239 +254,3 @@ def _options(ck: Checker, ctx: Context, node: ast.Distribution, kind: Choice) ->
                 f"a value of this choice must be one of {', '.join(kind.values)}",
                 hint="an option listed twice is twice as likely",
             )
-
-
-# ---------------------------------------------------------------- parts and styles
-
-
-def check_part(ck: Checker, ctx: Context, node: ast.PartDecl) -> None:
-    """Role, alternatives, arguments and placements of a part."""
-    role = _role(ck, ctx, node, node.role, node.role_span) if node.role is not None else None
-    for placement in node.placements:
-        check_placement(ck, ctx, placement)
-    if role is not None:
-        check_arguments(ck, ctx, node.arguments, [role])
-    _alternatives(ck, ctx, node.alternatives, role, node.role)
-    if node.role is not None or len(node.alternatives) > 1:
-        alone = f"write `part {node.name} : STYLE`; other alternatives, and `none`, go into the style"
-        _no_style(ck, ctx, node.alternatives, alone)
-    if all(alternative.name is None for alternative in node.alternatives):
-        ck.error(
-            "wrong-kind",
-            node.name_span,
-            f"`{node.name}` has no alternative but `none`",
-            hint="add a template, as in `Cuboid | none`",
-        )
-
-
-def check_style(ck: Checker, ctx: Context, node: ast.StyleDecl) -> None:
-    """A style of a role, or of a material."""
-    if node.role == "material":
-        for alternative in node.alternatives:
-            symbol = ctx.module.find(alternative.name) if alternative.name else None
-            if symbol is None or symbol.kind != "material":
-                unknown_material(ck, ctx, alternative.name or "none", alternative.name_span)
-            else:
-                ck.mean(alternative, Global(symbol))
-            _weight(ck, ctx, alternative)
-            if alternative.guard is not None:
-                conditions.truth(ck, ctx, alternative.guard)
-            for extra in (*alternative.arguments, *alternative.placements)[:1]:
-                ck.error(
-                    "unknown-clause",
-                    extra.span,
-                    "a material takes no arguments and cannot be turned",
-                    hint="for another look, declare another material: `material dark_oak { ... }`",
-                )
-        _unweighed(ck, node.alternatives)
-        return
-    _alternatives(ck, ctx, node.alternatives, _role(ck, ctx, node, node.role, node.role_span), node.role)
-    _no_style(ck, ctx, node.alternatives, "name its templates here, one by one")
-
-
-def unknown_material(ck: Checker, ctx: Context, name: str, span: Span) -> None:
-    materials = [s.name for s in ctx.module.names.values() if s.kind == "material"]
-    hint = missing(name, materials, "material") or f"declare it: `material {name} {{ ... }}`"
-    ck.unknown(ctx.module, name, "unknown-material", span, f"there is no material `{name}` here", hint)
-
-
-def _role(ck: Checker, ctx: Context, node: ast.Stmt, name: str, span: Span | None) -> Symbol | None:
-    symbol = ctx.module.find(name)
-    assert span is not None
-    if symbol is None or symbol.kind not in ("role", "template"):
-        roles = [s.name for s in ctx.module.names.values() if s.kind == "role"]
-        hint = missing(name, roles, "role", "template")
-        ck.unknown(ctx.module, name, "unknown-template", span, f"there is no role `{name}` here", hint)
-        return None
-    ck.mean(node, Global(symbol))
-    return symbol
-
-
-def _no_style(ck: Checker, ctx: Context, alternatives: tuple[ast.Alternative, ...], hint: str) -> None:
-    """A style is no alternative among others."""
-    for alternative in alternatives:
-        if isinstance(ck.meanings.get(id(alternative)), Declared):
-            message = f"`{alternative.name}` is a style: it cannot be combined with a role or other alternatives"
-            ck.error("wrong-kind", alternative.name_span, message, hint=hint)
-
-
-def _alternatives(
-    ck: Checker, ctx: Context, alternatives: tuple[ast.Alternative, ...], role: Symbol | None, role_name: str | None
-) -> None:
-    assert ctx.scope is not None
-    _unweighed(ck, alternatives)
-    for alternative in alternatives:
-        _weight(ck, ctx, alternative)
-        if alternative.guard is not None:
-            conditions.truth(ck, ctx, alternative.guard)
-        for placement in alternative.placements:
-            check_placement(ck, ctx, placement)
-        if alternative.name is None:
-            continue
-        styles = [e for e in ctx.scope.find(alternative.name) if isinstance(ck.entry_type(e), Style)]
-        style = bool(styles)
-        if styles:
-            paths.sole(ck, ctx, styles, alternative.name_span)
-        variants = [v for v in of_alternative(ck, ctx.scope, alternative) if v is not None]
-        symbols = [v.symbol for v in variants if v.symbol is not None]
-        if not style and (not symbols or symbols[0].kind not in ("template", "primitive")):
-            _bad_alternative(ck, ctx, alternative, symbols[0] if symbols else None)
-            continue
-        wrong = [s for s in symbols if role is not None and not is_a(s, role) and not is_a(role, s)]
-        if wrong:
-            ck.error(
-                "wrong-role",
-                alternative.name_span,
-                f"`{wrong[0].name}` cannot be an alternative here: it does not have the role {role_name}",
-                notes=((wrong[0].decl.name_span, f"`{wrong[0].name}` is declared here"),),
-            )
-        check_arguments(ck, ctx, alternative.arguments, symbols)
-
-
-def _bad_alternative(ck: Checker, ctx: Context, alternative: ast.Alternative, symbol: Symbol | None) -> None:
-    assert alternative.name is not None and ctx.scope is not None
-    if symbol is not None and symbol.kind == "role":
-        playing = [s.name for s in ctx.module.names.values() if s.kind == "template" and is_a(s, symbol)]
-        ck.error(
-            "unknown-template",
-            alternative.name_span,
-            f"`{alternative.name}` is a role: a part needs one of its templates",
-            hint="name the alternatives: `= " + " | ".join(playing) + "`" if playing else None,
-        )
-        return
-    if symbol is not None:
-        ck.error("unknown-template", alternative.name_span, f"`{alternative.name}` is a {symbol.kind}, not a template")
-        return
-    offered = [s.name for s in ctx.module.names.values() if s.kind in ("template", "primitive")]
-    offered += [e.name for scope in ctx.scope.chain() for e in scope.entries if e.kind in ("style", "param")]
-    ck.unknown(
-        ctx.module,
-        alternative.name,
-        "unknown-template",
-        alternative.name_span,
-        f"there is no template, primitive or style `{alternative.name}` here",
-        hint=missing(alternative.name, offered, "template", "primitive"),
-    )
-
-
-def _weight(ck: Checker, ctx: Context, alternative: ast.Alternative) -> None:
-    if alternative.weight is not None:
-        ck.expect(ctx, alternative.weight, RATIO, "a weight")
-        value = constant(alternative.weight, ctx.module)
-        if value is not None and value < 0:
-            ck.error("wrong-arguments", alternative.weight.span, "a weight cannot be negative")
-
-
-def _unweighed(ck: Checker, alternatives: tuple[ast.Alternative, ...]) -> None:
-    """A weight says how often one alternative is taken before others: a sole one has none."""
-    if len(alternatives) == 1 and (weight := alternatives[0].weight) is not None:
-        ck.error(
-            "unknown-clause",
-            weight.span,
-            "a weight has no effect without another alternative",
-            hint="add another alternative, such as `| none weight 0.5`; a style has weights of its own",
-        )
-
-
-def check_placement(ck: Checker, ctx: Context, placement: ast.Placement) -> None:
-    ck.expect(ctx, placement.direction, DIRECTION, f"the axis after `{'about' if placement.angle else 'along'}`")
-    if placement.angle is not None:
-        ck.expect(ctx, placement.angle, ANGLE, "the angle after `turned`")
-
-
-def check_arguments(ck: Checker, ctx: Context, given: tuple[ast.Argument, ...], symbols: list[Symbol]) -> None:
-    """Arguments of a role or a template: each names a parameter and fits its type."""
-    seen: set[str] = set()
-    for argument in given:
-        if argument.name is None:
-            ck.error(
-                "wrong-arguments",
-                argument.span,
-                "an argument of a template or primitive needs its name",
-                hint="as in `Cuboid(size = [1cm, 2cm, 3cm])`",
-            )
-            ck.infer(ctx.but(holes=True), argument.value)
-            continue
-        if argument.name in seen:
-            ck.error("wrong-arguments", argument.span, f"`{argument.name}` is given twice")
-        seen.add(argument.name)
-        wanted: Type = UNKNOWN
-        for symbol in symbols:
-            kind = _parameter(ck, symbol, argument.name)
-            if kind is None:
-                offered = parameters(ck, symbol)
-                ck.error(
-                    "unknown-argument",
-                    argument.span,
-                    f"{symbol.name} has no parameter `{argument.name}`",
-                    hint=did_you_mean(argument.name, offered)
-                    or ("it has " + ", ".join(offered) if offered else "it has none"),
-                )
-                break
-            wanted = kind
-        _argument(ck, ctx, argument, wanted)
-
-
-def _argument(ck: Checker, ctx: Context, argument: ast.Argument, wanted: Type) -> None:
-    value = argument.value
-    if isinstance(wanted, Choice) and isinstance(value, ast.NameExpr):
-        if ctx.scope is None or not ctx.scope.find(value.name):
-            _default(ck, ctx, value, wanted, f"`{argument.name}`")
-            return
-    place = ctx
-    if isinstance(value, ast.VectorExpr):
-        place = ctx.but(holes=True, component=wanted.dimension if isinstance(wanted, Vec) else None)
-    given = ck.infer(place, value)
-    if isinstance(wanted, Style):
-        symbol = meaning.symbol if isinstance(meaning := ck.meanings.get(id(value)), Global) else None
-        if symbol is not None and symbol.kind == "role":
-            ck.error(
-                "wrong-arguments",
-                value.span,
-                f"`{symbol.name}` is a role: it cannot be passed as a value",
-                hint="a `style` parameter takes the name of a template or of a style: `style chosen : Role = A | B`",
-            )
-        elif isinstance(given, Style):
-            role = next((v.symbol for v in wanted.domain if v is not None), None)
-            for variant in given.domain:
-                if variant is not None and variant.symbol is not None and role is not None:
-                    if not is_a(variant.symbol, role):
-                        ck.error("wrong-role", value.span, f"`{variant.name}` does not have the role {wanted.role}")
-                        return
-        elif given != UNKNOWN:
-            ck.mismatch(value, given, wanted, f"`{argument.name}`")
-        return
-    if isinstance(wanted, Named) and wanted == MATERIAL and given == MATERIAL:
-        return
-    if not fits(given, wanted):
-        ck.mismatch(value, given, wanted, f"`{argument.name}`")
-
-
-def _parameter(ck: Checker, symbol: Symbol, name: str) -> Type | None:
-    entries = [e for e in ck.scope_of(symbol).table.get(name, []) if e.kind in ("param", "count")]
-    return ck.entry_type(entries[0]) if entries else None
-
-
-def parameters(ck: Checker, symbol: Symbol) -> list[str]:
-    """The names that may be given as arguments."""
-    return [e.name for e in ck.scope_of(symbol).entries if e.kind in ("param", "count")]

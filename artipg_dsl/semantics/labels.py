@@ -10,8 +10,8 @@ from ..syntax import ast
 from ..syntax.walk import walk
 from ..units import UNITS
 from . import paths
+from .alternatives import unknown_material
 from .calls import range_type
-from .declarations import unknown_material
 from .entries import of_reference
 from .meanings import Declared, Global, Previous
 from .offers import missing

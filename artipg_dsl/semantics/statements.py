@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from ..diagnostics.suggest import any_of, did_you_mean
 from ..syntax import ast
-from . import conditions, declarations, labels, placing, primitives
+from . import alternatives, conditions, declarations, labels, placing, primitives
 from .entries import of_reference, port_context
 from .scope import Guards, Scope
 from .types import (
@@ -153,9 +153,9 @@ def _declaration(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
                 ck.error("misplaced-statement", stmt.name_span, "only a category has a `root` part")
             elif stmt.root and ctx.scope.repeat is not None:
                 ck.error("misplaced-statement", stmt.name_span, "the `root` part cannot be in a repeat")
-            declarations.check_part(ck, ctx, stmt)
+            alternatives.check_part(ck, ctx, stmt)
         case ast.StyleDecl():
-            declarations.check_style(ck, ctx, stmt)
+            alternatives.check_style(ck, ctx, stmt)
 
 
 def _output(ck: Checker, ctx: Context, stmt: ast.ParamDecl | ast.LetDecl, name: str) -> None:
