@@ -10,7 +10,9 @@ import pytest
 
 from artipg_dsl import cache
 from artipg_dsl.cli.main import main
+from artipg_dsl.geometry import facts, pieces
 from artipg_dsl.graph.text import to_text
+from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.session import Session
 
 PROGRAM = """apg 1
@@ -188,3 +190,32 @@ def test_processes_share_a_folder_and_give_the_same_bytes(kept, stool):
     for out in "bcd":
         for name, data in first.items():
             assert (stool.parent / out / name).read_bytes() == data, (out, name)
+
+
+def hulls(program):
+    """The faces of the pieces of two objects, with nothing found in this process; whether one had to be found."""
+    for held in (facts._facts, pieces._known, pieces._mesh_hulls):
+        held.cache_clear()
+    batch = Sampler(program).batch(range(2), 0, checked=False)
+    found = [(g.name, g.vertices.tobytes(), g.faces.tobytes()) for site in batch.sites() for g in site.pieces]
+    new = bool(facts._changed)
+    facts.flush()
+    return found, new
+
+
+def test_hulls_are_kept_and_verified(kept, monkeypatch):
+    program = Session.of("Kettle").sampler.program
+    first = hulls(program)
+    assert first[1] and hulls(program) == (first[0], False)
+    for change in (
+        lambda held: [[used, faces[3:]] for used, faces in held] if held else None,  # open
+        lambda held: [[[10**6, *used[1:]], faces] for used, faces in held] if held else None,
+        lambda held: "hulls",
+        lambda held: [[used, [10**20, *faces[1:]]] for used, faces in held] if held else None,
+    ):
+        for path in kept.glob("facts-*"):
+            entry = json.loads(cache.read(path.name))
+            cache.write(path.name, json.dumps({name: change(held) for name, held in entry.items()}).encode())
+        assert hulls(program)[0] == first[0]
+    monkeypatch.setenv("APGC_CACHE", "off")
+    assert hulls(program) == (first[0], False)

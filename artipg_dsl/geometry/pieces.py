@@ -9,13 +9,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from hashlib import blake2b
 from typing import Any
 
 import numpy as np
 
 from ..graph.formula import compile_formula
 from ..graph.primitive import Piece, Primitive
-from . import mesh
+from . import facts, mesh
 from .errors import PrimitiveError
 from .patches import Params, evaluate_rows, rows_of
 from .topology import topology
@@ -26,6 +27,7 @@ STEPS = (24, 16, 12, 8)  # per full turn: a hull takes the finest of these that 
 FEW = 200  # what collision checks and simulators take well; a ball of 16 steps lies within 2 % of its radius
 MOST = 1000  # times a piece is there in an instance
 CHUNK = 20_000  # faces that are looked at together, so that they stay in the cache
+OWN = 64  # hulls of single instances that are kept of a primitive
 FLAT = 1e-7  # how far, relative to the piece's extent, a vertex may stand out of the plane of a face
 
 
@@ -133,10 +135,15 @@ def _points(primitive: Primitive, piece: Piece, index: np.ndarray, params: Param
 @lru_cache(maxsize=8192)
 def _known(primitive: Primitive, number: int, index: int) -> tuple[Hull, ...]:
     """The sets of faces that the test values show for a declared piece."""
-    piece, params = primitive.pieces[number], trial(primitive)
-    rows = np.flatnonzero(_counts(primitive, piece, params) > index)
-    points = _points(primitive, piece, np.full(len(rows), index), mesh.take(params, rows))
-    return _distinct(primitive, piece.name, points)
+    piece = primitive.pieces[number]
+
+    def find() -> tuple[Hull, ...]:
+        params = trial(primitive)
+        rows = np.flatnonzero(_counts(primitive, piece, params) > index)
+        points = _points(primitive, piece, np.full(len(rows), index), mesh.take(params, rows))
+        return _distinct(primitive, piece.name, points)
+
+    return _kept(primitive, f"hulls {number} {index}", find, len(piece.points))
 
 
 @lru_cache(maxsize=512)
@@ -150,6 +157,13 @@ def _hull_steps(primitive: Primitive, variant: tuple[bool, ...]) -> int:
 @lru_cache(maxsize=512)
 def _mesh_hulls(primitive: Primitive, variant: tuple[bool, ...]) -> tuple[Hull, ...]:
     """The mesh itself, where it may be convex, and the hulls of the test values for which it is not."""
+    found = topology(primitive, variant)
+    corners = plan(found, tuple(step_counts(found, _hull_steps(primitive, variant)).tolist())).count
+    name = f"hulls of meshes {''.join(str(int(there)) for there in variant)}"
+    return _kept(primitive, name, lambda: _found_hulls(primitive, variant), corners)
+
+
+def _found_hulls(primitive: Primitive, variant: tuple[bool, ...]) -> tuple[Hull, ...]:
     found: list[Hull] = []
     params = mesh.take(trial(primitive), variants(primitive)[variant])
     (made,) = mesh.build(primitive, params, _hull_steps(primitive, variant))
@@ -158,6 +172,43 @@ def _mesh_hulls(primitive: Primitive, variant: tuple[bool, ...]) -> tuple[Hull, 
         found.append(Hull(np.arange(corners), made.faces.astype(np.int64)))
         points = points[~_fits(points, found[-1])]
     return (*found, *_distinct(primitive, "hull", points))
+
+
+def _kept(
+    primitive: Primitive, name: str, find: Callable[[], tuple[Hull, ...]], points: int, most: int | None = None
+) -> tuple[Hull, ...]:
+    """Hulls of so many ``points`` as facts that are kept between runs."""
+    return facts.known(
+        primitive,
+        name,
+        find,
+        lambda hulls: [[hull.used.tolist(), hull.faces.ravel().tolist()] for hull in hulls],
+        lambda data: tuple(_read(used, faces, points) for used, faces in data),
+        most,
+    )
+
+
+def _own(primitive: Primitive, name: str, points: np.ndarray) -> Hull:
+    """The hull of one instance (P, 3); the first of a primitive are kept, so that the first objects are there at once."""
+    seen = blake2b(np.ascontiguousarray(points).tobytes(), digest_size=12).hexdigest()
+    find = lambda: (_hull(primitive, name, points),)  # noqa: E731
+    (found,) = _kept(primitive, f"own hull {seen}", find, len(points), OWN)
+    return found
+
+
+def _read(used: list[int], faces: list[int], points: int) -> Hull:
+    """The hull of data that anyone may have written; ValueError where it is no closed surface over so many points."""
+    chosen, corners = np.array(used, dtype=np.int64), np.array(faces, dtype=np.int64).reshape(-1, 3)
+    count = len(chosen)
+    if count < 4 or not ((chosen >= 0) & (chosen < points)).all() or (np.diff(chosen) <= 0).any():
+        raise ValueError("the corners of a hull are some of the points, in their order")
+    if not ((corners >= 0) & (corners < count)).all():
+        raise ValueError("a face of a hull has three of its corners")
+    start, end = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
+    edges, back = np.sort(start * count + end), np.sort(end * count + start)
+    if (np.diff(edges) == 0).any() or (edges != back).any() or len(corners) != 2 * count - 4:
+        raise ValueError("the faces of a hull are closed, and those of one body")
+    return _shared(chosen.tobytes(), corners.tobytes())
 
 
 def _distinct(primitive: Primitive, name: str, points: np.ndarray) -> tuple[Hull, ...]:
@@ -247,7 +298,7 @@ def _grouped(
         if len(chosen):
             groups.append(PieceGroup(name, rows[chosen], points[chosen][:, hull.used], hull.told))
     for row in np.flatnonzero(fitting == len(known)).tolist():
-        hull = _hull(primitive, name, points[row])
+        hull = _own(primitive, name, points[row])
         own = slice(row, row + 1)
         groups.append(PieceGroup(name, rows[own], points[own][:, hull.used], hull.told))
     return groups

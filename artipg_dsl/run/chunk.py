@@ -17,6 +17,7 @@ from ..export.content import Content
 from ..export.objects import lacking, object_folder, write_objects
 from ..export.registry import Format
 from ..export.write import write_bytes
+from ..geometry import facts
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
@@ -68,6 +69,7 @@ class Chunk:
                 progress=progress,
                 resolution=self.content.resolution,
             )
+        facts.flush()
 
     def absent(self) -> np.ndarray:
         """The objects whose folders lack some of their files."""
