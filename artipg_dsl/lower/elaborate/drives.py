@@ -25,7 +25,8 @@ from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..solve.solve import lifted
 from ..values.vectors import cross, dot, inverse, minus, norm, place, plus, times
-from .links import MOVING_ABOUT, Links, carried_axis
+from .joints import MOVING_ABOUT, carried_axis
+from .links import Links
 from .part import Part
 from .paths import elements_named, joints
 

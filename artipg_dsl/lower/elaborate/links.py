@@ -7,33 +7,25 @@ their own, and what lies on an element of a repeat rides on the link of that ele
 from __future__ import annotations
 
 import functools
-import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 from ...graph import expr as E
-from ...graph.expr import Expr, Scope, ScopeError
-from ...graph.primitive import Triple, triple
-from ...graph.program import Joint, Link, Pose, Site
+from ...graph.expr import Scope, ScopeError
+from ...graph.program import Link, Pose, Site
 from ...graph.program import Part as PartNode
 from ...graph.reference import Elsewhere, Onward, Reference, Under
-from ...semantics.meanings import Clearance
 from ...source import Span
 from ...syntax import ast
-from ..expressions.context import Abort, Context, where
+from ..expressions.context import Abort, Context
 from ..expressions.env import Env, Hinge, exists_in
-from ..expressions.evaluate import Evaluator
 from ..expressions.extents import union_of
 from ..solve.cases import TooManyCases, combinations
-from ..values.kinds import Carrier, Edge, Frame, InElement, Line, Vec, part_of
-from ..values.vectors import HERE, IDENTITY, compose, direct, normalized, place
-from .connect import Attachment, named_box
+from ..values.kinds import Carrier, InElement, part_of
+from ..values.vectors import HERE, IDENTITY, compose
+from .connect import Attachment
+from .joints import build_joint
 from .part import Instance, Part
-from .place import bare
-
-KINDS = ("revolute", "prismatic", "continuous", "screw", "ball", "fixed")
-MOVING_ABOUT = ("revolute", "continuous", "screw")
 
 
 @dataclass(slots=True, eq=False)
@@ -275,7 +267,7 @@ class Links:
                 self.build(instance.env, number)
         for attachment in self.attachments(part):
             if attachment.joint is not None:
-                self.build_joint(part, attachment)
+                build_joint(self, part, attachment)
 
     def hold(self) -> None:
         """Note for every part which part carries it rigidly."""
@@ -295,148 +287,6 @@ class Links:
             holders = dict.fromkeys(n for a in rigid for p in a.to if p is not part for n in held(p))
             for number in nodes if holders else ():
                 program.parts[number] = replace(program.parts[number], holder=tuple(holders))
-
-    # ------------------------------------------------------------ joints
-
-    def build_joint(self, part: Part, attachment: Attachment) -> None:
-        statement = attachment.joint
-        assert statement is not None and statement.child is not None
-        env, program = attachment.env, self.context.program
-        ev = Evaluator(env)
-        kind = statement.kind or "fixed"
-        if kind not in KINDS:
-            raise self.context.error(
-                "wrong-kind",
-                statement.kind_span or statement.span,
-                f"there is no joint kind `{kind}`",
-                hint=f"one of {', '.join(KINDS)}",
-            )
-        child = self.own_link(part, attachment)
-        parents = self.base(env) if attachment.base else self.carried(attachment.to, statement.span)
-        origin, axis = self.axis(ev, part, statement, kind)
-        outer = self.world(env)
-        low = high = None
-        if statement.range is not None and kind != "continuous":
-            low, high = self.ends(ev, statement.range.value, kind, len(program.joints))
-        elif kind in ("revolute", "prismatic", "screw"):
-            raise self.context.error(
-                "missing-clause",
-                statement.span,
-                f"the {kind} joint `{statement.name}` has no range",
-                hint="add `range 0cm .. 30cm`"
-                if kind == "prismatic"
-                else "add `range 0deg .. 90deg`, or make it continuous",
-            )
-        rest = self.rest(ev, statement, low, high)
-        if statement.mimic is not None:
-            self.mimics[len(program.joints)] = (env, statement.mimic.value)
-        given = (statement.damping, statement.friction, statement.effort, statement.velocity, statement.pitch)
-        physics: dict[str, Any] = {c.word: ev.scalar(c.value) for c in given if c is not None}
-        name = part.path if statement.name in ("motion", "") else joint_name(env, statement)
-        joint = Joint(
-            joint_name(env, statement),
-            name,
-            program.links[child].scope,
-            kind,
-            parents,
-            child,
-            place(outer, origin),
-            carried_axis(outer, axis, kind),
-            low,
-            high,
-            rest,
-            where=where(statement.span),
-            **physics,
-        )
-        self.joints[child] = self.made[Hinge(env, statement)] = len(program.joints)
-        self.stated[len(program.joints)] = statement.span
-        program.joints.append(joint)
-
-    def limit(self, ev: Evaluator, node: ast.Expr, kind: str) -> Expr:
-        """An end of a range; ``clearance`` stands for a whole turn or ten metres, which is narrowed when objects are made."""
-        if clears(ev, node):
-            return E.const(2 * math.pi if kind == "revolute" else 10.0)
-        return ev.scalar(node)
-
-    def ends(self, ev: Evaluator, interval: ast.RangeExpr, kind: str, joint: int) -> tuple[Expr, Expr]:
-        """Both ends of the range of a joint, by its number."""
-        low, high = interval.low, interval.high
-        if clears(ev, low) or clears(ev, high) and kind not in ("revolute", "prismatic"):
-            self.context.unclear.append((low if clears(ev, low) else high).span)
-        elif clears(ev, high):
-            self.context.clearances[joint] = high.span
-            if isinstance(high, ast.AllExpr):
-                self.context.whatever.add(joint)
-        return self.limit(ev, low, kind), self.limit(ev, high, kind)
-
-    def rest(self, ev: Evaluator, statement: ast.JointDecl, low: Expr | None, high: Expr | None) -> Expr:
-        """The given rest value, else the value of the range nearest 0."""
-        if statement.rest is not None:
-            return ev.scalar(statement.rest.value)
-        if low is None or high is None:
-            return E.ZERO
-        return E.minimum(E.maximum(E.ZERO, low), high)
-
-    def axis(self, ev: Evaluator, part: Part, statement: ast.JointDecl, kind: str) -> tuple[Triple, Triple]:
-        """Origin and direction in the frame of the statement."""
-        if part.env is ev.env:
-            center = place(part.pose, part.box().center)
-        else:
-            center = named_box(ev, part, part.span).center
-        clause = statement.about or statement.along
-        if clause is None:
-            assert statement.parent is not None
-            value = None if bare(ev.env, statement.parent) else ev.value(statement.parent)
-            if isinstance(value, Frame):
-                return value.origin, value.out
-            if isinstance(value, Line):
-                return value.point, value.direction
-            if kind in ("fixed", "ball"):
-                at = statement.at
-                return (ev.vector(at.value[0].value) if at is not None else center), (E.ONE, E.ZERO, E.ZERO)
-            raise self.context.error(
-                "bad-axis",
-                statement.span,
-                f"this {kind} joint has no axis",
-                hint="write `about` and an edge or a line (door.left.back), or for a prismatic joint `along` and a direction",
-            )
-        value = ev.value(clause.value)
-        wrong = kind == "prismatic" if clause is statement.about else kind in MOVING_ABOUT and isinstance(value, Vec)
-        if wrong:
-            right = "along x" if kind == "prismatic" else "about door.left.back"
-            raise self.context.error(
-                "bad-axis",
-                clause.span,
-                f"a {kind} joint does not move {clause.word} this",
-                hint=f"write for example `{right}`",
-            )
-        if isinstance(value, Edge | Line):
-            return value.point, value.direction
-        if isinstance(value, Frame):
-            return value.origin, value.out
-        if isinstance(value, Vec) and not value.point and len(value.items) == 3:
-            return center, value.items
-        raise self.context.error(
-            "bad-axis",
-            clause.span,
-            "this is not an axis",
-            hint="an axis is an edge (door.left.back), a line port, line(...) or a direction",
-        )
-
-
-def clears(ev: Evaluator, node: ast.Expr) -> bool:
-    """Whether an end of a range is as far as nothing is in the way."""
-    return isinstance(node, ast.AllExpr) or isinstance(ev.env.context.meaning(node), Clearance)
-
-
-def carried_axis(outer: Pose, axis: Triple, kind: str) -> Triple:
-    """An axis in the object's frame; an axis of rotation is a pseudo-vector, which a mirror turns round once more."""
-    carried = normalized(direct(outer, axis))
-    return triple(E.mul(outer.mirror, c) for c in carried) if kind in MOVING_ABOUT else carried
-
-
-def joint_name(env: Env, statement: ast.JointDecl) -> str:
-    return env.path + statement.name
 
 
 def first_part(instance: Instance) -> Part | None:

@@ -18,7 +18,8 @@ from ..values.kinds import Frame, Line, Vec
 from ..values.vectors import direct, dot, minus, place, plus, times
 from .connect import carriers
 from .guards import held
-from .links import Links, clears
+from .joints import clears, ends
+from .links import Links
 from .paths import joints
 
 
@@ -56,8 +57,7 @@ def limit(links: Links, env: Env, statement: ast.LimitStmt) -> None:
                 "`clearance` cannot be under a guard that the joint itself is not under",
                 hint="put `clearance` in the joint's own range, or declare a joint in each branch",
             )
-        ends = links.ends(ev, statement.range, joint.kind, number)
-        low, high = (lifted(end, joint.scope) for end in ends)
+        low, high = (lifted(end, joint.scope) for end in ends(ev, statement.range, joint.kind, number))
         low, high = E.maximum(joint.low, low), E.minimum(joint.high, high)
         rest = E.minimum(E.maximum(joint.rest, low), high)
         low, high, rest = (

@@ -1,0 +1,173 @@
+"""Joints: their axes, ranges and physics, in the object's frame."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from ...graph import expr as E
+from ...graph.expr import Expr
+from ...graph.primitive import Triple, triple
+from ...graph.program import Joint, Pose
+from ...semantics.meanings import Clearance
+from ...syntax import ast
+from ..expressions.context import where
+from ..expressions.env import Env, Hinge
+from ..expressions.evaluate import Evaluator
+from ..values.kinds import Edge, Frame, Line, Vec
+from ..values.vectors import direct, normalized, place
+from .connect import Attachment, named_box
+from .part import Part
+from .place import bare
+
+if TYPE_CHECKING:
+    from .links import Links
+
+KINDS = ("revolute", "prismatic", "continuous", "screw", "ball", "fixed")
+MOVING_ABOUT = ("revolute", "continuous", "screw")
+
+
+def build_joint(links: Links, part: Part, attachment: Attachment) -> None:
+    """The joint by which an attachment moves a part, put among those of the program."""
+    statement = attachment.joint
+    assert statement is not None and statement.child is not None
+    env, program = attachment.env, links.context.program
+    ev = Evaluator(env)
+    kind = statement.kind or "fixed"
+    if kind not in KINDS:
+        raise links.context.error(
+            "wrong-kind",
+            statement.kind_span or statement.span,
+            f"there is no joint kind `{kind}`",
+            hint=f"one of {', '.join(KINDS)}",
+        )
+    child = links.own_link(part, attachment)
+    parents = links.base(env) if attachment.base else links.carried(attachment.to, statement.span)
+    origin, axis = axis_of(ev, part, statement, kind)
+    outer = links.world(env)
+    low = high = None
+    if statement.range is not None and kind != "continuous":
+        low, high = ends(ev, statement.range.value, kind, len(program.joints))
+    elif kind in ("revolute", "prismatic", "screw"):
+        raise links.context.error(
+            "missing-clause",
+            statement.span,
+            f"the {kind} joint `{statement.name}` has no range",
+            hint="add `range 0cm .. 30cm`"
+            if kind == "prismatic"
+            else "add `range 0deg .. 90deg`, or make it continuous",
+        )
+    rest = rest_of(ev, statement, low, high)
+    if statement.mimic is not None:
+        links.mimics[len(program.joints)] = (env, statement.mimic.value)
+    given = (statement.damping, statement.friction, statement.effort, statement.velocity, statement.pitch)
+    physics: dict[str, Any] = {c.word: ev.scalar(c.value) for c in given if c is not None}
+    name = part.path if statement.name in ("motion", "") else joint_name(env, statement)
+    joint = Joint(
+        joint_name(env, statement),
+        name,
+        program.links[child].scope,
+        kind,
+        parents,
+        child,
+        place(outer, origin),
+        carried_axis(outer, axis, kind),
+        low,
+        high,
+        rest,
+        where=where(statement.span),
+        **physics,
+    )
+    links.joints[child] = links.made[Hinge(env, statement)] = len(program.joints)
+    links.stated[len(program.joints)] = statement.span
+    program.joints.append(joint)
+
+
+def limit(ev: Evaluator, node: ast.Expr, kind: str) -> Expr:
+    """An end of a range; ``clearance`` stands for a whole turn or ten metres, which is narrowed when objects are made."""
+    if clears(ev, node):
+        return E.const(2 * math.pi if kind == "revolute" else 10.0)
+    return ev.scalar(node)
+
+
+def ends(ev: Evaluator, interval: ast.RangeExpr, kind: str, joint: int) -> tuple[Expr, Expr]:
+    """Both ends of the range of a joint, by its number."""
+    low, high = interval.low, interval.high
+    if clears(ev, low) or clears(ev, high) and kind not in ("revolute", "prismatic"):
+        ev.env.context.unclear.append((low if clears(ev, low) else high).span)
+    elif clears(ev, high):
+        ev.env.context.clearances[joint] = high.span
+        if isinstance(high, ast.AllExpr):
+            ev.env.context.whatever.add(joint)
+    return limit(ev, low, kind), limit(ev, high, kind)
+
+
+def rest_of(ev: Evaluator, statement: ast.JointDecl, low: Expr | None, high: Expr | None) -> Expr:
+    """The given rest value, else the value of the range nearest 0."""
+    if statement.rest is not None:
+        return ev.scalar(statement.rest.value)
+    if low is None or high is None:
+        return E.ZERO
+    return E.minimum(E.maximum(E.ZERO, low), high)
+
+
+def axis_of(ev: Evaluator, part: Part, statement: ast.JointDecl, kind: str) -> tuple[Triple, Triple]:
+    """Origin and direction in the frame of the statement."""
+    if part.env is ev.env:
+        center = place(part.pose, part.box().center)
+    else:
+        center = named_box(ev, part, part.span).center
+    clause = statement.about or statement.along
+    if clause is None:
+        assert statement.parent is not None
+        value = None if bare(ev.env, statement.parent) else ev.value(statement.parent)
+        if isinstance(value, Frame):
+            return value.origin, value.out
+        if isinstance(value, Line):
+            return value.point, value.direction
+        if kind in ("fixed", "ball"):
+            at = statement.at
+            return (ev.vector(at.value[0].value) if at is not None else center), (E.ONE, E.ZERO, E.ZERO)
+        raise ev.env.context.error(
+            "bad-axis",
+            statement.span,
+            f"this {kind} joint has no axis",
+            hint="write `about` and an edge or a line (door.left.back), or for a prismatic joint `along` and a direction",
+        )
+    value = ev.value(clause.value)
+    wrong = kind == "prismatic" if clause is statement.about else kind in MOVING_ABOUT and isinstance(value, Vec)
+    if wrong:
+        right = "along x" if kind == "prismatic" else "about door.left.back"
+        raise ev.env.context.error(
+            "bad-axis",
+            clause.span,
+            f"a {kind} joint does not move {clause.word} this",
+            hint=f"write for example `{right}`",
+        )
+    if isinstance(value, Edge | Line):
+        return value.point, value.direction
+    if isinstance(value, Frame):
+        return value.origin, value.out
+    if isinstance(value, Vec) and not value.point and len(value.items) == 3:
+        return center, value.items
+    raise ev.env.context.error(
+        "bad-axis",
+        clause.span,
+        "this is not an axis",
+        hint="an axis is an edge (door.left.back), a line port, line(...) or a direction",
+    )
+
+
+def clears(ev: Evaluator, node: ast.Expr) -> bool:
+    """Whether an end of a range is as far as nothing is in the way."""
+    return isinstance(node, ast.AllExpr) or isinstance(ev.env.context.meaning(node), Clearance)
+
+
+def carried_axis(outer: Pose, axis: Triple, kind: str) -> Triple:
+    """An axis in the object's frame; an axis of rotation is a pseudo-vector, which a mirror turns round once more."""
+    carried = normalized(direct(outer, axis))
+    return triple(E.mul(outer.mirror, c) for c in carried) if kind in MOVING_ABOUT else carried
+
+
+def joint_name(env: Env, statement: ast.JointDecl) -> str:
+    return env.path + statement.name
