@@ -69,6 +69,7 @@ def port(lowering: Lowering, parts: dict[str, Part], wanted: str) -> Iterator[st
     """The link on which a port of a part lies, and through which part."""
     from ..lower.elaborate.connect import carriers
     from ..lower.expressions.evaluate import Evaluator
+    from ..lower.expressions.members import inner
     from ..lower.solve.ledger import named
     from ..lower.values.kinds import part_of, reference
     from ..syntax import ast
@@ -83,8 +84,8 @@ def port(lowering: Lowering, parts: dict[str, Part], wanted: str) -> Iterator[st
     ]
     if part is None or not declared:
         return
-    found = Evaluator(part.env).member(reference(part), name, part.span)
-    on = carriers(found, part.env.scope)
+    found = inner(Evaluator(part.env), reference(part), name, part.span)
+    on = carriers(found, part.env.scope) if found is not None else ()
     links = named(lowering.links, lowering.links.carried(on, part.span))
     through = " and ".join(dict.fromkeys(f"`{part_of(one).path}`" for one in on))
     yield wanted

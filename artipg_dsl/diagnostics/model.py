@@ -66,11 +66,6 @@ class Report:
     ) -> None:
         self.add(Diagnostic(code, message, span, "warning", hint, tuple(notes), tuple(trace)))
 
-    def retract(self) -> None:
-        """Take back the newest finding (of a reading that was only tried)."""
-        if self._found:
-            self._found.popitem()
-
     def extend(self, other: Report) -> None:
         for diagnostic in other.diagnostics:
             self.add(diagnostic)

@@ -34,6 +34,7 @@ from .types import (
     Type,
     Vec,
     dimension_of,
+    fits,
     is_number,
     named,
     power,
@@ -170,10 +171,24 @@ def _built_in(ck: Checker, ctx: Context, expr: ast.CallExpr, forms: tuple[Form, 
         )
     elif (bound := _bound(ck, expr, form)) is not None:
         ck.mean(expr.function, BuiltIn(form))
-        return RULES[form.rule](ck, ctx, expr, form, bound)
+        kind = RULES[form.rule](ck, ctx, expr, form, bound)
+        return kind if kind != CURVE else _made(ck, ctx, expr, form)
     for argument in expr.arguments:
         ck.infer(ctx.but(many=True), argument.value)
     return UNKNOWN
+
+
+def _made(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form) -> Type:
+    """A curve is made where it gets a name or a solid is made of it, a piece of a path behind the pieces before it."""
+    if isinstance(ctx.making, ast.ChainExpr) if form.meaning == "path" else ctx.making is expr:
+        return CURVE
+    if form.meaning == "path":
+        hint = "a path is `from(point, direction)`, then `line(length)` and `arc(radius, angle, towards)`"
+        return ck.error(
+            "wrong-type", expr.span, f"`{form.name}` is a piece of a path, which has no value alone", hint=hint
+        )
+    hint = f"give it a name first, as in `curve edge = {form.call}`"
+    return ck.error("wrong-type", expr.span, f"`{form.name}` makes a curve, which cannot stand here", hint=hint)
 
 
 def _bound(ck: Checker, expr: ast.CallExpr, form: Form) -> Bound | None:
@@ -260,37 +275,33 @@ def _elements(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: 
     """A number of each element of a repeat: ``sum(cell.size.z)``."""
     ((argument, _),) = bound
     kind = _dimension(ck.infer(ctx.but(many=True), argument.value))
-    _one_repeat(ck, ctx, argument.value)
-    if kind == UNKNOWN:
+    if kind == UNKNOWN or not _one_repeat(ck, ctx, argument.value, form):
         return UNKNOWN
     if not is_number(kind):
         return ck.error("wrong-type", argument.span, f"`{form.name}` takes one number per element, but this is {kind}")
-    if not _mentions_many(ck, argument.value):
-        return ck.error(
-            "wrong-arguments",
-            argument.span,
-            f"`{form.name}` with one argument reduces over the elements of a repeat",
-            hint="name a repeat in it, as in `sum(cell.size.z)`, or give several arguments",
-        )
     return kind
 
 
 def _counted_elements(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: Bound) -> Type:
     ((argument, _),) = bound
     kind = ck.infer(ctx.but(many=True), argument.value)
-    _one_repeat(ck, ctx, argument.value)
-    if kind != UNKNOWN and not isinstance(kind, Element | Slot | Part):
-        ck.error("wrong-type", argument.span, f"`number` counts the elements of a repeat, but this is {kind}")
-    return COUNT
+    if kind == UNKNOWN:
+        return UNKNOWN
+    if not isinstance(kind, Element):
+        return ck.error("wrong-type", argument.span, f"`number` counts the elements of a repeat, but this is {kind}")
+    return COUNT if _one_repeat(ck, ctx, argument.value, form) else UNKNOWN
 
 
-def _one_repeat(ck: Checker, ctx: Context, expr: ast.Expr) -> None:
-    """What is reduced is one repeat: those of exclusive branches have nothing in common but their name."""
+def _one_repeat(ck: Checker, ctx: Context, expr: ast.Expr, form: Form) -> bool:
+    """Whether what is reduced runs through one repeat of this body; if not, that is reported."""
+    paths_through: dict[str, ast.NameExpr] = {}
     for node in walk(expr):
         home = ctx.scope.home(node.name) if isinstance(node, ast.NameExpr) and ctx.scope is not None else None
-        if not isinstance(node, ast.NameExpr) or home is None:
+        if not isinstance(node, ast.NameExpr) or home is None or not isinstance(ck.meanings.get(id(node)), Declared):
             continue
         repeats = [e for e in home.table[node.name] if e.kind == "repeat"]
+        if repeats:
+            paths_through.setdefault(node.name, node)
         if sum(consistent(ctx.condition, ck.entry_condition(e)) for e in repeats) > 1:
             ck.error(
                 "many-elements",
@@ -299,37 +310,42 @@ def _one_repeat(ck: Checker, ctx: Context, expr: ast.Expr) -> None:
                 hint="reduce each inside its own branch",
                 notes=tuple((e.span, "one of them") for e in repeats),
             )
-
-
-def _mentions_many(ck: Checker, expr: ast.Expr) -> bool:
-    match expr:
-        case ast.NameExpr():
-            return getattr(ck.types.get(id(expr)), "many", False)
-        case ast.MemberExpr(obj=obj):
-            return getattr(ck.types.get(id(expr)), "many", False) or _mentions_many(ck, obj)
-        case ast.IndexExpr(obj=obj):
-            return isinstance(obj, ast.MemberExpr) and _mentions_many(ck, obj.obj)
-        case ast.UnaryExpr(operand=operand):
-            return _mentions_many(ck, operand)
-        case ast.BinaryExpr(left=left, right=right):
-            return _mentions_many(ck, left) or _mentions_many(ck, right)
-        case ast.IfExpr(then=a, condition=b, otherwise=c):
-            return any(_mentions_many(ck, e) for e in (a, b, c))
-        case ast.CallExpr(arguments=arguments):
-            return any(_mentions_many(ck, a.value) for a in arguments)
+            return False
+    if len(paths_through) > 1:
+        first, second, *_ = paths_through
+        ck.error(
+            "many-elements",
+            paths_through[second].span,
+            f"`{form.name}` reduces over the elements of one repeat, not over those of `{first}` and of `{second}`",
+            hint=f"reduce each on its own, or give one of them a number, as in `{second}[0]`",
+        )
+        return False
+    elements = [n for n in walk(expr) if isinstance(ck.types.get(id(n)), Element)]
+    if paths_through and not any(isinstance(n, ast.IndexExpr) for n in elements):
+        return True
+    hint = "name a repeat in it, as in `sum(cell.size.z)`, or give several arguments"
+    if elements:
+        hint = (
+            "what lies in a part or in one element is reduced there: `let total = sum(cell.size.z)`, then name `total`"
+        )
+    message = f"`{form.name}` with one argument reduces over the elements of a repeat"
+    ck.error("wrong-arguments", expr.span, message + " of this body" * bool(elements), hint=hint)
     return False
 
 
 def _typed(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: Bound) -> Type:
     """Each argument is of the type of its parameter."""
+    failed = False
     for argument, parameter in bound:
         if parameter.type not in ("part", "number"):
-            ck.expect(ctx, argument.value, named(parameter.type), f"`{parameter.name}` of `{form.name}`")
+            wanted = named(parameter.type)
+            kind = ck.expect(ctx, argument.value, wanted, f"`{parameter.name}` of `{form.name}`")
+            failed |= not fits(kind, wanted)
             continue
         kind = ck.infer(ctx, argument.value)
         if parameter.type == "part" and kind != UNKNOWN and not isinstance(kind, Part | Slot | Element):
             ck.error("wrong-type", argument.span, f"`{form.name}` reads the extent of a part, but this is {kind}")
-    return named(form.gives)
+    return UNKNOWN if failed else named(form.gives)
 
 
 def _moved(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: Bound) -> Type:
@@ -402,5 +418,7 @@ def chain(ck: Checker, ctx: Context, expr: ast.ChainExpr) -> Type:
                 f"`{word}` is not allowed here in a path",
                 hint="a path is written `from(point, direction)`, then `line(length)` and `arc(radius, angle, towards)`",
             )
-        ck.infer(ctx, piece)
+        kind = ck.infer(ctx.but(making=expr), piece)
+        if kind not in (CURVE, UNKNOWN):
+            ck.error("wrong-type", piece.span, f"a piece of a path is needed here, but this is {kind}")
     return CURVE

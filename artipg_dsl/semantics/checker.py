@@ -34,6 +34,7 @@ class Context:
     ``ends``: it names an end of a connection.
     ``holes``: ``_`` may stand for a component.
     ``component``: the dimension that the components of this vector should have.
+    ``making``: the expression that may make a curve, as the value of a `let` and the argument of an operator do.
     ``silent``: the types are not recorded (the body of a function, once per call).
     """
 
@@ -49,6 +50,7 @@ class Context:
     ends: bool = False
     subject: bool = False
     component: Dimension | None = None
+    making: ast.Expr | None = None
 
     def but(self, **changes: Any) -> Context:
         return replace(self, **changes)
@@ -122,6 +124,17 @@ class Checker:
     def mean(self, node: ast.Node, meaning: Meaning) -> None:
         """Notes what a name stands for; it is the same in every check of its place."""
         self.meanings[id(node)] = meaning
+
+    def mean_member(self, node: ast.MemberExpr, meaning: Meaning) -> None:
+        """Notes what a member is. In a function it has to be the same for whatever calls hand in."""
+        before = self.meanings.setdefault(id(node), meaning)
+        if before != meaning:
+            self.error(
+                "wrong-type",
+                node.name_span,
+                f"`{node.name}` is declared for the argument of one call, and a member of every box or place for that of another",
+                hint="write one function for each of them",
+            )
 
     def infer(self, ctx: Context, expr: ast.Expr) -> Type:
         """The type of an expression, recorded; errors are reported once per place."""

@@ -50,7 +50,7 @@ def type_of(ck: Checker, entry: Entry) -> Type:
         case ast.LetDecl(parameters=parameters, value=value, keyword=keyword):
             if parameters:
                 return Function(entry)
-            kind = ck.infer(ctx, value)
+            kind = ck.infer(ctx.but(making=value), value)
             if isinstance(kind, Style) and isinstance(meaning := ck.meanings.get(id(value)), Global):
                 return ck.error(
                     "wrong-type",

@@ -162,6 +162,9 @@ def _if(ck: Checker, ctx: Context, expr: ast.IfExpr) -> Type:
     known = conditions.of(ck, ctx, expr.condition)
     then = ck.infer(ctx.given(known), expr.then)
     otherwise = ck.infer(ctx.given(Not(known)), expr.otherwise)
+    if then == otherwise == CURVE:
+        hint = "choose the part that is made along it instead, by `when`"
+        return ck.error("wrong-type", expr.span, "`if` chooses numbers and places; it cannot choose a curve", hint=hint)
     for a, b in ((then, otherwise), (otherwise, then)):
         if fits(a, b):
             return LENGTH if PLANE in (a, b) and a != b else UNKNOWN if UNKNOWN in (a, b) else b
@@ -246,8 +249,6 @@ def _sum(op: str, left: Type, right: Type) -> Type | None:
         if left.dimension != right.dimension:
             return None
         return Scalar(left.dimension, count=left.count and right.count)
-    if left == right == CURVE:
-        return CURVE
     if left == POINT or right == POINT:
         if not (fits(left, POINT) and fits(right, POINT)):
             return None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from ..diagnostics.suggest import did_you_mean, suggest
@@ -13,8 +13,10 @@ from . import paths
 from .alternatives import unknown_material
 from .calls import range_type
 from .entries import of_reference
-from .meanings import Declared, Global, Previous
+from .meanings import Declared, Global, Inner, Previous
 from .offers import missing
+from .parts import below
+from .symbols import Symbol
 from .types import (
     BOOL,
     COUNT,
@@ -102,7 +104,9 @@ def target(ck: Checker, ctx: Context, expr: ast.Expr, rule: str) -> Context:
     kind, ctx = _place(ck, ctx, expr)
     if not isinstance(kind, Part | Slot | Element) and kind not in (UNKNOWN, PLANE, SURFACE):
         ck.error("wrong-type", expr.span, f"{rule} parts, slots or surfaces, but this is {kind}")
-    elif kind == PLANE and not _is_surface(ck, expr):
+    elif kind == PLANE and isinstance(expr, ast.MemberExpr) and _is_surface(ck, expr):
+        ck.mean(expr, Inner(expr.name))  # the surface of that name, not the face of the box
+    elif kind == PLANE:
         ck.error(
             "wrong-type",
             expr.span,
@@ -113,14 +117,29 @@ def target(ck: Checker, ctx: Context, expr: ast.Expr, rule: str) -> Context:
     return ctx
 
 
-def _is_surface(ck: Checker, expr: ast.Expr) -> bool:
+def _is_surface(ck: Checker, expr: ast.MemberExpr) -> bool:
     """Whether what is called like a face may be a surface of a primitive, too."""
-    if not isinstance(expr, ast.MemberExpr):
-        return False
-    owner = ck.types.get(id(expr.obj))
-    symbols = [v.symbol for v in owner.variants if v.symbol is not None] if isinstance(owner, Part) else []
-    entries = (entry for symbol in symbols for entry in ck.scope_of(symbol).table.get(expr.name, ()))
-    return isinstance(owner, Slot) or any(entry.kind == "surface" for entry in entries)
+    owners = _made_of(ck, expr.obj, ck.types.get(id(expr.obj)))
+    entries = (entry for symbol in owners for entry in ck.scope_of(symbol).table.get(expr.name, ()))
+    return any(entry.kind == "surface" for entry in entries)
+
+
+def _made_of(ck: Checker, expr: ast.Expr, kind: Type | None) -> Iterator[Symbol]:
+    """What the parts that a path names are made of, those that a slot binds included."""
+    if isinstance(kind, Part):
+        yield from (v.symbol for v in kind.variants if v.symbol is not None)
+    if not isinstance(kind, Slot) or not isinstance(expr, ast.MemberExpr):
+        return
+    for owner in _made_of(ck, expr.obj, ck.types.get(id(expr.obj))):
+        for entry in (e for scope in below(ck.scope_of(owner)) for e in scope.table.get(expr.name, ())):
+            if not isinstance(entry.node, ast.SlotDecl):
+                yield from _made_of(ck, expr, ck.entry_type(entry))
+                continue
+            inside = ck.context(entry.scope).but(lenient=[], many=True, subject=True)
+            for bound in entry.node.targets:
+                with ck.muted():
+                    kind = ck.infer(inside, bound)
+                yield from _made_of(ck, bound, kind)
 
 
 def not_previous(ck: Checker, expr: ast.Expr) -> None:

@@ -68,6 +68,20 @@ class OwnBox(Meaning):
 
 
 @dataclass(frozen=True, slots=True)
+class Feature(Meaning):
+    """What stands after a dot and is the language's own: a face, ``size``, ``out``, ``x``, the ``gap`` of an element."""
+
+    member: str
+
+
+@dataclass(frozen=True, slots=True)
+class Inner(Meaning):
+    """What stands after a dot and is declared: by the template or primitive of a part, in the body of an element."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
 class Axis(Meaning):
     """The direction x, y or z."""
 

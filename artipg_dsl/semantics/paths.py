@@ -13,7 +13,21 @@ from . import foreign
 from .entries import narrowed
 from .fold import constant
 from .guards import TRUE, And, Or, conjunction, consistent, implies
-from .meanings import Axis, Base, Constant, Current, Declared, Global, Last, Local, Meaning, OwnBox, Previous
+from .meanings import (
+    Axis,
+    Base,
+    Constant,
+    Current,
+    Declared,
+    Feature,
+    Global,
+    Inner,
+    Last,
+    Local,
+    Meaning,
+    OwnBox,
+    Previous,
+)
 from .parts import BOX_MEMBERS, below, box_member, listed, part_member, path_text, place_member, place_names, present
 from .presence import declared, guarded, of_element, optional
 from .scope import Entry, Scope, Variant
@@ -232,6 +246,9 @@ def member(ck: Checker, ctx: Context, expr: ast.MemberExpr) -> Type:
     """The type of ``obj.name``."""
     obj = ck.infer(ctx, expr.obj)
     word, span = expr.name, expr.name_span
+    if obj != UNKNOWN:
+        declared_there = isinstance(obj, Part) and word not in BOX_MEMBERS or _in_element(obj, word)
+        ck.mean_member(expr, Inner(word) if declared_there else Feature(word))
     match obj:
         case Part():
             return part_member(ck, ctx, obj, word, span, path_text(expr.obj))
@@ -256,6 +273,14 @@ def member(ck: Checker, ctx: Context, expr: ast.MemberExpr) -> Type:
             hint = "only adjacent faces share an edge, as in `left.back`"
         return ck.error("unknown-member", span, f"{obj} has no `{word}`", hint=hint)
     return found
+
+
+def _in_element(obj: Type, word: str) -> bool:
+    """Whether the body of a repeat declares a name that others may use."""
+    if not isinstance(obj, Element):
+        return False
+    inner = obj.entry.scope.inner[id(obj.entry.node)]
+    return any(not e.private or e.kind == "index" for e in inner.table.get(word, ()))
 
 
 def _element_member(ck: Checker, ctx: Context, obj: Element, word: str, span: Span, path: str) -> Type:

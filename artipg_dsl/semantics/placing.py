@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from ..diagnostics.suggest import any_of, did_you_mean, suggest
 from ..language import DIRECTIONS, FACES
 from ..syntax import ast
+from ..syntax.walk import walk
 from ..units import UNITS
 from . import foreign
 from .declarations import check_range
@@ -310,7 +311,13 @@ def _mimic(ck: Checker, ctx: Context, value: ast.Expr, wanted: Type) -> None:
             ck.infer(ctx, value)
         case _:
             given = ck.infer(ctx.but(lenient=[], asked=True), value)
-            if not isinstance(given, Joint | Scalar) and given != UNKNOWN:
+            indices = [node for node in walk(value) if isinstance(node, ast.IndexExpr)]
+            if given != UNKNOWN and any(not isinstance(node.obj, ast.NameExpr) for node in indices):
+                message = "`mimic` must follow a joint of one element of a repeat of this body"
+                ck.error(
+                    "many-elements", value.span, message, hint="as in `mimic row[0].open` or `mimic previous.open`"
+                )
+            elif not isinstance(given, Joint | Scalar) and given != UNKNOWN:
                 ck.error("wrong-type", value.span, f"`mimic` must follow a joint, but this is {given}")
 
 

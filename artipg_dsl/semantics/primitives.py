@@ -32,9 +32,7 @@ def check(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
         case ast.CurveDecl(parameter=name, parameter_range=interval, value=value):
             kind = _parameter(ck, ctx, interval, f"`{name}`")
             given = ck.infer(ctx.but(extra={name: kind}), value)
-            if given not in (UNKNOWN, CURVE, POINT) and not (
-                isinstance(given, Vec) and given.dimension in (LENGTH_DIM, None)
-            ):
+            if given not in (UNKNOWN, POINT) and not (isinstance(given, Vec) and given.dimension in (LENGTH_DIM, None)):
                 ck.mismatch(value, given, Vec(2, LENGTH_DIM), f"a point of the curve `{stmt.name}`")
         case ast.InsideDecl(parameter=name, value=value):
             ck.expect(ctx.but(extra={name: SIZE}), value, LENGTH, "`inside`")
@@ -94,7 +92,7 @@ def _solid(ck: Checker, ctx: Context, stmt: ast.SolidDecl) -> None:
     for argument in stmt.arguments:
         chain = argument.value.items if isinstance(argument.value, ast.VectorExpr) else (argument.value,)
         for curve in chain:  # one curve, or a chain of them in brackets
-            ck.expect(ctx, curve, CURVE, f"an argument of `{stmt.operator}`")
+            ck.expect(ctx.but(making=curve), curve, CURVE, f"an argument of `{stmt.operator}`")
     known = _OPERATORS.get(stmt.operator, ())
     for given in ast.clauses(stmt) if known else ():
         if given.word not in known:

@@ -268,7 +268,7 @@ def _condition(ck: Checker, ctx: Context, stmt: ast.RequireStmt | ast.PreferStmt
 def _parts(ck: Checker, ctx: Context, subject: ast.Expr, other: ast.Expr | None, word: str) -> None:
     for expr in (subject,) if other is None else (subject, other):
         kind = ck.infer(ctx.but(lenient=[], many=True, subject=True), expr)
-        if not isinstance(kind, Part | Slot | Element) and kind not in (UNKNOWN, PLANE):
+        if not isinstance(kind, Part | Slot | Element) and kind != UNKNOWN:
             ck.error("wrong-type", expr.span, f"`{word}` names parts, but this is {kind}")
         labels.not_previous(ck, expr)
 

@@ -12,10 +12,10 @@ from ...semantics.symbols import Symbol, lineage
 from ...source import Span
 from ...syntax import ast
 from ..expressions.context import Abort
-from ..expressions.env import Env, Function, Hinge, Thunk, names_of
+from ..expressions.env import Env, Hinge, Thunk, names_of
 from ..expressions.evaluate import Evaluator
 from ..expressions.ports import Binding, PortArray
-from ..solids.curves import Curve
+from ..solids.curves import let
 from ..solve.solve import settle
 from ..values.kinds import Box, Ref, Value, reference
 from ..values.vectors import times
@@ -124,12 +124,8 @@ def register(env: Env, statement: ast.Stmt) -> None:
                 thunk(name, span, partial(own_parameter, env, statement, name))
         case ast.CountDecl():
             thunk(statement.name, statement.name_span, lambda: draw_scalar(env, statement, env.path + statement.name))
-        case ast.LetDecl() if statement.parameters:
-            env.names[statement.name] = Function(statement.name, statement.parameters, statement.value, env)
-        case ast.LetDecl() if not isinstance(statement.value, ast.ChainExpr):
-            thunk(statement.name, statement.name_span, lambda: Evaluator(env).value(statement.value))
         case ast.LetDecl() | ast.CurveDecl():
-            env.names[statement.name] = Curve(statement, env)
+            env.names.setdefault(statement.name, let(env, statement))
         case ast.PartDecl():
             thunk(statement.name, statement.name_span, lambda: reference(build_part(env, statement, lower_body)))
         case ast.StyleDecl() if statement.role == "material":

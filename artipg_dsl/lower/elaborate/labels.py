@@ -11,6 +11,7 @@ from ...graph.expr import ONE, Expr, Scope, ScopeError
 from ...graph.formula import free_variables
 from ...graph.primitive import Triple, pair
 from ...graph.program import Grasp, Keypoint, Label, Pose, Target
+from ...semantics import types
 from ...semantics.meanings import Current, Declared, Global
 from ...syntax import ast
 from ...syntax.walk import walk as nodes_in
@@ -370,14 +371,11 @@ def keypoint(links: Links, env: Env, statement: ast.KeypointStmt) -> None:
 
 
 def is_part_path(env: Env, node: ast.Expr) -> bool:
-    try:
-        quiet = len(env.context.report.diagnostics)
-        named = isinstance(env.context.meaning(root(node)), Declared | Current)
-        found = all(isinstance(r.value, Ref) for r in walk(env, node)) if named else False
-        return found and len(env.context.report.diagnostics) == quiet
-    except Abort:
-        env.context.report.retract()
+    """Whether a target names parts: a slot may bind surfaces, and `previous` is a part of another element."""
+    if not isinstance(env.context.typed.type_of(node), types.Part | types.Slot):
         return False
+    named = isinstance(env.context.meaning(root(node)), Declared | Current)
+    return named and all(isinstance(reached.value, Ref) for reached in walk(env, node))
 
 
 def symmetry(links: Links, env: Env, statement: ast.SymmetryStmt) -> None:

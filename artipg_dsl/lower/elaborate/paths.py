@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from ...graph import expr as E
 from ...graph.expr import Expr
-from ...semantics.meanings import Current, Declared, Previous
+from ...semantics.meanings import Current, Declared, Inner, Previous
 from ...syntax import ast
 from ..expressions.env import Element, Env, Hinge
 from ..expressions.evaluate import Evaluator
@@ -29,8 +29,8 @@ class Reached(NamedTuple):
 
 def walk(env: Env, node: ast.Expr) -> list[Reached]:
     """Values of a path through every repeat it names, each in its own environment; an index says of which element."""
+    meaning = env.context.meaning(node)
     if isinstance(node, ast.NameExpr):
-        meaning = env.context.meaning(node)
         at: Env | None = env if isinstance(meaning, Declared) else None
         while at is not None:  # each branch of a `when` that declares the name, on its own
             if node.name not in at.names and (branched := at.branched(node.name)):
@@ -41,20 +41,20 @@ def walk(env: Env, node: ast.Expr) -> list[Reached]:
             value = value.element
         if value is not None:
             return [Reached(value, env)]
-        raise env.context.error("unknown-name", node.span, f"`{node.name}` is not known here")
+        raise env.context.internal(node.span, f"`{node.name}` has no value here")
     if isinstance(node, ast.IndexExpr):
         return [at._replace(named=E.both(at.named, element_named(env, at, node))) for at in walk(env, node.obj)]
-    if not isinstance(node, ast.MemberExpr):
-        raise env.context.error("wrong-kind", node.span, "a name or a name or a path of names is needed here")
+    if not isinstance(node, ast.MemberExpr) or not isinstance(meaning, Inner):
+        raise env.context.internal(node.span, "this is not a path of declared names")
     found: list[Reached] = []
     for value, _, named in walk(env, node.obj):
-        if isinstance(value, Element):
-            if node.name in value.env.names:
-                found.append(Reached(value.env.force(node.name), value.env, named))
-            else:
-                found.extend(Reached(v, branch, named) for branch, v in value.env.branched(node.name))
-        elif isinstance(value, Ref):
-            found.extend(r._replace(named=E.both(named, r.named)) for r in inner_values(value, node.name))
+        match value:
+            case Element(env=home) if meaning.name in home.names:
+                found.append(Reached(home.force(meaning.name), home, named))
+            case Element(env=home):
+                found.extend(Reached(v, branch, named) for branch, v in home.branched(meaning.name))
+            case Ref():
+                found.extend(r._replace(named=E.both(named, r.named)) for r in inner_values(value, meaning.name))
     if not found:
         raise env.context.error("unknown-member", node.name_span, f"nothing here has `{node.name}`")
     return found

@@ -8,11 +8,13 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from ...graph import expr as E
-from ...graph.expr import Expr
+from ...graph.expr import Expr, Scope
 from ...graph.primitive import triple
 from ...language import Form
+from ...semantics.meanings import Declared, Inner
 from ...source import Span
 from ...syntax import ast
+from ...syntax.walk import walk
 from ..values.carry import mapped, scalars
 from ..values.faces import FACES, extent, frame_of, squared
 from ..values.kinds import Box, Frame, Line, Ports, Value, carriers_of
@@ -135,40 +137,52 @@ def box(ev: Evaluator, node: ast.CallExpr, form: Form) -> Box:
 
 
 def count(ev: Evaluator, node: ast.CallExpr, form: Form) -> Expr:
-    """How many elements a repeat has."""
-    return repeat_of(ev, node.arguments[0].value, form).count
+    """How many elements a repeat has; of a repeat in a repeat, how many in all elements of that."""
+    element = repeat_of(ev, node.arguments[0].value)
+    return over(ev, "sum", element.scope.parent, element.count)
 
 
 def reduction(ev: Evaluator, node: ast.CallExpr, form: Form) -> Expr:
     """``sum(cell.size.z)``: over the elements of the repeat that the path goes through."""
     argument = node.arguments[0].value
-    value = type(ev)(repeat_of(ev, argument, form).env).scalar(argument)
-    while value.scope is not None and not ev.env.scope.within(value.scope):
-        value = E.reduce(form.name, value.scope, value)
+    element = repeat_of(ev, argument)
+    value = type(ev)(element.env).scalar(argument)
+    deeper = value.scope is not None and value.scope.within(element.scope)
+    return over(ev, form.name, value.scope if deeper else element.scope, value)
+
+
+def over(ev: Evaluator, kind: str, scope: Scope | None, value: Expr) -> Expr:
+    """A value of each row of ``scope``, reduced table by table to what stands here; the sum of what is the same in all rows counts it
+    for each of them."""
+    while scope is not None and not ev.env.scope.within(scope):
+        if value.scope is not None and value.scope.within(scope):
+            value = E.reduce(kind, scope, value)
+        elif kind == "sum" and scope.count is not None:
+            there = scope.count if scope.kind == "repeat" else E.where(scope.count, E.ONE, E.ZERO)
+            value = E.mul(value, there)
+        scope = scope.parent
     return value
 
 
-def repeat_of(ev: Evaluator, node: ast.Expr, form: Form) -> Element:
-    """The repeat that a path goes through."""
-    base = node
-    while isinstance(base, ast.MemberExpr | ast.IndexExpr | ast.CallExpr | ast.BinaryExpr | ast.UnaryExpr):
-        base = (
-            base.obj
-            if isinstance(base, ast.MemberExpr | ast.IndexExpr)
-            else base.left
-            if isinstance(base, ast.BinaryExpr)
-            else base.operand
-            if isinstance(base, ast.UnaryExpr)
-            else base.arguments[0].value
-        )
-    element = ev.value(base) if isinstance(base, ast.NameExpr) else None
-    if not isinstance(element, Element) or ev.inside(element):
-        raise ev.env.context.error(
-            "wrong-kind",
-            node.span,
-            f"`{form.name}` with one argument needs a path through a repeat, such as {form.name}(cell.size.z)",
-        )
+def repeat_of(ev: Evaluator, argument: ast.Expr) -> Element:
+    """The innermost repeat that a path in an argument runs through."""
+    found = (element_of(ev, node) for node in walk(argument))
+    element = next((e for e in found if e is not None and not ev.inside(e)), None)
+    if element is None:
+        raise ev.env.context.internal(argument.span, "no path here runs through a repeat")
     return element
+
+
+def element_of(ev: Evaluator, node: ast.Node) -> Element | None:
+    """The repeat that a path of names stands for."""
+    value: Value | None = None
+    match node, ev.env.context.meaning(node):
+        case ast.NameExpr(), Declared() as meaning:
+            value = ev.meant(meaning)
+        case ast.MemberExpr(obj=obj), Inner(name):
+            owner = element_of(ev, obj)
+            value = None if owner is None else owner.env.declared(name)
+    return value if isinstance(value, Element) else None
 
 
 FUNCTIONS: dict[str, Makes] = {

@@ -30,8 +30,7 @@ class Evaluator:
     """Evaluates in ``env``; ``local`` holds the names that only this place has (formula variables, function arguments)."""
 
     truth, number, plane, across = arithmetic.truth, arithmetic.number, arithmetic.plane, arithmetic.across
-    member, box_member, own_box, here = members.member, members.box_member, members.own_box, members.here
-    ref_box = members.ref_box
+    box_member, own_box, ref_box, here = members.box_member, members.own_box, members.ref_box, members.here
 
     drive: Drive | None = None  # in formulas of labels: what a force on the surface does to a joint
 
@@ -97,9 +96,16 @@ class Evaluator:
         if isinstance(value, Ref):
             value = self.ref_box(value, span)
         if isinstance(value, Element) and value.box is not None:
-            value = value.box
+            value = self.here(value, value.box) if self.inside(value) else value.box
         if isinstance(value, Box):
             return value
+        if isinstance(value, Element):
+            raise self.env.context.error(
+                "wrong-kind",
+                span,
+                f"an element of `{value.name}` has no box of its own",
+                hint="those of `split`, `spread`, `fill` and `pitch` have one: name the box that is meant, or a part",
+            )
         raise self.wrong(span, "a box", value)
 
     def wrong(self, span: Span, expected: str, value: Value) -> Exception:
@@ -117,7 +123,7 @@ class Evaluator:
                 case ast.NameExpr():
                     return self._name(node)
                 case ast.MemberExpr():
-                    return self.member(self.value(node.obj), node.name, node.name_span, node)
+                    return members.member(self, self.value(node.obj), node)
                 case ast.IndexExpr():
                     return self._element(node)
                 case ast.CallExpr():

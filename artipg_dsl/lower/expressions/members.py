@@ -10,6 +10,7 @@ from ...graph import expr as E
 from ...graph.expr import Expr, Scope
 from ...graph.primitive import triple
 from ...graph.program import Pose
+from ...semantics.meanings import Feature, Inner
 from ...source import Span
 from ...syntax import ast
 from ..values.carry import baked, mapped, mapped_pose, merged, moved
@@ -96,67 +97,86 @@ def box_member(ev: Evaluator, box: Box, name: str) -> Value | None:
     return None
 
 
-def member(ev: Evaluator, value: Value, name: str, span: Span, node: ast.MemberExpr | None = None) -> Value:
-    found: Value | None = None
-    if isinstance(value, Vec):
-        if name in AXES and AXES.index(name) < len(value.items):
-            axis = AXES.index(name)
-            found = Plane(axis, value.items[axis], value.on) if value.point else value.items[axis]
-    elif isinstance(value, Ref):
-        found = ref_member(ev, value, name, span)
-    elif isinstance(value, Element):
-        found = element_member(ev, value, name, span)
-    elif isinstance(value, At):
-        found = at_member(ev, value, name, span)
-    elif isinstance(value, Box):
-        found = box_member(ev, value, name)
-    elif isinstance(value, Frame):
-        found = frame_member(ev, value, name)
-    elif isinstance(value, Line):
-        found = line_member(ev, value, name)
+def member(ev: Evaluator, value: Value, node: ast.MemberExpr) -> Value:
+    """What stands after a dot, as the checker found: declared by somebody, or of the language."""
+    match ev.env.context.meaning(node):
+        case Inner(name):
+            found = inner(ev, value, name, node.name_span)
+        case Feature(name):
+            found = feature(ev, value, name, node.name_span)
+        case _:
+            found = None
+    if found is None and isinstance(value, Face | Edge):
+        raise ev.env.context.error("unknown-member", node.name_span, f"{describe(value)} has no `{node.name}`")
     if found is None:
-        raise ev.env.context.error("unknown-member", span, f"{describe(value)} has no `{name}`")
+        raise ev.env.context.internal(node.name_span, f"{describe(value)} has no `{node.name}`")
     return found
 
 
-def frame_member(ev: Evaluator, value: Frame, name: str) -> Value | None:
-    if name in ("origin", "center"):
-        return Vec(value.origin, value.on, point=True)
-    if name == "out":
-        return Vec(value.out)
-    if name == "up":
-        return Vec(value.up)
-    if isinstance(value, Face) and name in FACES:
-        return edge_of(value, name)
+def inner(ev: Evaluator, value: Value, name: str, span: Span) -> Value | None:
+    """What the template of a part or the body of an element declares."""
+    match value:
+        case Ref():
+            return declared(ev, value, name, span)
+        case Element():
+            found = within(ev, value, span).env.declared(name)
+            return None if found is None else from_env(ev, value.env, found)
+        case At():
+            home = type(ev)(value.element.env)
+            found = inner(home, value.inner, name, span)
+            return None if found is None else fetch(ev, value, found)
     return None
 
 
-def line_member(ev: Evaluator, value: Line, name: str) -> Value | None:
-    if name in ("at", "origin", "center"):
-        return Vec(value.point, value.on, point=True)
-    if name == "to" and value.to is not None:
-        return Vec(value.to, value.on, point=True)
-    if name == "along":
-        return Vec(value.direction)
-    if isinstance(value, Edge) and name in FACES:
-        return corner_of(value, name)
-    return None
+def feature(ev: Evaluator, value: Value, name: str, span: Span) -> Value | None:
+    """A member that the language gives: of a vector, a line, a frame, or of the box of what has one."""
+    match value:
+        case Vec():
+            axis = AXES.index(name)
+            return Plane(axis, value.items[axis], value.on) if value.point else value.items[axis]
+        case Frame():
+            return frame_feature(value, name)
+        case Line():
+            return line_feature(value, name)
+        case Element(gap=gap) if name == "gap":
+            within(ev, value, span)
+            return gap
+        case At(inner=Element(gap=Box() as gap)) if name == "gap":
+            return fetch(ev, value, gap)
+        case Ref() if name == "size" and (size := declared(ev, value, name, span)) is not None:
+            return size
+        case Element():
+            within(ev, value, span)
+    box = ev.box_of(value, span)
+    found = box_member(ev, box, name)
+    return replace(found, on=box.on) if isinstance(value, Ref) and isinstance(found, Lying) else found
 
 
-def element_member(ev: Evaluator, value: Element, name: str, span: Span) -> Value | None:
-    if ev.inside(value):
-        if name == "gap":
-            return value.gap
-        if value.box is not None and (found := box_member(ev, here(ev, value, value.box), name)) is not None:
-            return found
-        inner = value.env.declared(name)
-        return inner if inner is None else from_env(ev, value.env, inner)
-    raise ev.env.context.error(
-        "many-elements",
-        span,
-        f"`{value.name}` means all elements of a repeat here",
-        hint=f"name one, `{value.name}[0]` or `{value.name}[last]`, or reduce them with sum, min or max",
-    )
+def frame_feature(value: Frame, name: str) -> Value | None:
+    match name:
+        case "origin" | "center":
+            return Vec(value.origin, value.on, point=True)
+        case "out":
+            return Vec(value.out)
+        case "up":
+            return Vec(value.up)
+    return edge_of(value, name) if isinstance(value, Face) else None
+
+
+def line_feature(value: Line, name: str) -> Value | None:
+    match name:
+        case "origin" | "center":
+            return Vec(value.point, value.on, point=True)
+        case "along":
+            return Vec(value.direction)
+    return corner_of(value, name) if isinstance(value, Edge) else None
+
+
+def within(ev: Evaluator, element: Element, span: Span) -> Element:
+    """An element in whose repeat this stands."""
+    if not ev.inside(element):
+        raise ev.env.context.internal(span, f"`{element.name}` stands for all elements of a repeat here")
+    return element
 
 
 def here(ev: Evaluator, element: Element, box: Box) -> Box:
@@ -178,16 +198,6 @@ def from_env(ev: Evaluator, env: Env, value: Value) -> Value:
         at = at.outer
     value = value if chain is HERE else moved(value, inverse(chain))
     return moved(value, ev.pose)
-
-
-def at_member(ev: Evaluator, value: At, name: str, span: Span) -> Value | None:
-    within = type(ev)(value.element.env)
-    boxed = name in FACES or name in ("center", "size", "box")
-    if boxed and isinstance(value.inner, Ref):
-        return box_member(ev, fetch(ev, value, within.ref_box(value.inner, span)), name)
-    if boxed and isinstance(value.inner, Element) and value.inner.box is not None:
-        return box_member(ev, fetch(ev, value, value.inner.box), name)
-    return fetch(ev, value, within.member(value.inner, name, span))
 
 
 @overload
@@ -235,8 +245,8 @@ def lift(ev: Evaluator, value: Value, scope: Scope | None) -> Value:
     return value
 
 
-def ref_member(ev: Evaluator, ref: Ref, name: str, span: Span) -> Value | None:
-    """A member of what a reference names, of whichever alternative exists; else of its box."""
+def declared(ev: Evaluator, ref: Ref, name: str, span: Span) -> Value | None:
+    """What the templates of a reference declare under a name: of whichever alternative exists."""
     results: list[tuple[Scope | None, Value]] = []
     for branch in ref.branches:
         if len(branch.members) != 1:
@@ -245,12 +255,8 @@ def ref_member(ev: Evaluator, ref: Ref, name: str, span: Span) -> Value | None:
         found = part.member(name, span, ev, ref.own)
         if found is not None:
             results.append((branch.scope, moved(found, outer)))
-    if not results or len(results) < len(ref.branches):
-        box = ref_box(ev, ref, span)
-        if (found := box_member(ev, box, name)) is not None:
-            return labelled(found, box)
-        if not results:
-            return None
+    if not results or name == "size" and len(results) < len(ref.branches):
+        return None
     return moved(joined(ev, name, results), ref.frame)
 
 
@@ -276,11 +282,6 @@ def parted(values: Sequence[tuple[Scope | None, K]]) -> tuple[Scope, list[tuple[
     parent = own[0][0].parent
     assert parent is not None and len(own) == len(values)
     return parent, own
-
-
-def labelled(value: Value, box: Box) -> Value:
-    """A value of a box lies on what the box lies on."""
-    return replace(value, on=box.on) if isinstance(value, Lying) else value
 
 
 def ref_box(ev: Evaluator, ref: Ref, span: Span) -> Box:

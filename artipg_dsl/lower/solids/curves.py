@@ -6,6 +6,7 @@ moves a curve sideways. A path in space is a chain of lines and arcs (see ``path
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from ...graph import expr as E
@@ -13,9 +14,10 @@ from ...graph.derive import derive
 from ...graph.expr import ONE, ZERO, Expr
 from ...graph.primitive import pair
 from ...language import Form
+from ...semantics.types import CURVE
 from ...syntax import ast
 from ..expressions.builtins import bound
-from ..expressions.env import Env, Function
+from ..expressions.env import Env, Function, Thunk
 from ..expressions.evaluate import Evaluator
 from ..expressions.members import describe
 from ..values.kinds import Value, Vec
@@ -57,6 +59,17 @@ class Curve(Function):
             f"this is {describe(value)}, not a point of the curve `{self.name}`",
             hint="write [a, b] for a curve in a plane, [x, y, z] for a path in space",
         )
+
+
+def let(env: Env, statement: ast.LetDecl | ast.CurveDecl) -> Function | Thunk:
+    """What a ``let`` or a ``curve`` declares: a function, a curve, or a value that is found when it is first read."""
+    value = statement.value
+    if isinstance(statement, ast.LetDecl) and statement.parameters:
+        return Function(statement.name, statement.parameters, value, env)
+    made = env.context.form(value) is not None and env.context.typed.type_of(value) == CURVE
+    if made or isinstance(statement, ast.CurveDecl) or isinstance(value, ast.ChainExpr):
+        return Curve(statement, env)
+    return Thunk(partial(Evaluator(env).value, value), statement.name_span)
 
 
 def offset(ev: Evaluator, node: ast.CallExpr, form: Form) -> Vec:

@@ -21,11 +21,12 @@ from ...graph.derive import derive
 from ...graph.expr import ONE, ZERO, Expr
 from ...graph.interval import Interval, Intervals
 from ...graph.primitive import Triple, triple
+from ...language import FORMS
 from ...syntax import ast
 from ..expressions.builtins import bound
 from ..expressions.evaluate import Evaluator
 from ..values.vectors import dot, minus, normalized, plus, times
-from .curves import Curve
+from .curves import OUTLINES, Curve
 from .handed import Handed, Step
 from .probe import Probe
 from .profiles import V
@@ -63,6 +64,9 @@ class Stretch:
         return triple(E.substitute_all(self.direction, {V: E.wrap(value)}))
 
 
+CLOSED = tuple(form for form in FORMS if form.meaning in OUTLINES)
+
+
 def number(ev: Evaluator, node: ast.Expr) -> tuple[Expr, ...]:
     return (ev.scalar(node),)
 
@@ -75,7 +79,7 @@ def steps_of(curve: Curve) -> tuple[Step, ...]:
     ev = Evaluator(curve.env)
     if not isinstance(curve.value, ast.ChainExpr):
         low, high = curve.ends()
-        point = curve.point()
+        point = () if ev.env.context.form(curve.value) in CLOSED else curve.point()
         if len(point) != 3:
             raise curve.env.context.error(
                 "bad-curve",

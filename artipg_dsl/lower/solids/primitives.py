@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from functools import partial
 from typing import TYPE_CHECKING
 
 from ...graph import expr as E
@@ -16,13 +15,13 @@ from ...semantics.symbols import Symbol
 from ...source import Span
 from ...syntax import ast
 from ..expressions.context import Bend, Context, where
-from ..expressions.env import Env, Function, Thunk
+from ..expressions.env import Env, Function
 from ..expressions.evaluate import Evaluator
 from ..values.carry import mapped
 from ..values.faces import FACES
 from ..values.kinds import Box, Choice, Surface, Value, Vec
 from ..values.vectors import HERE, times
-from .curves import Curve
+from .curves import Curve, let
 from .handed import Handed
 from .operators import solid_of
 from .paths import handed
@@ -222,15 +221,8 @@ def make(context: Context, symbol: Symbol, title: str, paths: dict[str, Handed])
                     continue
                 declare_parameter(env, statement, name, names, parameters, tests, conditions)
     for statement in symbol.body:
-        if isinstance(statement, ast.LetDecl):
-            if statement.parameters:
-                env.names[statement.name] = Function(statement.name, statement.parameters, statement.value, env)
-            elif isinstance(statement.value, ast.ChainExpr):
-                env.names[statement.name] = Curve(statement, env)
-            else:
-                env.names[statement.name] = Thunk(partial(Evaluator(env).value, statement.value), statement.name_span)
-        elif isinstance(statement, ast.CurveDecl):
-            env.names[statement.name] = Curve(statement, env)
+        if isinstance(statement, ast.LetDecl | ast.CurveDecl):
+            env.names[statement.name] = let(env, statement)
         elif isinstance(statement, ast.SurfaceDecl):
             env.names[statement.name] = Function(statement.name, (statement.u, statement.v), statement.value, env)
     for statement in symbol.body:

@@ -1,0 +1,63 @@
+"""Members are what the checker found them to be: declared by the author, or part of the language."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from artipg_dsl.session import Session
+
+CATEGORY = """apg 1
+use primitives { Cuboid }
+template Unit {
+  param up : length = 3cm
+  param size : length[3] = [2cm, 4cm, 6cm]
+  part block : Cuboid(size = size)
+}
+category Shelf {
+  root part body : Cuboid(size = [40cm, 60cm, 2cm])
+  let middle(a) = a.center
+  part unit : Unit along x
+  connect unit.bottom on body.top at center
+  repeat row[i] in 0 ..< 2 spread body along y { param gap : length = 5cm }
+  repeat post[i] in 0 ..< 2 split body along y {
+    part stud : Cuboid(size = [1cm, 1cm, 4cm])
+    connect stud.bottom on body.top at x = post.center.x, y = post.center.y
+  }
+  part found : Cuboid(size = [EXPR, 1cm, 1cm])
+  connect found.top on body.bottom at center
+}
+"""
+
+MEMBERS = {
+    "unit.up": 0.03,
+    "unit.size.z": 0.06,  # what it declares, in its own frame
+    "unit.front.center.x - unit.back.center.x": 0.06,
+    "row[0].gap": 0.05,
+    "middle(post[1].stud).y - middle(post[0].stud).y": 0.3,
+    "middle(body.front).x": 0.2,
+    "lowest(post[1].stud, y)": 0.155,
+}
+
+
+@pytest.mark.parametrize("text", MEMBERS)
+def test_member(text: str) -> None:
+    session = Session.of_text(CATEGORY.replace("EXPR", text))
+    assert session.report.diagnostics == ()
+    batch = session.sampler.batch(np.arange(1), seed=1)
+    found = next(site for site in batch.sites() if site.path == "found")
+    assert found.params["size.x"] == pytest.approx(MEMBERS[text])
+
+
+CURVES = {
+    "named": "curve edge = circle(r)\n  solid = extrude(edge) along z from 0 to r",
+    "let": "let edge = rectangle(r, height = 2 * r)\n  solid = extrude(edge) along z from 0 to r",
+    "moved": "curve edge (v in 0 .. 1) = [r, v * r]\n  curve inner = offset(edge, -1mm)\n  solid = lathe(edge, inner) about z",
+}
+
+
+@pytest.mark.parametrize("text", CURVES.values(), ids=CURVES)
+def test_curves_with_names(text: str) -> None:
+    head = "apg 1\nprimitive Bar {\n  param r : length > 0  test 1cm .. 5cm\n  " + text + "\n}\n"
+    session = Session.of_text(head + "category Pole {\n  root part pole : Bar(r = 2cm)\n}\n")
+    assert session.lowering is not None, session.report.diagnostics
