@@ -1,41 +1,87 @@
-"""A progress bar on stderr, drawn only where somebody watches."""
+"""A line on stderr that tells how far a piece of work is, and at which stage."""
 
 from __future__ import annotations
 
 import sys
 import time
+from threading import Event, Lock, Thread
 from typing import TextIO
 
 WIDTH = 30
+OFTEN, SELDOM = (
+    1.0,
+    20.0,
+)  # seconds between lines: drawn again where somebody watches, written one below the other elsewhere
 
 
 class Progress:
-    """Call it with (done, total); ``close`` wipes the line. Silent unless the stream is a terminal."""
+    """Call it with (done, total); ``stage`` says what is being done; ``close`` wipes the line.
+
+    Where nobody watches (the stream is no terminal) it is silent until work has taken ``SELDOM`` seconds, and then
+    writes a line as often as that.
+    """
 
     def __init__(self, title: str, stream: TextIO | None = None):
         self.title, self.stream = title, stream if stream is not None else sys.stderr
         self.live = self.stream.isatty()
         self.begun = time.monotonic()
         self.drawn = 0.0
+        self.at = 0, 0
+        self.doing = ""
+        self._over, self._lock = Event(), Lock()
 
     def __call__(self, done: int, total: int) -> None:
-        now = time.monotonic()
-        if not self.live or not total or (now - self.drawn < 0.1 and done < total):
-            return
-        self.drawn = now
-        share = done / total
-        left = (now - self.begun) * (1 - share) / share if share else 0.0
-        bar = "#" * int(WIDTH * share) + "." * (WIDTH - int(WIDTH * share))
-        soon = f"  {left:.0f} s left" if 0 < share < 1 else ""
-        self.stream.write(f"\r\x1b[K{self.title} [{bar}] {done}/{total}{soon}")
-        self.stream.flush()
+        self.at = done, total
+        if self.live and total and (time.monotonic() - self.drawn >= 0.1 or done >= total):
+            self._draw()
+
+    def stage(self, doing: str) -> None:
+        """What is being done from now on."""
+        self.doing = doing
+        if self.live:
+            self._draw()
+
+    def line(self) -> str:
+        """Title and stage, how much is done, how long it has taken and may take."""
+        (done, total), spent = self.at, time.monotonic() - self.begun
+        words = f"{self.title}: {self.doing}" if self.doing else self.title
+        share = done / total if total else 0.0
+        bar = ""
+        if total:
+            filled = int(WIDTH * share)
+            bar = f" [{'#' * filled}{'.' * (WIDTH - filled)}] {done}/{total}"
+        soon = (
+            f"  {spent * (1 - share) / share:.0f} s left" if 0 < share < 1 else f"  {spent:.0f} s" if spent >= 1 else ""
+        )
+        return words + bar + soon
 
     def close(self) -> None:
+        self._over.set()
         if self.live:
-            self.stream.write("\r\x1b[K")
-            self.stream.flush()
+            self._write("\r\x1b[K")
+
+    def _draw(self) -> None:
+        self.drawn = time.monotonic()
+        self._write("\r\x1b[K" + self.line())
+
+    def _write(self, text: str) -> None:
+        with self._lock:
+            try:
+                self.stream.write(text)
+                self.stream.flush()
+            except (OSError, ValueError):  # whoever read it is gone
+                self._over.set()
+
+    def _watch(self) -> None:
+        """While the work is in a long step, tell that it goes on."""
+        while not self._over.wait(OFTEN if self.live else SELDOM):
+            if self.live:
+                self._draw()
+            else:
+                self._write(self.line() + "\n")
 
     def __enter__(self) -> Progress:
+        Thread(target=self._watch, daemon=True).start()
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -53,7 +53,9 @@ def run(options: argparse.Namespace) -> int:
     refuse_file(Path(options.out))
     if options.views is not None:
         warn_of_engine()
-    job = open_job(options)
+    with Progress(options.program) as progress:
+        progress.stage("compiling")
+        job = open_job(options)
     manifest, number = write(job, Path(options.out), output, options)
     if options.stats:
         print(show_statistics(job, manifest))
@@ -69,6 +71,7 @@ def write(job: Job, out: Path, output: Output, options: argparse.Namespace) -> t
     number = len(job.request.objects)
     with Progress(job.program.name) as progress:
         progress(0, number)
+        progress.stage("drawing, checking and writing")
         manifest = write_dataset(
             job, out, output, force=options.force, part=options.shard, progress=progress, workers=options.workers
         )

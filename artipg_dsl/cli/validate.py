@@ -22,11 +22,13 @@ SHOWN = 12  # of what meshes share
 
 
 def run(options: argparse.Namespace) -> int:
-    job = open_wanted(options)
+    with Progress("validating") as progress:
+        progress.stage("compiling")
+        job = open_wanted(options)
     if not job.request.numbers:
         raise UserError("there is no object to validate", "sample at least one")
     with Progress("validating") as progress:
-        found = examine(job, options.states, options.meshes, progress)
+        found = examine(job, options.states, options.meshes, progress, progress.stage)
     print(json.dumps(found, indent=1) if options.json else text(found))
     delivered, meshes = found["delivered"], found["meshes"]
     sound = delivered is not None and not delivered["invalid"]
@@ -34,10 +36,14 @@ def run(options: argparse.Namespace) -> int:
 
 
 def examine(
-    job: Job, states: int, meshes: bool = False, progress: Callable[[int, int], None] = lambda *_: None
+    job: Job,
+    states: int,
+    meshes: bool = False,
+    progress: Callable[[int, int], None] = lambda *_: None,
+    stage: Callable[[str], None] = lambda _: None,
 ) -> dict[str, Any]:
     """All evidence as plain data. ``drawn`` are objects that meet the requirements, ``delivered`` what is handed out;
-    ``meshes``: what is delivered, by what is seen of it. ``progress`` is told (step, steps) before each step."""
+    ``meshes``: what is delivered, by what is seen of it. ``progress`` is told (step, steps) before each step, ``stage`` what it is."""
     from ..export.strict import ready, strict
     from ..validity.evidence import evidence
 
@@ -46,17 +52,22 @@ def examine(
     free = job.but(checked=False)
     steps = 4 + meshes
     progress(0, steps)
+    stage("drawing objects")
     batch = free.batch()
     progress(1, steps)
+    stage("checking them as they are drawn")
     drawn = evidence(batch, 0)
     progress(2, steps)
+    stage("drawing objects until they are valid")
     job = job.but()  # what was counted before does not matter here
     seen: Strict | None = None
     try:
         batch = job.batch()
         progress(3, steps)
+        stage("checking them in all states")
         delivered: Evidence | None = evidence(batch, states)
         progress(4, steps)
+        stage("checking what is seen")
         seen, why = strict(batch, states) if meshes else None, None
     except NoObject as error:
         delivered, why = None, error.message

@@ -1,0 +1,43 @@
+"""Long work tells that it goes on, and what it is at, also where nobody watches a terminal."""
+
+import io
+import time
+
+from artipg_dsl.cli import progress as module
+from artipg_dsl.cli.progress import Progress
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+def test_silent_for_short_work_where_nobody_watches():
+    stream = io.StringIO()
+    with Progress("Chest", stream) as progress:
+        progress.stage("drawing")
+        progress(1, 2)
+    assert stream.getvalue() == ""
+
+
+def test_a_line_now_and_then_with_the_stage(monkeypatch):
+    monkeypatch.setattr(module, "SELDOM", 0.02)
+    stream = io.StringIO()
+    with Progress("validating", stream) as progress:
+        progress.stage("checking them in all states")
+        progress(1, 4)
+        while stream.getvalue().count("\n") < 2:
+            time.sleep(0.01)
+    first = stream.getvalue().split("\n")[-2]
+    assert first.startswith("validating: checking them in all states [") and "1/4" in first
+    held = stream.getvalue()
+    time.sleep(0.05)
+    assert stream.getvalue() == held  # nothing after the work
+
+
+def test_a_terminal_shows_the_stage_at_once_and_is_wiped():
+    stream = Terminal()
+    with Progress("Chest", stream) as progress:
+        progress.stage("compiling")
+        assert "Chest: compiling" in stream.getvalue()
+    assert stream.getvalue().endswith("\r\x1b[K")
