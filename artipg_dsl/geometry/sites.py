@@ -9,6 +9,7 @@ import numpy as np
 
 from ..graph.primitive import Primitive
 from . import pieces
+from .quadrature import volume_inertia
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,3 +39,17 @@ class SiteTable:
     def pieces(self) -> list[pieces.PieceGroup]:
         """The convex pieces of all rows, in their own frames; built once, whoever asks."""
         return pieces.build(self.primitive, self.params) if len(self) else []
+
+    @cached_property
+    def moments(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Volume (k,) m3, centre (k, 3) m and inertia about it per unit density (k, 3, 3) m5 of the rows, in their own frames."""
+        return volume_inertia(self.primitive, self.params)
+
+    @property
+    def weights(self) -> tuple[np.ndarray, np.ndarray]:
+        """Volume and centre alone."""
+        return self.moments[:2] if "moments" in self.__dict__ else self._weights
+
+    @cached_property
+    def _weights(self) -> tuple[np.ndarray, np.ndarray]:
+        return volume_inertia(self.primitive, self.params, inertia=False)[:2]

@@ -196,53 +196,74 @@ def gather(batch: Batch, first: np.ndarray, turn: np.ndarray, shift: np.ndarray)
 
 
 def _gathered(batch: Batch, first: np.ndarray, turn: np.ndarray, shift: np.ndarray) -> Pieces:
-    groups, start = [], 0
-    for table in batch.sites():
-        for group in table.pieces:
-            rows = group.rows
-            sign = np.stack([np.ones(len(rows)), table.mirror[rows], np.ones(len(rows))], axis=-1)
-            link = first[table.owner[rows]] + table.link[rows]
-            placed = turned(table.rotation[rows], group.vertices * sign[:, None])
-            placed = turned(turn[link], placed + table.translation[rows][:, None]) + shift[link][:, None]
-            groups.append(Alike(placed, group.faces, table.owner[rows], link, start + rows))
-        start += len(table)
-    return packed(groups)
+    tables = batch.sites()
+    offset = np.cumsum([0, *(len(table) for table in tables)]).tolist()
+    groups = [
+        (group, group.rows + start) for table, start in zip(tables, offset, strict=False) for group in table.pieces
+    ]
+    if not groups:
+        return packed([])
+    owner, link, mirror = (np.concatenate([getattr(t, name) for t in tables]) for name in ("owner", "link", "mirror"))
+    link = first[owner] + link
+    rotation, translation = (np.concatenate([getattr(t, name) for t in tables]) for name in ("rotation", "translation"))
+    found: list[Alike | None] = [None] * len(groups)
+    corners = np.array([group.vertices.shape[1] for group, _ in groups])
+    for count in np.unique(corners):  # those with as many corners are placed together
+        alike = np.flatnonzero(corners == count).tolist()
+        rows = np.concatenate([groups[k][1] for k in alike])
+        sign = np.stack([np.ones(len(rows)), mirror[rows], np.ones(len(rows))], axis=-1)
+        placed = np.concatenate([groups[k][0].vertices for k in alike]) * sign[:, None]
+        placed = turned(rotation[rows], placed) + translation[rows][:, None]
+        placed = turned(turn[link[rows]], placed) + shift[link[rows]][:, None]
+        stop = 0
+        for k in alike:
+            start, stop = stop, stop + len(groups[k][1])
+            at = rows[start:stop]
+            found[k] = Alike(placed[start:stop], groups[k][0].faces, owner[at], link[at], at)
+    return packed([group for group in found if group is not None])
 
 
 def packed(groups: list[Alike]) -> Pieces:
     """Pieces group by group, sorted by link."""
-    by_size: dict[int, list[np.ndarray]] = {}
-    kinds, slots, shapes = [], [], []
-    filled: dict[int, int] = {}  # pieces of each size so far
     alike: dict[int, int] = {}  # by the identity of their faces: what has the same is inset together
-    for group in groups:
-        count, corners = group.corners.shape[:2]
-        size = max(8, 1 << (corners - 1).bit_length())
-        fill = np.repeat(group.corners[:, -1:], size - corners, axis=1)
-        known = by_size.setdefault(size, [])
-        shapes.append(np.full(count, alike.setdefault(id(group.faces), len(alike))))
-        kinds.append(np.full(count, size))
-        slots.append(np.arange(count) + filled.get(size, 0))
-        filled[size] = filled.get(size, 0) + count
-        known.append(np.concatenate([group.corners, fill], axis=1))
+    shapes = [alike.setdefault(id(group.faces), len(alike)) for group in groups]
+    counts = np.array([len(group.owner) for group in groups], dtype=np.int64)
+    given = np.array([group.corners.shape[1] for group in groups], dtype=np.int64)
+    wide = np.array([max(8, 1 << (n - 1).bit_length()) for n in given.tolist()], dtype=np.int64)
     if not groups:
         none, flags = np.zeros(0, dtype=np.int64), np.zeros(0, dtype=bool)
         return Pieces([], [], [], none, none, np.zeros((0, 3)), np.zeros((0, 3)), none, none, none, none, flags, none)
-    sizes = sorted(by_size)
-    corners = [np.concatenate(by_size[size]) for size in sizes]
+    sizes, corners, begin = np.unique(wide), [], np.zeros(len(groups), dtype=np.int64)
+    for size in sizes:
+        same = np.flatnonzero(wide == size)
+        begin[same] = np.cumsum(counts[same]) - counts[same]
+        points = np.empty((int(counts[same].sum()), int(size), 3))
+        for count in np.unique(given[same]):
+            mine = same[given[same] == count]
+            own = np.concatenate([groups[k].corners for k in mine.tolist()])
+            _, at = spread(begin[mine], counts[mine])
+            points[at, :count], points[at, count:] = own, own[:, -1:]
+        corners.append(points)
     owner, link = (np.concatenate([getattr(group, name) for group in groups]) for name in ("owner", "link"))
-    slot, kind = np.concatenate(slots), np.searchsorted(sizes, np.concatenate(kinds))
+    slot, kind = spread(begin, counts)[1], np.repeat(np.searchsorted(sizes, wide), counts)
     low, high = np.empty((len(owner), 3)), np.empty((len(owner), 3))
     for number, points in enumerate(corners):
         at = kind == number
         low[at], high[at] = points.min(axis=1)[slot[at]], points.max(axis=1)[slot[at]]
     order = np.argsort(link, kind="stable")
     solid = np.concatenate([np.full(len(group.owner), -1) if group.solid is None else group.solid for group in groups])
-    shape, met, source = np.concatenate(shapes), np.zeros(len(owner), dtype=bool), np.arange(len(owner))
+    shape, met, source = np.repeat(shapes, counts), np.zeros(len(owner), dtype=bool), np.arange(len(owner))
     columns = (kind, slot, low + DEPTH / 2, high - DEPTH / 2, owner, link, shape, solid, met, source)
     done = [np.zeros(len(points), dtype=bool) for points in corners]
     faces = list({id(group.faces): group.faces for group in groups}.values())  # in the order of ``alike``
     return Pieces(corners, faces, done, *(column[order] for column in columns))
+
+
+def spread(first: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(index, value): the values ``first .. first + count - 1`` of each index."""
+    count = np.maximum(count, 0)
+    index = np.repeat(np.arange(len(first)), count)
+    return index, np.arange(len(index)) - np.repeat(np.cumsum(count) - count, count) + np.repeat(first, count)
 
 
 def link_boxes(body: Pieces, links: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

@@ -11,9 +11,9 @@ import numpy as np
 
 from ..geometry.collide import dot, within
 from ..runtime.batch import Batch
-from .bodies import Pieces, Placed
+from .bodies import Pieces, Placed, spread
 from .meant import meant, sites_of
-from .tree import Tree, spread
+from .tree import Tree
 
 TOUCH = 1e-4  # metres: what is farther apart does not touch
 ROUND = 5e-3  # of the middle extent: round solids are polyhedra here, a little smaller than they are

@@ -14,9 +14,9 @@ import numpy as np
 
 from ..geometry.collide import dot, examine
 from ..runtime.motion import apply
-from .bodies import Pieces, Placed, link_boxes
+from .bodies import Pieces, Placed, link_boxes, spread
 from .parting import CLEAR
-from .tree import Tree, spread
+from .tree import Tree
 
 BLOCK = 50_000  # pieces at a time, each in a state
 TRIES = 6  # states of two pieces that are asked for a direction; what is left is asked one by one
@@ -136,8 +136,9 @@ def _overlapping(
 ) -> np.ndarray:
     """The places of the pairs (i, j) whose boxes overlap."""
     rows = np.arange(len(i))
-    for k in range(3):
-        rows = rows[(low[i[rows], k] < highs[j[rows], k]) & (lows[j[rows], k] < high[i[rows], k])]
+    for one, two, ones, twos in zip(*(np.ascontiguousarray(end.T) for end in (low, high, lows, highs)), strict=True):
+        near = (one[i] < twos[j]) & (ones[j] < two[i])
+        rows, i, j = rows[near], i[near], j[near]
     return rows
 
 

@@ -79,7 +79,10 @@ def crossed(batch: Batch) -> list[tuple[str, np.ndarray]]:
         rows = np.arange(len(table)) if batch.program.foreign else np.flatnonzero(_untested(table))
         if not len(rows):
             continue
-        inertia = volume_inertia(table.primitive, {name: values[rows] for name, values in table.params.items()})[2]
+        if len(rows) == len(table):
+            inertia = table.moments[2]
+        else:
+            inertia = volume_inertia(table.primitive, {name: values[rows] for name, values in table.params.items()})[2]
         trace = np.trace(inertia, axis1=1, axis2=2)
         second = trace[:, None, None] / 2 * np.eye(3) - inertia  # of a body: no less than none along any direction
         wrong = rows[~(_definite(inertia, 0.0) & _definite(second, ROUNDING * trace))]
@@ -222,14 +225,15 @@ def _summed(rows: list[Portion], n_links: int) -> tuple[np.ndarray, np.ndarray]:
 
 def _whole(table: SiteTable, density: np.ndarray, link_start: np.ndarray, inertia: bool) -> Portion:
     """The primitives of a site."""
-    volume, center, about = volume_inertia(table.primitive, table.params, inertia)
+    volume, center = table.weights if not inertia else table.moments[:2]
     low, high = bounds(table.primitive, table.params)
     if (volume < -INVERTED * np.prod(high - low, axis=1)).any():  # one that was edited: the check of a program finds it
         raise PrimitiveError(table.primitive, None, "its surfaces are inside out")
     center = center * np.stack([np.ones_like(table.mirror), table.mirror, np.ones_like(table.mirror)], axis=-1)
     center = apply(table.rotation, center) + table.translation
+    about = np.zeros((len(table), 3, 3))
     if inertia:
-        about = turned_inertia(table, about * density[:, None, None])
+        about = turned_inertia(table, table.moments[2] * density[:, None, None])
     return link_start[table.owner] + table.link, np.abs(volume) * density, center, about
 
 

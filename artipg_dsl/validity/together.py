@@ -17,8 +17,8 @@ import numpy as np
 
 from ..geometry.collide import dot, examine
 from ..runtime.motion import apply, product, rotation_about
-from .bodies import Pieces, Placed, swept_extent, turned
-from .tree import Tree, spread
+from .bodies import Pieces, Placed, spread, swept_extent, turned
+from .tree import Tree
 from .validate import EXACT
 
 ROUNDS = 60  # halvings of a cell, of all its joints together

@@ -138,13 +138,6 @@ class Tree:
                 yield piece, joint[piece]
 
 
-def spread(first: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(index, value): the values ``first .. first + count - 1`` of each index."""
-    count = np.maximum(count, 0)
-    index = np.repeat(np.arange(len(first)), count)
-    return index, np.arange(len(index)) - np.repeat(np.cumsum(count) - count, count) + np.repeat(first, count)
-
-
 def led(tree: Tree, chosen: np.ndarray, shares: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, int]]:
     """States (J,) in which one leading joint of ``chosen`` (J,) bool of every object stands at each share of its range.
 

@@ -17,10 +17,10 @@ import numpy as np
 from ..geometry.collide import dot, examine, overlap, within
 from ..runtime.batch import Batch
 from ..runtime.motion import apply, rotation_about
-from .bodies import FULL, Pieces, Placed, gather, link_boxes, rings, swept_extent
+from .bodies import FULL, Pieces, Placed, gather, link_boxes, rings, spread, swept_extent
 from .following import following
 from .parting import Parting
-from .tree import Tree, spread
+from .tree import Tree
 
 BLOCK = 20_000  # pieces at a time
 HALVINGS = 16  # of an interval of angles; what is not decided then is nearer than a turn by 0.005 degrees
@@ -309,6 +309,7 @@ class Turns:
 
 def _decide(tree: Tree, body: Pieces, turns: Turns) -> tuple[np.ndarray, np.ndarray]:
     """Rows that meet while they turn, and an angle at which they do."""
+    turns = turns.at(_possible(tree, body, turns))
     boxes, open_ones = body.boxes(), []
     for _ in range(COARSE):  # the boxes alone tell most pairs apart
         hit, apart = turns.examined(boxes)
