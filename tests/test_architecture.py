@@ -11,6 +11,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1] / "artipg_dsl"
 REASONS = ("start-up", "extra", "circle")
+IGNORED = 11  # places where the type checker is told to look away
 LONGEST = 3  # files of one room that import one another in a circle
 START = ("cli", "api", "__init__.py", "session.py")  # they load what a command needs, and nothing else
 
@@ -117,3 +118,15 @@ def test_no_circle_between_rooms_and_none_within_that_is_long() -> None:
     assert sum(map(len, edges.values())) > 1000  # the files have been read
     wrong = [c for c in circles(edges) if len(c) > LONGEST or len(set(map(room, c))) > 1]
     assert not wrong
+
+
+def test_the_type_checker_looks_away_seldom() -> None:
+    assert sum(path.read_text(encoding="utf-8").count("# type: ignore") for path in ROOT.rglob("*.py")) <= IGNORED
+
+
+def test_lowering_asks_no_value_for_an_attribute_by_its_name() -> None:
+    """What a value is of is asked of its class."""
+    asked = {"getattr", "hasattr"}
+    for path in (ROOT / "lower").rglob("*.py"):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        assert not asked & {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}, path

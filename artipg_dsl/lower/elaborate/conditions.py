@@ -164,8 +164,7 @@ def indices(env: Env, node: ast.Expr) -> Iterator[tuple[str, int]]:
     if isinstance(node, ast.MemberExpr | ast.IndexExpr):
         yield from indices(env, node.obj)
     if isinstance(node, ast.IndexExpr):
-        obj = node.obj
-        name = text_of(obj.span) if isinstance(obj, ast.NameExpr) else getattr(obj, "name", "")
+        name = node.obj.name if isinstance(node.obj, ast.NameExpr | ast.MemberExpr) else ""
         if isinstance(node.index, ast.NameExpr) and node.index.name == "last":
             yield name, -1
             return

@@ -81,7 +81,7 @@ def make_draw(env: Env, declaration: ast.ParamDecl | ast.CountDecl, path: str, c
     if declaration.distribution is not None:
         draw.distribution = declaration.distribution.name
         draw.arguments = tuple(component_of(env, a.value, component) for a in declaration.distribution.arguments)
-    vary = getattr(declaration, "vary", None)
+    vary = declaration.vary if isinstance(declaration, ast.ParamDecl) else None
     if vary is not None:
         relative = isinstance(vary, ast.NumberExpr) and vary.unit == "%"
         draw.vary = (relative, component_of(env, vary, None))
@@ -94,7 +94,7 @@ def draw_choice(
     names: tuple[str, ...],
     alternatives: Sequence[tuple[ast.Alternative, ...]],
     span: Span,
-    declaration: ast.Stmt,
+    declaration: ast.PartDecl | ast.StyleDecl,
 ) -> Choice:
     """A drawn choice among options of which each has one alternative or several, whose weights add up.
 
@@ -105,7 +105,7 @@ def draw_choice(
     column = env.context.column(env.scope, path, "choice", span)
     draw = Draw(
         column,
-        address(env, path, getattr(declaration, "was", None)),
+        address(env, path, declaration.was),
         "choice",
         options=told_apart(names),
         weights=tuple(weights),

@@ -108,11 +108,9 @@ class Drive:
         def up(value: Expr) -> Expr:
             return lifted(value, scope)
 
-        ends = {name: value for name in ("low", "high", "pitch") if (value := getattr(joint, name)) is not None}
-        ends = {name: up(value) for name, value in ends.items()}
-        origin: Triple = triple(map(up, joint.origin))
-        axis: Triple = triple(map(up, joint.axis))
-        return there, replace(joint, origin=origin, axis=axis, rest=up(joint.rest), **ends)
+        low, high, pitch = (None if e is None else up(e) for e in (joint.low, joint.high, joint.pitch))
+        origin, axis = triple(map(up, joint.origin)), triple(map(up, joint.axis))
+        return there, replace(joint, origin=origin, axis=axis, rest=up(joint.rest), low=low, high=high, pitch=pitch)
 
     def drives(self, joint: Joint, force: int, way: int) -> Expr:
         into = inverse(self.origin)

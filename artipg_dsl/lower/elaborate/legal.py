@@ -272,8 +272,9 @@ def of_joint(joint: Joint) -> Iterator[Quantity]:
             yield Quantity(
                 f"how far the rest value of {name} lies inside", scope, inside, Legal(-1e-9, 2e4, words), place
             )
-    for word, legal in (("damping", HELD), ("friction", HELD), ("effort", DRIVEN), ("velocity", DRIVEN)):
-        value = getattr(joint, word)
+    held = (("damping", joint.damping, HELD), ("friction", joint.friction, HELD))
+    driven = (("effort", joint.effort, DRIVEN), ("velocity", joint.velocity, DRIVEN))
+    for word, value, legal in (*held, *driven):
         if value is not None:
             yield Quantity(f"the {word} of {name}", scope, value, legal, place)
     if joint.pitch is not None:
