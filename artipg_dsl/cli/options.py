@@ -18,7 +18,7 @@ EMITS = {
 
 
 def add_check(to: argparse.ArgumentParser) -> None:
-    to.add_argument("files", nargs="+", metavar="FILE", help="an .apg file, or the name of a shipped category")
+    to.add_argument("files", nargs="+", metavar="NAME|FILE", help="shipped categories or .apg files")
     shape = to.add_mutually_exclusive_group()
     shape.add_argument("--json", action="store_true", help="print the findings as JSON")
     shape.add_argument("--sarif", action="store_true", help="print the findings as SARIF, for editors and code hosts")
