@@ -16,7 +16,7 @@ import numpy as np
 from ..errors import UsageError
 from ..geometry.collide import DEPTH, Corners, overlap
 from ..graph.program import MEASURES
-from ..validity.bodies import Pieces, Placed, gather
+from ..validity.bodies import Pieces, Placed, boxes_meet, gather, spread
 from .frames import rotate
 
 if TYPE_CHECKING:
@@ -135,20 +135,21 @@ def _meets(
     local = np.stack([ends[:, :, CORNERS[:, axis], axis] for axis in range(3)], axis=-1)
     corners = rotate(rotation[:, None, None], local) + point[:, None, None]  # (G, S, 8, 3)
     shapes = corners.shape[1]
-    corners = corners.reshape(-1, 8, 3)
-    least, most = corners.min(axis=1), corners.max(axis=1)
+    least, most = corners.min(axis=2), corners.max(axis=2)
+    hand = least.min(axis=1), most.max(axis=1)
+    corners, least, most = corners.reshape(-1, 8, 3), least.reshape(-1, 3), most.reshape(-1, 3)
     start = np.searchsorted(body.owner, owner)
     count = np.searchsorted(body.owner, owner, side="right") - start
-    start, count = np.repeat(start, shapes), np.repeat(count, shapes)
     found = np.zeros(len(corners), dtype=bool)
     block = np.cumsum(count) // PAIRS
     for number in range(int(block[-1]) + 1):
         rows = np.flatnonzero(block == number)
-        box = np.repeat(rows, count[rows])
-        step = np.arange(len(box)) - np.repeat(np.cumsum(count[rows]) - count[rows], count[rows])
-        piece = start[box] + step
-        near = ((least[box] <= body.high[piece]) & (most[box] >= body.low[piece])).all(axis=1)
-        box, piece = box[near], piece[near]
+        grasp, piece = spread(start[rows], count[rows])
+        at = boxes_meet(rows[grasp], piece, *hand, body.low, body.high)  # the hand as a whole first
+        box = (shapes * rows[grasp[at]][:, None] + np.arange(shapes)).ravel()
+        piece = np.repeat(piece[at], shapes)
+        at = boxes_meet(box, piece, least, most, body.low, body.high)
+        box, piece = box[at], piece[at]
         body.ready(piece)
         found[box[overlap(Corners(corners[box]), Placed(body, piece))]] = True
     return found.reshape(-1, shapes)

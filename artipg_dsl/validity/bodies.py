@@ -266,6 +266,17 @@ def spread(first: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, np.ndarray
     return index, np.arange(len(index)) - np.repeat(np.cumsum(count) - count, count) + np.repeat(first, count)
 
 
+def boxes_meet(
+    i: np.ndarray, j: np.ndarray, low: np.ndarray, high: np.ndarray, lows: np.ndarray, highs: np.ndarray
+) -> np.ndarray:
+    """The places of the pairs (i, j) whose boxes overlap."""
+    rows = np.arange(len(i))
+    for one, two, ones, twos in zip(*(np.ascontiguousarray(end.T) for end in (low, high, lows, highs)), strict=True):
+        close = (one[i] < twos[j]) & (ones[j] < two[i])
+        rows, i, j = rows[close], i[close], j[close]
+    return rows
+
+
 def link_boxes(body: Pieces, links: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Box (L, 3) and range of pieces of every link; those without pieces here have none."""
     begin, end = (np.searchsorted(body.link, np.arange(links), side=side) for side in ("left", "right"))

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..geometry.collide import dot, examine
 from ..runtime.motion import apply
-from .bodies import Pieces, Placed, link_boxes, spread
+from .bodies import Pieces, Placed, boxes_meet, link_boxes, spread
 from .parting import CLEAR
 from .tree import Tree
 
@@ -108,13 +108,13 @@ def _near(
     found = []
     for own, other in ((here, there), (there, here)):  # those of either that come near the other as a whole
         k, i = spread(start[own], count[own])
-        keep = _overlapping(i, other[k], low, high, least, most)
+        keep = boxes_meet(i, other[k], low, high, least, most)
         found.append((k[keep], i[keep]))
     (k, i), (pair_of, j) = found
     begun = np.searchsorted(pair_of, k)
-    n, near = spread(begun, np.searchsorted(pair_of, k, side="right") - begun)
-    k, i, j = k[n], i[n], j[near]
-    keep = _overlapping(i, j, low, high, low, high)
+    n, at = spread(begun, np.searchsorted(pair_of, k, side="right") - begun)
+    k, i, j = k[n], i[n], j[at]
+    keep = boxes_meet(i, j, low, high, low, high)
     state, i, j = state[k[keep]], piece[i[keep]], piece[j[keep]]
     keep = body.opposed(i, j)
     return state[keep], i[keep], j[keep]
@@ -129,17 +129,6 @@ def _boxes(turn: np.ndarray, shift: np.ndarray, low: np.ndarray, high: np.ndarra
         np.stack([a - w for a, w in zip(at, wide, strict=True)], axis=-1),
         np.stack([a + w for a, w in zip(at, wide, strict=True)], axis=-1),
     )
-
-
-def _overlapping(
-    i: np.ndarray, j: np.ndarray, low: np.ndarray, high: np.ndarray, lows: np.ndarray, highs: np.ndarray
-) -> np.ndarray:
-    """The places of the pairs (i, j) whose boxes overlap."""
-    rows = np.arange(len(i))
-    for one, two, ones, twos in zip(*(np.ascontiguousarray(end.T) for end in (low, high, lows, highs)), strict=True):
-        near = (one[i] < twos[j]) & (ones[j] < two[i])
-        rows, i, j = rows[near], i[near], j[near]
-    return rows
 
 
 class Ways:
