@@ -62,7 +62,7 @@ def found(text: str) -> list[tuple[str, str, list[int]]]:
                 + B
                 + f"  joint j : revolute a -> b about a.left.back {TURN}\n  joint k : revolute b -> a about a.left.back {TURN}"
             ),
-            "`a` hangs on itself, by way of `b`: the links form a ring",
+            "`a` is attached to itself, by way of `b`: the links form a ring",
             [9, 8],
         ),
         (
