@@ -11,7 +11,7 @@ from . import kept
 from .diagnostics import CompileError, Report, did_you_mean
 from .garbage import uncollected
 from .resources import categories_dir, library_dir
-from .source import Source
+from .source import Source, Span
 from .syntax.load import load
 
 if TYPE_CHECKING:  # start-up: what is kept of a compilation needs neither the parser nor the checker
@@ -25,6 +25,7 @@ if TYPE_CHECKING:  # start-up: what is kept of a compilation needs neither the p
 
 
 NAMED = 6  # parts that a warning names
+LOOKED_AT = 4  # objects whose pieces are counted
 LOOKED_AT = 8  # objects that `check` draws to see what floats
 _DECLARED = re.compile(r"^category\s+(\w+)", re.MULTILINE)
 
@@ -194,6 +195,28 @@ class Session:
             self._keep("check")
         return self.report
 
+    def _warn_of_cost(self, span: Span) -> None:
+        """Name the parts that the check of an object takes long for."""
+        import numpy as np
+
+        from .geometry.errors import PrimitiveError
+        from .quality.cost import costs, heavy
+        from .runtime.kernels import TooMany
+        from .sampling.statistics import Exhausted
+
+        try:
+            found = heavy(costs(self.sampler.batch(np.arange(LOOKED_AT), 0)))
+        except (CompileError, Exhausted, TooMany, PrimitiveError):
+            return  # told elsewhere, or when objects are drawn
+        for cost in found:
+            pairs = f", and {cost.pairs:.0f} pairs of them with pieces on other links" if cost.pairs >= 1 else ""
+            self.report.warning(
+                "expensive-check",
+                span,
+                f"`{cost.part}` has {cost.pieces:.0f} convex pieces in an object{pairs}: its check takes long",
+                hint="use fewer or simpler primitives, or `--unchecked`; `apgc profile` shows all parts",
+            )
+
     @cached_property
     def _text(self) -> Source | None:
         """The text itself; None where it cannot be read."""
@@ -236,6 +259,7 @@ class Session:
             )
         self._warn_floating(lowering)
         program = lowering.program
+        self._warn_of_cost(typed.category.decl.name_span)
         warn_unlabelled(lowering, typed.category.decl.name_span)
         bare = list(dict.fromkeys(program.parts[site.part].path for site in program.sites if not site.materials))
         if bare:

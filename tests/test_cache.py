@@ -204,7 +204,7 @@ def hulls(program):
 
 
 def test_hulls_are_kept_and_verified(kept, monkeypatch):
-    program = Session.of("Kettle").sampler.program
+    program = Session.of("Faucet").sampler.program
     first = hulls(program)
     assert first[1] and hulls(program) == (first[0], False)
     for change in (

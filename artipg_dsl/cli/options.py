@@ -356,6 +356,12 @@ def _checking(to: argparse.ArgumentParser) -> None:
     )
 
 
+def add_profile(to: argparse.ArgumentParser) -> None:
+    _program(to)
+    _drawing(to, 16)
+    to.add_argument("--json", action="store_true", help="print the figures as JSON")
+
+
 def add_cache(to: argparse.ArgumentParser) -> None:
     to.add_argument("action", nargs="?", choices=("show", "clear"), default="show", help="show (default), or clear")
 
@@ -374,6 +380,7 @@ COMMANDS = {
     "validate": ("report which links collide or block one another", add_validate),
     "report": ("measure the quality of a category over many samples", add_report),
     "ledger": ("show what determines each value of a part", add_ledger),
+    "profile": ("show what the parts of a category cost", add_profile),
     "cache": ("show or clear what is kept between runs", add_cache),
 }
 """What each command does, and what adds its options; the module of its name runs it."""

@@ -82,6 +82,13 @@ def build(primitive: Primitive, params: Params) -> list[PieceGroup]:
     return [group for number in range(len(primitive.pieces)) for group in _declared(primitive, number, params)]
 
 
+def amounts(primitive: Primitive, params: Params) -> np.ndarray:
+    """(k,) how many convex pieces ``build`` makes of each instance."""
+    if not primitive.pieces:
+        return np.ones(rows_of(params), dtype=np.int64)
+    return np.sum([_counts(primitive, piece, params) for piece in primitive.pieces], axis=0)
+
+
 def _declared(primitive: Primitive, number: int, params: Params) -> list[PieceGroup]:
     """The groups of a declared piece, index by index; those indices that have the same hulls are made together."""
     piece = primitive.pieces[number]

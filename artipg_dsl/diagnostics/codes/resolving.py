@@ -247,6 +247,35 @@ RESOLVING = (
         """,
     ),
     Code(
+        "expensive-check",
+        "the check of an object takes long",
+        """
+        Collisions and stability are those of convex pieces. A part of thousands of them, or one whose pieces have hundreds of
+        thousands of pairs with pieces on other links, makes the check of each object take seconds. Bars of many short bends, meshes
+        of wire and rings of many windings are like that. `apgc profile NAME` lists parts by pieces and pairs. Draw fewer of
+        them, or bend them less finely; `--unchecked` leaves the check out. The program works as it is.
+        """,
+        """
+        apg 1
+        use primitives { Cuboid }
+        use vocabularies { semantic }
+        use materials { oak }
+        category Mat {
+          root part base : Cuboid(size = [1m, 1m, 1cm])
+          repeat row[i] in 0 ..< 40 spread base along x {
+            repeat bristle[j] in 0 ..< 40 spread base along y {
+              part hair : Cuboid(size = [2mm, 2mm, 2cm])
+              connect hair.bottom on base.top
+              align hair.center.x = row.center.x
+              align hair.center.y = bristle.center.y
+            }
+          }
+          label semantic.body on base, row.bristle.hair
+          material oak on base, row.bristle.hair
+        }
+        """,
+    ),
+    Code(
         "missing-material",
         "parts have no material",
         """

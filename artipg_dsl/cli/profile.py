@@ -1,0 +1,78 @@
+"""``apgc profile``: what the parts of a category cost, and where the time of a sample goes."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from collections.abc import Callable
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from .progress import Progress
+from .sample import read_request
+
+if TYPE_CHECKING:
+    from ..quality.cost import Cost
+
+SHOWN = 20  # parts
+Result = TypeVar("Result")
+
+
+def run(options: argparse.Namespace) -> int:
+    with Progress("profile") as progress:
+        found = examine(options, progress.stage)
+    print(json.dumps(found, indent=1) if options.json else text(found))
+    return 0
+
+
+def examine(options: argparse.Namespace, stage: Callable[[str], None] = lambda _: None) -> dict[str, Any]:
+    """Stages with their CPU seconds, in all, and parts with their costs per object."""
+    from ..export.content import Content
+    from ..export.registry import choose
+    from ..quality.cost import costs
+    from ..run.job import open_job
+    from ..validity.faults import faults
+
+    spent: dict[str, float] = {}
+
+    def timed(name: str, work: Callable[[], Result]) -> Result:
+        stage(name)
+        begun = time.process_time()
+        made = work()
+        spent[name] = time.process_time() - begun
+        return made
+
+    job = timed("compiling", lambda: open_job(read_request(options, checked=False)))
+    batch = timed("drawing", job.batch)
+    timed("checking", lambda: faults(batch))
+    content = Content()
+    for entry in choose(None):
+        if entry.shard:
+            timed(f"writing {entry.name}", lambda: entry.shard_bytes(batch, content))  # noqa: B023 - called at once
+    stage("making the pieces of each part")
+    found: list[Cost] = costs(batch, timed=True)
+    return {
+        "category": job.program.name,
+        "objects": len(batch),
+        "stages": spent,
+        "parts": [asdict(cost) for cost in found],
+    }
+
+
+def text(found: dict[str, Any]) -> str:
+    """The profile in lines."""
+    number = found["objects"]
+    lines = [f"{found['category']}: {number} objects as they are drawn, CPU time", ""]
+    for name, seconds in found["stages"].items():
+        each = f"{1e3 * seconds / number:10.1f} ms an object" if name != "compiling" else ""
+        lines.append(f"{name:24}{seconds:8.2f} s{each}")
+    lines += ["", f"{'per object':40}{'primitives':>12}{'pieces':>10}{'pairs':>12}{'ms':>10}"]
+    parts = found["parts"]
+    for cost in parts[:SHOWN]:
+        figures = f"{cost['primitives']:12.1f}{cost['pieces']:10.1f}{cost['pairs']:12.0f}{1e3 * cost['seconds']:10.2f}"
+        lines.append(f"{cost['part'][:39]:40}{figures}")
+    if len(parts) > SHOWN:
+        lines.append(f"and {len(parts) - SHOWN} more, with --json")
+    lines += ["", "pairs: of pieces on different links, which the check tells apart; ms: to make the pieces again"]
+    return "\n".join(lines)
