@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ..runtime.batch import Batch
 
 
-def settled(batch: Batch, material: Material) -> list[Material]:
+def resolve_materials(batch: Batch, material: Material) -> list[Material]:
     """The material as it is in each object: every range is one value."""
     ranges = [name for name in RANGES if getattr(material, name)[0] != getattr(material, name)[1]]
     if not ranges:

@@ -215,7 +215,7 @@ class Robots:
     @cached_property
     def materials(self) -> list[list[Material]]:
         """For each material of the catalogue, what it is in each object: ranges of one value."""
-        return [materials.settled(self.batch, material) for material in self.catalogue]
+        return [materials.resolve_materials(self.batch, material) for material in self.catalogue]
 
     @cached_property
     def looks(self) -> list[list[Look]]:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from artipg_dsl import load
-from artipg_dsl.export.materials import settled
+from artipg_dsl.export.materials import resolve_materials
 from artipg_dsl.export.robot import Robots
 from artipg_dsl.resources import library_dir
 from artipg_dsl.session import Session
@@ -60,7 +60,7 @@ def test_mass_friction_and_looks_follow() -> None:
     batch = load(TEXT, n=4, seed=3).batch
     robots = Robots(batch)
     ash = batch.program.materials["ash"]
-    for i, material in enumerate(settled(batch, ash)):
+    for i, material in enumerate(resolve_materials(batch, ash)):
         (link,) = robots.robot(i).links
         expected = 0.1 * 0.2 * (0.3 * drawn(batch, ash, "density")[i] + 0.01 * 700)
         assert link.mass == pytest.approx(expected, rel=1e-9)
