@@ -62,7 +62,7 @@ def share_counts(env: Env, symbol: Symbol, style: Style, option: str) -> None:
     """Counts of a template that a style stands for are drawn once, as its parameters are; those whose range follows from
     measures of the part are each part's own."""
     for statement in symbol.body:
-        if isinstance(statement, ast.CountDecl) and statement.name not in env.names and settled(statement):
+        if isinstance(statement, ast.CountDecl) and statement.name not in env.names and has_fixed_range(statement):
 
             def make(statement: ast.CountDecl = statement) -> E.Expr:
                 return style.shared(option, statement.name, statement, None, env)
@@ -70,7 +70,7 @@ def share_counts(env: Env, symbol: Symbol, style: Style, option: str) -> None:
             env.names[statement.name] = Thunk(make, statement.name_span)
 
 
-def settled(statement: ast.CountDecl) -> bool:
+def has_fixed_range(statement: ast.CountDecl) -> bool:
     """Whether the range of a count is written out."""
     domain = statement.domain
     return all(isinstance(end, ast.NumberExpr) for end in (domain.low, domain.high))
