@@ -8,7 +8,7 @@ from ...graph.formula import row_values
 from ..solve.solve import lifted
 
 
-def held(scope: Scope, to: Scope) -> Expr:
+def has_row(scope: Scope, to: Scope) -> Expr:
     """Whether a row of ``to`` has one in ``scope``: whether the guards between hold, in any element of the repeats between."""
     found = E.TRUE
     while not to.within(scope):

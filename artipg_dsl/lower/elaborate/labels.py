@@ -23,7 +23,7 @@ from ..values.faces import extent
 from ..values.kinds import Box, Frame, Line, Look, Ref, Surface, Value, Vec, carriers_of
 from ..values.vectors import compose, inverse, place, unit
 from .drives import Drive
-from .guards import held, shown
+from .guards import has_row, shown
 from .links import Links
 from .looks import sole_look
 from .part import Part
@@ -101,7 +101,7 @@ def aims(links: Links, env: Env, node: ast.Expr) -> list[Aim]:
         else:
             raise env.context.error("wrong-kind", node.span, "a part, a slot or a surface is needed here")
         for aim in found[reached:]:
-            bound = held(home.scope, aim.scope) if home.root is not env.root else E.TRUE
+            bound = has_row(home.scope, aim.scope) if home.root is not env.root else E.TRUE
             aim.there = E.both(bound, named)
     return found
 
@@ -262,7 +262,7 @@ def field_label(links: Links, env: Env, statement: ast.FieldStmt) -> None:
 
 def standing(env: Env, aim: Aim) -> Expr:
     """What the ``when`` around a statement says, as far as the target may be there without it."""
-    return E.both(held(env.scope, aim.scope), aim.there)
+    return E.both(has_row(env.scope, aim.scope), aim.there)
 
 
 def present(env: Env, aim: Aim) -> Expr:
@@ -389,7 +389,7 @@ def symmetry(links: Links, env: Env, statement: ast.SymmetryStmt) -> None:
                 number = links.nodes.get((part, instance.symbol.name))
                 if number is not None:
                     known = program.parts[number].symmetry or (E.ONE, axis)
-                    here = E.both(held(env.scope, instance.scope), aim.there)
+                    here = E.both(has_row(env.scope, instance.scope), aim.there)
                     told = (
                         E.where(here, shown(a, instance.scope), b) for a, b in zip((turns, axis), known, strict=True)
                     )

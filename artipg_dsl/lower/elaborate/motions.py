@@ -17,7 +17,7 @@ from ..solve.solve import lifted
 from ..values.kinds import Frame, Line, Vec
 from ..values.vectors import direct, dot, minus, place, plus, times
 from .connect import carriers
-from .guards import held
+from .guards import has_row
 from .joints import clears, ends
 from .links import Links
 from .paths import joints
@@ -49,7 +49,7 @@ def limit(links: Links, env: Env, statement: ast.LimitStmt) -> None:
         joint = program.joints[number]
         if joint.low is None or joint.high is None:
             raise links.context.error("wrong-kind", statement.joint.span, f"a {joint.kind} joint has no range to limit")
-        here = held(env.scope, joint.scope)
+        here = has_row(env.scope, joint.scope)
         if here is not E.TRUE and clears(ev, statement.range.high):
             raise links.context.error(
                 "needs-clearance",

@@ -21,7 +21,7 @@ from ..expressions.extents import frame_in, union_of
 from ..values.carry import merged, moved
 from ..values.kinds import Box, Branch, Choice, Lying, Ports, Ref, Surface, Value, Vec, alike
 from ..values.vectors import IDENTITY, Matrix, compose, matrix, times
-from .guards import held
+from .guards import has_row
 from .paths import Reached, walk
 from .style import Style
 from .turns import turned
@@ -227,7 +227,7 @@ class Instance:
                         hint="omit the number, or bind a part outside the repeat",
                     )
                 within = env.scope is self.scope or home.scope.within(env.scope)
-                if not within and held(home.scope, self.scope) is not E.TRUE:
+                if not within and has_row(home.scope, self.scope) is not E.TRUE:
                     raise self.part.context.error(
                         "wrong-kind",
                         node.span,

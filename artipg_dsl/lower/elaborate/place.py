@@ -39,7 +39,7 @@ from ..values.vectors import (
     turn,
     unit,
 )
-from .guards import held
+from .guards import has_row
 
 if TYPE_CHECKING:
     from .part import Part
@@ -198,7 +198,7 @@ def everywhere(part: Part, scopes: list[Scope]) -> bool:
     """Whether one of the tables has a row wherever the part exists."""
     if any(scope is part.env.scope for scope in scopes):
         return True
-    guards = [held(scope, part.env.scope) for scope in scopes]
+    guards = [has_row(scope, part.env.scope) for scope in scopes]
     try:
         return all(any(there) for exists, *there in combinations([part.exists, *guards], part.context.draws) if exists)
     except TooManyCases:

@@ -20,7 +20,7 @@ from ..values.carry import mapped, mapped_pose, moved, scalars
 from ..values.faces import frame_of
 from ..values.kinds import Frame, Surface
 from ..values.vectors import AXES, cross, normalized, unit
-from .guards import held
+from .guards import has_row
 
 if TYPE_CHECKING:
     from ..expressions.evaluate import Evaluator
@@ -59,7 +59,7 @@ def frame_on(ev: Evaluator, node: ast.CallExpr, form: Form) -> Frame:
             du, dv = (triple(E.substitute(derive(c, name), values) for c in patch.position) for name in ("u", "v"))
             frame = Frame(position, frame_of(normalized(cross(du, dv)), unit(2)), (part,))
             pose = mapped_pose(outer, lambda e: lifted(e, scope))
-            found.append((held(instance.scope, scope), moved(frame, pose)))
+            found.append((has_row(instance.scope, scope), moved(frame, pose)))
     if not found:
         raise ev.env.context.error("unknown-member", node.span, "none of the alternatives has this surface")
     value = found[-1][1]
