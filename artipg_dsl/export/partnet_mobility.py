@@ -63,10 +63,10 @@ class Frame:
         return Frame((low + high) / 2, float(np.sqrt(half[0] * half[0] + half[1] * half[1] + half[2] * half[2])))
 
     def points(self, points: np.ndarray) -> np.ndarray:
-        return turned((points - self.center) / self.unit)
+        return to_dataset_axes((points - self.center) / self.unit)
 
 
-def turned(vectors: np.ndarray) -> np.ndarray:
+def to_dataset_axes(vectors: np.ndarray) -> np.ndarray:
     """Directions (..., 3) in the data set's axes: left, up, front."""
     return vectors[..., [1, 2, 0]]
 
@@ -246,7 +246,7 @@ def _meshes(
 def _normals(visual: Any) -> tuple[np.ndarray, np.ndarray]:
     """Normals in the data set's axes, and which each corner of each face has."""
     shading = visual.item.group.shading
-    return turned(shading.normals[visual.item.k]), shading.faces
+    return to_dataset_axes(shading.normals[visual.item.k]), shading.faces
 
 
 def _textured(stem: str, shapes: list[Shape], look: Look) -> dict[str, bytes]:
@@ -268,7 +268,7 @@ def _urdf_link(member: Member, members: list[Member], drawn: dict[int, Any]) -> 
     if joint is not None:
         found["origin"] = numbers(member.pivot - members[member.parent or 0].pivot)
     if joint is not None and member.word != "static":
-        found["axis"] = numbers(turned(joint.axis))
+        found["axis"] = numbers(to_dataset_axes(joint.axis))
         if member.type != "continuous" and member.limit is not None:
             found["limit"] = [numbers([value]) for value in member.limit]
     return found
@@ -283,7 +283,7 @@ def _mobility(member: Member) -> dict[str, Any]:
         ends = np.array((-np.pi, np.pi) if free else member.limit)
         ends = np.degrees(ends) if member.word == "hinge" else ends
         data = {
-            "axis": {"origin": short(member.pivot), "direction": short(turned(joint.axis))},
+            "axis": {"origin": short(member.pivot), "direction": short(to_dataset_axes(joint.axis))},
             "limit": {"a": short(ends)[0], "b": short(ends)[1], "noLimit": free},
         }
         if member.word == "slider+":
@@ -324,7 +324,7 @@ def _samples(robots: Robots, i: int, members: list[Member], frame: Frame) -> dic
     colours = np.array([look[i].colour for look in robots.looks])[points.material[i] + 1]
     place = "%.6f %.6f %.6f\n" * POINTS
     position = frame.points(points.position[i])
-    columns = [position, turned(points.normal[i]), np.round(255 * colours), np.ones((POINTS, 1))]
+    columns = [position, to_dataset_axes(points.normal[i]), np.round(255 * colours), np.ones((POINTS, 1))]
     rows = "%.6f %.6f %.6f %.6f %.6f %.6f %d %d %d %d\n" * POINTS
     label = ("%d\n" * POINTS % tuple(labels.tolist())).encode()
     return {
