@@ -24,7 +24,7 @@ from ..values.vectors import IDENTITY, Matrix, compose, matrix, times
 from .guards import has_row
 from .paths import Reached, walk
 from .style import Style
-from .turns import turned
+from .turns import apply_placements
 
 if TYPE_CHECKING:
     from ..solids.primitives import Lowered
@@ -95,10 +95,10 @@ class Part:
         own = self.declaration.placements
         if self.style is not None:  # what the style says, then what its user does
             home, user = self.style.env, self.declaration.alternatives[0].placements
-            outer = turned(self.env, (*own, *user))
-            found = [(o, turned(home, o.source.placements, outer)) for o in self.options]
+            outer = apply_placements(self.env, (*own, *user))
+            found = [(o, apply_placements(home, o.source.placements, outer)) for o in self.options]
         else:
-            found = [(o, turned(self.env, (*own, *o.source.placements))) for o in self.options]
+            found = [(o, apply_placements(self.env, (*own, *o.source.placements))) for o in self.options]
         result = found[-1][1] if found else IDENTITY  # what could not be built has been reported
         for option, other in reversed(found[:-1]):
             guard = self.guard(option)

@@ -9,7 +9,7 @@ from ..expressions.evaluate import Evaluator
 from ..values.vectors import IDENTITY, Matrix, along, normalized, product, rotation_about, signed_axis
 
 
-def turned(env: Env, placements: tuple[ast.Placement, ...], outer: Matrix = IDENTITY) -> Matrix:
+def apply_placements(env: Env, placements: tuple[ast.Placement, ...], outer: Matrix = IDENTITY) -> Matrix:
     """The placements one after the other, then the rotation ``outer``."""
     ev, made = Evaluator(env), IDENTITY
     for placement in placements:
