@@ -9,7 +9,7 @@ import numpy as np
 
 from .. import random
 from ..errors import UsageError, UserError
-from ..geometry.rays import ENGINES, NEAR, Caster, Grid, best_engine, intersect, turned
+from ..geometry.rays import ENGINES, NEAR, Caster, Grid, best_engine, intersect, rotate_vectors
 from .cameras import Cameras, extrinsics
 from .points import field_kinds
 from .seen import Hits, amid_solids, bind, carried, classes, labels, part_coordinates
@@ -215,7 +215,7 @@ class _Shot:
         low, high = self._window(target.ends)
         columns, rows = (high - low).tolist()
         grid = self._grid(low[0] + 0.5, low[1] + 0.5, 1.0, columns, rows)
-        self.local = turned(self.turn, target.corner - self.eye)  # (T, 3, 3) in the camera's frame
+        self.local = rotate_vectors(self.turn, target.corner - self.eye)  # (T, 3, 3) in the camera's frame
         triangle, weights, depth, at = self._cast(grid)
         y, x = np.divmod(at, max(columns, 1))
         self.pixel = (y + low[1]) * c.width + (x + low[0])
@@ -238,7 +238,7 @@ class _Shot:
         """The pixels [low, high) that the picture of the object's box, ``ends`` (3, 2), lies within."""
         size = np.array([self.cameras.width, self.cameras.height])
         corners = np.stack(np.meshgrid(*ends, indexing="ij"), axis=-1).reshape(-1, 3)
-        local = turned(self.turn, corners - self.eye)
+        local = rotate_vectors(self.turn, corners - self.eye)
         if local[:, 2].min() <= NEAR:
             return np.zeros(2, np.int64), size
         place = local[:, :2] / local[:, 2:] * self.cameras.focal + size / 2

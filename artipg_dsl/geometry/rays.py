@@ -66,7 +66,7 @@ class Embree:
         self._mesh = TriangleMesh(self._scene, np.ascontiguousarray(triangles, dtype=np.float32))
 
     def first(self, turn: np.ndarray, eye: np.ndarray, grid: Grid) -> np.ndarray:
-        rays = np.ascontiguousarray(turned(turn.T, grid.directions()), dtype=np.float32)
+        rays = np.ascontiguousarray(rotate_vectors(turn.T, grid.directions()), dtype=np.float32)
         origins = np.broadcast_to(eye.astype(np.float32), rays.shape).copy()
         return self._scene.run(origins, rays).astype(np.int64)
 
@@ -78,7 +78,7 @@ class Raster:
         self.triangles = triangles
 
     def first(self, turn: np.ndarray, eye: np.ndarray, grid: Grid) -> np.ndarray:
-        local = turned(turn, self.triangles - eye)
+        local = rotate_vectors(turn, self.triangles - eye)
         seen = np.flatnonzero(_amid(self.triangles, eye) | _towards(local))[::-1]  # of coincident ones the first wins
         local = local[seen]
         low, high = reach(local, grid)
@@ -110,7 +110,7 @@ def best_engine() -> str:
     return "embree"
 
 
-def turned(matrix: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+def rotate_vectors(matrix: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     """Vectors (..., 3) times one matrix (3, 3), written out."""
     x, y, z = vectors[..., 0], vectors[..., 1], vectors[..., 2]
     return np.stack([row[0] * x + row[1] * y + row[2] * z for row in matrix], axis=-1)

@@ -225,7 +225,7 @@ def test_casters_name_the_same_triangles_from_any_place() -> None:
             b = np.where(b >= 0, b % 400, -1)
         assert (a >= 0).mean() > 0.05 and (a == b).mean() > 0.995
         hit = np.flatnonzero((a == b) & (a >= 0))
-        local = rays.turned(turn, corner - eye)
+        local = rays.rotate_vectors(turn, corner - eye)
         weights = rays.intersect(local, a[hit], grid.directions()[hit])
         local = local[a[hit]]
         place = (weights[..., None] * local).sum(axis=1)
