@@ -91,11 +91,11 @@ def obj_files(robot: Robot) -> dict[str, bytes]:
 def _placed(visual: Visual, turn: np.ndarray, shift: np.ndarray) -> Shape:
     """A visual with the pose of its link."""
     shading, still = visual.item.group.shading, np.zeros(3)
-    normals = moved(shading.normals[visual.item.k], turn, still), shading.faces
-    return Shape(visual.name, moved(visual.shape.vertices, turn, shift), visual.shape.faces, normals)
+    normals = move_points(shading.normals[visual.item.k], turn, still), shading.faces
+    return Shape(visual.name, move_points(visual.shape.vertices, turn, shift), visual.shape.faces, normals)
 
 
-def moved(points: np.ndarray, turn: np.ndarray, shift: np.ndarray) -> np.ndarray:
+def move_points(points: np.ndarray, turn: np.ndarray, shift: np.ndarray) -> np.ndarray:
     """Points (n, 3) turned by (3, 3) and shifted by (3,), without BLAS: the same bits everywhere."""
     return points[:, :1] * turn[:, 0] + points[:, 1:2] * turn[:, 1] + points[:, 2:] * turn[:, 2] + shift
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from ..annotate.cloud import Points, sample_points
 from ..annotate.sampling import Sampling
-from .mesh_obj import Shape, moved, mtl_text, obj_text
+from .mesh_obj import Shape, move_points, mtl_text, obj_text
 from .partnet_tree import Words, entry, tree, words_of
 from .partnet_words import JOINTS, LIFTED, category, link_label, root_label, snake
 from .urdf import numbers
@@ -258,7 +258,7 @@ def _hull(collider: Collider) -> Shape:
     """A collider as a mesh in its link's frame."""
     if collider.hull is not None:
         return collider.hull
-    return Shape("box", moved(CORNERS * np.array(collider.size), collider.rotation, collider.center), BOX_FACES)
+    return Shape("box", move_points(CORNERS * np.array(collider.size), collider.rotation, collider.center), BOX_FACES)
 
 
 def _urdf_link(member: Member, members: list[Member], drawn: dict[int, Any]) -> dict[str, Any]:
