@@ -12,7 +12,7 @@ from ..errors import UsageError, UserError
 from ..geometry.rays import ENGINES, NEAR, Caster, Grid, best_engine, intersect, rotate_vectors
 from .cameras import Cameras, extrinsics
 from .points import field_kinds
-from .seen import Hits, amid_solids, bind, carried, classes, labels, part_coordinates
+from .seen import Hits, amid_solids, bind, carry_vectors, classes, labels, part_coordinates
 from .soup import Soup, soup
 
 if TYPE_CHECKING:
@@ -122,7 +122,7 @@ class _Views:
         for i in range(first, stop):
             span = slice(int(made.start[i - first]), int(made.start[i - first + 1]))
             for k, (rotation, translation) in enumerate(self.poses):
-                corner = carried(rotation, translation, made.link[span], made.corner[span])
+                corner = carry_vectors(rotation, translation, made.link[span], made.corner[span])
                 ends = np.array([[corner[..., axis].min(), corner[..., axis].max()] for axis in range(3)])
                 half = (ends[:, 1] - ends[:, 0]) / 2
                 radius = np.sqrt(half[:1] * half[:1] + half[1:2] * half[1:2] + half[2:] * half[2:])
@@ -151,7 +151,7 @@ class _Views:
         turn = np.stack([rotation for rotation, _ in self.poses])
         shift = np.stack([translation for _, translation in self.poses])
         every = {
-            "normal": carried(turn.reshape(-1, 3, 3), None, state * turn.shape[1] + link, bound.normal),
+            "normal": carry_vectors(turn.reshape(-1, 3, 3), None, state * turn.shape[1] + link, bound.normal),
             "npcs": part_coordinates(self.batch, part, bound.position),
             "semantic": classes(self.batch, bound),
             "instance": np.asarray(self.batch.parts().number)[part],
@@ -171,11 +171,11 @@ class _Views:
         chosen = np.concatenate([begin + s.chosen for begin, s in zip(begins, shots, strict=True)])
         slot = (np.array([s.number for s in shots])[:, None] * k + np.arange(k)).ravel()
         every["normals"] = every.pop("normal")
-        position = carried(
+        position = carry_vectors(
             turn.reshape(-1, 3, 3), shift.reshape(-1, 3), (state * turn.shape[1] + link)[chosen], bound.position[chosen]
         )
         which = np.array([s.number for s in shots])[shot[chosen]]
-        camera = carried(self.turn, None, which, position - self.eye[which])
+        camera = carry_vectors(self.turn, None, which, position - self.eye[which])
         row, column = np.divmod(place[chosen] % pixels, self.cameras.width)
         for name, values in every.items():
             enter(self.cloud[name], slot, values[chosen])
@@ -184,7 +184,7 @@ class _Views:
         self.cloud["pixel"][slot] = np.stack([row, column], axis=-1)
         for name, values in labels(self.batch, bound.take(chosen)).fields.items():
             if values.ndim == 2:
-                values = carried(turn.reshape(-1, 3, 3), None, (state * turn.shape[1] + link)[chosen], values)
+                values = carry_vectors(turn.reshape(-1, 3, 3), None, (state * turn.shape[1] + link)[chosen], values)
             enter(self.cloud[name], slot, values)
 
 

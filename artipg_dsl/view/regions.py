@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..annotate.points import field_name, label_points
-from ..annotate.seen import Bound, Hits, bind, carried
+from ..annotate.seen import Bound, Hits, bind, carry_vectors
 from ..annotate.soup import Soup, soup
 from .scene import Scene, hex_colour
 
@@ -85,8 +85,8 @@ def regions(
     colour = np.concatenate([tint, opacity[:, None]], axis=1).repeat(3, axis=0)
     count = len(link)
     shown = Scene(
-        carried(turn, shift, link, corner.reshape(-1, 3)),
-        carried(turn, None, link, normal),
+        carry_vectors(turn, shift, link, corner.reshape(-1, 3)),
+        carry_vectors(turn, None, link, normal),
         np.arange(count).reshape(-1, 3),
         colour,
         np.zeros(count),
