@@ -106,10 +106,10 @@ class Files:
         unless ``force``. Raises ExportError.
         """
         from ..export.objects import object_folder, write_objects
-        from ..export.registry import named, per_object
+        from ..export.registry import find_formats, per_object
         from ..geometry.resolution import Resolution
 
-        chosen = named(formats if isinstance(formats, str) else list(formats))
+        chosen = find_formats(formats if isinstance(formats, str) else list(formats))
         for entry in chosen:
             if not entry.per_object:
                 raise UsageError(f"{entry.name} is written by `to`", f"`export` writes {', '.join(per_object())}")

@@ -15,7 +15,7 @@ from .sample import read_resolution, refuse_file
 
 def run(options: argparse.Namespace) -> int:
     from ..export.content import Content
-    from ..export.registry import named, per_object
+    from ..export.registry import find_formats, per_object
     from ..export.write import ExportError
     from ..geometry.resolution import STANDARD
     from ..run.dataset import add_formats, write_dataset
@@ -23,7 +23,7 @@ def run(options: argparse.Namespace) -> int:
 
     begun = time.monotonic()
     try:
-        formats = named(options.format)
+        formats = find_formats(options.format)
     except ExportError as wrong:
         raise UsageError(wrong.message, wrong.hint) from None
     for entry in formats:

@@ -93,7 +93,7 @@ def per_object() -> list[str]:
     return [name for name, entry in FORMATS.items() if entry.per_object]
 
 
-def named(names: str | Sequence[str]) -> list[Format]:
+def find_formats(names: str | Sequence[str]) -> list[Format]:
     """Formats by name, ``"urdf,glb"`` or a list, in the order of the registry. Raises ExportError.
 
     A name that is not known, or whose package is not installed, is told before any work is done.
@@ -127,6 +127,6 @@ def choose(names: str | Sequence[str] | None, *, views: bool = False) -> list[Fo
 
     ``views``: those too, whether they are named or not.
     """
-    chosen = named(DEFAULT if names is None else names)
+    chosen = find_formats(DEFAULT if names is None else names)
     more = {"annotation", *(["views"] if views else [])}
     return [entry for entry in FORMATS.values() if entry in chosen or entry.name in more]
