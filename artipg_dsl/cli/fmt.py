@@ -10,7 +10,7 @@ from pathlib import Path
 from ..diagnostics import Report
 from ..export.write import write_bytes
 from ..source import Source
-from ..syntax.format import formatted
+from ..syntax.format import format_source
 from ..syntax.load import load
 from .messages import findings, plural, say
 
@@ -20,7 +20,7 @@ def run(options: argparse.Namespace) -> int:
     changed = 0
     for name in options.files:
         source = Source("<stdin>", sys.stdin.read()) if name == "-" else load(Path(name), report)
-        text = formatted(source, report) if source is not None else None
+        text = format_source(source, report) if source is not None else None
         if source is None or text is None:
             continue
         if name == "-" and not (options.check or options.diff):

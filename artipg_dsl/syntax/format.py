@@ -41,7 +41,7 @@ class _Piece:
         return self.gap.count("\n")
 
 
-def formatted(source: Source, report: Report) -> str | None:
+def format_source(source: Source, report: Report) -> str | None:
     """The text of ``source`` laid out; None after reporting why it does not parse."""
     if parse(source, report) is None:
         return None

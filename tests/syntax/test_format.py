@@ -12,14 +12,14 @@ from artipg_dsl.cli.new import starting_point
 from artipg_dsl.diagnostics import Report
 from artipg_dsl.resources import categories_dir, library_dir
 from artipg_dsl.source import Source
-from artipg_dsl.syntax.format import formatted
+from artipg_dsl.syntax.format import format_source
 
 SHIPPED = sorted((*categories_dir().glob("*.apg"), *library_dir().glob("*.apg")))
 
 
 def laid_out(text: str) -> str:
     report = Report()
-    found = formatted(Source("text.apg", text), report)
+    found = format_source(Source("text.apg", text), report)
     assert found is not None, report.diagnostics
     return found
 
@@ -87,5 +87,5 @@ def test_case(name: str) -> None:
 
 def test_what_does_not_parse_is_left_alone() -> None:
     report = Report()
-    assert formatted(Source("text.apg", "apg 1\ncategory {"), report) is None
+    assert format_source(Source("text.apg", "apg 1\ncategory {"), report) is None
     assert report.failed
