@@ -97,7 +97,7 @@ def build_meshes(tables: list[SiteTable], resolution: Resolution = STANDARD) -> 
     for table, steps in zip(tables, steps_of(tables, resolution), strict=True):
         for part in mesh.build(table.primitive, table.params, steps):
             rows = np.asarray(part.rows)
-            vertices = placed(table, rows, part.vertices)
+            vertices = place_points(table, rows, part.vertices)
             for sign in (1.0, -1.0):
                 chosen = np.flatnonzero(table.mirror[rows] == sign)
                 if len(chosen):
@@ -138,8 +138,8 @@ def build_pieces(tables: list[SiteTable]) -> list[PieceGroup]:
             bulge = as_round(part.vertices)
             name, _, index = part.name.partition("[")
             number = names.setdefault(name, len(names))
-            center = placed(table, rows, center[:, None])[:, 0]
-            vertices = placed(table, rows, part.vertices)
+            center = place_points(table, rows, center[:, None])[:, 0]
+            vertices = place_points(table, rows, part.vertices)
             for sign in (1.0, -1.0):
                 c = np.flatnonzero(table.mirror[rows] == sign)
                 if len(c):
@@ -153,7 +153,7 @@ def build_pieces(tables: list[SiteTable]) -> list[PieceGroup]:
     return groups
 
 
-def placed(table: SiteTable, rows: np.ndarray, points: np.ndarray) -> np.ndarray:
+def place_points(table: SiteTable, rows: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Local points (k, n, 3) of ``rows`` in the object's frame."""
     return place(table.rotation[rows], table.translation[rows], points, table.mirror[rows])
 
