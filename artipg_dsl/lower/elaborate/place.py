@@ -135,7 +135,7 @@ def pose_of(part: Part) -> Pose:
         part.seeking = True
         try:
             pose = sought(part)
-            part.found = pose if part.previous is None else chained(part, pose, part.previous)
+            part.found = pose if part.previous is None else chain_pose(part, pose, part.previous)
         except Abort:
             part.unplaced = True
             raise
@@ -155,7 +155,7 @@ def before(part: Part) -> Pose:
     return part.previous
 
 
-def chained(part: Part, pose: Pose, chain: Pose) -> Pose:
+def chain_pose(part: Part, pose: Pose, chain: Pose) -> Pose:
     """Close the chain: each element stands on the one before, all turned alike."""
     if pose.rotation != chain.rotation or pose.mirror is not E.ONE:
         raise part.context.error(
