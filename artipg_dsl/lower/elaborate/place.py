@@ -176,7 +176,7 @@ def sought(part: Part) -> Pose:
     found = mounts(part.env, declared(part))
     if not found:
         return Pose(part.rotation(), part.position(), ONE)
-    poses = [(m.env.scope, mounted(part, m)) for m in found]
+    poses = [(m.env.scope, mount_pose(part, m)) for m in found]
     if not everywhere(part, [scope for scope, _ in poses]):
         return partly(part, [(m, pose) for m, (_, pose) in zip(found, poses, strict=True)])
     if len(poses) == 1:
@@ -236,7 +236,7 @@ def flat(pose: Pose) -> list[E.Expr]:
     return found
 
 
-def mounted(part: Part, mount: Mount) -> Pose:
+def mount_pose(part: Part, mount: Mount) -> Pose:
     ev = Evaluator(mount.env)
     statement = mount.statement
     if statement.between is not None:
