@@ -240,7 +240,7 @@ def mount_pose(part: Part, mount: Mount) -> Pose:
     ev = Evaluator(mount.env)
     statement = mount.statement
     if statement.between is not None:
-        return bridged(part, mount, ev)
+        return bridge_pose(part, mount, ev)
     assert mount.target is not None
     inner = part.rotation()
     own = own_value(part, mount.subject, mount.env, inner)
@@ -312,7 +312,7 @@ def located(frame: Frame, mount: Mount, ev: Evaluator) -> Triple:
     return triple(origin)
 
 
-def bridged(part: Part, mount: Mount, ev: Evaluator) -> Pose:
+def bridge_pose(part: Part, mount: Mount, ev: Evaluator) -> Pose:
     """``between A and B [facing d] [sink s]``: the pose and the one parameter on which the length of ``ends`` depends."""
     statement = mount.statement
     clause = statement.between
