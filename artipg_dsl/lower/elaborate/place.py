@@ -255,7 +255,7 @@ def mount_pose(part: Part, mount: Mount) -> Pose:
         value = Frame(value.point, axes_from(times(value.direction, MINUS)), value.on)
     if not isinstance(value, Frame):
         raise ev.wrong(mount.target.span, "a frame (a port or a face)", value)
-    origin = located(value, mount, ev)
+    origin = locate_mount(value, mount, ev)
     out, up = value.out, value.up
     side = triple(row[1] for row in value.rotation)
     rotation = product(columns(times(out, MINUS), times(side, MINUS), up), transpose(own.rotation))
@@ -292,7 +292,7 @@ def own_value(part: Part, subject: ast.Expr, env: Env, rotation: Matrix = IDENTI
     return Evaluator(env, instead={id(root(subject)): own}).value(subject)
 
 
-def located(frame: Frame, mount: Mount, ev: Evaluator) -> Triple:
+def locate_mount(frame: Frame, mount: Mount, ev: Evaluator) -> Triple:
     """The origin of the target, moved by ``at y = ..., z = ...`` within its plane."""
     origin = list(frame.origin)
     for argument in ast.value_of(mount.statement.at) or ():
