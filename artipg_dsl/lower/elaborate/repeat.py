@@ -39,7 +39,7 @@ def build_repeat(
         count: Expr = E.const(2.0)
     elif statement.form == "fill" and statement.count is None:
         assert box is not None
-        count = filled(ev, statement, box)
+        count = count_filling(ev, statement, box)
         if (every := statement.every) is not None:
             name, place = f"`every` of `{statement.name}`", where(every.span)
             context.asked.append(Quantity(name, env.scope, ev.scalar(every.value), EVERY, place))
@@ -72,7 +72,7 @@ def build_repeat(
     return element
 
 
-def filled(ev: Evaluator, statement: ast.RepeatStmt, box: Box) -> Expr:
+def count_filling(ev: Evaluator, statement: ast.RepeatStmt, box: Box) -> Expr:
     """How many elements fit: ``fill A every d``."""
     axis = axis_of(ev, statement)
     length = E.sub(box.size[axis], E.mul(E.const(2.0), scalar(ev, statement.margin)))
