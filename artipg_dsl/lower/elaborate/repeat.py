@@ -59,7 +59,7 @@ def build_repeat(
             assert box is not None
             split(inner, element, statement, box, register)
         case "spread" | "fill" | "pitch":
-            element.box = spaced(ev, inner_ev, statement, box, count, scope)
+            element.box = space_elements(ev, inner_ev, statement, box, count, scope)
         case "ring":
             inner.frame = ring(ev, statement, count, scope)
         case "mirror":
@@ -80,7 +80,7 @@ def count_filling(ev: Evaluator, statement: ast.RepeatStmt, box: Box) -> Expr:
     return E.maximum(E.ONE, E.add(E.call("floor", E.add(E.div(length, step), E.const(1e-9))), E.ONE))
 
 
-def spaced(
+def space_elements(
     ev: Evaluator, inner: Evaluator, statement: ast.RepeatStmt, box: Box | None, count: Expr, scope: Scope
 ) -> Box:
     """Elements without extent along the axis: evenly spread, at a pitch, or as many as fit."""
