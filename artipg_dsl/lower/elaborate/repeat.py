@@ -63,7 +63,7 @@ def build_repeat(
         case "ring":
             inner.frame = ring(ev, statement, count, scope)
         case "mirror":
-            inner.frame = mirrored(ev, statement, scope)
+            inner.frame = mirror_pose(ev, statement, scope)
         case _:
             pass
     if element.box is None and env.root.box is not None and inner.frame is HERE:
@@ -128,7 +128,7 @@ def ring(ev: Evaluator, statement: ast.RepeatStmt, count: Expr, scope: Scope) ->
     return Pose(rotation_about(direction, angle), point, E.ONE)
 
 
-def mirrored(ev: Evaluator, statement: ast.RepeatStmt, scope: Scope) -> Pose:
+def mirror_pose(ev: Evaluator, statement: ast.RepeatStmt, scope: Scope) -> Pose:
     """``mirror across y``: element 0 as written, element 1 its mirror image in the plane through the scope's centre."""
     found = statement.across
     assert found is not None
