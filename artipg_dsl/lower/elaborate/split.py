@@ -35,7 +35,7 @@ def split(
         size = E.div(E.mul(room, weight), total(scope, weight, element.count))
     else:
         low, high = outer.scalar(statement.each.value.low), outer.scalar(statement.each.value.high)
-        size = limited(scope, room, weight, element.count, low, high)
+        size = limit_shares(scope, room, weight, element.count, low, high)
         bound_count(inner, element, statement, room, low, high)
     if size.scope is scope:
         before = E.scan(scope, size)
@@ -73,7 +73,7 @@ def total(scope: Scope, value: Expr, count: Expr) -> Expr:
     return E.reduce("sum", scope, value) if value.scope is scope else E.mul(count, value)
 
 
-def limited(scope: Scope, room: Expr, weight: Expr, count: Expr, low: Expr, high: Expr) -> Expr:
+def limit_shares(scope: Scope, room: Expr, weight: Expr, count: Expr, low: Expr, high: Expr) -> Expr:
     """Every element gets ``low``, the rest is shared by weight, and what exceeds ``high`` is shared again."""
     rest = E.sub(room, E.mul(count, low))
     span = E.sub(high, low)
