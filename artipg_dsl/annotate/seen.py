@@ -104,7 +104,9 @@ def amid_solids(
     return out
 
 
-def carry_vectors(rotation: np.ndarray, translation: np.ndarray | None, link: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+def carry_vectors(
+    rotation: np.ndarray, translation: np.ndarray | None, link: np.ndarray, vectors: np.ndarray
+) -> np.ndarray:
     """Vectors (n, ..., 3) moved with the links (n,); directions without a translation."""
     if vectors.ndim == 2:
         return rotate_rows(rotation, link, vectors, translation)

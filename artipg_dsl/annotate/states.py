@@ -76,7 +76,9 @@ def joint_values(batch: Batch, states: States) -> np.ndarray:
             found += [draw(batch, k) for k in range(drawn, drawn + count)]
             drawn += count
         else:
-            found.append(resting(batch) if name == "rest" else opened(batch) if name == "open" else chosen(batch, name))
+            found.append(
+                resting(batch) if name == "rest" else opened(batch) if name == "open" else parse_state(batch, name)
+            )
     return np.stack([batch.settled(values) for values in found])
 
 
@@ -97,7 +99,7 @@ def opened(batch: Batch, share: float = 0.8) -> np.ndarray:
     return rest + share * (end - rest)
 
 
-def chosen(batch: Batch, text: str) -> np.ndarray:
+def parse_state(batch: Batch, text: str) -> np.ndarray:
     """Joint values (J,) such as ``door=45deg+drawer=5cm``: of all joints of the names, the others at rest.
 
     A share (``lid=20%``) is of the way from rest to the farther end. Values stay within the limits. Raises UsageError.
@@ -107,9 +109,9 @@ def chosen(batch: Batch, text: str) -> np.ndarray:
     every = list(dict.fromkeys(joint.name for joint in batch.program.joints))
     defined = {name for joint in batch.program.joints for name in (joint.name, joint.path)} | set(joints.name)
     for piece in text.split("+"):
-        chosen = CHOSEN.fullmatch(piece.strip())
-        assert chosen is not None  # as it was read
-        name, number, unit = chosen.groups()
+        read = CHOSEN.fullmatch(piece.strip())
+        assert read is not None  # as it was read
+        name, number, unit = read.groups()
         if name not in defined:
             close = get_close_matches(name, every, n=1)
             raise UsageError(

@@ -81,7 +81,7 @@ class Output:
 
     @classmethod
     def of(cls, formats: Iterable[Format], content: Content) -> Output:
-        """The output in formats that ``choose`` or ``named`` has found."""
+        """The output in formats that ``choose_formats`` or ``find_formats`` has found."""
         return cls(tuple(entry.name for entry in formats), content)
 
     @property
