@@ -70,7 +70,7 @@ class Files:
         The options are those of the command, of ``points`` and of ``meshes``: ``states`` such as "open,random:4",
         ``views`` a number or cameras.
         """
-        from ..export.registry import choose
+        from ..export.registry import choose_formats
         from ..run.dataset import write_dataset
         from ..run.output import Output, read_content
 
@@ -88,7 +88,7 @@ class Files:
             tolerance=tolerance,
             triangles=triangles,
         )
-        write_dataset(self.job, folder, Output.of(choose(names, views=views is not None), content), force=force)
+        write_dataset(self.job, folder, Output.of(choose_formats(names, views=views is not None), content), force=force)
         return Path(folder)
 
     def export(

@@ -40,7 +40,7 @@ def run(options: argparse.Namespace) -> int:
 
 def write(options: argparse.Namespace) -> int:
     """Write the mutants of a folder to another one."""
-    from ..export.registry import choose
+    from ..export.registry import choose_formats
     from ..export.write import ExportError
     from ..run.output import Output
 
@@ -52,7 +52,7 @@ def write(options: argparse.Namespace) -> int:
         raise UsageError(f"the mutants cannot go into {out}, where their originals are", "name another folder with -o")
     named = output.formats if options.format is None else [n.strip() for n in options.format.split(",")]
     try:
-        formats = choose([*named, *TOLD])
+        formats = choose_formats([*named, *TOLD])
     except ExportError as wrong:
         raise UsageError(wrong.message, wrong.hint) from None
     content = output.content

@@ -31,13 +31,13 @@ def refuse_file(folder: Path) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    from ..export.registry import choose
+    from ..export.registry import choose_formats
     from ..export.write import ExportError
     from ..run.output import Output
 
     begun = time.monotonic()
     try:
-        formats = choose(options.format, views=options.views is not None)
+        formats = choose_formats(options.format, views=options.views is not None)
     except ExportError as wrong:
         raise UsageError(wrong.message, wrong.hint) from None
     output = Output.of(formats, read_content(options))

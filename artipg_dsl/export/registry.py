@@ -122,7 +122,7 @@ def require(entry: Format) -> None:
         )
 
 
-def choose(names: str | Sequence[str] | None, *, views: bool = False) -> list[Format]:
+def choose_formats(names: str | Sequence[str] | None, *, views: bool = False) -> list[Format]:
     """What ``apgc sample`` writes: the formats named (None: the default ones), and annotations with any of them.
 
     ``views``: those too, whether they are named or not.

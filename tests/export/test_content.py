@@ -15,7 +15,7 @@ from artipg_dsl.annotate.poses import part_poses
 from artipg_dsl.annotate.sampling import Sampling
 from artipg_dsl.annotate.states import joint_values, read_states
 from artipg_dsl.export.content import SHARD, Content
-from artipg_dsl.export.registry import choose
+from artipg_dsl.export.registry import choose_formats
 from artipg_dsl.export.shards import point_arrays, view_arrays
 from artipg_dsl.export.write import ExportError
 from artipg_dsl.run.dataset import write_dataset
@@ -42,7 +42,7 @@ def write(
     return write_dataset(
         prepare(sampler, Request("Microwave", 1, ((0, n - 1),))),
         out,
-        Output(tuple(entry.name for entry in choose(formats)), content, shard=3),
+        Output(tuple(entry.name for entry in choose_formats(formats)), content, shard=3),
     )
 
 
@@ -143,4 +143,4 @@ def test_shards_of_images_stay_handy() -> None:
     assert STANDARD.shard_size() == SHARD == Content(states=read_states("random:9")).shard_size()
     assert Content(cameras=Cameras()).shard_size() == 16
     assert Content(cameras=Cameras(count=1000, width=4000, height=4000)).shard_size() == 1
-    assert [f.name for f in choose(None, views=True)] == ["points", "annotation", "views"]
+    assert [f.name for f in choose_formats(None, views=True)] == ["points", "annotation", "views"]

@@ -14,7 +14,7 @@ import pytest
 
 from artipg_dsl.annotate.sampling import Sampling
 from artipg_dsl.export.content import Content
-from artipg_dsl.export.registry import FORMATS, choose
+from artipg_dsl.export.registry import FORMATS, choose_formats
 from artipg_dsl.export.shards import npz_bytes
 from artipg_dsl.export.write import ExportError
 from artipg_dsl.run import manifest
@@ -56,7 +56,7 @@ def write(  # type: ignore[no-untyped-def]
 ) -> dict:
     program = FakeBatch(1).program
     request = Request("Cupboard", seed, to_runs(only or range(n)), program=program.hash)
-    output = Output(tuple(entry.name for entry in choose(formats)), Content(Sampling(points)), shard)
+    output = Output(tuple(entry.name for entry in choose_formats(formats)), Content(Sampling(points)), shard)
     job = SimpleNamespace(program=program, request=request, batch=sample, counts=lambda: counts)
     return write_dataset(job, out, output, **options)  # type: ignore[arg-type]
 
@@ -194,12 +194,12 @@ def test_counts_of_the_run_reach_the_manifest(tmp_path: Path) -> None:
 
 def test_unknown_formats_list_the_known_ones() -> None:
     with pytest.raises(ExportError) as caught:
-        choose("points,stl")
+        choose_formats("points,stl")
     assert "'stl'" in caught.value.message and all(name in caught.value.hint for name in FORMATS)
     with pytest.raises(ExportError):
-        choose("")
-    assert [f.name for f in choose(None)] == ["points", "annotation"]
-    assert [f.name for f in choose(["glb", "urdf"])] == ["annotation", "urdf", "glb"]
+        choose_formats("")
+    assert [f.name for f in choose_formats(None)] == ["points", "annotation"]
+    assert [f.name for f in choose_formats(["glb", "urdf"])] == ["annotation", "urdf", "glb"]
 
 
 def test_npz_is_plain_and_its_bytes_depend_on_the_contents_alone(tmp_path: Path) -> None:
