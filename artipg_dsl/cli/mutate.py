@@ -155,7 +155,7 @@ def compare(first: str, second: str, *, everything: bool) -> int:
 def compare_folders(first: str, second: str, everything: bool) -> list[str]:
     """The differences of the objects of two folders, those of the same number or a mutant and its original."""
     from ..run.resume import reopen
-    from ..sampling.settled import again
+    from ..sampling.known import again
     from ..sampling.trace import difference
 
     a, b = reopen(first), reopen(second)

@@ -19,8 +19,8 @@ from ..graph.program import Draw
 from ..runtime.batch import Batch
 from ..runtime.kernels import State
 from ..runtime.plan import make_plan
+from ..sampling.known import made
 from ..sampling.sample import Sampler
-from ..sampling.settled import made
 
 LEVELS = 4  # values of a count that are told apart
 TRIED = 128  # objects asked for a pair that was not seen

@@ -13,8 +13,8 @@ import numpy as np
 from ..graph.program import Draw
 from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State
+from ..sampling.known import again, differing, kept, made
 from ..sampling.sample import Sampler
-from ..sampling.settled import again, differing, kept, made
 from .fingerprint import fingerprint
 
 FEW = 48  # objects tried at first

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..errors import UserError
 from ..runtime.batch import Batch
-from ..sampling.settled import again
+from ..sampling.known import again
 from ..validity.bodies import gather
 
 REFERENCE = "reference.json"

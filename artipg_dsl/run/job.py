@@ -13,9 +13,9 @@ from ..diagnostics.suggest import did_you_mean
 from ..errors import UsageError, UserError
 from ..resources import COMPILED
 from ..runtime.kernels import TooMany
+from ..sampling.known import again
 from ..sampling.mutate import Mutation, Names
 from ..sampling.sample import Sampler
-from ..sampling.settled import again
 from ..sampling.statistics import Exhausted, Statistics
 from ..sampling.trace import Replay
 from ..sampling.values import Values

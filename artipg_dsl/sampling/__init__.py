@@ -5,7 +5,7 @@ Begin with ``sample``.
 
     sample, prior             first and further attempts; attempts resampled to the declared distributions
     repair, search, clips     what is at fault is found and moved as little as possible
-    settled, values           objects whose values are known, or given, evaluated again
+    known, values             objects whose values are known, or given, evaluated again
     mutate, correspondence    new objects from old ones (APA, DPA, CPA), and what became of each primitive
     trace                     what was done to an object, as data and in words, and done again
     statistics                what attempts came to, and what failed

@@ -13,8 +13,8 @@ from ..runtime.batch import Batch
 from ..runtime.kernels import full
 from ..runtime.laws import TOLERANCE
 from ..runtime.repairs import HOW, Cause, Repairs, giving
+from .known import again, chosen, matched
 from .search import domain
-from .settled import again, chosen, matched
 
 if TYPE_CHECKING:
     from .sample import Sampler

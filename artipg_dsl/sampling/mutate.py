@@ -24,9 +24,9 @@ from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State, full
 from ..runtime.repairs import Repairs
 from .clips import CLIPPED, Asked, Blame, logged
+from .known import again, chosen, differing, kept, made
 from .repair import Mended, joined, mended, tally
 from .sample import Sampler, asked, colliding
-from .settled import again, chosen, differing, kept, made
 from .statistics import ATTEMPTS, Exhausted, Statistics
 
 OPERATIONS = ("apa", "dpa", "cpa")

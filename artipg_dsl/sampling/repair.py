@@ -26,8 +26,8 @@ from ..runtime.repairs import Cause, Repairs, giving
 from ..validity.faults import faults
 from ..validity.formulas import fallible, unsaid
 from .clips import Asked, Blame, Clips, clipped, logged
+from .known import again, chosen, matched
 from .search import AGAIN, Search, Spots, at_fault, domain
-from .settled import again, chosen, matched
 from .statistics import Statistics
 
 if TYPE_CHECKING:

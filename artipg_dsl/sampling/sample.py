@@ -17,9 +17,9 @@ from ..validity.contact import contact, in_words
 from ..validity.faults import faults
 from ..validity.formulas import fallible, unsaid
 from ..validity.sound import prove
+from .known import made
 from .prior import BLOCK, Resampling
 from .repair import Mended, mended
-from .settled import made
 from .statistics import ATTEMPTS, Exhausted, Statistics
 
 COLLIDING = 25  # attempts that end in a collision, until it is the program's fault

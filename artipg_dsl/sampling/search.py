@@ -18,7 +18,7 @@ from ..random import key, mix, uniform
 from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State, full
 from ..runtime.plan import Plan
-from .settled import made
+from .known import made
 
 STEPS = 2.0 ** -np.arange(6, -1, -1)  # of the width of a domain, for a value that moves alone
 TOGETHER = 48  # candidates in which several values move

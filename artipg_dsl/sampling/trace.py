@@ -26,9 +26,9 @@ from ..runtime.batch import Batch, plain
 from ..runtime.kernels import Kept
 from ..runtime.repairs import HOW, Repairs
 from ..shapes import Misfit, Rule, fit
+from .known import again, chosen
 from .mutate import OPERATIONS, Stage
 from .sample import Sampler, asked, colliding
-from .settled import again, chosen
 from .statistics import Exhausted, Statistics
 
 WRITTEN = "give a trace-*.jsonl written by `apgc mutate`"

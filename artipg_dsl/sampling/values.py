@@ -13,9 +13,9 @@ from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State
 from ..runtime.repairs import Repairs
 from .clips import Asked, Blame, logged
+from .known import again, chosen, made
 from .repair import Handler, Outcome, causes, joined, repair
 from .sample import Sampler
-from .settled import again, chosen, made
 from .statistics import Exhausted, Statistics
 
 TRIALS = 25  # attempts where a repair finds nothing

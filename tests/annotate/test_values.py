@@ -11,8 +11,8 @@ from artipg_dsl.annotate.cloud import sample_points
 from artipg_dsl.api import load
 from artipg_dsl.errors import UserError
 from artipg_dsl.runtime.kernels import State
+from artipg_dsl.sampling.known import made
 from artipg_dsl.sampling.sample import Sampler
-from artipg_dsl.sampling.settled import made
 from artipg_dsl.sampling.statistics import Exhausted, Statistics
 from artipg_dsl.session import Session
 

@@ -8,8 +8,8 @@ import pytest
 
 from artipg_dsl.export.materials import colours
 from artipg_dsl.sampling.correspondence import NONE, REPLICA, SAME, SLOT, correspondence
+from artipg_dsl.sampling.known import again
 from artipg_dsl.sampling.mutate import Names, mutate, structural
-from artipg_dsl.sampling.settled import again
 from artipg_dsl.sampling.statistics import Statistics
 from artipg_dsl.sampling.trace import difference, replay, trace_lines, traces
 from artipg_dsl.session import Session

@@ -12,10 +12,10 @@ from artipg_dsl.run.params import read_values
 from artipg_dsl.run.request import Request
 from artipg_dsl.runtime.kernels import Kept, State
 from artipg_dsl.sampling.clips import Asked
+from artipg_dsl.sampling.known import again, chosen, made
 from artipg_dsl.sampling.mutate import mutate
 from artipg_dsl.sampling.repair import repair
 from artipg_dsl.sampling.sample import Sampler
-from artipg_dsl.sampling.settled import again, chosen, made
 from artipg_dsl.sampling.statistics import Statistics
 from artipg_dsl.sampling.trace import Replay, read_traces, trace_lines
 from artipg_dsl.sampling.values import Values

@@ -7,8 +7,8 @@ from scipy.spatial import ConvexHull
 from artipg_dsl.run.job import prepare
 from artipg_dsl.run.request import Request
 from artipg_dsl.runtime.kernels import State
+from artipg_dsl.sampling.known import made
 from artipg_dsl.sampling.sample import Sampler
-from artipg_dsl.sampling.settled import made
 from artipg_dsl.sampling.statistics import Statistics
 from artipg_dsl.session import Session
 from artipg_dsl.validity.bodies import gather
