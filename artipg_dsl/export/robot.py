@@ -223,9 +223,9 @@ class Robots:
         return [
             [
                 Look(m.name, tuple(c), 1.0 - m.transparency[0], m.metalness[0], m.roughness[0])
-                for m, c in zip(settled, materials.colours(self.batch, settled[0]).tolist(), strict=True)
+                for m, c in zip(resolved, materials.colours(self.batch, resolved[0]).tolist(), strict=True)
             ]
-            for settled in self.materials
+            for resolved in self.materials
         ]
 
     def material(self, item: solids.Item[Any]) -> int:
