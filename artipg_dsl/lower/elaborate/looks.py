@@ -67,7 +67,7 @@ def lower_material(context: Context, symbol: Symbol) -> Material:
                 raise context.error(
                     "wrong-kind", node.span, "a colour must be a vector [red, green, blue] of numbers in 0 .. 1"
                 )
-            colours.append(tuple(settled(context, "colour", node, c) for c in value.items))
+            colours.append(tuple(read_number(context, "colour", node, c) for c in value.items))
         values["colour"] = tuple(colours)
     properties = {
         "density": declaration.density,
@@ -92,7 +92,7 @@ def ends(clause: ast.Clause[ast.RangeExpr]) -> tuple[ast.Expr, ...]:
 
 def span_of(ev: Evaluator, name: str, clause: ast.Clause[ast.RangeExpr]) -> tuple[float, float]:
     """The range of a property: one value, or the two ends."""
-    numbers = [settled(ev.env.context, name, node, ev.scalar(node)) for node in ends(clause)]
+    numbers = [read_number(ev.env.context, name, node, ev.scalar(node)) for node in ends(clause)]
     if numbers[0] > numbers[-1]:
         raise ev.env.context.error(
             "empty-range", clause.span, "the range is empty: its low end lies above its high end", hint="swap the ends"
@@ -100,7 +100,7 @@ def span_of(ev: Evaluator, name: str, clause: ast.Clause[ast.RangeExpr]) -> tupl
     return numbers[0], numbers[-1]
 
 
-def settled(context: Context, name: str, node: ast.Expr, value: Expr) -> float:
+def read_number(context: Context, name: str, node: ast.Expr, value: Expr) -> float:
     """A property's number, which is known beforehand and lies in the range that is legal for it."""
     if value.constant is None:
         raise context.error(
