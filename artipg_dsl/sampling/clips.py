@@ -13,7 +13,7 @@ from ..runtime.batch import Batch
 from ..runtime.kernels import full
 from ..runtime.laws import TOLERANCE
 from ..runtime.repairs import HOW, Cause, Repairs, giving
-from .known import again, chosen, matched
+from .known import again, rows_of_draw, matched
 from .search import domain
 
 if TYPE_CHECKING:
@@ -126,7 +126,7 @@ def logged(
             wrong.setdefault(owner, []).append(cause)
     parts = []
     for number, draw in enumerate(program.draws):
-        old, new = chosen(before, number, everything), chosen(lean, number, everything)
+        old, new = rows_of_draw(before, number, everything), rows_of_draw(lean, number, everything)
         here, there = matched(old.key, new.key)
         wanted, rows = asked.values[number][old.row[here]], new.row[there]
         apart = np.flatnonzero(~(wanted == lean.state.values[number][rows]) & asked.stated[number][old.row[here]])

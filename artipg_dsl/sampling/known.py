@@ -29,7 +29,7 @@ class Chosen:
     key: np.ndarray
 
 
-def chosen(batch: Batch, number: int, objects: np.ndarray) -> Chosen:
+def rows_of_draw(batch: Batch, number: int, objects: np.ndarray) -> Chosen:
     """The rows that draw ``number`` has in the objects at the given places of a batch."""
     rows = batch.rowmap.rows(batch.program.draws[number].column.scope)
     first = np.searchsorted(rows.owner, objects)
@@ -43,7 +43,7 @@ def kept(
     batch: Batch, number: int, objects: np.ndarray, reach: np.ndarray | None = None, swap: np.ndarray | None = None
 ) -> Kept:
     """What the objects at the given places have of a draw, to be kept as far as ``reach`` and ``swap`` (per row) say."""
-    at = chosen(batch, number, objects)
+    at = rows_of_draw(batch, number, objects)
     order = np.argsort(at.key, kind="stable")
     row = at.row[order]
     held = batch.state.values[number][row]
@@ -93,7 +93,7 @@ def differing(before: Batch, objects: np.ndarray, after: Batch, numbers: Sequenc
     found = np.zeros(len(after), dtype=bool)
     everything = np.arange(len(after))
     for number in range(len(after.program.draws)) if numbers is None else numbers:
-        old, new = chosen(before, number, objects), chosen(after, number, everything)
+        old, new = rows_of_draw(before, number, objects), rows_of_draw(after, number, everything)
         a, b = before.state.values[number][old.row], after.state.values[number][new.row]
         if len(old.key) == len(new.key) and np.array_equal(old.key, new.key):
             found[new.owner[a != b]] = True

@@ -24,7 +24,7 @@ from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State, full
 from ..runtime.repairs import Repairs
 from .clips import CLIPPED, Asked, Blame, logged
-from .known import again, chosen, differing, kept, made
+from .known import again, rows_of_draw, differing, kept, made
 from .repair import Mended, joined, mended, tally
 from .sample import Sampler, asked, colliding
 from .statistics import ATTEMPTS, Exhausted, Statistics
@@ -417,7 +417,7 @@ class _Step:
         moved = np.zeros(len(trial), dtype=bool)
         everything = np.arange(len(trial))
         for number, wanted in enumerate(self.purpose()):
-            old, new = chosen(self.batch, number, objects), chosen(trial, number, everything)
+            old, new = rows_of_draw(self.batch, number, objects), rows_of_draw(trial, number, everything)
             _, here, there = np.intersect1d(old.key, new.key, assume_unique=True, return_indices=True)
             apart = self.batch.state.values[number][old.row[here]] != trial.state.values[number][new.row[there]]
             meant = wanted[old.row[here]]

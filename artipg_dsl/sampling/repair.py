@@ -26,7 +26,7 @@ from ..runtime.repairs import Cause, Repairs, giving
 from ..validity.faults import faults
 from ..validity.formulas import fallible, unsaid
 from .clips import Asked, Blame, Clips, clipped, logged
-from .known import again, chosen, matched
+from .known import again, rows_of_draw, matched
 from .search import AGAIN, Search, Spots, at_fault, domain
 from .statistics import Statistics
 
@@ -310,7 +310,7 @@ class Handler:
         nearer = again(batch, some, plan=self.sampler.lean)
         target, stated = [], []
         for number in range(len(self.program.draws)):
-            old, new = chosen(search.batch, number, places), chosen(nearer, number, np.arange(len(nearer)))
+            old, new = rows_of_draw(search.batch, number, places), rows_of_draw(nearer, number, np.arange(len(nearer)))
             here, there = matched(old.key, new.key)
             value = nearer.state.values[number].copy()
             kept = nearer.state.values[number][new.row[there]]
@@ -372,7 +372,7 @@ def joined(batch: Batch, solved: Sequence[Solved]) -> Batch:
         keys, held = [], []
         for part, places in [*solved, (None, rest)]:
             if part is None:
-                at = chosen(batch, number, rest)
+                at = rows_of_draw(batch, number, rest)
                 keys.append(mix(batch.rowmap.rows(draw.column.scope).address[at.row], rest[at.owner]))
                 held.append(batch.state.values[number][at.row])
             else:

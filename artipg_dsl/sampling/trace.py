@@ -26,7 +26,7 @@ from ..runtime.batch import Batch, plain
 from ..runtime.kernels import Kept
 from ..runtime.repairs import HOW, Repairs
 from ..shapes import Misfit, Rule, fit
-from .known import again, chosen
+from .known import again, rows_of_draw
 from .mutate import OPERATIONS, Stage
 from .sample import Sampler, asked, colliding
 from .statistics import Exhausted, Statistics
@@ -117,7 +117,7 @@ def _drawn(stage: Stage) -> Iterable[tuple[int, Step]]:
     everything = np.arange(len(after))
     for number, draw in enumerate(after.program.draws):
         scope = draw.column.scope
-        old, new = chosen(before, number, everything), chosen(after, number, everything)
+        old, new = rows_of_draw(before, number, everything), rows_of_draw(after, number, everything)
         a, b = before.state.values[number], after.state.values[number]
         _, here, there = np.intersect1d(old.key, new.key, assume_unique=True, return_indices=True)
         apart = a[old.row[here]] != b[new.row[there]]
@@ -319,7 +319,7 @@ def _overlaid(batch: Batch, changed: Mapping[int, Mapping[int, float]]) -> list[
     """All values of a batch, some of them replaced and some added."""
     values = []
     for number in range(len(batch.program.draws)):
-        old = chosen(batch, number, np.arange(len(batch)))
+        old = rows_of_draw(batch, number, np.arange(len(batch)))
         new = changed.get(number, {})
         keys = np.concatenate([np.array(list(new), dtype=np.uint64), old.key])
         held = np.concatenate([np.array(list(new.values()), dtype=np.float64), batch.state.values[number][old.row]])

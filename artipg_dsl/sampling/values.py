@@ -13,7 +13,7 @@ from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State
 from ..runtime.repairs import Repairs
 from .clips import Asked, Blame, logged
-from .known import again, chosen, made
+from .known import again, rows_of_draw, made
 from .repair import Handler, Outcome, causes, joined, repair
 from .sample import Sampler
 from .statistics import Exhausted, Statistics
@@ -86,7 +86,7 @@ class Values:
         values, stated = [], []
         for number in range(len(batch.program.draws)):
             value, said = self.given(batch, number)
-            rows = chosen(batch, number, np.arange(len(batch))).row
+            rows = rows_of_draw(batch, number, np.arange(len(batch))).row
             asked, known = batch.state.values[number].copy(), np.zeros(len(batch.state.values[number]), dtype=bool)
             asked[rows[said]], known[rows[said]] = value[said], True
             values.append(asked)
@@ -122,7 +122,7 @@ class Values:
 
     def held(self, batch: Batch, number: int, released: Sequence[set[int]] | None) -> Kept | None:
         """The values given of a draw, for the rows that there are."""
-        rows = chosen(batch, number, np.arange(len(batch)))
+        rows = rows_of_draw(batch, number, np.arange(len(batch)))
         value, said = self.given(batch, number)
         said &= ~np.isnan(value)
         if released is not None:
@@ -156,7 +156,7 @@ class Values:
         for number, draw in enumerate(batch.program.draws):
             if draw.kind != "real":
                 value, said = self.given(batch, number)
-                rows = chosen(batch, number, np.arange(len(batch)))
+                rows = rows_of_draw(batch, number, np.arange(len(batch)))
                 apart = said & ~(value == batch.state.values[number][rows.row])
                 moved[rows.owner[apart]] = True
         for number, draw in enumerate(batch.program.draws):
@@ -177,7 +177,7 @@ def listed(batch: Batch, number: int) -> tuple[np.ndarray, np.ndarray, np.ndarra
     long the list of each object is.
     """
     draws = batch.program.draws
-    mine = chosen(batch, number, np.arange(len(batch))).owner
+    mine = rows_of_draw(batch, number, np.arange(len(batch))).owner
     shared = [k for k, draw in enumerate(draws) if draw.column.name == draws[number].column.name]
     ranks = {k: [rank for _, rank in batch.rowmap.ranks(draws[k].column.scope)] for k in shared}
     depth = max(len(found) for found in ranks.values())

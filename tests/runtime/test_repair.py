@@ -12,7 +12,7 @@ from artipg_dsl.run.params import read_values
 from artipg_dsl.run.request import Request
 from artipg_dsl.runtime.kernels import Kept, State
 from artipg_dsl.sampling.clips import Asked
-from artipg_dsl.sampling.known import again, chosen, made
+from artipg_dsl.sampling.known import again, rows_of_draw, made
 from artipg_dsl.sampling.mutate import mutate
 from artipg_dsl.sampling.repair import repair
 from artipg_dsl.sampling.sample import Sampler
@@ -224,7 +224,7 @@ def test_disturbed_objects_become_valid_with_little_change(name: str) -> None:
     numbers = np.arange(len(batch))
     state = State(batch.seed, batch.state.objects, batch.state.attempt)
     for number in range(len(sampler.program.draws)):
-        at = chosen(batch, number, numbers)
+        at = rows_of_draw(batch, number, numbers)
         order = np.argsort(at.key, kind="stable")
         still = np.zeros(len(order))
         state.kept[number] = Kept(at.key[order], asked[number][at.row][order], still, still.astype(bool))
