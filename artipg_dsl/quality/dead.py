@@ -13,7 +13,7 @@ import numpy as np
 from ..graph.program import Draw
 from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State
-from ..sampling.known import again, differing, kept, made
+from ..sampling.known import again, differing, keep_draw, made
 from ..sampling.sample import Sampler
 from .fingerprint import fingerprint
 
@@ -47,7 +47,7 @@ def dead_parameters(batch: Batch) -> list[Dead]:
 
 def _effect(batch: Batch, number: int, having: np.ndarray) -> str:
     """Why a draw counts as dead; nothing said if it shows somewhere."""
-    everything = [kept(batch, k, having[:MANY]) for k in range(len(batch.program.draws))]
+    everything = [keep_draw(batch, k, having[:MANY]) for k in range(len(batch.program.draws))]
     others = [k for k in range(len(batch.program.draws)) if k != number]
     moved, alone = False, False
     shown = False
@@ -55,7 +55,7 @@ def _effect(batch: Batch, number: int, having: np.ndarray) -> str:
         objects = having[:count]
         if count > FEW and len(having) <= FEW:
             break
-        values = everything if count == MANY else [kept(batch, k, objects) for k in range(len(batch.program.draws))]
+        values = everything if count == MANY else [keep_draw(batch, k, objects) for k in range(len(batch.program.draws))]
         before = fingerprint(again(batch, objects, values=values))
         for step in ROUND:
             other = list(values)

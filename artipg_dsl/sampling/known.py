@@ -39,7 +39,7 @@ def rows_of_draw(batch: Batch, number: int, objects: np.ndarray) -> Chosen:
     return Chosen(row, owner, mix(rows.address[row], owner))
 
 
-def kept(
+def keep_draw(
     batch: Batch, number: int, objects: np.ndarray, reach: np.ndarray | None = None, swap: np.ndarray | None = None
 ) -> Kept:
     """What the objects at the given places have of a draw, to be kept as far as ``reach`` and ``swap`` (per row) say."""
@@ -79,7 +79,7 @@ def again(
         lane=old.lanes()[objects] if lane is None else lane,
     )
     draws = range(len(batch.program.draws))
-    state.kept = dict(enumerate(values)) if values is not None else {k: kept(batch, k, objects) for k in draws}
+    state.kept = dict(enumerate(values)) if values is not None else {k: keep_draw(batch, k, objects) for k in draws}
     return made(batch.program, plan or batch.plan, state, batch.numbers[objects] if numbers is None else numbers)
 
 

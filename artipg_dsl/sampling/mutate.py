@@ -24,7 +24,7 @@ from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State, full
 from ..runtime.repairs import Repairs
 from .clips import CLIPPED, Asked, Blame, logged
-from .known import again, rows_of_draw, differing, kept, made
+from .known import again, rows_of_draw, differing, keep_draw, made
 from .repair import Mended, joined, mended, tally
 from .sample import Sampler, asked, colliding
 from .statistics import ATTEMPTS, Exhausted, Statistics
@@ -382,7 +382,7 @@ class _Step:
         return made(self.batch.program, self.batch.plan, state, self.batch.numbers[objects])
 
     def held(self, number: int, objects: np.ndarray, reach: np.ndarray) -> Kept:
-        return kept(self.batch, number, objects, reach, self.swaps[number])
+        return keep_draw(self.batch, number, objects, reach, self.swaps[number])
 
     def giving(self, number: int, attempt: np.ndarray) -> np.ndarray:
         """The reach of each row, and after many attempts that failed, a little for all that is kept."""
