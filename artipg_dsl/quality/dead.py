@@ -13,7 +13,7 @@ import numpy as np
 from ..graph.program import Draw
 from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State
-from ..sampling.known import again, differing, keep_draw, made
+from ..sampling.known import again, find_differing, keep_draw, made
 from ..sampling.sample import Sampler
 from .fingerprint import fingerprint
 
@@ -61,9 +61,9 @@ def _effect(batch: Batch, number: int, having: np.ndarray) -> str:
             other = list(values)
             other[number] = _moved(batch.program.draws[number], batch.state.values[number], values[number], step)
             after = again(batch, objects, values=other)
-            changed = differing(batch, objects, after, [number]) & ~after.state.failed
+            changed = find_differing(batch, objects, after, [number]) & ~after.state.failed
             look = changed & (fingerprint(after) != before)
-            still = changed & ~differing(batch, objects, after, others)  # nothing else had to give way
+            still = changed & ~find_differing(batch, objects, after, others)  # nothing else had to give way
             if (look & still).any():
                 return ""
             moved, alone, shown = moved or bool(changed.any()), alone or bool(still.any()), shown or bool(look.any())
