@@ -13,7 +13,7 @@ from ..runtime.batch import Batch
 from ..runtime.kernels import full
 from ..runtime.laws import TOLERANCE
 from ..runtime.repairs import HOW, Cause, Repairs, giving
-from .known import again, rows_of_draw, matched
+from .known import again, rows_of_draw, match_keys
 from .search import domain
 
 if TYPE_CHECKING:
@@ -127,7 +127,7 @@ def logged(
     parts = []
     for number, draw in enumerate(program.draws):
         old, new = rows_of_draw(before, number, everything), rows_of_draw(lean, number, everything)
-        here, there = matched(old.key, new.key)
+        here, there = match_keys(old.key, new.key)
         wanted, rows = asked.values[number][old.row[here]], new.row[there]
         apart = np.flatnonzero(~(wanted == lean.state.values[number][rows]) & asked.stated[number][old.row[here]])
         if not len(apart):

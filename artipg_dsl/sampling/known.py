@@ -98,14 +98,14 @@ def find_differing(before: Batch, objects: np.ndarray, after: Batch, numbers: Se
         if len(old.key) == len(new.key) and np.array_equal(old.key, new.key):
             found[new.owner[a != b]] = True
             continue
-        here, there = matched(old.key, new.key)
+        here, there = match_keys(old.key, new.key)
         found[new.owner[there[a[here] != b[there]]]] = True
         found[np.delete(old.owner, here)] = True
         found[np.delete(new.owner, there)] = True
     return found
 
 
-def matched(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def match_keys(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Where keys that both hold lie in one and in the other."""
     _, here, there = np.intersect1d(first, second, assume_unique=True, return_indices=True)
     return here, there

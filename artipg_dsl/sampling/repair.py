@@ -26,7 +26,7 @@ from ..runtime.repairs import Cause, Repairs, giving
 from ..validity.faults import faults
 from ..validity.formulas import fallible, unsaid
 from .clips import Asked, Blame, Clips, clipped, logged
-from .known import again, rows_of_draw, matched
+from .known import again, rows_of_draw, match_keys
 from .search import AGAIN, Search, Spots, at_fault, domain
 from .statistics import Statistics
 
@@ -311,7 +311,7 @@ class Handler:
         target, stated = [], []
         for number in range(len(self.program.draws)):
             old, new = rows_of_draw(search.batch, number, places), rows_of_draw(nearer, number, np.arange(len(nearer)))
-            here, there = matched(old.key, new.key)
+            here, there = match_keys(old.key, new.key)
             value = nearer.state.values[number].copy()
             kept = nearer.state.values[number][new.row[there]]
             moved = np.abs(kept - search.batch.state.values[number][old.row[here]]) > 0.0
