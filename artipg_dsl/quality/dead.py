@@ -55,7 +55,9 @@ def _effect(batch: Batch, number: int, having: np.ndarray) -> str:
         objects = having[:count]
         if count > FEW and len(having) <= FEW:
             break
-        values = everything if count == MANY else [keep_draw(batch, k, objects) for k in range(len(batch.program.draws))]
+        values = (
+            everything if count == MANY else [keep_draw(batch, k, objects) for k in range(len(batch.program.draws))]
+        )
         before = fingerprint(again(batch, objects, values=values))
         for step in ROUND:
             other = list(values)

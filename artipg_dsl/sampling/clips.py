@@ -13,7 +13,7 @@ from ..runtime.batch import Batch
 from ..runtime.kernels import full
 from ..runtime.laws import TOLERANCE
 from ..runtime.repairs import HOW, Cause, Repairs, giving
-from .known import again, rows_of_draw, match_keys
+from .known import again, match_keys, rows_of_draw
 from .search import domain
 
 if TYPE_CHECKING:

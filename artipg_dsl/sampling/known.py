@@ -88,7 +88,9 @@ def made(program: Program, plan: Plan, state: State, numbers: np.ndarray | None 
     return Batch(program, plan, state, tables, values, numbers, ends=limited)
 
 
-def find_differing(before: Batch, objects: np.ndarray, after: Batch, numbers: Sequence[int] | None = None) -> np.ndarray:
+def find_differing(
+    before: Batch, objects: np.ndarray, after: Batch, numbers: Sequence[int] | None = None
+) -> np.ndarray:
     """Which objects of ``after`` differ in a draw from those at the given places of ``before``: (len(after),) bool."""
     found = np.zeros(len(after), dtype=bool)
     everything = np.arange(len(after))

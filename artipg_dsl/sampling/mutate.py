@@ -24,7 +24,7 @@ from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State, full
 from ..runtime.repairs import Repairs
 from .clips import CLIPPED, Asked, Blame, logged
-from .known import again, rows_of_draw, find_differing, keep_draw, made
+from .known import again, find_differing, keep_draw, made, rows_of_draw
 from .repair import Mended, joined, mended, tally
 from .sample import Sampler, asked, colliding
 from .statistics import ATTEMPTS, Exhausted, Statistics
@@ -426,4 +426,4 @@ class _Step:
         return bad | ~moved
 
 
-__all__ = ["OPERATIONS", "Mutation", "Names", "Stage", "differing", "mutate", "structural"]
+__all__ = ["OPERATIONS", "Mutation", "Names", "Stage", "find_differing", "mutate", "structural"]

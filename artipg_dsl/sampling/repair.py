@@ -26,7 +26,7 @@ from ..runtime.repairs import Cause, Repairs, giving
 from ..validity.faults import faults
 from ..validity.formulas import fallible, unsaid
 from .clips import Asked, Blame, Clips, clipped, logged
-from .known import again, rows_of_draw, match_keys
+from .known import again, match_keys, rows_of_draw
 from .search import AGAIN, Search, Spots, at_fault, domain
 from .statistics import Statistics
 

@@ -13,7 +13,7 @@ from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State
 from ..runtime.repairs import Repairs
 from .clips import Asked, Blame, logged
-from .known import again, rows_of_draw, made
+from .known import again, made, rows_of_draw
 from .repair import Handler, Outcome, causes, joined, repair
 from .sample import Sampler
 from .statistics import Exhausted, Statistics

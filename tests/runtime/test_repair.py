@@ -12,7 +12,7 @@ from artipg_dsl.run.params import read_values
 from artipg_dsl.run.request import Request
 from artipg_dsl.runtime.kernels import Kept, State
 from artipg_dsl.sampling.clips import Asked
-from artipg_dsl.sampling.known import again, rows_of_draw, made
+from artipg_dsl.sampling.known import again, made, rows_of_draw
 from artipg_dsl.sampling.mutate import mutate
 from artipg_dsl.sampling.repair import repair
 from artipg_dsl.sampling.sample import Sampler
