@@ -19,7 +19,7 @@ from ..graph.program import Draw
 from ..runtime.batch import Batch
 from ..runtime.kernels import State
 from ..runtime.plan import make_plan
-from ..sampling.known import made
+from ..sampling.known import make_batch
 from ..sampling.sample import Sampler
 
 LEVELS = 4  # values of a count that are told apart
@@ -155,7 +155,7 @@ class _Trials:
     def evaluate(self, values: tuple[tuple[int, float], ...]) -> Batch:
         numbers = np.arange(TRIED)
         state = State(self.seed, numbers, np.zeros(len(numbers), dtype=np.int64), {**self.fixed, **dict(values)})
-        return made(self.program, self.plan, state)
+        return make_batch(self.program, self.plan, state)
 
     def possible(self, first: Factor, i: int, second: Factor, j: int) -> bool:
         """Whether a valid object shows both levels when it is asked to."""

@@ -13,7 +13,7 @@ import numpy as np
 from ..graph.program import Draw
 from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State
-from ..sampling.known import again, find_differing, keep_draw, made
+from ..sampling.known import again, find_differing, keep_draw, make_batch
 from ..sampling.sample import Sampler
 from .fingerprint import fingerprint
 
@@ -117,7 +117,7 @@ def _taken(
     """The fingerprints of some objects in which a choice is given, and which of them are valid and have the choice."""
     given = {**batch.state.given, number: float(option)}
     state = State(batch.seed, numbers, np.zeros(len(numbers), dtype=np.int64), given)
-    taken = made(sampler.program, sampler.plan, state)
+    taken = make_batch(sampler.program, sampler.plan, state)
     there = np.zeros(len(numbers), dtype=bool)
     there[taken.owner(batch.program.draws[number].column.scope)] = True
     return fingerprint(taken), there & ~state.failed

@@ -80,10 +80,10 @@ def again(
     )
     draws = range(len(batch.program.draws))
     state.kept = dict(enumerate(values)) if values is not None else {k: keep_draw(batch, k, objects) for k in draws}
-    return made(batch.program, plan or batch.plan, state, batch.numbers[objects] if numbers is None else numbers)
+    return make_batch(batch.program, plan or batch.plan, state, batch.numbers[objects] if numbers is None else numbers)
 
 
-def made(program: Program, plan: Plan, state: State, numbers: np.ndarray | None = None) -> Batch:
+def make_batch(program: Program, plan: Plan, state: State, numbers: np.ndarray | None = None) -> Batch:
     tables, values = plan.function(state)
     return Batch(program, plan, state, tables, values, numbers, ends=limited)
 

@@ -24,7 +24,7 @@ from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State, full
 from ..runtime.repairs import Repairs
 from .clips import CLIPPED, Asked, Blame, logged
-from .known import again, find_differing, keep_draw, made, rows_of_draw
+from .known import again, find_differing, keep_draw, make_batch, rows_of_draw
 from .repair import Mended, joined, mended, tally
 from .sample import Sampler, asked, colliding
 from .statistics import ATTEMPTS, Exhausted, Statistics
@@ -379,7 +379,7 @@ class _Step:
         )
         for number in range(len(self.batch.program.draws)):
             state.kept[number] = self.held(number, objects, how(number, attempt))
-        return made(self.batch.program, self.batch.plan, state, self.batch.numbers[objects])
+        return make_batch(self.batch.program, self.batch.plan, state, self.batch.numbers[objects])
 
     def held(self, number: int, objects: np.ndarray, reach: np.ndarray) -> Kept:
         return keep_draw(self.batch, number, objects, reach, self.swaps[number])

@@ -17,7 +17,7 @@ from ..validity.contact import contact, in_words
 from ..validity.faults import faults
 from ..validity.formulas import fallible, unsaid
 from ..validity.sound import prove
-from .known import made
+from .known import make_batch
 from .prior import BLOCK, Resampling
 from .repair import Mended, mended
 from .statistics import ATTEMPTS, Exhausted, Statistics
@@ -94,8 +94,8 @@ class Sampler:
                     without = group[lost] if lost.any() else group
                     raise Exhausted(numbers[without], trials.statistics, int(attempt[without].max()))
                 group = group[trials.run(numbers[group], attempt[group], False)[0]]
-        made = trials.made(numbers, attempt)[1]
-        return made if mended is None else mended.within(made)
+        delivered = trials.made(numbers, attempt)[1]
+        return delivered if mended is None else mended.within(delivered)
 
 
 def hopeless(program: Program, given: dict[int, float]) -> bool:
@@ -131,7 +131,7 @@ class _Trials:
 
     def made(self, numbers: np.ndarray, attempt: np.ndarray) -> tuple[State, Batch]:
         state = State(self.seed, numbers, attempt.copy(), dict(self.given), self.defaults)
-        return state, made(self.sampler.program, self.sampler.plan, state)
+        return state, make_batch(self.sampler.program, self.sampler.plan, state)
 
     def run(self, numbers: np.ndarray, attempt: np.ndarray, first: bool) -> tuple[np.ndarray, Batch]:
         """One attempt each: which objects it fails, and the batch it makes."""

@@ -18,7 +18,7 @@ from ..random import key, mix, uniform
 from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State, full
 from ..runtime.plan import Plan
-from .known import made
+from .known import make_batch
 
 STEPS = 2.0 ** -np.arange(6, -1, -1)  # of the width of a domain, for a value that moves alone
 TOGETHER = 48  # candidates in which several values move
@@ -209,7 +209,7 @@ class Search:
             still = np.zeros(len(row))
             state.kept[number] = Kept(address[order], value[order], still, still.astype(bool))
             sources.append(row[order])
-        return made(self.batch.program, plan, state, self.batch.numbers[place]), sources
+        return make_batch(self.batch.program, plan, state, self.batch.numbers[place]), sources
 
     def judged(self, moves: Moves, spots: Spots | None = None) -> Judged:
         """The candidates by the requirements; with ``spots``, whether nothing else moved."""

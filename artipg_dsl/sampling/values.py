@@ -13,7 +13,7 @@ from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State
 from ..runtime.repairs import Repairs
 from .clips import Asked, Blame, logged
-from .known import again, made, rows_of_draw
+from .known import again, make_batch, rows_of_draw
 from .repair import Handler, Outcome, causes, joined, repair
 from .sample import Sampler
 from .statistics import Exhausted, Statistics
@@ -108,7 +108,7 @@ class Values:
         kept: dict[int, Kept] = {}
         known = -1
         while True:
-            batch = made(sampler.program, sampler.plan, State(seed, numbers, attempt, kept=kept))
+            batch = make_batch(sampler.program, sampler.plan, State(seed, numbers, attempt, kept=kept))
             if sum(len(k.address) for k in kept.values()) == known:
                 break
             known = sum(len(k.address) for k in kept.values())

@@ -11,7 +11,7 @@ from artipg_dsl.annotate.cloud import sample_points
 from artipg_dsl.api import load
 from artipg_dsl.errors import UserError
 from artipg_dsl.runtime.kernels import State
-from artipg_dsl.sampling.known import made
+from artipg_dsl.sampling.known import make_batch
 from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.sampling.statistics import Exhausted, Statistics
 from artipg_dsl.session import Session
@@ -29,7 +29,7 @@ category Block {
 def points(said: str):  # noqa: ANN201
     sampler = Session.of_text(TEXT.replace("SAY", said), "block.apg").sampler
     first = State(1, np.arange(3) + 7, np.zeros(3, dtype=np.int64))  # drawn, and looked at no further
-    batch = made(sampler.program, sampler.plan, first)
+    batch = make_batch(sampler.program, sampler.plan, first)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         return sample_points(batch, 256)

@@ -12,7 +12,7 @@ from artipg_dsl.run.params import read_values
 from artipg_dsl.run.request import Request
 from artipg_dsl.runtime.kernels import Kept, State
 from artipg_dsl.sampling.clips import Asked
-from artipg_dsl.sampling.known import again, made, rows_of_draw
+from artipg_dsl.sampling.known import again, make_batch, rows_of_draw
 from artipg_dsl.sampling.mutate import mutate
 from artipg_dsl.sampling.repair import repair
 from artipg_dsl.sampling.sample import Sampler
@@ -228,7 +228,7 @@ def test_disturbed_objects_become_valid_with_little_change(name: str) -> None:
         order = np.argsort(at.key, kind="stable")
         still = np.zeros(len(order))
         state.kept[number] = Kept(at.key[order], asked[number][at.row][order], still, still.astype(bool))
-    found = repair(sampler, made(sampler.program, sampler.plan, state), Asked.all(batch, asked))
+    found = repair(sampler, make_batch(sampler.program, sampler.plan, state), Asked.all(batch, asked))
     assert not len(found.failed) and not found.batch.state.failed.any() and not len(faults(found.batch).objects())
     assert len(found.repairs) < sum(len(v) for v in asked) / 4
 

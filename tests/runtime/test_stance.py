@@ -7,7 +7,7 @@ from scipy.spatial import ConvexHull
 from artipg_dsl.run.job import prepare
 from artipg_dsl.run.request import Request
 from artipg_dsl.runtime.kernels import State
-from artipg_dsl.sampling.known import made
+from artipg_dsl.sampling.known import make_batch
 from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.sampling.statistics import Statistics
 from artipg_dsl.session import Session
@@ -162,7 +162,7 @@ def test_bounds_of_masses_decide_as_masses_do(name: str) -> None:
     """Of objects of which some parts are out of place: many tip over, at rest or as their joints move."""
     sampler, lot = Session.of(name).sampler, np.random.default_rng(6)
     state = State(4, np.arange(24), np.zeros(24, dtype=np.int64), {}, False)
-    batch = made(sampler.program, sampler.plan, state)
+    batch = make_batch(sampler.program, sampler.plan, state)
     for table in batch.sites():
         moved = lot.random(len(table)) < 0.2
         table.translation[moved] += 0.04 * lot.standard_normal((int(moved.sum()), 3))
