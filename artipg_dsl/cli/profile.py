@@ -29,7 +29,7 @@ def run(options: argparse.Namespace) -> int:
 def examine(options: argparse.Namespace, stage: Callable[[str], None] = lambda _: None) -> dict[str, Any]:
     """Stages with their CPU seconds, in all, and parts with their costs per object."""
     from ..export.content import Content
-    from ..export.registry import choose
+    from ..export.registry import choose_formats
     from ..quality.cost import costs
     from ..run.job import open_job
     from ..validity.faults import faults
@@ -47,7 +47,7 @@ def examine(options: argparse.Namespace, stage: Callable[[str], None] = lambda _
     batch = timed("drawing", job.batch)
     timed("checking", lambda: faults(batch))
     content = Content()
-    for entry in choose(None):
+    for entry in choose_formats(None):
         if entry.shard:
             timed(f"writing {entry.name}", lambda: entry.shard_bytes(batch, content))  # noqa: B023 - called at once
     stage("making the pieces of each part")
