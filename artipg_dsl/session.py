@@ -185,6 +185,8 @@ class Session:
 
     def examine(self) -> Report:
         """All findings: of the text, of its category as far as it can be put in order, and what is perhaps not meant."""
+        from .geometry import facts
+
         if self._recall("check") is None:
             if self.lowering is not None:
                 try:
@@ -193,6 +195,7 @@ class Session:
                     pass  # it has told the report
                 self.advise()
             self._keep("check")
+            facts.flush()
         return self.report
 
     def _warn_of_cost(self, span: Span) -> None:

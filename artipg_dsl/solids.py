@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from .diagnostics import Report
+from .geometry import facts
 from .geometry.errors import PrimitiveError
 from .geometry.patches import evaluate_rows
 from .geometry.selftest import missed
@@ -48,7 +49,7 @@ def cover(symbol: Symbol, lowered: Lowered, report: Report) -> None:
     stated = [s for s in getattr(symbol, "body", ()) if isinstance(s, ast.PieceDecl)]
     if not stated or symbol.module.source.name.startswith("library/"):  # those of the library are tested
         return
-    found = missed(lowered.primitive)
+    found = facts.known(lowered.primitive, "missed", lambda: missed(lowered.primitive), lambda far: far, _distance)
     if found is None or found[0] < LOOSE:
         return
     far, place = found
@@ -62,10 +63,31 @@ def cover(symbol: Symbol, lowered: Lowered, report: Report) -> None:
 
 
 def examine(primitive: Primitive) -> None:
-    """Raises PrimitiveError for the first fault; what is found stays cached for meshes and points."""
-    for variant in variants(primitive):
-        seams(primitive, variant)
-    orientation(primitive)
+    """Raises PrimitiveError for the first fault; that there is none is kept between runs."""
+
+    def closed() -> bool:
+        for variant in variants(primitive):
+            seams(primitive, variant)
+        orientation(primitive)
+        return True
+
+    facts.known(primitive, "closed", closed, bool, _true)
+
+
+def _true(data: object) -> bool:
+    if data is not True:
+        raise ValueError("a primitive is known to be closed, or nothing is known")
+    return True
+
+
+def _distance(data: Any) -> tuple[float, str] | None:
+    """What ``missed`` gives, from data."""
+    if data is None:
+        return None
+    far, place = data
+    if not isinstance(far, float) or not isinstance(place, str):
+        raise TypeError("how much of a solid is missed is a number and a place")
+    return far, place
 
 
 def tell(symbol: Symbol, lowered: Lowered, error: PrimitiveError, report: Report) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from artipg_dsl import cache
+from artipg_dsl import cache, solids
 from artipg_dsl.cli.main import main
 from artipg_dsl.geometry import facts, pieces
 from artipg_dsl.graph.text import to_text
@@ -219,3 +219,23 @@ def test_hulls_are_kept_and_verified(kept, monkeypatch):
         assert hulls(program)[0] == first[0]
     monkeypatch.setenv("APGC_CACHE", "off")
     assert hulls(program) == (first[0], False)
+
+
+def test_solids_are_examined_once(kept, stool, monkeypatch):
+    """A file is edited, its solids are not."""
+    first = found(stool)
+    stool.write_text(PROGRAM + "# edited\n")
+    facts._facts.cache_clear()
+    monkeypatch.setattr(solids, "seams", lambda *_: pytest.fail("examined again"))
+    assert found(stool) == (first[0], True)
+
+
+@pytest.mark.parametrize("data", [{"closed": 1, "missed": [True, "x"]}, {"closed": None, "missed": ["x"]}, {}, []])
+def test_a_false_fact_about_a_solid_counts_for_nothing(kept, stool, data):
+    first = found(stool)
+    for path in kept.glob("check-*"):
+        path.unlink()
+    for path in kept.glob("facts-*"):
+        cache.write(path.name, json.dumps(data).encode())
+    facts._facts.cache_clear()
+    assert found(stool) == (first[0], True)
