@@ -3,15 +3,15 @@
 In: a batch and what its files are to hold (``content``). Out: bytes by path; the same object gives the same bytes. Begin with
 ``registry``, which lists the formats, then ``robot``, from which most of them are written.
 
-    registry, content                   the formats, and what files hold beyond what they always do
+    registry, content                   the formats, and the optional content of files
     robot, solids, colliders, hulls     links with their meshes, mass and convex pieces
     dynamics, mechanisms, adjacent      physics of joints, what moves together, what may touch
     substitute, pose, principal         joints that a format lacks, links at joint values, principal axes
     materials, shading, naming          looks, normals, names
     urdf, mjcf, sdf, usd                formats for simulators
-    glb, mesh_obj, scenes               formats to look at
+    glb, mesh_obj, scenes               formats for viewing
     partnet_mobility, partnet_tree, partnet_words      the folder of PartNet-Mobility
     shards, mutants, meanings           arrays and JSON lines of many objects, and what they mean
-    objects, write                      files and folders that appear whole or not at all
-    strict                              do the exported meshes share anything, in any of many states?
+    objects, write                      files and folders, written completely or not at all
+    strict                              whether exported meshes overlap in any of many states
 """

@@ -6,11 +6,11 @@ metres, angles in radians; shapes live in the primitive's own frame, unmirrored,
 Begin with ``patches`` and ``mesh``.
 
     facts                                        what was found in an earlier run
-    trial, topology, weld, flat, resolution      what is found once per primitive: which edges meet, how many steps
+    trial, topology, weld, flat, resolution      computed once per primitive: which edges meet, how many steps
     patches, surface, density, quadrature        positions, normals, areas, places drawn by area, integrals
     mesh, merge, pieces, box, bound              watertight meshes, convex pieces, stated boxes
     sites, block, hidden, points, pointset       points on the visible surface of whole objects
     outside, rays, blue, cells                   what can be seen from outside; points that keep their distance
-    collide, overlap, enclosure                  convex bodies that meet, what they share, what lies in what
-    selftest                                     does everything that is declared agree?
+    collide, overlap, enclosure                  convex bodies that meet, what they share, what contains what
+    selftest                                     whether all declarations of a primitive agree
 """

@@ -1,13 +1,13 @@
-"""The language's own words: what it calls its types, functions and members, what each takes and gives, and what it is for.
+"""The language's own words: what it calls its types, functions and members, what each takes and gives, and what each is for.
 
 In: nothing. Out: three tables of records, from which the checker takes its rules, lowering the meaning, messages what to suggest and
 the reference its pages; completion and hovering in an editor could be made of them as they are. A word that is in no table is
 unknown to all of them. Begin with ``functions``.
 
     functions     sin, min, frame, circle, pushes ...: the forms in which each is called
-    members       what stands after a dot: faces of a box, coordinates of a point
+    members       what may follow a dot: faces of a box, coordinates of a point
     words         types, axes, constants, and what may be declared
-    tables        the tables in Markdown, as they stand in the language reference
+    tables        the tables in Markdown, for the language reference
 """
 
 from .functions import FORMS, FUNCTIONS, METHODS, Form, Parameter

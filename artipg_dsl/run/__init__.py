@@ -5,7 +5,7 @@ In: the words of the command line or the arguments of Python. Out: a ``Job``, wh
 
     request, settings, params, traces    what is drawn: seed and numbers, values that are fixed or given, mutants
     output, chunk                        what is written: formats and what they hold, shard by shard
-    job, compiled, counts                a program at hand, compiled or not; what attempts came to
-    dataset, workers, resume             the folder: one process or several, and going on with it
+    job, compiled, counts                a program at hand, compiled or not; outcomes of attempts
+    dataset, workers, resume             the folder: one process or several, and resuming it
     manifest, schema                     what made a folder, read and written
 """

@@ -3,11 +3,11 @@
 In: the text of a file. Out: a ``Module`` of ``ast``, whose nodes know their place in the text; or findings in the report.
 ``grammar/apg.lark`` is the only definition of the syntax. Begin with ``ast`` and ``parse``.
 
-    grammar, layout, words       the parser made from the grammar; which line ends count; kinds of tokens
+    grammar, layout, words       the parser made from the grammar; which line ends matter; kinds of tokens
     build, build_expressions, build_statements, build_module      the parser's actions, which make the nodes in one pass
     ast, walk                    the nodes
     parse, recover               files and texts to trees, with several syntax errors in a run
-    messages, mistakes, foreign  what is said about a syntax error
+    messages, mistakes, foreign  what to say about a syntax error
     format                       one layout for programs (``apgc fmt``)
 
 A new construct is a rule of the grammar, a node in ``ast``, an action in ``build_*``, the word in ``words`` where it

@@ -3,7 +3,7 @@
 In: a batch and joint values. Out: images as arrays, and PNG files. Begin with ``sheet``.
 
     sheet, png                                many objects in one picture, written to a file
-    scene, camera, regions                    triangles with their colours; where one looks from; where one acts
+    scene, camera, regions                    triangles with their colours; the point of view; where to act
     raster_gl, raster_rays, raster_cpu        the renderers
-    deferred                                  shading for those without a graphics library
+    deferred                                  shading for renderers without a graphics library
 """
