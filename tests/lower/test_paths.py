@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from artipg_dsl.graph import expr as E
-from artipg_dsl.lower.solids.handed import Step
 from artipg_dsl.lower.solids.paths import stretches, turned
 from artipg_dsl.lower.solids.probe import Probe
+from artipg_dsl.lower.values.handed import Step
 from artipg_dsl.session import Session, check_text
 from artipg_dsl.source import Source
 

@@ -14,7 +14,7 @@ from ...source import Span
 from ...syntax import ast
 from ...units import UNITS
 from ..values.carry import moved
-from ..values.kinds import Alternatives, Box, Choice, Frame, Line, Plane, Ports, Ref, Value, Vec
+from ..values.kinds import Alternatives, Box, Frame, Line, Plane, Ports, Ref, Value, Vec
 from ..values.vectors import AXES, HERE, unit
 from . import arithmetic, builtins, members
 from .context import Fetched, text_of
@@ -50,36 +50,24 @@ class Evaluator:
 
     def scalar(self, node: ast.Expr) -> Expr:
         value = self.value(node)
-        if isinstance(value, Choice):
-            return value.code
-        if isinstance(value, Plane):
-            return value.coordinate
-        if isinstance(value, Frame) and value.face:
-            return self.plane(value, node.span).coordinate
-        if isinstance(value, Box):
-            return value.exists
-        if not isinstance(value, Expr):
-            raise self.wrong(node.span, "a number", value)
-        return value
+        return value.exists if isinstance(value, Box) else self.number(value, node.span)
 
     def vector(self, node: ast.Expr) -> Triple:
         """A point or direction as three scalars."""
-        value = self.value(node)
-        if isinstance(value, Frame):
-            return value.origin
-        if isinstance(value, Vec) and len(value.items) == 3:
-            return value.items
-        raise self.wrong(node.span, "a point or a vector of three", value)
+        match self.value(node):
+            case Frame(origin=(a, b, c)) | Vec(items=(a, b, c)):
+                return a, b, c
+            case value:
+                raise self.wrong(node.span, "a point or a vector of three", value)
 
     def direction(self, node: ast.Expr) -> Triple:
-        value = self.value(node)
-        if isinstance(value, Frame):
-            return value.out
-        if isinstance(value, Line):
-            return value.direction
-        if isinstance(value, Vec) and len(value.items) == 3:
-            return value.items
-        raise self.wrong(node.span, "a direction such as x or -z", value)
+        match self.value(node):
+            case Frame() as frame:
+                return frame.out
+            case Line(direction=(a, b, c)) | Vec(items=(a, b, c)):
+                return a, b, c
+            case value:
+                raise self.wrong(node.span, "a direction such as x or -z", value)
 
     def frame(self, node: ast.Expr) -> Frame:
         value = self.value(node)

@@ -15,7 +15,9 @@ from ...source import Span
 from ...syntax import ast
 from ..values.carry import baked, mapped, mapped_pose, merged, moved
 from ..values.faces import FACES, corner_of, edge_of, extent, face_of, squared
+from ..values.handed import Handed
 from ..values.kinds import (
+    Alternatives,
     Box,
     Choice,
     Edge,
@@ -23,8 +25,10 @@ from ..values.kinds import (
     Frame,
     InElement,
     Line,
+    Look,
     Lying,
     Plane,
+    Ports,
     Ref,
     Surface,
     Value,
@@ -32,7 +36,7 @@ from ..values.kinds import (
     alike,
 )
 from ..values.vectors import AXES, HERE, compose, inverse, place
-from .env import Element, Env, Function
+from .env import Element, Env, Function, Hinge
 from .extents import raised
 
 if TYPE_CHECKING:
@@ -54,25 +58,41 @@ class At:
 
 def describe(value: Value) -> str:
     """What a value is, in words for a message."""
-    names = {
-        Vec: "a vector",
-        Frame: "a frame",
-        Plane: "a plane",
-        Line: "a line",
-        Box: "a box",
-        Choice: "a choice",
-        Ref: "a part",
-        Element: "an element of a repeat",
-        At: "an element of a repeat",
-        Function: "a function",
-        str: "a text",
-        Expr: "a number",
-    }
-    if isinstance(value, Ref):
-        return f"the part `{value.name}`"
-    if isinstance(value, Frame) and value.face:
-        return "a face"
-    return next((text for kind, text in names.items() if isinstance(value, kind)), "something else")
+    match value:
+        case Expr():
+            return "a number"
+        case Vec():
+            return "a vector"
+        case Frame():
+            return "a face" if value.face else "a frame"
+        case Plane():
+            return "a plane"
+        case Line():
+            return "a line"
+        case Box():
+            return "a box"
+        case Choice():
+            return "a choice"
+        case Look():
+            return "a style of materials"
+        case Alternatives():
+            return "a style"
+        case Ref():
+            return f"the part `{value.name}`"
+        case Surface():
+            return "a surface"
+        case Ports():
+            return "an array of ports"
+        case Element() | At():
+            return "an element of a repeat"
+        case Function():
+            return "a function"
+        case Handed():
+            return "a path"
+        case Hinge():
+            return "a joint"
+        case str():
+            return "a text"
 
 
 def own_box(ev: Evaluator) -> Box | None:

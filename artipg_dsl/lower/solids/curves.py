@@ -20,8 +20,8 @@ from ..expressions.builtins import bound
 from ..expressions.env import Env, Function, Thunk
 from ..expressions.evaluate import Evaluator
 from ..expressions.members import describe
+from ..values.handed import Handed
 from ..values.kinds import Value, Vec
-from .handed import Handed
 from .profiles import Point, Span, V, between, right_of
 
 if TYPE_CHECKING:

@@ -22,13 +22,13 @@ from ...graph.primitive import Patch, Triple, pair, triple
 from ...syntax import ast
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
+from ..values.handed import Handed
 from ..values.kinds import Value
 from ..values.vectors import dot, unit
 from .bays import BLEND, Bay, Chains, bay_pieces, polygons, sum_of, swapped
 from .curves import TURN, Curve, named_curve, spans_of
 from .frames import PLACES, ROOM, Frames, bend, inwards, slowest, turning
 from .frames import frames as frames_of
-from .handed import Handed
 from .made import NARROW, Demand, Made, U
 from .paths import Stretch, steps_of, stretches, windows
 from .probe import Probe

@@ -25,9 +25,9 @@ from ...language import FORMS
 from ...syntax import ast
 from ..expressions.builtins import bound
 from ..expressions.evaluate import Evaluator
+from ..values.handed import Handed, Step
 from ..values.vectors import dot, minus, normalized, plus, times
 from .curves import OUTLINES, Curve
-from .handed import Handed, Step
 from .probe import Probe
 from .profiles import V
 

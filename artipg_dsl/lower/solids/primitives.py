@@ -19,10 +19,10 @@ from ..expressions.env import Env, Function
 from ..expressions.evaluate import Evaluator
 from ..values.carry import mapped
 from ..values.faces import FACES
+from ..values.handed import Handed
 from ..values.kinds import Box, Choice, Surface, Value, Vec
 from ..values.vectors import HERE, times
 from .curves import Curve, let
-from .handed import Handed
 from .operators import solid_of
 from .paths import handed
 from .probe import possible, test_ranges

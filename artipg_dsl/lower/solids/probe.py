@@ -18,8 +18,8 @@ from ...source import Span
 from ...syntax import ast
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
+from ..values.handed import Handed
 from ..values.kinds import Vec
-from .handed import Handed
 
 ROWS = 48
 CANDIDATES = 64 * ROWS

@@ -15,10 +15,10 @@ from ...syntax import ast
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..values.faces import frame_of
+from ..values.handed import Handed
 from ..values.kinds import Frame, Value
 from ..values.vectors import cross, dot, minus, plus, times
 from .curves import TURN, Curve, named_curve
-from .handed import Handed
 from .paths import MOST_STEPS, Stretch, angles, windows
 from .probe import Probe
 from .profiles import FINE, SLOW, STEPS, V, clamp, halved, onwards, tops

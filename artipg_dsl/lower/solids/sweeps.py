@@ -16,11 +16,11 @@ from ..expressions.builtins import bound
 from ..expressions.context import Context
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
+from ..values.handed import Handed
 from ..values.vectors import cross, dot, minus, plus, times
 from .curves import TURN
 from .frames import ROOM, Vector, tightest
 from .frames import frames as frames_of
-from .handed import Handed
 from .made import FULL, NARROW, Demand, Made, U
 from .paths import Stretch, steps_of, stretches, windows
 from .probe import Probe

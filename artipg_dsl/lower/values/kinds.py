@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ..elaborate.part import Part
     from ..expressions.env import Element, Function, Hinge
     from ..expressions.members import At
-    from ..solids.handed import Handed
+    from .handed import Handed
 
 
 K = TypeVar("K")

@@ -10,7 +10,7 @@ from ...graph import expr as E
 from ...graph.expr import Expr
 
 if TYPE_CHECKING:
-    from .curves import Curve
+    from ..solids.curves import Curve
 
 
 @dataclass(frozen=True, slots=True)
