@@ -187,9 +187,9 @@ class Context:
         meaning = self.meaning(node)
         return meaning.symbol if isinstance(meaning, Global) else None
 
-    def internal(self, span: Span, what: str) -> InternalError:
-        """What the checker should have ruled out; what the caller raises."""
-        return InternalError(span, what)
+    def internal(self, span: Span, what: str) -> InternalError | Abort:
+        """What the checker should have ruled out, or what is left of a statement that was reported; the caller raises it."""
+        return Abort() if self.report.failed else InternalError(span, what)
 
     def failed(self, error: Abort | ScopeError, span: Span) -> None:
         """Go on after a statement that could not be lowered; what is not in the report yet is put there."""
