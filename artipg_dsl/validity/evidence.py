@@ -15,7 +15,6 @@ from ..runtime.batch import Batch
 from .bodies import gather
 from .contact import Contact, contact
 from .faults import faults
-from .parting import Parting
 from .tree import Tree
 from .validate import blocks, posed
 
@@ -87,7 +86,11 @@ def _codes(tree: Tree, owner: np.ndarray, first: np.ndarray, second: np.ndarray)
 
 def random_states(batch: Batch, number: int) -> np.ndarray:
     """Joint values (J,), uniform within the range of each; the same for an object whatever else is in the batch."""
-    tree = Tree(batch)
+    return _anywhere(Tree(batch), number)
+
+
+def _anywhere(tree: Tree, number: int) -> np.ndarray:
+    batch = tree.batch
     address = mix(batch.numbers[tree.joints.owner].astype(np.uint64), tree.joints.number)
     lot = uniform(key(batch.seed, "configuration"), address, number, np.zeros(len(address), dtype=np.int64))
     return tree.low + lot * (tree.high - tree.low)
@@ -98,12 +101,10 @@ def _blocking(tree: Tree, states: int, known: np.ndarray) -> tuple[list[Pair], i
     batch, count = tree.batch, len(tree.links.owner)
     body = gather(batch, tree.first, tree.turn, tree.shift)
     met: list[np.ndarray] = [np.zeros(0, dtype=np.int64)]
+    values = np.array([_anywhere(tree, number) for number in range(states if len(tree.joints.owner) else 0)])
     for part in blocks(body):
-        parting = Parting()
-        for number in range(states if len(tree.joints.owner) else 0):
-            first, second = posed(tree, part, random_states(batch, number), parting)
-            keep = ~tree.permitted(first, second)
-            met.append(np.unique(np.minimum(first, second)[keep] * count + np.maximum(first, second)[keep]))
+        for first, second in posed(tree, part, values):
+            met.append(np.unique(np.minimum(first, second) * count + np.maximum(first, second)))
     pair = np.setdiff1d(np.concatenate(met), known)
     paths = [link.path for link in batch.program.links]
     found: dict[tuple[str, str], set[int]] = {}

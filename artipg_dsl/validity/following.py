@@ -1,4 +1,4 @@
-"""What meets while a joint moves others, or turns about more than one axis: many states of all objects at once.
+"""What meets in many states of the joints, of all objects at once: those that others follow, and random ones.
 
 Boxes of links tell first which of them can meet in which state, boxes of pieces then. A direction along which one piece lies
 beyond another proves that they are apart, wherever it comes from: of all the states in which two pieces come near, the one in
@@ -15,38 +15,41 @@ import numpy as np
 from ..geometry.collide import dot, examine
 from ..runtime.motion import apply
 from .bodies import Pieces, Placed, boxes_meet, link_boxes, spread
-from .parting import CLEAR
 from .tree import Tree
 
+CLEAR = 1e-8  # metres, of the millionth by which what touches is apart
 BLOCK = 50_000  # pieces at a time, each in a state
 TRIES = 6  # states of two pieces that are asked for a direction; what is left is asked one by one
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Met:
-    """What meets in one state: the joint that leads each object there (B,), the joint values (J,), pairs of pieces, and
-    pairs of links of loops that do not close."""
+    """What meets in the state ``number``: pairs of pieces, and pairs of links of loops that do not close."""
 
-    lead: np.ndarray
-    states: np.ndarray
+    number: int
     pieces: tuple[np.ndarray, np.ndarray]
     apart: tuple[np.ndarray, np.ndarray]
 
 
-def following(tree: Tree, body: Pieces, meeting: Callable[[Placed, Placed], np.ndarray] | None = None) -> Iterator[Met]:
-    """State by state, what meets of the objects that have pieces. ``meeting`` tells instead which placed pieces meet."""
-    lead, states = tree.following
+Meeting = Callable[[Placed, Placed], np.ndarray]
+
+
+def in_states(
+    tree: Tree, body: Pieces, states: np.ndarray, asked: np.ndarray | None = None, meeting: Meeting | None = None
+) -> Iterator[Met]:
+    """State by state of ``states`` (S, J), what meets that may not, of objects that have pieces and are ``asked`` (S, B), by
+    default of all. ``meeting`` tells instead which placed pieces meet."""
     here = np.zeros(len(tree.first), dtype=bool)
     here[body.owner] = True
-    asked = np.logical_and(lead >= 0, here)
-    if not asked.any():
+    wanted = np.logical_and(np.ones((len(states), 1), dtype=bool) if asked is None else asked, here)
+    if not wanted.any():
         return
-    pairs, ways = _pairs(tree, body, np.logical_or.reduce(asked, axis=0)), Ways()
+    pairs, ways = _pairs(tree, body, np.logical_or.reduce(wanted, axis=0)), Ways()
     size = max(1, BLOCK // max(len(body), len(pairs[0]), len(tree.links.owner)))
-    for start in range(0, len(lead), size):
+    for start in range(0, len(states), size):
         part = slice(start, start + size)
         turn, shift, apart = tree.poses(states[part])
-        state, i, j = _near(body, turn, shift, pairs, asked[part], tree.links.owner)
+        state, i, j = _near(body, turn, shift, pairs, wanted[part], tree.links.owner)
         body.ready(i, j)
         first, second = (
             Placed(body, piece, turn[state, body.link[piece]], shift[state, body.link[piece]]) for piece in (i, j)
@@ -56,7 +59,7 @@ def following(tree: Tree, body: Pieces, meeting: Callable[[Placed, Placed], np.n
         edge = np.searchsorted(state, np.arange(len(turn) + 1))
         for k in range(len(turn)):
             rows = slice(edge[k], edge[k + 1])
-            yield Met(lead[start + k], states[start + k], (i[rows], j[rows]), apart[k])
+            yield Met(start + k, (i[rows], j[rows]), apart[k])
 
 
 Pairs = tuple[np.ndarray, np.ndarray]

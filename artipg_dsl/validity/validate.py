@@ -10,7 +10,7 @@ the interval is halved. A joint that others follow is looked at in many states.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,8 +18,7 @@ from ..geometry.collide import dot, examine, overlap, within
 from ..runtime.batch import Batch
 from ..runtime.motion import apply, rotation_about
 from .bodies import FULL, Pieces, Placed, gather, link_boxes, rings, spread, swept_extent
-from .following import following
-from .parting import Parting
+from .following import in_states
 from .tree import Tree
 
 BLOCK = 20_000  # pieces at a time
@@ -352,37 +351,21 @@ def _possible(tree: Tree, body: Pieces, turns: Turns) -> np.ndarray:
 
 def _following(tree: Tree, body: Pieces) -> Iterator[np.ndarray]:
     """Joints that others follow, in many states."""
-    for found in following(tree, body, None if body.gap is None else lambda one, two: meeting(body, one, two)):
-        i, j = found.pieces
+    leads, values = tree.following
+    gaps = None if body.gap is None else lambda one, two: meeting(body, one, two)
+    for found in in_states(tree, body, values, leads >= 0, gaps):
+        (i, j), lead, states = found.pieces, leads[found.number], values[found.number]
         for first, second, one, two in (
             (*tree.blame(body, i, j), body.source[i], body.source[j]),
             (*found.apart, *[np.full(len(found.apart[0]), -1)] * 2),
         ):
-            at = found.lead[tree.links.owner[first]]
+            at = lead[tree.links.owner[first]]
             keep = (at >= 0) & np.isin(tree.links.owner[first], body.owner)
             if keep.any():
-                yield Hits(first[keep], second[keep], at[keep], found.states[at[keep]], (one[keep], two[keep])).rows()
+                yield Hits(first[keep], second[keep], at[keep], states[at[keep]], (one[keep], two[keep])).rows()
 
 
-def posed(
-    tree: Tree, body: Pieces, states: np.ndarray, parting: Parting | None = None
-) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs of links that meet with the joints at ``states`` (J,); ``parting`` knows the state before."""
-    return tree.blame(body, *met(tree, body, states, parting))
-
-
-def met(tree: Tree, body: Pieces, states: np.ndarray, parting: Parting | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs of pieces that meet with the joints at ``states`` (J,)."""
-    turn, shift, _ = tree.at(states)
-    turn, shift = turn[body.link], shift[body.link]
-    middle = apply(turn, (body.low + body.high) / 2) + shift
-    half = apply(np.abs(turn), (body.high - body.low) / 2)
-    placed = replace(body, low=middle - half, high=middle + half)
-    i, j = near(tree, placed, np.arange(len(body)), placed.low, placed.high, None)
-    body.ready(i, j)
-    first, second = Placed(body, i, turn[i], shift[i]), Placed(body, j, turn[j], shift[j])
-    if parting is None or body.gap is not None:
-        hit = meeting(body, first, second)
-    else:
-        hit = parting.meeting(body, first, second)
-    return i[hit], j[hit]
+def posed(tree: Tree, body: Pieces, states: np.ndarray) -> Iterator[Pairs]:
+    """Pairs of links that meet and may not, for each of the ``states`` (S, J)."""
+    for found in in_states(tree, body, states):
+        yield tree.blame(body, *found.pieces)

@@ -147,7 +147,7 @@ def meetings(batch, beyond: float) -> list[int]:
     found: set[int] = set()
     for shares in product(np.linspace(0, 1, 25 if count == 2 else 9), repeat=count):
         states = tree.low + np.array(shares)[tree.joints.number] * (high - tree.low)
-        found |= set(tree.links.owner[posed(tree, body, states)[0]].tolist())
+        found |= set(tree.links.owner[next(posed(tree, body, states[None]))[0]].tolist())
     return sorted(found)
 
 

@@ -7,13 +7,14 @@ from unittest import mock
 import numpy as np
 import pytest
 
+from artipg_dsl.geometry.collide import overlap
 from artipg_dsl.runtime.batch import Batch
 from artipg_dsl.session import Session
 from artipg_dsl.validity import tree as trees
-from artipg_dsl.validity.bodies import gather
-from artipg_dsl.validity.following import following
+from artipg_dsl.validity.bodies import Placed, gather
+from artipg_dsl.validity.following import in_states
 from artipg_dsl.validity.tree import Tree
-from artipg_dsl.validity.validate import collisions, met
+from artipg_dsl.validity.validate import collisions
 
 
 @pytest.fixture(scope="module")
@@ -30,14 +31,36 @@ def shaken() -> Batch:
 def test_states_together_show_what_each_shows_alone(shaken: Batch) -> None:
     tree, count = Tree(shaken), 0
     body = gather(shaken, tree.first, tree.turn, tree.shift)
-    for found in following(tree, body):
-        i, j = met(tree, body, found.states)
-        asked = ~tree.permitted(body.link[i], body.link[j]) & (found.lead[body.owner[i]] >= 0)
-        assert set(zip(*(side.tolist() for side in found.pieces), strict=True)) == set(
-            zip(i[asked].tolist(), j[asked].tolist(), strict=True)
-        )
-        count += len(i)
+    lead, states = tree.following
+    together = list(in_states(tree, body, states, lead >= 0))
+    assert [found.number for found in together] == list(range(len(states)))
+    for found in together:
+        (alone,) = in_states(tree, body, states[found.number][None], lead[found.number][None] >= 0)
+        one, two = (sorted(zip(*(side.tolist() for side in met.pieces), strict=True)) for met in (found, alone))
+        assert one == two
+        count += len(one)
     assert count > 100
+
+
+def test_boxes_and_directions_leave_out_nothing_that_meets() -> None:
+    """Every pair of pieces of different links asked by itself, doors opened far past their limits."""
+    tree, count, lot = Tree(Session.of("door").sampler.batch(np.arange(3), 2)), 0, np.random.default_rng(3)
+    body = gather(tree.batch, tree.first, tree.turn, tree.shift)
+    wide = tree.high - tree.low
+    states = tree.low - wide + 3.0 * wide * lot.uniform(size=(8, len(wide)))
+    i, j = (side.ravel() for side in np.meshgrid(np.arange(len(body)), np.arange(len(body)), indexing="ij"))
+    asked = (body.owner[i] == body.owner[j]) & (body.link[i] < body.link[j])
+    i, j = i[asked], j[asked]
+    i, j = (side[~tree.permitted(body.link[i], body.link[j])] for side in (i, j))
+    body.ready(i, j)
+    for found in in_states(tree, body, states):
+        turn, shift, _ = tree.at(states[found.number])
+        placed = [Placed(body, side, turn[body.link[side]], shift[body.link[side]]) for side in (i, j)]
+        hit = overlap(*placed)
+        one, two = (sorted(zip(*(s.tolist() for s in p), strict=True)) for p in (found.pieces, (i[hit], j[hit])))
+        assert one == two
+        count += len(one)
+    assert count > 20
 
 
 def test_loops_are_settled_for_all_states_at_once(shaken: Batch) -> None:
