@@ -18,6 +18,8 @@ from hashlib import blake2b
 from importlib.util import find_spec
 from pathlib import Path
 
+from .resources import grammar_file
+
 MARK = b"apgc kept 1\n"
 MOST = 256 << 20  # bytes; the entries that were read longest ago go first
 LEFT = 0.75  # of these bytes are left after that
@@ -44,12 +46,13 @@ def folder() -> Path | None:
 
 @cache
 def stamp() -> str:
-    """The compiler: the files of this package with their sizes and times, and the versions of what it computes with."""
+    """The compiler: the files of this package and the grammar with their sizes and times, and the versions of what it
+    computes with."""
     package = Path(__file__).resolve().parent
     found = [sys.version, sys.platform]
-    for path in sorted(package.rglob("*.py")):
+    for path in (*sorted(package.rglob("*.py")), grammar_file()):
         seen = path.stat()
-        found.append(f"{path.relative_to(package)} {seen.st_size} {seen.st_mtime_ns}")
+        found.append(f"{path} {seen.st_size} {seen.st_mtime_ns}")
     for name in ("numpy", "scipy"):  # found without importing them
         spec = find_spec(name)
         version = Path(spec.origin).with_name("version.py") if spec is not None and spec.origin else None
