@@ -15,7 +15,6 @@ from .meanings import Global
 from .types import (
     BOOL,
     COUNT,
-    CURVE,
     DIRECTION,
     LENGTH,
     LENGTH_DIM,
@@ -162,12 +161,18 @@ def _if(ck: Checker, ctx: Context, expr: ast.IfExpr) -> Type:
     known = conditions.of(ck, ctx, expr.condition)
     then = ck.infer(ctx.given(known), expr.then)
     otherwise = ck.infer(ctx.given(Not(known)), expr.otherwise)
-    if then == otherwise == CURVE:
-        hint = "choose the part that is made along it instead, by `when`"
-        return ck.error("wrong-type", expr.span, "`if` chooses numbers and places; it cannot choose a curve", hint=hint)
     for a, b in ((then, otherwise), (otherwise, then)):
-        if fits(a, b):
-            return LENGTH if PLANE in (a, b) and a != b else UNKNOWN if UNKNOWN in (a, b) else b
+        if UNKNOWN in (a, b) or not fits(a, b):
+            continue
+        if isinstance(b, Scalar | Vec) or b in (POINT, DIRECTION, BOOL) or isinstance(b, Choice) and a == b:
+            return b
+        if b == PLANE:
+            return LENGTH
+        hint = "choose the part that has it by `when`, or its numbers one by one"
+        message = f"`if` chooses between numbers, vectors and points, but this is {b}"
+        return ck.error("wrong-type", expr.span, message, hint=hint)
+    if UNKNOWN in (then, otherwise):
+        return UNKNOWN
     ck.mismatch(expr.otherwise, otherwise, then, "the other branch")
     return UNKNOWN
 

@@ -12,7 +12,7 @@ from ..units import UNITS
 from . import foreign
 from .declarations import check_range
 from .fold import components
-from .meanings import Clearance, Word
+from .meanings import Clearance, Declared, Word
 from .types import (
     ANGLE,
     BASE,
@@ -69,11 +69,27 @@ def subject(ck: Checker, ctx: Context, expr: ast.Expr) -> tuple[Type, Context]:
 def check_connect(ck: Checker, ctx: Context, node: ast.ConnectStmt) -> None:
     kind, ctx = subject(ck, ctx, node.subject)
     _end(ck, node.subject, kind, "what is connected")
+    _begins(ck, ctx, node.subject, kind)
     _placing(ck, ctx, node, framed=True)
+    if node.to is not None and isinstance(node.subject, ast.MemberExpr):
+        _mounted(ck, (node.subject, kind), (node.to.value, ck.types.get(id(node.to.value), UNKNOWN)))
+    _on_face(ck, node, node.subject, kind)
     if node.to is None and node.on is None and node.in_ is None and node.between is None:
         ck.error("missing-clause", node.span, "`connect` needs a target: `to`, `on`, `in` or `between`")
     else:
         _idle(ck, node, None if kind == UNKNOWN else node.to is not None and isinstance(node.subject, ast.MemberExpr))
+
+
+def _begins(ck: Checker, ctx: Context, expr: ast.Expr, kind: Type) -> None:
+    """What is connected begins with the name of a part: the body that declares it says where it goes."""
+    first = expr
+    while isinstance(first, ast.MemberExpr):
+        first = first.obj
+    meaning = ck.meanings.get(id(first))
+    entries = ctx.scope.find(meaning.name) if isinstance(meaning, Declared) and ctx.scope is not None else ()
+    if kind not in (UNKNOWN, BASE) and not any(entry.kind == "part" for entry in entries):
+        message = "what is connected must begin with the name of a part of this body"
+        ck.error("wrong-type", expr.span, message, hint="connect a part in the body that declares it, by its own name")
 
 
 def _end(ck: Checker, expr: ast.Expr, kind: Type, what: str) -> None:
@@ -81,6 +97,30 @@ def _end(ck: Checker, expr: ast.Expr, kind: Type, what: str) -> None:
     places = (UNKNOWN, FRAME, PLANE, EDGE, LINE, POINT, SURFACE, BASE, BOX)
     if not isinstance(kind, Part | Slot | Element) and kind not in places:
         ck.error("wrong-type", expr.span, f"{what} must be a part or one of its ports and faces, but this is {kind}")
+
+
+def _mounted(ck: Checker, *ends: tuple[ast.Expr, Type]) -> None:
+    """The ends of a mount: one is laid on the other, so both have directions."""
+    for expr, kind in ends:
+        if isinstance(kind, Part | Slot | Element) or kind in (POINT, SURFACE, BOX, BASE):
+            ck.error(
+                "wrong-type",
+                expr.span,
+                f"what is mounted, and on what, must be a port, a face or a line, but this is {kind}",
+                hint="name a face or a port of it; to attach a whole part, name two parts",
+            )
+
+
+def _on_face(ck: Checker, node: ast.Attaching, expr: ast.Expr, kind: Type) -> None:
+    """``on`` equates two planes; ``fit`` with it reads the box whose face is named."""
+    if node.on is None:
+        return
+    target = node.on.value
+    for end, found in ((expr, kind), (target, ck.types.get(id(target), UNKNOWN))):
+        if found not in (PLANE, FRAME, UNKNOWN):
+            ck.error("wrong-type", end.span, f"`on` lays a face on a face, but this is {found}")
+    if node.fit is not None and not (isinstance(target, ast.MemberExpr | ast.NameExpr) and target.name in FACES):
+        ck.error("wrong-type", node.fit.span, "`fit` needs a face of a box behind `on`, as in `on body.front fit left`")
 
 
 def _placing(ck: Checker, ctx: Context, node: ast.Attaching, framed: bool) -> None:
@@ -195,6 +235,7 @@ def check_joint(ck: Checker, ctx: Context, node: ast.JointDecl) -> None:
         )
     child, ctx = subject(ck, ctx, node.child)
     _end(ck, node.child, child, "what a joint moves")
+    _begins(ck, ctx, node.child, child)
     parent = ck.infer(ctx.but(ends=True), node.parent)
     _end(ck, node.parent, parent, "the parent of a joint")
     assert ctx.scope is not None
@@ -205,6 +246,9 @@ def check_joint(ck: Checker, ctx: Context, node: ast.JointDecl) -> None:
     named = isinstance(node.parent, ast.NameExpr) and (parent == BASE or isinstance(parent, Part | Slot | Element))
     aims = named and node.kind in ("ball", "fixed") and node.to is None and node.on is None  # about a point of its own
     _placing(ck, ctx, node, framed=not aims)
+    _on_face(ck, node, node.child, child)
+    if node.on is node.in_ is None and isinstance(node.child, ast.MemberExpr) and not named:
+        _mounted(ck, (node.child, child), (node.parent, parent))
     ported = isinstance(node.child, ast.MemberExpr | ast.IndexExpr) and (not named or node.to is not None)
     _idle(ck, node, None if UNKNOWN in (child, parent) else ported)
     _motion(ck, ctx, node, node.kind)

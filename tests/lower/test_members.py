@@ -61,3 +61,22 @@ def test_curves_with_names(text: str) -> None:
     head = "apg 1\nprimitive Bar {\n  param r : length > 0  test 1cm .. 5cm\n  " + text + "\n}\n"
     session = Session.of_text(head + "category Pole {\n  root part pole : Bar(r = 2cm)\n}\n")
     assert session.lowering is not None, session.report.diagnostics
+
+
+def test_what_a_part_of_two_branches_is() -> None:
+    text = """apg 1
+use primitives { Cuboid, Cylinder }
+category Stand {
+  root part body : Cuboid(size = [40cm, 60cm, 2cm])
+  count k in 1 .. 4
+  when k > 2 { part leg : Cuboid(size = [1cm, 1cm, 4cm])  connect leg.top on body.bottom at center }
+  else { part leg : Cylinder(radius = 1cm, height = 4cm)  connect leg.top on body.bottom at center }
+  part found : Cuboid(size = [2cm if leg is Cylinder else 1cm, 1cm, 1cm])
+  connect found.bottom on body.top at center
+}
+"""
+    batch = Session.of_text(text).sampler.batch(np.arange(16), seed=1)
+    found = next(site for site in batch.sites() if site.path == "found")
+    round_legs = next(site for site in batch.sites() if site.primitive.name == "Cylinder").owner
+    assert 0 < len(round_legs) < 16
+    assert set(np.flatnonzero(found.params["size.x"] > 0.015)) == set(round_legs)

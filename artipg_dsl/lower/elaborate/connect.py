@@ -88,7 +88,7 @@ def equate(ev: Evaluator, a: Value, b: Value, left: Span, right: Span, span: Spa
             ev.env.equations.append(Equation(x, y, span, text_of(span)))
         return
     if isinstance(a, Vec) or isinstance(b, Vec):
-        raise ev.wrong(left if isinstance(b, Vec) else right, "a point", a if isinstance(b, Vec) else b)
+        raise ev.impossible(left if isinstance(b, Vec) else right, "a point", a if isinstance(b, Vec) else b)
     pa = ev.plane(a, left) if isinstance(a, Frame | Plane) else None
     pb = ev.plane(b, right) if isinstance(b, Frame | Plane) else None
     if pa is not None and pb is not None and pa.axis != pb.axis:
@@ -144,7 +144,7 @@ def on_plane(ev: Evaluator, subject: ast.Expr, node: ast.Expr, target: Value, ga
     own = ev.value(subject)
     if not isinstance(target, Frame | Plane) or not isinstance(own, Frame | Plane):
         fine = isinstance(target, Frame | Plane)
-        raise ev.wrong(subject.span if fine else node.span, "a face", own if fine else target)
+        raise ev.impossible(subject.span if fine else node.span, "a face", own if fine else target)
     a, b = ev.plane(own, subject.span), ev.plane(target, node.span)
     if a.axis != b.axis:
         raise ev.across(span, a, b, subject.span, node.span)
@@ -158,7 +158,7 @@ def target_box(ev: Evaluator, node: ast.Expr, span: Span) -> Box:
         return squared(ev.box(node.obj))
     if isinstance(node, ast.NameExpr) and node.name in FACES and (own := ev.own_box()) is not None:
         return squared(own)
-    raise ev.env.context.error("wrong-kind", span, "`fit` needs a target of the form part.face")
+    raise ev.env.context.internal(span, "`fit` has no face to read a box from")
 
 
 def match_faces(ev: Evaluator, own: Box, other: Box, name: str, span: Span, gap: E.Expr) -> None:
@@ -234,7 +234,7 @@ def part_of(env: Env, node: ast.Expr) -> Part:
     meaning = begins(env, node)
     value = env.find(meaning.name, meaning.depth) if meaning is not None else None
     if not isinstance(value, Ref):
-        raise env.context.error("wrong-kind", node.span, "a part is needed here")
+        raise env.context.internal(node.span, "no part begins this path")
     return value.branches[0].members[0][0]
 
 

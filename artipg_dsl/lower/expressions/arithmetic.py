@@ -109,7 +109,7 @@ def unary(ev: Evaluator, node: ast.UnaryExpr) -> Value:
         return E.neg(plane(ev, value, node.span).coordinate)
     if isinstance(value, Expr):
         return E.neg(value)
-    raise ev.wrong(node.operand.span, "a number or a vector", value)
+    raise ev.impossible(node.operand.span, "a number or a vector", value)
 
 
 def truth(ev: Evaluator, value: Value, span: Span) -> Expr:
@@ -121,7 +121,7 @@ def truth(ev: Evaluator, value: Value, span: Span) -> Expr:
     if isinstance(value, Ref):
         branches = value.branches
         return branches[0].members[0][0].exists if len(branches) == 1 else E.TRUE
-    raise ev.wrong(span, "a condition", value)
+    raise ev.impossible(span, "a condition", value)
 
 
 def binary(ev: Evaluator, node: ast.BinaryExpr) -> Value:
@@ -183,7 +183,7 @@ def vector_arithmetic(ev: Evaluator, node: ast.BinaryExpr, left: Value, right: V
     match left, right:
         case Vec(), Vec():
             if len(left.items) != len(right.items) or node.op not in "+-":
-                raise ev.wrong(node.span, "a sum or difference of vectors of one length", right)
+                raise ev.impossible(node.span, "a sum or difference of vectors of one length", right)
             items = tuple(operation(a, b) for a, b in zip(left.items, right.items, strict=True))
             point = left.point and not (node.op == "-" and right.point) or (node.op == "+" and right.point)
             return Vec(items, left.on + right.on, point)
@@ -193,7 +193,7 @@ def vector_arithmetic(ev: Evaluator, node: ast.BinaryExpr, left: Value, right: V
         case _, Vec():
             factor = number(ev, left, node.left.span)
             return Vec(tuple(operation(factor, b) for b in right.items), right.on)
-    raise ev.wrong(node.span, "a vector", left)
+    raise ev.impossible(node.span, "a vector", left)
 
 
 def number(ev: Evaluator, value: Value, span: Span) -> Expr:
@@ -207,7 +207,7 @@ def number(ev: Evaluator, value: Value, span: Span) -> Expr:
         case Frame(face=True):
             return plane(ev, value, span).coordinate
         case _:
-            raise ev.wrong(span, "a number", value)
+            raise ev.impossible(span, "a number", value)
 
 
 def equal(ev: Evaluator, node: ast.BinaryExpr) -> Expr:
@@ -217,7 +217,7 @@ def equal(ev: Evaluator, node: ast.BinaryExpr) -> Expr:
                 one = ev.value(subject)
                 if isinstance(one, Choice | Look):
                     return one.chosen(name)
-                raise ev.wrong(subject.span, "a choice", one)
+                raise ev.impossible(subject.span, "a choice", one)
     return E.call("eq", ev.scalar(node.left), ev.scalar(node.right))
 
 
@@ -236,4 +236,5 @@ def conditional(ev: Evaluator, node: ast.IfExpr) -> Value:
     if isinstance(then, Vec) and isinstance(otherwise, Vec):
         pairs = zip(then.items, otherwise.items, strict=True)
         return Vec(tuple(E.where(condition, a, b) for a, b in pairs), then.on + otherwise.on, then.point)
-    return E.where(condition, number(ev, then, node.then.span), number(ev, otherwise, node.otherwise.span))
+    code = E.where(condition, number(ev, then, node.then.span), number(ev, otherwise, node.otherwise.span))
+    return Choice(code, then.options) if isinstance(then, Choice) else code

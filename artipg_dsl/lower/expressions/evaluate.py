@@ -13,7 +13,7 @@ from ...semantics.symbols import Symbol
 from ...source import Span
 from ...syntax import ast
 from ...units import UNITS
-from ..values.carry import moved
+from ..values.carry import merged, moved
 from ..values.kinds import Alternatives, Box, Frame, Line, Plane, Ports, Ref, Value, Vec
 from ..values.vectors import AXES, HERE, unit
 from . import arithmetic, builtins, members
@@ -58,7 +58,7 @@ class Evaluator:
             case Frame(origin=(a, b, c)) | Vec(items=(a, b, c)):
                 return a, b, c
             case value:
-                raise self.wrong(node.span, "a point or a vector of three", value)
+                raise self.impossible(node.span, "a point or a vector of three", value)
 
     def direction(self, node: ast.Expr) -> Triple:
         match self.value(node):
@@ -67,13 +67,13 @@ class Evaluator:
             case Line(direction=(a, b, c)) | Vec(items=(a, b, c)):
                 return a, b, c
             case value:
-                raise self.wrong(node.span, "a direction such as x or -z", value)
+                raise self.impossible(node.span, "a direction such as x or -z", value)
 
     def frame(self, node: ast.Expr) -> Frame:
         value = self.value(node)
         if isinstance(value, Frame):
             return value
-        raise self.wrong(node.span, "a frame (a port or a face)", value)
+        raise self.impossible(node.span, "a frame (a port or a face)", value)
 
     def box(self, node: ast.Expr) -> Box:
         return self.box_of(self.value(node), node.span)
@@ -94,7 +94,11 @@ class Evaluator:
                 f"an element of `{value.name}` has no box of its own",
                 hint="those of `split`, `spread`, `fill` and `pitch` have one: name the box that is meant, or a part",
             )
-        raise self.wrong(span, "a box", value)
+        raise self.impossible(span, "a box", value)
+
+    def impossible(self, span: Span, expected: str, value: Value) -> Exception:
+        """What the checker has ruled out."""
+        return self.env.context.internal(span, f"this is {describe(value)}, but {expected} is needed here")
 
     def wrong(self, span: Span, expected: str, value: Value) -> Exception:
         return self.env.context.error("wrong-kind", span, f"this is {describe(value)}, but {expected} is needed here")
@@ -128,7 +132,7 @@ class Evaluator:
                     return self._is(node)
         except ScopeError as error:
             raise self.env.context.mixed(error, node.span) from None
-        raise self.env.context.error("wrong-kind", node.span, "this is not allowed here")
+        raise self.env.context.internal(node.span, "this has no value")
 
     def _quantity(self, node: ast.NumberExpr) -> Value:
         factor = UNITS[node.unit][0] if node.unit else 1.0
@@ -152,7 +156,7 @@ class Evaluator:
                 on += value.on
                 value = value.coordinate
             if not isinstance(value, Expr):
-                raise self.wrong(item.span, "a number", value)
+                raise self.impossible(item.span, "a number", value)
             items.append(value)
         return Vec(tuple(items), on)
 
@@ -162,9 +166,13 @@ class Evaluator:
             raise self.env.context.internal(node.type_span, "this is not a role or a template")
         if isinstance(subject, Alternatives):
             return subject.matches(wanted)
-        if not isinstance(subject, Ref) or len(subject.branches) != 1:
-            raise self.wrong(node.subject.span, "a part", subject)
-        return subject.branches[0].members[0][0].matches(wanted)
+        if not isinstance(subject, Ref):
+            raise self.impossible(node.subject.span, "a part", subject)
+        found = [(branch.scope, branch.members[0][0].matches(wanted)) for branch in subject.branches]
+        if len(found) == 1:
+            return found[0][1]
+        parent, each = members.parted(found)  # declared in several branches of a `when`
+        return members.lift(self, merged(parent, each), parent)
 
     # ------------------------------------------------------------ names, members, calls
 
@@ -225,7 +233,7 @@ class Evaluator:
             self.env.context.fetched.append(Fetched(self.env.scope, index, count, node.span, self.env.context.known))
             return At(value.element, value.index, At(value.inner, index, value.inner))
         if not isinstance(value, Element):
-            raise self.wrong(node.obj.span, "a repeat", value)
+            raise self.impossible(node.obj.span, "a repeat", value)
         index = self.position(value, node.index)
         self.env.context.fetched.append(Fetched(self.env.scope, index, value.count, node.span, self.env.context.known))
         return At(value, index, value)

@@ -155,7 +155,7 @@ def polygon(ev: Evaluator, node: ast.CallExpr, form: Form) -> list[Span]:
     for argument in node.arguments:
         value = ev.value(argument.value)
         if not isinstance(value, Vec) or len(value.items) != 2:
-            raise ev.wrong(argument.span, "a corner [a, b]", value)
+            raise ev.impossible(argument.span, "a corner [a, b]", value)
         corners.append(value.items)
     return closed("skin", corners)
 
