@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from .. import random
+from ..geometry.vectors import length, unit
 from .frames import rotate
 
 Span = tuple[float, float]
@@ -84,17 +85,9 @@ class Cameras:
 def looking(eye: np.ndarray, target: np.ndarray, up: np.ndarray) -> np.ndarray:
     """Turns (..., 3, 3) into cameras at ``eye`` that look at ``target``: rows x right, y down, z forward."""
     forward = unit(target - eye)
-    straight = _length(np.cross(forward, unit(up))) < 1e-6  # looking along `up`: what lies in front is up instead
+    straight = length(np.cross(forward, unit(up))) < 1e-6  # looking along `up`: what lies in front is up instead
     right = unit(np.cross(forward, np.where(straight, [1.0, 0.0, 0.0], up)))
     return np.stack([right, np.cross(forward, right), forward], axis=-2)
-
-
-def unit(vectors: np.ndarray) -> np.ndarray:
-    return vectors / _length(vectors)
-
-
-def _length(vectors: np.ndarray) -> np.ndarray:
-    return np.sqrt(vectors[..., :1] ** 2 + vectors[..., 1:2] ** 2 + vectors[..., 2:] ** 2)
 
 
 def extrinsics(turn: np.ndarray, eye: np.ndarray) -> np.ndarray:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..geometry.vectors import length
 from ..graph.program import MEASURES, Grasp
 from ..runtime.fields import Field, Reader, read_pose, read_triples
 from .frames import quaternion, reflect, rotate
@@ -126,10 +127,6 @@ def grasp_frame(approach: np.ndarray, close: np.ndarray) -> np.ndarray:
     y = close - (close[..., :1] * z[..., :1] + close[..., 1:2] * z[..., 1:2] + close[..., 2:] * z[..., 2:]) * z
     y = y / length(y)
     return np.stack([np.cross(y, z), y, z], axis=-1) + 0.0
-
-
-def length(vectors: np.ndarray) -> np.ndarray:
-    return np.sqrt(vectors[..., :1] ** 2 + vectors[..., 1:2] ** 2 + vectors[..., 2:] ** 2)
 
 
 def sample_keypoints(reader: Reader) -> KeypointTable:

@@ -29,6 +29,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..annotate.frames import rotate
+from ..geometry.vectors import cross, dot
 from ..runtime.tables import JointTable
 
 GRAVITY = 9.81  # m/s2
@@ -77,16 +78,16 @@ def dynamics(
     mass, center, inertia = _carried(parent, child, mass, rotate(turn, center) + shift, _turned(turn, inertia))
     m, arm = mass[child], center[child] - place
     slides, ball = _is(joints, "prismatic"), _is(joints, "ball")
-    reach = _cross(axis, arm)  # how the centre moves as a hinge turns
-    about = _dot(axis, _dot(inertia[child], axis[:, None])) + m * _dot(reach, reach)
+    reach = cross(axis, arm)  # how the centre moves as a hinge turns
+    about = dot(axis, dot(inertia[child], axis[:, None])) + m * dot(reach, reach)
     moved = np.where(slides, m, about)
     weight, pitch = m * GRAVITY, np.nan_to_num(joints.pitch) / (2 * np.pi)
     pull = -weight * np.where(
         slides, axis[:, 2], reach[:, 2] + pitch * axis[:, 2]
     )  # of gravity at rest, along the value
     lift = weight * pitch * axis[:, 2]  # what a screw asks for on any turn
-    swing = _most(-weight * reach[:, 2], -weight * _cross(axis, reach)[:, 2], joints.low - rest, joints.high - rest)
-    load = np.where(slides, np.abs(pull), np.where(ball, weight * np.sqrt(_dot(arm, arm)), swing + np.abs(lift)))
+    swing = _most(-weight * reach[:, 2], -weight * cross(axis, reach)[:, 2], joints.low - rest, joints.high - rest)
+    load = np.where(slides, np.abs(pull), np.where(ball, weight * np.sqrt(dot(arm, arm)), swing + np.abs(lift)))
     pulled = np.abs(pull) > BALANCED * np.maximum(load, 1e-9)
     span = np.nan_to_num(joints.high - joints.low)
     near = 1e-6 + 1e-3 * span
@@ -147,22 +148,12 @@ def _carried(
 
 def _parallel(mass: np.ndarray, offset: np.ndarray) -> np.ndarray:
     outer = offset[:, :, None] * offset[:, None, :]
-    return mass[:, None, None] * (_dot(offset, offset)[:, None, None] * np.eye(3) - outer)
+    return mass[:, None, None] * (dot(offset, offset)[:, None, None] * np.eye(3) - outer)
 
 
 def _turned(turn: np.ndarray, tensor: np.ndarray) -> np.ndarray:
     half = np.stack([rotate(turn, tensor[..., j]) for j in range(3)], axis=-1)
     return np.stack([rotate(turn, half[:, j]) for j in range(3)], axis=-2)
-
-
-def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    return a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2]
-
-
-def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    x, y, z = a[:, 0], a[:, 1], a[:, 2]
-    u, v, w = b[:, 0], b[:, 1], b[:, 2]
-    return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=1)
 
 
 def _is(joints: JointTable, kind: str) -> np.ndarray:

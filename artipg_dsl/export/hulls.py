@@ -9,8 +9,8 @@ from functools import cache
 
 import numpy as np
 
-from ..geometry.collide import cross, dot
 from ..geometry.merge import Cluster, Convex, clusters, cut, gathered, halves
+from ..geometry.vectors import cross, dot
 from . import solids
 
 BUDGET = 60  # colliders of an object

@@ -15,9 +15,9 @@ import numpy as np
 
 from ..annotate.frames import place
 from ..geometry import mesh
-from ..geometry.collide import cross, dot
 from ..geometry.resolution import FINEST, STANDARD, Resolution, bends, within_budget
 from ..geometry.topology import topology
+from ..geometry.vectors import cross, dot
 from .shading import Shading, shade
 
 if TYPE_CHECKING:

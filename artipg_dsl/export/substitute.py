@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..geometry.vectors import cross
 from ..runtime.motion import square
 from .robot import SMALLEST_MASS, Robot, RobotJoint, RobotLink
 
@@ -50,7 +51,7 @@ def simple_joints(robot: Robot) -> Robot:
                 reach = max(abs(joint.low), abs(joint.high))
                 tilted = replace(tilted, low=-reach, high=reach)
             other = replace(tilted, rest=0.0, mimic=None)
-            swing = replace(other, name=joint.name + SWING, axis=_cross(joint.axis, tilt))
+            swing = replace(other, name=joint.name + SWING, axis=cross(joint.axis, tilt))
             twist = replace(other, name=joint.name + TWIST, axis=joint.axis)
             joints += _chain([tilted, swing, twist], links)
         else:
@@ -88,7 +89,3 @@ def _chain(steps: list[RobotJoint], links: list[RobotLink]) -> list[RobotJoint]:
         chained.append(replace(step, parent=parent, child=child, origin=step.origin if i == 0 else np.zeros(3)))
         parent = child
     return chained
-
-
-def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])

@@ -12,5 +12,6 @@ Begin with ``patches`` and ``mesh``.
     sites, block, hidden, points, pointset       points on the visible surface of whole objects
     outside, rays, blue, cells                   what can be seen from outside; points that keep their distance
     collide, overlap, enclosure                  convex bodies that meet, what they share, what contains what
+    vectors                                      products and lengths of arrays of vectors
     selftest                                     whether all declarations of a primitive agree
 """

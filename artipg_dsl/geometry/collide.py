@@ -12,6 +12,8 @@ from typing import Protocol
 
 import numpy as np
 
+from .vectors import cross, dot
+
 MOST_STEPS = 40
 DEPTH = 1e-6  # metres: what overlaps by less touches
 _PAIRS = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]
@@ -47,18 +49,6 @@ class Corners:
     def support(self, rows: np.ndarray, direction: np.ndarray) -> np.ndarray:
         points = self.vertices[rows]
         return points[np.arange(len(rows)), np.argmax(dot(points, direction[:, None]), axis=1)]
-
-
-def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    found = a[..., 0] * b[..., 0]
-    found += a[..., 1] * b[..., 1]  # in place: large temporaries cost more than the sums
-    found += a[..., 2] * b[..., 2]
-    return found
-
-
-def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    cells = [a[..., i - 2] * b[..., i - 1] - a[..., i - 1] * b[..., i - 2] for i in range(3)]
-    return np.stack(cells, axis=-1)
 
 
 def inset(vertices: np.ndarray, faces: np.ndarray, margin: float = DEPTH / 2) -> np.ndarray:

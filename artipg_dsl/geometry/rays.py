@@ -13,6 +13,8 @@ from typing import Protocol
 
 import numpy as np
 
+from .vectors import cross, dot
+
 BLOCK = 1_500_000  # candidates (triangle, pixel) looked at together
 NEAR = 1e-6  # metres before the eye within which nothing is seen
 
@@ -88,7 +90,7 @@ class Raster:
 
 def _towards(local: np.ndarray) -> np.ndarray:
     """Triangles that turn their outer side to the eye at the origin."""
-    return _dot(normals(local), local[:, 0]) < 0
+    return dot(normals(local), local[:, 0]) < 0
 
 
 def _amid(triangles: np.ndarray, eye: np.ndarray) -> bool:
@@ -116,19 +118,9 @@ def rotate_vectors(matrix: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     return np.stack([row[0] * x + row[1] * y + row[2] * z for row in matrix], axis=-1)
 
 
-def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    return a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2]
-
-
-def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Exactly opposite when the arguments are exchanged."""
-    parts = [a[..., i] * b[..., j] - a[..., j] * b[..., i] for i, j in ((1, 2), (2, 0), (0, 1))]
-    return np.stack(parts, axis=-1)
-
-
 def normals(triangles: np.ndarray) -> np.ndarray:
     """Normals (n, 3) of triangles (n, 3, 3), twice the area long."""
-    return _cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    return cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
 
 
 def intersect(triangles: np.ndarray, found: np.ndarray, directions: np.ndarray) -> np.ndarray:
@@ -139,9 +131,9 @@ def intersect(triangles: np.ndarray, found: np.ndarray, directions: np.ndarray) 
     """
     a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
     normal = normals(triangles)
-    square = _dot(normal, normal)
+    square = dot(normal, normal)
     square = np.where(square == 0.0, 1.0, square)[:, None]
-    across, along = _cross(c - a, normal) / square, _cross(normal, b - a) / square  # of places in the plane
+    across, along = cross(c - a, normal) / square, cross(normal, b - a) / square  # of places in the plane
 
     def gathered(vectors: np.ndarray) -> list[np.ndarray]:
         return [np.ascontiguousarray(vectors[:, k])[found] for k in range(3)]
@@ -151,7 +143,7 @@ def intersect(triangles: np.ndarray, found: np.ndarray, directions: np.ndarray) 
 
     way, start, up = [np.ascontiguousarray(directions[:, k]) for k in range(3)], gathered(a), gathered(normal)
     slope = product(up, way)
-    distance = _dot(normal, a)[found] / np.where(slope == 0.0, 1.0, slope)
+    distance = dot(normal, a)[found] / np.where(slope == 0.0, 1.0, slope)
     offset = [w * distance - s for w, s in zip(way, start, strict=True)]
     second = np.clip(product(offset, gathered(across)), 0.0, 1.0)
     third = np.clip(product(offset, gathered(along)), 0.0, 1.0)
@@ -187,9 +179,9 @@ def perspective(local: np.ndarray, grid: Grid) -> np.ndarray:
     """
     a, b, c = local[:, 0], local[:, 1], local[:, 2]
     normal = normals(local)
-    side = _dot(normal, a)
+    side = dot(normal, a)
     flat = np.abs(side) < 1e-300
-    planes = [*(_cross(p, q) * np.sign(side)[:, None] for p, q in ((b, c), (c, a), (a, b)))]
+    planes = [*(cross(p, q) * np.sign(side)[:, None] for p, q in ((b, c), (c, a), (a, b)))]
     planes.append(normal / np.where(flat, 1.0, side)[:, None])
     fx, fy = grid.focal
     x0, y0 = (grid.left - grid.centre[0]) / fx, (grid.top - grid.centre[1]) / fy

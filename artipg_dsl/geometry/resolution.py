@@ -17,6 +17,7 @@ from ..errors import UsageError
 from ..graph.primitive import Primitive
 from .patches import Params, grid, position_split, rows_of, tangent_split
 from .topology import Topology
+from .vectors import dot
 
 FINEST, COARSEST = 1e-5, 10.0  # metres: the tolerances that are taken
 LADDER = np.array([*range(1, 9), *(m << k for k in range(1, 10) for m in (5, 6, 7, 8))])
@@ -124,9 +125,9 @@ def _bend(primitive: Primitive, patch: int, params: Params, bent: np.ndarray) ->
         points = grid(split, params, *np.broadcast_arrays(u, v))  # (k, 33, lines, 3)
         chords = np.diff(points, axis=1)
         second, middle = np.diff(chords, axis=1), chords[:, 1:] + chords[:, :-1]
-        square = _dot(middle, middle)
-        askew = second - middle * (_dot(second, middle) / np.where(square > 0, square, 1.0))[..., None]
-        reach[:, along] = SAFE * (len(_FINE) - 1) ** 2 * np.sqrt(_dot(askew, askew)).max(axis=(1, 2))
+        square = dot(middle, middle)
+        askew = second - middle * (dot(second, middle) / np.where(square > 0, square, 1.0))[..., None]
+        reach[:, along] = SAFE * (len(_FINE) - 1) ** 2 * np.sqrt(dot(askew, askew)).max(axis=(1, 2))
         u, v = (_FEW[:, None], _ENDS[None]) if along == 0 else (_ENDS[None], _FEW[:, None])
         tangents = grid(tangent_split(primitive, patch), params, *np.broadcast_arrays(u, v))
         turn[:, along] = _turned(tangents[..., 3 * along : 3 * along + 3])
@@ -140,9 +141,9 @@ def _turned(tangents: np.ndarray) -> np.ndarray:
     """(k,): the greatest sum of angles between successive tangents (k, 17, lines, 3) of lines that are no points."""
     first, second = tangents[:, :-1], tangents[:, 1:]
     cross = np.cross(first, second)
-    size = np.sqrt(_dot(tangents, tangents))
+    size = np.sqrt(dot(tangents, tangents))
     good = (size > 1e-9 * size.max(axis=(1, 2), keepdims=True)).all(axis=1)
-    angle = np.arctan2(np.sqrt(_dot(cross, cross)), _dot(first, second))
+    angle = np.arctan2(np.sqrt(dot(cross, cross)), dot(first, second))
     total = np.zeros(good.shape)
     for step in range(angle.shape[1]):  # one after the other: the same bits in any batch
         total += angle[:, step]
@@ -154,13 +155,9 @@ def _twist(points: np.ndarray) -> np.ndarray:
     across, up = points[:, 1:] - points[:, :-1], points[:, :, 1:] - points[:, :, :-1]
     mixed = across[:, :, 1:] - across[:, :, :-1]
     normal = np.cross(across[:, :, 1:] + across[:, :, :-1], up[:, 1:] + up[:, :-1])
-    length = np.sqrt(_dot(normal, normal))
-    out = np.abs(_dot(mixed, normal)) / np.where(length > 0, length, 1.0)
+    length = np.sqrt(dot(normal, normal))
+    out = np.abs(dot(mixed, normal)) / np.where(length > 0, length, 1.0)
     return (len(_ACROSS) - 1) ** 2 * out.max(axis=(1, 2))
-
-
-def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    return a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2]
 
 
 def within_budget(

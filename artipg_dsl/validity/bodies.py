@@ -10,7 +10,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..geometry.collide import DEPTH, cross, dot, inset
+from ..geometry.collide import DEPTH, inset
+from ..geometry.vectors import cross, dot
 from ..runtime.batch import Batch
 from ..runtime.motion import apply
 

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry.collide import dot, within
+from ..geometry.collide import within
+from ..geometry.vectors import dot
 from ..runtime.batch import Batch
 from .bodies import Pieces, Placed, spread
 from .meant import meant, sites_of

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry.collide import dot, examine
+from ..geometry.collide import examine
+from ..geometry.vectors import dot
 from ..runtime.motion import apply
 from .bodies import Pieces, Placed, boxes_meet, link_boxes, spread
 from .tree import Tree

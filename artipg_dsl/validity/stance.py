@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry.collide import dot
+from ..geometry.vectors import dot
 from ..runtime.motion import apply, product, rotation_about
 from .bodies import Pieces
 from .hull import NEAR, depth, hulls

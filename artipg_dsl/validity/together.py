@@ -15,7 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry.collide import dot, examine
+from ..geometry.collide import examine
+from ..geometry.vectors import dot
 from ..runtime.motion import apply, product, rotation_about
 from .bodies import Pieces, Placed, spread, swept_extent, turned
 from .tree import Tree

@@ -14,7 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry.collide import dot, examine, overlap, within
+from ..geometry.collide import examine, overlap, within
+from ..geometry.vectors import dot
 from ..runtime.batch import Batch
 from ..runtime.motion import apply, rotation_about
 from .bodies import FULL, Pieces, Placed, gather, link_boxes, rings, spread, swept_extent

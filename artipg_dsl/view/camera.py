@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..geometry.vectors import unit
+
 FIELD = np.radians(24.0)  # a long lens: little distortion
 
 
@@ -89,7 +91,3 @@ def lights(camera: Camera, sun_count: int = 12, sky_count: int = 32) -> Lights:
         ]
     )
     return Lights(np.concatenate([sun, sky]), power, np.arange(sun_count + sky_count) < sun_count)
-
-
-def unit(vectors: np.ndarray) -> np.ndarray:
-    return vectors / np.sqrt((vectors * vectors).sum(axis=-1, keepdims=True))

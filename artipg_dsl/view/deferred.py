@@ -7,7 +7,8 @@ from typing import Protocol
 
 import numpy as np
 
-from .camera import Camera, Lights, unit
+from ..geometry.vectors import unit
+from .camera import Camera, Lights
 from .scene import Scene
 
 SAMPLES = 2  # supersampling per axis
