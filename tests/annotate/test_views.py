@@ -273,7 +273,7 @@ def test_default_cameras_stand_in_front_and_see_all(batch: Batch) -> None:
 
 def test_a_camera_that_sees_nothing_is_an_error_in_words(batch: Batch) -> None:
     away = from_description({"poses": [{"eye": [2, 0, 0.2], "target": [3, 0, 0.2]}]})
-    with pytest.raises(UserError, match="view 0 of object 0 sees nothing"):
+    with pytest.raises(UserError, match="view 0 of object 0 does not see it"):
         make_views(batch, away)
     far = {"poses": [{"eye": [50, 0, 0.2]}], "width": 65, "height": 49, "points": 1_000_000, "fov": 60}
     with pytest.raises(UserError, match="next to nothing") as caught:

@@ -74,7 +74,7 @@ def test_pieces_that_stick_out_or_leave_gaps():
 def test_test_ranges_that_cannot_be_met():
     never = shapes.call("lt", shapes.size()[0], const(0.0))
     (finding,) = check_primitive(shapes.cuboid(requires=(never,)))
-    assert "meets its requirements" in finding.message
+    assert "meet its requirements" in finding.message
 
 
 def test_a_solid_that_is_a_skin_around_its_surfaces():

@@ -121,11 +121,11 @@ EDITS = {
         (f'$1 = real @0 "{HOSTILE}"', "not a name"),
         ('$1 = real @0 ""', "not a name"),
         ('$1 = other @0 "width"', "no kind of column"),
-        ('$7 = real @0 "width"', "\\$1 is expected"),
+        ('$7 = real @0 "width"', r"expected \$1"),
         ('$1 = real @7 "width"', "@7 is not known"),
         ('$1 = real @0 "width', "not text"),
-        ('$1 = real @0 "width" 3', "goes on"),
-        ('$1 real @0 "width"', "= is expected"),
+        ('$1 = real @0 "width" 3', "more after the end"),
+        ('$1 real @0 "width"', "expected ="),
         ('$1 = real @0 "\\ud800"', "not text"),
     ],
     r"%1 = const 0\.1": [
@@ -163,7 +163,7 @@ EDITS = {
     r'semantic \[\["body"': [('semantic [["soul"', "no word")],
     r'vocabulary "semantic" \["unlabelled"': [('vocabulary "semantic" [', "is not unlabelled")],
     r'program "Box"': [
-        ('program "Box <b>"', "no name"),
+        ('program "Box <b>"', "not a valid name"),
         ("program 3", "program is text"),
         ('category "Box"', "no item"),
     ],
@@ -175,7 +175,7 @@ EDITS = {
         ('vocabulary "affordance" name "<script>"', "not a name"),
         ('guard %1 vocabulary "affordance" name "turn"', "guard is true or false, not a number"),
     ],
-    r"parent -1": [("parent 0", "comes after"), ("parent 99", "comes after")],
+    r"parent -1": [("parent 0", "must come after"), ("parent 99", "must come after")],
     r"\(Pose ": [("(System ", "no record")],
 }
 
@@ -186,7 +186,7 @@ def test_an_edit_is_reported_with_its_line_and_what_is_wrong(text, pattern, edit
     assert count == 1, f"{pattern} stands nowhere in the program"
     message = refused(edited)
     assert re.search(words, message), message
-    assert re.search(r"line \d+ of the compiled program|incomplete or wrong", message), message
+    assert re.search(r"line \d+ of the compiled program|incomplete or damaged", message), message
 
 
 def test_values_that_need_one_another_are_reported(text, tmp_path):

@@ -63,7 +63,7 @@ PLACE = "the position of `a` along y"
         (
             SOLID + SOLID.replace("a ", "b ") + "  align a.left = b.left + 1cm\n  align a.right = b.right + w",
             "not-solvable",
-            f"these equations place {PLACE} and the position of `b` along y relative to one another: nothing ties them to the rest",
+            f"these equations only place {PLACE} and the position of `b` along y relative to one another: nothing ties them to the rest",
             {10: "", 11: "together with this"},
         ),
     ],
