@@ -16,9 +16,9 @@ import numpy as np
 from artipg_dsl.random import key, uniform
 from artipg_dsl.runtime.kernels import Kept
 from artipg_dsl.sampling.clips import Asked
+from artipg_dsl.sampling.known import again, match_keys, rows_of_draw
 from artipg_dsl.sampling.repair import repair
 from artipg_dsl.sampling.search import domain
-from artipg_dsl.sampling.settled import again, chosen, matched
 from artipg_dsl.session import Session, categories
 
 SHARE = 0.1  # of the width of a domain
@@ -43,7 +43,7 @@ def kept(batch, sampler, asked: list[np.ndarray]):  # noqa: ANN001, ANN201
     """The objects of a batch evaluated with values asked, clipped into what is left of their ranges."""
     values = []
     for number, held in enumerate(asked):
-        at = chosen(batch, number, np.arange(len(batch)))
+        at = rows_of_draw(batch, number, np.arange(len(batch)))
         order = np.argsort(at.key, kind="stable")
         still = np.zeros(len(order))
         values.append(Kept(at.key[order], held[at.row][order], still, still.astype(bool)))
@@ -54,8 +54,8 @@ def stated(batch, asked: list[np.ndarray], trial) -> Asked:  # noqa: ANN001
     """What was asked, by the rows of the evaluation: templates that no longer fit have brought rows of their own."""
     values, known = [], []
     for number in range(len(asked)):
-        old, new = (chosen(b, number, np.arange(len(batch))) for b in (batch, trial))
-        here, there = matched(old.key, new.key)
+        old, new = (rows_of_draw(b, number, np.arange(len(batch))) for b in (batch, trial))
+        here, there = match_keys(old.key, new.key)
         value, mine = trial.state.values[number].copy(), np.zeros(len(new.row), dtype=bool)
         value[new.row[there]], mine[new.row[there]] = asked[number][old.row[here]], True
         values.append(value)
