@@ -11,7 +11,6 @@ from ..geometry.block import block
 from ..geometry.box import bounds
 from ..geometry.errors import PrimitiveError
 from ..geometry.overlap import Touching
-from ..geometry.quadrature import volume_inertia
 from ..runtime.motion import apply, product
 from .materials import catalogue, drawn, material_rows
 
@@ -79,16 +78,14 @@ def crossed(batch: Batch) -> list[tuple[str, np.ndarray]]:
         rows = np.arange(len(table)) if batch.program.foreign else np.flatnonzero(_untested(table))
         if not len(rows):
             continue
-        if len(rows) == len(table):
-            inertia = table.moments[2]
-        else:
-            inertia = volume_inertia(table.primitive, {name: values[rows] for name, values in table.params.items()})[2]
+        volume, _, inertia = (moment[rows] for moment in table.moments)  # of all rows: annotations need them, too
         trace = np.trace(inertia, axis1=1, axis2=2)
         second = trace[:, None, None] / 2 * np.eye(3) - inertia  # of a body: no less than none along any direction
-        wrong = rows[~(_definite(inertia, 0.0) & _definite(second, ROUNDING * trace))]
-        if len(wrong):
-            path = batch.program.parts[batch.program.sites[table.number].part].path
-            found.append((f"the surfaces of `{path}` cross one another", np.unique(table.owner[wrong])))
+        wrong = ~(_definite(inertia, 0.0) & _definite(second, ROUNDING * trace))
+        path = batch.program.parts[batch.program.sites[table.number].part].path
+        for which, what in ((wrong & (volume < 0.0), "are inside out"), (wrong & ~(volume < 0.0), "cross one another")):
+            if which.any():
+                found.append((f"the surfaces of `{path}` {what}", np.unique(table.owner[rows[which]])))
     return found
 
 
