@@ -334,7 +334,7 @@ def test_a_circle_between_rectangles_is_cut_into_arcs_that_close():
             "broken-chain",
             "this one 3",
         ),
-        ("sweep(rectangle(a, b))", "sweep(rectangle(a, b), circle(a))", "broken-chain", "do not fit"),
+        ("sweep(rectangle(a, b))", "sweep(rectangle(a, b), circle(a))", "broken-chain", "do not match"),
         (
             "sweep(rectangle(a, b)) along way up y",
             "loft(circle(a), circle(b)) along z from 0 to l smooth",
@@ -439,7 +439,7 @@ def test_paths_of_one_shape_share_a_primitive():
         ("[radius * v, 0mm]", "[radius * (2 * v - 1), 0mm]", "bad-curve", "a radius below 0"),
         ("[radius * v, 0mm]", "[radius * sqrt(v - 0.5) * sqrt(2), 0mm]", "bad-curve", "no value"),
         ("lathe([base, side], [floor, lining]) about", "sweep(circle(wall)) along side up", "bad-curve", "in a plane"),
-        ("lathe([base, side], [floor, lining]) about", "extrude(side) along", "wrong-arguments", "both its ends"),
+        ("lathe([base, side], [floor, lining]) about", "extrude(side) along", "wrong-arguments", "both ends"),
     ],
 )
 def test_what_cannot_be_made_is_said_in_words(old, new, code, words):

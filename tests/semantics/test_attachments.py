@@ -77,7 +77,7 @@ ENSURED = [
     "when not (lid is BowHandle) and lid { align body.top = lid.top }",
     "when soft and lid { align body.top = lid.top }",
     "when not lid { } else { align body.top = lid.top }",
-    "part badge : Cuboid\n connect lid.grip to badge\n connect badge to body",
+    "part badge : Cuboid\n connect lid.mount to badge.front at center\n connect badge to body",
 ]
 
 
