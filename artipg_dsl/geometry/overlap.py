@@ -8,8 +8,8 @@ stand alike, the region is the box itself and the result exact.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, fields
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -20,6 +20,7 @@ from .box import bounds
 from .patches import Split, inside_split
 
 FEW, MANY = 512, 4096  # points of a pair: to see whether there is an overlap, and to measure it
+CROWDED = 2048  # pairs of a body: with more of them its rows are measured whole
 SMALL = 0.05  # of the mass of a link: the box of a pair that is measured with few points
 THIN = 1e-6  # metres: boxes that overlap by less touch
 _CHUNK = 1 << 18  # points at a time
@@ -44,6 +45,10 @@ class Overlaps:
     volume: np.ndarray
     center: np.ndarray
     inertia: np.ndarray
+
+    @classmethod
+    def joined(cls, some: Sequence[Overlaps]) -> Overlaps:
+        return cls(*(np.concatenate([getattr(one, f.name) for one in some]) for f in fields(cls)))
 
 
 def overlaps(rows: Block, body: np.ndarray, order: np.ndarray, worth: np.ndarray) -> Overlaps:
@@ -72,11 +77,21 @@ class Touching:
     def __init__(self, rows: Block, body: np.ndarray, order: np.ndarray, worth: np.ndarray):
         self.rows = _Rows(rows)
         self.pairs = self.rows.touching(body, order, worth)
+        self.body, of = body, body[self.pairs.row]
+        self.crowded = np.bincount(of, minlength=1)[of] > CROWDED
 
     def measured(self, asked: np.ndarray | None = None, inertia: bool = True) -> Overlaps:
         """The overlaps of the rows ``asked`` (R,) bool, by default of all; inertia is noughts unless it is wanted."""
-        pairs = self.pairs if asked is None else self.pairs.at(np.flatnonzero(asked[self.pairs.row]))
-        return self.rows.measured(pairs.at(self.rows.near(pairs)), inertia)
+        wanted = np.ones(len(self.pairs), dtype=bool) if asked is None else asked[self.pairs.row]
+        crowd, pairs = (
+            self.pairs.at(np.flatnonzero(wanted & self.crowded)),
+            self.pairs.at(np.flatnonzero(wanted & ~self.crowded)),
+        )
+        found = [
+            self.rows.measured(pairs.at(self.rows.near(pairs)), inertia),
+            self.rows.lost(crowd, self.body, inertia),
+        ]
+        return found[0] if not len(crowd) else Overlaps.joined(found)
 
     def regions(self) -> Regions:
         """Where all of that lies, by boxes alone."""
@@ -181,10 +196,11 @@ class _Rows:
             high[i] = np.minimum(self.high[i, frame], center[i] + reach)
         return low, high
 
-    def points(self, pairs: Pairs, count: int) -> Points:
-        """Three arrays (n, count): points of the object, evenly in the boxes of pairs."""
+    def points(self, pairs: Pairs, count: int, shift: np.ndarray | None = None) -> Points:
+        """Three arrays (n, count): points of the object, evenly in the boxes of pairs; ``shift`` (3, n) moves them on within."""
         share, size = sequence(count), pairs.high - pairs.low
-        local = [pairs.low[k][:, None] + size[k][:, None] * share[k] for k in range(3)]
+        part = share[:, None] if shift is None else (share[:, None] + shift[:, :, None]) % 1.0
+        local = [pairs.low[k][:, None] + size[k][:, None] * part[k] for k in range(3)]
         x, y, z = placed_points(self.poses, pairs.frame[:, None], local)
         return x, y, z
 
@@ -256,6 +272,32 @@ class _Rows:
                 volume[at], center[at], about[at] = self._moments(some, points, held, inertia)
         kept = np.flatnonzero(volume > 0.0)
         return Overlaps(pairs.row[kept], volume[kept], center[kept], about[kept])
+
+    def lost(self, pairs: Pairs, body: np.ndarray, inertia: bool) -> Overlaps:
+        """What rows share with any that come before them, where pairs are too many to be measured one by one: at points of
+        the whole row, each asked until one holds it. Rows that are alike get other points, whose errors do not add up."""
+        begin = np.flatnonzero(np.diff(pairs.row, prepend=-1) != 0)
+        row, earlier = pairs.row[begin], np.diff(begin, append=len(pairs))
+        rank = np.arange(len(row)) - np.searchsorted(body[row], body[row])
+        shift = np.stack([rank * _ROOT**-k % 1.0 for k in (2, 3, 1)])
+        great = np.logical_or.reduceat(pairs.great, begin) if len(begin) else pairs.great
+        volume, center, about = np.zeros(len(row)), np.zeros((len(row), 3)), np.zeros((len(row), 3, 3))
+        for count in (FEW, MANY):
+            chosen = np.flatnonzero(great == (count == MANY))
+            for part in _parts(len(chosen), _CHUNK // count):
+                at = chosen[part]
+                own = row[at]
+                whole = Pairs(own, own, own, self.low[:, own], self.high[:, own], great[at])
+                points = self.points(whole, count, shift[:, at])
+                held = self.within(own, points, np.ones(points[0].shape, dtype=bool))
+                left = held.copy()
+                for k in range(int(earlier[at].max())):
+                    more = np.flatnonzero((earlier[at] > k) & left.any(axis=1))
+                    x, y, z = (axis[more] for axis in points)
+                    left[more] &= ~self.within(pairs.first[begin[at[more]] + k], (x, y, z), left[more])
+                volume[at], center[at], about[at] = self._moments(whole, points, held & ~left, inertia)
+        kept = np.flatnonzero(volume > 0.0)
+        return Overlaps(row[kept], volume[kept], center[kept], about[kept])
 
     def _moments(
         self, pairs: Pairs, points: Points, held: np.ndarray, inertia: bool
