@@ -345,6 +345,10 @@ def _typed(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: Bou
         kind = ck.infer(ctx, argument.value)
         if parameter.type == "part" and kind != UNKNOWN and not isinstance(kind, Part | Slot | Element):
             ck.error("wrong-type", argument.span, f"`{form.name}` reads the extent of a part, but this is {kind}")
+        if parameter.type == "number" and kind != UNKNOWN and not isinstance(_dimension(kind), Scalar):
+            message = f"`{parameter.name}` of `{form.name}` must be a number, but this is {kind}"
+            ck.error("wrong-type", argument.span, message, hint="as in `wall.at(0.25turn, z = h)`")
+            failed = True
     return UNKNOWN if failed else named(form.gives)
 
 
