@@ -6,6 +6,8 @@ The cache is a convenience: missing, unreadable, corrupt or read-only, it is mad
 from __future__ import annotations
 
 import hashlib
+import io
+import json
 import os
 import pickle
 import sys
@@ -99,7 +101,7 @@ def _built(text: str, path: Path | None, live: dict[str, Any]) -> Lark:
 def _cache_path(grammar: str) -> Path | None:
     """Where the tables of this grammar belong, for this lark and Python; None where no home is known."""
     key = "\0".join((grammar, repr(sorted(OPTIONS.items())), lark.__version__, sys.version))
-    name = f"grammar-{hashlib.sha256(key.encode()).hexdigest()[:20]}.pickle"
+    name = f"grammar-{hashlib.sha256(key.encode()).hexdigest()[:20]}.json"
     chosen = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA")
     try:
         folder = Path(chosen) if chosen else Path.home() / ".cache"
@@ -108,12 +110,28 @@ def _cache_path(grammar: str) -> Path | None:
     return folder / "artipg_dsl" / name
 
 
+def _as_data(tables: Any) -> Any:
+    """The tables, which lark saves as a pickle, as JSON: a file is only data. Keys may be numbers, and tuples stay such."""
+    match tables:
+        case dict():
+            return {"pairs": [[key, _as_data(value)] for key, value in tables.items()]}
+        case tuple():
+            return {"tuple": [_as_data(value) for value in tables]}
+        case list():
+            return [_as_data(value) for value in tables]
+        case _:
+            return tables
+
+
+def _from_data(held: dict[str, Any]) -> Any:
+    return dict(held["pairs"]) if "pairs" in held else tuple(held["tuple"])
+
+
 def _from_cache(path: Path | None, live: dict[str, Any]) -> Lark | None:
     if path is None:
         return None
     try:
-        with path.open("rb") as file:
-            data = pickle.load(file)
+        data = json.loads(path.read_text(encoding="utf-8"), object_hook=_from_data)
         parser = Lark.__new__(Lark)
         return parser._load(data, **live)
     except Exception:  # whatever is wrong with the file, building the tables anew is the answer
@@ -125,9 +143,12 @@ def _store(parser: Lark, path: Path) -> None:
     temporary = None
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
+        tables = io.BytesIO()
+        parser.save(tables, ("postlex", "transformer", "lexer_callbacks"))
+        text = json.dumps(_as_data(pickle.loads(tables.getvalue())), separators=(",", ":"))
         with tempfile.NamedTemporaryFile(dir=path.parent, prefix=path.name, delete=False) as file:
             temporary = file.name
-            parser.save(file, ("postlex", "transformer", "lexer_callbacks"))
+            file.write(text.encode("utf-8"))
         os.replace(temporary, path)
     except OSError:
         if temporary is not None and os.path.exists(temporary):

@@ -90,7 +90,17 @@ def test_cache_is_written_and_read(cache_folder, monkeypatch):
     assert list(cache_folder.iterdir()) == [file]
 
 
-@pytest.mark.parametrize("content", [b"", b"\x80\x05garbage", pickle.dumps({"memo": {}, "data": {}}), pickle.dumps(3)])
+class Runs:
+    """What a pickle can hold: a call, made when it is read."""
+
+    def __reduce__(self):
+        return pytest.fail, ("a file of the cache was run",)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [b"", b"\x80\x05garbage", b"3", b'{"x":1}', b'{"pairs":[["memo",{"pairs":[]}],["data",3]]}', pickle.dumps(Runs())],
+)
 def test_corrupt_cache(cache_folder, content):
     Machine()
     (file,) = cache_folder.iterdir()
