@@ -17,6 +17,7 @@ from .syntax.load import load
 if TYPE_CHECKING:  # start-up: what is kept of a compilation needs neither the parser nor the checker
     from .graph.program import Program
     from .lower.program import Lowering
+    from .runtime.batch import Batch
     from .sampling.sample import Sampler
     from .semantics.check import TypedProgram
     from .semantics.modules import Workspace
@@ -25,8 +26,7 @@ if TYPE_CHECKING:  # start-up: what is kept of a compilation needs neither the p
 
 
 NAMED = 6  # parts that a warning names
-LOOKED_AT = 4  # objects whose pieces are counted
-LOOKED_AT = 8  # objects that `check` draws to see what floats
+LOOKED_AT = 8  # objects that `check` draws, to see what floats and what their check takes
 _DECLARED = re.compile(r"^category\s+(\w+)", re.MULTILINE)
 
 
@@ -198,18 +198,26 @@ class Session:
             facts.flush()
         return self.report
 
-    def _warn_of_cost(self, span: Span) -> None:
-        """Name the parts that the check of an object takes long for."""
-        import numpy as np
+    def _looked_at(self) -> Batch | None:
+        """A few objects to look at; None where none can be drawn, which is reported when objects are asked for."""
+        import numpy as np  # start-up: most commands do without
 
-        from .geometry.errors import PrimitiveError
-        from .quality.cost import costs, heavy
-        from .runtime.kernels import TooMany
-        from .sampling.statistics import Exhausted
+        from .runtime.kernels import TooMany  # start-up
+        from .sampling.statistics import Exhausted  # start-up
 
         try:
-            found = heavy(costs(self.sampler.batch(np.arange(LOOKED_AT), 0)))
-        except (CompileError, Exhausted, TooMany, PrimitiveError):
+            return self.sampler.batch(np.arange(LOOKED_AT), 0)
+        except (CompileError, Exhausted, TooMany):
+            return None
+
+    def _warn_of_cost(self, batch: Batch, span: Span) -> None:
+        """Name the parts that the check of an object takes long for."""
+        from .geometry.errors import PrimitiveError  # start-up
+        from .quality.cost import costs, heavy  # start-up
+
+        try:
+            found = heavy(costs(batch))
+        except PrimitiveError:
             return  # told elsewhere, or when objects are drawn
         for cost in found:
             pairs = f", and {cost.pairs:.0f} pairs of them with pieces on other links" if cost.pairs >= 1 else ""
@@ -260,9 +268,11 @@ class Session:
                 hint=f"place it with `connect {part.name}.bottom on ...` or `align`; if the centre is meant, "
                 f"write `align {part.name}.center = ...`",
             )
-        self._warn_floating(lowering)
+        batch = self._looked_at()
+        if batch is not None:
+            self._warn_floating(batch, lowering)
+            self._warn_of_cost(batch, typed.category.decl.name_span)
         program = lowering.program
-        self._warn_of_cost(typed.category.decl.name_span)
         warn_unlabelled(lowering, typed.category.decl.name_span)
         bare = list(dict.fromkeys(program.parts[site.part].path for site in program.sites if not site.materials))
         if bare:
@@ -276,18 +286,11 @@ class Session:
                 hint="write for example `material oak on body`; the default is 700 kg/m3 and light grey",
             )
 
-    def _warn_floating(self, lowering: Lowering) -> None:
+    def _warn_floating(self, batch: Batch, lowering: Lowering) -> None:
         """Report the parts that float in each of a few objects that has them: none of those is ever valid."""
-        import numpy as np  # start-up: most commands do without
-
-        from .sampling.statistics import Exhausted  # start-up
         from .validity.adrift import adrift  # start-up
 
-        try:
-            found = adrift(self.sampler.batch(np.arange(LOOKED_AT), 0))
-        except (CompileError, Exhausted):
-            return  # reported where objects are asked for
-        floating = [path for path, (wrong, present) in found.items() if wrong == present]
+        floating = [path for path, (wrong, present) in adrift(batch).items() if wrong == present]
         for part in lowering.context.parts:
             own = [path for path in floating if path == part.path or path.startswith(f"{part.path}.")]
             if own and part.span.source is lowering.root.module.source:
