@@ -22,8 +22,8 @@ from .resources import grammar_file
 
 MARK = b"apgc kept 1\n"
 MOST = 256 << 20  # bytes; the entries that were read longest ago go first
-LEFT = 0.75  # of these bytes are left after that
-STALE = 3600.0  # seconds after which an unfinished file is of a process that was killed
+_LEFT = 0.75  # of these bytes are left after that
+_STALE = 3600.0  # seconds after which an unfinished file is of a process that was killed
 SEAL = 32  # bytes of the hash before the data
 
 _pruned = False
@@ -161,7 +161,7 @@ def entries(place: Path) -> list[Entry]:
                 try:
                     seen = item.stat(follow_symlinks=False)
                     if item.name.endswith(".partial"):
-                        if time.time() - seen.st_mtime > STALE:
+                        if time.time() - seen.st_mtime > _STALE:
                             os.unlink(item.path)
                     elif item.is_file(follow_symlinks=False) and "-" in item.name:
                         found.append(Entry(Path(item.path), seen.st_mtime, seen.st_size))
@@ -180,7 +180,7 @@ def prune(place: Path, most: int | None = None) -> None:
     if total <= limit:
         return
     for entry in found:
-        if total <= LEFT * limit:
+        if total <= _LEFT * limit:
             break
         total -= entry.size
         try:

@@ -17,10 +17,10 @@ from .diagnostics.codes import CODES
 from .shapes import Misfit, fit
 from .source import Source, Span
 
-SEVERITIES = ("error", "warning")
+_SEVERITIES = ("error", "warning")
 
 
-def named(kind: str, source: Source, folder: Path) -> str:
+def _named(kind: str, source: Source, folder: Path) -> str:
     """The name of the entry of a kind for a text in a folder."""
     return cache.key(kind, source.name, str(folder.resolve()), source.text)
 
@@ -29,7 +29,7 @@ def recall(kind: str, source: Source, folder: Path) -> tuple[list[Diagnostic], s
     """The findings in a text and what else was kept of it; None where nothing holds any more."""
     if cache.folder() is None:
         return None
-    name = named(kind, source, folder)
+    name = _named(kind, source, folder)
     body = cache.read(name)
     if body is None:
         return None
@@ -40,13 +40,13 @@ def recall(kind: str, source: Source, folder: Path) -> tuple[list[Diagnostic], s
         fit(held["absent"], list[str])
         sources = [source]
         for path, shown, seen in held["read"]:
-            text = reading(Path(path))
+            text = _reading(Path(path))
             if text is None or cache.digest([text]) != seen:
                 return None
             sources.append(Source(shown, text))
         if any(Path(path).is_file() for path in held["absent"]):
             return None
-        return [diagnostic(item, sources) for item in held["findings"]], rest
+        return [_diagnostic(item, sources) for item in held["findings"]], rest
     except (ValueError, KeyError, TypeError, IndexError, Misfit, RecursionError):
         cache.drop(name)
         return None
@@ -71,14 +71,14 @@ def keep(
     if len(sources) != len(read) + 1:
         return  # a text that reads itself, which is refused anyway
     try:
-        findings = [numbered(item, sources) for item in report]
+        findings = [_numbered(item, sources) for item in report]
     except KeyError:  # a place in a text that was not read as a file
         return
     held = {"read": read, "absent": [str(path) for path in absent], "findings": findings}
-    cache.write(named(kind, source, folder), (json.dumps(held) + "\n" + rest).encode("utf-8", "surrogatepass"))
+    cache.write(_named(kind, source, folder), (json.dumps(held) + "\n" + rest).encode("utf-8", "surrogatepass"))
 
 
-def reading(path: Path) -> str | None:
+def _reading(path: Path) -> str | None:
     """The text of a file as the compiler takes it; None where it cannot be read."""
     try:
         return path.read_bytes().decode("utf-8-sig").replace("\r\n", "\n")
@@ -89,7 +89,7 @@ def reading(path: Path) -> str | None:
 # ---------------------------------------------------------------- findings
 
 
-def numbered(found: Diagnostic, sources: Mapping[tuple[str, str], int]) -> list[Any]:
+def _numbered(found: Diagnostic, sources: Mapping[tuple[str, str], int]) -> list[Any]:
     def place(span: Span) -> list[int]:
         return [sources[span.source.name, span.source.text], span.start, span.end]
 
@@ -98,12 +98,12 @@ def numbered(found: Diagnostic, sources: Mapping[tuple[str, str], int]) -> list[
     return [found.code, found.message, span, found.severity, found.hint, notes, trace]
 
 
-def diagnostic(item: Any, sources: list[Source]) -> Diagnostic:
+def _diagnostic(item: Any, sources: list[Source]) -> Diagnostic:
     """Raises where the item is no finding in these sources."""
     fit(item, list)
     code, message, place, severity, hint, notes, trace = item
     fit([code, message, severity, hint or ""], list[str])
-    if code not in CODES or severity not in SEVERITIES:
+    if code not in CODES or severity not in _SEVERITIES:
         raise ValueError(code)
 
     def span(of: Any) -> Span:

@@ -25,8 +25,8 @@ if TYPE_CHECKING:  # start-up: what is kept of a compilation needs neither the p
     from .syntax import ast
 
 
-NAMED = 6  # parts that a warning names
-LOOKED_AT = 8  # objects that `check` draws, to see what floats and what their check takes
+_NAMED = 6  # parts that a warning names
+_LOOKED_AT = 8  # objects that `check` draws, to see what floats and what their check takes
 _DECLARED = re.compile(r"^category\s+(\w+)", re.MULTILINE)
 
 
@@ -40,7 +40,7 @@ def categories() -> dict[str, Path]:
     return found
 
 
-def locate(name: str | Path, report: Report) -> Path | None:
+def _locate(name: str | Path, report: Report) -> Path | None:
     """The file of a category given by name (in any case) or by path."""
     text = str(name)
     path = Path(text)
@@ -72,7 +72,7 @@ class Session:
     def of(cls, name: str | Path) -> Session:
         """A category by name, or a file."""
         report = Report()
-        path = locate(name, report)
+        path = _locate(name, report)
         return cls(None, path, report)
 
     @classmethod
@@ -87,7 +87,7 @@ class Session:
     def workspace(self) -> Workspace:
         from .semantics.modules import Workspace
 
-        return Workspace(self.report, [library_dir()], reader=lambda path, report, _: load(path, report, shown(path)))
+        return Workspace(self.report, [library_dir()], reader=lambda path, report, _: load(path, report, _shown(path)))
 
     @cached_property
     def module(self) -> ModuleScope | None:
@@ -206,7 +206,7 @@ class Session:
         from .sampling.statistics import Exhausted  # start-up
 
         try:
-            return self.sampler.batch(np.arange(LOOKED_AT), 0)
+            return self.sampler.batch(np.arange(_LOOKED_AT), 0)
         except (CompileError, Exhausted, TooMany):
             return None
 
@@ -233,7 +233,7 @@ class Session:
         """The text itself; None where it cannot be read."""
         if self.source is not None or self.path is None:
             return self.source
-        return load(self.path, Report(), shown(self.path))
+        return load(self.path, Report(), _shown(self.path))
 
     @property
     def _folder(self) -> Path:
@@ -276,8 +276,8 @@ class Session:
         warn_unlabelled(lowering, typed.category.decl.name_span)
         bare = list(dict.fromkeys(program.parts[site.part].path for site in program.sites if not site.materials))
         if bare:
-            named = ", ".join(f"`{path}`" for path in bare[:NAMED])
-            more = f" and {len(bare) - NAMED} more" if len(bare) > NAMED else ""
+            named = ", ".join(f"`{path}`" for path in bare[:_NAMED])
+            more = f" and {len(bare) - _NAMED} more" if len(bare) > _NAMED else ""
             what = f"the parts {named}{more} have" if len(bare) > 1 else f"the part {named} has"
             self.report.warning(
                 "missing-material",
@@ -304,7 +304,7 @@ class Session:
                 )
 
 
-def shown(path: Path) -> str:
+def _shown(path: Path) -> str:
     """A path as messages show it: shipped files by their last two parts, others as they were given."""
     for folder in (library_dir(), categories_dir()):
         if path.resolve().is_relative_to(folder.resolve()):
@@ -319,4 +319,4 @@ def check_text(source: Source) -> Report:
     return session.report
 
 
-__all__ = ["Session", "categories", "check_text", "locate"]
+__all__ = ["Session", "categories", "check_text"]

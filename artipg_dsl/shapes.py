@@ -26,7 +26,7 @@ from typing import (
 
 from .diagnostics.suggest import did_you_mean
 
-SHOWN = 40  # characters of a value that messages show
+_SHOWN = 40  # characters of a value that messages show
 
 
 @dataclass(frozen=True, slots=True)
@@ -208,5 +208,5 @@ def shown(value: Any) -> str:
         return "an object"
     if isinstance(value, str | int | float):
         text = ascii(value)
-        return text if len(text) <= SHOWN else text[: SHOWN - 3] + "..."
+        return text if len(text) <= _SHOWN else text[: _SHOWN - 3] + "..."
     return NAMED.get(type(value)) or f"a {type(value).__name__}"

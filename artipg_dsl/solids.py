@@ -22,12 +22,12 @@ from .semantics.check import TypedProgram
 from .semantics.symbols import Symbol
 from .syntax import ast
 
-HINT = "two edges match where both surfaces give the same curve from end to end; compare the signs and the ranges of u and v"
+_HINT = "two edges match where both surfaces give the same curve from end to end; compare the signs and the ranges of u and v"
 
-BROAD = "bend it less, or use a thinner section"
-TRIED = 256  # test values at which a bend is looked at
+_BROAD = "bend it less, or use a thinner section"
+_TRIED = 256  # test values at which a bend is looked at
 LOOSE, ABSENT = 0.05, 0.1  # of its size that a solid reaches beyond its pieces: worth a warning, and an error
-NARROW = "does the path cross or touch itself, or bend more tightly than its section allows? Narrow the ranges in its formula"
+_NARROW = "does the path cross or touch itself, or bend more tightly than its section allows? Narrow the ranges in its formula"
 
 
 def close(solids: Mapping[Any, Lowered], report: Report) -> None:
@@ -38,13 +38,13 @@ def close(solids: Mapping[Any, Lowered], report: Report) -> None:
     for symbol, lowered in solids.items():
         try:
             examine(lowered.primitive)
-            cover(symbol, lowered, report)
+            _cover(symbol, lowered, report)
         except PrimitiveError as error:
             # one that is made of a curve is known by the symbol and the curve
-            tell(symbol[0] if isinstance(symbol, tuple) else symbol, lowered, error, report)
+            _tell(symbol[0] if isinstance(symbol, tuple) else symbol, lowered, error, report)
 
 
-def cover(symbol: Symbol, lowered: Lowered, report: Report) -> None:
+def _cover(symbol: Symbol, lowered: Lowered, report: Report) -> None:
     """Report convex pieces that an author states and that leave out much of the solid: nothing would touch it there."""
     stated = [s for s in getattr(symbol, "body", ()) if isinstance(s, ast.PieceDecl)]
     if not stated or symbol.module.source.name.startswith("library/"):  # those of the library are tested
@@ -90,7 +90,7 @@ def _distance(data: Any) -> tuple[float, str] | None:
     return far, place
 
 
-def tell(symbol: Symbol, lowered: Lowered, error: PrimitiveError, report: Report) -> None:
+def _tell(symbol: Symbol, lowered: Lowered, error: PrimitiveError, report: Report) -> None:
     """The finding at the declaration of the primitive, with a note at the surface at fault; at its author's curve, where it
     is one that gives the primitive its shape.
     """
@@ -98,24 +98,24 @@ def tell(symbol: Symbol, lowered: Lowered, error: PrimitiveError, report: Report
     notes = [(s.span, "this surface") for s in symbol.body if isinstance(s, ast.SurfaceDecl) and s.name == name]
     notes += [(s.span, "this makes it") for s in symbol.body if isinstance(s, ast.SolidDecl)]
     subject = f"the surface `{error.patch}` of the primitive" if error.patch else "the primitive"
-    place, hint = symbol.decl.name_span, HINT if "edge" in error.words else None
+    place, hint = symbol.decl.name_span, _HINT if "edge" in error.words else None
     message = f"{subject} `{symbol.name}` is faulty: {error.words}"
-    tight = too_tight(lowered)
+    tight = _too_tight(lowered)
     if tight is not None:
-        message, hint = f"the path of the primitive `{symbol.name}` {tight}", BROAD
+        message, hint = f"the path of the primitive `{symbol.name}` {tight}", _BROAD
     if lowered.blamed is not None:
         place, begin = lowered.blamed
         for path in lowered.paths:
             message = path.in_words(message)
-        message, hint = (f"{begin}: {message}", NARROW) if tight is None else (f"{begin}: it {tight}", BROAD)
+        message, hint = (f"{begin}: {message}", _NARROW) if tight is None else (f"{begin}: it {tight}", _BROAD)
     report.error("leaky-primitive", place, message, hint=hint, notes=tuple(notes), trace=lowered.trace)
 
 
-def too_tight(lowered: Lowered) -> str | None:
+def _too_tight(lowered: Lowered) -> str | None:
     """That a path bends more tightly than its section allows, at all test values."""
     for condition in lowered.conditions:
         if condition.bend is not None:
-            params = anything(lowered.primitive, TRIED)
+            params = anything(lowered.primitive, _TRIED)
             reach, radius = evaluate_rows(lowered.primitive, condition.bend, params)
             if not evaluate_rows(lowered.primitive, (condition.holds,), params, bool).any():
                 least, most = (plain(float(v), "m") for v in (reach.min(), radius.max()))

@@ -22,7 +22,7 @@ from .states import joint_twist, resting
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
 
-VERSION = 1
+_VERSION = 1
 
 
 def describe(
@@ -62,7 +62,7 @@ def describe(
                 "drawn": {key: plain(drawn[key]) for key in sorted(drawn)},
                 "rejected": int(batch.state.attempt[i]),  # draws before this one that broke a requirement
                 "repairs": repaired[i],
-                "version": VERSION,
+                "version": _VERSION,
             }
         )
     return made
@@ -82,7 +82,7 @@ def line(annotation: dict[str, Any]) -> str:
     return json.dumps(annotation, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
 
 
-def tidy(values: np.ndarray) -> list[Any]:
+def _tidy(values: np.ndarray) -> list[Any]:
     """An array as nested lists, rounded to 1e-9, without negative zeros; nan becomes None in one dimension."""
     rounded = np.round(np.asarray(values, dtype=np.float64), 9) + 0.0
     if rounded.ndim == 1 and np.isnan(rounded).any():
@@ -108,7 +108,7 @@ def plain(value: Any) -> Any:
     return value if value is None else str(value)
 
 
-def grouped(owner: np.ndarray, n_objects: int, columns: dict[str, list[Any]]) -> list[list[dict[str, Any]]]:
+def _grouped(owner: np.ndarray, n_objects: int, columns: dict[str, list[Any]]) -> list[list[dict[str, Any]]]:
     """Rows (sorted by owner) as dictionaries, one list per object."""
     names = list(columns)
     rows = [dict(zip(names, row, strict=True)) for row in zip(*columns.values(), strict=True)]
@@ -118,7 +118,7 @@ def grouped(owner: np.ndarray, n_objects: int, columns: dict[str, list[Any]]) ->
 
 def _links(batch: Batch) -> list[list[dict[str, Any]]]:
     links = batch.links()
-    return grouped(links.owner, len(batch), {"name": list(links.name), "number": np.asarray(links.number).tolist()})
+    return _grouped(links.owner, len(batch), {"name": list(links.name), "number": np.asarray(links.number).tolist()})
 
 
 def _names(table: Any, n_objects: int, owner: np.ndarray, number: np.ndarray) -> list[str | None]:
@@ -132,10 +132,10 @@ def _joints(batch: Batch) -> list[list[dict[str, Any]]]:
     joints, links, n = batch.joints(), batch.links(), len(batch)
     parent = _names(links, n, joints.owner, joints.parent)
     child = _names(links, n, joints.owner, joints.child)
-    low, high = tidy(joints.low), tidy(joints.high)
+    low, high = _tidy(joints.low), _tidy(joints.high)
     limits = [None if a is None or b is None else [a, b] for a, b in zip(low, high, strict=True)]
     leader = _names(joints, n, joints.owner, joints.mimic)
-    follow = zip(leader, tidy(joints.multiplier), tidy(joints.offset), strict=True)
+    follow = zip(leader, _tidy(joints.multiplier), _tidy(joints.offset), strict=True)
     columns: dict[str, list[Any]] = {
         "name": list(joints.name),
         "type": list(joints.kind),
@@ -143,10 +143,10 @@ def _joints(batch: Batch) -> list[list[dict[str, Any]]]:
         "child": child,
         **_axes(batch, None),
         "range": limits,
-        "rest": tidy(joints.rest),
+        "rest": _tidy(joints.rest),
         "mimic": [None if a is None else {"joint": a, "multiplier": m, "offset": o} for a, m, o in follow],
     }
-    return grouped(joints.owner, n, columns)
+    return _grouped(joints.owner, n, columns)
 
 
 def _axes(batch: Batch, states: np.ndarray | None) -> dict[str, list[Any]]:
@@ -155,7 +155,7 @@ def _axes(batch: Batch, states: np.ndarray | None) -> dict[str, list[Any]]:
     turn, shift = batch.pose(states)
     holder = np.searchsorted(links.owner, joints.owner) + joints.parent
     origin = rotate(turn[holder], joints.origin) + shift[holder]
-    return {"origin": tidy(origin), "axis": tidy(rotate(turn[holder], joints.axis))}
+    return {"origin": _tidy(origin), "axis": _tidy(rotate(turn[holder], joints.axis))}
 
 
 def _reachable(
@@ -195,15 +195,15 @@ def _states(
     for values, reachable in zip(states, reached[1:], strict=True):
         poses = part_poses(batch, values)
         rows = {
-            "joints": grouped(batch.joints().owner, n, {"value": tidy(values), **_axes(batch, values)}),
-            "parts": grouped(
-                batch.parts().owner, n, {"center": tidy(poses.center), "quaternion": tidy(poses.quaternion)}
+            "joints": _grouped(batch.joints().owner, n, {"value": _tidy(values), **_axes(batch, values)}),
+            "parts": _grouped(
+                batch.parts().owner, n, {"center": _tidy(poses.center), "quaternion": _tidy(poses.quaternion)}
             ),
-            "grasps": grouped(
+            "grasps": _grouped(
                 grasps.owner, n, _grasp_frames(batch, grasps, values) | {"reachable": reachable.tolist()}
             ),
-            "keypoints": grouped(keypoints.owner, n, _places(batch, keypoints, values)),
-            "interactions": grouped(acting.owner, n, _acts(batch, acting, values)),
+            "keypoints": _grouped(keypoints.owner, n, _places(batch, keypoints, values)),
+            "interactions": _grouped(acting.owner, n, _acts(batch, acting, values)),
         }
         for i in range(n):
             made[i].append({name: column[i] for name, column in rows.items()})
@@ -226,13 +226,13 @@ def _parts(batch: Batch) -> list[list[dict[str, Any]]]:
         "of": [None if p < 0 else p for p in of.tolist()],
         "lineage": lineages(parts, of, words, batch.program.name),
         "link": _names(batch.links(), n, parts.owner, parts.link),
-        "center": tidy(poses.center),
-        "quaternion": tidy(poses.quaternion),
-        "size": tidy(poses.size),
-        "scale": tidy(poses.scale),
+        "center": _tidy(poses.center),
+        "quaternion": _tidy(poses.quaternion),
+        "size": _tidy(poses.size),
+        "scale": _tidy(poses.scale),
         "symmetry": symmetry_words(parts.symmetry),
     }
-    return grouped(parts.owner, n, columns)
+    return _grouped(parts.owner, n, columns)
 
 
 def _grasps(batch: Batch, grasps: GraspTable, reached: np.ndarray) -> list[list[dict[str, Any]]]:
@@ -240,14 +240,14 @@ def _grasps(batch: Batch, grasps: GraspTable, reached: np.ndarray) -> list[list[
     columns: dict[str, list[Any]] = {
         "name": list(grasps.name),
         "link": _names(links, n, grasps.owner, grasps.link),
-        "t": tidy(grasps.t),
+        "t": _tidy(grasps.t),
         **_grasp_frames(batch, grasps, None),
-        "opening": tidy(grasps.opening),
-        "quality": tidy(grasps.quality),
-        "gripper": [_stated(row) for row in tidy(grasps.hand)],
+        "opening": _tidy(grasps.opening),
+        "quality": _tidy(grasps.quality),
+        "gripper": [_stated(row) for row in _tidy(grasps.hand)],
         "reachable": reached[0].tolist(),
     }
-    return grouped(grasps.owner, n, columns)
+    return _grouped(grasps.owner, n, columns)
 
 
 def _stated(hand: list[float]) -> dict[str, float] | None:
@@ -258,13 +258,13 @@ def _stated(hand: list[float]) -> dict[str, float] | None:
 def _grasp_frames(batch: Batch, grasps: GraspTable, states: np.ndarray | None) -> dict[str, list[Any]]:
     starts = np.searchsorted(batch.links().owner, np.arange(len(batch)))
     point, _, turned = grasps.moved(starts, *batch.pose(states))
-    return {"point": tidy(point), "quaternion": tidy(turned)}
+    return {"point": _tidy(point), "quaternion": _tidy(turned)}
 
 
 def _places(batch: Batch, keypoints: KeypointTable, states: np.ndarray | None) -> dict[str, list[Any]]:
     turn, shift = batch.pose(states)
     link = np.searchsorted(batch.links().owner, np.arange(len(batch)))[keypoints.owner] + keypoints.link
-    return {"point": tidy(rotate(turn[link], keypoints.point) + shift[link])}
+    return {"point": _tidy(rotate(turn[link], keypoints.point) + shift[link])}
 
 
 def _keypoints(batch: Batch) -> list[list[dict[str, Any]]]:
@@ -274,7 +274,7 @@ def _keypoints(batch: Batch) -> list[list[dict[str, Any]]]:
         "link": _names(links, n, keypoints.owner, keypoints.link),
         **_places(batch, keypoints, None),
     }
-    return grouped(keypoints.owner, n, columns)
+    return _grouped(keypoints.owner, n, columns)
 
 
 def _interactions(batch: Batch, acting: Interactions, states: np.ndarray | None) -> list[list[dict[str, Any]]]:
@@ -285,7 +285,7 @@ def _interactions(batch: Batch, acting: Interactions, states: np.ndarray | None)
         "joint": [joints.name[k] for k in acting.joint],
         **_acts(batch, acting, states),
     }
-    return grouped(acting.owner, len(batch), columns)
+    return _grouped(acting.owner, len(batch), columns)
 
 
 def _acts(batch: Batch, acting: Interactions, states: np.ndarray | None) -> dict[str, list[Any]]:
@@ -297,8 +297,8 @@ def _acts(batch: Batch, acting: Interactions, states: np.ndarray | None) -> dict
     direction, speed = directions(joint_twist(batch, states), acting.joint, point)
     left = np.stack([joints.low - values, joints.high - values], axis=-1)[acting.joint]
     return {
-        "point": tidy(point),
-        "direction": [None if row[0] != row[0] else row for row in tidy(direction)],
-        "speed": tidy(speed),
-        "travel": [None if low != low or high != high else [low, high] for low, high in tidy(left)],
+        "point": _tidy(point),
+        "direction": [None if row[0] != row[0] else row for row in _tidy(direction)],
+        "speed": _tidy(speed),
+        "travel": [None if low != low or high != high else [low, high] for low, high in _tidy(left)],
     }

@@ -14,16 +14,16 @@ from ..errors import UsageError, UserError
 from .cameras import Cameras
 
 MOST_VIEWS, MOST_PIXELS, MOST_POINTS = 1000, 8192, 1_000_000
-EXAMPLE = '{"views": 8, "width": 640, "height": 480, "fov": 35}'
-POSE = '{"eye": [2, 0.5, 0.8]}'
+_EXAMPLE = '{"views": 8, "width": 640, "height": 480, "fov": 35}'
+_POSE = '{"eye": [2, 0.5, 0.8]}'
 
 
 def read_cameras(text: str) -> Cameras:
     """A number of views, or the path of a camera file. Raises UsageError, UserError."""
     if text.strip().lstrip("+-").isdigit():
-        return checked(Cameras(count=int(text)))
+        return _checked(Cameras(count=int(text)))
     path = Path(text)
-    hint = f"give a number of views, or a JSON file such as {EXAMPLE}"
+    hint = f"give a number of views, or a JSON file such as {_EXAMPLE}"
     try:
         described = json.loads(path.read_text("utf-8"))
     except FileNotFoundError:
@@ -55,7 +55,7 @@ def cameras_of(views: int | str | Path | Mapping[str, Any], **more: Any) -> Came
 def from_description(described: Any, name: str = "the cameras") -> Cameras:
     """Cameras from what a camera file holds. Raises UserError."""
     if not isinstance(described, dict):
-        raise UserError(f"{name}: an object is needed, {{ ... }}", f"for example {EXAMPLE}")
+        raise UserError(f"{name}: an object is needed, {{ ... }}", f"for example {_EXAMPLE}")
     known = ("views", "width", "height", "fov", "azimuth", "elevation", "distance", "points", "poses")
     made: dict[str, Any] = {}
     for key, value in described.items():
@@ -78,7 +78,7 @@ def from_description(described: Any, name: str = "the cameras") -> Cameras:
                 shown = "views" if key == "count" else key
                 raise UserError(f"{name}: `{shown}` beside `poses`", "leave one of them out")
         made["count"] = len(made["poses"])
-    return checked(replace(Cameras(), **made), name)
+    return _checked(replace(Cameras(), **made), name)
 
 
 def _numbers(value: Any, count: int, what: str, wanted: str) -> tuple[float, ...]:
@@ -91,12 +91,12 @@ def _numbers(value: Any, count: int, what: str, wanted: str) -> tuple[float, ...
 
 def _poses(value: Any, name: str) -> tuple[Any, ...]:
     if not isinstance(value, list) or not value:
-        raise UserError(f"{name}: `poses` is a list of at least one pose", f"for example [{POSE}]")
+        raise UserError(f"{name}: `poses` is a list of at least one pose", f"for example [{_POSE}]")
     made = []
     for i, pose in enumerate(value):
         what = f"{name}: pose {i}"
         if not isinstance(pose, dict) or "eye" not in pose or set(pose) - {"eye", "target", "up"}:
-            raise UserError(f"{what}: `eye` is needed, `target` and `up` may follow", f"for example {POSE}")
+            raise UserError(f"{what}: `eye` is needed, `target` and `up` may follow", f"for example {_POSE}")
         eye, target, up = (
             _numbers(pose[k], 3, f"{what}: `{k}`", "three numbers (metres)") if k in pose else None
             for k in ("eye", "target", "up")
@@ -109,7 +109,7 @@ def _poses(value: Any, name: str) -> tuple[Any, ...]:
     return tuple(made)
 
 
-def checked(cameras: Cameras, name: str | None = None) -> Cameras:
+def _checked(cameras: Cameras, name: str | None = None) -> Cameras:
     """The cameras, if their numbers make sense. Raises UsageError, or UserError about the file ``name``."""
 
     def refuse(what: str, hint: str) -> None:

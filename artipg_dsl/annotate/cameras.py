@@ -66,7 +66,7 @@ class Cameras:
             eye = np.broadcast_to(np.array([pose[0] for pose in self.poses]), shape)
             given = np.array([pose[1] or (np.nan,) * 3 for pose in self.poses])
             target = np.where(np.isnan(given), middle, given)
-            return looking(eye, target, np.broadcast_to(np.array([pose[2] for pose in self.poses]), shape)), eye
+            return _looking(eye, target, np.broadcast_to(np.array([pose[2] for pose in self.poses]), shape)), eye
         view, where = np.arange(self.count), address[:, None]
         shares = [random.uniform(key, where, lane, view) for lane in range(3)]
         spans = (self.azimuth, self.elevation, self.distance)
@@ -79,10 +79,10 @@ class Cameras:
         back = np.stack([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)], axis=-1)
         eye = centre[:, None] + back * away[..., None]
         target = np.broadcast_to(centre[:, None], eye.shape)
-        return looking(eye, target, np.broadcast_to([0.0, 0.0, 1.0], eye.shape)), eye
+        return _looking(eye, target, np.broadcast_to([0.0, 0.0, 1.0], eye.shape)), eye
 
 
-def looking(eye: np.ndarray, target: np.ndarray, up: np.ndarray) -> np.ndarray:
+def _looking(eye: np.ndarray, target: np.ndarray, up: np.ndarray) -> np.ndarray:
     """Turns (..., 3, 3) into cameras at ``eye`` that look at ``target``: rows x right, y down, z forward."""
     forward = unit(target - eye)
     straight = length(np.cross(forward, unit(up))) < 1e-6  # looking along `up`: what lies in front is up instead

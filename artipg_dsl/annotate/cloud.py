@@ -110,7 +110,7 @@ def complete(batch: Batch, made: PointSet, owner: np.ndarray, states: np.ndarray
             "`rest`, `opened`, `states` and `joint_values` of the same objects give such values",
         )
     every = np.asarray(states) if several else [states]
-    shown = [move_points(batch, made, own, one, motion) for one in every]
+    shown = [_move_points(batch, made, own, one, motion) for one in every]
     drivers = jacobian(batch, every[0]).driver[own] if motion else None
     position, normal, velocity, velocities = (
         None if arrays[0] is None else np.stack(arrays, axis=1) if several else arrays[0]
@@ -137,7 +137,7 @@ def _starts(batch: Batch) -> np.ndarray:
     return starts
 
 
-def move_points(
+def _move_points(
     batch: Batch, made: PointSet, link: np.ndarray, states: np.ndarray | None, motion: bool
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray | None, np.ndarray | None]:
     """Position and normal (B, n, 3) of points on the link rows ``link`` (B, n); if asked for, their velocity by their own

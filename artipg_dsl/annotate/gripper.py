@@ -25,10 +25,10 @@ if TYPE_CHECKING:
 
 REASONS = ("reachable", "wide", "blocked", "empty")
 """What can become of a grasp, by number: made; opened wider than the stroke; fingers or palm hit something; nothing held."""
-UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
-PAIRS = 2_000_000  # of a hand and a piece, at a time
-ROOM = 1e-3  # about the palm: pieces of what is bent lie within its surface by as much
-CORNERS = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+_UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
+_PAIRS = 2_000_000  # of a hand and a piece, at a time
+_ROOM = 1e-3  # about the palm: pieces of what is bent lie within its surface by as much
+_CORNERS = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,15 +64,15 @@ class Gripper:
         """Low and high corners (G, 4, 3) of left and right finger, palm, and the space between the pads of grippers of
         the ``measures`` (G, 8)."""
         _, length, width, thickness, tip, palm, flat, depth = measures.T
-        half, wide, palm, flat = opening / 2, width / 2, palm / 2 + ROOM, flat / 2 + ROOM
+        half, wide, palm, flat = opening / 2, width / 2, palm / 2 + _ROOM, flat / 2 + _ROOM
         back = tip - length
         low = [
             [-wide, half, back],
             [-wide, -half - thickness, back],
-            [-flat, -palm, back - depth - ROOM],
+            [-flat, -palm, back - depth - _ROOM],
             [-wide, -half, -tip],
         ]
-        high = [[wide, half + thickness, tip], [wide, -half, tip], [flat, palm, back + ROOM], [wide, half, tip]]
+        high = [[wide, half + thickness, tip], [wide, -half, tip], [flat, palm, back + _ROOM], [wide, half, tip]]
         made = (np.stack([np.stack(row, axis=-1) for row in rows], axis=1) for rows in (low, high))
         least, most = made
         return least + DEPTH / 2, most - DEPTH / 2  # what touches does not hit
@@ -103,7 +103,7 @@ def read_gripper(text: str | Gripper) -> Gripper | None:
         if match is None or match[1] not in names:
             hint = f"write `standard`, `any`, or lengths such as stroke=8cm,width=2cm; there are {', '.join(names)}"
             raise UsageError(f"`{piece}` is not a measure of a gripper", hint)
-        found[match[1]] = float(match[2]) * UNITS[match[3]]
+        found[match[1]] = float(match[2]) * _UNITS[match[3]]
     return Gripper(**found)
 
 
@@ -132,7 +132,7 @@ def _meets(
 ) -> np.ndarray:
     """Which boxes (G, S) in the frames of grasps overlap a piece of their object."""
     ends = np.stack([low, high], axis=2)  # (G, S, 2, 3)
-    local = np.stack([ends[:, :, CORNERS[:, axis], axis] for axis in range(3)], axis=-1)
+    local = np.stack([ends[:, :, _CORNERS[:, axis], axis] for axis in range(3)], axis=-1)
     corners = rotate(rotation[:, None, None], local) + point[:, None, None]  # (G, S, 8, 3)
     shapes = corners.shape[1]
     least, most = corners.min(axis=2), corners.max(axis=2)
@@ -141,7 +141,7 @@ def _meets(
     start = np.searchsorted(body.owner, owner)
     count = np.searchsorted(body.owner, owner, side="right") - start
     found = np.zeros(len(corners), dtype=bool)
-    block = np.cumsum(count) // PAIRS
+    block = np.cumsum(count) // _PAIRS
     for number in range(int(block[-1]) + 1):
         rows = np.flatnonzero(block == number)
         grasp, piece = spread(start[rows], count[rows])

@@ -21,16 +21,16 @@ def semantic_parents(parts: PartTable) -> np.ndarray:
     around = np.append(np.where(parts.parent >= 0, first + parts.parent, count), count)
     carrier = np.append(np.where(parts.holder >= 0, first + parts.holder, around[:count]), count)
     own = np.append(np.where(parts.semantic > 0, np.arange(count), -1), count)
-    inside = climb(around, own)  # the innermost at or around each part, `count` where there is none
+    inside = _climb(around, own)  # the innermost at or around each part, `count` where there is none
     within = inside[around[:count]]
     settled = np.where(inside < count, inside, -1)
     settled[count] = count
-    carried = climb(carrier, settled)[carrier[:count]]
+    carried = _climb(carrier, settled)[carrier[:count]]
     found = np.where(within < count, within, carried)
     return np.where(found < count, np.append(parts.number, -1)[found], -1)
 
 
-def climb(up: np.ndarray, known: np.ndarray) -> np.ndarray:
+def _climb(up: np.ndarray, known: np.ndarray) -> np.ndarray:
     """The first known value on the way up from each row; -1 is unknown, the last row is the top and known."""
     at = np.arange(len(up))
     for _ in range(len(up)):

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from ..graph.program import Label, Target
     from ..runtime.batch import Batch
 
-KINDS = {"along": ("prismatic", "screw"), "about": ("revolute", "continuous", "screw", "ball")}
-LOOKS = (64, 512)  # points on each primitive that an affordance may lie on
+_KINDS = {"along": ("prismatic", "screw"), "about": ("revolute", "continuous", "screw", "ball")}
+_LOOKS = (64, 512)  # points on each primitive that an affordance may lie on
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +47,7 @@ def interactions(batch: Batch) -> Interactions:
     acting = [label for label in batch.program.labels if label.vocabulary not in ("semantic", "field")]
     names = list(dict.fromkeys(field_name(label) for label in acting))
     rows: list[np.ndarray] = [np.zeros((0, 7))]
-    for label, target, row in found_on(batch, acting, moving):
+    for label, target, row in _found_on(batch, acting, moving):
         table = batch.sites()[target.site]
         scope = batch.program.sites[target.site].scope
         rotation, translation, mirror = read_pose(batch, target.frame, scope)
@@ -55,7 +55,7 @@ def interactions(batch: Batch) -> Interactions:
         point = (rotate(rotation, reflect(center, mirror)) + translation)[row]
         link = (first[table.owner] + table.link)[row]
         word = np.full(len(link), names.index(field_name(label)))
-        joint = moved_by(batch, label, link)
+        joint = _moved_by(batch, label, link)
         rows.append(np.column_stack([table.owner[row], word, link, joint, np.round(point, 9) + 0.0]))
     # the primitives of one target share its middle: one row for all of them
     unique = np.unique(np.concatenate(rows), axis=0)
@@ -63,7 +63,7 @@ def interactions(batch: Batch) -> Interactions:
     return Interactions(owner, [names[k] for k in word], link, joint, unique[:, 4:])
 
 
-def moved_by(batch: Batch, label: Label, link: np.ndarray) -> np.ndarray:
+def _moved_by(batch: Batch, label: Label, link: np.ndarray) -> np.ndarray:
     """The joint (a row of the table) that a label on the link rows ``link`` (k,) is for, -1 where nothing moves.
 
     Of the joints above the link the nearest that the label names; else the nearest of the kind that its word moves by;
@@ -76,7 +76,7 @@ def moved_by(batch: Batch, label: Label, link: np.ndarray) -> np.ndarray:
     parent = np.append(first + joints.parent, len(links.owner))
     moves = np.append([kind != "fixed" for kind in joints.kind], False)
     named = np.append(np.isin(joints.definition, label.joints), False)
-    kind = np.append([kind in KINDS.get(label.motion, ()) for kind in joints.kind], False)
+    kind = np.append([kind in _KINDS.get(label.motion, ()) for kind in joints.kind], False)
     rank, found, at = np.zeros(len(link), dtype=np.int64), np.full(len(link), -1), link
     for _ in range(len(batch.program.joints)):
         joint = above[at]
@@ -100,11 +100,11 @@ def acting_joints(batch: Batch, points: PointSet) -> dict[str, np.ndarray]:
     found = {field_name(label): np.full(points.site.size, -1, dtype=np.int64) for label in acting}
     for label, target, at in holding(batch, tables, points, acting):
         table, row = tables[target.site], rows[at]
-        found[field_name(label)][at] = number[moved_by(batch, label, first[table.owner[row]] + table.link[row])]
+        found[field_name(label)][at] = number[_moved_by(batch, label, first[table.owner[row]] + table.link[row])]
     return {name: values.reshape(points.site.shape) for name, values in sorted(found.items())}
 
 
-def found_on(batch: Batch, labels: Sequence[Label], moving: np.ndarray) -> Iterator[tuple[Label, Target, np.ndarray]]:
+def _found_on(batch: Batch, labels: Sequence[Label], moving: np.ndarray) -> Iterator[tuple[Label, Target, np.ndarray]]:
     """For each label and target the rows of the target's site on whose visible surface the label holds.
 
     Only on links that are ``moving`` (L,), which says so by numbers from 0 on. Labels run from outer to inner ones.
@@ -118,8 +118,8 @@ def found_on(batch: Batch, labels: Sequence[Label], moving: np.ndarray) -> Itera
     ]
     pairs = [(label, target) for label in labels for target in label.targets]
     held = {pair: np.zeros(len(tables[pair[1].site]), dtype=bool) for pair in pairs}
-    for count in LOOKS:
-        points = looks(batch, wanted, count)
+    for count in _LOOKS:
+        points = _looks(batch, wanted, count)
         for label, target, at in holding(batch, tables, points, labels):
             held[label, target][points.row.ravel()[at]] = True
         missed = [np.zeros(len(table), dtype=bool) for table in tables]
@@ -134,7 +134,7 @@ def found_on(batch: Batch, labels: Sequence[Label], moving: np.ndarray) -> Itera
             yield label, target, np.flatnonzero(found)
 
 
-def looks(batch: Batch, wanted: Sequence[np.ndarray], count: int) -> PointSet:
+def _looks(batch: Batch, wanted: Sequence[np.ndarray], count: int) -> PointSet:
     """``count`` points on each ``wanted`` row of the sites that shows any surface: (P, count), a primitive each."""
     tables = batch.sites()
     pools = [

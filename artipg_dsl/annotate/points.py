@@ -42,13 +42,13 @@ def label_points(
     labels = reader.program.labels if labels is None else labels
     tables = {table.number: table for table in sites}
     rows, flat_site = np.asarray(points.row).ravel(), np.asarray(points.site).ravel()
-    chosen = by_site(reader, tables, points)
+    chosen = _by_site(reader, tables, points)
 
     semantic = np.zeros(flat_site.shape, dtype=np.int64)
     for number, table in tables.items():
         semantic[chosen[number]] = table.semantic[rows[chosen[number]]]
 
-    fields = empty_fields(labels, flat_site.shape)
+    fields = _empty_fields(labels, flat_site.shape)
     levels = {label.vocabulary: np.full(flat_site.shape, -1, dtype=np.int16) for label in labels}
     classes = {name: i for i, name in enumerate(reader.program.vocabularies.get("semantic", ()))}
     for label in labels:
@@ -58,7 +58,7 @@ def label_points(
             at = on_surfaces(chosen[target.site], tables[target.site], target, points)
             if not len(at):
                 continue
-            at, value = evaluate(reader, label, target, at, points)
+            at, value = _evaluate(reader, label, target, at, points)
             if label.vocabulary == "semantic":
                 semantic[at[value > 0]] = classes[label.name]
                 continue
@@ -66,14 +66,14 @@ def label_points(
             if label.vocabulary == "field":  # the innermost one says what it is
                 into[at] = value
                 continue
-            outdo(label, at[value > 0], levels[label.vocabulary], fields)
-            into[at] = merge(into[at], value)
+            _outdo(label, at[value > 0], levels[label.vocabulary], fields)
+            into[at] = _merge(into[at], value)
     shape = np.asarray(points.site).shape
-    made = {name: finish(field).reshape(shape + field.shape[1:]) for name, field in fields.items()}
+    made = {name: _finish(field).reshape(shape + field.shape[1:]) for name, field in fields.items()}
     return Labels(semantic.reshape(shape), made)
 
 
-def by_site(reader: Reader, tables: Mapping[int, SiteTable], points: Points) -> dict[int, np.ndarray]:
+def _by_site(reader: Reader, tables: Mapping[int, SiteTable], points: Points) -> dict[int, np.ndarray]:
     """The flat numbers of the points of each site, ascending."""
     flat_site = np.asarray(points.site).ravel()
     narrow = flat_site.astype(np.int16) if len(reader.program.sites) < 2**15 else flat_site  # sorted by its digits
@@ -88,7 +88,7 @@ def holding(
     """For each label (whole vocabularies, outer ones first) and target the flat numbers of the points at which it holds
     and no deeper one does; what holds nowhere is left out."""
     tables = {table.number: table for table in sites}
-    chosen = by_site(reader, tables, points)
+    chosen = _by_site(reader, tables, points)
     levels = {label.vocabulary: np.full(points.site.size, -1, dtype=np.int16) for label in labels}
     found = []
     for label in labels:
@@ -97,7 +97,7 @@ def holding(
                 continue
             at = on_surfaces(chosen[target.site], tables[target.site], target, points)
             if len(at):
-                at, value = evaluate(reader, label, target, at, points)
+                at, value = _evaluate(reader, label, target, at, points)
                 at, level = at[value > 0], levels[label.vocabulary]
                 level[at] = np.maximum(level[at], label.depth)
                 found.append((label, target, at))
@@ -107,7 +107,7 @@ def holding(
             yield label, target, own
 
 
-def outdo(label: Label, at: np.ndarray, level: np.ndarray, fields: dict[str, np.ndarray]) -> None:
+def _outdo(label: Label, at: np.ndarray, level: np.ndarray, fields: dict[str, np.ndarray]) -> None:
     """Where ``label`` holds (flat point numbers ``at``), take back what less deep ones of its vocabulary have said."""
     over = at[level[at] < label.depth]
     level[over] = label.depth
@@ -135,22 +135,22 @@ def field_kinds(labels: Sequence[Label]) -> dict[str, str]:
     return dict(sorted(kinds.items()))
 
 
-def empty_fields(labels: Sequence[Label], shape: tuple[int, ...]) -> dict[str, np.ndarray]:
+def _empty_fields(labels: Sequence[Label], shape: tuple[int, ...]) -> dict[str, np.ndarray]:
     empty = {"mask": False, "grade": 0.0, "field": np.nan, "vectors": np.nan}
     kinds = field_kinds(labels).items()
     return {name: np.full((*shape, 3) if kind == "vectors" else shape, empty[kind]) for name, kind in kinds}
 
 
-def merge(old: np.ndarray, new: np.ndarray) -> np.ndarray:
+def _merge(old: np.ndarray, new: np.ndarray) -> np.ndarray:
     """Where several labels of one name cover a point: or, or the larger number."""
     return old | new if old.dtype == bool else np.fmax(old, new)
 
 
-def finish(field: np.ndarray) -> np.ndarray:
+def _finish(field: np.ndarray) -> np.ndarray:
     return field if field.dtype == bool else field.astype(np.float32)
 
 
-def evaluate(
+def _evaluate(
     reader: Reader, label: Label, target: Target, at: np.ndarray, points: Points
 ) -> tuple[np.ndarray, np.ndarray]:
     """Those of the flat point numbers ``at``, all of one site, at which a label says something, and what: (k,) or (k, 3).

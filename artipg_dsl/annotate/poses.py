@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ..runtime.batch import Batch
     from ..runtime.tables import PartTable
 
-AXES = "xyz"
+_AXES = "xyz"
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +61,6 @@ def normalised(poses: PartPoses, part: np.ndarray, points: np.ndarray) -> np.nda
 def symmetry_words(symmetry: np.ndarray) -> list[str | None]:
     """``(turns, axis)`` (P, 2) as words such as "2 about z"; "any about z" for a body of revolution, None for none."""
     return [
-        None if turns == 1 else f"{'any' if turns == 0 else turns} about {AXES[axis]}"
+        None if turns == 1 else f"{'any' if turns == 0 else turns} about {_AXES[axis]}"
         for turns, axis in np.asarray(symmetry, dtype=np.int64).tolist()
     ]

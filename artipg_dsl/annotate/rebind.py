@@ -17,8 +17,8 @@ from .cloud import Points, complete
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
 
-BINDING = ("primitive", "element", "patch", "u", "v")
-HINT = "bind points of the same program, as `points` gives them or a points shard holds them"
+_BINDING = ("primitive", "element", "patch", "u", "v")
+_HINT = "bind points of the same program, as `points` gives them or a points shard holds them"
 
 
 def rebind(
@@ -35,11 +35,11 @@ def rebind(
     tables = batch.sites()
     patches = np.array([len(surfaces(table.primitive)) for table in tables], dtype=np.int64)
     if site.size and (min(x.min() for x in (site, element, patch)) < 0 or site.max() >= len(tables)):
-        raise UsageError(f"{batch.program.name} has no primitive {site.max()}", HINT)
+        raise UsageError(f"{batch.program.name} has no primitive {site.max()}", _HINT)
     if (patch >= patches[site]).any():
-        raise UsageError("points are bound to patches that their primitives do not have", HINT)
+        raise UsageError("points are bound to patches that their primitives do not have", _HINT)
     if not ((u >= 0) & (u <= 1) & (v >= 0) & (v <= 1)).all():
-        raise UsageError("points are bound to places beyond 0 .. 1 on their patches", HINT)
+        raise UsageError("points are bound to places beyond 0 .. 1 on their patches", _HINT)
     every = np.arange(len(batch))
     first = np.array([np.searchsorted(table.owner, every) for table in tables])
     count = np.array([np.searchsorted(table.owner, every, side="right") for table in tables]) - first
@@ -90,22 +90,22 @@ def rebind(
 
 
 def _binding(batch: Batch, points: Points | Mapping[str, np.ndarray]) -> tuple[np.ndarray, list[np.ndarray]]:
-    """The objects (P,) as indices in the batch, and the arrays (P, n) of ``BINDING``."""
+    """The objects (P,) as indices in the batch, and the arrays (P, n) of ``_BINDING``."""
     if isinstance(points, Points):
-        owner, found = points.object, [getattr(points, name) for name in BINDING]
+        owner, found = points.object, [getattr(points, name) for name in _BINDING]
         if len(owner) and owner.max() >= len(batch):
-            raise UsageError(f"points of {owner.max() + 1} objects on a batch of {len(batch)}", HINT)
+            raise UsageError(f"points of {owner.max() + 1} objects on a batch of {len(batch)}", _HINT)
     else:
-        missing = [name for name in ("object", *BINDING) if name not in points]
+        missing = [name for name in ("object", *_BINDING) if name not in points]
         if missing:
-            raise UsageError(f"the points have no array `{missing[0]}`", HINT)
-        numbers, found = np.asarray(points["object"]), [np.asarray(points[name]) for name in BINDING]
+            raise UsageError(f"the points have no array `{missing[0]}`", _HINT)
+        numbers, found = np.asarray(points["object"]), [np.asarray(points[name]) for name in _BINDING]
         owner = np.minimum(np.searchsorted(batch.numbers, numbers), max(len(batch) - 1, 0))
         unknown = np.flatnonzero(batch.numbers[owner] != numbers)
         if len(unknown):
             raise UsageError(f"object {numbers[unknown[0]]} is not in the batch", "make a batch of the points' objects")
     shapes = {array.shape for array in found}
     if len(shapes) != 1 or len(shape := next(iter(shapes))) != 2 or shape[0] != len(owner):
-        raise UsageError("the arrays of the points are not of one shape, (objects, points)", HINT)
+        raise UsageError("the arrays of the points are not of one shape, (objects, points)", _HINT)
     kinds = (np.int64, np.int64, np.int64, np.float64, np.float64)
     return owner, [array.astype(kind) for array, kind in zip(found, kinds, strict=True)]

@@ -43,17 +43,17 @@ def draw(
     times = blue.TIMES if how.spread == "blue" else 1
     labels = [_labels(table, how.balance or how.per) for table in sites]
     if how.balance:
-        return balanced(sites, labels, n_objects, how, key, address, weigh)
+        return _balanced(sites, labels, n_objects, how, key, address, weigh)
     found, pools, area = geometry.sample_pools(sites, labels, n_objects, n * times, key, address, outside=outside)
     bare = np.setdiff1d(np.arange(n_objects), pools.owner)
     if len(bare):
         raise geometry.PointsError(bare.tolist())
-    made = found if times == 1 else found.take(places(blue.thin(found.position, found.normal, area, n)))
-    order = places(shuffle(key, random.mix(address[pools.owner], pools.label), n))
+    made = found if times == 1 else found.take(_places(blue.thin(found.position, found.normal, area, n)))
+    order = _places(_shuffle(key, random.mix(address[pools.owner], pools.label), n))
     return Drawn(made.take(order), pools.owner, np.repeat(area[:, None] / n, n, axis=1))
 
 
-def balanced(
+def _balanced(
     sites: list[SiteTable],
     labels: list[np.ndarray],
     n_objects: int,
@@ -83,12 +83,12 @@ def balanced(
     if len(bare):
         raise geometry.PointsError(bare.tolist())
     row = np.concatenate([np.repeat(rows, counts[rows]) for rows, _ in parts])
-    made = [first_of(found, counts[rows], area[rows], times) for rows, found in parts]
+    made = [_first_of(found, counts[rows], area[rows], times) for rows, found in parts]
     order = np.argsort(pools.owner[row], kind="stable")
     flat = PointSet(*(np.concatenate([getattr(one, name) for one in made])[order] for name in PointSet.__slots__))
     whole = flat.shaped(n_objects, n)
     share = (area[row] / counts[row])[order].reshape(n_objects, n)
-    mixed = places(shuffle(key, address, n))
+    mixed = _places(_shuffle(key, address, n))
     return Drawn(whole.take(mixed), np.arange(n_objects), share[mixed])
 
 
@@ -137,7 +137,7 @@ def quotas(owner: np.ndarray, weight: np.ndarray, n: int) -> np.ndarray:
     return found
 
 
-def first_of(found: PointSet, counts: np.ndarray, area: np.ndarray, times: int) -> PointSet:
+def _first_of(found: PointSet, counts: np.ndarray, area: np.ndarray, times: int) -> PointSet:
     """The first ``counts`` (P,) points of each pool, in one row; of ``times`` as many those that keep their distance."""
     if times > 1:
         kept = np.zeros(found.u.shape, dtype=np.int64)
@@ -145,17 +145,17 @@ def first_of(found: PointSet, counts: np.ndarray, area: np.ndarray, times: int) 
             rows = np.flatnonzero(counts == count)
             many = found.take((rows[:, None], np.arange(count * times)))
             kept[rows, :count] = blue.thin(many.position, many.normal, area[rows], count)
-        found = found.take(places(kept))
+        found = found.take(_places(kept))
     row = np.repeat(np.arange(len(counts)), counts)
     return found.take((row, runs(np.zeros_like(counts), counts)))
 
 
-def shuffle(key: random.Key, address: np.ndarray, n: int) -> np.ndarray:
+def _shuffle(key: random.Key, address: np.ndarray, n: int) -> np.ndarray:
     """(P, n): an order of the points of each pool that its address draws: the first of them are a sample of it, too."""
     return random.orders(random.streams(key, address, _ORDER), n)
 
 
-def places(column: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _places(column: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The rows and columns of some columns (P, n) of each row."""
     return np.arange(len(column))[:, None], column
 

@@ -14,7 +14,7 @@ from .frames import place
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
 
-STEPS = 48  # per full turn
+_STEPS = 48  # per full turn
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +35,7 @@ class Soup:
     part: np.ndarray
 
 
-def soup(batch: Batch, first: int, stop: int, steps: int = STEPS) -> Soup:
+def soup(batch: Batch, first: int, stop: int, steps: int = _STEPS) -> Soup:
     """The triangles of the objects ``first .. stop - 1`` of a batch, ``steps`` per full turn."""
     tables = batch.sites()
     rows = block(tables, first, stop)

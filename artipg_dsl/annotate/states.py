@@ -17,11 +17,11 @@ from .frames import rotate
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
 
-MOST = 10_000
-FORMS = "`rest`, `open`, `random:K`, `joint=45deg`, or several of them with commas between"
-CHOSEN = re.compile(r"([A-Za-z_][\w.]*)\s*=\s*([-+]?(?:\d+\.?\d*|\.\d+))\s*(deg|rad|turn|mm|cm|m|%)")
-ANGLES = {"deg": np.pi / 180, "rad": 1.0, "turn": 2 * np.pi}
-LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
+_MOST = 10_000
+_FORMS = "`rest`, `open`, `random:K`, `joint=45deg`, or several of them with commas between"
+_CHOSEN = re.compile(r"([A-Za-z_][\w.]*)\s*=\s*([-+]?(?:\d+\.?\d*|\.\d+))\s*(deg|rad|turn|mm|cm|m|%)")
+_ANGLES = {"deg": np.pi / 180, "rad": 1.0, "turn": 2 * np.pi}
+_LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,19 +50,19 @@ def read_states(text: str) -> States:
     """``rest``, ``open``, ``random:4``, ``door=45deg+lid=20%``, or several with commas between. Raises UsageError."""
     wanted = []
     for piece in (p.strip() for p in text.split(",")):
-        if all(CHOSEN.fullmatch(one.strip()) for one in piece.split("+")):
+        if all(_CHOSEN.fullmatch(one.strip()) for one in piece.split("+")):
             wanted.append((piece, 1))
             continue
         match = re.fullmatch(r"(rest|open|random)(?::(\d{1,9}))?", piece)
         if match is None:
             if re.fullmatch(r"[\w.\[\]]+\s*=\s*[-+.\d]+", piece):
                 raise UsageError(f"`{piece}` has no unit", "write mm, cm, m, deg, rad, turn or % after the number")
-            raise UsageError(f"`{piece}` is not a joint state", f"write {FORMS}")
+            raise UsageError(f"`{piece}` is not a joint state", f"write {_FORMS}")
         name, count = match.group(1), match.group(2)
         if name != "random" and count is not None:
             raise UsageError(f"`{piece}`: there is only one state `{name}`", f"write {name}, or random:{count}")
-        if name == "random" and not 1 <= int(count or 0) <= MOST:
-            raise UsageError(f"`{piece}`: a number from 1 to {MOST} is needed", "for example random:4")
+        if name == "random" and not 1 <= int(count or 0) <= _MOST:
+            raise UsageError(f"`{piece}`: a number from 1 to {_MOST} is needed", "for example random:4")
         wanted.append((name, int(count or 1)))
     return States(tuple(wanted))
 
@@ -77,7 +77,7 @@ def joint_values(batch: Batch, states: States) -> np.ndarray:
             drawn += count
         else:
             found.append(
-                resting(batch) if name == "rest" else opened(batch) if name == "open" else parse_state(batch, name)
+                resting(batch) if name == "rest" else opened(batch) if name == "open" else _parse_state(batch, name)
             )
     return np.stack([batch.settled(values) for values in found])
 
@@ -99,7 +99,7 @@ def opened(batch: Batch, share: float = 0.8) -> np.ndarray:
     return rest + share * (end - rest)
 
 
-def parse_state(batch: Batch, text: str) -> np.ndarray:
+def _parse_state(batch: Batch, text: str) -> np.ndarray:
     """Joint values (J,) such as ``door=45deg+drawer=5cm``: of all joints of the names, the others at rest.
 
     A share (``lid=20%``) is of the way from rest to the farther end. Values stay within the limits. Raises UsageError.
@@ -109,7 +109,7 @@ def parse_state(batch: Batch, text: str) -> np.ndarray:
     every = list(dict.fromkeys(joint.name for joint in batch.program.joints))
     defined = {name for joint in batch.program.joints for name in (joint.name, joint.path)} | set(joints.name)
     for piece in text.split("+"):
-        read = CHOSEN.fullmatch(piece.strip())
+        read = _CHOSEN.fullmatch(piece.strip())
         assert read is not None  # as it was read
         name, number, unit = read.groups()
         if name not in defined:
@@ -119,7 +119,7 @@ def parse_state(batch: Batch, text: str) -> np.ndarray:
                 f"did you mean `{close[0]}`?" if close else f"its joints are {', '.join(every)}",
             )
         for row in [k for k, names in enumerate(zip(joints.name, own, strict=True)) if name in names]:
-            units = {"prismatic": LENGTHS}.get(joints.kind[row], ANGLES)
+            units = {"prismatic": _LENGTHS}.get(joints.kind[row], _ANGLES)
             if unit == "%":
                 values[row] = opened(batch, float(number) / 100)[row]
             elif unit in units:

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from ..runtime.batch import Batch
 
 NONE = 0xFFFF  # a pixel that shows nothing, in images of numbers
-PIXELS = 1_300_000  # of a block of objects: arrays over its pixels are used many times
-MOST_RAYS = 4_000_000  # for one cloud
+_PIXELS = 1_300_000  # of a block of objects: arrays over its pixels are used many times
+_MOST_RAYS = 4_000_000  # for one cloud
 Arrays = dict[str, np.ndarray]
 
 
@@ -59,18 +59,18 @@ def make_views(
     if states is not None and np.shape(states)[-1:] != batch.rest().shape:
         raise UsageError(f"states are of shape {np.shape(states)}: {len(batch.rest())} joint values are needed")
     made = _Views(batch, cameras or Cameras(), states, engine)
-    pixels = made.each * cameras_pixels(made.cameras)
-    step = min(max(1, PIXELS // pixels), 16)
+    pixels = made.each * _cameras_pixels(made.cameras)
+    step = min(max(1, _PIXELS // pixels), 16)
     for first in range(0, len(batch), step):
         made.fill(first, min(first + step, len(batch)))
     return made.views(states is not None and np.ndim(states) == 2)
 
 
-def cameras_pixels(cameras: Cameras) -> int:
+def _cameras_pixels(cameras: Cameras) -> int:
     return cameras.count * cameras.width * cameras.height
 
 
-def enter(array: np.ndarray, at: np.ndarray, values: np.ndarray) -> None:
+def _enter(array: np.ndarray, at: np.ndarray, values: np.ndarray) -> None:
     """``array[at] = values``, the columns of vectors one by one, which takes a sixth of the time."""
     if array.ndim == 1:
         array[at] = values
@@ -165,7 +165,7 @@ class _Views:
         shown = place[seen]
         self.images["depth"][shown] = depth[seen]
         for name, values in every.items():
-            enter(self.images[name], shown, values[seen])
+            _enter(self.images[name], shown, values[seen])
 
         begins = np.cumsum([0, *(len(s.pixel) for s in shots[:-1])])
         chosen = np.concatenate([begin + s.chosen for begin, s in zip(begins, shots, strict=True)])
@@ -178,14 +178,14 @@ class _Views:
         camera = carry_vectors(self.turn, None, which, position - self.eye[which])
         row, column = np.divmod(place[chosen] % pixels, self.cameras.width)
         for name, values in every.items():
-            enter(self.cloud[name], slot, values[chosen])
-        enter(self.cloud["points"], slot, position)
-        enter(self.cloud["camera"], slot, camera)
+            _enter(self.cloud[name], slot, values[chosen])
+        _enter(self.cloud["points"], slot, position)
+        _enter(self.cloud["camera"], slot, camera)
         self.cloud["pixel"][slot] = np.stack([row, column], axis=-1)
         for name, values in labels(self.batch, bound.take(chosen)).fields.items():
             if values.ndim == 2:
                 values = carry_vectors(turn.reshape(-1, 3, 3), None, (state * turn.shape[1] + link)[chosen], values)
-            enter(self.cloud[name], slot, values)
+            _enter(self.cloud[name], slot, values)
 
 
 @dataclass(frozen=True, slots=True)
@@ -272,7 +272,7 @@ class _Shot:
         fine = int(np.ceil(np.sqrt(1.5 * count / len(self.pixel)))) + 1
         while True:
             columns, rows = ((high - low) * fine).tolist()
-            if columns * rows > MOST_RAYS:
+            if columns * rows > _MOST_RAYS:
                 raise UserError(
                     f"view {self.view} of object {self.target.number} sees next to nothing of it",
                     "bring the camera nearer, or ask for fewer points",

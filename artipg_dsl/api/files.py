@@ -14,7 +14,7 @@ import numpy as np
 from ..errors import UsageError
 from ..run.job import Job
 
-PICTURED = 8  # objects on the picture in a notebook
+_PICTURED = 8  # objects on the picture in a notebook
 
 
 class Files:
@@ -166,13 +166,13 @@ class Files:
         from ..view.png import png_bytes
         from ..view.sheet import sheet
 
-        return png_bytes(sheet(self.job.batch(self.numbers[:PICTURED]), tile=220))
+        return png_bytes(sheet(self.job.batch(self.numbers[:_PICTURED]), tile=220))
 
     def _repr_png_(self) -> bytes:
         return self._picture
 
     def _repr_html_(self) -> str:
         picture = base64.b64encode(self._picture).decode("ascii")
-        more = f", the first {PICTURED} shown" if len(self) > PICTURED else ""
+        more = f", the first {_PICTURED} shown" if len(self) > _PICTURED else ""
         title = escape(self._title())
         return f'<img alt="{title}" src="data:image/png;base64,{picture}"><p>{title}{more}</p>'

@@ -6,16 +6,16 @@ import os
 import re
 from argparse import ArgumentTypeError
 
-MOST = 100_000_000
+_MOST = 100_000_000
 STREAM = "-"  # standard output, where one file of text is written
-CROWD = 512  # processes
+_CROWD = 512  # processes
 
 
 def positive(text: str) -> int:
     """A whole number from 1 on."""
     number = whole(text)
-    if not 0 < number <= MOST:
-        raise ArgumentTypeError(f"{text} is not a number from 1 to {MOST}")
+    if not 0 < number <= _MOST:
+        raise ArgumentTypeError(f"{text} is not a number from 1 to {_MOST}")
     return number
 
 
@@ -71,7 +71,7 @@ def numbers(text: str) -> list[int]:
         last = int(match.group(2) or first)
         if last < first:
             raise ArgumentTypeError(f"{piece.strip()} is empty: it ends before it begins")
-        if last >= 2**63 or last - first >= MOST:
+        if last >= 2**63 or last - first >= _MOST:
             raise ArgumentTypeError(f"{piece.strip()} is too large")
         found.update(range(first, last + 1))
     return sorted(found)
@@ -113,6 +113,6 @@ def workers(text: str) -> int:
     if text.strip() == "auto":
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     number = whole(text)
-    if not 0 < number <= CROWD:
-        raise ArgumentTypeError(f"{text} is neither a number from 1 to {CROWD} nor `auto`")
+    if not 0 < number <= _CROWD:
+        raise ArgumentTypeError(f"{text} is neither a number from 1 to {_CROWD} nor `auto`")
     return number

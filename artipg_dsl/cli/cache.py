@@ -7,7 +7,7 @@ import argparse
 from .. import cache
 from .messages import plural
 
-KINDS = {"check": "findings", "program": "compiled programs", "facts": "what surfaces and pieces are like"}
+_KINDS = {"check": "findings", "program": "compiled programs", "facts": "what surfaces and pieces are like"}
 
 
 def run(options: argparse.Namespace) -> int:
@@ -17,16 +17,16 @@ def run(options: argparse.Namespace) -> int:
         return 0
     if options.action == "clear":
         number, total = cache.clear()
-        print(f"removed {plural(number, 'file')} ({size(total)}) from {place}")
+        print(f"removed {plural(number, 'file')} ({_size(total)}) from {place}")
         return 0
     found = cache.entries(place)
-    print(f"{place}: {plural(len(found), 'file')}, {size(sum(e.size for e in found))} of {size(cache.MOST)} at most")
+    print(f"{place}: {plural(len(found), 'file')}, {_size(sum(e.size for e in found))} of {_size(cache.MOST)} at most")
     for kind in sorted({entry.kind for entry in found}):
         held = [entry.size for entry in found if entry.kind == kind]
-        print(f"  {KINDS.get(kind, kind)}: {plural(len(held), 'file')}, {size(sum(held))}")
+        print(f"  {_KINDS.get(kind, kind)}: {plural(len(held), 'file')}, {_size(sum(held))}")
     return 0
 
 
-def size(number: int) -> str:
+def _size(number: int) -> str:
     """Bytes in words."""
     return f"{number / (1 << 20):.1f} MB" if number >= 100_000 else f"{number / (1 << 10):.1f} kB"

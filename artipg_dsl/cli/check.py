@@ -12,7 +12,7 @@ from .compile import of_text
 def run(options: argparse.Namespace) -> int:
     report = Report()  # tells of a module once, however many of the files use it
     for name in options.files:
-        report.extend(examine(name))
+        report.extend(_examine(name))
     found = report.diagnostics
     if options.json or options.sarif:
         from ..diagnostics.data import to_json, to_sarif
@@ -28,6 +28,6 @@ def run(options: argparse.Namespace) -> int:
     return 1 if report.failed else 0
 
 
-def examine(name: str) -> Report:
+def _examine(name: str) -> Report:
     """The findings in one file: those of its text, and of its category as far as it can be put in order."""
     return of_text(name).examine()

@@ -31,11 +31,11 @@ def of_text(name: str) -> Session:
     return Session.of(name)
 
 
-def emit_ast(session: Session) -> str | None:
-    return None if session.tree is None else "\n".join(tree_lines(session.tree)) + "\n"
+def _emit_ast(session: Session) -> str | None:
+    return None if session.tree is None else "\n".join(_tree_lines(session.tree)) + "\n"
 
 
-def emit_typed(session: Session) -> str | None:
+def _emit_typed(session: Session) -> str | None:
     from ..semantics.show import show_typed
 
     typed = session.typed
@@ -54,11 +54,11 @@ def emit_graph(session: Session) -> str | None:
     return to_compiled(program, ["", "blocks of equations", *lines])
 
 
-def emit_plan(session: Session) -> str | None:
+def _emit_plan(session: Session) -> str | None:
     return session.sampler.plan.source
 
 
-def emit_python(session: Session) -> str | None:
+def _emit_python(session: Session) -> str | None:
     from ..sampling.module import to_module
     from ..version import __version__
 
@@ -66,11 +66,11 @@ def emit_python(session: Session) -> str | None:
 
 
 EMITTERS: dict[str, Callable[[Session], str | None]] = {
-    "ast": emit_ast,
-    "typed": emit_typed,
+    "ast": _emit_ast,
+    "typed": _emit_typed,
     "graph": emit_graph,
-    "plan": emit_plan,
-    "python": emit_python,
+    "plan": _emit_plan,
+    "python": _emit_python,
 }
 """A stage is an entry here and in ``options.EMITS``. Each gives the text, None where findings stand in the way."""
 
@@ -99,7 +99,7 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def tree_lines(node: ast.Node, name: str = "", depth: int = 0) -> list[str]:
+def _tree_lines(node: ast.Node, name: str = "", depth: int = 0) -> list[str]:
     """A tree with a node per line, its plain fields beside it and its children below."""
     from ..syntax import ast
 
@@ -110,7 +110,7 @@ def tree_lines(node: ast.Node, name: str = "", depth: int = 0) -> list[str]:
         if any(isinstance(item, ast.Node) for item in items):
             for item in items:
                 if isinstance(item, ast.Node):
-                    below += tree_lines(item, field.name, depth + 1)
+                    below += _tree_lines(item, field.name, depth + 1)
         elif value is not False and value not in (None, (), "") and not any(isinstance(item, Span) for item in items):
             plain.append(f"{field.name}={value!r}")
     head = f"{name}: " if name else ""

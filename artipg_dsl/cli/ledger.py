@@ -43,29 +43,29 @@ def entries(lowering: Lowering, wanted: str | None) -> Iterator[str]:
         path = part.path if part is not None else ""
         if wanted is not None and path != wanted and not path.startswith(wanted + "."):
             continue
-        guards = conditions(unknown.column.scope)
+        guards = _conditions(unknown.column.scope)
         if (path, guards) != shown:
             shown = (path, guards)
             yield (path or lowering.program.name) + (f"   with {guards}" if guards else "")
             if part is not None and path not in told and (path == wanted or lowering.links.attachments(part)):
-                yield from shown_lines("link", carriage(lowering.links, part))
+                yield from _shown_lines("link", carriage(lowering.links, part))
             told.add(path)
-        yield from shown_lines(quantity(unknown), ledger_lines(unknown, lowering.context.draws))
+        yield from _shown_lines(_quantity(unknown), ledger_lines(unknown, lowering.context.draws))
     if wanted in parts and wanted not in told:
         yield wanted
-        yield from shown_lines("link", carriage(lowering.links, parts[wanted]))
+        yield from _shown_lines("link", carriage(lowering.links, parts[wanted]))
     if wanted is not None and wanted not in parts:
-        yield from port(lowering, parts, wanted)
+        yield from _port(lowering, parts, wanted)
 
 
-def shown_lines(name: str, lines: Iterable[Line]) -> Iterator[str]:
+def _shown_lines(name: str, lines: Iterable[Line]) -> Iterator[str]:
     for line in lines:
         told = line.how if not line.when else f"where {line.when}: {line.how}"
         yield f"    {name:<14} {told:<44} {line.place}"
         name = ""
 
 
-def port(lowering: Lowering, parts: dict[str, Part], wanted: str) -> Iterator[str]:
+def _port(lowering: Lowering, parts: dict[str, Part], wanted: str) -> Iterator[str]:
     """The link on which a port of a part lies, and through which part."""
     from ..lower.elaborate.connect import carriers
     from ..lower.expressions.evaluate import Evaluator
@@ -92,13 +92,13 @@ def port(lowering: Lowering, parts: dict[str, Part], wanted: str) -> Iterator[st
     yield f"    {'link':<14} {f'{links}, as it lies on {through}':<44} {declared[0].span}"
 
 
-def conditions(scope: Scope) -> str:
+def _conditions(scope: Scope) -> str:
     """The alternatives in which a table has rows: ``door = SlabDoor``."""
     found = [s.name.replace("=", " = ") for s in scope.ancestors() if s.kind == "guard"]
     return ", ".join(reversed(found))
 
 
-def quantity(unknown: Unknown) -> str:
+def _quantity(unknown: Unknown) -> str:
     """``along x`` for a position; a parameter by its name."""
     name = unknown.name.replace("`", "")
     return "along " + "xyz"[unknown.axis] if unknown.kind == "position" else name.split(".", 1)[-1]

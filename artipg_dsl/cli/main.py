@@ -15,11 +15,11 @@ from .messages import error, findings, say
 from .options import COMMANDS
 
 OK, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
-DESCRIPTION = "Compile structure programs of articulated objects (.apg) and sample annotated objects from them."
-EPILOG = "apgc COMMAND --help lists the options of a command. Exit codes: 0 success, 1 errors in a program or in data, 2 wrong usage."
+_DESCRIPTION = "Compile structure programs of articulated objects (.apg) and sample annotated objects from them."
+_EPILOG = "apgc COMMAND --help lists the options of a command. Exit codes: 0 success, 1 errors in a program or in data, 2 wrong usage."
 
 
-class Version(argparse.Action):
+class _Version(argparse.Action):
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
         from ..version import __version__
 
@@ -60,8 +60,8 @@ class Parser(argparse.ArgumentParser):
 
 def build_parser() -> Parser:
     """The parser of the command line."""
-    top = Parser("apgc", description=DESCRIPTION, epilog=EPILOG, allow_abbrev=False)
-    top.add_argument("--version", action=Version, nargs=0, help="print the version and exit")
+    top = Parser("apgc", description=_DESCRIPTION, epilog=_EPILOG, allow_abbrev=False)
+    top.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
     commands = top.add_subparsers(dest="command", metavar="COMMAND", required=True)
     top.commands = commands.choices
     for name, (does, add) in COMMANDS.items():
@@ -96,7 +96,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         say("\ninterrupted: no file is left incomplete; run the same command again to finish")
         return INTERRUPTED
     except BrokenPipeError:  # the reader of our output has seen enough
-        drop_output()
+        _drop_output()
         return OK
     except ModuleNotFoundError as wrong:
         package = (wrong.name or "").partition(".")[0]
@@ -105,7 +105,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         error(f"the package {package} is not installed", "pip install artipg_dsl installs it")
         return FAILED
     except OSError as wrong:  # files are told of where they are written: what is left is the output itself
-        drop_output()
+        _drop_output()
         error(f"cannot write {wrong.filename or 'the output'}: {wrong.strerror or wrong}", None)
         return FAILED
     except RecursionError:
@@ -120,7 +120,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         raise
 
 
-def drop_output() -> None:
+def _drop_output() -> None:
     """What is still buffered for stdout goes nowhere: it cannot be written."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 

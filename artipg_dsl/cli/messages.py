@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 RED, BLUE, RESET = "\x1b[1;31m", "\x1b[34m", "\x1b[0m"
 
 
-def coloured(stream: TextIO) -> bool:
+def _coloured(stream: TextIO) -> bool:
     return stream.isatty() and "NO_COLOR" not in os.environ
 
 
@@ -30,13 +30,13 @@ def plural(number: int, noun: str) -> str:
 
 
 def error(message: str, hint: str | None) -> None:
-    red, blue, reset = (RED, BLUE, RESET) if coloured(sys.stderr) else ("", "", "")
+    red, blue, reset = (RED, BLUE, RESET) if _coloured(sys.stderr) else ("", "", "")
     say(f"{red}error{reset}: {printable(message)}" + (f"\n  {blue}={reset} help: {printable(hint)}" if hint else ""))
 
 
 def findings(diagnostics: Iterable[Diagnostic], stream: TextIO) -> None:
     from ..diagnostics.text import render
 
-    text = render(diagnostics, colour=coloured(stream))
+    text = render(diagnostics, colour=_coloured(stream))
     if text:
         print(text, file=stream, flush=True)

@@ -22,43 +22,43 @@ if TYPE_CHECKING:
     from ..sampling.mutate import Mutation
     from ..sampling.trace import Step
 
-TOLD = ("trace", "correspondence")
-PLAIN = "apa,dpa,cpa", 1.0, 0.5  # operations, strength and share where nothing is said of them
-SHOWN = 12  # differences of one object that are told without --all
+_TOLD = ("trace", "correspondence")
+_PLAIN = "apa,dpa,cpa", 1.0, 0.5  # operations, strength and share where nothing is said of them
+_SHOWN = 12  # differences of one object that are told without --all
 
 
 def run(options: argparse.Namespace) -> int:
     if options.diff:
-        return compare(*options.diff, everything=options.all)
+        return _compare(*options.diff, everything=options.all)
     if options.folder is None:
         raise UsageError("there is nothing to mutate", "give a folder of samples: apgc mutate out -o mutants")
-    return write(options)
+    return _write(options)
 
 
 # ---------------------------------------------------------------- writing
 
 
-def write(options: argparse.Namespace) -> int:
+def _write(options: argparse.Namespace) -> int:
     """Write the mutants of a folder to another one."""
     from ..export.registry import choose_formats
     from ..export.write import ExportError
     from ..run.output import Output
 
     begun = time.monotonic()
-    job, output = open_originals(options)
+    job, output = _open_originals(options)
     out = Path(options.out)
     refuse_file(out)
     if Path(options.folder).is_dir() and out.resolve() == Path(options.folder).resolve():
         raise UsageError(f"the mutants cannot go into {out}, where their originals are", "name another folder with -o")
     named = output.formats if options.format is None else [n.strip() for n in options.format.split(",")]
     try:
-        formats = choose_formats([*named, *TOLD])
+        formats = choose_formats([*named, *_TOLD])
     except ExportError as wrong:
         raise UsageError(wrong.message, wrong.hint) from None
     content = output.content
     if options.points is not None:
         content = replace(content, points=replace(content.points, count=options.points))
-    job = open_mutants(options, job)
+    job = _open_mutants(options, job)
     made, number = write_folder(job, out, Output.of(formats, content), options)
     if options.stats:
         print(show_statistics(job, made))
@@ -66,7 +66,7 @@ def write(options: argparse.Namespace) -> int:
     return 0
 
 
-def open_originals(options: argparse.Namespace) -> tuple[Job, Output]:
+def _open_originals(options: argparse.Namespace) -> tuple[Job, Output]:
     """The job of the originals, and how they are written. Raises UserError."""
     from ..export.registry import DEFAULT
     from ..run.job import open_job
@@ -86,10 +86,10 @@ def open_originals(options: argparse.Namespace) -> tuple[Job, Output]:
             f"{options.folder} is not a folder of samples",
             "make one with apgc sample, or give values with --params FILE",
         )
-    return (job if options.only is None else pick(job, options.only, options.folder)), output
+    return (job if options.only is None else _pick(job, options.only, options.folder)), output
 
 
-def pick(job: Job, wanted: list[int], folder: str) -> Job:
+def _pick(job: Job, wanted: list[int], folder: str) -> Job:
     """The job of some of the objects alone. Raises UserError."""
     missing = sorted(set(wanted) - set(job.request.objects.tolist()))
     if missing:
@@ -97,13 +97,13 @@ def pick(job: Job, wanted: list[int], folder: str) -> Job:
     return job.of(wanted)
 
 
-def open_mutants(options: argparse.Namespace, job: Job) -> Job:
+def _open_mutants(options: argparse.Namespace, job: Job) -> Job:
     """The job of the mutants of a job's objects. Raises UserError."""
     from ..run.traces import gather_traces
     from ..sampling.trace import Replay
 
     if options.replay is None:
-        step = read_mutation(options, job)
+        step = _read_mutation(options, job)
         return job.mutated(step, np.arange(len(job.request.objects) * step.group))
     there = set(job.request.objects.tolist())
     records = gather_traces(options.replay)
@@ -115,13 +115,13 @@ def open_mutants(options: argparse.Namespace, job: Job) -> Job:
     return job.mutated(Replay(records), sorted(records))
 
 
-def read_mutation(options: argparse.Namespace, job: Job) -> Mutation:
+def _read_mutation(options: argparse.Namespace, job: Job) -> Mutation:
     """The mutation that the options ask for. Raises UsageError."""
     from ..sampling.mutate import Mutation, read_operations
 
     if options.one is not None and options.parts != "*":
         raise UsageError("--one already names the value, so --parts cannot be given as well")
-    if options.one is not None and (options.ops, options.strength, options.share) != PLAIN:
+    if options.one is not None and (options.ops, options.strength, options.share) != _PLAIN:
         raise UsageError("--one redraws its value, so --ops, --strength and --share cannot be given as well")
     return Mutation(
         read_operations(options.ops),
@@ -138,21 +138,21 @@ def read_mutation(options: argparse.Namespace, job: Job) -> Mutation:
 # ---------------------------------------------------------------- comparing
 
 
-def compare(first: str, second: str, *, everything: bool) -> int:
+def _compare(first: str, second: str, *, everything: bool) -> int:
     """Tell what sets the objects of two folders, or the steps of two traces, apart."""
     for place in (first, second):
         if not Path(place).exists():
             raise UserError(f"there is no file or folder {place}")
     lines = (
-        list(compare_folders(first, second, everything))
+        list(_compare_folders(first, second, everything))
         if all(Path(p).is_dir() for p in (first, second))
-        else list(compare_traces(first, second))
+        else list(_compare_traces(first, second))
     )
     print("\n".join(lines) if lines else "no difference")
     return 0
 
 
-def compare_folders(first: str, second: str, everything: bool) -> list[str]:
+def _compare_folders(first: str, second: str, everything: bool) -> list[str]:
     """The differences of the objects of two folders, those of the same number or a mutant and its original."""
     from ..run.resume import reopen
     from ..sampling.known import again
@@ -178,14 +178,14 @@ def compare_folders(first: str, second: str, everything: bool) -> list[str]:
         if not changes:
             continue
         lines.append(f"object {number}" + (f" of {source}" if number != source else ""))
-        told = changes if everything else changes[:SHOWN]
-        lines += [f"  {show_step(change, units)}" for change in told]
+        told = changes if everything else changes[:_SHOWN]
+        lines += [f"  {_show_step(change, units)}" for change in told]
         if len(told) < len(changes):
             lines.append(f"  and {len(changes) - len(told)} more (--all shows them)")
     return lines
 
 
-def compare_traces(first: str, second: str) -> list[str]:
+def _compare_traces(first: str, second: str) -> list[str]:
     """The steps that only one of two traces has, or that end elsewhere."""
     from ..run.traces import gather_traces
 
@@ -204,7 +204,7 @@ def compare_traces(first: str, second: str) -> list[str]:
     return lines
 
 
-def show_step(step: Step, units: dict[str, str]) -> str:
+def _show_step(step: Step, units: dict[str, str]) -> str:
     """``handle: BarHandle -> BowHandle``, lengths and angles in the units that people use."""
 
     def said(value: Any) -> str:

@@ -15,7 +15,7 @@ from .messages import say
 
 
 def run(options: argparse.Namespace) -> int:
-    name = checked(options.name)
+    name = _checked(options.name)
     if options.out == STREAM:
         print(starting_point(name), end="")
         return 0
@@ -45,7 +45,7 @@ def starting_point(name: str) -> str:
     return environment.get_template("category.apg.j2").render(name=name)
 
 
-def checked(name: str) -> str:
+def _checked(name: str) -> str:
     """``name`` if a category may be called so."""
     why = "a word of the language" if name in reserved_words() else reserved_name(name)
     if why is not None:

@@ -7,7 +7,7 @@ import argparse
 from ..export.registry import FORMATS, per_object
 from .arguments import amount, folder, fraction, numbers, part, picture, place, positive, tolerance, whole, workers
 
-MESHES = 60  # objects of a report whose meshes are looked at
+_MESHES = 60  # objects of a report whose meshes are looked at
 EMITS = {
     "graph": "the constraint graph (default); `apgc sample` reads it from an .apgc file",
     "ast": "the syntax tree",
@@ -277,9 +277,9 @@ def add_report(to: argparse.ArgumentParser) -> None:
         "--meshes",
         type=positive,
         nargs="?",
-        const=MESHES,
+        const=_MESHES,
         metavar="N",
-        help=f"check the visible meshes of the first N objects as well (default: {MESHES}), in as many states as `apgc validate --meshes`",
+        help=f"check the visible meshes of the first N objects as well (default: {_MESHES}), in as many states as `apgc validate --meshes`",
     )
     to.add_argument("--strict", action="store_true", help="exit with 1 if a goal is not met")
     to.add_argument("--force", action="store_true", help="overwrite the page")

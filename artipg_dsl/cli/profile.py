@@ -15,18 +15,18 @@ from .sample import read_request
 if TYPE_CHECKING:
     from ..quality.cost import Cost
 
-SHOWN = 20  # parts
-Result = TypeVar("Result")
+_SHOWN = 20  # parts
+_Result = TypeVar("_Result")
 
 
 def run(options: argparse.Namespace) -> int:
     with Progress("profile") as progress:
-        found = examine(options, progress.stage)
-    print(json.dumps(found, indent=1) if options.json else text(found))
+        found = _examine(options, progress.stage)
+    print(json.dumps(found, indent=1) if options.json else _text(found))
     return 0
 
 
-def examine(options: argparse.Namespace, stage: Callable[[str], None] = lambda _: None) -> dict[str, Any]:
+def _examine(options: argparse.Namespace, stage: Callable[[str], None] = lambda _: None) -> dict[str, Any]:
     """Stages with their CPU seconds, in all, and parts with their costs per object."""
     from ..export.content import Content
     from ..export.registry import choose_formats
@@ -36,7 +36,7 @@ def examine(options: argparse.Namespace, stage: Callable[[str], None] = lambda _
 
     spent: dict[str, float] = {}
 
-    def timed(name: str, work: Callable[[], Result]) -> Result:
+    def timed(name: str, work: Callable[[], _Result]) -> _Result:
         stage(name)
         begun = time.process_time()
         made = work()
@@ -60,7 +60,7 @@ def examine(options: argparse.Namespace, stage: Callable[[str], None] = lambda _
     }
 
 
-def text(found: dict[str, Any]) -> str:
+def _text(found: dict[str, Any]) -> str:
     """The profile in lines."""
     number = found["objects"]
     lines = [f"{found['category']}: {number} objects as they are drawn, CPU time", ""]
@@ -69,10 +69,10 @@ def text(found: dict[str, Any]) -> str:
         lines.append(f"{name:24}{seconds:8.2f} s{each}")
     lines += ["", f"{'per object':40}{'primitives':>12}{'pieces':>10}{'pairs':>12}{'ms':>10}"]
     parts = found["parts"]
-    for cost in parts[:SHOWN]:
+    for cost in parts[:_SHOWN]:
         figures = f"{cost['primitives']:12.1f}{cost['pieces']:10.1f}{cost['pairs']:12.0f}{1e3 * cost['seconds']:10.2f}"
         lines.append(f"{cost['part'][:39]:40}{figures}")
-    if len(parts) > SHOWN:
-        lines.append(f"and {len(parts) - SHOWN} more, with --json")
+    if len(parts) > _SHOWN:
+        lines.append(f"and {len(parts) - _SHOWN} more, with --json")
     lines += ["", "pairs: of pieces on different links, which the check tells apart; ms: to make the pieces again"]
     return "\n".join(lines)

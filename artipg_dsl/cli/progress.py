@@ -7,7 +7,7 @@ import time
 from threading import Event, Lock, Thread
 from typing import TextIO
 
-WIDTH = 30
+_WIDTH = 30
 OFTEN, SELDOM = (
     1.0,
     20.0,
@@ -48,8 +48,8 @@ class Progress:
         share = done / total if total else 0.0
         bar = ""
         if total:
-            filled = int(WIDTH * share)
-            bar = f" [{'#' * filled}{'.' * (WIDTH - filled)}] {done}/{total}"
+            filled = int(_WIDTH * share)
+            bar = f" [{'#' * filled}{'.' * (_WIDTH - filled)}] {done}/{total}"
         soon = (
             f"  {spent * (1 - share) / share:.0f} s left" if 0 < share < 1 else f"  {spent:.0f} s" if spent >= 1 else ""
         )

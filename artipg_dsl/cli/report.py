@@ -30,7 +30,7 @@ def run(options: argparse.Namespace) -> int:
     from ..quality.text import markdown, text
     from ..run.workers import map_each
 
-    names = read_names(options)
+    names = _read_names(options)
     known = reference(options.reference)
     alone = options.html == STREAM  # the page is what is printed
     if alone and (options.json or options.markdown):
@@ -44,7 +44,7 @@ def run(options: argparse.Namespace) -> int:
         ready()
     tasks = [Task(options, name, known, options.workers == 1) for name in names]
     cards, pictures = [], []
-    for card, seen in map_each(examined, tasks, options.workers) if options.workers > 1 else map(examined, tasks):
+    for card, seen in map_each(_examined, tasks, options.workers) if options.workers > 1 else map(_examined, tasks):
         cards.append(card)
         pictures.append(seen)
         if not (options.json or options.markdown or alone):
@@ -66,7 +66,7 @@ def run(options: argparse.Namespace) -> int:
     return 1 if options.strict and not all(card.met for card in cards) else 0
 
 
-def read_names(options: argparse.Namespace) -> list[str]:
+def _read_names(options: argparse.Namespace) -> list[str]:
     """The categories asked for. Raises UsageError."""
     from ..session import categories
 
@@ -89,7 +89,7 @@ class Task:
     watched: bool
 
 
-def examined(task: Task) -> tuple[Card, bytes]:
+def _examined(task: Task) -> tuple[Card, bytes]:
     """The card of a category, and a picture where there is to be a page."""
     from ..export.strict import strict
     from ..quality.card import STEPS, Valid, card
@@ -117,14 +117,14 @@ def examined(task: Task) -> tuple[Card, bytes]:
             valid,
             checked=request.checked,
             real=task.known.get(category),
-            lines=own_lines(path),
+            lines=_own_lines(path),
             meshes=meshes,
             progress=step,
         )
-    return found, picture(job.of(job.request.objects[:PICTURED])) if options.html is not None else b""
+    return found, _picture(job.of(job.request.objects[:PICTURED])) if options.html is not None else b""
 
 
-def own_lines(path: Path | None) -> int | None:
+def _own_lines(path: Path | None) -> int | None:
     """Lines of the text of a category; None for a compiled one."""
     from ..quality.card import text_lines
 
@@ -133,7 +133,7 @@ def own_lines(path: Path | None) -> int | None:
     return text_lines(path.read_text(encoding="utf-8"))
 
 
-def picture(job: Job) -> bytes:
+def _picture(job: Job) -> bytes:
     """A small contact sheet as PNG."""
     from ..view.png import png_bytes
     from ..view.sheet import sheet

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ..run.output import Output
     from ..run.request import Request
 
-ABOUT_POINTS = {"motion": False, "surface": "boundary", "spread": "random", "per": "object", "balance": None}
+_ABOUT_POINTS = {"motion": False, "surface": "boundary", "spread": "random", "per": "object", "balance": None}
 
 
 def refuse_file(folder: Path) -> None:
@@ -40,8 +40,8 @@ def run(options: argparse.Namespace) -> int:
         formats = choose_formats(options.format, views=options.views is not None)
     except ExportError as wrong:
         raise UsageError(wrong.message, wrong.hint) from None
-    output = Output.of(formats, read_content(options))
-    for name, usual in ABOUT_POINTS.items():
+    output = Output.of(formats, _read_content(options))
+    for name, usual in _ABOUT_POINTS.items():
         if getattr(options, name) != usual and "points" not in output.formats:
             raise UsageError(f"--{name} applies to points, which are not among the formats", "add points to --format")
     if read_resolution(options) and not any(entry.per_object for entry in formats):
@@ -52,10 +52,10 @@ def run(options: argparse.Namespace) -> int:
         raise UsageError("--variant applies to mutants, and none are asked for", "add --mutate apa,dpa,cpa")
     refuse_file(Path(options.out))
     if options.views is not None:
-        warn_of_engine()
+        _warn_of_engine()
     with Progress(options.program) as progress:
         progress.stage("compiling")
-        job = open_job(options)
+        job = _open_job(options)
     manifest, number = write(job, Path(options.out), output, options)
     if options.stats:
         print(show_statistics(job, manifest))
@@ -81,7 +81,7 @@ def write(job: Job, out: Path, output: Output, options: argparse.Namespace) -> t
 # ---------------------------------------------------------------- what is asked for
 
 
-def read_content(options: argparse.Namespace) -> Content:
+def _read_content(options: argparse.Namespace) -> Content:
     """What the files are to hold."""
     from ..run import output
 
@@ -110,7 +110,7 @@ def read_request(options: argparse.Namespace, program: str | None = None, **more
     )
 
 
-def open_job(options: argparse.Namespace) -> Job:
+def _open_job(options: argparse.Namespace) -> Job:
     """The job: objects that are drawn, or those of a file of values, or mutants of them. Raises UsageError, UserError."""
     from ..run import job as jobs
     from ..sampling.mutate import Mutation, read_operations
@@ -126,7 +126,7 @@ def open_job(options: argparse.Namespace) -> Job:
 # ---------------------------------------------------------------- what is told
 
 
-def warn_of_engine() -> None:
+def _warn_of_engine() -> None:
     """Say that views take longer where embree is missing."""
     from ..geometry.rays import best_engine
 

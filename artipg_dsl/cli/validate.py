@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ..run.job import Job
     from ..validity.evidence import Evidence
 
-SHOWN = 12  # of what meshes share
+_SHOWN = 12  # of what meshes share
 
 
 def run(options: argparse.Namespace) -> int:
@@ -29,7 +29,7 @@ def run(options: argparse.Namespace) -> int:
         raise UserError("there is no object to validate", "sample at least one")
     with Progress("validating") as progress:
         found = examine(job, options.states, options.meshes, progress, progress.stage)
-    print(json.dumps(found, indent=1) if options.json else text(found))
+    print(json.dumps(found, indent=1) if options.json else _text(found))
     delivered, meshes = found["delivered"], found["meshes"]
     sound = delivered is not None and not delivered["invalid"]
     return 0 if sound and (meshes is None or meshes["all"] == meshes["objects"]) else 1
@@ -87,7 +87,7 @@ def examine(
     }
 
 
-def text(found: dict[str, Any]) -> str:
+def _text(found: dict[str, Any]) -> str:
     """The evidence in lines."""
     drawn, delivered, kinds = found["drawn"], found["delivered"], found["kinds"]
     lines = [
@@ -95,8 +95,8 @@ def text(found: dict[str, Any]) -> str:
         f"first attempts valid  {100 * found['first_valid']:.1f}%   ({found['attempts']} attempts in all)",
     ]
     for pair in drawn["pairs"]:
-        lines += collision(pair, found["objects"], kinds)
-    lines.extend(others(drawn["faults"], found["objects"]))
+        lines += _collision(pair, found["objects"], kinds)
+    lines.extend(_others(drawn["faults"], found["objects"]))
     if delivered is None:
         return "\n".join([*lines, f"nothing delivered: {found['exhausted']}"])
     valid = found["objects"] - delivered["invalid"]
@@ -104,8 +104,8 @@ def text(found: dict[str, Any]) -> str:
         f"delivered valid       {100 * valid / found['objects']:.1f}%   (at rest and over {delivered['joints']} joints)"
     )
     for pair in delivered["pairs"]:
-        lines += collision(pair, found["objects"], kinds)
-    lines.extend(others(delivered["faults"], found["objects"]))
+        lines += _collision(pair, found["objects"], kinds)
+    lines.extend(_others(delivered["faults"], found["objects"]))
     lines.append(
         f"blocking              {len(delivered['blocking'])} pairs of links in {delivered['states']} random configurations each"
     )
@@ -117,34 +117,34 @@ def text(found: dict[str, Any]) -> str:
         f"in every state        {100 * (found['objects'] - delivered['blocked']) / found['objects']:.1f}%   (the pieces that collide)"
     )
     if found["meshes"] is not None:
-        lines += meshes_text(found["meshes"], kinds)
+        lines += _meshes_text(found["meshes"], kinds)
     return "\n".join(lines)
 
 
-def meshes_text(seen: dict[str, Any], kinds: dict[str, str]) -> list[str]:
+def _meshes_text(seen: dict[str, Any], kinds: dict[str, str]) -> list[str]:
     """What the meshes share, in lines: the deepest first."""
     shares = [f"{100 * seen[key] / seen['objects']:.1f}%" for key in ("rest", "sweeps", "all")]
     lines = [
         f"in every state        {shares[2]}   (the meshes that are seen; at rest {shares[0]}, and while each joint moves "
         f"{shares[1]}, and in {seen['states']} random configurations {shares[2]})"
     ]
-    for touch in sorted(seen["touches"], key=lambda touch: -touch["depth"])[:SHOWN]:
+    for touch in sorted(seen["touches"], key=lambda touch: -touch["depth"])[:_SHOWN]:
         values = ", ".join(f"{name} at {value:.4g}" for name, value in touch["values"].items()) or "at rest"
         (one, two), (part, other) = touch["links"], touch["parts"]
         at = ", ".join(f"{x:.4g}" for x in touch["at"])
         lines.append(f"    object {touch['object']}: {one} and {two} share {1e3 * touch['depth']:.3g} mm")
         lines.append(f"        `{part}` and `{other}` about ({at}) m, {values}")
-    if len(seen["touches"]) > SHOWN:
-        lines.append(f"    and {len(seen['touches']) - SHOWN} more, with --json")
+    if len(seen["touches"]) > _SHOWN:
+        lines.append(f"    and {len(seen['touches']) - _SHOWN} more, with --json")
     return lines
 
 
-def others(faults: list[tuple[str, int]], objects: int) -> list[str]:
+def _others(faults: list[tuple[str, int]], objects: int) -> list[str]:
     """What is wrong besides collisions, in lines."""
     return [f"    {words}: {100 * count / objects:.1f}% of objects" for words, count in faults]
 
 
-def collision(pair: dict[str, Any], objects: int, kinds: dict[str, str]) -> list[str]:
+def _collision(pair: dict[str, Any], objects: int, kinds: dict[str, str]) -> list[str]:
     """Two links that collide, and of one object the parts, the value of the joint and the place, in lines."""
     from ..validity.contact import Contact, in_words
 

@@ -12,7 +12,7 @@ from .codes import CODES
 from .model import Diagnostic
 
 
-def place(span: Span | None) -> dict[str, Any] | None:
+def _place(span: Span | None) -> dict[str, Any] | None:
     """File, and line and column from 1 at both ends (the end is behind the last character)."""
     if span is None:
         return None
@@ -28,10 +28,10 @@ def to_json(diagnostics: Iterable[Diagnostic]) -> str:
             "code": d.code,
             "severity": d.severity,
             "message": d.message,
-            "place": place(d.span),
+            "place": _place(d.span),
             "hint": d.hint,
-            "notes": [{"place": place(s), "message": t} for s, t in d.notes],
-            "trace": [{"place": place(s), "message": t} for s, t in d.trace],
+            "notes": [{"place": _place(s), "message": t} for s, t in d.notes],
+            "trace": [{"place": _place(s), "message": t} for s, t in d.trace],
         }
         for d in diagnostics
     ]
@@ -55,8 +55,8 @@ def to_sarif(diagnostics: Iterable[Diagnostic], version: str) -> str:
         text = f"{d.message}. Help: {d.hint}" if d.hint else d.message
         result: dict[str, Any] = {"ruleId": d.code, "level": d.severity, "message": {"text": text}}
         if d.span is not None:
-            result["locations"] = [location(d.span)]
-        related = [{**location(span), "message": {"text": words}} for span, words in (*d.notes, *reversed(d.trace))]
+            result["locations"] = [_location(d.span)]
+        related = [{**_location(span), "message": {"text": words}} for span, words in (*d.notes, *reversed(d.trace))]
         if related:
             result["relatedLocations"] = related
         results.append(result)
@@ -65,9 +65,9 @@ def to_sarif(diagnostics: Iterable[Diagnostic], version: str) -> str:
     return json.dumps({"version": "2.1.0", "runs": [run]}, indent=2)
 
 
-def location(span: Span) -> dict[str, Any]:
+def _location(span: Span) -> dict[str, Any]:
     """A place as SARIF writes it: the file as a relative or absolute reference, the region from 1."""
-    where = place(span)
+    where = _place(span)
     assert where is not None
     region = {
         "startLine": where["line"],

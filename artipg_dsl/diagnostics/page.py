@@ -11,7 +11,7 @@ from .codes.resolving import RESOLVING
 from .codes.structure import STRUCTURE
 from .codes.values import VALUES
 
-FAMILIES = {
+_FAMILIES = {
     "Files, modules, syntax": READING,
     "Names": RESOLVING,
     "Values": VALUES,
@@ -19,7 +19,7 @@ FAMILIES = {
     "Equations and repeats": EQUATIONS,
 }
 COMMAND = "python -m artipg_dsl.diagnostics.page > docs/diagnostics.md"
-INTRODUCTION = f"""\
+_INTRODUCTION = f"""\
 # Diagnostics
 
 <!-- Made from the registry in artipg_dsl/diagnostics/codes/ by `{COMMAND}`. -->
@@ -33,17 +33,17 @@ Every example brings its code about.
 
 def page() -> str:
     """The page as Markdown: a list of all codes by family, then a section for each."""
-    parts = [INTRODUCTION]
-    for family, codes in FAMILIES.items():
+    parts = [_INTRODUCTION]
+    for family, codes in _FAMILIES.items():
         listed = "\n".join(f"- [`{c.name}`](#{c.name}): {c.summary}" for c in codes)
         parts.append(f"**{family}**\n\n{listed}\n")
-    for family, codes in FAMILIES.items():
+    for family, codes in _FAMILIES.items():
         parts.append(f"## {family}\n")
-        parts.extend(section(code) for code in codes)
+        parts.extend(_section(code) for code in codes)
     return "\n".join(parts)
 
 
-def section(code: Code) -> str:
+def _section(code: Code) -> str:
     """One code with its text and its example."""
     text = f"### {code.name}\n\n{code.summary[0].upper()}{code.summary[1:]}. {code.text}".split("\n\n")
     lines = [text[0], "", fill(text[1], 120, break_on_hyphens=False, break_long_words=False), ""]

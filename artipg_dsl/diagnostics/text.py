@@ -12,9 +12,9 @@ from ..source import Span
 if TYPE_CHECKING:
     from .model import Diagnostic
 
-COLOURS = {"error": "\x1b[1;31m", "warning": "\x1b[1;33m"}
+_COLOURS = {"error": "\x1b[1;31m", "warning": "\x1b[1;33m"}
 BOLD, RESET, BLUE = "\x1b[1m", "\x1b[0m", "\x1b[34m"
-MOST_TRACE = 4
+_MOST_TRACE = 4
 
 
 def render(diagnostics: Iterable[Diagnostic], *, colour: bool) -> str:
@@ -36,7 +36,7 @@ def _paint(text: str, code: str, colour: bool) -> str:
 
 
 def _one(d: Diagnostic, colour: bool) -> str:
-    paint = COLOURS[d.severity]
+    paint = _COLOURS[d.severity]
     lines = [f"{_paint(f'{d.severity}[{d.code}]', paint, colour)}: {_paint(printable(d.message), BOLD, colour)}"]
     shown = [s for s in (d.span, *(s for s, _ in d.notes)) if s is not None]
     gutter = max((len(str(s.line)) for s in shown), default=1)
@@ -45,9 +45,9 @@ def _one(d: Diagnostic, colour: bool) -> str:
     for span, text in d.notes:
         lines += _excerpt(span, text, gutter, colour, "-", BLUE)
     bullet = " " * gutter + " " + _paint("=", BLUE, colour)
-    lines += [f"{bullet} {printable(text)} ({span})" for span, text in reversed(d.trace[-MOST_TRACE:])]
-    if len(d.trace) > MOST_TRACE:
-        lines.append(f"{bullet} and {len(d.trace) - MOST_TRACE} more around it")
+    lines += [f"{bullet} {printable(text)} ({span})" for span, text in reversed(d.trace[-_MOST_TRACE:])]
+    if len(d.trace) > _MOST_TRACE:
+        lines.append(f"{bullet} and {len(d.trace) - _MOST_TRACE} more around it")
     if d.hint:
         lines.append(f"{bullet} help: {printable(d.hint)}")
     return "\n".join(lines)

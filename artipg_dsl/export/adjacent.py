@@ -6,7 +6,7 @@ import numpy as np
 
 from .robot import Robot, RobotJoint
 
-LIGHT = 0.05  # of the mass of what a link carries
+_LIGHT = 0.05  # of the mass of what a link carries
 
 
 def adjacent(robot: Robot) -> list[tuple[str, str]]:
@@ -24,19 +24,21 @@ def adjacent(robot: Robot) -> list[tuple[str, str]]:
         groups.setdefault(group, []).append(link)
     held = [(joint.parent, joint.child) for joint in robot.joints if joint.kind != "fixed"]
     held += [closure.links for closure in robot.closures]
-    held += [(a.parent, b.child) for a in robot.joints for b in robot.joints if through_a_light_link(robot, a, b)]
-    held += [(a.child, b.child) for i, a in enumerate(robot.joints) for b in robot.joints[i + 1 :] if on_one_axle(a, b)]
+    held += [(a.parent, b.child) for a in robot.joints for b in robot.joints if _through_a_light_link(robot, a, b)]
+    held += [
+        (a.child, b.child) for i, a in enumerate(robot.joints) for b in robot.joints[i + 1 :] if _on_one_axle(a, b)
+    ]
     pairs = [(a, b) for one, other in held for a in groups[welded[one]] for b in groups[welded[other]]]
     pairs += [(a, b) for group in groups.values() for i, a in enumerate(group) for b in group[i + 1 :]]
     return [(robot.links[a].name, robot.links[b].name) for a, b in dict.fromkeys(pairs)]
 
 
-def through_a_light_link(robot: Robot, one: RobotJoint, other: RobotJoint) -> bool:
+def _through_a_light_link(robot: Robot, one: RobotJoint, other: RobotJoint) -> bool:
     """Whether two joints are one mechanism: the ring in which a stem slides and with which it turns weighs next to nothing."""
-    return one.child == other.parent and robot.links[one.child].mass < LIGHT * robot.links[other.child].mass
+    return one.child == other.parent and robot.links[one.child].mass < _LIGHT * robot.links[other.child].mass
 
 
-def on_one_axle(one: RobotJoint, other: RobotJoint) -> bool:
+def _on_one_axle(one: RobotJoint, other: RobotJoint) -> bool:
     """Whether two links turn about one line of their parent, one following the other: the halves of scissors on their pin."""
     if one.parent != other.parent or not {one.kind, other.kind} <= {"revolute", "continuous"}:
         return False

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from ..runtime.batch import Batch
 
 ONE, OTHER, BOTH = 1, 2, 3  # sides: what is of one is held against what is of the other
-Check = Callable[[Tree, Pieces], np.ndarray]
-Mine = tuple[int, Hull]  # the number of an object and a hull of it
+_Check = Callable[[Tree, Pieces], np.ndarray]
+_Mine = tuple[int, Hull]  # the number of an object and a hull of it
 
 
 def colliders(batch: Batch, groups: list[solids.PieceGroup], materials: dict[int, np.ndarray]) -> list[list[Hull]]:
@@ -39,7 +39,7 @@ def colliders(batch: Batch, groups: list[solids.PieceGroup], materials: dict[int
     return [body.in_order() for body in bodies]
 
 
-def _set_apart(tree: Tree, bodies: dict[int, Body], check: Check) -> None:
+def _set_apart(tree: Tree, bodies: dict[int, Body], check: _Check) -> None:
     """Reduce hulls until ``check`` finds none that meets another link. Pieces do not: hulls alone are held against others."""
     new = {hull for body in bodies.values() for hull in body.hulls if len(hull.pieces) > 1}
     while bodies:
@@ -56,7 +56,7 @@ def _set_apart(tree: Tree, bodies: dict[int, Body], check: Check) -> None:
             new |= body.reduce(blamed[i])
 
 
-def _to_blame(tree: Tree, check: Check, met: list[Mine]) -> list[Mine]:
+def _to_blame(tree: Tree, check: _Check, met: list[_Mine]) -> list[_Mine]:
     """Hulls that meet the very pieces of others."""
     hulls = [(i, hull) for i, hull in met if len(hull.pieces) > 1]
     pieces = [(i, Hull(piece.source, (piece,))) for i, hull in met for piece in hull.pieces]
@@ -64,7 +64,7 @@ def _to_blame(tree: Tree, check: Check, met: list[Mine]) -> list[Mine]:
     return [(i, hull) for i, hull in found if len(hull.pieces) > 1]
 
 
-def _meeting(tree: Tree, check: Check, hulls: list[Mine], side: list[int]) -> list[Mine]:
+def _meeting(tree: Tree, check: _Check, hulls: list[_Mine], side: list[int]) -> list[_Mine]:
     """Which hulls meet one of the other side on another link."""
     alike: dict[tuple[int, bytes], list[int]] = {}
     for k, (_, hull) in enumerate(hulls):

@@ -13,7 +13,7 @@ from ..geometry.resolution import STANDARD as STANDARD_RESOLUTION
 from ..geometry.resolution import Resolution
 
 SHARD = 256  # objects in one
-LARGEST = 512_000_000  # bytes of images in one
+_LARGEST = 512_000_000  # bytes of images in one
 PIXEL_BYTES, POINT_BYTES = 34, 80  # about
 _PER = {"object": 1, "link": 4, "semantic": 8, "instance": 16, "primitive": 64}  # of these in an object, about
 
@@ -36,6 +36,6 @@ class Content:
         points = self.points.count * self.states.count * _PER[self.points.per]
         if self.cameras is not None:
             pixels = self.cameras.count * self.cameras.width * self.cameras.height * self.states.count
-        while size > 1 and size * max(pixels * PIXEL_BYTES, points * POINT_BYTES) > LARGEST:
+        while size > 1 and size * max(pixels * PIXEL_BYTES, points * POINT_BYTES) > _LARGEST:
             size //= 2
         return size

@@ -41,7 +41,7 @@ FINGER = 0.01  # kg: what moves with a key that it presses
 QUICK = 0.15  # s, from one end to the other
 FADE = {"revolute": 2.0, "continuous": 5.0, "prismatic": 2.0, "screw": 1.0, "ball": 2.0}  # s
 VELOCITY = {"revolute": 3.0, "continuous": 6.0, "prismatic": 1.0, "screw": 6.0, "ball": 3.0}  # rad/s, m/s
-BALANCED = 1e-3  # of the load: less than this is no pull
+_BALANCED = 1e-3  # of the load: less than this is no pull
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +88,7 @@ def dynamics(
     lift = weight * pitch * axis[:, 2]  # what a screw asks for on any turn
     swing = _most(-weight * reach[:, 2], -weight * cross(axis, reach)[:, 2], joints.low - rest, joints.high - rest)
     load = np.where(slides, np.abs(pull), np.where(ball, weight * np.sqrt(dot(arm, arm)), swing + np.abs(lift)))
-    pulled = np.abs(pull) > BALANCED * np.maximum(load, 1e-9)
+    pulled = np.abs(pull) > _BALANCED * np.maximum(load, 1e-9)
     span = np.nan_to_num(joints.high - joints.low)
     near = 1e-6 + 1e-3 * span
     held = np.where(pull > 0, rest >= joints.high - near, rest <= joints.low + near)

@@ -19,9 +19,9 @@ from .robot import Look, Robot, RobotJoint
 
 FLOAT, UNSIGNED_SHORT, UNSIGNED_INT = 5126, 5123, 5125
 VERTICES, INDICES = 34962, 34963
-OPENING = 3.0  # seconds: to the other end and back
-STEP = 1.6  # radians between two keys at most: viewers take the shorter way round
-PATHS = {  # what moves when a joint does
+_OPENING = 3.0  # seconds: to the other end and back
+_STEP = 1.6  # radians between two keys at most: viewers take the shorter way round
+_PATHS = {  # what moves when a joint does
     "revolute": ("rotation",),
     "continuous": ("rotation",),
     "ball": ("rotation",),
@@ -29,10 +29,10 @@ PATHS = {  # what moves when a joint does
     "screw": ("rotation", "translation"),
 }
 # the object's x (front) becomes z, y (left) becomes x, z (up) becomes y
-Z_UP_TO_Y_UP = [-0.5, -0.5, -0.5, 0.5]  # quaternion x y z w
+_Z_UP_TO_Y_UP = [-0.5, -0.5, -0.5, 0.5]  # quaternion x y z w
 
 
-class Buffer:
+class _Buffer:
     """The binary chunk and the accessors into it. Arrays are packed by kind, each view on a multiple of 4 bytes."""
 
     def __init__(self) -> None:
@@ -61,10 +61,10 @@ class Buffer:
 
 def glb_bytes(robot: Robot) -> bytes:
     """The whole .glb file of one object."""
-    buffer = Buffer()
+    buffer = _Buffer()
     looks: dict[Look, int] = {}
     meshes: list[dict[str, Any]] = []
-    top = {"name": robot.name, "rotation": Z_UP_TO_Y_UP, "children": [1], "extras": {"frame": "x front, y left, z up"}}
+    top = {"name": robot.name, "rotation": _Z_UP_TO_Y_UP, "children": [1], "extras": {"frame": "x front, y left, z up"}}
     # node 0 turns the axes, node 1 + k is link k, primitives follow
     nodes: list[dict[str, Any]] = [top, *({"name": link.name} for link in robot.links)]
     taken = {node["name"] for node in nodes}
@@ -97,7 +97,7 @@ def glb_bytes(robot: Robot) -> bytes:
         document["animations"] = [animation]
     document |= {"accessors": buffer.accessors, "bufferViews": buffer.views, "buffers": [{"byteLength": buffer.length}]}
     document = {key: value for key, value in document.items() if value != []}
-    return pack(document, b"".join(buffer.chunks))
+    return _pack(document, b"".join(buffer.chunks))
 
 
 def glb_files(robot: Robot) -> dict[str, bytes]:
@@ -105,7 +105,7 @@ def glb_files(robot: Robot) -> dict[str, bytes]:
     return {"object.glb": glb_bytes(robot)}
 
 
-def pack(document: dict[str, Any], binary: bytes) -> bytes:
+def _pack(document: dict[str, Any], binary: bytes) -> bytes:
     """The container: header, JSON chunk padded with blanks, binary chunk."""
     text = json.dumps(document, separators=(",", ":"), ensure_ascii=False).encode("utf-8")
     text += b" " * (-len(text) % 4)
@@ -115,7 +115,7 @@ def pack(document: dict[str, Any], binary: bytes) -> bytes:
     return struct.pack("<III", 0x46546C67, 2, 12 + len(chunks)) + chunks
 
 
-def _mesh(visual: Any, origin: np.ndarray, buffer: Buffer, looks: dict[Look, int]) -> dict[str, Any]:
+def _mesh(visual: Any, origin: np.ndarray, buffer: _Buffer, looks: dict[Look, int]) -> dict[str, Any]:
     group, k = visual.item.group, visual.item.k
     shading = group.shading
     position = (group.vertices[k][shading.source] - origin).astype("<f4")
@@ -151,13 +151,13 @@ def _material(look: Look) -> dict[str, Any]:
 def _placement(joint: RobotJoint, value: float) -> dict[str, Any]:
     """Translation and rotation of the child link's node in its parent's, at a joint value."""
     values = np.array([value])
-    place: dict[str, Any] = {"translation": short(translations(joint, values)[0])}
+    place: dict[str, Any] = {"translation": _short(_translations(joint, values)[0])}
     if joint.kind != "prismatic" and value != 0.0:
-        place["rotation"] = short(turns(joint, values)[0])
+        place["rotation"] = _short(_turns(joint, values)[0])
     return place
 
 
-def translations(joint: RobotJoint, values: np.ndarray) -> np.ndarray:
+def _translations(joint: RobotJoint, values: np.ndarray) -> np.ndarray:
     """Origins (n, 3) of the child link in the parent's frame."""
     advance = {"prismatic": 1.0, "screw": joint.pitch / (2 * np.pi)}.get(joint.kind)
     if advance is None:
@@ -165,14 +165,14 @@ def translations(joint: RobotJoint, values: np.ndarray) -> np.ndarray:
     return joint.origin + advance * values[:, None] * joint.axis
 
 
-def turns(joint: RobotJoint, values: np.ndarray) -> np.ndarray:
+def _turns(joint: RobotJoint, values: np.ndarray) -> np.ndarray:
     """Quaternions (n, 4), x y z w, of the child link in the parent's frame."""
     half = values / 2
     axis = square(joint.axis[None])[0] if joint.kind == "ball" else joint.axis  # a ball's value is its tilt
     return np.concatenate([np.sin(half)[:, None] * axis, np.cos(half)[:, None]], axis=1)
 
 
-def short(values: np.ndarray) -> list[float]:
+def _short(values: np.ndarray) -> list[float]:
     return (np.round(values, 9) + 0.0).tolist()
 
 
@@ -180,9 +180,9 @@ def _describe(joint: RobotJoint) -> dict[str, Any]:
     described: dict[str, Any] = {
         "name": joint.name,
         "type": joint.kind,
-        "axis": short(joint.axis),
-        "origin": short(joint.origin),
-        "limits": None if joint.low is None or joint.high is None else short(np.array([joint.low, joint.high])),
+        "axis": _short(joint.axis),
+        "origin": _short(joint.origin),
+        "limits": None if joint.low is None or joint.high is None else _short(np.array([joint.low, joint.high])),
         "rest": round(joint.rest, 9),
     }
     if joint.kind == "screw":
@@ -192,9 +192,9 @@ def _describe(joint: RobotJoint) -> dict[str, Any]:
     return described
 
 
-def course(joint: RobotJoint, start: float, end: float) -> np.ndarray:
+def _course(joint: RobotJoint, start: float, end: float) -> np.ndarray:
     """The values of a joint at the keys of the animation, evenly apart in time."""
-    steps = 4 if joint.kind == "prismatic" else max(4, int(np.ceil(abs(end - start) / STEP)))
+    steps = 4 if joint.kind == "prismatic" else max(4, int(np.ceil(abs(end - start) / _STEP)))
     there = np.arange(steps + 1) / steps
     if joint.kind == "continuous":
         share = np.arange(2 * steps + 1) / (2 * steps)
@@ -203,21 +203,21 @@ def course(joint: RobotJoint, start: float, end: float) -> np.ndarray:
     return start + (end - start) * share
 
 
-def _animation(robot: Robot, rest: dict[str, float], buffer: Buffer) -> dict[str, Any]:
+def _animation(robot: Robot, rest: dict[str, float], buffer: _Buffer) -> dict[str, Any]:
     """Every joint from rest to its other end and back; a continuous one by a full turn."""
     samplers: list[dict[str, Any]] = []
     channels: list[dict[str, Any]] = []
     ends = open_values(robot)
     clocks: dict[int, int] = {}
     for joint in robot.joints:
-        if joint.kind not in PATHS:
+        if joint.kind not in _PATHS:
             continue
-        values = course(joint, rest[joint.name], ends[joint.name])
+        values = _course(joint, rest[joint.name], ends[joint.name])
         if len(values) not in clocks:
-            times = np.arange(len(values)) * (OPENING / (len(values) - 1))
+            times = np.arange(len(values)) * (_OPENING / (len(values) - 1))
             clocks[len(values)] = buffer.add(times.astype("<f4"), "SCALAR", FLOAT, bounds=True)
-        for path in PATHS[joint.kind]:
-            keys, kind = (translations, "VEC3") if path == "translation" else (turns, "VEC4")
+        for path in _PATHS[joint.kind]:
+            keys, kind = (_translations, "VEC3") if path == "translation" else (_turns, "VEC4")
             output = buffer.add(keys(joint, values).astype("<f4"), kind, FLOAT)
             samplers.append({"input": clocks[len(values)], "interpolation": "LINEAR", "output": output})
             channels.append({"sampler": len(samplers) - 1, "target": {"node": 1 + joint.child, "path": path}})

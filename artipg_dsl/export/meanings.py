@@ -24,11 +24,11 @@ class Meaning:
     dtype: str = "uint16"
 
 
-OBJECT = Meaning("number of the object", "objects", dtype="int64")
-STATE = Meaning(
+_OBJECT = Meaning("number of the object", "objects", dtype="int64")
+_STATE = Meaning(
     "joint values in the order of the annotation, then nan", "objects, states, joints", unit="rad or m", dtype="float64"
 )
-POINTS = {
+_POINTS = {
     "points": Meaning("points on the visible surface at rest", "objects, points, 3", "object", "m", "float32"),
     "normals": Meaning("outward unit normals of the surface", "objects, points, 3", "object", "1", "float32"),
     "semantic": Meaning("class of the part, an index into vocabularies.semantic; 0: unlabelled", "objects, points"),
@@ -48,12 +48,12 @@ POINTS = {
     "u": Meaning("first patch coordinate, a fraction 0 .. 1", "objects, points", "patch", "1", "float32"),
     "v": Meaning("second patch coordinate, a fraction 0 .. 1", "objects, points", "patch", "1", "float32"),
 }
-ACTING = Meaning(
+_ACTING = Meaning(
     "joint that the label is for, its place in the annotation's list `joints`; 65535: none, or it does not hold",
     "objects, points",
 )
-AREA = {"area": Meaning("surface that the point stands for", "objects, points", unit="m2", dtype="float32")}
-MOTIONS = {
+_AREA = {"area": Meaning("surface that the point stands for", "objects, points", unit="m2", dtype="float32")}
+_MOTIONS = {
     "motion": Meaning(
         "velocity of the point per unit of the next joint above its link",
         "objects, points, 3",
@@ -73,10 +73,10 @@ MOTIONS = {
         "float32",
     ),
 }
-MOVING = ("points", "normals", "motion", "velocities")  # what depends on the state
+_MOVING = ("points", "normals", "motion", "velocities")  # what depends on the state
 
 _SHOT, _IMAGE, _CLOUD = ("objects, views" + more for more in ("", ", height, width", ", cloud"))
-VIEWS = {
+_VIEWS = {
     "intrinsics": Meaning("camera matrix; the first pixel's centre is (0.5, 0.5)", f"{_SHOT}, 3, 3", dtype="float64"),
     "extrinsics": Meaning(
         "object's frame to the camera's: x right, y down, z forward", f"{_SHOT}, 4, 4", "camera", "m", "float64"
@@ -103,7 +103,7 @@ VIEWS = {
     "cloud_link": Meaning("as link", _CLOUD),
 }
 
-KINDS = {
+_KINDS = {
     "mask": "the label holds",
     "grade": "how far the label holds, 0 .. 1",
     "field": "value, nan where undefined",
@@ -127,18 +127,18 @@ def vocabularies(program: Program) -> dict[str, list[str]]:
 def point_arrays(program: Program, content: Content) -> dict[str, dict[str, Any]]:
     """Meaning, dtype, shape, frame and unit of every array of a points shard."""
     points = content.points
-    meant = POINTS | {"object": OBJECT} | (AREA if points.uneven else {}) | (MOTIONS if content.motion else {})
+    meant = _POINTS | {"object": _OBJECT} | (_AREA if points.uneven else {}) | (_MOTIONS if content.motion else {})
     meant |= {name: _label(kind, "objects, points") for name, kind in field_kinds(program.labels).items()}
     if content.motion:
         meant |= {
-            f"{name}.joint": ACTING
+            f"{name}.joint": _ACTING
             for name, kind in field_kinds(program.labels).items()
             if not name.startswith("field.")
         }
     lengths: dict[str, int | str] = {"points": points.count}
     if points.per != "object":  # a row for each of them, whose object `object` tells
         lengths["objects"] = "classes" if points.per == "semantic" else f"{points.per}s"
-    moving = {*MOVING, *(name for name, kind in field_kinds(program.labels).items() if kind == "vectors")}
+    moving = {*_MOVING, *(name for name, kind in field_kinds(program.labels).items() if kind == "vectors")}
     return {name: _entry(m, content, lengths, name in moving) for name, m in _with_states(meant, content).items()}
 
 
@@ -146,7 +146,7 @@ def view_arrays(program: Program, content: Content) -> dict[str, dict[str, Any]]
     """The same of a views shard."""
     cameras = content.cameras
     assert cameras is not None
-    meant = {"object": OBJECT} | VIEWS
+    meant = {"object": _OBJECT} | _VIEWS
     kinds = field_kinds(program.labels)
     meant |= {f"cloud_{name}": _label(kind, "objects, views, cloud") for name, kind in kinds.items()}
     lengths = {"views": cameras.count, "height": cameras.height, "width": cameras.width, "cloud": cameras.points}
@@ -154,13 +154,13 @@ def view_arrays(program: Program, content: Content) -> dict[str, dict[str, Any]]
 
 
 def _with_states(meant: dict[str, Meaning], content: Content) -> dict[str, Meaning]:
-    return meant if content.states.only_rest else meant | {"state": STATE}
+    return meant if content.states.only_rest else meant | {"state": _STATE}
 
 
 def _label(kind: str, shape: str) -> Meaning:
     if kind == "vectors":
-        return Meaning(KINDS[kind], f"{shape}, 3", "object", dtype="float32")
-    return Meaning(KINDS[kind], shape, dtype="bool" if kind == "mask" else "float32")
+        return Meaning(_KINDS[kind], f"{shape}, 3", "object", dtype="float32")
+    return Meaning(_KINDS[kind], shape, dtype="bool" if kind == "mask" else "float32")
 
 
 def _entry(meaning: Meaning, content: Content, lengths: Mapping[str, int | str], moving: bool) -> dict[str, Any]:

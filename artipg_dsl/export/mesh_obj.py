@@ -14,7 +14,7 @@ from .pose import rest_poses
 if TYPE_CHECKING:
     from .robot import Look, Robot, RobotLink, Visual
 
-LIBRARY = "object.mtl"
+_LIBRARY = "object.mtl"
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,10 +81,10 @@ def obj_files(robot: Robot) -> dict[str, bytes]:
     for link, (turn, shift) in zip(robot.links, poses, strict=True):
         if link.visuals:
             shapes = [_placed(visual, turn, shift) for visual in link.visuals]
-            text = f"mtllib {LIBRARY}\n" + obj_text(shapes, [v.look.name for v in link.visuals])
+            text = f"mtllib {_LIBRARY}\n" + obj_text(shapes, [v.look.name for v in link.visuals])
             files[f"obj/{own(link.name)}.obj"] = text.encode("utf-8")
     looks = dict.fromkeys(visual.look for link in robot.links for visual in link.visuals)
-    files[f"obj/{LIBRARY}"] = mtl_text(looks).encode("utf-8")
+    files[f"obj/{_LIBRARY}"] = mtl_text(looks).encode("utf-8")
     return files
 
 

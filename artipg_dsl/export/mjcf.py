@@ -21,7 +21,7 @@ from .write import ExportError
 if TYPE_CHECKING:
     from jinja2 import Template
 
-TYPES = {
+_TYPES = {
     "revolute": "hinge",
     "continuous": "hinge",
     "screw": "hinge",
@@ -29,7 +29,7 @@ TYPES = {
     "ball": "ball",
     "fixed": "",
 }
-ADVANCE = "_advance"  # a screw's slide is named after the screw
+_ADVANCE = "_advance"  # a screw's slide is named after the screw
 
 
 def mjcf_files(robot: Robot) -> dict[str, bytes]:
@@ -67,10 +67,10 @@ class _Model:
         self.couplings: list[dict[str, str]] = []
         below: dict[int, list[RobotJoint]] = {}
         for joint in robot.joints:
-            if joint.kind not in TYPES:
+            if joint.kind not in _TYPES:
                 raise ExportError(
                     f"{robot.name}: joint {joint.name} is a {joint.kind} joint, which MuJoCo cannot express",
-                    f"MuJoCo has {', '.join(TYPES)}; leave mjcf out of --format",
+                    f"MuJoCo has {', '.join(_TYPES)}; leave mjcf out of --format",
                 )
             below.setdefault(joint.parent, []).append(joint)
         looks = {visual.look.name: visual.look for link in robot.links for visual in link.visuals}
@@ -125,7 +125,7 @@ class _Model:
         }
 
     def _joints(self, joint: RobotJoint) -> list[dict[str, str]]:
-        kind = TYPES[joint.kind]
+        kind = _TYPES[joint.kind]
         if not kind:
             return []
         entry = {"name": joint.name, "type": kind}
@@ -143,8 +143,8 @@ class _Model:
         }
         made = [entry]
         if joint.kind == "screw":
-            made.append({"name": joint.name + ADVANCE, "type": "slide", "axis": numbers(joint.axis)})
-            self._couple(joint.name + ADVANCE, joint.name, 0.0, joint.pitch / (2 * np.pi))
+            made.append({"name": joint.name + _ADVANCE, "type": "slide", "axis": numbers(joint.axis)})
+            self._couple(joint.name + _ADVANCE, joint.name, 0.0, joint.pitch / (2 * np.pi))
         if joint.mimic is not None:
             leader, multiplier, offset = joint.mimic
             self._couple(joint.name, leader, offset, multiplier)
@@ -189,7 +189,7 @@ def qpos(robot: Robot, values: dict[str, float], order: list[str]) -> list[float
     for name in order:
         joint = joints.get(name)
         if joint is None:  # a screw's slide
-            screw = joints[name.removesuffix(ADVANCE)]
+            screw = joints[name.removesuffix(_ADVANCE)]
             numbers.append(values[screw.name] * screw.pitch / (2 * np.pi))
         elif joint.kind == "ball":
             half = values[name] / 2

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-KEPT = frozenset({"con", "prn", "aux", "nul", *(f"{port}{k}" for port in ("com", "lpt") for k in range(1, 10))})
+_KEPT = frozenset({"con", "prn", "aux", "nul", *(f"{port}{k}" for port in ("com", "lpt") for k in range(1, 10))})
 
 
 class Names:
@@ -13,7 +13,7 @@ class Names:
 
     def __call__(self, name: str) -> str:
         found, count = name, 1
-        while found.casefold() in self.taken or found.casefold().partition(".")[0] in KEPT:
+        while found.casefold() in self.taken or found.casefold().partition(".")[0] in _KEPT:
             count += 1
             found = f"{name}_{count}"
         self.taken.add(found.casefold())

@@ -51,12 +51,12 @@ def write_objects(
     for i, number in enumerate(batch.numbers.tolist()):
         if number in wanted:
             folder = object_folder(out, number)
-            write_object(robots, i, folder, lacking(folder, formats) if add else formats, force=force)
+            _write_object(robots, i, folder, lacking(folder, formats) if add else formats, force=force)
         if progress:
             progress(i + 1, len(batch))
 
 
-def write_object(robots: Robots, i: int, folder: Path, formats: Sequence[Format], *, force: bool = False) -> None:
+def _write_object(robots: Robots, i: int, folder: Path, formats: Sequence[Format], *, force: bool = False) -> None:
     """The files of all formats into the folder of object ``i``, all at once or not at all. Its other files stay."""
     for entry in formats:
         refuse_existing(folder / entry.file, force)
@@ -64,7 +64,7 @@ def write_object(robots: Robots, i: int, folder: Path, formats: Sequence[Format]
     with replacing_folder(folder, force=True) as partial:
         known = folder.is_dir()
         if known:
-            shutil.copytree(folder, partial, copy_function=link_or_copy, dirs_exist_ok=True)
+            shutil.copytree(folder, partial, copy_function=_link_or_copy, dirs_exist_ok=True)
         for parent in dict.fromkeys(Path(name).parent for name in files):
             (partial / parent).mkdir(parents=True, exist_ok=True)
         for name, data in files.items():
@@ -73,7 +73,7 @@ def write_object(robots: Robots, i: int, folder: Path, formats: Sequence[Format]
             (partial / name).write_bytes(data)
 
 
-def link_or_copy(old: str, new: str) -> None:
+def _link_or_copy(old: str, new: str) -> None:
     """The same file under another name; a copy on file systems without links."""
     try:
         os.link(old, new)

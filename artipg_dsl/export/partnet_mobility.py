@@ -28,10 +28,10 @@ if TYPE_CHECKING:
 
     from .robot import Collider, Look, Robot, RobotJoint, Robots
 
-POINTS = 10000
-URDFS = ("mobility.urdf", "mobility_vhacd.urdf", "mobility_cvx.urdf")  # one text under the names that readers ask for
-CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
-BOX_FACES = np.array(
+_POINTS = 10000
+_URDFS = ("mobility.urdf", "mobility_vhacd.urdf", "mobility_cvx.urdf")  # one text under the names that readers ask for
+_CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
+_BOX_FACES = np.array(
     [
         [0, 1, 3],
         [0, 3, 2],
@@ -63,10 +63,10 @@ class Frame:
         return Frame((low + high) / 2, float(np.sqrt(half[0] * half[0] + half[1] * half[1] + half[2] * half[2])))
 
     def points(self, points: np.ndarray) -> np.ndarray:
-        return to_dataset_axes((points - self.center) / self.unit)
+        return _to_dataset_axes((points - self.center) / self.unit)
 
 
-def to_dataset_axes(vectors: np.ndarray) -> np.ndarray:
+def _to_dataset_axes(vectors: np.ndarray) -> np.ndarray:
     """Directions (..., 3) in the data set's axes: left, up, front."""
     return vectors[..., [1, 2, 0]]
 
@@ -117,12 +117,12 @@ def partnet_files(robots: Robots, i: int) -> dict[str, bytes]:
     drawn = _meshes(robots, i, robot, members, frame, files)
     model = f"{robots.batch.program.name}-{robots.batch.seed}-{robot.number}"
     urdf = (_template().render(model=model, links=[_urdf_link(m, members, drawn) for m in members]) + "\n").encode()
-    files |= dict.fromkeys(URDFS, urdf)
+    files |= dict.fromkeys(_URDFS, urdf)
     files["mobility_v2.json"] = _json([_mobility(member) for member in members])
     files["semantics.txt"] = "".join(f"link_{m.id} {m.word} {m.label}\n" for m in members).encode()
     files["result.json"] = _json([_tree(robots.batch.program.name, members, words)])
     raw = frame.points(everything)
-    files["bounding_box.json"] = _json({"min": short(raw.min(axis=0)), "max": short(raw.max(axis=0))})
+    files["bounding_box.json"] = _json({"min": _short(raw.min(axis=0)), "max": _short(raw.max(axis=0))})
     files["meta.json"] = _json(
         {
             "model_id": model,
@@ -246,7 +246,7 @@ def _meshes(
 def _normals(visual: Any) -> tuple[np.ndarray, np.ndarray]:
     """Normals in the data set's axes, and which each corner of each face has."""
     shading = visual.item.group.shading
-    return to_dataset_axes(shading.normals[visual.item.k]), shading.faces
+    return _to_dataset_axes(shading.normals[visual.item.k]), shading.faces
 
 
 def _textured(stem: str, shapes: list[Shape], look: Look) -> dict[str, bytes]:
@@ -258,7 +258,7 @@ def _hull(collider: Collider) -> Shape:
     """A collider as a mesh in its link's frame."""
     if collider.hull is not None:
         return collider.hull
-    return Shape("box", move_points(CORNERS * np.array(collider.size), collider.rotation, collider.center), BOX_FACES)
+    return Shape("box", move_points(_CORNERS * np.array(collider.size), collider.rotation, collider.center), _BOX_FACES)
 
 
 def _urdf_link(member: Member, members: list[Member], drawn: dict[int, Any]) -> dict[str, Any]:
@@ -268,7 +268,7 @@ def _urdf_link(member: Member, members: list[Member], drawn: dict[int, Any]) -> 
     if joint is not None:
         found["origin"] = numbers(member.pivot - members[member.parent or 0].pivot)
     if joint is not None and member.word != "static":
-        found["axis"] = numbers(to_dataset_axes(joint.axis))
+        found["axis"] = numbers(_to_dataset_axes(joint.axis))
         if member.type != "continuous" and member.limit is not None:
             found["limit"] = [numbers([value]) for value in member.limit]
     return found
@@ -283,12 +283,12 @@ def _mobility(member: Member) -> dict[str, Any]:
         ends = np.array((-np.pi, np.pi) if free else member.limit)
         ends = np.degrees(ends) if member.word == "hinge" else ends
         data = {
-            "axis": {"origin": short(member.pivot), "direction": short(to_dataset_axes(joint.axis))},
-            "limit": {"a": short(ends)[0], "b": short(ends)[1], "noLimit": free},
+            "axis": {"origin": _short(member.pivot), "direction": _short(_to_dataset_axes(joint.axis))},
+            "limit": {"a": _short(ends)[0], "b": _short(ends)[1], "noLimit": free},
         }
         if member.word == "slider+":
             assert joint.low is not None and joint.high is not None
-            turn = short(np.degrees(np.array(joint.high - joint.low)))
+            turn = _short(np.degrees(np.array(joint.high - joint.low)))
             data["limit"] |= {"rotates": True, "noRotationLimit": False, "rotationLimit": turn}
     parts = [{"id": leaf.id, "name": leaf.name, "children": []} for leaf in member.leaves.values()]
     parent = -1 if member.parent is None else member.parent
@@ -322,11 +322,11 @@ def _samples(robots: Robots, i: int, members: list[Member], frame: Frame) -> dic
     pairs, where = np.unique(np.stack([points.link[i], points.instance[i]]), axis=1, return_inverse=True)
     labels = np.array([ids[pair] for pair in zip(*pairs.tolist(), strict=True)])[where.ravel()]
     colours = np.array([look[i].colour for look in robots.looks])[points.material[i] + 1]
-    place = "%.6f %.6f %.6f\n" * POINTS
+    place = "%.6f %.6f %.6f\n" * _POINTS
     position = frame.points(points.position[i])
-    columns = [position, to_dataset_axes(points.normal[i]), np.round(255 * colours), np.ones((POINTS, 1))]
-    rows = "%.6f %.6f %.6f %.6f %.6f %.6f %d %d %d %d\n" * POINTS
-    label = ("%d\n" * POINTS % tuple(labels.tolist())).encode()
+    columns = [position, _to_dataset_axes(points.normal[i]), np.round(255 * colours), np.ones((_POINTS, 1))]
+    rows = "%.6f %.6f %.6f %.6f %.6f %.6f %d %d %d %d\n" * _POINTS
+    label = ("%d\n" * _POINTS % tuple(labels.tolist())).encode()
     return {
         "point_sample/pts-10000.txt": (place % tuple((position + 0.0).ravel().tolist())).encode(),
         "point_sample/label-10000.txt": label,
@@ -345,11 +345,11 @@ def _points(robots: Robots) -> Points:
     found = _drawn.get(robots)
     if found is None:
         still = np.zeros(len(robots.joints.owner))
-        found = _drawn[robots] = sample_points(robots.batch, Sampling(POINTS), still)
+        found = _drawn[robots] = sample_points(robots.batch, Sampling(_POINTS), still)
     return found
 
 
-def short(values: np.ndarray) -> Any:
+def _short(values: np.ndarray) -> Any:
     """Numbers with nine decimals, as plain data."""
     return (np.round(values, 9) + 0.0).tolist()
 

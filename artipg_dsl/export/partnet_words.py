@@ -63,7 +63,7 @@ JOINTS = {
     "ball": ("static", "fixed"),  # there is no word for it
 }
 LIFTED = 5.0  # kg: a root part below this is `free` (one takes the object in the hand), above it `heavy`
-FURNITURE = ("StorageFurniture", "Table")  # whose doors are told apart by how they move
+_FURNITURE = ("StorageFurniture", "Table")  # whose doors are told apart by how they move
 
 
 def category(name: str) -> str:
@@ -79,12 +79,12 @@ def snake(name: str) -> str:
 
 def root_label(name: str) -> str:
     """What the data set calls the root part: ``furniture_body``, ``oven_body``."""
-    return "furniture_body" if category(name) in FURNITURE else f"{snake(name)}_body"
+    return "furniture_body" if category(name) in _FURNITURE else f"{snake(name)}_body"
 
 
 def link_label(category_name: str, word: str, kind: str) -> str:
     """What it calls a moving part: ours, but furniture has ``rotation_door`` and ``translation_door``."""
     label = snake(word)
-    if label == "door" and category(category_name) in FURNITURE and kind != "fixed":
+    if label == "door" and category(category_name) in _FURNITURE and kind != "fixed":
         return f"{'translation' if kind == 'prismatic' else 'rotation'}_door"
     return label

@@ -22,7 +22,7 @@ def rest_values(robot: Robot) -> dict[str, float]:
 
 def open_values(robot: Robot) -> dict[str, float]:
     """The value of every joint at the end of its range that is farther from rest (without limits: a full turn on)."""
-    return follow(robot, {joint.name: other_end(joint) for joint in robot.joints})
+    return follow(robot, {joint.name: _other_end(joint) for joint in robot.joints})
 
 
 def follow(robot: Robot, values: dict[str, float]) -> dict[str, float]:
@@ -39,7 +39,7 @@ def follow(robot: Robot, values: dict[str, float]) -> dict[str, float]:
     return {name: value(name) for name in values}
 
 
-def other_end(joint: RobotJoint) -> float:
+def _other_end(joint: RobotJoint) -> float:
     if joint.low is None or joint.high is None:
         return joint.rest + 2 * np.pi
     return joint.high if joint.high - joint.rest >= joint.rest - joint.low else joint.low
@@ -72,10 +72,10 @@ def _beyond(parent: Pose, joint: RobotJoint, value: float) -> Pose:
     axis = square(joint.axis[None])[0] if joint.kind == "ball" else joint.axis  # the tilt that a ball's value is
     turning = joint.kind in ("revolute", "continuous", "screw", "ball")
     own = axis_angle(axis, np.asarray(value)) if turning else np.eye(3)
-    return product(turn, own), product(turn, origin) + shift
+    return _product(turn, own), _product(turn, origin) + shift
 
 
-def product(turn: np.ndarray, other: np.ndarray) -> np.ndarray:
+def _product(turn: np.ndarray, other: np.ndarray) -> np.ndarray:
     """A matrix (3, 3) times a matrix or vector, summed in a fixed order."""
     terms = turn.T.reshape(3, 3, *[1] * (other.ndim - 1)) * other[:, None]
     return terms[0] + terms[1] + terms[2]

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-SWEEPS = 8  # convergence is quadratic: five do for 3 x 3
+_SWEEPS = 8  # convergence is quadratic: five do for 3 x 3
 
 
 def principal(tensors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -17,7 +17,7 @@ def principal(tensors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """
     a = np.array(tensors, dtype=np.float64)
     axes = np.broadcast_to(np.eye(3), a.shape).copy()
-    for _ in range(SWEEPS):
+    for _ in range(_SWEEPS):
         for p, q in ((0, 1), (0, 2), (1, 2)):
             _rotate(a, axes, p, q)
     return np.stack([a[:, k, k] for k in range(3)], axis=1), axes

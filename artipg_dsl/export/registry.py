@@ -107,11 +107,11 @@ def find_formats(names: str | Sequence[str]) -> list[Format]:
             close = get_close_matches(name.lower(), FORMATS, n=1)
             meant = f"did you mean {close[0]}? " if close else ""
             raise ExportError(f"unknown format {name!r}", f"{meant}the formats are {', '.join(FORMATS)}")
-        require(FORMATS[name])
+        _require(FORMATS[name])
     return [entry for name, entry in FORMATS.items() if name in wanted]
 
 
-def require(entry: Format) -> None:
+def _require(entry: Format) -> None:
     """Raise ExportError where a format's package is not installed."""
     if entry.needs is None:
         return

@@ -335,9 +335,9 @@ class Robots:
                     child=int(joints.child[j]),
                     origin=joints.origin[j] - self.origins[int(self.link_start[i]) + parent],
                     axis=joints.axis[j],
-                    low=number_or_none(joints.low[j]),
-                    high=number_or_none(joints.high[j]),
-                    rest=number_or_none(joints.rest[j]) or 0.0,
+                    low=_number_or_none(joints.low[j]),
+                    high=_number_or_none(joints.high[j]),
+                    rest=_number_or_none(joints.rest[j]) or 0.0,
                     effort=float(self.dynamics.effort[j]),
                     velocity=float(self.dynamics.velocity[j]),
                     damping=float(self.dynamics.damping[j]),
@@ -345,16 +345,16 @@ class Robots:
                     mimic=None
                     if leader < 0
                     else (joints.name[first + leader], float(joints.multiplier[j]), float(joints.offset[j])),
-                    pitch=number_or(joints.pitch[j], 0.0),
+                    pitch=_number_or(joints.pitch[j], 0.0),
                     armature=float(self.dynamics.armature[j]),
                 )
             )
         return made
 
 
-def number_or_none(value: float) -> float | None:
+def _number_or_none(value: float) -> float | None:
     return None if np.isnan(value) else float(value)
 
 
-def number_or(value: float, default: float) -> float:
+def _number_or(value: float, default: float) -> float:
     return default if np.isnan(value) else float(value)

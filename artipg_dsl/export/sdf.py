@@ -16,8 +16,8 @@ from .write import ExportError
 if TYPE_CHECKING:
     from jinja2 import Template
 
-KINDS = ("revolute", "continuous", "prismatic", "screw", "ball", "fixed")
-APART = 1e-6  # metres: points of a loop that are farther apart do not meet
+_KINDS = ("revolute", "continuous", "prismatic", "screw", "ball", "fixed")
+_APART = 1e-6  # metres: points of a loop that are farther apart do not meet
 
 
 def sdf_files(robot: Robot) -> dict[str, bytes]:
@@ -40,7 +40,7 @@ def _link(link: RobotLink, files: dict[str, bytes], pieces: dict[bytes, str]) ->
     visuals = []
     for name, look, data in link_meshes(link):
         files[f"meshes/{name}.obj"] = data
-        entry = {"name": name, "file": f"meshes/{name}.obj", "colour": numbers([*look.colour, look.opacity])}
+        entry = {"name": name, "file": f"meshes/{name}.obj", "colour": _numbers([*look.colour, look.opacity])}
         entry |= {"metalness": f"{look.metalness:.6g}", "roughness": f"{look.roughness:.6g}"}
         visuals.append(entry | {"transparency": f"{1.0 - look.opacity:.6g}"})
     noise = 1e-12 * (link.inertia[0, 0] + link.inertia[1, 1] + link.inertia[2, 2])
@@ -48,8 +48,8 @@ def _link(link: RobotLink, files: dict[str, bytes], pieces: dict[bytes, str]) ->
     cells = [("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2)]
     return {
         "name": link.name,
-        "pose": numbers(link.origin),
-        "center": numbers(link.center),
+        "pose": _numbers(link.origin),
+        "center": _numbers(link.center),
         "mass": f"{link.mass:.9g}",
         "inertia": {name: f"{tensor[i, j]:.9g}" for name, i, j in cells},
         "visuals": visuals,
@@ -61,16 +61,16 @@ def _collider(link: RobotLink, collider: Collider, files: dict[str, bytes], piec
     material, name = collider.material, collider.full
     entry: dict[str, Any] = {
         "name": f"{name}_collision",
-        "pose": f"{numbers(collider.center)} {numbers(euler(collider.rotation))}",
+        "pose": f"{_numbers(collider.center)} {_numbers(euler(collider.rotation))}",
         "friction": f"{sum(material.friction_dynamic) / 2:.6g}",
         "restitution": f"{sum(material.restitution) / 2:.6g}",
     }
     if collider.size is not None:
-        return entry | {"shape": "box", "sizes": {"size": numbers(collider.size)}}
+        return entry | {"shape": "box", "sizes": {"size": _numbers(collider.size)}}
     if collider.bar is not None:
-        sizes = {"radius": numbers([collider.bar.radius])}
+        sizes = {"radius": _numbers([collider.bar.radius])}
         if collider.bar.kind != "sphere":
-            sizes["length"] = numbers([collider.bar.length])
+            sizes["length"] = _numbers([collider.bar.length])
         return entry | {"shape": collider.bar.kind, "sizes": sizes}
     assert collider.hull is not None
     data = obj_bytes([Shape("piece", collider.hull.vertices, collider.hull.faces)])
@@ -81,10 +81,10 @@ def _collider(link: RobotLink, collider: Collider, files: dict[str, bytes], piec
 
 def _joint(joint: RobotJoint, robot: Robot) -> dict[str, Any]:
     """A joint; its frame is that of its child, whose axes are those of the object with all joints at 0."""
-    if joint.kind not in KINDS:
+    if joint.kind not in _KINDS:
         raise ExportError(
             f"{robot.name}: joint {joint.name} is a {joint.kind} joint, which SDFormat cannot express",
-            f"it has {', '.join(KINDS)}; leave sdf out of --format",
+            f"it has {', '.join(_KINDS)}; leave sdf out of --format",
         )
     limited = joint.low is not None and joint.high is not None
     kind = "continuous" if joint.kind == "revolute" and not limited else joint.kind
@@ -107,7 +107,7 @@ def _joint(joint: RobotJoint, robot: Robot) -> dict[str, Any]:
     if joint.mimic is not None:  # q = multiplier * (q of the leader - reference) + offset
         leader, multiplier, offset = joint.mimic
         mimic = {"joint": leader, "multiplier": f"{multiplier:.9g}", "offset": f"{offset:.9g}"}
-    return entry | {"axis": {"xyz": numbers(joint.axis), "limit": limit, "dynamics": dynamics, "mimic": mimic}}
+    return entry | {"axis": {"xyz": _numbers(joint.axis), "limit": limit, "dynamics": dynamics, "mimic": mimic}}
 
 
 def _closures(robot: Robot) -> list[dict[str, Any]]:
@@ -116,7 +116,7 @@ def _closures(robot: Robot) -> list[dict[str, Any]]:
     found = []
     for n, closure in enumerate(robot.closures):
         one, other = (poses[k][1] + point for k, point in zip(closure.links, closure.points, strict=True))
-        if np.abs(one - other).max() > APART:
+        if np.abs(one - other).max() > _APART:
             raise ExportError(
                 f"{robot.name}: a loop through {robot.links[closure.links[0]].name} is open with all joints at 0",
                 "SDFormat starts its joints there: close the loop at 0, or leave sdf out of --format",
@@ -125,7 +125,7 @@ def _closures(robot: Robot) -> list[dict[str, Any]]:
         entry: dict[str, Any] = {
             "name": f"closure_{n}",
             "kind": "ball",
-            "pose": numbers(closure.points[1]),
+            "pose": _numbers(closure.points[1]),
             "pitch": "",
             "axis": None,
         }
@@ -133,7 +133,7 @@ def _closures(robot: Robot) -> list[dict[str, Any]]:
     return found
 
 
-def numbers(values: Any) -> str:
+def _numbers(values: Any) -> str:
     """Numbers with ten significant digits and a blank between, rounding noise below 1e-12 dropped."""
     rounded = np.round(np.asarray(values, dtype=np.float64), 12) + 0.0
     return " ".join(f"{value:.10g}" for value in rounded.tolist())

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-SHARP = np.cos(np.radians(35.0))  # patches that meet at a smaller angle than this look like one smooth surface
+_SHARP = np.cos(np.radians(35.0))  # patches that meet at a smaller angle than this look like one smooth surface
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,30 +33,30 @@ def shade(vertices: np.ndarray, faces: np.ndarray, face_patch: np.ndarray) -> Sh
     before = np.roll(length, 1, axis=2)
     cosine = -(edges * np.roll(edges, 1, axis=2)).sum(axis=-1) / np.where(length * before > 0, length * before, 1.0)
     angle = np.arccos(np.clip(cosine, -1.0, 1.0))  # the corner's angle: fans and quads weigh the same
-    weighted = (unit(normal)[:, :, None] * angle[..., None]).reshape(len(vertices), -1, 3)
+    weighted = (_unit(normal)[:, :, None] * angle[..., None]).reshape(len(vertices), -1, 3)
 
     order = np.argsort(split, kind="stable")
     starts = np.searchsorted(split[order], np.arange(len(keys)))
     summed = np.add.reduceat(weighted[:, order], starts, axis=1)
-    return Shading(source, split.reshape(faces.shape).astype(np.int32), blend(summed, source))
+    return Shading(source, split.reshape(faces.shape).astype(np.int32), _blend(summed, source))
 
 
-def blend(summed: np.ndarray, source: np.ndarray) -> np.ndarray:
+def _blend(summed: np.ndarray, source: np.ndarray) -> np.ndarray:
     """Add up the normals (k, W, 3) of split vertices of one source where they differ by less than the sharp angle."""
-    own = unit(summed)
+    own = _unit(summed)
     order = np.argsort(source, kind="stable")
     ranked = source[order]
     result = summed.copy()
     for shift in range(1, int(np.bincount(source).max())):  # the other patches that meet at a vertex, a handful
         pairs = np.flatnonzero(ranked[shift:] == ranked[:-shift])
         a, b = order[pairs], order[pairs + shift]
-        near = ((own[:, a] * own[:, b]).sum(axis=-1) > SHARP)[..., None]
+        near = ((own[:, a] * own[:, b]).sum(axis=-1) > _SHARP)[..., None]
         result[:, a] += np.where(near, summed[:, b], 0.0)
         result[:, b] += np.where(near, summed[:, a], 0.0)
-    return unit(result)
+    return _unit(result)
 
 
-def unit(vectors: np.ndarray) -> np.ndarray:
+def _unit(vectors: np.ndarray) -> np.ndarray:
     """Vectors of length 1; where there is no direction, up."""
     length = np.sqrt((vectors * vectors).sum(axis=-1, keepdims=True))
     return np.where(length > 0, vectors / np.where(length > 0, length, 1.0), np.array([0.0, 0.0, 1.0]))

@@ -19,7 +19,7 @@ from .content import Content
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
 
-STAMP = (1980, 1, 1, 0, 0, 0)  # zip has no "no date"
+_STAMP = (1980, 1, 1, 0, 0, 0)  # zip has no "no date"
 
 
 def point_arrays(
@@ -32,14 +32,14 @@ def point_arrays(
         "object": np.asarray(batch.numbers, dtype=np.int64)[points.object],
         "points": points.position.astype(np.float32),
         "normals": points.normal.astype(np.float32),
-        "semantic": narrow(points.semantic),
-        "instance": narrow(points.instance),
-        "link": narrow(points.link),
-        "material": np.where(points.material < 0, NONE, narrow(np.maximum(points.material, 0))).astype(np.uint16),
+        "semantic": _narrow(points.semantic),
+        "instance": _narrow(points.instance),
+        "link": _narrow(points.link),
+        "material": np.where(points.material < 0, NONE, _narrow(np.maximum(points.material, 0))).astype(np.uint16),
         "npcs": points.npcs.astype(np.float32),
-        "primitive": narrow(points.primitive, np.uint16),
-        "element": narrow(points.element),
-        "patch": narrow(points.patch, np.uint16),
+        "primitive": _narrow(points.primitive, np.uint16),
+        "element": _narrow(points.element),
+        "patch": _narrow(points.patch, np.uint16),
         "u": points.u.astype(np.float32),
         "v": points.v.astype(np.float32),
     }
@@ -51,11 +51,11 @@ def point_arrays(
     if points.motion is not None:
         assert points.drivers is not None and points.velocities is not None
         arrays["motion"] = points.motion.astype(np.float32)
-        arrays["drivers"] = np.where(points.drivers < 0, NONE, narrow(np.maximum(points.drivers, 0))).astype(np.uint16)
+        arrays["drivers"] = np.where(points.drivers < 0, NONE, _narrow(np.maximum(points.drivers, 0))).astype(np.uint16)
         arrays["velocities"] = points.velocities.astype(np.float32)
     if points.acting is not None:
         for name, joint in points.acting.items():
-            arrays[f"{name}.joint"] = np.where(joint < 0, NONE, narrow(np.maximum(joint, 0))).astype(np.uint16)
+            arrays[f"{name}.joint"] = np.where(joint < 0, NONE, _narrow(np.maximum(joint, 0))).astype(np.uint16)
     labels = {name: a if a.dtype == bool else a.astype(np.float32) for name, a in sorted(points.labels.items())}
     return arrays | labels
 
@@ -71,7 +71,7 @@ def view_arrays(batch: Batch, cameras: Cameras, states: States = REST) -> dict[s
     return arrays | {f"cloud_{name}": values for name, values in views.cloud.items()}
 
 
-def narrow(values: np.ndarray, dtype: type = np.uint16) -> np.ndarray:
+def _narrow(values: np.ndarray, dtype: type = np.uint16) -> np.ndarray:
     """Small numbers in a type that does not depend on what a shard happens to hold."""
     values = np.asarray(values)
     if values.size and int(values.max()) > np.iinfo(dtype).max:
@@ -85,7 +85,7 @@ def npz_bytes(arrays: dict[str, np.ndarray], *, pack: bool = False) -> bytes:
     method, level = (zipfile.ZIP_DEFLATED, 1) if pack else (zipfile.ZIP_STORED, None)
     with zipfile.ZipFile(stream, "w", method, compresslevel=level) as archive:
         for name, array in arrays.items():
-            entry = zipfile.ZipInfo(f"{name}.npy", STAMP)
+            entry = zipfile.ZipInfo(f"{name}.npy", _STAMP)
             entry.create_system, entry.external_attr, entry.compress_type = 3, 0o644 << 16, method
             content = io.BytesIO()
             np.lib.format.write_array(content, np.ascontiguousarray(array), version=(1, 0), allow_pickle=False)

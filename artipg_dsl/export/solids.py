@@ -94,10 +94,10 @@ def build_meshes(tables: list[SiteTable], resolution: Resolution = STANDARD) -> 
     """Meshes of all instances of all sites."""
     groups: list[SolidGroup] = []
     tables = [table for table in tables if len(table.owner)]
-    for table, steps in zip(tables, steps_of(tables, resolution), strict=True):
+    for table, steps in zip(tables, _steps_of(tables, resolution), strict=True):
         for part in mesh.build(table.primitive, table.params, steps):
             rows = np.asarray(part.rows)
-            vertices = place_points(table, rows, part.vertices)
+            vertices = _place_points(table, rows, part.vertices)
             for sign in (1.0, -1.0):
                 chosen = np.flatnonzero(table.mirror[rows] == sign)
                 if len(chosen):
@@ -108,7 +108,7 @@ def build_meshes(tables: list[SiteTable], resolution: Resolution = STANDARD) -> 
     return groups
 
 
-def steps_of(tables: list[SiteTable], resolution: Resolution) -> Sequence[int | np.ndarray]:
+def _steps_of(tables: list[SiteTable], resolution: Resolution) -> Sequence[int | np.ndarray]:
     """What ``mesh.build`` takes for each table: steps per full turn, or the tolerance (k,) of each instance, metres."""
     if not resolution.by_error:
         return [resolution.steps] * len(tables)
@@ -138,8 +138,8 @@ def build_pieces(tables: list[SiteTable]) -> list[PieceGroup]:
             bulge = as_round(part.vertices)
             name, _, index = part.name.partition("[")
             number = names.setdefault(name, len(names))
-            center = place_points(table, rows, center[:, None])[:, 0]
-            vertices = place_points(table, rows, part.vertices)
+            center = _place_points(table, rows, center[:, None])[:, 0]
+            vertices = _place_points(table, rows, part.vertices)
             for sign in (1.0, -1.0):
                 c = np.flatnonzero(table.mirror[rows] == sign)
                 if len(c):
@@ -153,7 +153,7 @@ def build_pieces(tables: list[SiteTable]) -> list[PieceGroup]:
     return groups
 
 
-def place_points(table: SiteTable, rows: np.ndarray, points: np.ndarray) -> np.ndarray:
+def _place_points(table: SiteTable, rows: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Local points (k, n, 3) of ``rows`` in the object's frame."""
     return place(table.rotation[rows], table.translation[rows], points, table.mirror[rows])
 

@@ -1,7 +1,7 @@
 """The strict protocol: do the meshes that are seen share anything, in any of many states of all joints?
 
 At rest, while each joint runs through its range with all others at rest, and in random states of all joints together, for
-every pair of links. The solids that meshes bound are intersected (manifold3d); what is deeper than ``DEEP`` is a fault.
+every pair of links. The solids that meshes bound are intersected (manifold3d); what is deeper than ``_DEEP`` is a fault.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from .solids import build_meshes
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
-DEEP = 1e-6  # metres
-STEPS = 33  # of the range of each joint
-KINDS = ("at rest", "sweep", "all joints")
+_DEEP = 1e-6  # metres
+_STEPS = 33  # of the range of each joint
+_KINDS = ("at rest", "sweep", "all joints")
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,15 +61,15 @@ def strict(batch: Batch, states: int = STATES) -> Strict:
     """Look at the meshes of a batch. Raises UserError where manifold3d is not installed."""
     ready()
     tree = Tree(batch)
-    solids = Solids(batch, tree)
+    solids = _Solids(batch, tree)
     worst: dict[tuple[Any, ...], Touch] = {}
-    for kind, moved, values, apart in configurations(tree, states):
+    for kind, moved, values, apart in _configurations(tree, states):
         for touch in solids.touching(values, kind, moved, apart):
             key = (touch.object, touch.links, touch.state)
             if key not in worst or worst[key].depth < touch.depth:
                 worst[key] = touch
-    found = tuple(sorted(worst.values(), key=lambda t: (t.object, KINDS.index(t.state), t.links)))
-    bad = [len({t.object for t in found if t.state in KINDS[: k + 1]}) for k in range(len(KINDS))]
+    found = tuple(sorted(worst.values(), key=lambda t: (t.object, _KINDS.index(t.state), t.links)))
+    bad = [len({t.object for t in found if t.state in _KINDS[: k + 1]}) for k in range(len(_KINDS))]
     rest, sweeps, every = (len(batch) - count for count in bad)
     return Strict(len(batch), rest, sweeps, every, states, found)
 
@@ -83,25 +83,25 @@ def ready() -> None:
         )
 
 
-def configurations(tree: Tree, states: int) -> Iterator[tuple[str, np.ndarray, np.ndarray, np.ndarray]]:
+def _configurations(tree: Tree, states: int) -> Iterator[tuple[str, np.ndarray, np.ndarray, np.ndarray]]:
     """States of all objects at once: their kind, the joint (B,) that moves in each (-1: none), values (J,), and the objects
     whose loops do not close there."""
     rest = tree.joints.rest
     none = np.full(len(tree.first), -1)
-    yield KINDS[0], none, rest, np.zeros(0, dtype=np.int64)
+    yield _KINDS[0], none, rest, np.zeros(0, dtype=np.int64)
     moves = np.array([kind != "fixed" for kind in tree.joints.kind], dtype=bool)
-    for lead, values, _ in led(tree, moves & (tree.high > tree.low), np.linspace(0.0, 1.0, STEPS)):
-        yield KINDS[1], lead, values, open_ones(tree, values)
+    for lead, values, _ in led(tree, moves & (tree.high > tree.low), np.linspace(0.0, 1.0, _STEPS)):
+        yield _KINDS[1], lead, values, _open_ones(tree, values)
     for number in range(states if moves.any() else 0):
         values = random_states(tree.batch, number)
-        yield KINDS[2], none, values, open_ones(tree, values)
+        yield _KINDS[2], none, values, _open_ones(tree, values)
 
 
-def open_ones(tree: Tree, values: np.ndarray) -> np.ndarray:
+def _open_ones(tree: Tree, values: np.ndarray) -> np.ndarray:
     return np.unique(tree.links.owner[tree.at(values)[2][0]])
 
 
-class Solids:
+class _Solids:
     """The meshes of a batch as solids, and boxes about them."""
 
     def __init__(self, batch: Batch, tree: Tree):
@@ -146,8 +146,8 @@ class Solids:
             both = [
                 self.solids[body.source[k]].transform(np.concatenate([own[k], at[k][:, None]], axis=1)) for k in (a, b)
             ]
-            depth, place = shared(*both)
-            if depth > DEEP:
+            depth, place = _shared(*both)
+            if depth > _DEEP:
                 yield self.touch(a, b, kind, lead, values, depth, place)
 
     def fresh(self, first: np.ndarray, second: np.ndarray, turn: np.ndarray, shift: np.ndarray) -> np.ndarray:
@@ -186,7 +186,7 @@ class Solids:
         )
 
 
-def shared(first: Manifold, second: Manifold) -> tuple[float, Any]:
+def _shared(first: Manifold, second: Manifold) -> tuple[float, Any]:
     """How deep two solids share space, metres, and the middle of where they do so most deeply.
 
     Of each connected piece of what they share: the least width along the normals of its faces and the axes, at most six

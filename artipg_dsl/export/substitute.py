@@ -16,7 +16,7 @@ from ..runtime.motion import square
 from .robot import SMALLEST_MASS, Robot, RobotJoint, RobotLink
 
 ADVANCE, SWING, TWIST, MARK = "_advance", "_swing", "_twist", "_mark"
-SHARE = 1e-3  # of the moved link's mass and inertia, for a link that is there for the format alone
+_SHARE = 1e-3  # of the moved link's mass and inertia, for a link that is there for the format alone
 
 
 def simple_joints(robot: Robot) -> Robot:
@@ -83,9 +83,9 @@ def _chain(steps: list[RobotJoint], links: list[RobotLink]) -> list[RobotJoint]:
         if i + 1 < len(steps):
             child = len(links)
             trace = float(moved.inertia[0, 0] + moved.inertia[1, 1] + moved.inertia[2, 2])
-            inertia = SHARE * max(trace, 1e-9) * np.eye(3)
+            inertia = _SHARE * max(trace, 1e-9) * np.eye(3)
             name = f"{moved.name}_carrier_{i + 1}" if i else f"{moved.name}_carrier"
-            links.append(RobotLink(name, moved.origin, SHARE * moved.mass, np.zeros(3), inertia, (), ()))
+            links.append(RobotLink(name, moved.origin, _SHARE * moved.mass, np.zeros(3), inertia, (), ()))
         chained.append(replace(step, parent=parent, child=child, origin=step.origin if i == 0 else np.zeros(3)))
         parent = child
     return chained

@@ -17,9 +17,9 @@ from .write import ExportError
 if TYPE_CHECKING:
     from jinja2 import Template
 
-APART = "Default"  # the word of an SRDF for pairs that no joint holds, and the only one that SAPIEN heeds
-KINDS = ("revolute", "continuous", "prismatic", "fixed")
-MOST_PAIRS = 31  # SAPIEN has a bit for each that are not parent and child
+_APART = "Default"  # the word of an SRDF for pairs that no joint holds, and the only one that SAPIEN heeds
+_KINDS = ("revolute", "continuous", "prismatic", "fixed")
+_MOST_PAIRS = 31  # SAPIEN has a bit for each that are not parent and child
 FIRST_BIT, LAST_BIT = 6, 30  # of Bullet's 32 for groups: it uses the lower ones itself
 
 
@@ -33,7 +33,7 @@ def urdf_files(robot: Robot) -> dict[str, bytes]:
     looks: dict[str, str] = {}
     pieces: dict[bytes, str] = {}
     pairs = _pairs(whole, robot)
-    groups = _groups([(one, other) for one, other, reason in pairs if reason == APART])
+    groups = _groups([(one, other) for one, other, reason in pairs if reason == _APART])
     links = [_link(link, files, looks, pieces) | {"group": groups.get(link.name)} for link in robot.links]
     joints = [_joint(joint, robot) for joint in robot.joints]
     materials = [{"name": name, "rgba": rgba} for name, rgba in looks.items()]
@@ -64,8 +64,8 @@ def _pairs(whole: Robot, robot: Robot) -> list[tuple[str, str, str]]:
     """Pairs of links that do not collide, and why: parent and child in the URDF, or held together through links between."""
     held = {frozenset((robot.links[joint.parent].name, robot.links[joint.child].name)) for joint in robot.joints}
     pairs = adjacent(whole)
-    other = [pair for pair in pairs if frozenset(pair) not in held][:MOST_PAIRS]
-    return [(*pair, "Adjacent") for pair in pairs if frozenset(pair) in held] + [(*pair, APART) for pair in other]
+    other = [pair for pair in pairs if frozenset(pair) not in held][:_MOST_PAIRS]
+    return [(*pair, "Adjacent") for pair in pairs if frozenset(pair) in held] + [(*pair, _APART) for pair in other]
 
 
 def _groups(pairs: list[tuple[str, str]]) -> dict[str, dict[str, int]]:
@@ -135,10 +135,10 @@ def _collider(link: RobotLink, collider: Collider, files: dict[str, bytes], piec
 
 def _joint(joint: RobotJoint, robot: Robot) -> dict[str, Any]:
     kind = joint.kind
-    if kind not in KINDS:
+    if kind not in _KINDS:
         raise ExportError(
             f"{robot.name}: joint {joint.name} is a {kind} joint, which URDF cannot express",
-            f"URDF has {', '.join(KINDS)}; leave urdf out of --format",
+            f"URDF has {', '.join(_KINDS)}; leave urdf out of --format",
         )
     limited = joint.low is not None and joint.high is not None
     if kind == "revolute" and not limited:

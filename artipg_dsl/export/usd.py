@@ -22,7 +22,7 @@ from .write import ExportError
 if TYPE_CHECKING:
     from jinja2 import Template
 
-TYPES = {
+_TYPES = {
     "revolute": "PhysicsRevoluteJoint",
     "continuous": "PhysicsRevoluteJoint",
     "prismatic": "PhysicsPrismaticJoint",
@@ -30,7 +30,7 @@ TYPES = {
     "ball": "PhysicsSphericalJoint",
     "fixed": "PhysicsFixedJoint",
 }
-DEGREES = float(np.degrees(1.0))
+_DEGREES = float(np.degrees(1.0))
 
 
 class Names:
@@ -60,7 +60,7 @@ def usd_files(robots: Robots, i: int) -> dict[str, bytes]:
     moments, axes = principal(np.stack([link.inertia for link in robot.links]))
     for k, link in enumerate(links):
         # a button's moments are tiny: significant digits, not decimals
-        link |= {"moments": "({:.9g}, {:.9g}, {:.9g})".format(*moments[k].tolist()), "axes": quat(quaternion(axes[k]))}
+        link |= {"moments": "({:.9g}, {:.9g}, {:.9g})".format(*moments[k].tolist()), "axes": _quat(quaternion(axes[k]))}
     own = Names()
     paths = {joint.name: own(joint.name) for joint in robot.joints}
     joints = [_joint(robot, joint, name, link_names, paths) for joint in robot.joints]
@@ -78,7 +78,7 @@ def _looks(robot: Robot) -> list[dict[str, str]]:
     found = []
     for name, look in looks.items():
         material = physical.get(name)
-        entry = {"name": identifier(name), "colour": vector(np.round(linear(np.array(look.colour)), 6))}
+        entry = {"name": _identifier(name), "colour": _vector(np.round(linear(np.array(look.colour)), 6))}
         entry |= {
             "metalness": f"{look.metalness:.6g}",
             "roughness": f"{look.roughness:.6g}",
@@ -104,9 +104,9 @@ def _link(robot: Robot, k: int, pose: tuple[np.ndarray, np.ndarray], words: tupl
         "title": link.name,
         "label": labels[0] if labels else "",
         "mass": f"{link.mass:.9g}",
-        "center": vector(link.center),
-        "turn": quat(quaternion(pose[0])),
-        "shift": vector(pose[1]),
+        "center": _vector(link.center),
+        "turn": _quat(quaternion(pose[0])),
+        "shift": _vector(pose[1]),
         "meshes": meshes,
         "pieces": [_piece(collider) | {"name": pieces(collider.name)} for collider in link.colliders],
     }
@@ -119,21 +119,21 @@ def _mesh(visual: Visual, origin: np.ndarray, words: tuple[str, ...]) -> dict[st
     semantic = int(group.table.semantic[visual.item.row])
     return _polygons(points, shading.faces) | {
         "title": visual.name,
-        "look": identifier(visual.look.name),
+        "look": _identifier(visual.look.name),
         "label": words[semantic] if semantic else "",
-        "normals": vectors(np.round(shading.normals[k], 5)),
+        "normals": _vectors(np.round(shading.normals[k], 5)),
     }
 
 
 def _piece(collider: Collider) -> dict[str, Any]:
-    look = {"look": identifier(collider.material.name)}
-    place = {"turn": quat(collider.turn), "shift": vector(collider.center)}
+    look = {"look": _identifier(collider.material.name)}
+    place = {"turn": _quat(collider.turn), "shift": _vector(collider.center)}
     if collider.size is not None:
-        return look | place | {"type": "Cube", "scale": vector(np.array(collider.size))}
+        return look | place | {"type": "Cube", "scale": _vector(np.array(collider.size))}
     if collider.bar is not None:
         bar, reach = collider.bar, collider.bar.length / 2 + collider.bar.radius * collider.bar.capped
         corner = np.array([bar.radius, bar.radius, reach])
-        lines = [f"float3[] extent = {vectors(np.stack([-corner, corner]))}", f"double radius = {bar.radius:.9g}"]
+        lines = [f"float3[] extent = {_vectors(np.stack([-corner, corner]))}", f"double radius = {bar.radius:.9g}"]
         if bar.kind != "sphere":
             lines += ['uniform token axis = "Z"', f"double height = {bar.length:.9g}"]
         return look | place | {"type": bar.kind.capitalize(), "lines": lines}
@@ -143,38 +143,38 @@ def _piece(collider: Collider) -> dict[str, Any]:
 
 def _polygons(points: np.ndarray, faces: np.ndarray) -> dict[str, str]:
     return {
-        "extent": vectors(np.stack([points.min(axis=0), points.max(axis=0)])),
+        "extent": _vectors(np.stack([points.min(axis=0), points.max(axis=0)])),
         "counts": "[" + ", ".join(["3"] * len(faces)) + "]",
         "indices": "[" + ", ".join(map(str, faces.ravel().tolist())) + "]",
-        "points": vectors(points),
+        "points": _vectors(points),
     }
 
 
 def _joint(robot: Robot, joint: RobotJoint, name: str, links: list[str], paths: dict[str, str]) -> dict[str, Any]:
     """A joint's type, applied schemas and properties. Its frames are turned so that one of their axes is the joint's."""
-    if joint.kind not in TYPES:
+    if joint.kind not in _TYPES:
         raise ExportError(
             f"{robot.name}: joint {joint.name} is a {joint.kind} joint, which UsdPhysics cannot express",
-            f"it has {', '.join(TYPES)}; leave usd out of --format",
+            f"it has {', '.join(_TYPES)}; leave usd out of --format",
         )
     letter, turn = frame_of(joint.axis)
     lines = [
         f"rel physics:body0 = </{name}/{links[joint.parent]}>",
         f"rel physics:body1 = </{name}/{links[joint.child]}>",
-        f"point3f physics:localPos0 = {vector(joint.origin)}",
+        f"point3f physics:localPos0 = {_vector(joint.origin)}",
         "point3f physics:localPos1 = (0, 0, 0)",
-        f"quatf physics:localRot0 = {quat(turn)}",
-        f"quatf physics:localRot1 = {quat(turn)}",
+        f"quatf physics:localRot0 = {_quat(turn)}",
+        f"quatf physics:localRot1 = {_quat(turn)}",
     ]
     schemas: list[str] = []
     if joint.kind == "ball":
         lines.append(f'uniform token physics:axis = "{letter}"')
         if joint.high is not None:
-            cone = max(abs(joint.low or 0.0), abs(joint.high)) * DEGREES
+            cone = max(abs(joint.low or 0.0), abs(joint.high)) * _DEGREES
             lines += [f"float physics:coneAngle{k}Limit = {cone:.9g}" for k in (0, 1)]
     elif joint.kind != "fixed":
         angular = joint.kind != "prismatic"
-        unit = DEGREES if angular else 1.0
+        unit = _DEGREES if angular else 1.0
         drive = "drive:angular:physics" if angular else "drive:linear:physics"
         lines.append(f'uniform token physics:axis = "{letter}"')
         if joint.kind != "continuous" and joint.low is not None and joint.high is not None:
@@ -198,7 +198,7 @@ def _joint(robot: Robot, joint: RobotJoint, name: str, links: list[str], paths: 
             lines += _mimic(robot, joint, name, letter, paths, schemas)
     quoted = ", ".join(f'"{schema}"' for schema in schemas)
     return {
-        "type": TYPES[joint.kind],
+        "type": _TYPES[joint.kind],
         "name": paths[joint.name],
         "title": joint.name,
         "schemas": quoted,
@@ -210,10 +210,10 @@ def _closure(closure: Closure, name: str, links: list[str]) -> dict[str, Any]:
     """Where a loop closes: two points that stay together, outside the articulation's tree."""
     lines = [
         *(f"rel physics:body{n} = </{name}/{links[k]}>" for n, k in enumerate(closure.links)),
-        *(f"point3f physics:localPos{n} = {vector(point)}" for n, point in enumerate(closure.points)),
+        *(f"point3f physics:localPos{n} = {_vector(point)}" for n, point in enumerate(closure.points)),
         "bool physics:excludeFromArticulation = 1",
     ]
-    return {"type": TYPES["ball"], "title": "closure", "schemas": "", "lines": lines}
+    return {"type": _TYPES["ball"], "title": "closure", "schemas": "", "lines": lines}
 
 
 def _mimic(
@@ -223,7 +223,7 @@ def _mimic(
     assert joint.mimic is not None
     leader, multiplier, offset = joint.mimic
     led = next(other for other in robot.joints if other.name == leader)
-    own, other = (DEGREES if j.kind != "prismatic" else 1.0 for j in (joint, led))
+    own, other = (_DEGREES if j.kind != "prismatic" else 1.0 for j in (joint, led))
     sort, led_sort = ("rot" if j.kind != "prismatic" else "trans" for j in (joint, led))
     schemas.append(f"PhysxMimicJointAPI:{sort}{letter}")
     physx = f"physxMimicJoint:{sort}{letter}"
@@ -248,7 +248,7 @@ def frame_of(axis: np.ndarray) -> tuple[str, np.ndarray]:
     if axis[k] < 0:  # half a turn about the next axis first, so that what is left is less than a quarter
         half = np.zeros(4)
         half[1 + (k + 1) % 3] = 1.0
-        return "XYZ"[k], times(between(-own, axis), half)
+        return "XYZ"[k], _times(between(-own, axis), half)
     return "XYZ"[k], between(own, axis)
 
 
@@ -259,7 +259,7 @@ def between(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return q / np.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
 
 
-def times(p: np.ndarray, q: np.ndarray) -> np.ndarray:
+def _times(p: np.ndarray, q: np.ndarray) -> np.ndarray:
     """The product of two quaternions w x y z: first ``q``, then ``p``."""
     a, b, c, d = p.tolist()
     e, f, g, h = q.tolist()
@@ -273,20 +273,20 @@ def times(p: np.ndarray, q: np.ndarray) -> np.ndarray:
     )
 
 
-def identifier(name: str) -> str:
+def _identifier(name: str) -> str:
     return Names()(name)
 
 
-def vector(values: np.ndarray) -> str:
+def _vector(values: np.ndarray) -> str:
     return "(" + ", ".join(f"{v:.9g}" for v in (np.round(values, 12) + 0.0).tolist()) + ")"
 
 
-def quat(values: np.ndarray) -> str:
+def _quat(values: np.ndarray) -> str:
     """A quaternion w x y z."""
-    return vector(np.asarray(values, dtype=np.float64).reshape(4))
+    return _vector(np.asarray(values, dtype=np.float64).reshape(4))
 
 
-def vectors(points: np.ndarray) -> str:
+def _vectors(points: np.ndarray) -> str:
     """Points (n, 3) as an array of tuples."""
     rounded = np.round(points, 12) + 0.0
     return "[" + ("(%.9g, %.9g, %.9g), " * len(rounded) % tuple(rounded.ravel().tolist()))[:-2] + "]"

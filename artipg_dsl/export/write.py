@@ -12,7 +12,7 @@ from typing import BinaryIO
 
 from ..errors import UserError
 
-MARK = ".partial-"
+_MARK = ".partial-"
 
 
 class ExportError(UserError):
@@ -23,8 +23,8 @@ def explain(error: OSError, path: Path) -> ExportError:
     """An operating system's refusal in words."""
     place = error.filename if isinstance(error.filename, str) else path
     place = Path(place)
-    if MARK in place.name:  # the user knows the file by its final name
-        place = place.with_name(place.name.split(MARK)[0].removeprefix("."))
+    if _MARK in place.name:  # the user knows the file by its final name
+        place = place.with_name(place.name.split(_MARK)[0].removeprefix("."))
     if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS):
         return ExportError(f"no permission to write {place}", "choose another output folder or change its permissions")
     if error.errno in (errno.ENOTDIR, errno.EEXIST):
@@ -42,9 +42,9 @@ def explain(error: OSError, path: Path) -> ExportError:
     return ExportError(f"cannot write {place}: {error.strerror or error}", "choose another output folder")
 
 
-def beside(path: Path) -> Path:
+def _beside(path: Path) -> Path:
     """A hidden sibling that marks itself as unfinished and as belonging to this process."""
-    return path.with_name(f".{path.name}{MARK}{os.getpid()}")
+    return path.with_name(f".{path.name}{_MARK}{os.getpid()}")
 
 
 def ensure_folder(path: Path) -> Path:
@@ -61,7 +61,7 @@ def refuse_existing(path: Path, force: bool) -> None:
         raise ExportError(f"{path} exists", "remove it, choose another name, or use --force to replace it")
 
 
-def stream_like(path: Path) -> bool:
+def _stream_like(path: Path) -> bool:
     """Whether a path is a device or a pipe, which is written to and cannot be replaced."""
     return path.exists() and not path.is_file() and not path.is_dir()
 
@@ -70,7 +70,7 @@ def stream_like(path: Path) -> bool:
 def replacing_file(path: Path | str, *, force: bool = False) -> Iterator[BinaryIO]:
     """A binary file to write to, which takes the name ``path`` only when the block ends without an exception."""
     path = Path(path)
-    if stream_like(path):
+    if _stream_like(path):
         try:
             with open(path, "wb") as stream:
                 yield stream
@@ -82,7 +82,7 @@ def replacing_file(path: Path | str, *, force: bool = False) -> Iterator[BinaryI
         raise ExportError(f"{path} is a folder, but a file is to be written", "choose another output name")
     ensure_folder(path.parent)
     path = Path(os.path.realpath(path))  # a link stays one: what it points to is replaced
-    partial = beside(path)
+    partial = _beside(path)
     try:
         with open(partial, "wb") as stream:
             yield stream
@@ -101,7 +101,7 @@ def replacing_folder(path: Path | str, *, force: bool = False) -> Iterator[Path]
     path = Path(path)
     refuse_existing(path, force)
     ensure_folder(path.parent)
-    partial = beside(path)
+    partial = _beside(path)
     old = partial.with_name(partial.name + "-old")
     try:
         shutil.rmtree(partial, ignore_errors=True)
@@ -129,8 +129,8 @@ def write_bytes(path: Path | str, data: bytes, *, force: bool = False) -> None:
 
 def sweep(folder: Path) -> None:
     """Remove what a killed process left unfinished in ``folder`` (what a running one still writes stays)."""
-    for left in folder.glob(f".*{MARK}*"):
-        owner = left.name.split(MARK)[1].removesuffix("-old")
+    for left in folder.glob(f".*{_MARK}*"):
+        owner = left.name.split(_MARK)[1].removesuffix("-old")
         if owner.isdigit() and not _alive(int(owner)):
             shutil.rmtree(left) if left.is_dir() else left.unlink(missing_ok=True)
 

@@ -83,7 +83,7 @@ def block(sites: list[SiteTable], first: int, stop: int) -> Block:
     diagonal = np.sqrt(extent[:, 0] * extent[:, 0] + extent[:, 1] * extent[:, 1] + extent[:, 2] * extent[:, 2])
     poses = (np.ascontiguousarray(rotation.T), np.ascontiguousarray(translation.T), mirror)
     rows = column(lambda t, s: np.arange(s.start, s.stop))
-    where = placed_bounds(poses, np.arange(start), own_low, own_high)
+    where = _placed_bounds(poses, np.arange(start), own_low, own_high)
     return Block(stop - first, tuple(shelves), owner, number, rows, rank, *poses, *where, diagonal)
 
 
@@ -91,7 +91,7 @@ Poses = tuple[np.ndarray, np.ndarray, np.ndarray]
 Coordinates = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
-def placed_bounds(poses: Poses, row: np.ndarray, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _placed_bounds(poses: Poses, row: np.ndarray, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Boxes (m, 3) in the own frames of rows, bounded by boxes in the object's frame."""
     rotation, translation, mirror = poses[0][:, row], poses[1][:, row], poses[2][row]
     middle, half = (low + high) / 2, (high - low) / 2

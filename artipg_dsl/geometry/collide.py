@@ -14,7 +14,7 @@ import numpy as np
 
 from .vectors import cross, dot
 
-MOST_STEPS = 40
+_MOST_STEPS = 40
 DEPTH = 1e-6  # metres: what overlaps by less touches
 _PAIRS = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]
 _TRIPLES = [(0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3)]
@@ -119,7 +119,7 @@ def examine(first: Bodies, second: Bodies, near: float = 0.5) -> tuple[np.ndarra
     weight[:, 0] = 1.0
     nearest = start.copy()
     apart = np.zeros(count, dtype=bool)
-    for _ in range(MOST_STEPS):
+    for _ in range(_MOST_STEPS):
         v = nearest[active]
         point = first.support(active, -v) - second.support(active, v)
         away, length = dot(v, point), dot(v, v)
@@ -132,7 +132,7 @@ def examine(first: Bodies, second: Bodies, near: float = 0.5) -> tuple[np.ndarra
             break
         slot = np.argmin(weight[active], axis=1)
         simplex[active, slot] = point
-        value, shares = closest(simplex[active])
+        value, shares = _closest(simplex[active])
         nearest[active], weight[active] = value, shares
         inside = dot(value, value) <= 1e-22 * np.maximum(size[active] ** 2, 1e-12)
         inside |= (shares > 0.0).all(axis=1)
@@ -153,7 +153,7 @@ def common(first: Bodies, second: Bodies) -> np.ndarray:
     weight = np.zeros((count, 4))
     weight[:, 0] = 1.0
     nearest = ends[:, 0] - ends[:, 1]
-    for _ in range(MOST_STEPS):
+    for _ in range(_MOST_STEPS):
         ends = np.stack([first.support(rows, -nearest), second.support(rows, nearest)], axis=1)
         length = dot(nearest, nearest)
         going = (length > 1e-22) & (length - dot(nearest, ends[:, 0] - ends[:, 1]) > 1e-10 * length)
@@ -163,8 +163,8 @@ def common(first: Bodies, second: Bodies) -> np.ndarray:
             break
         slot = np.argmin(weight[at], axis=1)
         simplex[at, :, slot] = ends[at]
-        nearest[at], weight[at] = closest(simplex[at, 0] - simplex[at, 1])
-    return (mixed(weight, simplex[:, 0]) + mixed(weight, simplex[:, 1])) / 2
+        nearest[at], weight[at] = _closest(simplex[at, 0] - simplex[at, 1])
+    return (_mixed(weight, simplex[:, 0]) + _mixed(weight, simplex[:, 1])) / 2
 
 
 def within(first: Bodies, second: Bodies, distance: np.ndarray, near: float = 0.99) -> np.ndarray:
@@ -175,7 +175,7 @@ def within(first: Bodies, second: Bodies, distance: np.ndarray, near: float = 0.
     return hit | (dot(away, away) < distance * distance)
 
 
-def closest(simplex: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _closest(simplex: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The point of tetrahedra (k, 4, 3) nearest the origin, and its weights (k, 4); all positive: the origin lies within."""
     best = np.full(len(simplex), np.inf)
     weights = np.zeros((len(simplex), 4))
@@ -210,7 +210,7 @@ def closest(simplex: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         offer((i, j, k), (1.0 - s - t, s, t), (det > 1e-14 * aa * bb) & (s > 0) & (t > 0) & (s + t < 1))
     inside, shares = _tetrahedron(simplex)
     best[inside], weights[inside] = 0.0, shares[inside]
-    return mixed(weights, simplex), weights
+    return _mixed(weights, simplex), weights
 
 
 def _tetrahedron(simplex: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -228,7 +228,7 @@ def _tetrahedron(simplex: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return solid & (shares > 0).all(axis=1), shares
 
 
-def mixed(shares: np.ndarray, simplex: np.ndarray) -> np.ndarray:
+def _mixed(shares: np.ndarray, simplex: np.ndarray) -> np.ndarray:
     """The points (k, 3) of tetrahedra (k, 4, 3) with the weights (k, 4), added up corner by corner."""
     found = shares[:, 0, None] * simplex[:, 0]
     for i in range(1, 4):

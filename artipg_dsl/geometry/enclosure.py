@@ -13,7 +13,7 @@ import numpy as np
 from ..graph.expr import Expr
 from ..graph.primitive import Primitive
 
-Bounds = tuple[np.ndarray, np.ndarray]
+_Bounds = tuple[np.ndarray, np.ndarray]
 _MONOTONE = {"sqrt": np.sqrt, "exp": np.exp, "atan": np.arctan, "floor": np.floor, "ceil": np.ceil, "sign": np.sign}
 
 
@@ -48,7 +48,7 @@ def most_inside(
     steps = _steps(primitive)
     if steps is None:
         return np.full(size, np.inf)
-    values: dict[int, Bounds] = {}
+    values: dict[int, _Bounds] = {}
     with np.errstate(all="ignore"):
         for node in steps:
             if node.op == "const":
@@ -70,34 +70,34 @@ def most_inside(
     return np.where(np.isnan(most), np.inf, most)
 
 
-def _square(a: Bounds) -> Bounds:
+def _square(a: _Bounds) -> _Bounds:
     low, high = a[0] * a[0], a[1] * a[1]
     return np.where((a[0] <= 0.0) & (a[1] >= 0.0), 0.0, np.minimum(low, high)), np.maximum(low, high)
 
 
-def _product(a: Bounds, b: Bounds) -> Bounds:
+def _product(a: _Bounds, b: _Bounds) -> _Bounds:
     every = [x * y for x in a for y in b]
     return np.minimum(np.minimum(every[0], every[1]), np.minimum(every[2], every[3])), np.maximum(
         np.maximum(every[0], every[1]), np.maximum(every[2], every[3])
     )
 
 
-def _quotient(a: Bounds, b: Bounds) -> Bounds:
+def _quotient(a: _Bounds, b: _Bounds) -> _Bounds:
     clear = (b[0] > 0.0) | (b[1] < 0.0)
     low, high = _product(a, (1.0 / b[1], 1.0 / b[0]))
     return np.where(clear, low, -np.inf), np.where(clear, high, np.inf)
 
 
-def _size(a: Bounds) -> Bounds:
+def _size(a: _Bounds) -> _Bounds:
     return np.maximum(np.maximum(a[0], -a[1]), 0.0), np.maximum(-a[0], a[1])
 
 
-def _hypot(a: Bounds, b: Bounds) -> Bounds:
+def _hypot(a: _Bounds, b: _Bounds) -> _Bounds:
     one, two = _size(a), _size(b)
     return np.hypot(one[0], two[0]), np.hypot(one[1], two[1])
 
 
-_RULES: dict[str, Callable[..., Bounds]] = {
+_RULES: dict[str, Callable[..., _Bounds]] = {
     "add": lambda a, b: (a[0] + b[0], a[1] + b[1]),
     "sub": lambda a, b: (a[0] - b[1], a[1] - b[0]),
     "neg": lambda a: (-a[1], -a[0]),

@@ -21,7 +21,7 @@ from .enclosure import most_inside
 from .flat import BENT, PLANAR, convex
 from .patches import inside_split
 
-OFF = 1e-6  # how far off its surface a point is asked, relative to the largest primitive of its object
+_OFF = 1e-6  # how far off its surface a point is asked, relative to the largest primitive of its object
 _ABOUT = 1.5  # a coincident surface lies within this many times that distance of the point asked
 _REACH = 1.6  # boxes are wider by this many times that distance
 _LOOSE = 1e-9  # rectangles are wider, cells smaller by this fraction
@@ -34,7 +34,7 @@ def scales(rows: Block) -> np.ndarray:
     """(objects,) how far off the surface the points of each object are asked, in metres."""
     out = np.zeros(rows.objects)
     np.maximum.at(out, rows.owner, rows.diagonal)
-    return OFF * out
+    return _OFF * out
 
 
 def packed(u: np.ndarray, v: np.ndarray) -> np.ndarray:
@@ -51,7 +51,7 @@ def runs(start: np.ndarray, count: np.ndarray) -> np.ndarray:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Pairs:
+class _Pairs:
     """Flat cells and rows that may hide points on them, by group of pools and then by shelf of the row.
 
     ``quad`` (4, 3, P) holds the points asked on the cell, in the row's own frame: origin, a, b, c; ``step`` (3, P) is
@@ -121,7 +121,7 @@ class Occlusion:
             found.append((chosen[cell[kept]], beside[kept]))
         return np.concatenate([c for c, _ in found]), np.concatenate([o for _, o in found])
 
-    def _flat_pairs(self, cell: np.ndarray, other: np.ndarray, group: np.ndarray) -> Pairs:
+    def _flat_pairs(self, cell: np.ndarray, other: np.ndarray, group: np.ndarray) -> _Pairs:
         rows, cells = self.rows, self.cells
         place = group[cells.pool[cell]] * len(rows.shelves) + self.shelf[other]
         order = np.argsort(place.astype(np.int16 if place.max(initial=0) < 32000 else np.int64), kind="stable")
@@ -129,7 +129,7 @@ class Occlusion:
         edges = np.searchsorted(place[order], np.arange(total + 1))
         cell, other = cell[order], other[order]
         count = len(cell)
-        pairs = Pairs(
+        pairs = _Pairs(
             cell,
             other,
             np.empty((4, 3, count)),
@@ -145,7 +145,7 @@ class Occlusion:
             self._carry_over(pairs, slice(start, start + _CHUNK))
         return pairs
 
-    def _carry_over(self, pairs: Pairs, part: slice) -> None:
+    def _carry_over(self, pairs: _Pairs, part: slice) -> None:
         """Some of the pairs: their quads in the frames of the rows, and what of them the boxes can reach."""
         rows, cells = self.rows, self.cells
         cell, other = pairs.cell[part], pairs.other[part]

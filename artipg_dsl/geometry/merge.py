@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 
-LEFT = 0.05  # of the depth of a piece: one that keeps less when it is cut is lost
-SECTORS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 40, 48, 60)
+_LEFT = 0.05  # of the depth of a piece: one that keeps less when it is cut is lost
+_SECTORS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 40, 48, 60)
 _WAYS = np.array(
     [(x, y, z) for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1) if (x, y, z) != (0, 0, 0)], float
 )
@@ -49,7 +49,7 @@ def gap(pieces: Sequence[Convex]) -> float:
     return 0.0 if len(pieces) == 1 else _deepest(tuple(pieces))[0]
 
 
-def hollow(pieces: Sequence[Convex]) -> tuple[np.ndarray, float]:
+def _hollow(pieces: Sequence[Convex]) -> tuple[np.ndarray, float]:
     """The plane (normal (3,), offset) of the face beyond which the hull of several pieces reaches farthest from them."""
     _, face = _deepest(tuple(pieces))
     for piece in pieces:
@@ -113,7 +113,7 @@ def clusters(pieces: Sequence[Convex], tolerance: float) -> list[Cluster]:
 def _grid(run: list[list[Convex]], tolerance: float) -> list[Cluster]:
     """Names with several steps each: as few sectors of steps as do, then names in a row put together in all sectors alike."""
     most = max(len(steps) for steps in run)
-    counts = [c for c in SECTORS if c < most]
+    counts = [c for c in _SECTORS if c < most]
 
     def fits(count: int) -> bool:
         looked_at = range(count) if len(run) == 1 else (0, count // 4)  # steps around an axis are alike
@@ -169,14 +169,14 @@ def cut(pieces: Cluster, tolerance: float, small: float) -> tuple[np.ndarray, fl
     """
     if len({piece.unit for piece in pieces}) > 1:
         return None
-    normal, offset = hollow(pieces)
+    normal, offset = _hollow(pieces)
     points = np.concatenate([piece.points for piece in pieces])
     beyond = points[:, 0] * normal[0] + points[:, 1] * normal[1] + points[:, 2] * normal[2] - offset
     start = np.cumsum([0, *(len(piece.points) for piece in pieces[:-1])])
     high, low = np.maximum.reduceat(beyond, start), np.minimum.reduceat(beyond, start)
-    if high.max() > tolerance or low.min() > -LEFT * (high.max() - low.min()):
+    if high.max() > tolerance or low.min() > -_LEFT * (high.max() - low.min()):
         return None
-    lost = low > -LEFT * (high - low)
+    lost = low > -_LEFT * (high - low)
     return None if lost.any() and np.ptp(points, axis=0).max() > small else (normal, offset)
 
 

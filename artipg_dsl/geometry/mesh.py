@@ -56,14 +56,14 @@ def build(primitive: Primitive, params: Params, steps: int | np.ndarray = 24) ->
     Raises PrimitiveError when the declaration of the primitive does not close.
     """
     groups = []
-    for found, rows, counts in stepped(primitive, params, steps):
+    for found, rows, counts in _stepped(primitive, params, steps):
         welded = plan(found, counts)
         vertices = _vertices(primitive, welded, take(params, rows))
         groups.append(MeshGroup(rows, vertices, welded.faces, welded.face_patch, welded.face_uv))
     return groups
 
 
-def stepped(
+def _stepped(
     primitive: Primitive, params: Params, steps: int | np.ndarray
 ) -> Iterator[tuple[Topology, np.ndarray, tuple[int, ...]]]:
     """Instances of one topology and the same steps: (topology, rows, steps of its classes), in a fixed order."""
@@ -123,7 +123,7 @@ def volume_inertia(primitive: Primitive, params: Params, steps: int = 24) -> tup
     """Volume (k,) m3, centre (k, 3) m, inertia about the centre per unit density (k, 3, 3) m5 of the meshes."""
     count = rows_of(params)
     volume, centre, inertia = np.empty(count), np.empty((count, 3)), np.empty((count, 3, 3))
-    for found, rows, counts in stepped(primitive, params, steps):
+    for found, rows, counts in _stepped(primitive, params, steps):
         welded = plan(found, counts)
         at_once = max(1, _TRIANGLES // len(welded.faces))
         for start in range(0, len(rows), at_once):

@@ -1,6 +1,6 @@
 """What of the boundary of an object can be seen from without, as against the walls of a cavity behind a closed door.
 
-A point counts as seen when one of ``DIRECTIONS`` rays from it, the same evenly spread ones for all points and objects,
+A point counts as seen when one of ``_DIRECTIONS`` rays from it, the same evenly spread ones for all points and objects,
 leaves the object without entering a solid: a camera far away in that direction sees it. So what shows itself only
 through a slit or hole narrower than the spacing of the rays, about 17 degrees, counts as not seen. Solids are
 represented by their meshes. The rays of one direction are parallel: which triangles they may enter is looked up on a
@@ -17,8 +17,8 @@ from . import mesh
 from .cells import Cells
 from .hidden import runs
 
-DIRECTIONS = 144
-STEPS = 24  # of the meshes, per full turn
+_DIRECTIONS = 144
+_STEPS = 24  # of the meshes, per full turn
 _GRAZING = 0.02  # sine of the angle to the surface below which a ray is not asked
 _BINS = 24  # of the grid, along either axis
 _LARGE = 0.004  # area of a triangle that is asked first, relative to the square of the object's diagonal
@@ -27,7 +27,7 @@ _STRIDE = 65  # through the directions, so that the first of them are spread eve
 _PAIRS = 500_000  # of a ray and a triangle at a time
 
 
-def directions(count: int = DIRECTIONS) -> np.ndarray:
+def directions(count: int = _DIRECTIONS) -> np.ndarray:
     """(count, 3) unit vectors spread evenly: a Fibonacci lattice on the sphere, in an order whose beginnings are even too."""
     number = np.arange(count) * _STRIDE % count
     z = 1.0 - (2.0 * number + 1.0) / count
@@ -44,7 +44,7 @@ class Outlook:
         rows = cells.rows
         corners, owners = [np.empty((3, 3, 0))], [np.empty(0, np.int64)]
         for shelf in rows.shelves:
-            for made in mesh.build(shelf.primitive, shelf.params, STEPS):
+            for made in mesh.build(shelf.primitive, shelf.params, _STEPS):
                 own = shelf.start + made.rows
                 rotation, translation, mirror = (p[..., own, None] for p in cells.poses)
                 x, y, z = (made.vertices[..., axis] for axis in range(3))

@@ -20,14 +20,14 @@ from .box import bounds
 from .patches import Split, inside_split
 
 FEW, MANY = 512, 4096  # points of a pair: to see whether there is an overlap, and to measure it
-CROWDED = 2048  # pairs of a body: with more of them its rows are measured whole
-SMALL = 0.05  # of the mass of a link: the box of a pair that is measured with few points
-THIN = 1e-6  # metres: boxes that overlap by less touch
+_CROWDED = 2048  # pairs of a body: with more of them its rows are measured whole
+_SMALL = 0.05  # of the mass of a link: the box of a pair that is measured with few points
+_THIN = 1e-6  # metres: boxes that overlap by less touch
 _CHUNK = 1 << 18  # points at a time
 _AT_ONCE = 1 << 13  # of them through one inside function: what it keeps on the way stays in the cache
 # the additive sequence of the root of x^4 = x + 1 (M. Roberts, 2018), which fills a box evenly from the first point on
 _ROOT = 1.2207440846057596
-Points = tuple[np.ndarray, np.ndarray, np.ndarray]
+_Points = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 def sequence(count: int) -> np.ndarray:
@@ -78,7 +78,7 @@ class Touching:
         self.rows = _Rows(rows)
         self.pairs = self.rows.touching(body, order, worth)
         self.body, of = body, body[self.pairs.row]
-        self.crowded = np.bincount(of, minlength=1)[of] > CROWDED
+        self.crowded = np.bincount(of, minlength=1)[of] > _CROWDED
 
     def measured(self, asked: np.ndarray | None = None, inertia: bool = True) -> Overlaps:
         """The overlaps of the rows ``asked`` (R,) bool, by default of all; inertia is noughts unless it is wanted."""
@@ -146,7 +146,7 @@ class _Rows:
 
     @cached_property
     def effort(self) -> np.ndarray:
-        return np.array([effort(s.primitive) for s in self.rows.shelves], dtype=np.int64)
+        return np.array([_effort(s.primitive) for s in self.rows.shelves], dtype=np.int64)
 
     def touching(self, body: np.ndarray, order: np.ndarray, worth: np.ndarray) -> Pairs:
         """Pairs of one body with the boxes that hold what they share, sorted by body and row."""
@@ -154,10 +154,10 @@ class _Rows:
         sort = np.lexsort((order[first], order[row], body[row]))
         row, first = row[sort], first[sort]
         frame, low, high = self.region(row, first)
-        keep = np.flatnonzero((high - low > THIN).all(axis=0))
+        keep = np.flatnonzero((high - low > _THIN).all(axis=0))
         row, first, frame, low, high = row[keep], first[keep], frame[keep], low[:, keep], high[:, keep]
         size = high - low
-        return Pairs(row, first, frame, low, high, size[0] * size[1] * size[2] * worth[row] > SMALL)
+        return Pairs(row, first, frame, low, high, size[0] * size[1] * size[2] * worth[row] > _SMALL)
 
     def pairs(self, body: np.ndarray, order: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(row, one that comes before it) of one body whose boxes in the object's frame overlap."""
@@ -170,7 +170,7 @@ class _Rows:
         for axis in range(3):
             least = np.maximum(self.rows.low[row, axis], self.rows.low[first, axis])
             most = np.minimum(self.rows.high[row, axis], self.rows.high[first, axis])
-            meet = most - least > THIN
+            meet = most - least > _THIN
             row, first = row[meet], first[meet]
         return row, first
 
@@ -196,7 +196,7 @@ class _Rows:
             high[i] = np.minimum(self.high[i, frame], center[i] + reach)
         return low, high
 
-    def points(self, pairs: Pairs, count: int, shift: np.ndarray | None = None) -> Points:
+    def points(self, pairs: Pairs, count: int, shift: np.ndarray | None = None) -> _Points:
         """Three arrays (n, count): points of the object, evenly in the boxes of pairs; ``shift`` (3, n) moves them on within."""
         share, size = sequence(count), pairs.high - pairs.low
         part = share[:, None] if shift is None else (share[:, None] + shift[:, :, None]) % 1.0
@@ -204,7 +204,7 @@ class _Rows:
         x, y, z = placed_points(self.poses, pairs.frame[:, None], local)
         return x, y, z
 
-    def within(self, row: np.ndarray, points: Points, asked: np.ndarray, near: np.ndarray | float = 0.0) -> np.ndarray:
+    def within(self, row: np.ndarray, points: _Points, asked: np.ndarray, near: np.ndarray | float = 0.0) -> np.ndarray:
         """Which of the points (n, count) that are ``asked`` lie in their rows, or by the inside function as ``near``."""
         held = np.zeros(asked.shape, dtype=bool)
         counts = asked.sum(axis=1)
@@ -229,7 +229,7 @@ class _Rows:
                     held[at] = inside
         return held & asked
 
-    def both(self, pairs: Pairs, points: Points, near: np.ndarray | float = 0.0) -> np.ndarray:
+    def both(self, pairs: Pairs, points: _Points, near: np.ndarray | float = 0.0) -> np.ndarray:
         """Which points (n, count) lie in both rows of pairs; the one that is told sooner is asked first."""
         row, first = pairs.row, pairs.first
         easy = self.effort[self.shelf[row]] <= self.effort[self.shelf[first]]
@@ -300,7 +300,7 @@ class _Rows:
         return Overlaps(row[kept], volume[kept], center[kept], about[kept])
 
     def _moments(
-        self, pairs: Pairs, points: Points, held: np.ndarray, inertia: bool
+        self, pairs: Pairs, points: _Points, held: np.ndarray, inertia: bool
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Volume (n,), centre (n, 3), inertia (n, 3, 3) of what is held of the boxes; exact where that is all."""
         whole = held.all(axis=1)
@@ -337,7 +337,7 @@ def _products(held: np.ndarray, axes: list[np.ndarray]) -> list[list[np.ndarray]
 
 
 @lru_cache(maxsize=512)
-def effort(primitive: Primitive) -> int:
+def _effort(primitive: Primitive) -> int:
     """How many operations the inside function takes."""
     seen: set[int] = set()
     waiting = [primitive.inside]

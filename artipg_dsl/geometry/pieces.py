@@ -23,12 +23,12 @@ from .topology import topology
 from .trial import trial, variants
 from .weld import plan, step_counts
 
-STEPS = (24, 16, 12, 8)  # per full turn: a hull takes the finest of these that has few corners
-FEW = 200  # what collision checks and simulators take well; a ball of 16 steps lies within 2 % of its radius
-MOST = 1000  # times a piece is there in an instance
-CHUNK = 20_000  # faces that are looked at together, so that they stay in the cache
-OWN = 64  # hulls of single instances that are kept of a primitive
-FLAT = 1e-7  # how far, relative to the piece's extent, a vertex may stand out of the plane of a face
+_STEPS = (24, 16, 12, 8)  # per full turn: a hull takes the finest of these that has few corners
+_FEW = 200  # what collision checks and simulators take well; a ball of 16 steps lies within 2 % of its radius
+_MOST = 1000  # times a piece is there in an instance
+_CHUNK = 20_000  # faces that are looked at together, so that they stay in the cache
+_OWN = 64  # hulls of single instances that are kept of a primitive
+_FLAT = 1e-7  # how far, relative to the piece's extent, a vertex may stand out of the plane of a face
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,7 +42,7 @@ class PieceGroup:
 
 
 @dataclass(frozen=True, eq=False)
-class Hull:
+class _Hull:
     """``used`` (P,) indexes the points that are corners; ``faces`` (F, 3) indexes ``used``."""
 
     used: np.ndarray
@@ -65,9 +65,9 @@ class Hull:
 
 
 @lru_cache(maxsize=4096)
-def _shared(used: bytes, faces: bytes) -> Hull:
+def _shared(used: bytes, faces: bytes) -> _Hull:
     """One hull for all pieces with the same corners and faces."""
-    return Hull(np.frombuffer(used, dtype=np.int64), np.frombuffer(faces, dtype=np.int64).reshape(-1, 3))
+    return _Hull(np.frombuffer(used, dtype=np.int64), np.frombuffer(faces, dtype=np.int64).reshape(-1, 3))
 
 
 def build(primitive: Primitive, params: Params) -> list[PieceGroup]:
@@ -93,7 +93,7 @@ def _declared(primitive: Primitive, number: int, params: Params) -> list[PieceGr
     """The groups of a declared piece, index by index; those indices that have the same hulls are made together."""
     piece = primitive.pieces[number]
     counts = _counts(primitive, piece, params)
-    alike: dict[tuple[Hull, ...], list[int]] = {}
+    alike: dict[tuple[_Hull, ...], list[int]] = {}
     for index in range(int(counts.max(initial=0))):
         alike.setdefault(_known(primitive, number, index), []).append(index)
     made: dict[int, list[PieceGroup]] = {}
@@ -117,8 +117,8 @@ def _counts(primitive: Primitive, piece: Piece, params: Params) -> np.ndarray:
         count = np.floor(evaluate_rows(primitive, (piece.count,), params)[0] + 0.5)
     if piece.guard is not None:
         count = np.where(evaluate_rows(primitive, (piece.guard,), params, bool)[0], count, 0.0)
-    if not (count <= MOST).all():
-        raise PrimitiveError(primitive, None, f"piece {piece.name} is there {count.max():.0f} times, more than {MOST}")
+    if not (count <= _MOST).all():
+        raise PrimitiveError(primitive, None, f"piece {piece.name} is there {count.max():.0f} times, more than {_MOST}")
     return count.astype(np.int64)
 
 
@@ -140,11 +140,11 @@ def _points(primitive: Primitive, piece: Piece, index: np.ndarray, params: Param
 
 
 @lru_cache(maxsize=8192)
-def _known(primitive: Primitive, number: int, index: int) -> tuple[Hull, ...]:
+def _known(primitive: Primitive, number: int, index: int) -> tuple[_Hull, ...]:
     """The sets of faces that the test values show for a declared piece."""
     piece = primitive.pieces[number]
 
-    def find() -> tuple[Hull, ...]:
+    def find() -> tuple[_Hull, ...]:
         params = trial(primitive)
         rows = np.flatnonzero(_counts(primitive, piece, params) > index)
         points = _points(primitive, piece, np.full(len(rows), index), mesh.take(params, rows))
@@ -157,12 +157,12 @@ def _known(primitive: Primitive, number: int, index: int) -> tuple[Hull, ...]:
 def _hull_steps(primitive: Primitive, variant: tuple[bool, ...]) -> int:
     """The steps per full turn of the mesh whose hull is the piece."""
     found = topology(primitive, variant)
-    few = (s for s in STEPS if plan(found, tuple(step_counts(found, s).tolist())).count <= FEW)
-    return next(few, STEPS[-1])
+    few = (s for s in _STEPS if plan(found, tuple(step_counts(found, s).tolist())).count <= _FEW)
+    return next(few, _STEPS[-1])
 
 
 @lru_cache(maxsize=512)
-def _mesh_hulls(primitive: Primitive, variant: tuple[bool, ...]) -> tuple[Hull, ...]:
+def _mesh_hulls(primitive: Primitive, variant: tuple[bool, ...]) -> tuple[_Hull, ...]:
     """The mesh itself, where it may be convex, and the hulls of the test values for which it is not."""
     found = topology(primitive, variant)
     corners = plan(found, tuple(step_counts(found, _hull_steps(primitive, variant)).tolist())).count
@@ -170,20 +170,20 @@ def _mesh_hulls(primitive: Primitive, variant: tuple[bool, ...]) -> tuple[Hull, 
     return _kept(primitive, name, lambda: _found_hulls(primitive, variant), corners)
 
 
-def _found_hulls(primitive: Primitive, variant: tuple[bool, ...]) -> tuple[Hull, ...]:
-    found: list[Hull] = []
+def _found_hulls(primitive: Primitive, variant: tuple[bool, ...]) -> tuple[_Hull, ...]:
+    found: list[_Hull] = []
     params = mesh.take(trial(primitive), variants(primitive)[variant])
     (made,) = mesh.build(primitive, params, _hull_steps(primitive, variant))
     points, corners = made.vertices, made.vertices.shape[1]
     if 2 * corners - len(made.faces) == 4:  # V - E + F = 2: one body without holes
-        found.append(Hull(np.arange(corners), made.faces.astype(np.int64)))
+        found.append(_Hull(np.arange(corners), made.faces.astype(np.int64)))
         points = points[~_fits(points, found[-1])]
     return (*found, *_distinct(primitive, "hull", points))
 
 
 def _kept(
-    primitive: Primitive, name: str, find: Callable[[], tuple[Hull, ...]], points: int, most: int | None = None
-) -> tuple[Hull, ...]:
+    primitive: Primitive, name: str, find: Callable[[], tuple[_Hull, ...]], points: int, most: int | None = None
+) -> tuple[_Hull, ...]:
     """Hulls of so many ``points`` as facts that are kept between runs."""
     return facts.known(
         primitive,
@@ -195,15 +195,15 @@ def _kept(
     )
 
 
-def _own(primitive: Primitive, name: str, points: np.ndarray) -> Hull:
+def _own(primitive: Primitive, name: str, points: np.ndarray) -> _Hull:
     """The hull of one instance (P, 3); the first of a primitive are kept, so that the first objects are there at once."""
     seen = blake2b(np.ascontiguousarray(points).tobytes(), digest_size=12).hexdigest()
     find = lambda: (_hull(primitive, name, points),)  # noqa: E731
-    (found,) = _kept(primitive, f"own hull {seen}", find, len(points), OWN)
+    (found,) = _kept(primitive, f"own hull {seen}", find, len(points), _OWN)
     return found
 
 
-def _read(used: list[int], faces: list[int], points: int) -> Hull:
+def _read(used: list[int], faces: list[int], points: int) -> _Hull:
     """The hull of data that anyone may have written; ValueError where it is no closed surface over so many points."""
     chosen, corners = np.array(used, dtype=np.int64), np.array(faces, dtype=np.int64).reshape(-1, 3)
     count = len(chosen)
@@ -218,9 +218,9 @@ def _read(used: list[int], faces: list[int], points: int) -> Hull:
     return _shared(chosen.tobytes(), corners.tobytes())
 
 
-def _distinct(primitive: Primitive, name: str, points: np.ndarray) -> tuple[Hull, ...]:
+def _distinct(primitive: Primitive, name: str, points: np.ndarray) -> tuple[_Hull, ...]:
     """Hulls such that each of the instances (k, P, 3) fits one of them."""
-    found: list[Hull] = []
+    found: list[_Hull] = []
     open_rows = np.ones(len(points), dtype=bool)
     while open_rows.any():
         hull = _hull(primitive, name, points[int(np.argmax(open_rows))])
@@ -231,7 +231,7 @@ def _distinct(primitive: Primitive, name: str, points: np.ndarray) -> tuple[Hull
     return tuple(found)
 
 
-def _hull(primitive: Primitive, name: str, points: np.ndarray) -> Hull:
+def _hull(primitive: Primitive, name: str, points: np.ndarray) -> _Hull:
     """The hull of one instance (P, 3), triangulated, faces outwards; PrimitiveError when the points are flat."""
     from scipy.spatial import ConvexHull, QhullError  # late: importing the package must not load SciPy
 
@@ -257,7 +257,7 @@ def _hull(primitive: Primitive, name: str, points: np.ndarray) -> Hull:
     return _shared(used.astype(np.int64).tobytes(), number.astype(np.int64).tobytes())
 
 
-def _fits(points: np.ndarray, hull: Hull) -> np.ndarray:
+def _fits(points: np.ndarray, hull: _Hull) -> np.ndarray:
     """(k,) bool: for which instances (k, P, 3) the faces are convex and no other point lies in front of one.
 
     A closed surface of the kind of a sphere is convex as a whole when it is so along every edge.
@@ -268,14 +268,14 @@ def _fits(points: np.ndarray, hull: Hull) -> np.ndarray:
     faces, across = hull.used[hull.faces], hull.used[hull.across]
     others = np.setdiff1d(np.arange(points.shape[1]), hull.used)
     fits = np.ones(len(points), dtype=bool)
-    size = max(64, CHUNK // len(faces))
+    size = max(64, _CHUNK // len(faces))
     for part in range(0, len(points), size):
         chunk = scaled[:, part : part + size]
         a, b, c = ([axis[:, faces[:, n]] for axis in chunk] for n in range(3))
         e, f = [q - p for p, q in zip(a, b, strict=True)], [q - p for p, q in zip(a, c, strict=True)]
         normal = [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]]
         length = np.sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2])
-        reach = normal[0] * a[0] + normal[1] * a[1] + normal[2] * a[2] + FLAT * length + 1e-18
+        reach = normal[0] * a[0] + normal[1] * a[1] + normal[2] * a[2] + _FLAT * length + 1e-18
         worst = np.full(reach.shape, -np.inf)
         for corner in (*across.T, *(np.full(len(faces), p) for p in others)):
             x, y, z = (axis[:, corner] for axis in chunk)
@@ -284,7 +284,7 @@ def _fits(points: np.ndarray, hull: Hull) -> np.ndarray:
     return fits
 
 
-def _fitting(points: np.ndarray, known: tuple[Hull, ...]) -> np.ndarray:
+def _fitting(points: np.ndarray, known: tuple[_Hull, ...]) -> np.ndarray:
     """(k,) the first of the hulls that fits each of the instances (k, P, 3), their number where none does."""
     found = np.full(len(points), len(known))
     for number, hull in enumerate(known):
@@ -296,7 +296,7 @@ def _fitting(points: np.ndarray, known: tuple[Hull, ...]) -> np.ndarray:
 
 
 def _grouped(
-    primitive: Primitive, name: str, rows: np.ndarray, points: np.ndarray, known: tuple[Hull, ...], fitting: np.ndarray
+    primitive: Primitive, name: str, rows: np.ndarray, points: np.ndarray, known: tuple[_Hull, ...], fitting: np.ndarray
 ) -> list[PieceGroup]:
     """Instances (k', P, 3) sorted by the hull that fits; those that fit none by a hull of their own."""
     groups = []

@@ -83,14 +83,14 @@ class Raster:
         local = rotate_vectors(turn, self.triangles - eye)
         seen = np.flatnonzero(_amid(self.triangles, eye) | _towards(local))[::-1]  # of coincident ones the first wins
         local = local[seen]
-        low, high = reach(local, grid)
-        found, _ = cover(perspective(local, grid), low, high, grid.columns, grid.rows)
+        low, high = _reach(local, grid)
+        found, _ = cover(_perspective(local, grid), low, high, grid.columns, grid.rows)
         return np.append(seen, -1)[found].ravel()
 
 
 def _towards(local: np.ndarray) -> np.ndarray:
     """Triangles that turn their outer side to the eye at the origin."""
-    return dot(normals(local), local[:, 0]) < 0
+    return dot(_normals(local), local[:, 0]) < 0
 
 
 def _amid(triangles: np.ndarray, eye: np.ndarray) -> bool:
@@ -118,7 +118,7 @@ def rotate_vectors(matrix: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     return np.stack([row[0] * x + row[1] * y + row[2] * z for row in matrix], axis=-1)
 
 
-def normals(triangles: np.ndarray) -> np.ndarray:
+def _normals(triangles: np.ndarray) -> np.ndarray:
     """Normals (n, 3) of triangles (n, 3, 3), twice the area long."""
     return cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
 
@@ -130,7 +130,7 @@ def intersect(triangles: np.ndarray, found: np.ndarray, directions: np.ndarray) 
     once for each; rows of ``found`` gather it column by column.
     """
     a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
-    normal = normals(triangles)
+    normal = _normals(triangles)
     square = dot(normal, normal)
     square = np.where(square == 0.0, 1.0, square)[:, None]
     across, along = cross(c - a, normal) / square, cross(normal, b - a) / square  # of places in the plane
@@ -154,7 +154,7 @@ def intersect(triangles: np.ndarray, found: np.ndarray, directions: np.ndarray) 
     return out
 
 
-def reach(local: np.ndarray, grid: Grid) -> tuple[np.ndarray, np.ndarray]:
+def _reach(local: np.ndarray, grid: Grid) -> tuple[np.ndarray, np.ndarray]:
     """The columns and rows [low, high) (T, 2) within which triangles in the camera's frame lie."""
     size = np.array([grid.columns, grid.rows])
     z = local[..., 2]
@@ -172,13 +172,13 @@ def reach(local: np.ndarray, grid: Grid) -> tuple[np.ndarray, np.ndarray]:
     return low, high
 
 
-def perspective(local: np.ndarray, grid: Grid) -> np.ndarray:
+def _perspective(local: np.ndarray, grid: Grid) -> np.ndarray:
     """Coefficients (T, 4, 3) of column, row, 1 on a grid: three edges, inside where all are >= 0, and 1 / z.
 
     The edges are planes through the eye, so a triangle that reaches behind the camera needs no clipping.
     """
     a, b, c = local[:, 0], local[:, 1], local[:, 2]
-    normal = normals(local)
+    normal = _normals(local)
     side = dot(normal, a)
     flat = np.abs(side) < 1e-300
     planes = [*(cross(p, q) * np.sign(side)[:, None] for p, q in ((b, c), (c, a), (a, b)))]

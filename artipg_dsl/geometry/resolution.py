@@ -20,8 +20,8 @@ from .topology import Topology
 from .vectors import dot
 
 FINEST, COARSEST = 1e-5, 10.0  # metres: the tolerances that are taken
-LADDER = np.array([*range(1, 9), *(m << k for k in range(1, 10) for m in (5, 6, 7, 8))])
-SAFE = 1.05  # second differences over 1/32 of a direction miss a little of its sharpest bend
+_LADDER = np.array([*range(1, 9), *(m << k for k in range(1, 10) for m in (5, 6, 7, 8))])
+_SAFE = 1.05  # second differences over 1/32 of a direction miss a little of its sharpest bend
 _QUARTER = np.pi / 2  # a step turns through no more than this, whatever the tolerance
 _FINE = np.linspace(0.0, 1.0, 33)
 _FEW = np.linspace(0.0, 1.0, 17)
@@ -82,7 +82,7 @@ class Bends:
         for patch, (along_u, along_v) in enumerate(classes.tolist()):
             np.maximum(counts[:, along_u], wanted[:, patch, 0], out=counts[:, along_u])
             np.maximum(counts[:, along_v], wanted[:, patch, 1], out=counts[:, along_v])
-        return LADDER[np.minimum(np.searchsorted(LADDER, counts), len(LADDER) - 1)]
+        return _LADDER[np.minimum(np.searchsorted(_LADDER, counts), len(_LADDER) - 1)]
 
     def triangles(self, tolerance: np.ndarray) -> np.ndarray:
         """(k,): how many triangles these steps make."""
@@ -127,7 +127,7 @@ def _bend(primitive: Primitive, patch: int, params: Params, bent: np.ndarray) ->
         second, middle = np.diff(chords, axis=1), chords[:, 1:] + chords[:, :-1]
         square = dot(middle, middle)
         askew = second - middle * (dot(second, middle) / np.where(square > 0, square, 1.0))[..., None]
-        reach[:, along] = SAFE * (len(_FINE) - 1) ** 2 * np.sqrt(dot(askew, askew)).max(axis=(1, 2))
+        reach[:, along] = _SAFE * (len(_FINE) - 1) ** 2 * np.sqrt(dot(askew, askew)).max(axis=(1, 2))
         u, v = (_FEW[:, None], _ENDS[None]) if along == 0 else (_ENDS[None], _FEW[:, None])
         tangents = grid(tangent_split(primitive, patch), params, *np.broadcast_arrays(u, v))
         turn[:, along] = _turned(tangents[..., 3 * along : 3 * along + 3])

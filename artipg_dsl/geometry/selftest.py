@@ -20,16 +20,16 @@ from .errors import PrimitiveError
 from .patches import Params, inside_split, rows_of, surfaces
 from .trial import trial
 
-ON_SURFACE = 1e-9  # how far the inside function may be from 0 on a surface, relative to the diagonal
-JUMP = 0.005  # of the distance to the solid
-OFF_SURFACE = 1e-6  # how far off a surface its sides are asked
-LOOSE = 2e-3  # how much of its greatest side a box may exceed the mesh by
-MOMENTS = 5e-3  # relative difference of volume, centre and inertia by quadrature and by a fine mesh
-AREA = 5e-3  # relative difference of areas by formula and by a fine mesh
-WITHIN = 1e-6  # how far out of the solid a piece may reach, relative to the diagonal
-FILL = 0.5  # what pieces leave out may lie this deep, relative to the greatest depth: a quarter of a wall
-MISSED = 0.015  # share of deeper places that may be missed all the same: the rim of a slice thinner than its rounding
-OPEN = 1000  # places that no piece covers, of which the furthest is sought
+_ON_SURFACE = 1e-9  # how far the inside function may be from 0 on a surface, relative to the diagonal
+_JUMP = 0.005  # of the distance to the solid
+_OFF_SURFACE = 1e-6  # how far off a surface its sides are asked
+_LOOSE = 2e-3  # how much of its greatest side a box may exceed the mesh by
+_MOMENTS = 5e-3  # relative difference of volume, centre and inertia by quadrature and by a fine mesh
+_AREA = 5e-3  # relative difference of areas by formula and by a fine mesh
+_WITHIN = 1e-6  # how far out of the solid a piece may reach, relative to the diagonal
+_FILL = 0.5  # what pieces leave out may lie this deep, relative to the greatest depth: a quarter of a wall
+_MISSED = 0.015  # share of deeper places that may be missed all the same: the rim of a slice thinner than its rounding
+_OPEN = 1000  # places that no piece covers, of which the furthest is sought
 _FINE = 96  # steps per turn of the mesh that stands for the true shape
 _PLACES = 64  # places per surface
 _VOLUME = 4096  # places in the box
@@ -66,7 +66,7 @@ def check_primitive(primitive: Primitive, samples: int = 12) -> list[Finding]:
     return out
 
 
-Report = Iterator[tuple[str, str | None, str]]
+_Report = Iterator[tuple[str, str | None, str]]
 
 
 class _Inspection:
@@ -117,14 +117,14 @@ class _Inspection:
         return ", ".join(f"{n} = {float(self.params[n][row]):.4g}" for n in self.primitive.parameters)
 
 
-def _surfaces(seen: _Inspection) -> Report:
+def _surfaces(seen: _Inspection) -> _Report:
     """The inside function is 0 on every surface, positive beyond and negative behind."""
     for patch, made in enumerate(surfaces(seen.primitive)):
         row, position, normal = seen.places(patch)
         size = seen.diagonal[row]
         value = np.abs(seen.inside(row, position)) / size
         worst = int(np.argmax(value))
-        if value[worst] > ON_SURFACE:
+        if value[worst] > _ON_SURFACE:
             share = f"{100 * value[worst]:.3g} % of its size"
             yield (
                 "inside",
@@ -132,7 +132,7 @@ def _surfaces(seen: _Inspection) -> Report:
                 f"the inside function deviates from the surface by {share} ({seen.at(row[worst])})",
             )
             continue
-        step = OFF_SURFACE * size
+        step = _OFF_SURFACE * size
         out = seen.inside(row, position + step[:, None] * normal) > 0
         back = seen.inside(row, position - step[:, None] * normal) < 0
         wrong = ~(out & back)
@@ -148,7 +148,7 @@ def _surfaces(seen: _Inspection) -> Report:
             )
 
 
-def _slope(seen: _Inspection) -> Report:
+def _slope(seen: _Inspection) -> _Report:
     """The inside function is a length: it changes by no more than the distance, and outside by JUMP of itself more.
 
     A sweep of a section that is not round is measured from the nearest place of its path. Where two places are as near, far out in
@@ -161,7 +161,7 @@ def _slope(seen: _Inspection) -> Report:
     step = 1e-4 * seen.diagonal[row]
     value = seen.inside(row, points)
     change = np.abs(seen.inside(row, points + step[:, None] * direction) - value)
-    change = (change - JUMP * np.maximum(value, 0.0)) / step
+    change = (change - _JUMP * np.maximum(value, 0.0)) / step
     worst = int(np.argmax(change))
     if change[worst] > 1 + 1e-6:
         yield (
@@ -171,7 +171,7 @@ def _slope(seen: _Inspection) -> Report:
         )
 
 
-def _box(seen: _Inspection) -> Report:
+def _box(seen: _Inspection) -> _Report:
     """The stated box is that of the mesh."""
     size = (seen.mesh_high - seen.mesh_low).max(axis=1)
     for axis, name in enumerate("xyz"):
@@ -186,7 +186,7 @@ def _box(seen: _Inspection) -> Report:
         for end, beyond, find in ends:
             out = beyond / size
             worst = int(np.argmax(np.abs(out)))
-            if out.max() > ON_SURFACE:
+            if out.max() > _ON_SURFACE:
                 worst = int(np.argmax(out))
                 patch = _reaching(seen, worst, axis, find)
                 yield (
@@ -194,7 +194,7 @@ def _box(seen: _Inspection) -> Report:
                     patch,
                     f"it reaches {1000 * beyond[worst]:.4g} mm out of the box at {end} {name} ({seen.at(worst)})",
                 )
-            elif np.abs(out).max() > LOOSE:
+            elif np.abs(out).max() > _LOOSE:
                 yield (
                     "box",
                     None,
@@ -213,7 +213,7 @@ def _reaching(seen: _Inspection, row: int, axis: int, find: Callable[..., Any]) 
     raise AssertionError("every row has a mesh")
 
 
-def _areas(seen: _Inspection) -> Report:
+def _areas(seen: _Inspection) -> _Report:
     """Areas by formula agree with those of a fine mesh, surface by surface: patches of one name are one surface."""
     names = np.array([surface.name for surface in surfaces(seen.primitive)])
     for group in seen.fine:
@@ -226,12 +226,12 @@ def _areas(seen: _Inspection) -> Report:
             expected = area[:, np.isin(group.face_patch, own)].sum(axis=1)
             error = np.abs(seen.areas[np.ix_(group.rows, own)].sum(axis=1) / expected - 1)
             worst = int(np.argmax(error))
-            if error[worst] > AREA:
+            if error[worst] > _AREA:
                 row = int(group.rows[worst])
                 yield "area", name, f"its area differs from the mesh by {100 * error[worst]:.3g} % ({seen.at(row)})"
 
 
-def _volume(seen: _Inspection) -> Report:
+def _volume(seen: _Inspection) -> _Report:
     """The share of the box that the inside function fills is that of the mesh; moments by quadrature are those of the mesh."""
     row, points = seen.in_boxes()
     filled = (seen.inside(row, points) < 0).reshape(seen.count, -1).mean(axis=1)
@@ -261,7 +261,7 @@ def _volume(seen: _Inspection) -> Report:
     }
     for what, error in off.items():
         worst = int(np.argmax(error))
-        if error[worst] > MOMENTS:
+        if error[worst] > _MOMENTS:
             yield (
                 "volume",
                 None,
@@ -270,7 +270,7 @@ def _volume(seen: _Inspection) -> Report:
             return
 
 
-def _pieces(seen: _Inspection) -> Report:
+def _pieces(seen: _Inspection) -> _Report:
     """Convex pieces lie within the solid and leave out no more than a quarter of a wall."""
     groups = pieces.build(seen.primitive, seen.params)
     furthest: dict[str, tuple[float, int, str]] = {}  # per declared piece, the worst of all its indices
@@ -283,14 +283,14 @@ def _pieces(seen: _Inspection) -> Report:
         begin += len(out)
         worst = int(np.argmax(out))
         declared = group.name.partition("[")[0]
-        if out[worst] > max(WITHIN, furthest.get(declared, (0.0, 0, ""))[0]):
+        if out[worst] > max(_WITHIN, furthest.get(declared, (0.0, 0, ""))[0]):
             furthest[declared] = (float(out[worst]), int(group.rows[worst // points.shape[1]]), group.name)
     for out_by, at, name in furthest.values():
         length = 1000 * out_by * seen.diagonal[at]
         yield "pieces", name, f"this piece reaches {length:.4g} mm out of the solid ({seen.at(at)})"
     row, _, covered = _covered(seen, groups)
     share = 1 - covered.mean()
-    if share > MISSED:
+    if share > _MISSED:
         worst = int(np.argmin(covered))
         yield "pieces", None, f"no piece covers {100 * share:.3g} % of the depth of the solid ({seen.at(row[worst])})"
 
@@ -326,7 +326,7 @@ def missed(primitive: Primitive) -> tuple[float, str] | None:
     groups = pieces.build(primitive, seen.params)
     row, points, covered = _covered(seen, groups)
     some = np.flatnonzero(~covered)
-    some = some[:: 1 + len(some) // OPEN]
+    some = some[:: 1 + len(some) // _OPEN]
     row, points = row[some], points[some]
     if not len(row):
         return None
@@ -355,7 +355,7 @@ def _on_piece(group: pieces.PieceGroup) -> np.ndarray:
 
 
 def _deep(seen: _Inspection) -> tuple[np.ndarray, np.ndarray]:
-    """Rows and places that lie deeper than ``FILL`` of the greatest depth, found from the box and below surfaces."""
+    """Rows and places that lie deeper than ``_FILL`` of the greatest depth, found from the box and below surfaces."""
     row, points = seen.in_boxes()
     some = slice(None, None, 8)
     rows, places = [row[some]], [points[some]]
@@ -369,5 +369,5 @@ def _deep(seen: _Inspection) -> tuple[np.ndarray, np.ndarray]:
     depth = -seen.inside(row, points)
     greatest = np.zeros(seen.count)
     np.maximum.at(greatest, row, depth)
-    kept = depth > FILL * greatest[row]
+    kept = depth > _FILL * greatest[row]
     return row[kept], points[kept]

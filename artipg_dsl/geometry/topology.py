@@ -17,9 +17,9 @@ from .errors import PrimitiveError
 from .patches import Params, grid, position_split, surfaces, tangent_split
 from .trial import trial, variants
 
-TOLERANCE = 1e-9  # relative to the extent of the instance
-PROBE = 1e-6  # how far off a surface the inside function is asked, relative too
-EDGES = ("u start", "u end", "v start", "v end")
+_TOLERANCE = 1e-9  # relative to the extent of the instance
+_PROBE = 1e-6  # how far off a surface the inside function is asked, relative too
+_EDGES = ("u start", "u end", "v start", "v end")
 _ALONG = np.linspace(0.0, 1.0, 9)
 _ACROSS = np.linspace(0.1, 0.9, 5)
 _FINE = np.linspace(0.0, 1.0, 33)
@@ -47,7 +47,7 @@ class Topology:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Seams:
-    """Where the edges of a variant meet: edge 4 * i + e is edge ``e`` (see ``EDGES``) of patch ``patches[i]``.
+    """Where the edges of a variant meet: edge 4 * i + e is edge ``e`` (see ``_EDGES``) of patch ``patches[i]``.
 
     ``pairs`` (edge, edge, reversed), ``points`` (edges,) the edges that are points, ``closed`` (edges,) those that end
     where they start; ``params`` and ``scale`` are the test values compared and the extents of their instances.
@@ -76,9 +76,9 @@ def seams(primitive: Primitive, variant: tuple[bool, ...]) -> Seams:
     curves = np.stack([_edges(primitive, patch, params) for patch in patches], axis=1)
     count, scale = curves.shape[0], _extent(curves)
     curves = curves.reshape(count, 4 * len(patches), len(_ALONG), 3) / scale[:, None, None, None]
-    points = (np.abs(curves - curves[:, :, :1]).max(axis=(0, 2, 3))) < TOLERANCE
+    points = (np.abs(curves - curves[:, :, :1]).max(axis=(0, 2, 3))) < _TOLERANCE
     pairs = tuple(_match(primitive, patches, params, curves, points, scale))
-    closed = np.abs(curves[:, :, 0] - curves[:, :, -1]).max(axis=(0, 2)) < TOLERANCE
+    closed = np.abs(curves[:, :, 0] - curves[:, :, -1]).max(axis=(0, 2)) < _TOLERANCE
     return Seams(patches, pairs, points, closed, params, scale)
 
 
@@ -142,13 +142,13 @@ def _match(
     gap[points] = np.inf
     gap[:, points] = np.inf
     for edge in np.flatnonzero(~points):
-        partners = np.flatnonzero(gap[edge] < TOLERANCE)
+        partners = np.flatnonzero(gap[edge] < _TOLERANCE)
         if len(partners) == 1:
             other = int(partners[0])
             if edge < other:
                 pairs.append((int(edge), other, bool(back[edge, other] < forward[edge, other])))
             continue
-        names = [f"{EDGES[e % 4]} of {surfaces(primitive)[patches[e // 4]].name}" for e in (edge, *partners)]
+        names = [f"{_EDGES[e % 4]} of {surfaces(primitive)[patches[e // 4]].name}" for e in (edge, *partners)]
         name = surfaces(primitive)[patches[edge // 4]].name
         place = _where(params, curves[0, edge, len(_ALONG) // 2] * scale[0])
         if len(partners):
@@ -158,8 +158,10 @@ def _match(
         hint = ""
         if np.isfinite(gap[edge, near]):
             other_name = surfaces(primitive)[patches[near // 4]].name
-            hint = f"; the nearest is {EDGES[near % 4]} of {other_name}, {100 * gap[edge, near]:.3g} % of its size away"
-        message = f"its edge {EDGES[edge % 4]} meets no other edge: the surface leaks there{hint} ({place})"
+            hint = (
+                f"; the nearest is {_EDGES[near % 4]} of {other_name}, {100 * gap[edge, near]:.3g} % of its size away"
+            )
+        message = f"its edge {_EDGES[edge % 4]} meets no other edge: the surface leaks there{hint} ({place})"
         raise PrimitiveError(primitive, name, message)
     return pairs
 
@@ -195,8 +197,8 @@ def _straight(primitive: Primitive, patch: int, params: Params, scale: np.ndarra
     straight = np.empty(2, dtype=bool)
     for axis, lines in ((0, points), (1, points.transpose(0, 2, 1, 3))):
         chord = lines[:, :1] + _ALONG[None, :, None, None] * (lines[:, -1:] - lines[:, :1])
-        straight[axis] = np.abs(lines - chord).max() < TOLERANCE
-    if straight.all() and twist > TOLERANCE:
+        straight[axis] = np.abs(lines - chord).max() < _TOLERANCE
+    if straight.all() and twist > _TOLERANCE:
         straight[:] = False  # a twisted quad: one step would cut off its bulge
     return straight & ~_warped(primitive, patch, params)
 
@@ -260,7 +262,7 @@ def orientation(primitive: Primitive) -> np.ndarray:
         scale = np.abs(point).max(axis=(1, 2))[:, None, None]
         votes = []
         for side in (1.0, -1.0):
-            probe = point + side * PROBE * scale * normal
+            probe = point + side * _PROBE * scale * normal
             arguments = [chosen[n][:, None] for n in primitive.parameters]
             votes.append(inside(*arguments, *np.moveaxis(probe, -1, 0))[0] + 0.0 * probe[..., 0] < 0)
         outward, inward = (votes[1] & ~votes[0]).mean(), (votes[0] & ~votes[1]).mean()

@@ -44,7 +44,7 @@ def anything(primitive: Primitive, count: int) -> Params:
 
 def _draw(primitive: Primitive, count: int, fixed: dict[str, float], attempt: int) -> Params:
     params = _values(primitive, count * _OVERSAMPLE, fixed, attempt)
-    kept = np.flatnonzero(allowed(primitive, primitive.requires, params))[:count]
+    kept = np.flatnonzero(_allowed(primitive, primitive.requires, params))[:count]
     return {name: value[kept] for name, value in params.items()}
 
 
@@ -62,7 +62,7 @@ def _values(primitive: Primitive, count: int, fixed: dict[str, float], attempt: 
     return params
 
 
-def allowed(primitive: Primitive, conditions: tuple[Expr, ...], params: Params) -> np.ndarray:
+def _allowed(primitive: Primitive, conditions: tuple[Expr, ...], params: Params) -> np.ndarray:
     """(k,) bool: which instances meet all conditions."""
     if not conditions:
         return np.ones(len(next(iter(params.values()))), dtype=bool)

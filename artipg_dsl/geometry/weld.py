@@ -12,7 +12,7 @@ from .errors import PrimitiveError
 from .patches import surfaces
 from .topology import Topology
 
-EIGHTH = math.pi / 4
+_EIGHTH = math.pi / 4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,7 +35,7 @@ class Plan:
 
 def step_counts(topology: Topology, steps: int) -> np.ndarray:
     """(classes,): steps of each class for ``steps`` per full turn; 1 where nothing bends, at least 3 around."""
-    eighths = np.ceil(topology.turn / EIGHTH - 1e-6)
+    eighths = np.ceil(topology.turn / _EIGHTH - 1e-6)
     return np.maximum(np.ceil(steps * eighths / 8 - 1e-6), np.where(topology.closed, 3, 1)).astype(np.int64)
 
 

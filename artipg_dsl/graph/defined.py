@@ -11,8 +11,8 @@ from collections.abc import Callable
 from .expr import Expr, Scope
 from .interval import EVERYTHING, Interval, Intervals
 
-LARGEST = 700.0  # exp of more is beyond what a number can hold
-PASSING = frozenset(
+_LARGEST = 700.0  # exp of more is beyond what a number can hold
+_PASSING = frozenset(
     {
         "min",
         "max",
@@ -123,7 +123,7 @@ class Defined:
         op = node.op
         if op == "const":
             return not math.isnan(node.value)
-        if op in PASSING or op == "reduce" and node.value[0] not in ("sum",):
+        if op in _PASSING or op == "reduce" and node.value[0] not in ("sum",):
             return True
         if op in ("solve", "root", "var"):
             return False
@@ -146,7 +146,7 @@ def _within(op: str, node: Expr, ends: list[Interval]) -> bool:
     if op in ("asin", "acos"):
         return low >= -1.0 and high <= 1.0
     if op == "exp":
-        return high < LARGEST
+        return high < _LARGEST
     if op == "pow":
         power = node.args[1].constant
         whole = power is not None and power >= 0 and float(power).is_integer()

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from .expr import Column, Expr, Scope
 from .program import Program
 
-SIDEWAYS = frozenset({"reduce", "element", "previous", "scan"})
+_SIDEWAYS = frozenset({"reduce", "element", "previous", "scan"})
 
 
 def needed(program: Program, roots: Iterable[Expr]) -> set[Column]:
@@ -50,7 +50,7 @@ def crosses(program: Program, roots: Iterable[Expr]) -> bool:
         if node in seen:
             continue
         seen.add(node)
-        if node.op in SIDEWAYS:
+        if node.op in _SIDEWAYS:
             return True
         stack.extend(node.args)
         if node.op == "col" and node.value in program.definitions:

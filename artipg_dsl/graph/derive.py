@@ -52,7 +52,7 @@ def _square(a: Expr) -> Expr:
     return mul(a, a)
 
 
-TWO = const(2.0)
+_TWO = const(2.0)
 RULES: dict[str, Callable[..., Expr]] = {
     "add": lambda a, b, da, db: add(da, db),
     "sub": lambda a, b, da, db: sub(da, db),
@@ -61,7 +61,7 @@ RULES: dict[str, Callable[..., Expr]] = {
     "neg": lambda a, da: neg(da),
     "pow": _power,
     "abs": lambda a, da: mul(call("sign", a), da),
-    "sqrt": lambda a, da: div(da, mul(TWO, call("sqrt", a))),
+    "sqrt": lambda a, da: div(da, mul(_TWO, call("sqrt", a))),
     "sin": lambda a, da: mul(call("cos", a), da),
     "cos": lambda a, da: neg(mul(call("sin", a), da)),
     "tan": lambda a, da: div(da, _square(call("cos", a))),

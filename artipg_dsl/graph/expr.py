@@ -197,14 +197,14 @@ def mul(a: Expr, b: Expr) -> Expr:
     if b.constant == -1.0:
         return neg(a)
     pair = [e for e in (a, b) if e.op == "where"]
-    if pair and signed(a) and signed(b) and pair[0].args[0] is pair[-1].args[0]:
+    if pair and _signed(a) and _signed(b) and pair[0].args[0] is pair[-1].args[0]:
         condition = pair[0].args[0]
         (x, y), (v, w) = (e.args[1:] if e.op == "where" else (e, e) for e in (a, b))
         return where(condition, mul(x, v), mul(y, w))
     return call("mul", a, b)
 
 
-def signed(a: Expr) -> bool:
+def _signed(a: Expr) -> bool:
     """A constant, or one of two by a condition (the sign of a mirror's halves): products of those fold."""
     return a.op == "const" or a.op == "where" and a.args[1].op == "const" and a.args[2].op == "const"
 
@@ -233,7 +233,7 @@ def div(a: Expr, b: Expr) -> Expr:
 
 
 def neg(a: Expr) -> Expr:
-    if a.op == "where" and signed(a):
+    if a.op == "where" and _signed(a):
         return where(a.args[0], neg(a.args[1]), neg(a.args[2]))
     return a.args[0] if a.op == "neg" else call("neg", a)
 
@@ -298,7 +298,7 @@ def phi(parent: Scope, branches: Iterable[tuple[Scope, Expr]], default: Expr = Z
     Branches are ``(child guard scope, expression in it)``, whose rows exclude one another; a scope further below is
     merged step by step.
     """
-    branches = nearest(parent, tuple(branches))
+    branches = _nearest(parent, tuple(branches))
     if branches and all(value is branches[0][1] for _, value in branches):
         value = branches[0][1]
         if value.scope is None or parent.within(value.scope):
@@ -307,7 +307,7 @@ def phi(parent: Scope, branches: Iterable[tuple[Scope, Expr]], default: Expr = Z
     return _make("phi", (*(v for _, v in branches), default), tuple(s for s, _ in branches), parent)
 
 
-def nearest(parent: Scope, branches: tuple[tuple[Scope, Expr], ...]) -> tuple[tuple[Scope, Expr], ...]:
+def _nearest(parent: Scope, branches: tuple[tuple[Scope, Expr], ...]) -> tuple[tuple[Scope, Expr], ...]:
     """Branches of children of ``parent`` out of branches of guard scopes anywhere below it."""
     if all(scope.parent is parent for scope, _ in branches):
         return branches

@@ -15,10 +15,12 @@ from .interval import Interval, Intervals
 from .linear import Linear
 from .program import Draw, Program, Union
 
-ROUNDS = 6
-SMALL = 1e-9
-ALIKE = 1e-5
-Causes = dict[int, tuple[tuple[int, ...], tuple[int, ...]]]  # of a narrowed draw: requirements, and the draws they read
+_ROUNDS = 6
+_SMALL = 1e-9
+_ALIKE = 1e-5
+_Causes = dict[
+    int, tuple[tuple[int, ...], tuple[int, ...]]
+]  # of a narrowed draw: requirements, and the draws they read
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +40,7 @@ class Conflict:
     certain: bool
 
 
-class Narrowed(Intervals):
+class _Narrowed(Intervals):
     """Intervals of expressions with some draws at less than their domain."""
 
     def __init__(self, program: Program, box: Mapping[int, Interval]):
@@ -62,7 +64,7 @@ class Narrowed(Intervals):
 
     def decide(self, reader: Linear, node: Expr) -> list[Column]:
         """The draws at less than their domain that an expression reads: without them it might be otherwise."""
-        return [column for column in sorted_columns(reader, node) if column in self.box]
+        return [column for column in _sorted_columns(reader, node) if column in self.box]
 
 
 def conflicts(program: Program, given: Mapping[int, float] | None = None) -> list[Conflict]:
@@ -78,15 +80,15 @@ def ranges(program: Program) -> dict[int, Interval]:
 
 def _narrow(
     program: Program, given: Mapping[int, float] | None
-) -> tuple[dict[object, Conflict], dict[int, Interval], Causes]:
+) -> tuple[dict[object, Conflict], dict[int, Interval], _Causes]:
     """The draws without room, if any, the intervals of those that have less than their domain, and why they have."""
     box = {k: (v, v) for k, v in (given or {}).items() if math.isfinite(v)}
     reader = Linear(lambda c: c not in program.definitions, program.definitions, through=True)
     numbers = {d.column: k for k, d in enumerate(program.draws)}
-    causes: Causes = {}
+    causes: _Causes = {}
     found: dict[object, Conflict] = {}
-    for _ in range(ROUNDS):
-        intervals = Narrowed(program, box)
+    for _ in range(_ROUNDS):
+        intervals = _Narrowed(program, box)
         moved = False
         for k, draw in enumerate(program.draws):
             if k in found or draw.kind == "choice" or draw.low is None or draw.high is None:
@@ -95,11 +97,11 @@ def _narrow(
             if k in box:
                 low, high = max(low, box[k][0]), min(high, box[k][1])
             others = tuple(dict.fromkeys(numbers[c] for c in read if c in numbers and c is not draw.column))
-            if low > high + SMALL * max(1.0, abs(low)):
+            if low > high + _SMALL * max(1.0, abs(low)):
                 reasons, chain = _led(causes, why, others)
                 chain = tuple(d for d in chain if d != k)
                 scope = draw.column.scope
-                alike = low - high < ALIKE and bool(
+                alike = low - high < _ALIKE and bool(
                     reasons
                 )  # whole numbers beside one that is left out: no range to tell of
                 one, other = (None, reasons[0]) if alike else (k, None)
@@ -113,7 +115,7 @@ def _narrow(
     return found, box, causes
 
 
-def _led(causes: Causes, why: Sequence[int], draws: Iterable[int]) -> tuple[tuple[int, ...], tuple[int, ...]]:
+def _led(causes: _Causes, why: Sequence[int], draws: Iterable[int]) -> tuple[tuple[int, ...], tuple[int, ...]]:
     """Requirements, with those that narrowed some draws, from one draw to the next; and the draws on the way."""
     reasons, chain, left = dict.fromkeys(why), dict[int, None](), list(draws)
     for draw in left:
@@ -125,11 +127,11 @@ def _led(causes: Causes, why: Sequence[int], draws: Iterable[int]) -> tuple[tupl
     return tuple(reasons), tuple(chain)
 
 
-def _range(draw: Draw, intervals: Narrowed, reader: Linear) -> tuple[float, float, list[int], list[Any]]:
+def _range(draw: Draw, intervals: _Narrowed, reader: Linear) -> tuple[float, float, list[int], list[Any]]:
     """The range of a draw, the requirements that make it narrower than its domain, and what they read."""
     low, high = intervals.of(draw.ends[0])[0], intervals.of(draw.ends[1])[1]
     why: dict[str, list[int]] = {"low": [], "high": []}
-    read: dict[str, list[Any]] = {"low": sorted_columns(reader, draw.low), "high": sorted_columns(reader, draw.high)}
+    read: dict[str, list[Any]] = {"low": _sorted_columns(reader, draw.low), "high": _sorted_columns(reader, draw.high)}
     for bound in draw.bounds:
         if intervals.of(bound.guard)[0] < 1.0:
             continue
@@ -139,7 +141,7 @@ def _range(draw: Draw, intervals: Narrowed, reader: Linear) -> tuple[float, floa
         if (ends[0] > low) if bound.side == "low" else (ends[1] < high):
             low, high = (ends[0], high) if bound.side == "low" else (low, ends[1])
             why[bound.side] = [bound.requirement, *bound.also]
-            read[bound.side] = [*sorted_columns(reader, bound.value), *intervals.decide(reader, bound.guard)]
+            read[bound.side] = [*_sorted_columns(reader, bound.value), *intervals.decide(reader, bound.guard)]
     for union in draw.unions:
         low, high = _hull(draw, union, intervals, low, high, why, read, reader)
     return low, high, why["low"] + why["high"], read["low"] + read["high"]
@@ -148,7 +150,7 @@ def _range(draw: Draw, intervals: Narrowed, reader: Linear) -> tuple[float, floa
 def _hull(
     draw: Draw,
     union: Union,
-    intervals: Narrowed,
+    intervals: _Narrowed,
     low: float,
     high: float,
     why: dict[str, list[int]],
@@ -156,13 +158,13 @@ def _hull(
     reader: Linear,
 ) -> tuple[float, float]:
     """The range narrowed to what a union of intervals leaves of it; an empty one where no interval has room."""
-    if intervals.of(union.guard)[0] < 1.0 or low > high + SMALL:
+    if intervals.of(union.guard)[0] < 1.0 or low > high + _SMALL:
         return low, high
     ends = [(intervals.of(one)[0], intervals.of(two)[1]) for one, two in union.intervals]
     if any(math.isnan(end) for pair in ends for end in pair):
         return low, high
-    left = [(max(one, low), min(two, high)) for one, two in ends if max(one, low) <= min(two, high) + SMALL]
-    columns = [c for pair in union.intervals for end in pair for c in sorted_columns(reader, end)]
+    left = [(max(one, low), min(two, high)) for one, two in ends if max(one, low) <= min(two, high) + _SMALL]
+    columns = [c for pair in union.intervals for end in pair for c in _sorted_columns(reader, end)]
     columns += intervals.decide(reader, union.guard)
     if not left:
         why["low"], read["low"] = [union.requirement, *union.also, *why["low"]], [*columns, *read["low"]]
@@ -181,15 +183,15 @@ def _hull(
     return first, last
 
 
-def sorted_columns(reader: Linear, node: Expr | None) -> list[Any]:
+def _sorted_columns(reader: Linear, node: Expr | None) -> list[Any]:
     return [] if node is None else sorted(reader.columns(node), key=lambda c: c.path)
 
 
 def _broken(
-    program: Program, box: Mapping[int, Interval], found: Mapping[object, Conflict], causes: Causes
+    program: Program, box: Mapping[int, Interval], found: Mapping[object, Conflict], causes: _Causes
 ) -> list[Conflict]:
     """Requirements that no values within the intervals keep, beyond those that a range has told already."""
-    intervals = Narrowed(program, box)
+    intervals = _Narrowed(program, box)
     reader = Linear(lambda c: c not in program.definitions, program.definitions, through=True)
     numbers = {d.column: k for k, d in enumerate(program.draws)}
     told = {r for conflict in found.values() for r in conflict.reasons}
@@ -201,7 +203,7 @@ def _broken(
             continue
         if requirement.slack is not None:
             low, high = (intervals.of(side) for side in requirement.slack)
-            if not low[0] > high[1] + SMALL:
+            if not low[0] > high[1] + _SMALL:
                 continue
         scope = requirement.scope
         read = [c for node in (requirement.condition, requirement.guard) for c in intervals.decide(reader, node)]

@@ -122,13 +122,13 @@ def _compile(exprs: tuple[Expr, ...], names: tuple[str, ...]) -> Callable[..., t
     namespace: dict[str, Any] = {"np": np}
     exec(compile(source(exprs, names), "<formula>", "exec"), namespace)  # noqa: S102 - no text of a program reaches it
     formula: Callable[..., tuple[Any, ...]] = namespace["formula"]
-    return quiet(formula)
+    return _quiet(formula)
 
 
 # Formulas are computed everywhere and taken where they hold (the branches of `a if c else b`, points outside a `where`):
 # NumPy's warnings of values that are not taken say nothing. Those that are taken are asked for as numbers
 # (``lower.elaborate.legal``, ``annotate.points``).
-quiet = np.errstate(divide="ignore", invalid="ignore", over="ignore")
+_quiet = np.errstate(divide="ignore", invalid="ignore", over="ignore")
 
 
 def compile_formula(exprs: Sequence[Expr], names: Sequence[str]) -> Callable[..., tuple[Any, ...]]:

@@ -17,8 +17,8 @@ from .interval import Intervals
 from .linear import Linear
 from .primitive import pair
 
-MOST = 16  # bounds of one inequality
-DEEPEST = 40
+_MOST = 16  # bounds of one inequality
+_DEEPEST = 40
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +46,7 @@ def bounds_of(
         return []
     solver = _Solver(column, alone, intervals, _Ends(column, alone, intervals))
     solver.solve(E.sub(low, high), "high", ZERO, guard, scope, 0)
-    return solver.found[:MOST]
+    return solver.found[:_MOST]
 
 
 def least_of(node: Expr, column: Column, intervals: Intervals, definitions: Mapping[Column, Expr]) -> Expr | None:
@@ -55,7 +55,7 @@ def least_of(node: Expr, column: Column, intervals: Intervals, definitions: Mapp
     return None if low.constant is not None and not math.isfinite(low.constant) else low
 
 
-def other(side: str) -> str:
+def _other(side: str) -> str:
     return "low" if side == "high" else "high"
 
 
@@ -115,7 +115,7 @@ class _Ends:
                 return sizes[0]
             return E.call(op, *(s[0] for s in sizes)), E.call(op, *(s[1] for s in sizes))
         if op == "mul":
-            square = completed(node.args[0], node.args[1], self.column, self.linear)
+            square = _completed(node.args[0], node.args[1], self.column, self.linear)
             if square is not None:
                 return self.of(square)
             products = [E.mul(a, b) for a in dict.fromkeys(parts[0]) for b in dict.fromkeys(parts[1])]
@@ -131,7 +131,7 @@ class _Ends:
         return E.maximum(ZERO, low, E.neg(high)), E.maximum(high, E.neg(low))
 
 
-def completed(a: Expr, b: Expr, column: Column, linear: Linear) -> Expr | None:
+def _completed(a: Expr, b: Expr, column: Column, linear: Linear) -> Expr | None:
     """The product of two linear forms as factor * (column + shift)^2 + rest; None where one is not linear."""
     first, second = linear.form(a), linear.form(b)
     if first is None or second is None or column not in first[0] or column not in second[0]:
@@ -153,7 +153,7 @@ class _Solver:
 
     def solve(self, node: Expr, side: str, value: Expr, guard: Expr, scope: Scope, depth: int) -> None:
         """Note what ``node <= value`` (side "high") or ``node >= value`` says of the column."""
-        if guard is E.FALSE or depth > DEEPEST or len(self.found) >= MOST:
+        if guard is E.FALSE or depth > _DEEPEST or len(self.found) >= _MOST:
             return
         if not (scope.within(value.scope) and scope.within(guard.scope)):
             return  # it stands in rows of its own
@@ -190,12 +190,12 @@ class _Solver:
         low, high = self.intervals.of(factor)
         quotient = E.div(value, factor)
         if low > 0 or high < 0:
-            self.solve(node, side if low > 0 else other(side), quotient, guard, scope, depth)
+            self.solve(node, side if low > 0 else _other(side), quotient, guard, scope, depth)
             return
         if factor is ZERO:
             return
         self.solve(node, side, quotient, E.both(guard, E.call("lt", ZERO, factor)), scope, depth)
-        self.solve(node, other(side), quotient, E.both(guard, E.call("lt", factor, ZERO)), scope, depth)
+        self.solve(node, _other(side), quotient, E.both(guard, E.call("lt", factor, ZERO)), scope, depth)
 
     # ------------------------------------------------------------ backwards through one operation
 
@@ -256,7 +256,7 @@ class _Solver:
             root = E.call("sqrt", E.maximum(value, ZERO))
             self.magnitude(a, side, root, guard, scope, depth)
             return
-        square = completed(a, b, self.column, self.linear)
+        square = _completed(a, b, self.column, self.linear)
         if square is not None:
             self.solve(square, side, value, guard, scope, depth)
             return
@@ -274,7 +274,7 @@ class _Solver:
         low, high = self.intervals.of(bottom)
         if low <= 0 <= high:
             return
-        turned = side if low > 0 else other(side)
+        turned = side if low > 0 else _other(side)
         difference = E.sub(top, E.mul(value, bottom))  # top - value * bottom <= 0 where bottom > 0
         terms, _ = self.linear.parts(difference)
         if list(terms) != [difference]:

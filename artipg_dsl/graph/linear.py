@@ -12,7 +12,7 @@ Form = tuple[dict[Column, Expr], Expr]  # coefficient of each column, and the re
 Parts = tuple[dict[Any, Expr], Expr]  # the same with atoms beside the columns
 
 
-PARTIAL = frozenset({"div", "pow", "sqrt", "log", "asin", "acos", "tan", "mod"})
+_PARTIAL = frozenset({"div", "pow", "sqrt", "log", "asin", "acos", "tan", "mod"})
 
 
 class Circle(Exception):
@@ -110,13 +110,13 @@ class Linear:
             left, right = self.parts(node.args[0]), self.parts(node.args[1])
             return combine(left, right, ONE if node.op == "add" else E.const(-1.0))
         if node.op == "neg":
-            return scaled(self.parts(node.args[0]), E.const(-1.0))
+            return _scaled(self.parts(node.args[0]), E.const(-1.0))
         if node.op == "mul":
             a, b = node.args
             if not (self.reads(a) and self.reads(b)):
-                return scaled(self.parts(a if self.reads(a) else b), b if self.reads(a) else a)
+                return _scaled(self.parts(a if self.reads(a) else b), b if self.reads(a) else a)
         if node.op == "div" and not self.reads(node.args[1]):
-            return scaled(self.parts(node.args[0]), E.div(ONE, node.args[1]))
+            return _scaled(self.parts(node.args[0]), E.div(ONE, node.args[1]))
         if node.op == "where" and not self.reads(node.args[0]):
             return self.branches(node.args[1:], lambda values: E.where(node.args[0], *values))
         if node.op == "phi":
@@ -135,7 +135,7 @@ class Linear:
             return False
         known = self.partial.get(key)
         if known is None:
-            known = self.partial[key] = key.op in PARTIAL or any(self.undefined(a) for a in key.args)
+            known = self.partial[key] = key.op in _PARTIAL or any(self.undefined(a) for a in key.args)
         return known
 
     def branches(self, args: tuple[Expr, ...], make: Callable[..., Any], *, parent: Scope | None = None) -> Parts:
@@ -143,7 +143,7 @@ class Linear:
         stays inside, since only columns of ``parent``'s chain can stand beside it, and its default is free."""
         forms = [self.parts(a) for a in args]
         if parent is not None:
-            forms = [kept_inside(form, parent) for form in forms]
+            forms = [_kept_inside(form, parent) for form in forms]
         names = dict.fromkeys(c for f in forms for c in f[0])
         real = forms[:-1] if parent is not None else forms
         coefficients: dict[Column | Expr, Expr] = {}
@@ -167,7 +167,7 @@ def inside(form: Parts, key: Any) -> Parts:
     return left, E.add(rest, E.mul(factor, key if isinstance(key, Expr) else E.col(key)))
 
 
-def kept_inside(form: Parts, parent: Scope) -> Parts:
+def _kept_inside(form: Parts, parent: Scope) -> Parts:
     """A form in which only what ``parent``'s rows know stands as a term; the others belong to the rest."""
     coefficients: dict[Column | Expr, Expr] = {}
     rest = form[1]
@@ -205,11 +205,11 @@ def combine(a: Parts, b: Parts, factor: Expr) -> Parts:
     return coefficients, E.add(a[1], E.mul(factor, b[1]))
 
 
-def scaled(form: Parts, factor: Expr) -> Parts:
+def _scaled(form: Parts, factor: Expr) -> Parts:
     return {c: E.mul(v, factor) for c, v in form[0].items()}, E.mul(form[1], factor)
 
 
-INVERSES: dict[str, Callable[[Expr], Expr]] = {
+_INVERSES: dict[str, Callable[[Expr], Expr]] = {
     "neg": E.neg,
     "sqrt": lambda v: E.mul(v, v),
     "abs": lambda v: v,  # lengths: the positive root
@@ -241,8 +241,8 @@ def isolate(node: Expr, target: Column, value: Expr, linear: Linear) -> Expr | N
             return None
         k = inside[0]
         other = node.args[1 - k] if len(node.args) == 2 else ONE  # of one argument: not asked for
-        if node.op in INVERSES:
-            value = INVERSES[node.op](value)
+        if node.op in _INVERSES:
+            value = _INVERSES[node.op](value)
         elif len(node.args) != 2:
             return None
         elif node.op == "add":
@@ -282,7 +282,7 @@ def solve_block(forms: list[Form], columns: list[Column]) -> dict[Column, Expr] 
         coefficients, rest = rows.pop(r)
         pivot = coefficients.pop(column)
         factor = E.div(E.const(-1.0), pivot)
-        solved = scaled((coefficients, rest), factor)  # column = solved
+        solved = _scaled((coefficients, rest), factor)  # column = solved
         next_rows = []
         for other, other_rest in rows:
             value = other.pop(column, None)

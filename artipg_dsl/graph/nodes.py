@@ -14,9 +14,9 @@ from .functions import FUNCTIONS, PREDICATES
 
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z0-9_]+)*")
 KINDS = ("real", "count", "choice", "bool")
-REDUCTIONS = ("sum", "min", "max", "any", "all")
-MOST_UNKNOWNS = 64  # of equations that are solved together
-NONE: frozenset[str] = frozenset()
+_REDUCTIONS = ("sum", "min", "max", "any", "all")
+_MOST_UNKNOWNS = 64  # of equations that are solved together
+_NONE: frozenset[str] = frozenset()
 
 
 class Fault(ValueError):
@@ -42,7 +42,7 @@ class Nodes:
         need(all(isinstance(a, Expr) and a in self.free for a in args), f"the arguments of {op} are expressions (%n)")
         build = getattr(self, f"_{op}", None) if op in _SPECIAL else None
         need(build or op in FUNCTIONS, f"there is no operator {op[:40]!r}")
-        free = NONE.union(*(self.free[a] for a in args)) if args else NONE
+        free = _NONE.union(*(self.free[a] for a in args)) if args else _NONE
         need(not free or op in FUNCTIONS or op == "solve", f"a variable of a formula is inside {op}")
         try:
             node, truth = build(value, args) if build else self._plain(op, args)
@@ -50,7 +50,7 @@ class Nodes:
             raise Fault(str(error)) from None
         if op == "var":
             free = frozenset((value,))
-        self.free[node] = NONE if op == "solve" else free
+        self.free[node] = _NONE if op == "solve" else free
         self.truth[node] = truth
         self.formula[node] = op in ("const", "var") or op in FUNCTIONS and all(self.formula[a] for a in args)
         return node
@@ -120,7 +120,7 @@ class Nodes:
 
     def _reduce(self, value: Any, args: tuple[Expr, ...]) -> tuple[Expr, bool]:
         kind, child = value
-        need(kind in REDUCTIONS, f"there is no reduction {str(kind)[:40]!r}")
+        need(kind in _REDUCTIONS, f"there is no reduction {str(kind)[:40]!r}")
         need(isinstance(child, Scope) and child.parent, "reduce is over the rows of a table below another (@n)")
         need(len(args) == 1 and self.stands(args[0], child), "reduce takes one argument in the rows of its table")
         return raw("reduce", args, (kind, child), child.parent), kind in ("any", "all")
@@ -150,7 +150,8 @@ class Nodes:
     def _solve(self, value: Any, args: tuple[Expr, ...]) -> tuple[Expr, bool]:
         whole = all(isinstance(n, int) and not isinstance(n, bool) for n in value)
         need(
-            whole and 1 <= value[0] <= MOST_UNKNOWNS and value[1] >= 0, "solve says how many unknowns and values it has"
+            whole and 1 <= value[0] <= _MOST_UNKNOWNS and value[1] >= 0,
+            "solve says how many unknowns and values it has",
         )
         size, known = value
         formulas, values = args[: size + size * size], args[size + size * size :]

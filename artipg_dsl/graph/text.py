@@ -21,8 +21,8 @@ from .primitive import Patch, Piece, Primitive
 from .reference import Elsewhere, Onward, Under
 from .verify import Verifier
 
-VERSION = 1
-RECORDS = {
+_VERSION = 1
+_RECORDS = {
     cls.__name__: cls
     for cls in (
         P.Where,
@@ -55,7 +55,7 @@ RECORDS = {
         Onward,
     )
 }
-KEPT = {
+_KEPT = {
     "draw": P.Draw,
     "requirements": P.Requirement,
     "preferences": P.Preference,
@@ -74,8 +74,8 @@ KEPT = {
     "materials": P.Material,
     "primitives": Primitive,
 }
-LISTS = tuple(word for word in KEPT if word not in ("draw", "materials", "primitives"))
-DEEPEST = 64  # lists and records within one another
+_LISTS = tuple(word for word in _KEPT if word not in ("draw", "materials", "primitives"))
+_DEEPEST = 64  # lists and records within one another
 
 
 class TextError(Exception):
@@ -196,7 +196,7 @@ def _written(program: P.Program, *, places: bool) -> str:
         name, found = writer.column(column), writer.expr(value)
         comment = show(value, 160) if places else ""
         writer.emit(f"define {name} {found}" + (f"  # {column.name} = {comment[:160]}" if places else ""))
-    for name in LISTS:
+    for name in _LISTS:
         for item in getattr(program, name):
             writer.emit(f"{name} {writer.encode(item)}")
     for kind in ("materials", "primitives"):
@@ -204,7 +204,7 @@ def _written(program: P.Program, *, places: bool) -> str:
             writer.emit(f"{kind} {writer.encode(item)}")
     for name, words in program.vocabularies.items():
         writer.emit(f"vocabulary {json.dumps(name)} {writer.encode(words)}")
-    head = [f"apgc {VERSION}", f"program {json.dumps(program.name)}"]
+    head = [f"apgc {_VERSION}", f"program {json.dumps(program.name)}"]
     if places and program.doc:
         head.append(f"doc {json.dumps(program.doc, ensure_ascii=False)}")
     return "\n".join([*head, *writer.lines, ""])
@@ -264,7 +264,7 @@ class _Reader:
         need(word == mark, f"expected {mark}, found {word[:40]!r}")
 
     def value(self, depth: int = 0) -> Any:
-        need(depth < DEEPEST, "the line is nested too deeply")
+        need(depth < _DEEPEST, "the line is nested too deeply")
         word = self.next()
         if word == "[":
             items: list[Any] = []
@@ -275,7 +275,7 @@ class _Reader:
 
     def record(self, depth: int) -> Any:
         name = self.next()
-        cls = RECORDS.get(name)
+        cls = _RECORDS.get(name)
         if cls is None:
             raise Fault(f"there is no record {name[:40]!r}")
         known = {field.name for field in fields(cls)}
@@ -342,9 +342,9 @@ class _Reader:
             column, value = self.value(), self.value()
             self.verifier.definition(column, value)
             program.definitions[column] = value
-        elif word in KEPT:
+        elif word in _KEPT:
             item = self.value()
-            need(type(item) is KEPT[word], f"{word} is of records {KEPT[word].__name__}")
+            need(type(item) is _KEPT[word], f"{word} is of records {_KEPT[word].__name__}")
             held = getattr(program, "draws" if word == "draw" else word)
             self.items.append((line, item, len(held)))
             if isinstance(held, list):
@@ -382,8 +382,8 @@ class _Reader:
 def from_text(text: str) -> P.Program:
     """The program of a text, verified. Raises TextError for anything that is none."""
     lines = text.split("\n")
-    if lines[0].split() != ["apgc", str(VERSION)]:
-        raise TextError(f"this is not a compiled program of version {VERSION}")
+    if lines[0].split() != ["apgc", str(_VERSION)]:
+        raise TextError(f"this is not a compiled program of version {_VERSION}")
     program = P.Program("")
     reader = _Reader(program)
     number = 0

@@ -18,7 +18,7 @@ from .linear import Linear
 Region = tuple[tuple[Expr, Expr], ...]
 
 MOST = 8  # intervals of a union
-DEEPEST = 24
+_DEEPEST = 24
 BESIDE = 1e-6  # a whole number, or a listed value, is left out with so much to both sides
 LEAST, MOST_OF_ALL = E.const(-math.inf), E.const(math.inf)
 EVERYTHING: Region = ((LEAST, MOST_OF_ALL),)
@@ -32,16 +32,16 @@ def region_of(
     return _Regions(column, alone, intervals, discrete).of(condition, True, 0)
 
 
-def lower(a: Expr, b: Expr) -> Expr:
+def _lower(a: Expr, b: Expr) -> Expr:
     return b if a is MOST_OF_ALL else a if b is MOST_OF_ALL else E.minimum(a, b)
 
 
-def higher(a: Expr, b: Expr) -> Expr:
+def _higher(a: Expr, b: Expr) -> Expr:
     return b if a is LEAST else a if b is LEAST else E.maximum(a, b)
 
 
 def inside_both(first: Region, second: Region) -> Region:
-    return tuple((higher(a[0], b[0]), lower(a[1], b[1])) for a in first for b in second)
+    return tuple((_higher(a[0], b[0]), _lower(a[1], b[1])) for a in first for b in second)
 
 
 @dataclass(slots=True)
@@ -53,7 +53,7 @@ class _Regions:
 
     def of(self, node: Expr, wanted: bool, depth: int) -> Region | None:
         """Where the condition is as ``wanted``."""
-        if depth > DEEPEST:
+        if depth > _DEEPEST:
             return None
         if not self.linear.reads(node):
             holds = node if wanted else E.negate(node)
@@ -103,7 +103,7 @@ class _Regions:
 
     def solve(self, node: Expr, side: str, value: Expr, depth: int) -> Region | None:
         """Where ``node <= value`` (side "high") or ``node >= value``."""
-        if depth > DEEPEST:
+        if depth > _DEEPEST:
             return None
         if not self.linear.reads(node):
             return self.of(E.call("le", node, value) if side == "high" else E.call("le", value, node), True, depth)

@@ -11,7 +11,7 @@ from .program import Program
 
 _MOST = 4096  # cases that are tried; conditions of more are taken to cover
 _COMPARED = ("lt", "le", "eq")
-Term = tuple[Expr, ...]  # what a condition asks about: a truth, a number, or the difference of two numbers
+_Term = tuple[Expr, ...]  # what a condition asks about: a truth, a number, or the difference of two numbers
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +51,7 @@ def unlabelled(program: Program) -> list[Bare]:
 
 def _covered(there: Sequence[Expr], holding: Sequence[Expr], options: Mapping[Column, int]) -> bool:
     """Whether one of ``holding`` is true wherever all of ``there`` are."""
-    asked: dict[Term, set[float]] = {}
+    asked: dict[_Term, set[float]] = {}
     for condition in (*there, *holding):
         _gather(condition, asked)
     cases = 1
@@ -68,7 +68,7 @@ def _covered(there: Sequence[Expr], holding: Sequence[Expr], options: Mapping[Co
     return True
 
 
-def _gather(condition: Expr, asked: dict[Term, set[float]]) -> None:
+def _gather(condition: Expr, asked: dict[_Term, set[float]]) -> None:
     """The terms of a condition, with the constants that they are compared with."""
     if condition.op in ("and", "or", "not"):
         for arg in condition.args:
@@ -82,13 +82,13 @@ def _gather(condition: Expr, asked: dict[Term, set[float]]) -> None:
         asked.setdefault((condition,), set())
 
 
-def _term(compared: Expr) -> Term:
+def _term(compared: Expr) -> _Term:
     """What is compared with a constant, or the two that are compared, in an order of their own."""
     open_ends = [a for a in compared.args if a.op != "const"]
     return tuple(sorted(open_ends, key=id))
 
 
-def _values(term: Term, limits: set[float], options: Mapping[Column, int]) -> list[float]:
+def _values(term: _Term, limits: set[float], options: Mapping[Column, int]) -> list[float]:
     """Values of a term that answer every comparison in each way that it can be answered."""
     if not limits:
         return [0.0, 1.0]  # false, true
@@ -98,7 +98,7 @@ def _values(term: Term, limits: set[float], options: Mapping[Column, int]) -> li
     return [ends[0] - 1.0, *ends, *((a + b) / 2 for a, b in pairwise(ends)), ends[-1] + 1.0]
 
 
-def _true(condition: Expr, case: Mapping[Term, float]) -> bool:
+def _true(condition: Expr, case: Mapping[_Term, float]) -> bool:
     match condition.op:
         case "const":
             return bool(condition.value)
@@ -116,7 +116,7 @@ def _true(condition: Expr, case: Mapping[Term, float]) -> bool:
             return bool(case[condition,])
 
 
-def _side(side: Expr, term: Term, value: float) -> float:
+def _side(side: Expr, term: _Term, value: float) -> float:
     """A side of a comparison: a constant, or what the term says of it; of two open sides the second counts as 0."""
     if side.op == "const":
         return float(side.value)

@@ -18,18 +18,18 @@ from .nodes import KINDS, NAME, Fault, Nodes, need
 from .primitive import Patch, Piece, Primitive
 from .reference import Elsewhere, Onward, Reference, Under, definitions
 
-WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
-OPTION = re.compile(NAME.pattern + r"(#[0-9]{1,4})?")  # the second of one template is told apart
+_WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+_OPTION = re.compile(NAME.pattern + r"(#[0-9]{1,4})?")  # the second of one template is told apart
 UNITS = frozenset({"", "m", "rad", "kg", "kg/m3", "s", "m/s", "N", "Nm"})
-LAWS: dict[str, Callable[[int], bool]] = {  # how many arguments each takes
+_LAWS: dict[str, Callable[[int], bool]] = {  # how many arguments each takes
     "uniform": lambda n: n in (0, 2),
     "normal": lambda n: n == 2,
     "lognormal": lambda n: n == 2,
     "values": lambda n: n > 0,
 }
-JOINTS = ("revolute", "prismatic", "continuous", "screw", "ball", "fixed")
-MOST_PATCHES = 100  # of one indexed surface; the language allows 64
-NAMED = {  # fields that hold names, which flow into files and paths
+_JOINTS = ("revolute", "prismatic", "continuous", "screw", "ball", "fixed")
+_MOST_PATCHES = 100  # of one indexed surface; the language allows 64
+_NAMED = {  # fields that hold names, which flow into files and paths
     P.Draw: ("options",),
     P.Part: ("path", "name", "template"),
     P.Site: ("path", "primitive"),
@@ -45,7 +45,7 @@ NAMED = {  # fields that hold names, which flow into files and paths
     Patch: ("name",),
     Piece: ("name",),
 }
-CONDITIONS = frozenset({"guard", "condition", "allowed", "requires", "semantic", "materials"})
+_CONDITIONS = frozenset({"guard", "condition", "allowed", "requires", "semantic", "materials"})
 _SURFACE = frozenset({"u", "v", *(f"{a}.{b}" for a in ("p", "n", "size") for b in "xyz")})
 _GRASP = frozenset({"t", *(f"size.{b}" for b in "xyz")})
 _REFERENCES = (Under, Elsewhere, Onward)
@@ -81,7 +81,7 @@ class Verifier:
         """What only the whole program tells."""
         program = self.program
         need(program.scopes and program.scopes[0].kind == "root", "the first table is not a root")
-        need(WORD.fullmatch(program.name), "the name of the program is not a valid name")
+        need(_WORD.fullmatch(program.name), "the name of the program is not a valid name")
         named = [draw.column for draw in program.draws]
         need(len(set(named)) == len(named), "a column is drawn twice")
         both = next((c for c in named if c in program.definitions), None)
@@ -125,7 +125,7 @@ class Verifier:
         shapes.fit(words, tuple[str, ...])
         need(words[:1] == (P.UNLABELLED,), f"the first word of a vocabulary is not {P.UNLABELLED}")
         for word in (name, *words):
-            need(isinstance(word, str) and WORD.fullmatch(word), f"{shapes.shown(word)} is not a word of a vocabulary")
+            need(isinstance(word, str) and _WORD.fullmatch(word), f"{shapes.shown(word)} is not a word of a vocabulary")
 
     def placed(self, expr: Expr, scope: Scope | None) -> None:
         need(self.nodes.stands(expr, scope), "a value reads a table that it cannot see, or a variable of a formula")
@@ -136,10 +136,10 @@ class Verifier:
             need(wrong is None, wrong or "")
 
     def named(self, item: Any) -> None:
-        for name in NAMED.get(type(item), ()):
+        for name in _NAMED.get(type(item), ()):
             value = getattr(item, name)
             for one in (value,) if isinstance(value, str) else value:
-                form = OPTION if name == "options" else NAME
+                form = _OPTION if name == "options" else NAME
                 need(form.fullmatch(one), f"{name}: {shapes.shown(one)} is not a name")
 
     def index(self, number: int, among: Sequence[Any], what: str, least: int = 0) -> None:
@@ -172,9 +172,9 @@ class Verifier:
         else:
             need(draw.kind in ("real", "count"), f"there is no kind of draw {shapes.shown(draw.kind)}")
             need(draw.low is not None and draw.high is not None, "a number is drawn between low and high")
-            need(draw.distribution in LAWS, f"there is no distribution {shapes.shown(draw.distribution)}")
+            need(draw.distribution in _LAWS, f"there is no distribution {shapes.shown(draw.distribution)}")
             need(
-                LAWS[draw.distribution](len(draw.arguments)),
+                _LAWS[draw.distribution](len(draw.arguments)),
                 f"{draw.distribution} is given the wrong number of arguments",
             )
         for limit in draw.limits:
@@ -228,7 +228,7 @@ class Verifier:
         self.index(link.part, self.program.parts, "part", -1)
 
     def _joint(self, joint: P.Joint, number: int) -> None:
-        need(joint.kind in JOINTS, f"there is no kind of joint {shapes.shown(joint.kind)}")
+        need(joint.kind in _JOINTS, f"there is no kind of joint {shapes.shown(joint.kind)}")
         self.index(joint.child, self.program.links, "link")
         self.reference(joint.parent, self.program.links, "link")
         joints = self.program.joints
@@ -314,7 +314,8 @@ class Verifier:
         need(primitive.patches, "a primitive has no surface")
         for patch in primitive.patches:
             need(
-                patch.count is None or 0 <= patch.count <= MOST_PATCHES, f"a surface exists up to {MOST_PATCHES} times"
+                patch.count is None or 0 <= patch.count <= _MOST_PATCHES,
+                f"a surface exists up to {_MOST_PATCHES} times",
             )
             indexed = own | {"i"} if patch.count is not None else own
             self.formulas(patch.position, indexed | {"u", "v"})
@@ -355,7 +356,7 @@ def _conditions(value: Any) -> Iterator[tuple[str, Expr]]:
     """The expressions of an item, and of the records in it, which must be true or false, with the names of their fields."""
     for field in fields(value):
         held = getattr(value, field.name)
-        if field.name in CONDITIONS:
+        if field.name in _CONDITIONS:
             yield from ((field.name, cell) for cell in _cells(held))
         for one in held if isinstance(held, tuple | list) else ():
             if is_dataclass(one) and not isinstance(one, _REFERENCES):

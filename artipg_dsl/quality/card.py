@@ -16,9 +16,9 @@ from .duplicates import CLOSE, near_duplicates
 from .graphs import graphs
 from .sizes import Extent, Real, compare, extents
 
-VERSION = 1  # of the JSON form
+_VERSION = 1  # of the JSON form
 VALID, DUPLICATE, WITHIN, LINES = 0.99, 0.01, 0.75, 200  # the goals
-SHOWN = 12  # graphs that are listed
+_SHOWN = 12  # graphs that are listed
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,7 +106,7 @@ class Card:
         variety, pairs = asdict(self.variety), self.pairs
         kinds = [{"graph": text, "objects": count} for text, count in variety.pop("kinds")]
         return {
-            "version": VERSION,
+            "version": _VERSION,
             "category": self.category,
             "program": self.program,
             "seed": self.seed,
@@ -167,7 +167,7 @@ def card(
     found = graphs(batch)
     distance, pairs = mean_distance(found)
     kind, count = found.kinds
-    kinds = tuple((found.text[k], int(c)) for k, c in zip(kind[:SHOWN], count[:SHOWN], strict=True))
+    kinds = tuple((found.text[k], int(c)) for k, c in zip(kind[:_SHOWN], count[:_SHOWN], strict=True))
     variety = Variety(
         len(kind),
         found.perplexity,

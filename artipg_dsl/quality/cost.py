@@ -15,8 +15,8 @@ from ..geometry.pieces import amounts, build
 from ..geometry.sites import SiteTable
 from ..runtime.batch import Batch
 
-TOO_MANY = 1500  # pieces of a part in one object
-TOO_TIGHT = 150_000  # pairs of its pieces with those on other links: the check of an object takes a second
+_TOO_MANY = 1500  # pieces of a part in one object
+_TOO_TIGHT = 150_000  # pairs of its pieces with those on other links: the check of an object takes a second
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +53,7 @@ def costs(batch: Batch, *, timed: bool = False) -> list[Cost]:
 
 def heavy(found: Iterable[Cost]) -> list[Cost]:
     """The parts of too many pieces, or too many pairs of them."""
-    return [cost for cost in found if cost.pieces > TOO_MANY or cost.pairs > TOO_TIGHT]
+    return [cost for cost in found if cost.pieces > _TOO_MANY or cost.pairs > _TOO_TIGHT]
 
 
 def _links(batch: Batch) -> tuple[np.ndarray, int]:

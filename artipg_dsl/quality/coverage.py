@@ -22,8 +22,8 @@ from ..runtime.plan import make_plan
 from ..sampling.known import make_batch
 from ..sampling.sample import Sampler
 
-LEVELS = 4  # values of a count that are told apart
-TRIED = 128  # objects asked for a pair that was not seen
+_LEVELS = 4  # values of a count that are told apart
+_TRIED = 128  # objects asked for a pair that was not seen
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,7 +95,7 @@ def _levels(draw: Draw, drawn: np.ndarray) -> tuple[Level, ...]:
                 (min(low, np.ceil(end.constant)), high) if pick is min else (low, max(high, np.floor(end.constant)))
             )
     values = range(int(low), int(high) + 1)
-    if len(values) <= LEVELS:
+    if len(values) <= _LEVELS:
         return tuple(Level(str(v), v, v) for v in values)
     ends = [values[len(values) * k // 3] for k in range(3)] + [values[-1] + 1]
     return tuple(Level(f"{a}..{b - 1}" if b - a > 1 else str(a), a, b - 1) for a, b in pairwise(ends))
@@ -116,18 +116,18 @@ def coverage(sampler: Sampler, batch: Batch) -> Coverage:
     return Coverage(seen, seen + len(missed), tuple(missed), tuple(excluded))
 
 
-def common(first: Factor, second: Factor) -> Scope:
+def _common(first: Factor, second: Factor) -> Scope:
     """The deepest table that both factors stand in or below."""
     return next(scope for scope in first.scope.ancestors() if second.scope.within(scope))
 
 
 def together(batch: Batch, first: Factor, second: Factor) -> np.ndarray:
     """(levels, levels) which levels of two factors some row of their deepest common table shows."""
-    table = common(first, second)
-    return (shown(batch, first, table).T.astype(np.int64) @ shown(batch, second, table)) > 0
+    table = _common(first, second)
+    return (_shown(batch, first, table).T.astype(np.int64) @ _shown(batch, second, table)) > 0
 
 
-def shown(batch: Batch, factor: Factor, table: Scope) -> np.ndarray:
+def _shown(batch: Batch, factor: Factor, table: Scope) -> np.ndarray:
     """(rows of ``table``, levels) bool: whether a row of the factor at or below it has the level."""
     value = batch.state.values[factor.number]
     row = batch.rowmap.up(factor.scope, table)
@@ -153,13 +153,13 @@ class _Trials:
         return self.made[values]
 
     def evaluate(self, values: tuple[tuple[int, float], ...]) -> Batch:
-        numbers = np.arange(TRIED)
+        numbers = np.arange(_TRIED)
         state = State(self.seed, numbers, np.zeros(len(numbers), dtype=np.int64), {**self.fixed, **dict(values)})
         return make_batch(self.program, self.plan, state)
 
     def possible(self, first: Factor, i: int, second: Factor, j: int) -> bool:
         """Whether a valid object shows both levels when it is asked to."""
-        table = common(first, second)
+        table = _common(first, second)
         for one, two in _ends(first.levels[i], second.levels[j]):
             alone = [
                 (first, i, second, self.given((first.number, one))),
@@ -167,14 +167,14 @@ class _Trials:
             ]
             meet = True
             for factor, level, other, batch in alone:
-                has, around = shown(batch, factor, table)[:, level], shown(batch, other, table)
+                has, around = _shown(batch, factor, table)[:, level], _shown(batch, other, table)
                 fine = ~batch.state.failed[batch.owner(table)]
                 if (fine & has & around[:, j if other is second else i]).any():
                     return True
                 meet &= bool((has & around.any(axis=1)).any())
             if meet:  # both can stand in one row, so it is worth while to ask for both
                 batch = self.given((first.number, one), (second.number, two))
-                both = shown(batch, first, table)[:, i] & shown(batch, second, table)[:, j]
+                both = _shown(batch, first, table)[:, i] & _shown(batch, second, table)[:, j]
                 if (both & ~batch.state.failed[batch.owner(table)]).any():
                     return True
         return False

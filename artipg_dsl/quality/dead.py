@@ -17,9 +17,9 @@ from ..sampling.known import again, find_differing, keep_draw, make_batch
 from ..sampling.sample import Sampler
 from .fingerprint import fingerprint
 
-FEW = 48  # objects tried at first
-MANY = 400  # objects tried before a parameter is called dead
-ROUND = (0.37, -0.23, 0.61)  # of its range, how far a value is moved, round and round
+_FEW = 48  # objects tried at first
+_MANY = 400  # objects tried before a parameter is called dead
+_ROUND = (0.37, -0.23, 0.61)  # of its range, how far a value is moved, round and round
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,19 +47,19 @@ def dead_parameters(batch: Batch) -> list[Dead]:
 
 def _effect(batch: Batch, number: int, having: np.ndarray) -> str:
     """Why a draw counts as dead; nothing said if it shows somewhere."""
-    everything = [keep_draw(batch, k, having[:MANY]) for k in range(len(batch.program.draws))]
+    everything = [keep_draw(batch, k, having[:_MANY]) for k in range(len(batch.program.draws))]
     others = [k for k in range(len(batch.program.draws)) if k != number]
     moved, alone = False, False
     shown = False
-    for count in (FEW, MANY):
+    for count in (_FEW, _MANY):
         objects = having[:count]
-        if count > FEW and len(having) <= FEW:
+        if count > _FEW and len(having) <= _FEW:
             break
         values = (
-            everything if count == MANY else [keep_draw(batch, k, objects) for k in range(len(batch.program.draws))]
+            everything if count == _MANY else [keep_draw(batch, k, objects) for k in range(len(batch.program.draws))]
         )
         before = fingerprint(again(batch, objects, values=values))
-        for step in ROUND:
+        for step in _ROUND:
             other = list(values)
             other[number] = _moved(batch.program.draws[number], batch.state.values[number], values[number], step)
             after = again(batch, objects, values=other)
@@ -91,7 +91,7 @@ def _moved(draw: Draw, drawn: np.ndarray, values: Kept, step: float) -> Kept:
 def dead_alternatives(sampler: Sampler, batch: Batch) -> list[Dead]:
     """Alternatives that no object takes, and such as cannot be told from another one."""
     found = []
-    numbers = batch.numbers[:FEW]
+    numbers = batch.numbers[:_FEW]
     for number, draw in enumerate(batch.program.draws):
         if draw.kind != "choice" or number in batch.state.given:
             continue

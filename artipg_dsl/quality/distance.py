@@ -14,8 +14,8 @@ from scipy.optimize import linear_sum_assignment
 from ..random import key, uniform
 from .graphs import Graphs
 
-EXACT = 24  # distinct graphs up to which all pairs are compared
-PAIRS = 400  # of objects, drawn when there are more
+_EXACT = 24  # distinct graphs up to which all pairs are compared
+_PAIRS = 400  # of objects, drawn when there are more
 
 
 class Distance:
@@ -95,16 +95,16 @@ def mean_distance(graphs: Graphs) -> tuple[float, int]:
     objects = int(count.sum())
     if objects < 2:
         return 0.0, 0
-    if len(kind) <= EXACT:
+    if len(kind) <= _EXACT:
         total = 0.0
         for i in range(len(kind)):
             for j in range(i):
                 total += 2.0 * int(count[i]) * int(count[j]) * distance.normalised(int(kind[i]), int(kind[j]))
         return total / (objects * (objects - 1)), objects * (objects - 1) // 2
-    index = np.arange(PAIRS)
+    index = np.arange(_PAIRS)
     first = (uniform(key(0, "pair of graphs", "first"), index) * objects).astype(np.int64)
     second = (uniform(key(0, "pair of graphs", "second"), index) * (objects - 1)).astype(np.int64)
     second += second >= first  # another object
     code = graphs.code
     pairs = zip(code[first].tolist(), code[second].tolist(), strict=True)
-    return sum(distance.normalised(a, b) for a, b in pairs) / PAIRS, PAIRS
+    return sum(distance.normalised(a, b) for a, b in pairs) / _PAIRS, _PAIRS

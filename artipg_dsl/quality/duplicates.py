@@ -23,7 +23,7 @@ def near_duplicates(batch: Batch, kind: np.ndarray | None = None, close: float =
     mark = structure(batch)
     if kind is not None:
         mark = mix(mark, kind)
-    owner, value = unit_values(batch)
+    owner, value = _unit_values(batch)
     start = np.searchsorted(owner, np.arange(len(batch)))
     count = np.diff(np.append(start, len(owner)))
     found = np.zeros(len(batch), dtype=bool)
@@ -52,7 +52,7 @@ def structure(batch: Batch) -> np.ndarray:
     return found
 
 
-def unit_values(batch: Batch) -> tuple[np.ndarray, np.ndarray]:
+def _unit_values(batch: Batch) -> tuple[np.ndarray, np.ndarray]:
     """The owner and the value, as a fraction of its range, of all real draws; by owner, then in the order of the text."""
     owners, values = [np.zeros(0, dtype=np.int64)], [np.zeros(0)]
     for number, draw in enumerate(batch.program.draws):

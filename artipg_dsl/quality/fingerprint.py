@@ -18,7 +18,7 @@ from ..runtime.batch import Batch
 from ..runtime.needs import pose_cells
 from ..validity.materials import material_rows
 
-GRAIN = 1e-9  # metres, radians: what differs by less is the same
+_GRAIN = 1e-9  # metres, radians: what differs by less is the same
 
 
 def fingerprint(batch: Batch) -> np.ndarray:
@@ -41,7 +41,7 @@ class _Observer:
             return
         head = int.from_bytes(blake2b(what.encode(), digest_size=8).digest(), "little")
         cells = np.stack([np.asarray(column, dtype=np.float64) for column in columns])
-        whole = np.round(np.nan_to_num(cells, nan=-1e6) / GRAIN).astype(np.int64).astype(np.uint64)
+        whole = np.round(np.nan_to_num(cells, nan=-1e6) / _GRAIN).astype(np.int64).astype(np.uint64)
         place = np.arange(len(cells), dtype=np.uint64)[:, None]
         np.add.at(self.found, owner, mix(head, mix(whole, place).sum(axis=0, dtype=np.uint64)))  # wraps: no order
 
@@ -76,7 +76,7 @@ class _Observer:
     def labels(self) -> None:
         for label in self.program.labels:
             inputs = row_values(label.formulas)
-            shape = " ".join(shape_of(f) for f in label.formulas)
+            shape = " ".join(_shape_of(f) for f in label.formulas)
             for target in label.targets:
                 site = self.program.sites[target.site]
                 cells = [*pose_cells(target.frame), *target.size, *target.center, *inputs]
@@ -87,12 +87,12 @@ class _Observer:
         for grasp in self.program.grasps:
             formulas = list(grasp.formulas)
             cells = [*pose_cells(grasp.frame), *grasp.size, *grasp.center, grasp.low, grasp.high, *row_values(formulas)]
-            self.read(f"grasp {grasp.name} {' '.join(map(shape_of, formulas))}", grasp.scope, cells)
+            self.read(f"grasp {grasp.name} {' '.join(map(_shape_of, formulas))}", grasp.scope, cells)
         for keypoint in self.program.keypoints:
             self.read(f"keypoint {keypoint.name}", keypoint.scope, keypoint.point)
 
 
-def shape_of(formula: Expr) -> str:
+def _shape_of(formula: Expr) -> str:
     """A formula as text without what stands in the rows of a table: those are compared by value."""
     if formula.op == "const":
         return repr(formula.value)
@@ -100,4 +100,4 @@ def shape_of(formula: Expr) -> str:
         return str(formula.value)
     if formula.scope is not None and not free_variables([formula]):
         return "_"
-    return f"{formula.op}({', '.join(map(shape_of, formula.args))})"
+    return f"{formula.op}({', '.join(map(_shape_of, formula.args))})"

@@ -15,7 +15,7 @@ import numpy as np
 from ..graph.reference import definitions
 from ..runtime.batch import Batch
 
-ROOT = "root"  # in place of the joint above the root
+_ROOT = "root"  # in place of the joint above the root
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +48,7 @@ class Graphs:
         found: list[str] = []
         for node in self.nodes:  # children come before their parents
             inner = sorted(found[c] for c in node.children)
-            above = "" if node.joint == ROOT else f"{node.joint} "
+            above = "" if node.joint == _ROOT else f"{node.joint} "
             found.append(f"{above}{node.part}" + (f"({', '.join(inner)})" if inner else ""))
         return tuple(found)
 
@@ -60,7 +60,7 @@ class Graphs:
         return float(np.exp(-(share * np.log(share)).sum()))
 
 
-def part_words(batch: Batch) -> list[str]:
+def _part_words(batch: Batch) -> list[str]:
     """For each definition of a link the word for what moves: the semantic label of the part that it is named after, or of
     one around that; else, but for the root, of the first part that it carries; else the name of the part."""
     program = batch.program
@@ -86,10 +86,10 @@ def graphs(batch: Batch) -> Graphs:
     above = np.full(size, -1)
     child = first[joints.owner] + joints.child
     above[child] = first[joints.owner] + joints.parent
-    kinds = [ROOT, *sorted(set(joints.kind))]
+    kinds = [_ROOT, *sorted(set(joints.kind))]
     kind = np.zeros(size, dtype=np.int64)
     kind[child] = [kinds.index(k) for k in joints.kind]
-    words = part_words(batch)
+    words = _part_words(batch)
     known = sorted(set(words))
     label = np.array([known.index(w) for w in words], dtype=np.int64)[links.definition]
 

@@ -16,9 +16,9 @@ from ..runtime.batch import Batch
 from ..sampling.known import again
 from ..validity.bodies import gather
 
-REFERENCE = "reference.json"
-AXES = ("width", "depth", "height")  # along y, x and z
-BLOCK = 128  # objects at a time
+_REFERENCE = "reference.json"
+_AXES = ("width", "depth", "height")  # along y, x and z
+_BLOCK = 128  # objects at a time
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +57,7 @@ def reference(path: str | Path | None = None) -> dict[str, Real]:
         text = (
             Path(path).read_text(encoding="utf-8")
             if path is not None
-            else resources.files(__package__).joinpath(REFERENCE).read_text(encoding="utf-8")
+            else resources.files(__package__).joinpath(_REFERENCE).read_text(encoding="utf-8")
         )
         found = json.loads(text)["categories"]
         return {name: _real(entry) for name, entry in found.items()}
@@ -71,7 +71,7 @@ def reference(path: str | Path | None = None) -> dict[str, Real]:
 
 def _real(entry: Mapping[str, Any]) -> Real:
     known: dict[str, Any] = dict(entry)
-    for axis in AXES:
+    for axis in _AXES:
         if axis in known:
             low, middle, high = (float(v) for v in known[axis])
             if not 0.0 < low <= middle <= high:
@@ -83,8 +83,8 @@ def _real(entry: Mapping[str, Any]) -> Real:
 def extents(batch: Batch) -> np.ndarray:
     """(B, 3) metres: depth along x, width along y, height along z of the box around each object, its joints at rest."""
     found = np.zeros((len(batch), 3))
-    for start in range(0, len(batch), BLOCK):
-        objects = np.arange(start, min(start + BLOCK, len(batch)))
+    for start in range(0, len(batch), _BLOCK):
+        objects = np.arange(start, min(start + _BLOCK, len(batch)))
         part = again(batch, objects)
         links = part.links()
         turn, shift = part.pose()
@@ -103,7 +103,7 @@ def compare(size: np.ndarray, real: Real | None) -> list[Extent]:
     if real is not None and real.turned:
         side[:, :2] = np.sort(side[:, :2], axis=1)[:, ::-1]
     found = []
-    for k, axis in enumerate(AXES):
+    for k, axis in enumerate(_AXES):
         low, middle, high = (float(v) for v in np.percentile(side[:, k], (5, 50, 95)))
         known = None if real is None else getattr(real, axis)
         within = ratio = None
@@ -114,4 +114,4 @@ def compare(size: np.ndarray, real: Real | None) -> list[Extent]:
     return found
 
 
-__all__ = ["AXES", "Extent", "Real", "compare", "extents", "reference"]
+__all__ = ["Extent", "Real", "compare", "extents", "reference"]

@@ -8,7 +8,7 @@ from .card import Card
 from .coverage import Pair
 from .sizes import Extent
 
-FEW = 8  # of a list that are told
+_FEW = 8  # of a list that are told
 
 
 def text(card: Card) -> str:
@@ -29,44 +29,44 @@ def rows(card: Card) -> Iterator[tuple[str, str, list[str]]]:
     variety, pairs = card.variety, card.pairs
     failed = [f"{count} times: {what}" for what, count in card.valid.failed.items()]
     again = card.valid.attempts - card.objects
-    yield "valid", f"{100 * card.valid.first / card.objects:.1f}% of first attempts, {again} drawn again", few(failed)
+    yield "valid", f"{100 * card.valid.first / card.objects:.1f}% of first attempts, {again} drawn again", _few(failed)
     why = [f"goal: {card.real.why}"] if card.real is not None and card.real.why else []
     yield "graphs", f"{variety.distinct} distinct, perplexity {variety.perplexity:.1f}", why
     yield "edit distance", f"{variety.distance:.3f} on average, normalised, {variety.pairs} pairs", []
     joints = f"{variety.joints_least} to {variety.joints_most}, mean {variety.joints_mean:.1f}, variance {variety.joints_variance:.1f}"
     yield "joints", joints, []
     yield "duplicates", f"{card.duplicates} ({100 * card.duplicates / card.objects:.1f}%)", []
-    seen = f"{pairs.seen} of {pairs.possible} ({percent(pairs.share)}), {len(pairs.excluded)} more excluded by guards"
-    yield "pairs", seen, few([f"not seen: {say(pair)}" for pair in pairs.missed])
+    seen = f"{pairs.seen} of {pairs.possible} ({_percent(pairs.share)}), {len(pairs.excluded)} more excluded by guards"
+    yield "pairs", seen, _few([f"not seen: {_say(pair)}" for pair in pairs.missed])
     yield (
         "sizes",
-        sizes(card),
-        [extent_text(e) for e in card.sizes] + ([card.real.source] if card.real is not None else []),
+        _sizes(card),
+        [_extent_text(e) for e in card.sizes] + ([card.real.source] if card.real is not None else []),
     )
     for name, dead in (("dead parameters", card.dead_parameters), ("dead alternatives", card.dead_alternatives)):
         told = [f"{d.where}: {d.name}{f' = {d.option}' if d.option else ''} {d.why}" for d in dead]
-        yield name, str(len(dead)) if dead else "none", few(told)
+        yield name, str(len(dead)) if dead else "none", _few(told)
     if card.meshes is not None:
         strict = card.meshes
-        rest, sweeps, every = (percent(count / strict.objects) for count in (strict.rest, strict.sweeps, strict.all))
+        rest, sweeps, every = (_percent(count / strict.objects) for count in (strict.rest, strict.sweeps, strict.all))
         value = f"{every} of {strict.objects} apart in every state ({rest} at rest, {sweeps} while each joint moves)"
         deepest = sorted(strict.touches, key=lambda touch: -touch.depth)
         yield (
             "meshes",
             value,
-            few(
+            _few(
                 [f"object {t.object}: `{t.parts[0]}` and `{t.parts[1]}` share {1e3 * t.depth:.3g} mm" for t in deepest]
             ),
         )
     yield "lines", "compiled" if card.lines is None else str(card.lines), []
 
 
-def percent(share: float) -> str:
+def _percent(share: float) -> str:
     """A share in per cent; 100% is kept for all."""
     return "100%" if share >= 1.0 else f"{min(100 * share, 99.9):.1f}%"
 
 
-def sizes(card: Card) -> str:
+def _sizes(card: Card) -> str:
     within = [e.within for e in card.sizes if e.within is not None]
     if not within:
         return "nothing is known of real ones"
@@ -75,7 +75,7 @@ def sizes(card: Card) -> str:
     )
 
 
-def extent_text(extent: Extent) -> str:
+def _extent_text(extent: Extent) -> str:
     low, middle, high = (100 * v for v in extent.ours)
     told = f"{extent.axis:<6} {low:.1f} .. {middle:.1f} .. {high:.1f} cm"
     if extent.real is None:
@@ -84,12 +84,12 @@ def extent_text(extent: Extent) -> str:
     return told + f"; real {low:.1f} .. {middle:.1f} .. {high:.1f}; medians as {extent.ratio:.2f} to 1"
 
 
-def say(pair: Pair) -> str:
+def _say(pair: Pair) -> str:
     return f"{pair.first} = {pair.one} with {pair.second} = {pair.two}"
 
 
-def few(told: Sequence[str]) -> list[str]:
-    return [*told[:FEW], f"and {len(told) - FEW} more"] if len(told) > FEW else list(told)
+def _few(told: Sequence[str]) -> list[str]:
+    return [*told[:_FEW], f"and {len(told) - _FEW} more"] if len(told) > _FEW else list(told)
 
 
 HEAD = (
@@ -112,19 +112,19 @@ def markdown(cards: Sequence[Card]) -> str:
     seen = any(card.meshes is not None for card in cards)
     head = [*HEAD, *(["meshes apart"] if seen else [])]
     lines = ["| " + " | ".join(head) + " |", "|---|" + "---:|" * (len(head) - 1)]
-    lines += ["| " + " | ".join(cells(card) + [meshes(card)] * seen) + " |" for card in cards]
+    lines += ["| " + " | ".join(_cells(card) + [_meshes(card)] * seen) + " |" for card in cards]
     missed = [f"{card.category}, {goal.figure} ({goal.goal})" for card in cards for goal in card.goals if not goal.met]
     lines += ["", f"Goals not met: {'; '.join(missed)}." if missed else "All goals are met.", ""]
     lines += [f"* {card.category}: {card.real.why}." for card in cards if card.real is not None and card.real.why]
     return "\n".join(lines).rstrip() + "\n"
 
 
-def meshes(card: Card) -> str:
+def _meshes(card: Card) -> str:
     seen = card.meshes
-    return "-" if seen is None else f"{percent(seen.all / seen.objects)} of {seen.objects}"
+    return "-" if seen is None else f"{_percent(seen.all / seen.objects)} of {seen.objects}"
 
 
-def cells(card: Card) -> list[str]:
+def _cells(card: Card) -> list[str]:
     """The row of a card."""
     variety, pairs = card.variety, card.pairs
     goal = "" if card.real is None or card.real.graphs is None else f" ({card.real.graphs})"

@@ -22,7 +22,7 @@ from ..geometry import facts
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
 
-FEW = 32  # objects in a chunk without shards, where several processes share the work
+_FEW = 32  # objects in a chunk without shards, where several processes share the work
 
 Progress = Callable[[int, int], None]
 
@@ -51,13 +51,13 @@ class Chunk:
 
     def write(self, sample: Callable[[np.ndarray], Batch], progress: Progress | None = None) -> None:
         """Write what is missing; ``sample(numbers)`` makes the batch, ``progress(done, of)`` hears of objects with files."""
-        missing = [e for e in self.formats if e.shard and not shard_path(self.out, e, self.shard).exists()]
+        missing = [e for e in self.formats if e.shard and not _shard_path(self.out, e, self.shard).exists()]
         absent = self.numbers if self.force and self.each else self.absent()
         if not (self.always or missing or len(absent)):
             return
         batch = sample(self.numbers if self.always or missing else absent)
         for entry in missing:
-            write_bytes(shard_path(self.out, entry, self.shard), entry.shard_bytes(batch, self.content))
+            write_bytes(_shard_path(self.out, entry, self.shard), entry.shard_bytes(batch, self.content))
         if len(absent):
             write_objects(
                 batch,
@@ -81,10 +81,10 @@ class Chunk:
         shared, each = tuple(entry for entry in self.formats if entry.shard), tuple(self.each)
         parts = [replace(self, formats=shared)] if shared else []
         whole = replace(self, formats=each, always=self.always and not shared, counted=not shared)
-        for first in range(0, len(self.numbers) if each else 0, FEW):
-            parts.append(replace(whole, numbers=self.numbers[first : first + FEW]))
+        for first in range(0, len(self.numbers) if each else 0, _FEW):
+            parts.append(replace(whole, numbers=self.numbers[first : first + _FEW]))
         return parts
 
 
-def shard_path(out: Path, entry: Format, index: int) -> Path:
+def _shard_path(out: Path, entry: Format, index: int) -> Path:
     return out / f"{entry.name}-{index:05d}{entry.suffix}"

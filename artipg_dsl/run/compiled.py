@@ -14,17 +14,17 @@ from ..sampling.sample import Sampler
 if TYPE_CHECKING:
     from ..graph.program import Program
 
-LARGEST = 64 << 20  # bytes of a compiled program
-AGAIN = "compile it again from its .apg file"
+_LARGEST = 64 << 20  # bytes of a compiled program
+_AGAIN = "compile it again from its .apg file"
 
 
 def read_compiled(path: str | Path) -> Program:
     """The program that ``apgc compile -o`` wrote. Raises UserError."""
     try:
         with open(path, "rb") as file:
-            found = file.read(LARGEST + 1)
-        if len(found) > LARGEST:
-            raise UserError(f"{path} is too large for a compiled program (more than {LARGEST >> 20} MB)", AGAIN)
+            found = file.read(_LARGEST + 1)
+        if len(found) > _LARGEST:
+            raise UserError(f"{path} is too large for a compiled program (more than {_LARGEST >> 20} MB)", _AGAIN)
         text = found.decode("utf-8").replace("\r\n", "\n")
         program = from_text(text)
     except FileNotFoundError:
@@ -32,11 +32,11 @@ def read_compiled(path: str | Path) -> Program:
     except OSError as error:
         raise UserError(f"{path} cannot be read: {error.strerror}") from None
     except (TextError, UnicodeDecodeError) as error:
-        raise UserError(f"{path}: {error}", AGAIN) from None
+        raise UserError(f"{path}: {error}", _AGAIN) from None
     except RecursionError:
-        raise UserError(f"{path}: the compiled program is nested too deeply", AGAIN) from None
+        raise UserError(f"{path}: the compiled program is nested too deeply", _AGAIN) from None
     if not text.endswith(_seal(program.hash)):
-        raise UserError(f"{path} has been changed or cut short since it was compiled", AGAIN)
+        raise UserError(f"{path} has been changed or cut short since it was compiled", _AGAIN)
     return program
 
 
@@ -45,9 +45,9 @@ def make_sampler(program: Program, path: str | Path) -> Sampler:
     try:
         return Sampler(program)
     except PlanError as error:
-        raise UserError(f"{path}: values depend on one another in a circle: {error}", AGAIN) from None
+        raise UserError(f"{path}: values depend on one another in a circle: {error}", _AGAIN) from None
     except RecursionError:
-        raise UserError(f"{path}: the compiled program is nested too deeply", AGAIN) from None
+        raise UserError(f"{path}: the compiled program is nested too deeply", _AGAIN) from None
 
 
 def to_compiled(program: Program, remarks: Sequence[str] = ()) -> str:

@@ -11,8 +11,8 @@ from ..runtime.repairs import Cause, in_short
 from ..sampling.statistics import Exhausted, Statistics
 from .schema import Count
 
-NARROW = "widen the ranges, or state what one value leaves to the next"
-TURNED = "leave room where it turns or slides, or turn its axis round: `lid.back.bottom` for `lid.bottom.back`"
+_NARROW = "widen the ranges, or state what one value leaves to the next"
+_TURNED = "leave room where it turns or slides, or turn its axis round: `lid.back.bottom` for `lid.bottom.back`"
 
 
 class Candidates(TypedDict):
@@ -87,5 +87,5 @@ def explain_exhausted(program: Program, error: Exhausted, fixed: bool) -> NoObje
         )
         + "what failed most:\n"
         + "\n".join(lines),
-        "set other values" if fixed else TURNED if " collide while " in lines[0] else NARROW,
+        "set other values" if fixed else _TURNED if " collide while " in lines[0] else _NARROW,
     )

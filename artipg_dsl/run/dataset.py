@@ -48,14 +48,14 @@ def write_dataset(
         Chunk(out, numbers[at : at + shard], output.writers, output.content, at // shard, always=counting)
         for at in range(first, len(numbers), step)
     ]
-    carry_out(job, chunks, progress, workers)
+    _carry_out(job, chunks, progress, workers)
     if counting:
         manifest = manifests.build(job.program, job.request, output, out=out, counts=job.counts())
         write_bytes(out / manifests.NAME, manifests.to_text(manifest), force=True)
     return manifest
 
 
-def carry_out(job: Job, chunks: list[Chunk], progress: Progress | None, workers: int) -> None:
+def _carry_out(job: Job, chunks: list[Chunk], progress: Progress | None, workers: int) -> None:
     """Write all chunks, here or by other processes in smaller pieces."""
     total, done = sum(len(chunk.numbers) for chunk in chunks), 0
     if workers > 1:
@@ -106,7 +106,7 @@ def add_formats(
         Chunk(out, numbers[first : first + SHARD], tuple(formats), content, force=force)
         for first in range(0, len(numbers), SHARD)
     ]
-    carry_out(job, chunks, progress, workers)
+    _carry_out(job, chunks, progress, workers)
     new = [entry.name for entry in formats if entry.name not in listed]
     if new and not any(lacking(object_folder(out, n), formats) for n in expand(identity["numbers"]).tolist()):
         identity["formats"] = [name for name in FORMATS if name in {*listed, *new}]

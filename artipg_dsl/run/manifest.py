@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from ..graph.program import Program
 
 NAME = "manifest.json"
-VERSION: Literal[2] = 2
+_VERSION: Literal[2] = 2
 WANTED = "give the folder that samples were written to"
-FRAME = "right-handed, x front, y left, z up; metres, radians, kilograms; quaternions w x y z"
+_FRAME = "right-handed, x front, y left, z up; metres, radians, kilograms; quaternions w x y z"
 
 
 class Versions(TypedDict):
@@ -78,16 +78,16 @@ def build(
     versions = {"artipg_dsl": __version__, "numpy": np.__version__}
     found: dict[str, Any] = {**request.to_manifest(), **output.to_manifest(), **versions}
     manifest: Manifest = {
-        "manifest": VERSION,
+        "manifest": _VERSION,
         "category": program.name,
-        "source": make_relative(request.source, out),
+        "source": _make_relative(request.source, out),
         "about": program.doc,
         "identity": cast(Identity, {key: found[key] for key in hints(Identity) if key in found}),
         "objects": size,
-        "shards": name_shards(size, output.shard),
+        "shards": _name_shards(size, output.shard),
         "python": platform.python_version(),
-        "cpu": find_cpu_class(),
-        "frame": FRAME,
+        "cpu": _find_cpu_class(),
+        "frame": _FRAME,
         "vocabularies": vocabularies(program),
         "sites": [{"path": site.path, "primitive": site.primitive} for site in program.sites],
     }
@@ -102,19 +102,19 @@ def build(
     return manifest
 
 
-def name_shards(size: int, each: int) -> list[str]:
+def _name_shards(size: int, each: int) -> list[str]:
     """The numbers of shards as the names of their files have them."""
     return [f"{at // each:05d}" for at in range(0, size, each)]
 
 
-def make_relative(source: str, out: Path | str) -> str:
+def _make_relative(source: str, out: Path | str) -> str:
     """A file as seen from the folder of samples, so that both can be moved together; a name stays as it is."""
     if not is_file(source):
         return source
     return Path(os.path.relpath(Path(source).resolve(), Path(out).resolve())).as_posix()
 
 
-def find_cpu_class() -> str:
+def _find_cpu_class() -> str:
     """The machine and the widest vector instructions NumPy uses on it: results are equal to the bit within a class."""
     from numpy._core import _multiarray_umath as core  # type: ignore[attr-defined]
 
@@ -142,22 +142,22 @@ def read(folder: Path | str) -> Manifest | None:
     if not isinstance(found, dict) or "manifest" not in found:
         raise ExportError(f"{path} is not a manifest of this program", "choose another folder")
     try:
-        check(found)
+        _check(found)
     except Misfit as wrong:
         raise ExportError(f"{path}: {wrong}", "give another folder, or sample this one again in a new place") from None
     return cast(Manifest, found)
 
 
-def check(found: dict[str, Any]) -> None:
+def _check(found: dict[str, Any]) -> None:
     """Raises Misfit with the key, what is there and what was expected."""
-    if isinstance(found["manifest"], int) and found["manifest"] != VERSION:
-        raise Misfit("manifest", f"version {VERSION}, the one that this artipg_dsl writes,", shown(found["manifest"]))
+    if isinstance(found["manifest"], int) and found["manifest"] != _VERSION:
+        raise Misfit("manifest", f"version {_VERSION}, the one that this artipg_dsl writes,", shown(found["manifest"]))
     fit(found, Manifest)
     identity = found["identity"]
     size = count_numbers(identity["numbers"])
     if found["objects"] != size:
         raise Misfit("objects", f"the {size} of identity.numbers", shown(found["objects"]))
-    names = name_shards(size, identity["shard"])
+    names = _name_shards(size, identity["shard"])
     if found["shards"] != names:
         raise Misfit("shards", f"the {len(names)} shards of {identity['shard']} objects each", "another list")
     if ("views" in identity["formats"]) != (identity["views"] is not None):

@@ -17,7 +17,7 @@ from .settings import read
 if TYPE_CHECKING:
     from ..graph.program import Draw, Program
 
-FORM = 'write {"width": 0.5, "handle": "BarHandle"}, one object a line; annotations of samples do, too'
+_FORM = 'write {"width": 0.5, "handle": "BarHandle"}, one object a line; annotations of samples do, too'
 
 
 def read_params(values: str | Path | Iterable[Mapping[str, Any]]) -> tuple[tuple[Mapping[str, Any], ...], str]:
@@ -28,14 +28,14 @@ def read_params(values: str | Path | Iterable[Mapping[str, Any]]) -> tuple[tuple
         except (OSError, UnicodeDecodeError) as error:
             reason = getattr(error, "strerror", None) or "it is not text"
             raise UserError(f"{values} cannot be read: {reason}") from None
-        return tuple(parse_entries(text, str(values))), str(values)
+        return tuple(_parse_entries(text, str(values))), str(values)
     found = tuple(dict(entry) for entry in ([values] if isinstance(values, Mapping) else values))
     if not found:
         raise UsageError("no objects are given: values is empty")
     return found, "values"
 
 
-def parse_entries(text: str, name: str) -> list[Mapping[str, Any]]:
+def _parse_entries(text: str, name: str) -> list[Mapping[str, Any]]:
     """The objects that a text holds as plain data: a list, one object, or one a line."""
     try:
         try:
@@ -44,11 +44,11 @@ def parse_entries(text: str, name: str) -> list[Mapping[str, Any]]:
         except json.JSONDecodeError:
             found = [json.loads(line) for line in text.splitlines() if line.strip()]
     except json.JSONDecodeError as error:
-        raise UserError(f"{name}:{error.lineno} is not JSON: {error.msg}", FORM) from None
+        raise UserError(f"{name}:{error.lineno} is not JSON: {error.msg}", _FORM) from None
     except (ValueError, RecursionError) as error:  # numbers of thousands of digits, thousands of lists
-        raise UserError(f"{name} cannot be read: {error}", FORM) from None
+        raise UserError(f"{name} cannot be read: {error}", _FORM) from None
     if not found or not all(isinstance(entry, dict) for entry in found):
-        raise UserError(f"{name} holds no objects", FORM)
+        raise UserError(f"{name} holds no objects", _FORM)
     return found
 
 
@@ -62,13 +62,13 @@ def read_values(found: Sequence[Mapping[str, Any]], program: Program, name: str)
     records = []
     for place, entry in enumerate(said):
         try:
-            records.append(read_record(entry, program))
+            records.append(_read_record(entry, program))
         except UserError as error:
             raise type(error)(f"{name}, object {place}: {error.message}", error.hint) from None
-    return Values(tuple(records), tuple({key: make_finite(value) for key, value in entry.items()} for entry in said))
+    return Values(tuple(records), tuple({key: _make_finite(value) for key, value in entry.items()} for entry in said))
 
 
-def read_record(entry: Mapping[str, Any], program: Program) -> dict[int, tuple[float, ...]]:
+def _read_record(entry: Mapping[str, Any], program: Program) -> dict[int, tuple[float, ...]]:
     """The values of one object by draw. Raises UserError, SettingError."""
     record: dict[int, tuple[float, ...]] = {}
     for key, value in entry.items():
@@ -84,7 +84,7 @@ def read_record(entry: Mapping[str, Any], program: Program) -> dict[int, tuple[f
             numbers = []
             for place, item in enumerate(items):
                 try:
-                    numbers.append(read_number(draw, item))
+                    numbers.append(_read_number(draw, item))
                     taken[place] = True
                 except SettingError as error:
                     numbers.append(math.nan)
@@ -95,16 +95,16 @@ def read_record(entry: Mapping[str, Any], program: Program) -> dict[int, tuple[f
     return record
 
 
-def read_number(draw: Draw, item: Any) -> float:
+def _read_number(draw: Draw, item: Any) -> float:
     """A value as the runtime takes it; nan where there is none. Raises SettingError."""
-    item = make_finite(item)
+    item = _make_finite(item)
     return math.nan if item is None else read(draw, item, anywhere=True)[0]
 
 
-def make_finite(value: Any) -> Any:
+def _make_finite(value: Any) -> Any:
     """A value as JSON knows it: null for what is no number, the largest one for what is without end."""
     if isinstance(value, list):
-        return [make_finite(item) for item in value]
+        return [_make_finite(item) for item in value]
     if isinstance(value, int) and abs(value) > sys.float_info.max:
         return sys.float_info.max if value > 0 else -sys.float_info.max
     if not isinstance(value, float) or math.isfinite(value):

@@ -51,7 +51,7 @@ def make_ready(out: Path, manifest: Manifest, force: bool) -> Manifest:
         if not changed and not force:
             sweep_all(out)
             return old
-        clear(out, old)
+        _clear(out, old)
     elif not force and (out / OBJECTS).exists() and any((out / OBJECTS).iterdir()):
         raise ExportError(
             f"{out / OBJECTS} holds objects, but there is no {manifests.NAME} that describes them",
@@ -70,7 +70,7 @@ def sweep_all(out: Path) -> None:
             sweep(place)
 
 
-def clear(out: Path, old: Manifest) -> None:
+def _clear(out: Path, old: Manifest) -> None:
     """Remove what an earlier run with the manifest ``old`` wrote, and nothing else."""
     try:
         (out / manifests.NAME).unlink()  # first, so that a half-cleared folder does not pass for a whole one

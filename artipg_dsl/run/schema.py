@@ -48,7 +48,7 @@ def within(least: float, most: float) -> Rule:
     return Rule(f"{noun} from {least:g} to {most:g}", lambda value: least <= value <= most)
 
 
-def is_ordered(value: Sequence[Sequence[int]]) -> bool:
+def _is_ordered(value: Sequence[Sequence[int]]) -> bool:
     """Whether runs ``[first, last]`` ascend, do not meet, and hold no more objects than a folder may."""
     ends = [end for run in value for end in run]
     ascending = all(a <= b if k % 2 == 0 else a < b for k, (a, b) in enumerate(zip(ends, ends[1:], strict=False)))
@@ -58,7 +58,7 @@ def is_ordered(value: Sequence[Sequence[int]]) -> bool:
 
 Count = Annotated[int, Rule("a whole number from 0 on", lambda value: 0 <= value < LARGE)]
 Ends = Annotated[list[int], Rule("a first and a last number", lambda value: len(value) == 2)]
-RUNS = Rule("runs of object numbers [first, last], ascending", is_ordered)
+RUNS = Rule("runs of object numbers [first, last], ascending", _is_ordered)
 
 
 def to_runs(numbers: Sequence[int] | np.ndarray) -> Runs:

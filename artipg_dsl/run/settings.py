@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 Value = float | int | str
 Settings = dict[str, Value]
 
-NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*")
-NOUNS = {"m": "a length", "rad": "an angle", "kg": "a mass", "kg/m3": "a density", "s": "a time", "m/s": "a speed"}
-EXAMPLES = {"m": "45cm", "rad": "30deg", "kg": "2kg", "kg/m3": "700kg/m3", "s": "2s", "m/s": "1m/s"}
+_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*")
+_NOUNS = {"m": "a length", "rad": "an angle", "kg": "a mass", "kg/m3": "a density", "s": "a time", "m/s": "a speed"}
+_EXAMPLES = {"m": "45cm", "rad": "30deg", "kg": "2kg", "kg/m3": "700kg/m3", "s": "2s", "m/s": "1m/s"}
 
 
 def split(texts: Iterable[str]) -> dict[str, str]:
@@ -78,7 +78,7 @@ def read(draw: Draw, value: Value, *, anywhere: bool = False) -> tuple[float, Va
     outside = (low is not None and number < low - 1e-9) or (high is not None and number > high + 1e-9)
     if outside and not anywhere:
         raise SettingError(
-            f"`{draw.column.name}` cannot be {value}: it lies in {show_domain(draw)}",
+            f"`{draw.column.name}` cannot be {value}: it lies in {_show_domain(draw)}",
             f"see {draw.where}" if draw.where else None,
         )
     return float(number), int(number) if draw.kind == "count" else float(number)
@@ -96,9 +96,9 @@ def _option(draw: Draw, value: Value) -> tuple[float, Value]:
 
 def _number(draw: Draw, text: str) -> float:
     name, unit = draw.column.name, draw.unit
-    match = NUMBER.fullmatch(text)
+    match = _NUMBER.fullmatch(text)
     if match is None:
-        example = EXAMPLES.get(unit, "3" if draw.kind == "count" else "0.5")
+        example = _EXAMPLES.get(unit, "3" if draw.kind == "count" else "0.5")
         raise SettingError(f"`{name}` cannot be `{text}`: a number is needed", f"for example {name}={example}")
     number, written = float(match.group(1)), match.group(2)
     if written not in UNITS and written:
@@ -113,8 +113,8 @@ def _number(draw: Draw, text: str) -> float:
     factor, dimension = UNITS[written] if written else (1.0, UNITS["%"][1])
     if dimension == wanted or (number == 0 and not written):
         return number * factor
-    noun = NOUNS.get(unit, "a number without a unit" if not unit else f"in {unit}")
-    example = f"for example {name}={EXAMPLES.get(unit, '1' + unit)}"
+    noun = _NOUNS.get(unit, "a number without a unit" if not unit else f"in {unit}")
+    example = f"for example {name}={_EXAMPLES.get(unit, '1' + unit)}"
     if not written:
         raise SettingError(f"{name}={text} has no unit: `{name}` is {noun}", example)
     raise SettingError(f"{name}={text} has the wrong unit: `{name}` is {noun}", example)
@@ -134,7 +134,7 @@ def _unknown(program: Program, name: str) -> SettingError:
     return SettingError(f"{program.name} draws no `{name}`", hint)
 
 
-def show_domain(draw: Draw) -> str:
+def _show_domain(draw: Draw) -> str:
     """``40cm .. 60cm``; ends that depend on other values are left open."""
     ends = [None if e is None else e.constant for e in (draw.low, draw.high)]
     return " .. ".join("?" if e is None else show(float(e), draw.unit) for e in ends)

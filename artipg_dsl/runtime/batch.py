@@ -24,7 +24,7 @@ from .repairs import Repairs
 from .rooted import led, rooted
 from .tables import Instances, JointTable, LinkTable, PartTable, Rowmap
 
-UNLIKE = np.array([1.0, 2.0])  # turns and axis of a part that is like itself only as it stands
+_UNLIKE = np.array([1.0, 2.0])  # turns and axis of a part that is like itself only as it stands
 
 
 class Batch:
@@ -66,7 +66,7 @@ class Batch:
 
     def __reduce__(self) -> tuple[Any, tuple[Any, ...]]:
         """To another process goes what it was evaluated with: the code and what was worked out since are made anew there."""
-        return revived, (self.program, self._asked(), self.numbers, self._ends, self.history, self.repairs)
+        return _revived, (self.program, self._asked(), self.numbers, self._ends, self.history, self.repairs)
 
     def _asked(self) -> State:
         """The state to evaluate again what this is."""
@@ -301,7 +301,7 @@ class Batch:
             links.append(self.link_numbers(part.scope, part.link))
             semantics.append(self._words[number])
             holders.append(referred.numbers(part.scope, part.holder))
-            turns = UNLIKE if part.symmetry is None else self._vectors(part.symmetry, part.scope)
+            turns = _UNLIKE if part.symmetry is None else self._vectors(part.symmetry, part.scope)
             symmetries.append(np.broadcast_to(turns, (size, 2)))
             names.append(self.rowmap.names(part.scope, part.path))
         return PartTable(
@@ -414,14 +414,14 @@ _JOINT_COLUMNS = (
 
 
 @lru_cache(maxsize=1 << 16)  # a batch has few names, each in many objects
-def tag(name: str) -> str:
+def _tag(name: str) -> str:
     """A name that every format takes: ``pad.row[1].key[0].cap`` becomes ``pad.row_1.key_0.cap``."""
     return name.replace("[", "_").replace("]", "")
 
 
 def apart(names: Sequence[str], owner: np.ndarray) -> list[str]:
     """The tags of names, each once in its object: ``row[1]`` and a part called ``row_1`` stay two."""
-    tags, owners = [tag(name) for name in names], owner.tolist()
+    tags, owners = [_tag(name) for name in names], owner.tolist()
     taken = set(zip(owners, tags, strict=True))
     if len(taken) == len(tags):
         return tags
@@ -442,7 +442,7 @@ def full_plan(program: Program) -> Plan:
     return make_plan(program, wanted(program))
 
 
-def revived(
+def _revived(
     program: Program,
     state: State,
     numbers: np.ndarray,

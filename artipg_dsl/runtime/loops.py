@@ -20,11 +20,11 @@ if TYPE_CHECKING:
     from .batch import Batch
 
 APART = 1e-6  # metres: farther than this, two points are not together
-CLOSED = 1e-13  # and nearer than this, no step brings them closer
-STAGES = 6  # on the way from rest
-ROUNDS = 8  # steps for each
-INDEPENDENT = 1e-6  # of a column that the columns before do not make up
-BLOCK = 30_000  # links at a time, each in a state
+_CLOSED = 1e-13  # and nearer than this, no step brings them closer
+_STAGES = 6  # on the way from rest
+_ROUNDS = 8  # steps for each
+_INDEPENDENT = 1e-6  # of a column that the columns before do not make up
+_BLOCK = 30_000  # links at a time, each in a state
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -109,7 +109,7 @@ class Loops:
         """Joint values (..., J) that mimics and loops obey, the driving joints as in ``states`` (..., J); each row of states
         the same whatever the others are."""
         found = np.array(states, dtype=np.float64).reshape(-1, states.shape[-1])
-        size = max(1, BLOCK // max(self.chains.count, 1))
+        size = max(1, _BLOCK // max(self.chains.count, 1))
         for start in range(0, len(found), size):
             found[start : start + size] = self._settled(found[start : start + size])
         return found.reshape(states.shape)
@@ -120,13 +120,13 @@ class Loops:
         driven = np.zeros(len(rest), dtype=bool)
         driven[self.variable[self.follows]] = True
         values = np.tile(rest, (len(states), 1))
-        for stage in range(1, STAGES + 1):
-            share = stage / STAGES
+        for stage in range(1, _STAGES + 1):
+            share = stage / _STAGES
             values = follow(joints, np.where(driven, values, rest + share * (wanted - rest)))
             open_ones = np.arange(len(states))
-            for _ in range(ROUNDS):
+            for _ in range(_ROUNDS):
                 gap, slope = self.equations(values[open_ones])
-                going = np.abs(gap).max(axis=0, initial=0.0) >= CLOSED  # each object stops by itself
+                going = np.abs(gap).max(axis=0, initial=0.0) >= _CLOSED  # each object stops by itself
                 some = np.flatnonzero(going.any(axis=1))
                 if not len(some):
                     break
@@ -209,7 +209,7 @@ def loops_of(batch: Batch) -> Loops | None:
         variable,
         np.zeros_like(variable, dtype=bool),
     )
-    made.follows[...] = determined(made.slopes(follow(joints, batch.rest()))[1])
+    made.follows[...] = _determined(made.slopes(follow(joints, batch.rest()))[1])
     return made
 
 
@@ -242,7 +242,7 @@ def above(batch: Batch, link: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.nd
     return tuple(np.concatenate(found, axis=1))
 
 
-def determined(slope: np.ndarray) -> np.ndarray:
+def _determined(slope: np.ndarray) -> np.ndarray:
     """Which of the variables (B, V) the equations determine: the last ones whose columns are independent."""
     count, _, size = slope.shape
     found = np.zeros((count, size), dtype=bool)
@@ -253,6 +253,6 @@ def determined(slope: np.ndarray) -> np.ndarray:
         for unit in basis:
             left -= unit * (unit * left).cumsum(axis=1)[:, -1:]
         whole, rest = (np.sqrt((v * v).cumsum(axis=1)[:, -1]) for v in (column, left))
-        found[:, k] = (whole > 1e-12) & (rest > INDEPENDENT * whole)
+        found[:, k] = (whole > 1e-12) & (rest > _INDEPENDENT * whole)
         basis.append(np.where(found[:, k], 1.0 / np.where(rest > 0.0, rest, 1.0), 0.0)[:, None] * left)
     return found

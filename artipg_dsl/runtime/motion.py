@@ -11,10 +11,10 @@ Cells = list[np.ndarray]  # of matrices, row by row, or of vectors: an array of 
 
 def rotation_about(axis: np.ndarray, angle: np.ndarray) -> np.ndarray:
     """Rotation matrices (k, 3, 3) about unit axes (k, 3) by angles (k,) (Rodrigues' formula)."""
-    return np.stack(turning(list(axis.T), angle), axis=-1).reshape(-1, 3, 3)
+    return np.stack(_turning(list(axis.T), angle), axis=-1).reshape(-1, 3, 3)
 
 
-def turning(axis: Cells, angle: np.ndarray) -> Cells:
+def _turning(axis: Cells, angle: np.ndarray) -> Cells:
     """The 9 cells of rotations about unit axes by angles (..., k)."""
     c, s = np.cos(angle), np.sin(angle)
     t = 1.0 - c
@@ -115,7 +115,7 @@ class Chains:
         for at in self.levels:
             p, c = self.parent[at], self.child[at]
             value, origin = values[..., at], list(self.origin[:, at])
-            turn = turning(list(self.axis[:, at]), np.where(self.turning[at], value, 0.0))
+            turn = _turning(list(self.axis[:, at]), np.where(self.turning[at], value, 0.0))
             slide = np.where(self.sliding[at], value, 0.0)
             shift = [
                 o - t + way * slide for o, t, way in zip(origin, carried(turn, origin), self.slide[:, at], strict=True)

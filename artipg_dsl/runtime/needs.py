@@ -20,17 +20,17 @@ def pose_cells(pose: Pose) -> list[Expr]:
 def wanted(program: Program) -> Iterator[Wanted]:
     """Everything that tables, loops, labels, grasps and keypoints read."""
     for site in program.sites:
-        yield from each(site.scope, site.parameters, pose_cells(site.pose), (p for _, p in site.materials))
+        yield from _each(site.scope, site.parameters, pose_cells(site.pose), (p for _, p in site.materials))
     for part in program.parts:
         words = (p for _, p in part.semantic)
-        yield from each(part.scope, pose_cells(part.pose), part.low, part.high, words, part.symmetry or ())
+        yield from _each(part.scope, pose_cells(part.pose), part.low, part.high, words, part.symmetry or ())
         yield from ranks(part.link)
         yield from ranks(part.holder)
     for link in program.links:
         if link.part >= 0 and link.scope.within(program.parts[link.part].scope):
-            yield from each(link.scope, pose_cells(program.parts[link.part].pose))
+            yield from _each(link.scope, pose_cells(program.parts[link.part].pose))
     for closure in program.closures:
-        yield from each(closure.scope, *closure.points)
+        yield from _each(closure.scope, *closure.points)
         for side in closure.links:
             yield from ranks(side)
     for joint in program.joints:
@@ -44,22 +44,24 @@ def wanted(program: Program) -> Iterator[Wanted]:
             joint.velocity,
             joint.pitch,
         )
-        yield from each(joint.scope, joint.origin, joint.axis, (p for p in physics if p is not None))
+        yield from _each(joint.scope, joint.origin, joint.axis, (p for p in physics if p is not None))
         yield from ranks(joint.parent)
         if joint.mimic is not None:
-            yield from each(joint.scope, joint.mimic[1:])
+            yield from _each(joint.scope, joint.mimic[1:])
             yield from ranks(joint.mimic[0])
     for label in program.labels:
         inputs = row_values(label.formulas)
         for target in label.targets:
             scope = program.sites[target.site].scope
-            yield from each(scope, pose_cells(target.frame), target.size, target.center, inputs)
+            yield from _each(scope, pose_cells(target.frame), target.size, target.center, inputs)
     for grasp in program.grasps:
         inputs = row_values(grasp.formulas)
-        yield from each(grasp.scope, pose_cells(grasp.frame), grasp.size, grasp.center, (grasp.low, grasp.high), inputs)
+        yield from _each(
+            grasp.scope, pose_cells(grasp.frame), grasp.size, grasp.center, (grasp.low, grasp.high), inputs
+        )
         yield from ranks(grasp.link)
     for keypoint in program.keypoints:
-        yield from each(keypoint.scope, keypoint.point)
+        yield from _each(keypoint.scope, keypoint.point)
         yield from ranks(keypoint.link)
 
 
@@ -69,10 +71,10 @@ def narrowing(program: Program) -> Iterator[Wanted]:
         ends = (end for end in (draw.low, draw.high) if end is not None)
         bounds = (e for bound in draw.bounds for e in (bound.value, bound.guard))
         unions = (e for union in draw.unions for e in (union.guard, *(end for pair in union.intervals for end in pair)))
-        yield from each(draw.column.scope, ends, bounds, unions, (limit.allowed for limit in draw.limits))
+        yield from _each(draw.column.scope, ends, bounds, unions, (limit.allowed for limit in draw.limits))
 
 
-def each(scope: Scope, *groups: Iterable[Expr]) -> Iterator[Wanted]:
+def _each(scope: Scope, *groups: Iterable[Expr]) -> Iterator[Wanted]:
     for group in groups:
         for expr in group:
             yield expr, scope

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-ROUNDS = 80
-ARRIVED = 1e-15  # of 1 + the value: steps this small change nothing that matters
-SHORTEST = 2.0**-12  # of a full step
+_ROUNDS = 80
+_ARRIVED = 1e-15  # of 1 + the value: steps this small change nothing that matters
+_SHORTEST = 2.0**-12  # of a full step
 
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")
@@ -30,7 +30,7 @@ def newton(
     x = np.stack([np.ravel(np.broadcast_to(np.asarray(v, dtype=np.float64), shape)) for v in starts])
     residual, slope, worst = _at(system, x, given)
     length, still = np.ones(x.shape[1]), worst == 0.0
-    for _ in range(ROUNDS):
+    for _ in range(_ROUNDS):
         if still.all():
             break
         step = length * solved(slope, residual)
@@ -39,8 +39,8 @@ def newton(
         better = (at_trial[2] < worst) & ~still
         x, residual = np.where(better, trial, x), np.where(better, at_trial[0], residual)
         slope, worst = np.where(better, at_trial[1], slope), np.where(better, at_trial[2], worst)
-        tiny = (np.abs(step) <= ARRIVED * (1.0 + np.abs(x))).all(axis=0)
-        still |= (worst == 0.0) | tiny | (~better & (length <= SHORTEST))
+        tiny = (np.abs(step) <= _ARRIVED * (1.0 + np.abs(x))).all(axis=0)
+        still |= (worst == 0.0) | tiny | (~better & (length <= _SHORTEST))
         length = np.where(better, np.minimum(2.0 * length, 1.0), 0.5 * length)
     return x.reshape(len(starts), *shape)
 

@@ -98,7 +98,7 @@ class _Emitter:
                 parent = self.table(scope.parent)
                 count = self.value(scope.count, scope.parent)
                 name = self.fresh(f"child_rows(state, {parent}, {count}, guard={scope.kind == 'guard'})", "T")
-            self.lines[-1] += remark(scope.name)
+            self.lines[-1] += _remark(scope.name)
             self.tables[scope] = name
         return name
 
@@ -253,7 +253,7 @@ class _Emitter:
             name = self.fresh(
                 f"{function}(state, {table}, {number}, {draw.address!r}, {low}, {high}, {draw.distribution!r}, ({arguments}), {default}{more})"
             )
-        self.lines[-1] += remark(draw.column.path)
+        self.lines[-1] += _remark(draw.column.path)
         self.drawn[draw.column] = name
 
     def limited(self, draw: Draw, option: int, weight: str) -> str:
@@ -301,7 +301,7 @@ class _Emitter:
         self.line(f"narrow({low}, {high}, {bound.side!r}, {value}, {guard})")
 
 
-def remark(text: str) -> str:
+def _remark(text: str) -> str:
     """A comment behind a line, on that line whatever the text holds: names may come from a file that anyone wrote."""
     return "  # " + ascii(text)[1:-1]
 
@@ -320,13 +320,13 @@ def make_plan(program: Program, wanted: Iterable[tuple[Expr, Scope]]) -> Plan:
         holds = negate(both(requirement.guard, negate(holds)))
         value = emitter.value(holds, requirement.scope)
         emitter.line(
-            f"demand(state, {emitter.table(requirement.scope)}, {number}, {value})" + remark(str(requirement.where))
+            f"demand(state, {emitter.table(requirement.scope)}, {number}, {value})" + _remark(str(requirement.where))
         )
     for number, preference in enumerate(program.preferences):
         scope = preference.scope
         holds = negate(both(preference.guard, negate(preference.condition)))
         call_ = f"lean(state, {emitter.table(scope)}, {number}, {emitter.value(holds, scope)}, {emitter.value(preference.weight, scope)})"
-        emitter.line(call_ + remark(str(preference.where)))
+        emitter.line(call_ + _remark(str(preference.where)))
     outputs: dict[tuple[Expr, Scope], int] = {}
     values: list[str] = []
     for expr, scope in wanted:

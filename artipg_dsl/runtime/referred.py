@@ -26,7 +26,7 @@ class Referred:
             if isinstance(item, int):
                 number = self.instances.numbers(item, self.rowmap.across(scope, self.scopes[item]))
             else:
-                number = at(self.stated(item), self.rowmap.across(scope, item.scope))
+                number = _at(self.stated(item), self.rowmap.across(scope, item.scope))
             found = np.where(found < 0, number, found)
         return found
 
@@ -36,7 +36,7 @@ class Referred:
             case Under():
                 return self.numbers(item.scope, item.links)
             case Elsewhere():
-                return at(self.numbers(item.repeat, item.links), self.element(item))
+                return _at(self.numbers(item.repeat, item.links), self.element(item))
             case Onward():
                 own, rank = self.numbers(item.scope, item.links), self.rowmap.rows(item.scope).rank
                 onward = np.zeros(len(own), dtype=bool)
@@ -53,10 +53,10 @@ class Referred:
         assert item.repeat.parent is not None
         parent = self.rowmap.across(item.scope, item.repeat.parent)
         rank = np.rint(self.read([item.rank], item.scope)[0]).astype(np.int64)
-        there = (parent >= 0) & (rank >= 0) & (rank < at(rows.count, parent))
-        return np.where(there, at(rows.start, parent) + rank, -1)
+        there = (parent >= 0) & (rank >= 0) & (rank < _at(rows.count, parent))
+        return np.where(there, _at(rows.start, parent) + rank, -1)
 
 
-def at(values: np.ndarray, row: np.ndarray) -> np.ndarray:
+def _at(values: np.ndarray, row: np.ndarray) -> np.ndarray:
     """Whole numbers by row, -1 for row -1."""
     return np.append(values, -1)[row]

@@ -94,14 +94,14 @@ class Repairs:
         found = []
         for k, cause in enumerate(self.cause):
             draw = program.draws[self.draw[k]]
-            because, where = explained(program, cause)
+            because, where = _explained(program, cause)
             if np.isnan(self.before[k]):
                 because = f"`{draw.column.name}` has no value"
             found.append(
                 {
                     "path": self.name[k],
-                    "from": shown(draw, self.before[k]),
-                    "to": shown(draw, self.after[k]),
+                    "from": _shown(draw, self.before[k]),
+                    "to": _shown(draw, self.after[k]),
                     "how": HOW[self.how[k]],
                     "because": because,
                     "where": where,
@@ -113,7 +113,7 @@ class Repairs:
 def in_short(program: Program, cause: Cause) -> str:
     """A cause in a line of statistics: its place in the text, then what is wrong."""
     kind, about = cause
-    words, place = explained(program, cause)
+    words, place = _explained(program, cause)
     if kind == "requirement":
         words = program.requirements[about].message
     return words if place is None else f"{place.rpartition(':')[0]}: {words}"
@@ -137,7 +137,7 @@ def read(program: Program, owner: int, entries: Sequence[Mapping[str, Any]]) -> 
         fitting = [
             k
             for k in draws
-            if all(not isinstance(e, str) or e in program.draws[k].options or unending(e) for e in ends)
+            if all(not isinstance(e, str) or e in program.draws[k].options or _unending(e) for e in ends)
         ]
         if not fitting:
             raise ValueError(f"nothing draws `{entry['path']}`")
@@ -150,11 +150,11 @@ def read(program: Program, owner: int, entries: Sequence[Mapping[str, Any]]) -> 
     return Repairs.joined(parts)
 
 
-def unending(text: str) -> bool:
+def _unending(text: str) -> bool:
     return text in ("inf", "-inf")
 
 
-def shown(draw: Draw, value: float) -> Any:
+def _shown(draw: Draw, value: float) -> Any:
     """A value as files know it; None where there is none."""
     if np.isnan(value):
         return None
@@ -165,7 +165,7 @@ def shown(draw: Draw, value: float) -> Any:
     return float(value) if np.isfinite(value) else str(float(value))
 
 
-def explained(program: Program, cause: Cause) -> tuple[str, str | None]:
+def _explained(program: Program, cause: Cause) -> tuple[str, str | None]:
     """A cause in words, and its place in the text as ``file:line:column``."""
     kind, about = cause
     where = None

@@ -20,7 +20,7 @@ def led(joints: JointTable) -> JointTable:
     base = np.searchsorted(joints.owner, joints.owner)
     leader = np.where(joints.mimic >= 0, base + joints.mimic, -1)
     multiplier, offset = joints.multiplier, joints.offset
-    for _ in range(rounds(len(leader))):
+    for _ in range(_rounds(len(leader))):
         rows = np.flatnonzero((leader >= 0) & (np.append(leader, -1)[leader] >= 0))
         if not len(rows):
             break
@@ -43,7 +43,7 @@ def rooted(joints: JointTable, numbers: np.ndarray) -> JointTable:
     size = int(max(joints.parent.max(initial=0), joints.child.max(initial=0))) + 1
     above = np.full(len(numbers) * size, -1, dtype=np.int64)
     above[joints.owner * size + joints.child] = joints.owner * size + joints.parent
-    for _ in range(rounds(size)):
+    for _ in range(_rounds(size)):
         above = np.where(above >= 0, np.append(above, -1)[above], -1)
     held = above[joints.owner * size + joints.child] >= 0
     if held.any():
@@ -57,6 +57,6 @@ def rooted(joints: JointTable, numbers: np.ndarray) -> JointTable:
     return joints
 
 
-def rounds(size: int) -> int:
+def _rounds(size: int) -> int:
     """How often a chain of so many is followed, twice as far each time, to be at its end."""
     return int(size).bit_length() + 1

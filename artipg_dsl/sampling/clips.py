@@ -64,11 +64,11 @@ def clipped(lean: Batch, asked: Asked) -> Clips:
             owner.append(lean.owner(lean.program.draws[number].column.scope)[rows])
             draw.append(np.full(len(rows), number))
             row.append(rows)
-            why.extend(binding(lean, number, rows, values[rows])[1])
+            why.extend(_binding(lean, number, rows, values[rows])[1])
     return Clips(np.concatenate(owner), np.concatenate(draw), np.concatenate(row), why)
 
 
-def binding(lean: Batch, number: int, rows: np.ndarray, asked: np.ndarray) -> tuple[np.ndarray, list[Cause | None]]:
+def _binding(lean: Batch, number: int, rows: np.ndarray, asked: np.ndarray) -> tuple[np.ndarray, list[Cause | None]]:
     """Of rows of a draw: whether their value is the legal one nearest to what was asked, and what keeps it there."""
     draw, scope = lean.program.draws[number], lean.program.draws[number].column.scope
     table = lean.rowmap.rows(scope)
@@ -135,7 +135,7 @@ def logged(
         apart = apart[np.argsort(rows[apart], kind="stable")]
         wanted, rows = wanted[apart], rows[apart]
         owner = lean.owner(draw.column.scope)[rows]
-        legal, why = binding(lean, number, rows, wanted)
+        legal, why = _binding(lean, number, rows, wanted)
         names = lean.rowmap.names(draw.column.scope, draw.column.name)
         how = np.where(legal, CLIPPED, SEARCH)
         how[np.isnan(wanted) | (legal & (draw.kind == "choice"))] = REDRAWN

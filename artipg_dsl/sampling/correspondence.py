@@ -103,7 +103,7 @@ class _Slots:
 
     def __init__(self, before: Batch, after: Batch):
         self.before, self.after = before, after
-        self.members = members(after.program)
+        self.members = _members(after.program)
 
     def of(self, number: int) -> list[tuple[int, np.ndarray]]:
         """Candidates for the rows of a primitive: (definition before, row before or -1 per row after)."""
@@ -164,7 +164,7 @@ def _alternative(program: Program, number: int, home: Scope) -> Scope | None:
     return next((s for s in program.sites[number].scope.ancestors() if s.parent is home), None)
 
 
-def members(program: Program) -> dict[int, list[tuple[Scope, list[int]]]]:
+def _members(program: Program) -> dict[int, list[tuple[Scope, list[int]]]]:
     """For each primitive the slots it is bound to: the table that all alternatives share, and the primitives of all."""
     groups: dict[tuple[str, str, Scope], list[int]] = {}
     for slot in program.slots:

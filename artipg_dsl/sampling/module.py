@@ -35,8 +35,8 @@ def to_module(program: Program, version: str) -> str:
             site.primitive,
             plan.scopes[site.scope],
             program.primitives[site.primitive].parameters,
-            indices(plan, site.parameters, site.scope),
-            indices(plan, pose_cells(site.pose), site.scope),
+            _indices(plan, site.parameters, site.scope),
+            _indices(plan, pose_cells(site.pose), site.scope),
         )
         for site in program.sites
     ]
@@ -45,10 +45,10 @@ def to_module(program: Program, version: str) -> str:
             joint.path,
             joint.kind,
             plan.scopes[joint.scope],
-            indices(plan, joint.origin, joint.scope),
-            indices(plan, joint.axis, joint.scope),
-            limit(plan, joint.low, joint.scope),
-            limit(plan, joint.high, joint.scope),
+            _indices(plan, joint.origin, joint.scope),
+            _indices(plan, joint.axis, joint.scope),
+            _limit(plan, joint.low, joint.scope),
+            _limit(plan, joint.high, joint.scope),
         )
         for joint in program.joints
     ]
@@ -61,31 +61,31 @@ def to_module(program: Program, version: str) -> str:
         scopes=plan.scopes,
         sites=sites,
         joints=joints,
-        random=body(random),
-        kernels="\n\n".join(body(m) for m in (laws, kernels, draws)),
-        newton=body(newton),
+        random=_body(random),
+        kernels="\n\n".join(_body(m) for m in (laws, kernels, draws)),
+        newton=_body(newton),
         attempts=ATTEMPTS,
-        about=spoken(program.doc),
-        name=" ".join(spoken(program.name).split()),
+        about=_spoken(program.doc),
+        name=" ".join(_spoken(program.name).split()),
     )
 
 
-def indices(plan: Plan, exprs: Iterable[Expr], scope: Scope) -> tuple[Any, ...]:
+def _indices(plan: Plan, exprs: Iterable[Expr], scope: Scope) -> tuple[Any, ...]:
     """Output indices of expressions; a constant as a tuple of its value."""
     return tuple((e.value,) if e.op == "const" else plan.outputs[e, scope] for e in exprs)
 
 
-def limit(plan: Plan, expr: Expr | None, scope: Scope) -> Any:
-    return None if expr is None else indices(plan, (expr,), scope)[0]
+def _limit(plan: Plan, expr: Expr | None, scope: Scope) -> Any:
+    return None if expr is None else _indices(plan, (expr,), scope)[0]
 
 
-def spoken(text: str) -> str:
+def _spoken(text: str) -> str:
     """A text that can stand in a docstring or in a comment, whatever is in it; only the lines stay lines."""
     plain = text.replace("\\", "\\\\").replace('"', "'")
     return "".join(c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in plain)
 
 
-def body(module: ModuleType) -> str:
+def _body(module: ModuleType) -> str:
     """The source of a module behind its docstring and imports."""
     lines = inspect.getsource(module).split("\n")
     last = max(k for k, line in enumerate(lines) if re.match(r"(from|import) ", line))

@@ -30,11 +30,11 @@ from .sample import Sampler, asked, colliding
 from .statistics import ATTEMPTS, Exhausted, Statistics
 
 OPERATIONS = ("apa", "dpa", "cpa")
-PATIENCE = 6  # attempts before what is kept may give way, a little more with each further one
-TRIALS = 40  # attempts to change one value alone, each but the first few with a shorter step
-SHARE = 0.5
-MOST_VARIANTS = 2**31
-KIND = {"apa": "choice", "dpa": "count", "cpa": "real"}
+_PATIENCE = 6  # attempts before what is kept may give way, a little more with each further one
+_TRIALS = 40  # attempts to change one value alone, each but the first few with a shorter step
+_SHARE = 0.5
+_MOST_VARIANTS = 2**31
+_KIND = {"apa": "choice", "dpa": "count", "cpa": "real"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +52,7 @@ class Mutation:
     operations: tuple[str, ...] = OPERATIONS
     variant: int = 0
     strength: float = 1.0
-    share: float = SHARE
+    share: float = _SHARE
     only: str = "*"
     one: bool = False
     each: int = 1
@@ -62,8 +62,8 @@ class Mutation:
         unknown = [name for name in self.operations if name not in OPERATIONS]
         if unknown:
             raise UsageError(f"there is no operation `{unknown[0]}`", f"the operations are {', '.join(OPERATIONS)}")
-        if not abs(self.variant) < MOST_VARIANTS:
-            raise UsageError(f"the variant is {self.variant}, but must be a number below {MOST_VARIANTS}")
+        if not abs(self.variant) < _MOST_VARIANTS:
+            raise UsageError(f"the variant is {self.variant}, but must be a number below {_MOST_VARIANTS}")
 
     def plain(self) -> dict[str, Any]:
         sources = None if self.sources is None else [list(run) for run in self.sources]
@@ -147,7 +147,7 @@ def mutate(
     operations: Sequence[str] = OPERATIONS,
     variant: int | np.ndarray = 0,
     strength: float = 1.0,
-    share: float = SHARE,
+    share: float = _SHARE,
     only: str = "*",
     one: bool = False,
     statistics: Statistics | None = None,
@@ -248,7 +248,7 @@ class _Step:
         self.meant = [np.zeros(batch.rowmap.rows(d.column.scope).size, dtype=bool) for d in draws]
         self.swaps = [np.zeros_like(m) for m in self.meant]
         for number, draw in enumerate(draws):
-            if draw.kind == KIND[operation] and (draw.kind != "choice" or number in parts or not names.everything):
+            if draw.kind == _KIND[operation] and (draw.kind != "choice" or number in parts or not names.everything):
                 self.meant[number] = names.of(batch, draw) & self.can_change(draw) & able[self.owner(draw)]
         self.reaches = [self.reach(number) for number in range(len(draws))]
         self.mended: list[Mended] = []  # attempts that were put right, by their places in the batch
@@ -356,8 +356,8 @@ class _Step:
             bad = self.failing(trial, left, statistics, checked, first, alone=True)
             left, first = left[bad], False
             attempt[left] += 1
-            lost[left[attempt[left] >= TRIALS]] = True
-            left = left[attempt[left] < TRIALS]
+            lost[left[attempt[left] >= _TRIALS]] = True
+            left = left[attempt[left] < _TRIALS]
         for number, draw in enumerate(self.batch.program.draws):  # those stay as they are
             stays = lost[self.owner(draw)]
             self.reaches[number] = np.where(stays, 0.0, self.reaches[number])
@@ -387,7 +387,7 @@ class _Step:
     def giving(self, number: int, attempt: np.ndarray) -> np.ndarray:
         """The reach of each row, and after many attempts that failed, a little for all that is kept."""
         draw = self.batch.program.draws[number]
-        late = np.maximum(attempt[self.owner(draw)] - PATIENCE, 0)
+        late = np.maximum(attempt[self.owner(draw)] - _PATIENCE, 0)
         if draw.kind != "real" or not late.any():
             return self.reaches[number]
         return self.reaches[number] + 0.05 * late * self.width(draw)

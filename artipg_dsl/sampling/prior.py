@@ -20,7 +20,7 @@ from ..runtime.plan import Plan
 
 CANDIDATES = 32  # attempts that an object considers
 MOST_CANDIDATES = 4096
-ROUNDS = 4  # times so many, where none of them is valid
+_ROUNDS = 4  # times so many, where none of them is valid
 BLOCK = 4096  # attempts evaluated together
 
 
@@ -45,7 +45,7 @@ class Resampling:
     def attempts(self, numbers: np.ndarray) -> np.ndarray:
         """The attempt (len(numbers),) chosen for each object; -1 where no candidate is valid. A few at a time."""
         found = np.full(len(numbers), -1, dtype=np.int64)
-        for block in range(ROUNDS):
+        for block in range(_ROUNDS):
             left = np.flatnonzero(found < 0)
             if len(left):
                 found[left] = self.among(numbers[left], block * self.candidates)

@@ -33,7 +33,7 @@ from .statistics import Statistics
 if TYPE_CHECKING:
     from .sample import Sampler
 
-GROUP = 64  # objects that are searched together
+_GROUP = 64  # objects that are searched together
 Solved = tuple[Batch, np.ndarray]  # a batch of objects put right, and their places among all
 
 
@@ -83,12 +83,12 @@ def repair(
             sampler, lean, target, asked.stated, handler.sound if checked or fallible(sampler.program) else None
         )
         wanted = np.flatnonzero(bad)
-        for start in range(0, len(wanted), GROUP):
-            solved += handler.solve(search, failing, wanted[start : start + GROUP])
+        for start in range(0, len(wanted), _GROUP):
+            solved += handler.solve(search, failing, wanted[start : start + _GROUP])
         for cause, objects in asides.items():
             objects = np.setdiff1d(objects, np.concatenate([np.zeros(0, dtype=np.int64), *(s[1] for s in solved)]))
-            for start in range(0, len(objects), GROUP):
-                solved += handler.aside(search, moved, cause, objects[start : start + GROUP])
+            for start in range(0, len(objects), _GROUP):
+                solved += handler.aside(search, moved, cause, objects[start : start + _GROUP])
     found = joined(batch, solved)
     still = bad.copy()
     for _, places in solved:
@@ -151,18 +151,18 @@ def causes(batch: Batch, checked: bool, statistics: Statistics) -> dict[Cause, n
     sound = np.flatnonzero(~batch.state.failed)
     if len(sound) and (checked or fallible(batch.program)):
         part = batch if len(sound) == len(batch) else again(batch, sound)
-        for cause, objects in (solids(part) if checked else silent(part)).items():
+        for cause, objects in (_solids(part) if checked else _silent(part)).items():
             found[cause] = sound[objects]
             statistics.fail(cause, len(objects))
     return found
 
 
-def silent(batch: Batch) -> dict[Cause, np.ndarray]:
+def _silent(batch: Batch) -> dict[Cause, np.ndarray]:
     """Labels of objects that have no value, and of which."""
     return {("solid", words): objects for words, objects in unsaid(batch)}
 
 
-def solids(batch: Batch) -> dict[Cause, np.ndarray]:
+def _solids(batch: Batch) -> dict[Cause, np.ndarray]:
     """What is wrong with the solids of objects, and with which."""
     found = faults(batch)
     struck = found.collisions
@@ -194,7 +194,7 @@ class Handler:
     def sound(self, batch: Batch) -> np.ndarray:
         """Which objects have their solids in order, of some that meet the requirements."""
         good = np.ones(len(batch), dtype=bool)
-        for objects in (solids(batch) if self.checked else silent(batch)).values():
+        for objects in (_solids(batch) if self.checked else _silent(batch)).values():
             good[objects] = False
         return good
 

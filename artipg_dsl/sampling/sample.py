@@ -22,13 +22,13 @@ from .prior import BLOCK, Resampling
 from .repair import Mended, mended
 from .statistics import ATTEMPTS, Exhausted, Statistics
 
-COLLIDING = 25  # attempts that end in a collision, until it is the program's fault
-FRUITLESS = 50  # such attempts of all objects together, where no object has been valid yet
-GROUP = 32  # objects that try again together
+_COLLIDING = 25  # attempts that end in a collision, until it is the program's fault
+_FRUITLESS = 50  # such attempts of all objects together, where no object has been valid yet
+_GROUP = 32  # objects that try again together
 
 
 @lru_cache(maxsize=8)
-def planned(program: Program) -> Sampler:
+def _planned(program: Program) -> Sampler:
     """The sampler of a program that came from another process: one for all batches of it."""
     return Sampler(program, full_plan(program))
 
@@ -42,7 +42,7 @@ class Sampler:
 
     def __reduce__(self) -> tuple[Callable[[Program], Sampler], tuple[Program]]:
         """To another process goes the program, which is planned anew there."""
-        return planned, (self.program,)
+        return _planned, (self.program,)
 
     @cached_property
     def lean(self) -> Plan:
@@ -79,13 +79,13 @@ class Sampler:
             return batch
         mended = trials.mended(batch, bad) if mend else None
         failed = np.flatnonzero(bad)
-        if bad.all() and hopeless(self.program, trials.given):
+        if bad.all() and _hopeless(self.program, trials.given):
             raise Exhausted(numbers, trials.statistics, 1, hopeless=True)
-        for start in range(0, len(failed), GROUP):  # the first ones tell soon whether it is any use
-            group = failed[start : start + GROUP]
+        for start in range(0, len(failed), _GROUP):  # the first ones tell soon whether it is any use
+            group = failed[start : start + _GROUP]
             while len(group):
                 attempt[group] += 1
-                lost = (attempt[group] >= ATTEMPTS) | (trials.colliding(numbers[group]) >= COLLIDING)
+                lost = (attempt[group] >= ATTEMPTS) | (trials.colliding(numbers[group]) >= _COLLIDING)
                 lost |= trials.fruitless
                 spare = np.array([trials.spare.get(n, -1) for n in numbers[group].tolist()])
                 attempt[group[lost & (spare >= 0)]] = spare[lost & (spare >= 0)]  # rather than none
@@ -98,7 +98,7 @@ class Sampler:
         return delivered if mended is None else mended.within(delivered)
 
 
-def hopeless(program: Program, given: dict[int, float]) -> bool:
+def _hopeless(program: Program, given: dict[int, float]) -> bool:
     """Whether the values given leave no valid object at all, whatever else is drawn."""
     fixed = {k: float(v) for k, v in given.items() if np.ndim(v) == 0}
     return bool(fixed) and any(conflict.certain for conflict in conflicts(program, fixed))
@@ -127,7 +127,7 @@ class _Trials:
 
     @property
     def fruitless(self) -> bool:
-        return not self.valid and sum(self.hits.values()) >= FRUITLESS
+        return not self.valid and sum(self.hits.values()) >= _FRUITLESS
 
     def made(self, numbers: np.ndarray, attempt: np.ndarray) -> tuple[State, Batch]:
         state = State(self.seed, numbers, attempt.copy(), dict(self.given), self.defaults)
@@ -182,7 +182,7 @@ class _Trials:
             lost = numbers[part][attempt[part] < 0]
             if len(lost):
                 raise Exhausted(
-                    lost, self.statistics, len(choice.states) * candidates, hopeless(self.sampler.program, self.given)
+                    lost, self.statistics, len(choice.states) * candidates, _hopeless(self.sampler.program, self.given)
                 )
         return self.made(numbers, attempt)[1]
 

@@ -20,10 +20,10 @@ from ..runtime.kernels import Kept, State, full
 from ..runtime.plan import Plan
 from .known import make_batch
 
-STEPS = 2.0 ** -np.arange(6, -1, -1)  # of the width of a domain, for a value that moves alone
-TOGETHER = 48  # candidates in which several values move
-HALVINGS = 8  # of the way back towards the old values
-WAVES = (
+_STEPS = 2.0 ** -np.arange(6, -1, -1)  # of the width of a domain, for a value that moves alone
+_TOGETHER = 48  # candidates in which several values move
+_HALVINGS = 8  # of the way back towards the old values
+_WAVES = (
     (0.05, 0.2),
     (0.2, 0.7),
     (0.7, np.inf),
@@ -32,10 +32,10 @@ WAVES = (
 
 if TYPE_CHECKING:
     from .sample import Sampler
-EXAMINED = 40  # of them of an object at a time, evenly over the wave
-BLOCK = 2048  # candidates evaluated at a time
+_EXAMINED = 40  # of them of an object at a time, evenly over the wave
+_BLOCK = 2048  # candidates evaluated at a time
 AGAIN = 2  # searches from what was better and not yet valid
-DRAWN = 0.05  # how much less it costs to move a value that nobody asked for
+_DRAWN = 0.05  # how much less it costs to move a value that nobody asked for
 COUNTED, CHOSEN = 0.25, 1.0  # what another count or option costs, in widths of a domain
 
 
@@ -144,7 +144,7 @@ class Search:
                 value = np.concatenate([old + np.array([-1.0, 1.0, -2.0, 2.0]), low, high], axis=1)
                 value = np.minimum(np.maximum(value, np.ceil(low)), np.floor(high))
             else:
-                steps = np.concatenate([-STEPS, STEPS]) * self.width[number][row][:, None]
+                steps = np.concatenate([-_STEPS, _STEPS]) * self.width[number][row][:, None]
                 value = np.minimum(np.maximum(old + steps, low), high)
             value = np.where(np.isfinite(value), value, old)
             i, k = np.nonzero(value != old)
@@ -164,9 +164,9 @@ class Search:
         kinds = np.array([d.kind == "real" for d in self.batch.program.draws] or [False])
         real = Spots(*(column[kinds[spots.draw]] for column in (spots.owner, spots.draw, spots.row)))
         places = np.unique(real.owner)
-        number = np.arange(TOGETHER)
-        reach = 2.0 ** (-6.0 + 6.0 * number / (TOGETHER - 1))
-        state, values = self.batch.state, np.zeros((len(real.row), TOGETHER))
+        number = np.arange(_TOGETHER)
+        reach = 2.0 ** (-6.0 + 6.0 * number / (_TOGETHER - 1))
+        state, values = self.batch.state, np.zeros((len(real.row), _TOGETHER))
         for k in np.unique(real.draw).tolist():
             here = np.flatnonzero(real.draw == k)
             row = real.row[here]
@@ -174,15 +174,15 @@ class Search:
             lane = state.lanes()[real.owner[here]][:, None]
             names = (self.batch.program.draws[k].address, f"repair of {state.salt}")
             unit = uniform(
-                key(state.seed, *names), address, lane, state.attempt[real.owner[here]][:, None] * TOGETHER + number
+                key(state.seed, *names), address, lane, state.attempt[real.owner[here]][:, None] * _TOGETHER + number
             )
             wide = self.width[k][row][:, None] * reach
             moved = self.target[k][row][:, None] + wide * (2.0 * unit - 1.0)
             values[here] = np.minimum(np.maximum(moved, self.low[k][row][:, None]), self.high[k][row][:, None])
         at = np.searchsorted(places, real.owner)
-        candidate = at[:, None] * TOGETHER + number
+        candidate = at[:, None] * _TOGETHER + number
         draw, row = (np.broadcast_to(c[:, None], values.shape) for c in (real.draw, real.row))
-        return Moves(np.repeat(places, TOGETHER), candidate.ravel(), draw.ravel(), row.ravel(), values.ravel())
+        return Moves(np.repeat(places, _TOGETHER), candidate.ravel(), draw.ravel(), row.ravel(), values.ravel())
 
     # ------------------------------------------------------------ evaluation
 
@@ -213,8 +213,8 @@ class Search:
 
     def judged(self, moves: Moves, spots: Spots | None = None) -> Judged:
         """The candidates by the requirements; with ``spots``, whether nothing else moved."""
-        starts = range(0, len(moves.place), BLOCK)
-        blocks = [self._judged(moves.part(np.arange(s, min(s + BLOCK, len(moves.place)))), spots) for s in starts]
+        starts = range(0, len(moves.place), _BLOCK)
+        blocks = [self._judged(moves.part(np.arange(s, min(s + _BLOCK, len(moves.place)))), spots) for s in starts]
         names = ("faults", "cost", "alone")
         return Judged(*(np.concatenate([np.zeros(0), *(getattr(b, n) for b in blocks)]) for n in names))
 
@@ -236,7 +236,7 @@ class Search:
             moved = apart > 1e-9 * self.width[number][row]
             price = apart / self.width[number][row] if draw.kind != "choice" else np.zeros(len(row))
             price = price + moved * {"real": 0.0, "count": COUNTED, "choice": CHOSEN}[draw.kind]
-            price = np.where(self.stated[number][row], price, DRAWN * price)
+            price = np.where(self.stated[number][row], price, _DRAWN * price)
             cost += np.bincount(owner, weights=price, minlength=size)
             if spots is not None and moved.any():
                 mine = spots.row[spots.draw == number]
@@ -258,12 +258,12 @@ class Search:
         places, index = np.unique(moves.place[valid], return_inverse=True)
         winner = np.full(len(places), -1, dtype=np.int64)
         cost = judged.cost[valid]
-        for above, upto in WAVES:
+        for above, upto in _WAVES:
             asked = np.flatnonzero((winner[index] < 0) & (cost > above) & (cost <= upto))
             count = np.bincount(index[asked], minlength=len(places))
             rank = np.arange(len(asked)) - (np.cumsum(count) - count)[index[asked]]
-            share = np.maximum(count[index[asked]], EXAMINED)
-            asked = asked[rank * EXAMINED // share != (rank - 1) * EXAMINED // share]
+            share = np.maximum(count[index[asked]], _EXAMINED)
+            asked = asked[rank * _EXAMINED // share != (rank - 1) * _EXAMINED // share]
             good = asked[self.examined(moves.part(valid[asked]))] if len(asked) else asked
             found, first = np.unique(index[good], return_index=True)
             winner[found] = valid[good[first]]
@@ -299,7 +299,7 @@ class Search:
             value = np.where(kinds[moves.draw] & (way < 1.0), old + way * (moves.value - old), moves.value)
             return Moves(moves.place, moves.candidate, moves.draw, moves.row, value)
 
-        for _ in range(HALVINGS):
+        for _ in range(_HALVINGS):
             middle = 0.5 * (low + high)
             there = at(middle)
             judged = self.judged(there, spots)

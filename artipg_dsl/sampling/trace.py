@@ -31,20 +31,20 @@ from .mutate import OPERATIONS, Stage
 from .sample import Sampler, asked, colliding
 from .statistics import Exhausted, Statistics
 
-WRITTEN = "give a trace-*.jsonl written by `apgc mutate`"
-TOLD = 1e-9  # determined values that move by less are not told
+_WRITTEN = "give a trace-*.jsonl written by `apgc mutate`"
+_TOLD = 1e-9  # determined values that move by less are not told
 
 
 Place = Annotated[int, Rule("a whole number, at least 0", lambda value: 0 <= value < 2**62)]
-Value = float | int | str | None
+_Value = float | int | str | None
 Changed = TypedDict(
     "Changed",
     {
         "op": Literal["apa", "dpa", "cpa"],
         "how": Literal["changed", "clipped", "new", "gone", "determined"],
         "path": str,
-        "from": Value,
-        "to": Value,
+        "from": _Value,
+        "to": _Value,
         "draw": NotRequired[str],
         "at": NotRequired[list[Place]],
     },
@@ -53,8 +53,8 @@ Repaired = TypedDict(
     "Repaired",
     {
         "path": str,
-        "from": Value,
-        "to": Value,
+        "from": _Value,
+        "to": _Value,
         "how": Annotated[str, Rule(f"one of {', '.join(HOW)}", lambda value: value in HOW)],
         "because": str,
         "where": str | None,
@@ -62,7 +62,7 @@ Repaired = TypedDict(
 )
 
 
-class Record(TypedDict):
+class _Record(TypedDict):
     """What a line of a trace holds."""
 
     object: Place
@@ -165,7 +165,7 @@ def _determined(stage: Stage) -> Iterable[tuple[int, Step]]:
         was, now = (mix(r.address, r.owner) for r in rows)
         a, b = (batch.read([expr], scope)[0] for batch in (before, after))
         _, here, there = np.intersect1d(was, now, assume_unique=True, return_indices=True)
-        apart = np.abs(a[here] - b[there]) > TOLD
+        apart = np.abs(a[here] - b[there]) > _TOLD
         if not apart.any():
             continue
         names = after.rowmap.names(scope, column.name)
@@ -199,9 +199,9 @@ def trace_lines(batch: Batch) -> bytes:
 def checked(record: Any) -> Mapping[str, Any]:
     """A record that is one. Raises UserError."""
     try:
-        fit(record, Record)
+        fit(record, _Record)
     except Misfit as wrong:
-        raise UserError(f"this is not a trace record: {wrong}", WRITTEN) from None
+        raise UserError(f"this is not a trace record: {wrong}", _WRITTEN) from None
     return record
 
 
@@ -213,9 +213,9 @@ def read_traces(text: str, name: str) -> dict[int, dict[str, Any]]:
             continue
         try:
             entry = json.loads(line)
-            fit(entry, Record)
+            fit(entry, _Record)
         except (ValueError, RecursionError) as error:
-            raise UserError(f"{name}:{number} is not a mutation trace: {error}", WRITTEN) from None
+            raise UserError(f"{name}:{number} is not a mutation trace: {error}", _WRITTEN) from None
         found[entry["object"]] = entry
     return found
 
@@ -280,7 +280,7 @@ def replay(batch: Batch, records: Sequence[Mapping[str, Any]]) -> Batch:
     try:
         told = [repairs.read(batch.program, place, entry.get("repairs", ())) for place, entry in enumerate(records)]
     except ValueError as error:
-        raise UserError(f"the repairs in the trace do not fit this program: {error}", WRITTEN) from None
+        raise UserError(f"the repairs in the trace do not fit this program: {error}", _WRITTEN) from None
     found.repairs = Repairs.joined(told)
     found.history = tuple(history) or (Stage(OPERATIONS[0], batch, found, _asked(batch, "", [])[1]),)
     return found

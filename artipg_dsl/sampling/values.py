@@ -18,9 +18,9 @@ from .repair import Handler, Outcome, causes, joined, repair
 from .sample import Sampler
 from .statistics import Exhausted, Statistics
 
-TRIALS = 25  # attempts where a repair finds nothing
-DRAWN = 5  # of these, so many draw what is not given alone; then what failed gives way, at last everything
-EVERYTHING = 15
+_TRIALS = 25  # attempts where a repair finds nothing
+_DRAWN = 5  # of these, so many draw what is not given alone; then what failed gives way, at last everything
+_EVERYTHING = 15
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,12 +52,12 @@ class Values:
                 if place in behind:
                     behind[place].update(handler.behind(cause))
         left, solved = found.failed, []
-        for attempt in range(1, TRIALS):
+        for attempt in range(1, _TRIALS):
             released = [
                 set()
-                if attempt <= DRAWN
+                if attempt <= _DRAWN
                 else behind[p]
-                if attempt <= EVERYTHING
+                if attempt <= _EVERYTHING
                 else set(range(len(sampler.program.draws)))
                 for p in left.tolist()
             ]
@@ -73,7 +73,7 @@ class Values:
             if not len(left):
                 break
         else:
-            raise Exhausted(trial.numbers[left], statistics, TRIALS)
+            raise Exhausted(trial.numbers[left], statistics, _TRIALS)
         whole = joined(found.batch, solved)
         drawn = np.zeros(len(whole), dtype=bool)
         drawn[found.failed] = True
@@ -135,7 +135,7 @@ class Values:
 
     def given(self, batch: Batch, number: int) -> tuple[np.ndarray, np.ndarray]:
         """The value given for each row of a draw, object by object, and whether there is one."""
-        owner, place, _ = listed(batch, number)
+        owner, place, _ = _listed(batch, number)
         value, said = np.zeros(len(owner)), np.zeros(len(owner), dtype=bool)
         ends = np.searchsorted(owner, np.arange(len(batch) + 1))
         for first, last, name in zip(ends[:-1].tolist(), ends[1:].tolist(), batch.numbers.tolist(), strict=True):
@@ -160,7 +160,7 @@ class Values:
                 apart = said & ~(value == batch.state.values[number][rows.row])
                 moved[rows.owner[apart]] = True
         for number, draw in enumerate(batch.program.draws):
-            count = listed(batch, number)[2]
+            count = _listed(batch, number)[2]
             for place, name in enumerate(batch.numbers.tolist()):
                 given = self.records[name].get(number)
                 if given is not None and count[place] and len(given) not in (1, count[place]) and not moved[place]:
@@ -170,7 +170,7 @@ class Values:
                     )
 
 
-def listed(batch: Batch, number: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _listed(batch: Batch, number: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Where the rows of a draw stand in the list that ``Batch.drawn`` gives of its name: owner and place of each row.
 
     Alternatives of a part may share the name: their rows make one list in the order of the elements. ``count`` (B,) is how

@@ -19,7 +19,7 @@ def too_near(tree: Tree, body: Pieces) -> list[tuple[str, np.ndarray]]:
     found: list[tuple[str, np.ndarray]] = []
     program = tree.batch.program
     for statement in program.clear:
-        part = sides(tree, body, statement)
+        part = _sides(tree, body, statement)
         rows = checked(tree, part)
         names: dict[str, list[int]] = {}
         for link, joint in zip(rows[:, 0].astype(int).tolist(), rows[:, 2].astype(int).tolist(), strict=True):
@@ -37,7 +37,7 @@ def too_near(tree: Tree, body: Pieces) -> list[tuple[str, np.ndarray]]:
     return found
 
 
-def sides(tree: Tree, body: Pieces, statement: Clear) -> Pieces:
+def _sides(tree: Tree, body: Pieces, statement: Clear) -> Pieces:
     """The pieces of the parts that a statement names, with their gap, side and group; boxes larger by half the gap."""
     batch = tree.batch
     distance = batch.read([statement.distance], statement.scope)[0]

@@ -16,7 +16,7 @@ from ..runtime.batch import Batch
 from ..runtime.motion import apply
 
 FULL = 2 * np.pi
-KEPT = 1 << 27  # bytes of corners, as much as is kept with a batch
+_KEPT = 1 << 27  # bytes of corners, as much as is kept with a batch
 
 
 @dataclass(slots=True, eq=False)
@@ -189,7 +189,7 @@ def gather(batch: Batch, first: np.ndarray, turn: np.ndarray, shift: np.ndarray)
     known = batch.known.get("pieces")
     if known is None or not (np.array_equal(known[0], turn) and np.array_equal(known[1], shift)):
         made = _gathered(batch, first, turn, shift)
-        if sum(corners.nbytes for corners in made.corners) > KEPT:
+        if sum(corners.nbytes for corners in made.corners) > _KEPT:
             return made
         known = batch.known["pieces"] = turn, shift, made
     kept: Pieces = known[2]
@@ -326,7 +326,7 @@ class Rings:
 def rings(body: Pieces, piece: np.ndarray, axis: np.ndarray, origin: np.ndarray) -> Rings:
     """The bounds of pieces (k,) about axes (k, 3) through origins (k, 3)."""
     margin = DEPTH / 2  # as far as insetting moves every side
-    along, across = frame(axis)
+    along, across = _frame(axis)
     height, reach, angle = (np.empty((len(piece), 2)) for _ in range(3))
     for at, corners in body.classes(piece):
         local = corners - origin[at, None]
@@ -348,7 +348,7 @@ def rings(body: Pieces, piece: np.ndarray, axis: np.ndarray, origin: np.ndarray)
     return Rings(height, reach, angle)
 
 
-def frame(axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _frame(axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Two unit vectors (k, 3) each, square to unit axes (k, 3) and to one another, right-handed."""
     other = np.where((np.abs(axis[:, 0]) < 0.6)[:, None], (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
     along = cross(other, axis)

@@ -20,7 +20,7 @@ from .together import least, ways
 from .tree import Tree
 from .validate import COARSE, HALVINGS, Turns, blocks, near, turnings
 
-HALVES = 24  # of the way of a slide
+_HALVES = 24  # of the way of a slide
 HAIR_TURN, HAIR_SLIDE = 1e-4, 1e-5
 WIDE_TURN, WIDE_SLIDE = 2e-3, 5e-4
 
@@ -44,21 +44,21 @@ def limited(batch: Batch) -> JointTable:
     room = most.copy()
     for part in blocks(body):
         for piece, joint in tree.carried(part, goes_on & tree.slides):
-            sliding(tree, part, piece, joint, room)
+            _sliding(tree, part, piece, joint, room)
         for piece, joint in tree.carried(part, goes_on & tree.turns):
             i, turns = turnings(tree, part, piece, joint)
             keep = np.flatnonzero(~tree.permitted(part.link[turns.piece], part.link[turns.other]))
-            turning(part, turns.at(keep), joint[i[keep]], room)
+            _turning(part, turns.at(keep), joint[i[keep]], room)
     hair = np.where(tree.slides, HAIR_SLIDE, HAIR_TURN)
     room = np.where(room < most, np.maximum(room - hair, 0.0), room)
     tree.low, tree.high = ends[0], np.where(goes_on, joints.rest + room, ends[1])
     whatever = np.array([joint.whatever for joint in batch.program.joints], dtype=bool)[joints.definition]
     if whatever.any():
-        room = np.where(whatever, shared(tree, body, whatever), room)
+        room = np.where(whatever, _shared(tree, body, whatever), room)
     return replace(joints, high=np.where(goes_on, joints.rest + room, joints.high))
 
 
-def shared(tree: Tree, body: Pieces, whatever: np.ndarray) -> np.ndarray:
+def _shared(tree: Tree, body: Pieces, whatever: np.ndarray) -> np.ndarray:
     """How far (J,) the joints ``whatever`` (J,) bool go with all others anywhere within their ranges.
 
     Two that are in the way of one another stop at the same share of what each has alone.
@@ -74,7 +74,7 @@ def shared(tree: Tree, body: Pieces, whatever: np.ndarray) -> np.ndarray:
     return np.where(share < 1.0, np.maximum(room - hair, 0.0), room)
 
 
-def sliding(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray, room: np.ndarray) -> None:
+def _sliding(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray, room: np.ndarray) -> None:
     """Lower ``room`` (J,) to how far pieces slide along the axes of joints before they meet others."""
     way = tree.axis[joint] * (tree.high - tree.joints.rest)[joint][:, None]
     i, j = near(
@@ -87,14 +87,14 @@ def sliding(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray, room
     meets = np.flatnonzero(overlap(Placed(body, piece[i], ends=(still, way[i])), Placed(body, j)))
     i, j = i[meets], j[meets]
     free, met = np.zeros(len(i)), np.ones(len(i))
-    for _ in range(HALVES):
+    for _ in range(_HALVES):
         middle = (free + met) / 2
         hit = overlap(Placed(body, piece[i], ends=(still[: len(i)], way[i] * middle[:, None])), Placed(body, j))
         free, met = np.where(hit, free, middle), np.where(hit, middle, met)
     np.minimum.at(room, joint[i], free * (tree.high - tree.joints.rest)[joint[i]])
 
 
-def turning(body: Pieces, turns: Turns, joint: np.ndarray, room: np.ndarray) -> None:
+def _turning(body: Pieces, turns: Turns, joint: np.ndarray, room: np.ndarray) -> None:
     """Lower ``room`` (J,) to how far joints turn before pieces meet others; ``joint`` (k,) of each turn."""
     turns.row = joint
     boxes, open_ones = body.boxes(), []

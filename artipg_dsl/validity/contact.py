@@ -11,7 +11,7 @@ from .bodies import Pieces, Placed
 from .tree import Tree
 from .validate import Collisions
 
-PLACES = 65  # of the range of a slide that are looked at
+_PLACES = 65  # of the range of a slide that are looked at
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,29 +40,29 @@ def contact(tree: Tree, body: Pieces, found: Collisions, row: int) -> Contact | 
         joint = int(np.searchsorted(tree.joints.owner, owner)) + named
         value = float(found.value[row])
         if tree.slides[joint] and tree.alone[joint]:
-            value = slid(tree, body, i, j, joint)
+            value = _slid(tree, body, i, j, joint)
         states[joint] = value
     turn, shift, _ = tree.at(states)
     first, second = (Placed(body, k, turn[body.link[k]], shift[body.link[k]]) for k in (i, j))
     at = tuple(np.round(common(first, second)[0], 4).tolist())
     paths = [tree.batch.program.links[tree.links.definition[body.link[k[0]]]].path for k in (i, j)]
-    names = [part_name(tree, body, int(k[0])) for k in ((i, j) if paths[0] <= paths[1] else (j, i))]
+    names = [_part_name(tree, body, int(k[0])) for k in ((i, j) if paths[0] <= paths[1] else (j, i))]
     return Contact(int(tree.batch.numbers[owner]), (names[0], names[1]), at, value)
 
 
-def slid(tree: Tree, body: Pieces, i: np.ndarray, j: np.ndarray, joint: int) -> float:
+def _slid(tree: Tree, body: Pieces, i: np.ndarray, j: np.ndarray, joint: int) -> float:
     """The value of a slide nearest to rest at which two pieces meet, of some; its high end where none of these is."""
     rest = tree.joints.rest[joint]
-    values = np.linspace(tree.low[joint], tree.high[joint], PLACES)
+    values = np.linspace(tree.low[joint], tree.high[joint], _PLACES)
     values = values[np.argsort(np.abs(values - rest), kind="stable")]
     moves = [(tree.chain[body.link[k]] == tree.child[joint]).any() for k in (i, j)]
-    still, way = np.tile(np.eye(3), (PLACES, 1, 1)), tree.axis[joint] * (values - rest)[:, None]
-    placed = [Placed(body, np.repeat(k, PLACES), still, way * moved) for k, moved in zip((i, j), moves, strict=True)]
+    still, way = np.tile(np.eye(3), (_PLACES, 1, 1)), tree.axis[joint] * (values - rest)[:, None]
+    placed = [Placed(body, np.repeat(k, _PLACES), still, way * moved) for k, moved in zip((i, j), moves, strict=True)]
     hit = np.flatnonzero(overlap(*placed))
     return float(values[hit[0]] if len(hit) else tree.high[joint])
 
 
-def part_name(tree: Tree, body: Pieces, piece: int) -> str:
+def _part_name(tree: Tree, body: Pieces, piece: int) -> str:
     """The name of the part that a piece is of: ``column[0].cell[1].unit.handle``."""
     row = int(body.solid[piece])
     for table in tree.batch.sites():

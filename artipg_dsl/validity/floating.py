@@ -18,9 +18,9 @@ from .tree import Tree
 
 TOUCH = 1e-4  # metres: what is farther apart does not touch
 ROUND = 5e-3  # of the middle extent: round solids are polyhedra here, a little smaller than they are
-HOLD = 2e-2  # metres: a link this near to another can be held by it
-THIN = 1e-6  # metres
-FIRST = 4  # pairs of pieces of a link that are looked at first
+_HOLD = 2e-2  # metres: a link this near to another can be held by it
+_THIN = 1e-6  # metres
+_FIRST = 4  # pairs of pieces of a link that are looked at first
 
 Wrong = list[tuple[str, np.ndarray]]  # in words, and the objects
 
@@ -59,7 +59,7 @@ class Solids:
     def degenerate(self) -> Wrong:
         """Primitives without pieces, without thickness, or with sizes that are no numbers."""
         extent = self.high - self.low
-        return self.told(~((extent > THIN).all(axis=1) & np.isfinite(extent).all(axis=1)), "`{}` has no thickness")
+        return self.told(~((extent > _THIN).all(axis=1) & np.isfinite(extent).all(axis=1)), "`{}` has no thickness")
 
     def missing(self) -> Wrong:
         """Objects without any primitive."""
@@ -150,7 +150,7 @@ class Solids:
         ]
 
     def _links_allowed(self) -> np.ndarray:
-        return np.unique(self.link[may_float(self.tree.batch)])
+        return np.unique(self.link[_may_float(self.tree.batch)])
 
     def _axis_holds(
         self, link: np.ndarray, holder: np.ndarray, joint: np.ndarray, begin: np.ndarray, end: np.ndarray
@@ -161,7 +161,7 @@ class Solids:
         low, high = self._boxes(link)
         middle, half = (low + high) / 2, (high - low) / 2
         along, reach = dot(middle - origin, axis), dot(half, np.abs(axis))
-        ends = origin + axis * (along - reach - HOLD)[:, None], origin + axis * (along + reach + HOLD)[:, None]
+        ends = origin + axis * (along - reach - _HOLD)[:, None], origin + axis * (along + reach + _HOLD)[:, None]
         held = tree.turns[joint].copy()
         for side in (link, holder):
             rows = np.flatnonzero(held)
@@ -170,12 +170,12 @@ class Solids:
             near = np.ones(len(at), dtype=bool)
             for axis_ in range(3):
                 one, two = ends[0][at, axis_], ends[1][at, axis_]
-                near &= (np.minimum(one, two) < body.high[piece, axis_] + HOLD) & (
-                    body.low[piece, axis_] - HOLD < np.maximum(one, two)
+                near &= (np.minimum(one, two) < body.high[piece, axis_] + _HOLD) & (
+                    body.low[piece, axis_] - _HOLD < np.maximum(one, two)
                 )
             at, piece = at[near], piece[near]
             met = np.zeros(len(link), dtype=bool)
-            met[at[within(Placed(body, piece), _Segments(ends[0][at], ends[1][at]), np.full(len(at), HOLD))]] = True
+            met[at[within(Placed(body, piece), _Segments(ends[0][at], ends[1][at]), np.full(len(at), _HOLD))]] = True
             held &= met
         return held
 
@@ -208,14 +208,14 @@ class Solids:
         low, high = body.low[i] + first[k], body.high[i] + last[k]
         gap = np.maximum(np.maximum(low - body.high[j], body.low[j] - high), 0.0)
         gap = dot(gap, gap)
-        near = np.flatnonzero(gap < HOLD * HOLD)
+        near = np.flatnonzero(gap < _HOLD * _HOLD)
         order = near[np.lexsort((gap[near], k[near]))]
         rank = np.arange(len(order)) - np.searchsorted(k[order], k[order])
-        met, begun, stop = np.zeros(len(link), dtype=bool), 0, FIRST
+        met, begun, stop = np.zeros(len(link), dtype=bool), 0, _FIRST
         while (rank >= begun).any():  # the nearest boxes first
             at = order[(rank >= begun) & (rank < stop) & ~met[k[order]]]
             moved = Placed(body, i[at], ends=(shift[0][k[at]], shift[1][k[at]]))
-            met[k[at[within(moved, Placed(body, j[at]), np.full(len(at), HOLD))]]] = True
+            met[k[at[within(moved, Placed(body, j[at]), np.full(len(at), _HOLD))]]] = True
             begun, stop = stop, 4 * stop
         return met
 
@@ -224,7 +224,7 @@ def _within(low: np.ndarray, high: np.ndarray, lows: np.ndarray, highs: np.ndarr
     """Which boxes come within reach of others along every axis; a micrometre more, so that rounding loses none."""
     near = np.ones(len(low), dtype=bool)
     for axis in range(3):
-        near &= (low[:, axis] < highs[:, axis] + HOLD + 1e-6) & (lows[:, axis] < high[:, axis] + HOLD + 1e-6)
+        near &= (low[:, axis] < highs[:, axis] + _HOLD + 1e-6) & (lows[:, axis] < high[:, axis] + _HOLD + 1e-6)
     return near
 
 
@@ -251,7 +251,7 @@ def _best(group: np.ndarray, value: np.ndarray) -> np.ndarray:
     return order[np.diff(group[order], prepend=-1) != 0]
 
 
-def may_float(batch: Batch) -> np.ndarray:
+def _may_float(batch: Batch) -> np.ndarray:
     """Primitives within parts that may float."""
     free = [said for said in batch.program.allowed if said.kind == "floating"]
     rows = [meant(batch, said, said.first, said.ranks[0]).row for said in free]
@@ -283,7 +283,7 @@ def loose(batch: Batch, link: np.ndarray, group: np.ndarray) -> np.ndarray:
     head = np.full(int(link.max(initial=-1)) + 1, len(link))
     np.minimum.at(head, link, np.arange(len(link)))
     excused = np.zeros(len(link), dtype=bool)
-    excused[group[may_float(batch)]] = True
+    excused[group[_may_float(batch)]] = True
     return (group != group[head[link]]) & ~excused[group]
 
 

@@ -18,9 +18,9 @@ from ..runtime.motion import apply
 from .bodies import Pieces, Placed, boxes_meet, link_boxes, spread
 from .tree import Tree
 
-CLEAR = 1e-8  # metres, of the millionth by which what touches is apart
-BLOCK = 50_000  # pieces at a time, each in a state
-TRIES = 6  # states of two pieces that are asked for a direction; what is left is asked one by one
+_CLEAR = 1e-8  # metres, of the millionth by which what touches is apart
+_BLOCK = 50_000  # pieces at a time, each in a state
+_TRIES = 6  # states of two pieces that are asked for a direction; what is left is asked one by one
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,8 +45,8 @@ def in_states(
     wanted = np.logical_and(np.ones((len(states), 1), dtype=bool) if asked is None else asked, here)
     if not wanted.any():
         return
-    pairs, ways = _pairs(tree, body, np.logical_or.reduce(wanted, axis=0)), Ways()
-    size = max(1, BLOCK // max(len(body), len(pairs[0]), len(tree.links.owner)))
+    pairs, ways = _pairs(tree, body, np.logical_or.reduce(wanted, axis=0)), _Ways()
+    size = max(1, _BLOCK // max(len(body), len(pairs[0]), len(tree.links.owner)))
     for start in range(0, len(states), size):
         part = slice(start, start + size)
         turn, shift, apart = tree.poses(states[part])
@@ -63,10 +63,10 @@ def in_states(
             yield Met(start + k, (i[rows], j[rows]), apart[k])
 
 
-Pairs = tuple[np.ndarray, np.ndarray]
+_Pairs = tuple[np.ndarray, np.ndarray]
 
 
-def _pairs(tree: Tree, body: Pieces, asked: np.ndarray) -> Pairs:
+def _pairs(tree: Tree, body: Pieces, asked: np.ndarray) -> _Pairs:
     """Links of objects ``asked`` (B,) bool that have pieces, in pairs; where sides are told, each with itself, too."""
     _, _, begin, end = link_boxes(body, len(tree.links.owner))
     full = np.flatnonzero((end > begin) & asked[tree.links.owner])
@@ -81,7 +81,7 @@ def _pairs(tree: Tree, body: Pieces, asked: np.ndarray) -> Pairs:
 
 
 def _near(
-    body: Pieces, turn: np.ndarray, shift: np.ndarray, pairs: Pairs, asked: np.ndarray, owner: np.ndarray
+    body: Pieces, turn: np.ndarray, shift: np.ndarray, pairs: _Pairs, asked: np.ndarray, owner: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(state, piece, piece): those whose boxes overlap with the links posed by ``turn`` (S, L, 3, 3), ``shift`` (S, L, 3), in
     the objects that are ``asked`` (S, B). Sorted by state."""
@@ -135,7 +135,7 @@ def _boxes(turn: np.ndarray, shift: np.ndarray, low: np.ndarray, high: np.ndarra
     )
 
 
-class Ways:
+class _Ways:
     """Directions along which pieces were apart, in the frames of both: of the pairs ``code`` (G,), ascending."""
 
     def __init__(self) -> None:
@@ -155,13 +155,13 @@ class Ways:
             np.zeros(len(pairs), dtype=bool),
         )
         left = self.open(first, second, group, np.argsort(group, kind="stable"))
-        for number in range(TRIES + 1):
+        for number in range(_TRIES + 1):
             if not len(left):
                 break
             own = group[left]
             start, stop = np.searchsorted(own, own), np.searchsorted(own, own, side="right")
             chosen = np.arange(len(own)) == (start + stop - 1) // 2
-            chosen |= met[own] | (number == TRIES)
+            chosen |= met[own] | (number == _TRIES)
             rows, left = left[chosen], left[~chosen]
             hit[rows], way = examine(first.at(rows), second.at(rows), near=0.0)
             met[group[rows[hit[rows]]]] = True
@@ -176,5 +176,5 @@ class Ways:
         assert first.turn is not None and second.turn is not None
         for known, turn in zip(self.held, (first.turn, second.turn), strict=True):
             tried = apply(turn[rows], known[group[rows]])
-            rows = rows[~(dot(tried, first.support(rows, -tried) - second.support(rows, tried)) > CLEAR)]
+            rows = rows[~(dot(tried, first.support(rows, -tried) - second.support(rows, tried)) > _CLEAR)]
         return rows

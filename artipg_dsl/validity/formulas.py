@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from ..geometry.sites import SiteTable
     from ..runtime.batch import Batch
 
-ROUNDING = 1e-6  # so far may a degree lie outside 0 .. 1: it is set to the end
+_ROUNDING = 1e-6  # so far may a degree lie outside 0 .. 1: it is set to the end
 _CHUNK = 16_000  # points at a time: their arrays stay in the caches
-GRID = np.array([0.001, *((k + 0.5) / 16 for k in range(16)), 0.999])  # places on a surface, along either fraction
+_GRID = np.array([0.001, *((k + 0.5) / 16 for k in range(16)), 0.999])  # places on a surface, along either fraction
 
 
 class Points(Protocol):
@@ -92,7 +92,7 @@ def is_wrong(label: Label, told: np.ndarray) -> np.ndarray:
         return np.zeros(len(told), dtype=bool)
     bad = ~np.isfinite(told)
     if is_degree(label):
-        bad |= (told < -ROUNDING) | (told > 1.0 + ROUNDING)
+        bad |= (told < -_ROUNDING) | (told > 1.0 + _ROUNDING)
     return bad.any(axis=-1) if bad.ndim > 1 else bad
 
 
@@ -125,7 +125,7 @@ def unsaid(batch: Batch) -> list[tuple[str, np.ndarray]]:
             table = tables.get(target.site)
             if table is None or not len(table):
                 continue
-            points = places(sites, table)
+            points = _places(sites, table)
             at = on_surfaces(np.arange(points.site.size), table, target, points)
             if not len(at):
                 continue
@@ -136,9 +136,9 @@ def unsaid(batch: Batch) -> list[tuple[str, np.ndarray]]:
     return [(words, objects) for words, objects in found.items() if len(objects)]
 
 
-def places(sites: list[SiteTable], table: SiteTable) -> PointSet:
+def _places(sites: list[SiteTable], table: SiteTable) -> PointSet:
     """A grid on every surface of every row of a site, as far as the row has it: (points, 1)."""
-    u, v = (a.ravel() for a in np.meshgrid(GRID, GRID, indexing="ij"))
+    u, v = (a.ravel() for a in np.meshgrid(_GRID, _GRID, indexing="ij"))
     patches = len(surfaces(table.primitive))
     row = np.repeat(np.arange(len(table)), patches * len(u))
     patch = np.tile(np.repeat(np.arange(patches), len(u)), len(table))

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 NEAR = 1e-9  # metres: points nearer than this are one; radians: edges that turn by less are one line
-WELL = 1e-6  # metres
-WAYS = tuple((np.cos(k * np.pi / 4), np.sin(k * np.pi / 4)) for k in range(8))
+_WELL = 1e-6  # metres
+_WAYS = tuple((np.cos(k * np.pi / 4), np.sin(k * np.pi / 4)) for k in range(8))
 
 
 def hulls(points: np.ndarray, valid: np.ndarray) -> np.ndarray:
@@ -53,10 +53,10 @@ def hulls(points: np.ndarray, valid: np.ndarray) -> np.ndarray:
 
 def _outer(points: np.ndarray, valid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Without what lies well inside the polygon of the outermost points in eight directions: no corner of a hull, nor near one."""
-    if points.shape[1] <= len(WAYS):
+    if points.shape[1] <= len(_WAYS):
         return points, valid
     rows = np.arange(len(points))
-    far = [np.argmax(np.where(valid, points[..., 0] * x + points[..., 1] * y, -np.inf), axis=1) for x, y in WAYS]
+    far = [np.argmax(np.where(valid, points[..., 0] * x + points[..., 1] * y, -np.inf), axis=1) for x, y in _WAYS]
     corners = np.stack([points[rows, at] for at in far], axis=1)
     inside = valid.copy()
     for one, two in zip(corners.swapaxes(0, 1), np.roll(corners, -1, axis=1).swapaxes(0, 1), strict=True):
@@ -64,7 +64,7 @@ def _outer(points: np.ndarray, valid: np.ndarray) -> tuple[np.ndarray, np.ndarra
         length = np.sqrt(edge[:, 0] ** 2 + edge[:, 1] ** 2)
         off = points - one[:, None]
         inward = edge[:, None, 0] * off[..., 1] - edge[:, None, 1] * off[..., 0]
-        inside &= inward > WELL * length[:, None]
+        inside &= inward > _WELL * length[:, None]
     left = valid & ~inside
     order = np.argsort(~left, axis=1, kind="stable")[:, : int(left.sum(axis=1).max(initial=1))]
     return points[rows[:, None], order], left[rows[:, None], order]

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from ..runtime.batch import Batch
 
 
-INVERTED = 1e-6  # of the box: more than rounding
-ROUNDING = 1e-9  # of the moments of a primitive
-LEAST = 1e-9  # kg: what weighs less is no body
+_INVERTED = 1e-6  # of the box: more than rounding
+_ROUNDING = 1e-9  # of the moments of a primitive
+_LEAST = 1e-9  # kg: what weighs less is no body
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +46,7 @@ def weighed(batch: Batch) -> tuple[list[SiteTable], list[np.ndarray], np.ndarray
     start = np.searchsorted(links.owner, np.arange(len(batch)))
     density = np.stack([drawn(batch, material, "density") for material in catalogue(batch)])
     densities = [density[material_rows(batch, table), table.owner] for table in tables]
-    return tables, densities, start, len(links.owner), welded(batch, start)
+    return tables, densities, start, len(links.owner), _welded(batch, start)
 
 
 def weightless(batch: Batch) -> list[tuple[str, np.ndarray]]:
@@ -60,7 +60,7 @@ def weightless(batch: Batch) -> list[tuple[str, np.ndarray]]:
     links, found = batch.links(), masses(batch)
     trace = found.inertia[:, 0, 0] + found.inertia[:, 1, 1] + found.inertia[:, 2, 2]
     wrong: dict[str, list[int]] = {}
-    for row in np.flatnonzero(~((found.mass > LEAST) & (trace > 0.0))).tolist():
+    for row in np.flatnonzero(~((found.mass > _LEAST) & (trace > 0.0))).tolist():
         path = batch.program.links[links.definition[row]].path
         words = f"the link `{path}` has no mass of its own: denser parts fill all of it"
         wrong.setdefault(words, []).append(int(links.owner[row]))
@@ -81,7 +81,7 @@ def crossed(batch: Batch) -> list[tuple[str, np.ndarray]]:
         volume, _, inertia = (moment[rows] for moment in table.moments)  # of all rows: annotations need them, too
         trace = np.trace(inertia, axis1=1, axis2=2)
         second = trace[:, None, None] / 2 * np.eye(3) - inertia  # of a body: no less than none along any direction
-        wrong = ~(_definite(inertia, 0.0) & _definite(second, ROUNDING * trace))
+        wrong = ~(_definite(inertia, 0.0) & _definite(second, _ROUNDING * trace))
         path = batch.program.parts[batch.program.sites[table.number].part].path
         for which, what in ((wrong & (volume < 0.0), "are inside out"), (wrong & ~(volume < 0.0), "cross one another")):
             if which.any():
@@ -109,7 +109,7 @@ def _definite(matrix: np.ndarray, slack: np.ndarray | float) -> np.ndarray:
     return (m[:, 0, 0] > 0) & (plane > 0) & (by_last > 0)
 
 
-def welded(batch: Batch, start: np.ndarray) -> np.ndarray:
+def _welded(batch: Batch, start: np.ndarray) -> np.ndarray:
     """(L,) the first link (a row of the table) of those that fixed joints hold together."""
     joints = batch.joints()
     holder = np.arange(len(batch.links().owner))
@@ -132,7 +132,7 @@ def link_mass(
     return Weighing(tables, densities, link_start, n_links, body, inertia=True).masses()
 
 
-Portion = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]  # link, mass, centre, inertia about it, of k bodies
+_Portion = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]  # link, mass, centre, inertia about it, of k bodies
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,7 +182,7 @@ class Weighing:
         total, middle = _summed(rows, self.count)
         summed = np.zeros((self.count, 3, 3))
         for link, mass, center, inertia in rows if self.inertia else ():
-            about = inertia + parallel_axis(mass, center - middle[link])
+            about = inertia + _parallel_axis(mass, center - middle[link])
             for i in range(3):
                 for j in range(3):
                     summed[:, i, j] += np.bincount(link, about[:, i, j], self.count)
@@ -198,7 +198,7 @@ class Weighing:
         most = np.minimum(found.volume * self.density[found.row], self.mass[found.row])
         return Rough(mass, center, self.link[found.row], most, found.center, found.radius)
 
-    def _shared(self, asked: np.ndarray | None) -> list[Portion]:
+    def _shared(self, asked: np.ndarray | None) -> list[_Portion]:
         """What primitives lose to denser ones that they overlap: portions of negative mass."""
         if not len(self.owner):
             return []
@@ -211,7 +211,7 @@ class Weighing:
         return [(self.link[found.row], -lost * share, found.center, -inertia)]
 
 
-def _summed(rows: list[Portion], n_links: int) -> tuple[np.ndarray, np.ndarray]:
+def _summed(rows: list[_Portion], n_links: int) -> tuple[np.ndarray, np.ndarray]:
     """Mass (L,) and centre (L, 3) of links."""
     total, first = np.zeros(n_links), np.zeros((n_links, 3))
     for link, mass, center, _ in rows:
@@ -220,28 +220,30 @@ def _summed(rows: list[Portion], n_links: int) -> tuple[np.ndarray, np.ndarray]:
     return total, first / np.where(total > 0, total, 1.0)[:, None]
 
 
-def _whole(table: SiteTable, density: np.ndarray, link_start: np.ndarray, inertia: bool) -> Portion:
+def _whole(table: SiteTable, density: np.ndarray, link_start: np.ndarray, inertia: bool) -> _Portion:
     """The primitives of a site."""
     volume, center = table.weights if not inertia else table.moments[:2]
     low, high = bounds(table.primitive, table.params)
-    if (volume < -INVERTED * np.prod(high - low, axis=1)).any():  # one that was edited: the check of a program finds it
+    if (
+        volume < -_INVERTED * np.prod(high - low, axis=1)
+    ).any():  # one that was edited: the check of a program finds it
         raise PrimitiveError(table.primitive, None, "its surfaces are inside out")
     center = center * np.stack([np.ones_like(table.mirror), table.mirror, np.ones_like(table.mirror)], axis=-1)
     center = apply(table.rotation, center) + table.translation
     about = np.zeros((len(table), 3, 3))
     if inertia:
-        about = turned_inertia(table, table.moments[2] * density[:, None, None])
+        about = _turned_inertia(table, table.moments[2] * density[:, None, None])
     return link_start[table.owner] + table.link, np.abs(volume) * density, center, about
 
 
-def turned_inertia(table: SiteTable, inertia: np.ndarray) -> np.ndarray:
+def _turned_inertia(table: SiteTable, inertia: np.ndarray) -> np.ndarray:
     """Inertia tensors (k, 3, 3) of local frames in the axes of the object."""
     sign = np.stack([np.ones_like(table.mirror), table.mirror, np.ones_like(table.mirror)], axis=-1)
     inertia = inertia * sign[:, :, None] * sign[:, None, :]
     return product(product(table.rotation, inertia), table.rotation.transpose(0, 2, 1))
 
 
-def parallel_axis(mass: np.ndarray, offset: np.ndarray) -> np.ndarray:
+def _parallel_axis(mass: np.ndarray, offset: np.ndarray) -> np.ndarray:
     """What a mass (k,) at ``offset`` (k, 3) adds to the inertia: m (|d|^2 1 - d d^T)."""
     x, y, z = offset[:, 0], offset[:, 1], offset[:, 2]
     square = x * x + y * y + z * z

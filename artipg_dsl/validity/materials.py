@@ -13,12 +13,12 @@ if TYPE_CHECKING:
     from ..geometry.sites import SiteTable
     from ..runtime.batch import Batch
 
-PLAIN = Material("plain")
+_PLAIN = Material("plain")
 
 
 def catalogue(batch: Batch) -> list[Material]:
     """Materials by index; what has none is plain: 700 kg/m3, light grey."""
-    return [PLAIN, *batch.program.materials.values()]
+    return [_PLAIN, *batch.program.materials.values()]
 
 
 RANGES = {  # property: what its draw is named after; the two frictions share one, so that the static one stays larger

@@ -45,11 +45,11 @@ def _of(
     repeat = next((s for s in scope.ancestors() if s.kind == "repeat"), None)
     grouped = repeat is not None and part.scope.within(repeat)
     group = rowmap.up(part.scope, repeat) if grouped and repeat is not None else np.full(len(row), -1)
-    keep = np.flatnonzero((said[row] >= 0) & elements(batch, part.scope, ranks))
+    keep = np.flatnonzero((said[row] >= 0) & _elements(batch, part.scope, ranks))
     return batch.part_rows(node)[keep], said[row[keep]], group[keep]
 
 
-def elements(batch: Batch, scope: Scope, ranks: Sequence[tuple[str, int]]) -> np.ndarray:
+def _elements(batch: Batch, scope: Scope, ranks: Sequence[tuple[str, int]]) -> np.ndarray:
     """Which rows of a scope lie in the elements (name of a repeat, rank; -1 for the last) that are meant."""
     keep = np.ones(batch.rowmap.rows(scope).size, dtype=bool)
     for repeat in scope.ancestors():

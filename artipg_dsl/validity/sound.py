@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     from ..graph.expr import Expr, Scope
     from ..runtime.batch import Batch
 
-FAR = 1e6  # metres, radians and what else objects have: beyond all that is meant
-SQUARE = 1e-6  # how far a rotation or an axis may be from one
-SOLID = "give it a part with a solid in every alternative"
-AGAIN = "compile it again from its .apg file"
+_FAR = 1e6  # metres, radians and what else objects have: beyond all that is meant
+_SQUARE = 1e-6  # how far a rotation or an axis may be from one
+_SOLID = "give it a part with a solid in every alternative"
+_AGAIN = "compile it again from its .apg file"
 
 
 def prove(batch: Batch) -> None:
@@ -32,7 +32,7 @@ def prove(batch: Batch) -> None:
         for table in batch.sites():
             bare[table.owner] = False
         if bare.any():
-            raise UserError(f"{batch.program.name} {batch.numbers[bare][0]}: none of its parts has a surface", SOLID)
+            raise UserError(f"{batch.program.name} {batch.numbers[bare][0]}: none of its parts has a surface", _SOLID)
     for table in batch.sites():
         if len(table.owner):
             _site(batch, table)
@@ -52,7 +52,7 @@ def prove(batch: Batch) -> None:
         joints.multiplier,
         joints.offset,
     )
-    long = np.abs(np.sqrt((joints.axis**2).sum(axis=1)) - 1.0) <= SQUARE
+    long = np.abs(np.sqrt((joints.axis**2).sum(axis=1)) - 1.0) <= _SQUARE
     _refuse(batch, "joint", joints.owner, joints.name, ~long, "its axis is not a unit vector")
     low, high = joints.low, joints.high  # nan: no limit
     _refuse(
@@ -60,7 +60,7 @@ def prove(batch: Batch) -> None:
         "joint",
         joints.owner,
         joints.name,
-        (low > high) | (np.abs(low) > FAR) | (np.abs(high) > FAR),
+        (low > high) | (np.abs(low) > _FAR) | (np.abs(high) > _FAR),
         "its range is empty or infinite",
     )
     physics = np.stack([joints.damping, joints.friction, joints.effort, joints.velocity])
@@ -98,7 +98,7 @@ def _site(batch: Batch, table: SiteTable) -> None:
 def _numbers(batch: Batch, what: str, owner: np.ndarray, names: list[str], *columns: np.ndarray) -> None:
     wrong = np.zeros(len(owner), dtype=bool)
     for column in columns:
-        wrong |= ~(np.abs(column) <= FAR).all(axis=tuple(range(1, column.ndim)))
+        wrong |= ~(np.abs(column) <= _FAR).all(axis=tuple(range(1, column.ndim)))
     _refuse(batch, what, owner, names, wrong, "it has a number that is not finite or far too large")
 
 
@@ -107,7 +107,7 @@ def _turned(batch: Batch, what: str, owner: np.ndarray, names: list[str], rotati
         axis=(1, 2), initial=0.0
     )
     a, b, c = rotation[:, 0], rotation[:, 1], rotation[:, 2]
-    wrong: np.ndarray = np.logical_or(off > SQUARE, (np.cross(a, b) * c).sum(axis=1) < 0)
+    wrong: np.ndarray = np.logical_or(off > _SQUARE, (np.cross(a, b) * c).sum(axis=1) < 0)
     _refuse(batch, what, owner, names, wrong, "its rotation matrix is not a rotation")
 
 
@@ -151,4 +151,4 @@ def _refuse(batch: Batch, what: str, owner: np.ndarray, names: list[str], wrong:
     rows = np.flatnonzero(wrong)
     if len(rows):
         number = int(batch.numbers[owner[rows[0]]])
-        raise UserError(f"{batch.program.name} {number}: {what} {names[rows[0]]}: {words}", AGAIN)
+        raise UserError(f"{batch.program.name} {number}: {what} {names[rows[0]]}: {words}", _AGAIN)

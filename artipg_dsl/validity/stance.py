@@ -18,12 +18,12 @@ from .hull import NEAR, depth, hulls
 from .mass import Mass, Rough, Weighing, masses, weighed
 from .tree import Tree, led
 
-FLOOR = 1e-3  # metres: what is higher does not stand on it
+_FLOOR = 1e-3  # metres: what is higher does not stand on it
 TILT = float(np.tan(np.radians(2.0)))
-STEEP = 1.001  # a margin changes by no more than this, times what the centre of mass moves
-ROUNDING = 1e-9  # metres
-SHARES = np.linspace(0.0, 1.0, 9)
-WAYS = tuple((np.cos(angle), np.sin(angle)) for angle in np.arange(8) * (np.pi / 4))
+_STEEP = 1.001  # a margin changes by no more than this, times what the centre of mass moves
+_ROUNDING = 1e-9  # metres
+_SHARES = np.linspace(0.0, 1.0, 9)
+_WAYS = tuple((np.cos(angle), np.sin(angle)) for angle in np.arange(8) * (np.pi / 4))
 
 
 def falling(tree: Tree, body: Pieces) -> list[np.ndarray]:
@@ -92,7 +92,7 @@ class Stance:
         center = self.centers(tree.turn, tree.shift)
         off = place - center[self.owner[known.link]]
         spare = known.most * (np.sqrt(dot(off, off)) + known.radius)
-        slack = STEEP * np.bincount(self.owner[known.link], spare, self.count) / least + ROUNDING
+        slack = _STEEP * np.bincount(self.owner[known.link], spare, self.count) / least + _ROUNDING
         margin = self.margin(tree.turn, tree.shift)
         if not whatever:
             return margin < -slack, margin > slack
@@ -143,16 +143,16 @@ class Stance:
             lowest = np.where(real[:, number], np.minimum(lowest, left), lowest)
         lowest[~real.any(axis=1) | (center[:, 2] < self.floor)] = -np.inf
         lowest[self.owner[self.link[~self.still.all(axis=1)]]] = -np.inf  # feet that move along
-        return lowest, STEEP * np.bincount(joints.owner, wrong, self.count) / least
+        return lowest, _STEEP * np.bincount(joints.owner, wrong, self.count) / least
 
     def _feet(self, body: Pieces) -> tuple[np.ndarray, np.ndarray]:
         """Links (n,) and corners (n, 3), at rest, of all that is near the floor."""
         self.floor = np.full(self.count, np.inf)
         np.minimum.at(self.floor, body.owner, body.low[:, 2])
-        near = np.flatnonzero(body.low[:, 2] <= self.floor[body.owner] + FLOOR)
+        near = np.flatnonzero(body.low[:, 2] <= self.floor[body.owner] + _FLOOR)
         links, points = [np.zeros(0, dtype=np.int64)], [np.zeros((0, 3))]
         for at, corners in body.classes(near):
-            low = corners[..., 2] <= (self.floor[body.owner[near[at]]] + FLOOR)[:, None]
+            low = corners[..., 2] <= (self.floor[body.owner[near[at]]] + _FLOOR)[:, None]
             links.append(np.broadcast_to(body.link[near[at]][:, None], low.shape)[low])
             points.append(corners[low])
         return np.concatenate(links), np.concatenate(points)
@@ -162,7 +162,7 @@ class Stance:
         most = int(self.place[1].max(initial=0)) + 1
         flat, valid = np.zeros((self.count, most, 2)), np.zeros((self.count, most), dtype=bool)
         flat[self.place] = points[:, :2]
-        valid[self.place] = points[:, 2] <= self.floor[self.place[0]] + FLOOR
+        valid[self.place] = points[:, 2] <= self.floor[self.place[0]] + _FLOOR
         return flat, valid
 
     def centers(self, turn: np.ndarray, shift: np.ndarray) -> np.ndarray:
@@ -191,19 +191,19 @@ class Stance:
         bad = np.zeros(self.count, dtype=bool)
         values, moved = self._alone()
         moved = rest[joints.owner][:, None] + moved
-        for number in range(len(SHARES)):
+        for number in range(len(_SHARES)):
             bad[joints.owner[self._within(self.base[joints.owner], moved[:, number], joints.owner) < 0.0]] = True
         moves_feet = np.zeros(len(joints.owner), dtype=bool)
         above = tree.chain[self.link]
         above = tree.joint[above[above >= 0]]
         moves_feet[above[above >= 0]] = True
-        for lead, states, number in led(tree, ~tree.alone | moves_feet, SHARES):
+        for lead, states, number in led(tree, ~tree.alone | moves_feet, _SHARES):
             turn, shift = tree.batch.pose(states)
             bad |= (self.margin(turn, shift) < 0.0) & (lead >= 0)
             some = np.flatnonzero(lead >= 0)
             moved[lead[some], number] = self.centers(turn, shift)[some]
         off = moved - rest[joints.owner][:, None]
-        for x, y in WAYS:
+        for x, y in _WAYS:
             gain = off[..., 0] * x + off[..., 1] * y  # (J, S)
             best = np.argmax(gain, axis=1) if len(gain) else np.zeros(0, dtype=np.int64)
             rows = np.arange(len(best))
@@ -225,10 +225,10 @@ class Stance:
             first += np.stack([np.bincount(joint[on], placed[on, k], count) for k in range(3)], axis=-1)
         middle = first / np.where(carried > 0.0, carried, 1.0)[:, None]
         share = carried / np.where(self.total > 0.0, self.total, 1.0)[joints.owner]
-        values = tree.low[:, None] + SHARES * (tree.high - tree.low)[:, None]
-        moved = np.zeros((count, len(SHARES), 3))
+        values = tree.low[:, None] + _SHARES * (tree.high - tree.low)[:, None]
+        moved = np.zeros((count, len(_SHARES), 3))
         arm = middle - tree.origin
-        for number in range(len(SHARES)):
+        for number in range(len(_SHARES)):
             by = values[:, number] - joints.rest
             turned = apply(rotation_about(tree.axis, np.where(tree.turns, by, 0.0)), arm) - arm
             slid = tree.axis * (by * (tree.slides + tree.advance))[:, None]

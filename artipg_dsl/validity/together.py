@@ -22,14 +22,14 @@ from .bodies import Pieces, Placed, spread, swept_extent, turned
 from .tree import Tree
 from .validate import EXACT
 
-ROUNDS = 60  # halvings of a cell, of all its joints together
-LOSS = 1e-4  # metres: cells in which corners move by less and that are not proved free count as meeting
-TIE = 1e-3  # of what a joint moves, where nothing tells which one matters
-NEAR = 2e-4  # of a way: how well shares are known
-EIGHTH = np.pi / 4
-SLICES = 16  # of a turn, for boxes
-MOST = 4_000  # cells of two links; what is left beyond counts as meeting
-OWN = np.eye(3)
+_ROUNDS = 60  # halvings of a cell, of all its joints together
+_LOSS = 1e-4  # metres: cells in which corners move by less and that are not proved free count as meeting
+_TIE = 1e-3  # of what a joint moves, where nothing tells which one matters
+_NEAR = 2e-4  # of a way: how well shares are known
+_EIGHTH = np.pi / 4
+_SLICES = 16  # of a turn, for boxes
+_MOST = 4_000  # cells of two links; what is left beyond counts as meeting
+_OWN = np.eye(3)
 
 
 @dataclass(slots=True, eq=False)
@@ -72,7 +72,7 @@ class Reach:
     radius: np.ndarray
 
 
-def reach(tree: Tree, link: np.ndarray, low: np.ndarray, high: np.ndarray) -> Reach:
+def _reach(tree: Tree, link: np.ndarray, low: np.ndarray, high: np.ndarray) -> Reach:
     """Of the boxes of things on links (k,), at rest."""
     lows, highs, radii = [low], [high], []
     for level in range(tree.chain.shape[1]):
@@ -81,14 +81,14 @@ def reach(tree: Tree, link: np.ndarray, low: np.ndarray, high: np.ndarray) -> Re
         rows = np.flatnonzero(joint >= 0)
         low, high, radius = lows[-1].copy(), highs[-1].copy(), np.zeros(len(link))
         if len(rows):
-            low[rows], high[rows], radius[rows] = swept(tree, joint[rows], low[rows], high[rows])
+            low[rows], high[rows], radius[rows] = _swept(tree, joint[rows], low[rows], high[rows])
         lows.append(low)
         highs.append(high)
         radii.append(radius)
     return Reach(np.stack(lows), np.stack(highs), np.stack(radii))
 
 
-def swept(
+def _swept(
     tree: Tree, joint: np.ndarray, low: np.ndarray, high: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Boxes (k, 3) that hold boxes wherever their joints put them, and how far from the axes the boxes reach."""
@@ -106,8 +106,8 @@ def swept(
     if len(rows):
         least, most, axis, arm, half = least[rows], most[rows], axis[rows], arm[rows], half[rows]
         lows, highs = np.full((len(rows), 3), np.inf), np.full((len(rows), 3), -np.inf)
-        step = (most - least) / SLICES
-        for k in range(SLICES):
+        step = (most - least) / _SLICES
+        for k in range(_SLICES):
             turn = rotation_about(axis, least + (k + 0.5) * step)
             at, wide = apply(turn, arm), apply(np.abs(turn), half)
             lows, highs = np.minimum(lows, at - wide), np.maximum(highs, at + wide)
@@ -144,7 +144,7 @@ class Cells:
         return both
 
 
-def cells(tree: Tree, body: Pieces, way: Ways) -> Cells:
+def _cells(tree: Tree, body: Pieces, way: Ways) -> Cells:
     """The pairs of pieces of pairs of links that can come near one another, with all that their joints can do."""
     links = len(tree.links.owner)
     begin = np.searchsorted(body.link, np.arange(links))
@@ -158,14 +158,14 @@ def cells(tree: Tree, body: Pieces, way: Ways) -> Cells:
             np.maximum.reduceat(body.high, begin[full]),
         )
     seen = np.flatnonzero((count[way.first] > 0) & (count[way.second] > 0))
-    whole = reach(tree, full, lows[full], highs[full])
+    whole = _reach(tree, full, lows[full], highs[full])
     place = np.zeros(links, dtype=np.int64)
     place[full] = np.arange(len(full))
     levels = way.levels[0][seen], way.levels[1][seen]
-    seen = seen[meet(whole, levels, place[way.first[seen]], place[way.second[seen]])]
+    seen = seen[_meet(whole, levels, place[way.first[seen]], place[way.second[seen]])]
     # their pieces
     used = np.flatnonzero(np.isin(body.link, np.union1d(way.first[seen], way.second[seen])))
-    own = reach(tree, body.link[used], body.low[used], body.high[used])
+    own = _reach(tree, body.link[used], body.low[used], body.high[used])
     place = np.zeros(len(body), dtype=np.int64)
     place[used] = np.arange(len(used))
     index, piece = spread(begin[way.first[seen]], count[way.first[seen]])
@@ -175,7 +175,7 @@ def cells(tree: Tree, body: Pieces, way: Ways) -> Cells:
         one, two = body.side[piece], body.side[other]
         keep = (((one & 1) * (two >> 1)) | ((one >> 1) * (two & 1))).astype(bool)
         row, piece, other = row[keep], piece[keep], other[keep]
-    near = meet(own, (way.levels[0][row], way.levels[1][row]), place[piece], place[other])
+    near = _meet(own, (way.levels[0][row], way.levels[1][row]), place[piece], place[other])
     row, piece, other = row[near], piece[near], other[near]
     joint = way.joint[row]
     known = np.maximum(joint, 0)
@@ -186,12 +186,12 @@ def cells(tree: Tree, body: Pieces, way: Ways) -> Cells:
     radius = np.concatenate([own.radius[:half, place[piece]], own.radius[:half, place[other]]]).T
     radius = np.where(joint >= 0, radius, 0.0)
     balls = (joint >= 0) & np.append(~(tree.slides | tree.turns), False)[joint]
-    slack = add(np.where(balls, radius * np.maximum(np.abs(start), np.abs(stop)), 0.0))
+    slack = _add(np.where(balls, radius * np.maximum(np.abs(start), np.abs(stop)), 0.0))
     start, stop = np.where(balls, 0.0, start), np.where(balls, 0.0, stop)
     return Cells(row, piece, other, start, stop, radius, slack)
 
 
-def meet(own: Reach, levels: tuple[np.ndarray, np.ndarray], first: np.ndarray, second: np.ndarray) -> np.ndarray:
+def _meet(own: Reach, levels: tuple[np.ndarray, np.ndarray], first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """Which of two things (k,), each swept as far up as told, have boxes that overlap."""
     lows, highs = (
         [getattr(own, name)[level, at] for level, at in zip(levels, (first, second), strict=True)]
@@ -210,11 +210,11 @@ class Posed:
     origin: np.ndarray
 
 
-def posed(tree: Tree, joint: np.ndarray, value: np.ndarray) -> Posed:
+def _posed(tree: Tree, joint: np.ndarray, value: np.ndarray) -> Posed:
     """What joints (k, c), from the innermost to the outermost, do at values (k, c)."""
     known = np.maximum(joint, 0)
     found = Posed(
-        np.tile(OWN, (len(joint), 1, 1)), np.zeros((len(joint), 3)), tree.axis[known].copy(), tree.origin[known].copy()
+        np.tile(_OWN, (len(joint), 1, 1)), np.zeros((len(joint), 3)), tree.axis[known].copy(), tree.origin[known].copy()
     )
     for column in range(joint.shape[1]):
         rows = np.flatnonzero(joint[:, column] >= 0)
@@ -230,13 +230,15 @@ def posed(tree: Tree, joint: np.ndarray, value: np.ndarray) -> Posed:
     return found
 
 
-def examined(tree: Tree, body: Pieces, way: Ways, part: Cells) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def _examined(
+    tree: Tree, body: Pieces, way: Ways, part: Cells
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Of cells: which meet in the middle (k,), which are proved to stay apart, how far each joint alone takes the pieces
     towards one another (k, C), and all of them together at most (k,)."""
     joint, half = way.joint[part.row], way.joint.shape[1] // 2
     middle, wide = (part.start + part.stop) / 2, (part.stop - part.start) / 2
     columns = slice(0, half), slice(half, 2 * half)
-    poses = [posed(tree, joint[:, side], middle[:, side]) for side in columns]
+    poses = [_posed(tree, joint[:, side], middle[:, side]) for side in columns]
     sides = [
         Placed(body, piece, pose.turn, pose.shift) for piece, pose in zip((part.piece, part.other), poses, strict=True)
     ]
@@ -261,13 +263,13 @@ def examined(tree: Tree, body: Pieces, way: Ways, part: Cells) -> tuple[np.ndarr
         # the outermost exactly, those within by the way that corners can make
         last = half - 1 - np.argmax(moving[:, ::-1], axis=1)
         inner = np.where(np.arange(half) < last[:, None], wide[:, to] * part.radius[:, to], 0.0)
-        bounds.append(np.where(several, loss[rows, to.start + last] + add(inner), add(loss[:, to])))
+        bounds.append(np.where(several, loss[rows, to.start + last] + _add(inner), _add(loss[:, to])))
         many.append(several)
     need = between if gap is None else between - gap
     for number, (side, to, ahead) in enumerate(zip(sides, columns, (-away, away), strict=True)):
         at = np.flatnonzero(many[number] & ~hit & (need < bounds[0] + bounds[1] + part.slack))
         if len(at):  # these more exactly
-            far = cloud(tree, body, side.piece[at], joint[at, to], middle[at, to], wide[at, to], ahead[at])
+            far = _cloud(tree, body, side.piece[at], joint[at, to], middle[at, to], wide[at, to], ahead[at])
             far -= dot(side.support(at, ahead[at]), ahead[at])
             bounds[number][at] = np.minimum(np.maximum(far, 0.0), bounds[number][at])
     total = bounds[0] + bounds[1] + part.slack
@@ -276,7 +278,7 @@ def examined(tree: Tree, body: Pieces, way: Ways, part: Cells) -> tuple[np.ndarr
     return hit, ~hit & (need >= total), loss, total
 
 
-def cloud(
+def _cloud(
     tree: Tree,
     body: Pieces,
     piece: np.ndarray,
@@ -301,16 +303,16 @@ def cloud(
             local = points - origin[:, None]
             height = dot(local, axis[:, None])[..., None] * axis[:, None]
             across = local - height
-            long = turns & (by > EIGHTH / 2)
+            long = turns & (by > _EIGHTH / 2)
             spare += np.where(turns, np.abs(tree.advance[known]) * by, 0.0)
             bend = np.where(turns & ~long, by, 0.0)
             made = []
             for step in range(8 if long.any() else 3 if (by > 0.0).any() else 1):
                 sign = (0.0, -1.0, 1.0)[step % 3]
-                angle = np.where(turns, middle[at, column], 0.0) + np.where(long, step * EIGHTH, sign * bend)
+                angle = np.where(turns, middle[at, column], 0.0) + np.where(long, step * _EIGHTH, sign * bend)
                 turn = rotation_about(axis, angle)
                 wider = 1.0 / np.cos(bend) if sign == 0.0 else np.ones(len(at))
-                wider = np.where(long, 1.0 / np.cos(EIGHTH / 2), wider)
+                wider = np.where(long, 1.0 / np.cos(_EIGHTH / 2), wider)
                 slide = np.where(slides, middle[at, column] + sign * by, 0.0)
                 slide = slide + np.where(turns, tree.advance[known] * middle[at, column], 0.0)
                 made.append(
@@ -321,7 +323,7 @@ def cloud(
     return found
 
 
-def add(columns: np.ndarray) -> np.ndarray:
+def _add(columns: np.ndarray) -> np.ndarray:
     """Sums of rows, column by column."""
     total = np.zeros(len(columns))
     for column in columns.T:
@@ -335,27 +337,27 @@ def least(tree: Tree, body: Pieces, way: Ways, yields: np.ndarray) -> tuple[np.n
     Returns that share of each joint (J,), 1 where nothing meets, and which pairs of links meet where none of their joints yields.
     """
     room, met = np.ones(len(yields)), np.zeros(len(way.first), dtype=bool)
-    part = cells(tree, body, way)
+    part = _cells(tree, body, way)
     joint = way.joint
     giving = (joint >= 0) & np.append(yields, False)[joint]
     far = np.where(giving, np.append(tree.high - tree.joints.rest, 1.0)[joint], np.inf)
     far = np.where(far > 0.0, far, np.inf)
     body.ready(part.piece, part.other)
-    for number in range(ROUNDS):
+    for number in range(_ROUNDS):
         own = giving[part.row]
-        begins = shares(part.start, far[part.row])
+        begins = _shares(part.start, far[part.row])
         limit = np.where(own, np.append(room, 0.0)[joint[part.row]], -np.inf).max(axis=1, initial=-np.inf)
         limit = np.where(own.any(axis=1), limit, np.where(met[part.row], -np.inf, np.inf))
-        part = part.at(np.flatnonzero(begins < limit - NEAR))
+        part = part.at(np.flatnonzero(begins < limit - _NEAR))
         if not len(part.row):
             break
-        own, begins = giving[part.row], shares(part.start, far[part.row])
-        hit, apart, loss, total = examined(tree, body, way, part)
-        crowd = np.bincount(part.row, minlength=len(met))[part.row] > MOST
+        own, begins = giving[part.row], _shares(part.start, far[part.row])
+        hit, apart, loss, total = _examined(tree, body, way, part)
+        crowd = np.bincount(part.row, minlength=len(met))[part.row] > _MOST
         giving_way = np.where(own, (part.stop - part.start) * part.radius, 0.0).max(axis=1, initial=0.0)
         bound = hit & own.any(axis=1)
-        small = ~apart & (crowd | (np.where(bound, giving_way, total) < LOSS) | (number == ROUNDS - 1))
-        share = np.where(small, begins, shares((part.start + part.stop) / 2, far[part.row]))
+        small = ~apart & (crowd | (np.where(bound, giving_way, total) < _LOSS) | (number == _ROUNDS - 1))
+        share = np.where(small, begins, _shares((part.start + part.stop) / 2, far[part.row]))
         told = np.flatnonzero(hit | small)
         for column in range(joint.shape[1]):
             rows = told[own[told, column]]
@@ -366,13 +368,13 @@ def least(tree: Tree, body: Pieces, way: Ways, yields: np.ndarray) -> tuple[np.n
         ends = np.where(own[going], part.stop[going] / far[part.row[going]], -np.inf)
         # what each does alone, and of what they do together a share by how far each moves
         moved = ((part.stop - part.start) / 2 * part.radius)[going]
-        mixed = np.maximum(total[going] - add(loss[going]), 0.0) / np.maximum(add(moved), 1e-300)
-        weight = loss[going] + np.maximum(np.minimum(mixed, 1.0), TIE)[:, None] * moved
+        mixed = np.maximum(total[going] - _add(loss[going]), 0.0) / np.maximum(_add(moved), 1e-300)
+        weight = loss[going] + np.maximum(np.minimum(mixed, 1.0), _TIE)[:, None] * moved
         column = np.where(bound[going], np.argmax(ends, axis=1), np.argmax(weight, axis=1))
         part = part.at(going).halved(column)
     return room, met
 
 
-def shares(value: np.ndarray, far: np.ndarray) -> np.ndarray:
+def _shares(value: np.ndarray, far: np.ndarray) -> np.ndarray:
     """The share (k,) of the ways of joints (k, C) at which states lie: the greatest of them."""
     return np.maximum(value / far, 0.0).max(axis=1, initial=0.0)

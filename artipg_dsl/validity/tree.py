@@ -16,11 +16,11 @@ from .meant import meant, pairs
 if TYPE_CHECKING:
     from .validate import Collisions
 
-KEPT = 500_000  # links, each in a state, of which the poses are kept
-SHARES = np.unique(np.concatenate([[0.002, 0.005, 0.01, 0.02, 0.035], np.linspace(0.0, 1.0, 41), [0.98, 0.995]]))
+_KEPT = 500_000  # links, each in a state, of which the poses are kept
+_SHARES = np.unique(np.concatenate([[0.002, 0.005, 0.01, 0.02, 0.035], np.linspace(0.0, 1.0, 41), [0.98, 0.995]]))
 Ends = tuple[np.ndarray, np.ndarray]
 Poses = tuple[np.ndarray, np.ndarray, list[Ends]]
-TURNING = ("revolute", "continuous", "screw")
+_TURNING = ("revolute", "continuous", "screw")
 
 
 class Tree:
@@ -46,7 +46,7 @@ class Tree:
         self.axis = apply(self.turn[holder], self.joints.axis)
         self.origin = apply(self.turn[holder], self.joints.origin) + self.shift[holder]
         kinds = np.array(self.joints.kind, dtype=object)
-        self.turns, self.slides = np.isin(kinds, TURNING), kinds == "prismatic"
+        self.turns, self.slides = np.isin(kinds, _TURNING), kinds == "prismatic"
         # what a turn by a radian advances: a screw's pitch
         self.advance = np.where(kinds == "screw", np.nan_to_num(self.joints.pitch) / (2 * np.pi), 0.0)
         self.low = np.where(np.isnan(self.joints.low), -np.pi, self.joints.low)
@@ -87,7 +87,7 @@ class Tree:
             apart = [(none, none) if loops is None else loops.apart(*pose) for pose in zip(turn, shift, strict=True)]
             turn = product(turn, self.turn.transpose(0, 2, 1))
             found = turn, shift - apply(turn, self.shift), apart
-            if sum(kept[1].shape[0] * kept[1].shape[1] for kept in self._poses.values()) + shift.size // 3 > KEPT:
+            if sum(kept[1].shape[0] * kept[1].shape[1] for kept in self._poses.values()) + shift.size // 3 > _KEPT:
                 self._poses.clear()
             self._poses[key] = found
         return found
@@ -96,7 +96,7 @@ class Tree:
     def following(self) -> tuple[np.ndarray, np.ndarray]:
         """The joint that leads each object (S, B), -1 for none, and the states (S, J) that show what joints do that move others,
         or turn about more than one axis."""
-        made = [(lead, states) for lead, states, _ in led(self, ~self.alone, SHARES)]
+        made = [(lead, states) for lead, states, _ in led(self, ~self.alone, _SHARES)]
         lead = np.array([lead for lead, _ in made], dtype=np.int64).reshape(len(made), len(self.first))
         return lead, np.array([states for _, states in made]).reshape(len(made), len(self.joints.owner))
 

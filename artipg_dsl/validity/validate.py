@@ -22,11 +22,11 @@ from .bodies import FULL, Pieces, Placed, gather, link_boxes, rings, spread, swe
 from .following import in_states
 from .tree import Tree
 
-BLOCK = 20_000  # pieces at a time
+_BLOCK = 20_000  # pieces at a time
 HALVINGS = 16  # of an interval of angles; what is not decided then is nearer than a turn by 0.005 degrees
 EXACT = 1 - 1e-6  # of the distance: how well it is known where a gap is asked for
 COARSE = 12  # halvings for which boxes stand for the pieces
-TILTED = 8  # and for which the boxes of tilted links do
+_TILTED = 8  # and for which the boxes of tilted links do
 Pairs = tuple[np.ndarray, np.ndarray]
 
 
@@ -63,7 +63,7 @@ def collisions(
     """
     tree = tree or Tree(batch)
     body = body or gather(batch, tree.first, tree.turn, tree.shift)
-    return told(tree, checked(tree, body, lost))
+    return _told(tree, checked(tree, body, lost))
 
 
 def checked(tree: Tree, body: Pieces, lost: np.ndarray | None = None) -> np.ndarray:
@@ -77,7 +77,7 @@ def at_rest(tree: Tree, body: Pieces) -> np.ndarray:
     return np.concatenate([_nothing(), *(_resting(tree, part) for part in blocks(body))])
 
 
-def told(tree: Tree, rows: np.ndarray) -> Collisions:
+def _told(tree: Tree, rows: np.ndarray) -> Collisions:
     """Hits as tables number things, without those that the text allows."""
     first, second, joint = (rows[:, k].astype(np.int64) for k in range(3))
     keep = ~tree.permitted(first, second)
@@ -89,7 +89,7 @@ def told(tree: Tree, rows: np.ndarray) -> Collisions:
 
 
 @dataclass(slots=True, eq=False)
-class Hits:
+class _Hits:
     """Pairs of links (rows of the link table) that meet, the joint (a row of the joint table, -1: rest) and its value.
 
     ``pieces``: those of either that meet.
@@ -121,7 +121,7 @@ def blocks(body: Pieces) -> Iterator[Pieces]:
     edges = np.flatnonzero(np.diff(body.owner, prepend=-1, append=-1))
     start = 0
     while start < len(body):
-        fits = edges[(edges > start) & (edges <= start + BLOCK)]
+        fits = edges[(edges > start) & (edges <= start + _BLOCK)]
         stop = int(fits[-1] if len(fits) else edges[edges > start][0])
         yield body.part(slice(start, stop))
         start = stop
@@ -131,7 +131,7 @@ def _block(tree: Tree, body: Pieces, lost: np.ndarray | None) -> np.ndarray:
     """Rows (link, link, joint, value) of some objects."""
     found = [_resting(tree, body)]
     if lost is not None:
-        gone = np.isin(body.owner, np.append(lost, told(tree, found[0]).owner))
+        gone = np.isin(body.owner, np.append(lost, _told(tree, found[0]).owner))
         body = body.part(~gone) if gone.any() else body
         if not len(body):
             return found[0]
@@ -169,7 +169,7 @@ def near(
     return i[keep], other[keep]
 
 
-def meeting(body: Pieces, first: Placed, second: Placed) -> np.ndarray:
+def _meeting(body: Pieces, first: Placed, second: Placed) -> np.ndarray:
     """Which pairs of placed pieces meet: penetrate one another, or are nearer than their gap."""
     if body.gap is None:
         return overlap(first, second)
@@ -193,9 +193,11 @@ def _resting(tree: Tree, body: Pieces) -> np.ndarray:
     piece = np.arange(len(body))
     i, j = near(tree, body, piece, body.low, body.high, None)
     body.ready(i, j)
-    hit = meeting(body, Placed(body, i), Placed(body, j))
+    hit = _meeting(body, Placed(body, i), Placed(body, j))
     i, j = i[hit], j[hit]
-    return Hits(*tree.blame(body, i, j), np.full(len(i), -1), np.zeros(len(i)), (body.source[i], body.source[j])).rows()
+    return _Hits(
+        *tree.blame(body, i, j), np.full(len(i), -1), np.zeros(len(i)), (body.source[i], body.source[j])
+    ).rows()
 
 
 def _sliding(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> np.ndarray:
@@ -205,10 +207,10 @@ def _sliding(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> 
     high = body.high[piece] + np.maximum(*ends)
     i, j = near(tree, body, piece, low, high, joint)
     body.ready(piece[i], j)
-    hit = meeting(body, Placed(body, piece[i], ends=(ends[0][i], ends[1][i])), Placed(body, j))
+    hit = _meeting(body, Placed(body, piece[i], ends=(ends[0][i], ends[1][i])), Placed(body, j))
     i, j = i[hit], j[hit]
     met = body.source[piece[i]], body.source[j]
-    return Hits(*tree.blame(body, piece[i], j), joint[i], tree.high[joint[i]], met).rows()
+    return _Hits(*tree.blame(body, piece[i], j), joint[i], tree.high[joint[i]], met).rows()
 
 
 def _turning(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> np.ndarray:
@@ -216,7 +218,7 @@ def _turning(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> 
     hit, value = _decide(tree, body, turns)
     i, j = i[hit], turns.other[hit]
     met = body.source[piece[i]], body.source[j]
-    return Hits(*tree.blame(body, piece[i], j), joint[i], value + tree.joints.rest[joint[i]], met).rows()
+    return _Hits(*tree.blame(body, piece[i], j), joint[i], value + tree.joints.rest[joint[i]], met).rows()
 
 
 def turnings(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> tuple[np.ndarray, Turns]:
@@ -339,7 +341,7 @@ def _possible(tree: Tree, body: Pieces, turns: Turns) -> np.ndarray:
     if len(rest.row):
         rest.row = np.flatnonzero(~possible)
         boxes = body.boxes(tree.turn, np.union1d(rest.piece, rest.other))
-        for _ in range(TILTED):
+        for _ in range(_TILTED):
             hit, apart = rest.examined(boxes)
             possible[rest.row[hit]] = True
             rest = rest.at(np.flatnonzero(~apart & ~possible[rest.row])).halved()
@@ -353,7 +355,7 @@ def _possible(tree: Tree, body: Pieces, turns: Turns) -> np.ndarray:
 def _following(tree: Tree, body: Pieces) -> Iterator[np.ndarray]:
     """Joints that others follow, in many states."""
     leads, values = tree.following
-    gaps = None if body.gap is None else lambda one, two: meeting(body, one, two)
+    gaps = None if body.gap is None else lambda one, two: _meeting(body, one, two)
     for found in in_states(tree, body, values, leads >= 0, gaps):
         (i, j), lead, states = found.pieces, leads[found.number], values[found.number]
         for first, second, one, two in (
@@ -363,7 +365,7 @@ def _following(tree: Tree, body: Pieces) -> Iterator[np.ndarray]:
             at = lead[tree.links.owner[first]]
             keep = (at >= 0) & np.isin(tree.links.owner[first], body.owner)
             if keep.any():
-                yield Hits(first[keep], second[keep], at[keep], states[at[keep]], (one[keep], two[keep])).rows()
+                yield _Hits(first[keep], second[keep], at[keep], states[at[keep]], (one[keep], two[keep])).rows()
 
 
 def posed(tree: Tree, body: Pieces, states: np.ndarray) -> Iterator[Pairs]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..geometry.vectors import unit
 
-FIELD = np.radians(24.0)  # a long lens: little distortion
+_FIELD = np.radians(24.0)  # a long lens: little distortion
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +51,7 @@ def look_at(points: np.ndarray, azimuth: float = 33.0, elevation: float = 24.0, 
     back = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
     right = np.array([-np.sin(a), np.cos(a), 0.0])
     axes = np.stack([right, np.cross(back, right), back])
-    scale = 1.0 / np.tan(FIELD / 2)
+    scale = 1.0 / np.tan(_FIELD / 2)
     seen = np.stack([(points * axis).sum(axis=-1) for axis in axes], axis=-1)
     middle = (seen.min(axis=0) + seen.max(axis=0)) / 2
     for _ in range(8):  # put the projected box into the middle: perspective makes near things larger

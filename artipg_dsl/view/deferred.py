@@ -11,8 +11,8 @@ from ..geometry.vectors import unit
 from .camera import Camera, Lights
 from .scene import Scene
 
-SAMPLES = 2  # supersampling per axis
-GROUND_REACH = 1.3  # how far from the object its shadow is looked for, in its own sizes
+_SAMPLES = 2  # supersampling per axis
+_GROUND_REACH = 1.3  # how far from the object its shadow is looked for, in its own sizes
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +57,7 @@ class Surface:
 
 def camera_rays(camera: Camera, size: int) -> Rays:
     """Rays through the samples of a picture of ``size`` pixels."""
-    edge = size * SAMPLES
+    edge = size * _SAMPLES
     steps = ((np.arange(edge) + 0.5) / edge * 2 - 1) / camera.scale
     right, up, back = camera.axes
     direction = unit(steps[None, :, None] * right - steps[:, None, None] * up - back)
@@ -74,42 +74,44 @@ def draw(
     image = np.broadcast_to(backdrop, rays.direction.shape).copy()
     solid = engine.first(opaque, rays)
     extent = float((scene.vertices.max(axis=0) - scene.vertices.min(axis=0)).max())
-    chosen = pick_lights(lights, rays.edge)
+    chosen = _pick_lights(lights, rays.edge)
 
-    ground = ground_samples(scene, rays, solid, floor, extent)
-    points = rays.eye + rays.direction[ground] * distance_to_floor(rays, ground, floor)[:, None]
-    image[ground] = backdrop * shadow(engine, lights, chosen[ground], points, rays.edge, ground)
+    ground = _ground_samples(scene, rays, solid, floor, extent)
+    points = rays.eye + rays.direction[ground] * _distance_to_floor(rays, ground, floor)[:, None]
+    image[ground] = backdrop * _shadow(engine, lights, chosen[ground], points, rays.edge, ground)
     at = np.flatnonzero(solid.face >= 0)
-    image[at] = light_up(engine, lights, chosen[at], surface(scene, rays, at, solid), rays, at, backdrop, extent)[0]
+    image[at] = _light_up(engine, lights, chosen[at], _surface(scene, rays, at, solid), rays, at, backdrop, extent)[0]
     if len(clear):
         pane = engine.first(clear, rays)
         nearer = np.where(solid.face >= 0, solid.distance, np.inf)
         at = np.flatnonzero((pane.face >= 0) & (pane.distance < nearer))
-        shown, alpha = light_up(engine, lights, chosen[at], surface(scene, rays, at, pane), rays, at, backdrop, extent)
+        shown, alpha = _light_up(
+            engine, lights, chosen[at], _surface(scene, rays, at, pane), rays, at, backdrop, extent
+        )
         image[at] = shown * alpha[:, None] + image[at] * (1 - alpha[:, None])
-    grid = image.reshape(size, SAMPLES, size, SAMPLES, 3)
+    grid = image.reshape(size, _SAMPLES, size, _SAMPLES, 3)
     return np.clip(grid.mean(axis=(1, 3)), 0.0, 1.0)
 
 
-def pick_lights(lights: Lights, edge: int) -> np.ndarray:
+def _pick_lights(lights: Lights, edge: int) -> np.ndarray:
     """Lights (n, m) for each sample: those of one pixel share out all lights, so that their mean has seen every one."""
-    share = SAMPLES * SAMPLES
+    share = _SAMPLES * _SAMPLES
     y, x = np.divmod(np.arange(edge * edge), edge)
-    which = (y % SAMPLES) * SAMPLES + x % SAMPLES
+    which = (y % _SAMPLES) * _SAMPLES + x % _SAMPLES
     return np.arange(len(lights.direction), dtype=np.uint8).reshape(-1, share).T[which]
 
 
-def picked_power(lights: Lights, chosen: np.ndarray) -> np.ndarray:
+def _picked_power(lights: Lights, chosen: np.ndarray) -> np.ndarray:
     """Irradiance (n, m, 3) of picked lights, such that the picks of one sample stand for all lights."""
-    return (lights.power * (SAMPLES * SAMPLES))[chosen]
+    return (lights.power * (_SAMPLES * _SAMPLES))[chosen]
 
 
-def surface(scene: Scene, rays: Rays, at: np.ndarray, hits: Hits) -> Surface:
+def _surface(scene: Scene, rays: Rays, at: np.ndarray, hits: Hits) -> Surface:
     """What the samples ``at`` show, interpolated over the faces they hit."""
     corners = scene.faces[hits.face[at]]
     u, v = hits.u[at][:, None], hits.v[at][:, None]
     share = (1 - u - v, u, v)
-    normal = unit_or_up(sum(w * scene.normals[corners[:, i]] for i, w in enumerate(share)))
+    normal = _unit_or_up(sum(w * scene.normals[corners[:, i]] for i, w in enumerate(share)))
     towards = -rays.direction[at]
     normal = np.where((normal * towards).sum(axis=1, keepdims=True) < 0, -normal, normal)
     position = rays.eye - towards * hits.distance[at][:, None]
@@ -117,12 +119,12 @@ def surface(scene: Scene, rays: Rays, at: np.ndarray, hits: Hits) -> Surface:
     return Surface(position, normal, scene.colour[first], scene.metalness[first], scene.gloss[first])
 
 
-def unit_or_up(vectors: np.ndarray) -> np.ndarray:
+def _unit_or_up(vectors: np.ndarray) -> np.ndarray:
     length = np.sqrt((vectors * vectors).sum(axis=-1, keepdims=True))
     return np.where(length > 1e-12, vectors / np.maximum(length, 1e-12), [0.0, 0.0, 1.0])
 
 
-def light_up(
+def _light_up(
     engine: Engine,
     lights: Lights,
     chosen: np.ndarray,
@@ -137,9 +139,9 @@ def light_up(
     direction = lights.direction[chosen]
     facing = np.maximum((direction * normal[:, None]).sum(axis=-1), 0.0)
     visible = engine.visible(seen.position + normal * (0.004 * extent), chosen) * (facing > 0)
-    power = picked_power(lights, chosen) * visible[..., None]
+    power = _picked_power(lights, chosen) * visible[..., None]
     light = (power * facing[..., None]).sum(axis=1) + 0.13 + 0.10 * backdrop * (0.5 - 0.5 * normal[:, 2:])
-    middle = unit_or_up(direction + towards[:, None])
+    middle = _unit_or_up(direction + towards[:, None])
     sharp = np.exp2(2.0 + 7.0 * seen.gloss)[:, None]
     glint = np.maximum((middle * normal[:, None]).sum(axis=-1), 0.0) ** sharp * lights.sun[chosen]
     shine = (power * glint[..., None]).sum(axis=1)
@@ -147,7 +149,7 @@ def light_up(
     edge = (1 - np.maximum(cosine, 0.0)) ** 5
     metal, gloss = seen.metalness[:, None], seen.gloss[:, None]
     base = 0.04 * (1 - metal) + seen.tint[:, :3] * metal
-    mirrored = surroundings(2 * cosine[:, None] * normal - towards, lights.direction[0])
+    mirrored = _surroundings(2 * cosine[:, None] * normal - towards, lights.direction[0])
     mirrored = mirrored * np.clip(np.sqrt((light * light).sum(axis=1, keepdims=True)), 0.25, 1.1)
     fresnel = base + (1 - base) * edge[:, None] * gloss
     body = seen.tint[:, :3] * light * (1 - metal)
@@ -157,38 +159,38 @@ def light_up(
     return colour, np.where(alpha < 0.999, glassy, 1.0)
 
 
-def surroundings(direction: np.ndarray, sun: np.ndarray) -> np.ndarray:
+def _surroundings(direction: np.ndarray, sun: np.ndarray) -> np.ndarray:
     """What a mirror sees (n, 1): bright sky above, a soft horizon, the ground below."""
-    sky = smooth(-0.15, 0.75, direction[:, 2])
-    glow = smooth(0.55, 0.95, (direction * sun).sum(axis=1))
+    sky = _smooth(-0.15, 0.75, direction[:, 2])
+    glow = _smooth(0.55, 0.95, (direction * sun).sum(axis=1))
     return (0.42 + 0.56 * sky + 0.25 * glow)[:, None]
 
 
-def smooth(low: float, high: float, values: np.ndarray) -> np.ndarray:
+def _smooth(low: float, high: float, values: np.ndarray) -> np.ndarray:
     t = np.clip((values - low) / (high - low), 0.0, 1.0)
     return t * t * (3 - 2 * t)
 
 
-def distance_to_floor(rays: Rays, at: np.ndarray, floor: float) -> np.ndarray:
+def _distance_to_floor(rays: Rays, at: np.ndarray, floor: float) -> np.ndarray:
     return (floor - rays.eye[2]) / np.minimum(rays.direction[at, 2], -1e-9)
 
 
-def ground_samples(scene: Scene, rays: Rays, solid: Hits, floor: float, extent: float) -> np.ndarray:
+def _ground_samples(scene: Scene, rays: Rays, solid: Hits, floor: float, extent: float) -> np.ndarray:
     """Samples that show ground near enough to the object to lie in its shadow."""
     at = np.flatnonzero((solid.face < 0) & (rays.direction[:, 2] < -1e-6))
-    points = rays.eye[:2] + rays.direction[at, :2] * distance_to_floor(rays, at, floor)[:, None]
+    points = rays.eye[:2] + rays.direction[at, :2] * _distance_to_floor(rays, at, floor)[:, None]
     low, high = scene.vertices.min(axis=0)[:2], scene.vertices.max(axis=0)[:2]
     away = np.maximum(np.maximum(low - points, points - high), 0.0).max(axis=1)
-    return at[away < GROUND_REACH * extent]
+    return at[away < _GROUND_REACH * extent]
 
 
-def shadow(
+def _shadow(
     engine: Engine, lights: Lights, chosen: np.ndarray, points: np.ndarray, edge: int, at: np.ndarray
 ) -> np.ndarray:
     """How much of the open sky's light (n, 3) reaches points of the ground; 1 towards the border of the picture."""
-    up = np.maximum(lights.direction[chosen][..., 2:], 0.0) * picked_power(lights, chosen)
+    up = np.maximum(lights.direction[chosen][..., 2:], 0.0) * _picked_power(lights, chosen)
     got = (up * engine.visible(points + [0.0, 0.0, 1e-5], chosen)[..., None]).sum(axis=1)
     y, x = np.divmod(at, edge)
     border = np.minimum(np.minimum(x, edge - 1 - x), np.minimum(y, edge - 1 - y)) / edge
-    kept = smooth(0.0, 0.12, border)[:, None]
+    kept = _smooth(0.0, 0.12, border)[:, None]
     return 1 - kept + kept * (got / up.sum(axis=1)) ** 0.85

@@ -8,7 +8,7 @@ import zlib
 import numpy as np
 
 # 5 x 7 dots, one row per number, most significant bit on the left; letters are small capitals
-GLYPHS = {
+_GLYPHS = {
     "0": (14, 17, 17, 17, 17, 17, 14),
     "1": (4, 12, 4, 4, 4, 4, 14),
     "2": (14, 17, 1, 6, 8, 16, 31),
@@ -73,7 +73,7 @@ def write_number(image: np.ndarray, number: int, colour: tuple[int, int, int], s
 def write_text(image: np.ndarray, text: str, colour: tuple[int, int, int], size: int = 1) -> None:
     """Draw digits and letters along the lower border of ``image``, from its left; other characters are left blank."""
     for k, character in enumerate(text.lower()):
-        rows = np.array(GLYPHS.get(character, (0,) * 7), dtype=np.uint8)[:, None]
+        rows = np.array(_GLYPHS.get(character, (0,) * 7), dtype=np.uint8)[:, None]
         dots = ((rows >> np.arange(4, -1, -1)) & 1).astype(bool).repeat(size, axis=0).repeat(size, axis=1)
         place = image[image.shape[0] - dots.shape[0] :, 6 * size * k : 6 * size * k + dots.shape[1]]
         place[dots[:, : place.shape[1]]] = colour

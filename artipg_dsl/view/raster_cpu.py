@@ -10,7 +10,7 @@ from .deferred import Hits, Rays, draw
 from .raster_gl import light_matrices
 from .scene import Scene
 
-MAP = 112  # pixels of one shadow map
+_MAP = 112  # pixels of one shadow map
 
 
 class Renderer:
@@ -34,10 +34,10 @@ class Renderer:
         low, high = scene.vertices.min(axis=0), scene.vertices.max(axis=0)
         low[2] = min(low[2], floor)
         self.matrices = light_matrices(lights, low, high)
-        self.maps = np.zeros((len(self.matrices), MAP + 2, MAP + 2), dtype=np.float32)
+        self.maps = np.zeros((len(self.matrices), _MAP + 2, _MAP + 2), dtype=np.float32)
         for k in range(len(self.matrices)):
             local = self._to_light(triangles.reshape(-1, 3), k).T.reshape(-1, 3, 3)
-            self.maps[k, 1:-1, 1:-1] = rasterise(local[..., :2] * MAP, local[..., 2], MAP)[1]
+            self.maps[k, 1:-1, 1:-1] = rasterise(local[..., :2] * _MAP, local[..., 2], _MAP)[1]
 
     def _to_light(self, points: np.ndarray, k: int) -> np.ndarray:
         """Points (n, 3) in the map of light ``k``, (3, n): x, y and nearness to the light, all 0 .. 1."""
@@ -59,12 +59,12 @@ class Renderer:
 
     def _lit(self, points: np.ndarray, k: int) -> np.ndarray:
         x, y, near = self._to_light(points, k)
-        x, y, near = np.clip(x, 0, 1) * MAP + 0.5, np.clip(y, 0, 1) * MAP + 0.5, np.maximum(near, 0) + 0.008
+        x, y, near = np.clip(x, 0, 1) * _MAP + 0.5, np.clip(y, 0, 1) * _MAP + 0.5, np.maximum(near, 0) + 0.008
         i, j = x.astype(np.int32), y.astype(np.int32)  # texels of a map with a free border of one
         fx, fy = x - i, y - j
-        at, map_ = j * (MAP + 2) + i, self.maps[k].ravel()
+        at, map_ = j * (_MAP + 2) + i, self.maps[k].ravel()
         below = (map_[at] < near) * (1 - fx) + (map_[at + 1] < near) * fx
-        above = (map_[at + MAP + 2] < near) * (1 - fx) + (map_[at + MAP + 3] < near) * fx
+        above = (map_[at + _MAP + 2] < near) * (1 - fx) + (map_[at + _MAP + 3] < near) * fx
         return below * (1 - fy) + above * fy
 
     def first(self, faces: np.ndarray, rays: Rays) -> Hits:
@@ -108,10 +108,10 @@ def rasterise(triangle: np.ndarray, nearness: np.ndarray, edge: int) -> tuple[np
     """
     low = np.clip(np.ceil(triangle.min(axis=1) - 0.5), 0, edge).astype(np.int64)
     high = np.clip(np.floor(triangle.max(axis=1) - 0.5) + 1, 0, edge).astype(np.int64)
-    return cover(planes(triangle, nearness), low, high, edge, edge)
+    return cover(_planes(triangle, nearness), low, high, edge, edge)
 
 
-def planes(triangle: np.ndarray, nearness: np.ndarray) -> np.ndarray:
+def _planes(triangle: np.ndarray, nearness: np.ndarray) -> np.ndarray:
     """Coefficients (T, 4, 3) of x, y, 1 at pixel centres: three edges (inside where all are >= 0) and the nearness."""
     coefficients = np.zeros((len(triangle), 4, 3))
     a, b, c = triangle[:, 0], triangle[:, 1], triangle[:, 2]

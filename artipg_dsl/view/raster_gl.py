@@ -13,10 +13,10 @@ import numpy as np
 from .camera import Camera, Lights
 from .scene import Scene
 
-MAP = 256  # pixels of one shadow map
-SAMPLES = 2  # supersampling per axis
+_MAP = 256  # pixels of one shadow map
+_SAMPLES = 2  # supersampling per axis
 
-VERTEX = """
+_VERTEX = """
 #version 330
 uniform mat4 view;
 invariant gl_Position;
@@ -25,7 +25,7 @@ out vec3 at; out vec3 n; out vec4 tint; out vec2 finish;
 void main() { at = position; n = normal; tint = colour; finish = surface; gl_Position = view * vec4(position, 1.0); }
 """
 
-FRAGMENT = """
+_FRAGMENT = """
 #version 330
 const int COUNT = @COUNT@;
 const int COLUMNS = @COLUMNS@;
@@ -93,7 +93,7 @@ void main() {
 }
 """
 
-SHADOW = """
+_SHADOW = """
 #version 330
 uniform mat4 view;
 invariant gl_Position;
@@ -117,15 +117,15 @@ class Renderer:
         self.size, self.backdrop = size, backdrop
         count = sum(self.light_counts)
         self.columns = int(np.ceil(np.sqrt(count)))
-        fragment = FRAGMENT.replace("@COUNT@", str(count)).replace("@COLUMNS@", str(self.columns))
-        self.program: Any = self.context.program(VERTEX, fragment)
-        self.shadow_program: Any = self.context.program(SHADOW, "#version 330\nvoid main() {}\n")
-        edge = MAP * self.columns
+        fragment = _FRAGMENT.replace("@COUNT@", str(count)).replace("@COLUMNS@", str(self.columns))
+        self.program: Any = self.context.program(_VERTEX, fragment)
+        self.shadow_program: Any = self.context.program(_SHADOW, "#version 330\nvoid main() {}\n")
+        edge = _MAP * self.columns
         self.atlas = self.context.depth_texture((edge, edge))
         self.atlas.compare_func = "<="
         self.atlas.repeat_x = self.atlas.repeat_y = False
         self.shadow_target = self.context.framebuffer(depth_attachment=self.atlas)
-        big = (size * SAMPLES, size * SAMPLES)
+        big = (size * _SAMPLES, size * _SAMPLES)
         self.target = self.context.framebuffer(
             self.context.renderbuffer(big, 4, dtype="f2"), self.context.depth_renderbuffer(big)
         )
@@ -159,7 +159,7 @@ class Renderer:
         array = context.vertex_array(self.shadow_program, [(vertices, "3f 36x", "position")], indices)
         made += [indices, array]
         for k, matrix in enumerate(matrices):
-            self.shadow_target.viewport = (k % self.columns * MAP, k // self.columns * MAP, MAP, MAP)
+            self.shadow_target.viewport = (k % self.columns * _MAP, k // self.columns * _MAP, _MAP, _MAP)
             self.shadow_program["view"].write(matrix.T.astype("f4").tobytes())
             array.render()
 
@@ -186,13 +186,13 @@ class Renderer:
             "backdrop": self.backdrop,
             "offset": np.array([extent * 0.006]),
             "sun_count": np.array([float(lights.sun.sum())]),
-            "pixels": np.array([self.size * float(SAMPLES)]),
+            "pixels": np.array([self.size * float(_SAMPLES)]),
         }
         for name, value in values.items():
             program[name].write(np.ascontiguousarray(value, dtype="f4").tobytes())
         program["shadows"].value = 0
         self.target.use()
-        self.target.viewport = (0, 0, self.size * SAMPLES, self.size * SAMPLES)
+        self.target.viewport = (0, 0, self.size * _SAMPLES, self.size * _SAMPLES)
         red, green, blue = self.backdrop.tolist()
         self.target.clear(red, green, blue, 1.0, depth=1.0)
         context.enable_only(self.gl.DEPTH_TEST)
@@ -222,7 +222,7 @@ class Renderer:
             array.render()
             self.target.depth_mask = True
         raw = np.frombuffer(self.target.read(components=3, dtype="f2"), dtype=np.float16)
-        image = raw.reshape(self.size, SAMPLES, self.size, SAMPLES, 3).astype(np.float32)
+        image = raw.reshape(self.size, _SAMPLES, self.size, _SAMPLES, 3).astype(np.float32)
         return np.clip(image.mean(axis=(1, 3))[::-1], 0.0, 1.0)
 
     def _ground(self, scene: Scene, floor: float, made: list[Any]) -> None:

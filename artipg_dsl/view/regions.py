@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ..graph.program import Label
     from ..runtime.batch import Batch
 
-NEUTRAL = "d5d9de"
+_NEUTRAL = "d5d9de"
 #: one colour per word of a vocabulary, in its order; place 0 is no word
 COLOURS = (
     "2f6fd0",
@@ -41,9 +41,9 @@ COLOURS = (
     "8fd0c0",
     "b58900",
 )
-FINE = 24  # pieces along the diagonal of a primitive
-LEAST = 200  # pieces along that of the object, at most
-STRIPE = 3.0  # pieces to a stripe where several words hold
+_FINE = 24  # pieces along the diagonal of a primitive
+_LEAST = 200  # pieces along that of the object, at most
+_STRIPE = 3.0  # pieces to a stripe where several words hold
 
 
 def words(batch: Batch, vocabulary: str) -> list[str]:
@@ -68,13 +68,13 @@ def regions(
     """
     labels = [label for label in batch.program.labels if label.vocabulary == vocabulary]
     made = soup(batch, i, i + 1)
-    triangle, weights, edge = cut(made, [target.site for label in labels for target in label.targets])
+    triangle, weights, edge = _cut(made, [target.site for label in labels for target in label.targets])
     middle = Hits(triangle, weights.mean(axis=1))
     at = bind(made, middle)
-    shares = degrees(batch, labels, at)
-    tint, painted = paint(list(colours(batch, vocabulary).values()), shares, at.position, STRIPE * edge)
-    opacity = np.where(painted, 1.0, opacities(robots, i, made)[triangle])
-    kept, weights = join(triangle, weights, tint)
+    shares = _degrees(batch, labels, at)
+    tint, painted = paint(list(colours(batch, vocabulary).values()), shares, at.position, _STRIPE * edge)
+    opacity = np.where(painted, 1.0, _opacities(robots, i, made)[triangle])
+    kept, weights = _join(triangle, weights, tint)
     triangle, tint, opacity = triangle[kept], tint[kept], opacity[kept]
 
     corner = np.einsum("sck,skx->scx", weights, made.corner[triangle])
@@ -95,7 +95,7 @@ def regions(
     return shown, {word for word, share in shares.items() if share.any()}
 
 
-def cut(made: Soup, labelled: Sequence[int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _cut(made: Soup, labelled: Sequence[int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Small triangles: the one that each lies in (S,), barycentric weights of its corners (S, 3, 3), its length (S,).
 
     Triangles of primitives that no label is on stay whole.
@@ -105,7 +105,7 @@ def cut(made: Soup, labelled: Sequence[int]) -> tuple[np.ndarray, np.ndarray, np
     low, high = (reduce(corner, axis=(0, 1)) for reduce in (np.min, np.max))
     of_row = np.zeros(len(made.rows.owner))
     np.maximum.at(of_row, made.row, sides)
-    edge = np.maximum(of_row[made.row] / FINE, np.linalg.norm(high - low) / LEAST)
+    edge = np.maximum(of_row[made.row] / _FINE, np.linalg.norm(high - low) / _LEAST)
     pieces = np.where(np.isin(made.rows.site[made.row], labelled), np.ceil(sides / edge), 1.0)
     pieces = 2 ** np.ceil(np.log2(np.maximum(pieces, 1.0))).astype(np.int64)
     found = []
@@ -129,7 +129,7 @@ def pattern(n: int) -> np.ndarray:
     return np.concatenate(made) / n
 
 
-def degrees(batch: Batch, labels: list[Label], at: Bound) -> dict[str, np.ndarray]:
+def _degrees(batch: Batch, labels: list[Label], at: Bound) -> dict[str, np.ndarray]:
     """How far each word holds at the places, 0 .. 1."""
     fields = label_points(batch, batch.sites(), at, labels).fields
     ordered = words(batch, labels[0].vocabulary) if labels else []
@@ -141,7 +141,7 @@ def paint(
     tints: list[np.ndarray], shares: dict[str, np.ndarray], position: np.ndarray, stripe: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Colours (S, 3), and whether any word holds (S,)."""
-    plain = np.broadcast_to(hex_colour(NEUTRAL), position.shape)
+    plain = np.broadcast_to(hex_colour(_NEUTRAL), position.shape)
     if not shares:
         return plain, np.zeros(len(position), dtype=bool)
     degree = np.stack(list(shares.values()))
@@ -153,7 +153,7 @@ def paint(
     return plain + share * (np.array(tints)[chosen] - plain), many > 0
 
 
-def join(triangle: np.ndarray, weights: np.ndarray, tint: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _join(triangle: np.ndarray, weights: np.ndarray, tint: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Take together again what was cut for nothing: the small triangles to keep, and their weights. Those of one large
     triangle follow one another; where all have one colour the first is kept, as large as the whole."""
     first = np.flatnonzero(np.diff(triangle, prepend=-1))
@@ -165,7 +165,7 @@ def join(triangle: np.ndarray, weights: np.ndarray, tint: np.ndarray) -> tuple[n
     return np.flatnonzero(kept), weights[kept]
 
 
-def opacities(robots: Robots, i: int, made: Soup) -> np.ndarray:
+def _opacities(robots: Robots, i: int, made: Soup) -> np.ndarray:
     """The opacity of each triangle (T,): one looks through panes here as in pictures of materials."""
     known = {(item.group.table.number, item.row): robots.look(i, item).opacity for item in robots.visuals[i]}
     of_row = [known.get(place, 1.0) for place in zip(made.rows.site.tolist(), made.rows.row.tolist(), strict=True)]

@@ -13,7 +13,7 @@ from ..export.robot import Robots
 
 COLOURINGS = ("part", "material", "affordance")
 # one colour per semantic class in the order of the vocabulary; the first word, as a rule the body, is neutral
-PALETTE = (
+_PALETTE = (
     "c4ccd5",
     "4a86cf",
     "e8603c",
@@ -31,7 +31,7 @@ PALETTE = (
     "3f7f5c",
     "c98a1b",
 )
-UNSAID = "efece6"  # of what has no label
+_UNSAID = "efece6"  # of what has no label
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,14 +59,14 @@ def hex_colour(text: str) -> np.ndarray:
     return linear(np.array([int(text[i : i + 2], 16) / 255 for i in (0, 2, 4)]))
 
 
-def palette() -> np.ndarray:
-    return np.array([hex_colour(text) for text in PALETTE])
+def _palette() -> np.ndarray:
+    return np.array([hex_colour(text) for text in _PALETTE])
 
 
 def scene(robots: Robots, i: int, pose: tuple[np.ndarray, np.ndarray], colouring: str = "part") -> Scene:
     """Object ``i`` of a batch with its links moved by ``pose``, what ``batch.pose`` returns for the whole batch."""
     turn, shift = pose
-    semantic = palette()
+    semantic = _palette()
     parts: dict[str, list[np.ndarray]] = {
         n: [] for n in ("vertices", "normals", "faces", "colour", "metalness", "gloss")
     }
@@ -79,7 +79,7 @@ def scene(robots: Robots, i: int, pose: tuple[np.ndarray, np.ndarray], colouring
         rgb = linear(np.array(look.colour))
         if colouring == "part":
             word = int(group.table.semantic[item.row])
-            rgb = semantic[(word - 1) % len(semantic)] if word else hex_colour(UNSAID)
+            rgb = semantic[(word - 1) % len(semantic)] if word else hex_colour(_UNSAID)
         count = len(vertices)
         parts["vertices"].append(vertices)
         parts["normals"].append(rotate(turn[link], shading.normals[item.k]))
@@ -92,4 +92,4 @@ def scene(robots: Robots, i: int, pose: tuple[np.ndarray, np.ndarray], colouring
     return Scene(**{name: np.concatenate(arrays) for name, arrays in parts.items()})
 
 
-__all__ = ["COLOURINGS", "Scene", "hex_colour", "opened", "palette", "scene"]
+__all__ = ["COLOURINGS", "Scene", "hex_colour", "opened", "scene"]

@@ -91,7 +91,7 @@ def sheet(
     poses = {"rest": batch.pose(), "open": batch.pose(opened(batch))}
     azimuth, elevation = direction(view)
     if view is None:
-        azimuth *= side(robots, poses["open"])
+        azimuth *= _side(robots, poses["open"])
     columns = columns or default_columns(len(batch))
     rows = -(-len(batch) // columns)
     image = np.empty((rows * tile, columns * tile, 3), dtype=np.uint8)
@@ -145,7 +145,7 @@ def legend(tints: dict[str, np.ndarray], width: int, size: int = 2) -> np.ndarra
     return strip
 
 
-def side(robots: Robots, pose: tuple[np.ndarray, np.ndarray]) -> float:
+def _side(robots: Robots, pose: tuple[np.ndarray, np.ndarray]) -> float:
     """The side to look from: -1 (the objects' right) if what opens swings to their left, so that one sees inside."""
     turn, shift = pose
     links = robots.links
