@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from ..export.registry import FORMATS, per_object
+from ..export.registry import FORMATS, OTHERS, per_object
 from .arguments import amount, folder, fraction, numbers, part, picture, place, positive, tolerance, whole, workers
 
 _MESHES = 60  # objects of a report whose meshes are looked at
@@ -95,7 +95,8 @@ def add_sample(to: argparse.ArgumentParser) -> None:
     to.add_argument(
         "--format",
         metavar="LIST",
-        help=f"formats, separated by commas: {', '.join(FORMATS)} (default: points,annotation)",
+        help=f"formats, separated by commas: {', '.join(n for n in FORMATS if '.' not in n)} (default: points,annotation); "
+        f"shards of arrays can be written in another container: points.{', points.'.join(OTHERS)}",
     )
     to.add_argument(
         "--states",

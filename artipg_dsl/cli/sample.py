@@ -42,7 +42,7 @@ def run(options: argparse.Namespace) -> int:
         raise UsageError(wrong.message, wrong.hint) from None
     output = Output.of(formats, _read_content(options))
     for name, usual in _ABOUT_POINTS.items():
-        if getattr(options, name) != usual and "points" not in output.formats:
+        if getattr(options, name) != usual and "points" not in output.kinds:
             raise UsageError(f"--{name} applies to points, which are not among the formats", "add points to --format")
     if read_resolution(options) and not any(entry.per_object for entry in formats):
         raise UsageError(

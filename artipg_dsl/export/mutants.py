@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from ..sampling.correspondence import correspondence
 from ..sampling.trace import trace_lines
+from .containers import Arrays
 from .content import Content
-from .shards import npz_bytes
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
@@ -26,12 +26,12 @@ MEANINGS = {
 
 
 def trace_shard(batch: Batch, content: Content) -> bytes:
-    """The bytes of ``trace-<shard>.jsonl``: one object per line."""
+    """The lines of ``trace-<shard>.jsonl``: one object each."""
     del content
     return trace_lines(batch)
 
 
-def correspondence_shard(batch: Batch, content: Content) -> bytes:
-    """The bytes of ``correspondence-<shard>.npz``: a row per primitive of the objects."""
+def correspondence_shard(batch: Batch, content: Content) -> Arrays:
+    """The arrays of ``correspondence-<shard>.npz``: a row per primitive of the objects."""
     del content
-    return npz_bytes(correspondence(batch.history[0].before if batch.history else batch, batch).arrays())
+    return correspondence(batch.history[0].before if batch.history else batch, batch).arrays()

@@ -6,25 +6,46 @@ The entries name what writes them as ``module:function``, so that a list of form
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from importlib import import_module
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from .write import ExportError
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
+    from .containers import Arrays
     from .content import Content
     from .robot import Robots
+
+
+@dataclass(frozen=True, slots=True)
+class Container:
+    """What arrays are kept in. ``write`` makes the bytes of a file; ``needs`` as of a format."""
+
+    title: str
+    suffix: str
+    write: str
+    needs: tuple[str, str, str] | None = None
+
+
+NPZ = Container("NumPy", ".npz", "containers:npz_bytes")
+OTHERS = {
+    "hdf5": Container("HDF5", ".h5", "containers:hdf5_bytes", ("h5py", "h5py", "hdf5")),
+    "zarr": Container("Zarr", ".zarr.zip", "containers:zarr_bytes", ("zarr", "Zarr", "zarr")),
+    "parquet": Container("Parquet", ".parquet", "containers:parquet_bytes", ("pyarrow", "pyarrow", "parquet")),
+}
+"""The containers that a format is written in instead, by what follows its name: ``points.hdf5``."""
 
 
 @dataclass(frozen=True, slots=True)
 class Format:
     """What is written and by whom. A format has one of ``shard``, ``robot`` and ``member``.
 
-    ``shard(batch, content)``: the bytes of one file for a run of objects, named ``<name>-<shard><suffix>``.
+    ``shard(batch, content)``: what one file for a run of objects holds of some of them, in rows that follow one another: arrays,
+    which go into the ``container``, or lines of text. The file is named ``<kind>-<shard><suffix>``.
     ``robot(robot)``: the files of one object, bytes by path relative to its folder. ``member(robots, i)``: the same
     where more than the model of links and joints is needed. ``file`` is one of these files that is always there.
     ``needs``: (module, package, extra) that the writer imports beyond what is always installed.
@@ -39,6 +60,13 @@ class Format:
     file: str = ""
     needs: tuple[str, str, str] | None = None
     seen: bool = False  # it has what is seen alone, nothing that collides
+    container: Container | None = None
+    pack: bool = False  # the arrays hold much that repeats
+
+    @property
+    def kind(self) -> str:
+        """What is written, whatever it is kept in: ``points`` of ``points.hdf5``."""
+        return self.name.partition(".")[0]
 
     @property
     def per_object(self) -> bool:
@@ -47,7 +75,17 @@ class Format:
 
     def shard_bytes(self, batch: Batch, content: Content) -> bytes:
         """One file for all objects of a batch."""
+        return self.joined([self.part(batch, content)])
+
+    def part(self, batch: Batch, content: Content) -> Arrays | bytes:
+        """What the file of a shard holds of some of its objects."""
         return _writer(self.shard)(batch, content)
+
+    def joined(self, parts: Sequence[Arrays | bytes]) -> bytes:
+        """One file for objects that were made in several parts."""
+        if self.container is None:
+            return b"".join(cast("Sequence[bytes]", parts))
+        return _writer(self.container.write)(_writer("containers:join")(parts), pack=self.pack)
 
     def files(self, robots: Robots, i: int) -> dict[str, bytes]:
         """The files of object ``i``. Raises ExportError where the format cannot state what the object does."""
@@ -59,16 +97,48 @@ def _writer(place: str) -> Any:
     return getattr(import_module(f".{module}", __package__), function)
 
 
+def _contained(entry: Format) -> list[Format]:
+    """A format of arrays, and the same in other containers."""
+    if entry.container is None:
+        return [entry]
+    return [entry] + [
+        replace(
+            entry,
+            name=f"{entry.name}.{name}",
+            title=entry.title.replace(entry.container.title, other.title),
+            suffix=other.suffix,
+            container=other,
+            needs=other.needs,
+        )
+        for name, other in OTHERS.items()
+    ]
+
+
 FORMATS: dict[str, Format] = {
     entry.name: entry
-    for entry in (
-        Format("points", "labelled points with their binding, NumPy", ".npz", shard="shards:points_shard"),
+    for plain in (
+        Format(
+            "points", "labelled points with their binding, NumPy", ".npz", shard="shards:points_shard", container=NPZ
+        ),
         Format(
             "annotation", "joints, parts, grasps, parameters as JSON lines", ".jsonl", shard="shards:annotation_shard"
         ),
-        Format("views", "images and partial clouds from cameras, NumPy", ".npz", shard="shards:views_shard"),
+        Format(
+            "views",
+            "images and partial clouds from cameras, NumPy",
+            ".npz",
+            shard="shards:views_shard",
+            container=NPZ,
+            pack=True,
+        ),
         Format("trace", "how each object was made from another, JSON lines", ".jsonl", shard="mutants:trace_shard"),
-        Format("correspondence", "which primitive became which, NumPy", ".npz", shard="mutants:correspondence_shard"),
+        Format(
+            "correspondence",
+            "which primitive became which, NumPy",
+            ".npz",
+            shard="mutants:correspondence_shard",
+            container=NPZ,
+        ),
         Format("urdf", "robot description with OBJ meshes", robot="urdf:urdf_files", file="object.urdf"),
         Format("mjcf", "MuJoCo's own, with a scene to look at", robot="mjcf:mjcf_files", file="object.xml"),
         Format("sdf", "SDFormat with OBJ meshes, for Gazebo", robot="sdf:sdf_files", file="model.sdf"),
@@ -84,8 +154,14 @@ FORMATS: dict[str, Format] = {
             file="mobility.urdf",
         ),
     )
+    for entry in _contained(plain)
 }
 DEFAULT = ("points", "annotation")
+
+
+def kinds(names: Sequence[str]) -> list[str]:
+    """What formats write, whatever it is kept in."""
+    return [FORMATS[name].kind for name in names]
 
 
 def per_object() -> list[str]:
@@ -94,12 +170,13 @@ def per_object() -> list[str]:
 
 
 def find_formats(names: str | Sequence[str]) -> list[Format]:
-    """Formats by name, ``"urdf,glb"`` or a list, in the order of the registry. Raises ExportError.
+    """Formats by name, ``"urdf,glb"`` or a list, in the order of the registry; ``hdf5`` is short for ``points.hdf5``. Raises
+    ExportError.
 
     A name that is not known, or whose package is not installed, is told before any work is done.
     """
     wanted = [name.strip() for name in (names.split(",") if isinstance(names, str) else names)]
-    wanted = [name for name in wanted if name]
+    wanted = [f"{DEFAULT[0]}.{name}" if name in OTHERS else name for name in wanted if name]
     if not wanted:
         raise ExportError("no format given", f"the formats are {', '.join(FORMATS)}")
     for name in wanted:
@@ -128,5 +205,5 @@ def choose_formats(names: str | Sequence[str] | None, *, views: bool = False) ->
     ``views``: those too, whether they are named or not.
     """
     chosen = find_formats(DEFAULT if names is None else names)
-    more = {"annotation", *(["views"] if views else [])}
+    more = {"annotation", *(["views"] if views and "views" not in [entry.kind for entry in chosen] else [])}
     return [entry for entry in FORMATS.values() if entry in chosen or entry.name in more]

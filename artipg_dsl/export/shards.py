@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import io
-import zipfile
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,12 +12,11 @@ from ..annotate.cloud import sample_points
 from ..annotate.sampling import Sampling
 from ..annotate.states import REST, States, joint_values, state_table
 from ..annotate.views import NONE, make_views
+from .containers import Arrays
 from .content import Content
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
-
-_STAMP = (1980, 1, 1, 0, 0, 0)  # zip has no "no date"
 
 
 def point_arrays(
@@ -79,31 +76,17 @@ def _narrow(values: np.ndarray, dtype: type = np.uint16) -> np.ndarray:
     return values.astype(dtype)
 
 
-def npz_bytes(arrays: dict[str, np.ndarray], *, pack: bool = False) -> bytes:
-    """The arrays as an .npz whose bytes depend on them alone (names, order and contents), packed if asked for."""
-    stream = io.BytesIO()
-    method, level = (zipfile.ZIP_DEFLATED, 1) if pack else (zipfile.ZIP_STORED, None)
-    with zipfile.ZipFile(stream, "w", method, compresslevel=level) as archive:
-        for name, array in arrays.items():
-            entry = zipfile.ZipInfo(f"{name}.npy", _STAMP)
-            entry.create_system, entry.external_attr, entry.compress_type = 3, 0o644 << 16, method
-            content = io.BytesIO()
-            np.lib.format.write_array(content, np.ascontiguousarray(array), version=(1, 0), allow_pickle=False)
-            archive.writestr(entry, content.getbuffer(), compresslevel=level)
-    return stream.getvalue()
+def points_shard(batch: Batch, content: Content) -> Arrays:
+    """The arrays of ``points-<shard>.npz``."""
+    return point_arrays(batch, content.points, content.states, content.motion)
 
 
-def points_shard(batch: Batch, content: Content) -> bytes:
-    """The bytes of ``points-<shard>.npz``."""
-    return npz_bytes(point_arrays(batch, content.points, content.states, content.motion))
-
-
-def views_shard(batch: Batch, content: Content) -> bytes:
-    """The bytes of ``views-<shard>.npz``."""
-    return npz_bytes(view_arrays(batch, content.cameras or Cameras(), content.states), pack=True)
+def views_shard(batch: Batch, content: Content) -> Arrays:
+    """The arrays of ``views-<shard>.npz``."""
+    return view_arrays(batch, content.cameras or Cameras(), content.states)
 
 
 def annotation_shard(batch: Batch, content: Content) -> bytes:
-    """The bytes of ``annotation-<shard>.jsonl``: one object per line."""
+    """The lines of ``annotation-<shard>.jsonl``: one object each."""
     values = None if content.states.only_rest else joint_values(batch, content.states)
     return "".join(line(annotation) + "\n" for annotation in describe(batch, values, content.gripper)).encode("utf-8")

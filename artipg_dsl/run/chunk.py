@@ -87,4 +87,4 @@ class Chunk:
 
 
 def _shard_path(out: Path, entry: Format, index: int) -> Path:
-    return out / f"{entry.name}-{index:05d}{entry.suffix}"
+    return out / f"{entry.kind}-{index:05d}{entry.suffix}"

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..export.meanings import point_arrays, view_arrays, vocabularies
 from ..export.mutants import MEANINGS
+from ..export.registry import kinds
 from ..export.write import ExportError
 from ..shapes import Misfit, Rule, fit, hints, shown
 from ..version import __version__
@@ -91,11 +92,11 @@ def build(
         "vocabularies": vocabularies(program),
         "sites": [{"path": site.path, "primitive": site.primitive} for site in program.sites],
     }
-    if "points" in output.formats:
+    if "points" in output.kinds:
         manifest["arrays"] = point_arrays(program, content)
     if content.cameras is not None:
         manifest["views"] = view_arrays(program, content)
-    if "correspondence" in output.formats:
+    if "correspondence" in output.kinds:
         manifest["correspondence"] = dict(MEANINGS)
     if counts is not None:
         manifest["counts"] = counts
@@ -160,7 +161,7 @@ def _check(found: dict[str, Any]) -> None:
     names = _name_shards(size, identity["shard"])
     if found["shards"] != names:
         raise Misfit("shards", f"the {len(names)} shards of {identity['shard']} objects each", "another list")
-    if ("views" in identity["formats"]) != (identity["views"] is not None):
+    if ("views" in kinds(identity["formats"])) != (identity["views"] is not None):
         raise Misfit("identity.views", "cameras, where there are views,", shown(identity["views"]))
     Output.from_manifest(identity)
 

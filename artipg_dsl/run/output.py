@@ -15,7 +15,7 @@ from ..annotate.sampling import POOLS, SPREADS, SURFACES, Sampling, read_weights
 from ..annotate.states import read_states
 from ..errors import UserError
 from ..export.content import Content
-from ..export.registry import FORMATS, Format
+from ..export.registry import FORMATS, Format, kinds
 from ..geometry.rays import best_engine
 from ..geometry.resolution import COARSEST, FINEST, Resolution
 from ..graph.program import MEASURES
@@ -75,7 +75,7 @@ class Output:
     shard: int = 0  # what is handy
 
     def __post_init__(self) -> None:
-        cameras = (self.content.cameras or Cameras()) if "views" in self.formats else None
+        cameras = (self.content.cameras or Cameras()) if "views" in self.kinds else None
         object.__setattr__(self, "content", replace(self.content, cameras=cameras))
         object.__setattr__(self, "shard", self.shard or self.content.shard_size())
 
@@ -83,6 +83,11 @@ class Output:
     def of(cls, formats: Iterable[Format], content: Content) -> Output:
         """The output in formats that ``choose_formats`` or ``find_formats`` has found."""
         return cls(tuple(entry.name for entry in formats), content)
+
+    @property
+    def kinds(self) -> list[str]:
+        """What is written, whatever it is kept in."""
+        return kinds(self.formats)
 
     @property
     def writers(self) -> tuple[Format, ...]:

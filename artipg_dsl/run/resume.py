@@ -7,6 +7,7 @@ from pathlib import Path
 
 from ..errors import UsageError, UserError
 from ..export.objects import OBJECTS
+from ..export.registry import FORMATS
 from ..export.write import ExportError, ensure_folder, explain, sweep, write_bytes
 from . import manifest as manifests
 from .job import Job, open_job
@@ -74,9 +75,10 @@ def _clear(out: Path, old: Manifest) -> None:
     """Remove what an earlier run with the manifest ``old`` wrote, and nothing else."""
     try:
         (out / manifests.NAME).unlink()  # first, so that a half-cleared folder does not pass for a whole one
+        suffixes = tuple({entry.suffix for entry in FORMATS.values() if entry.shard})
         for shard in old["shards"]:
             for path in out.glob(f"*-{shard}.*"):
-                if path.suffix in (".npz", ".jsonl"):
+                if path.name.endswith(suffixes):
                     path.unlink()
         shutil.rmtree(out / OBJECTS, ignore_errors=True)
     except OSError as error:

@@ -11,7 +11,8 @@ import artipg_dsl as apg
 from artipg_dsl.annotate.sampling import Sampling, read_weights
 from artipg_dsl.annotate.shares import quotas
 from artipg_dsl.errors import UsageError
-from artipg_dsl.export.shards import npz_bytes, point_arrays
+from artipg_dsl.export.containers import npz_bytes
+from artipg_dsl.export.shards import point_arrays
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,8 @@ import artipg_dsl as apg
 from artipg_dsl.annotate.cloud import Points
 from artipg_dsl.annotate.sampling import Sampling
 from artipg_dsl.errors import UsageError, UserError
-from artipg_dsl.export.shards import npz_bytes, point_arrays
+from artipg_dsl.export.containers import npz_bytes
+from artipg_dsl.export.shards import point_arrays
 from artipg_dsl.geometry import blue
 
 

@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 from artipg_dsl.annotate.sampling import Sampling
+from artipg_dsl.export.containers import npz_bytes
 from artipg_dsl.export.content import Content
 from artipg_dsl.export.registry import FORMATS, choose_formats
-from artipg_dsl.export.shards import npz_bytes
 from artipg_dsl.export.write import ExportError
 from artipg_dsl.run import manifest
 from artipg_dsl.run.dataset import write_dataset
