@@ -7,7 +7,12 @@ import argparse
 from .. import cache
 from .messages import plural
 
-_KINDS = {"check": "findings", "program": "compiled programs", "facts": "what surfaces and pieces are like"}
+_KINDS = {
+    "check": "findings",
+    "tree": "syntax trees",
+    "program": "compiled programs",
+    "facts": "what surfaces and pieces are like",
+}
 
 
 def run(options: argparse.Namespace) -> int:

@@ -12,7 +12,7 @@ from ..resources import library_dir
 from ..source import Source, Span
 from ..syntax import ast
 from ..syntax.load import load
-from ..syntax.parse import parse_once
+from ..syntax.trees import tree_of
 from .symbols import KINDS, ModuleScope, Symbol
 
 Loader = Callable[[Source, Report], "ast.Module | None"]
@@ -36,7 +36,7 @@ class Workspace:
     ) -> None:
         self.report = report
         self.search_path = tuple(search_path) if search_path is not None else (library_dir(),)
-        self.loader = loader or parse_once
+        self.loader = loader or tree_of
         self.reader = reader or load
         self.modules: dict[str, ModuleScope] = {}
         self.read: dict[Path, Source] = {}  # the files that were read

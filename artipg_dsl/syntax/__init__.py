@@ -7,6 +7,7 @@ In: the text of a file. Out: a ``Module`` of ``ast``, whose nodes know their pla
     build, build_expressions, build_statements, build_module      the parser's actions, which make the nodes in one pass
     ast, walk                    the nodes
     parse, recover               files and texts to trees, with several syntax errors in a run
+    data, trees                  trees as data; each text parsed once, for all processes that share a cache
     messages, mistakes, foreign  what to say about a syntax error
     format                       one layout for programs (``apgc fmt``)
 

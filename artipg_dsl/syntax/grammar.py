@@ -101,7 +101,7 @@ def _built(text: str, path: Path | None, live: dict[str, Any]) -> Lark:
 def _cache_path(grammar: str) -> Path | None:
     """Where the tables of this grammar belong, for this lark and Python; None where no home is known."""
     key = "\0".join((grammar, repr(sorted(OPTIONS.items())), lark.__version__, sys.version))
-    name = f"grammar-{hashlib.sha256(key.encode()).hexdigest()[:20]}.json"
+    name = f"tables-{hashlib.sha256(key.encode()).hexdigest()[:20]}.json"
     chosen = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA")
     try:
         folder = Path(chosen) if chosen else Path.home() / ".cache"
@@ -110,28 +110,50 @@ def _cache_path(grammar: str) -> Path | None:
     return folder / "artipg_dsl" / name
 
 
-def _as_data(tables: Any) -> Any:
-    """The tables, which lark saves as a pickle, as JSON: a file is only data. Keys may be numbers, and tuples stay such."""
-    match tables:
-        case dict():
-            return {"pairs": [[key, _as_data(value)] for key, value in tables.items()]}
-        case tuple():
-            return {"tuple": [_as_data(value) for value in tables]}
-        case list():
-            return [_as_data(value) for value in tables]
-        case _:
-            return tables
+def _as_data(tables: Any) -> list[Any]:
+    """The tables, which lark saves as a pickle, as JSON: a file is only data. Equal values, of which tables are full, are written
+    once: each value is a row, that of a list, tuple or dict names the rows of its items."""
+    rows: list[Any] = []
+    numbers: dict[str, int] = {}
+
+    def number(value: Any) -> int:
+        match value:
+            case dict():
+                row = ["dict", [number(key) for key in value], [number(held) for held in value.values()]]
+            case list() | tuple():
+                row = [type(value).__name__, [number(held) for held in value]]
+            case _:
+                row = value
+        text = json.dumps(row)
+        if text not in numbers:
+            numbers[text] = len(rows)
+            rows.append(row)
+        return numbers[text]
+
+    number(tables)
+    return rows
 
 
-def _from_data(held: dict[str, Any]) -> Any:
-    return dict(held["pairs"]) if "pairs" in held else tuple(held["tuple"])
+def _from_data(rows: list[Any]) -> Any:
+    found: list[Any] = []
+    for row in rows:
+        match row:
+            case ["dict", keys, values]:
+                found.append({found[key]: found[value] for key, value in zip(keys, values, strict=True)})
+            case ["list", items]:
+                found.append([found[item] for item in items])
+            case ["tuple", items]:
+                found.append(tuple([found[item] for item in items]))
+            case _:
+                found.append(row)
+    return found[-1]
 
 
 def _from_cache(path: Path | None, live: dict[str, Any]) -> Lark | None:
     if path is None:
         return None
     try:
-        data = json.loads(path.read_text(encoding="utf-8"), object_hook=_from_data)
+        data = _from_data(json.loads(path.read_text(encoding="utf-8")))
         parser = Lark.__new__(Lark)
         return parser._load(data, **live)
     except Exception:  # whatever is wrong with the file, building the tables anew is the answer

@@ -17,28 +17,11 @@ _ONE_AT_A_TIME = Lock()
 MOST_ERRORS = 10
 """So many syntax errors are reported for one file."""
 
-MOST_TREES = 64
-"""So many trees are kept: a library is read once by a process, whatever programs use it."""
-
-_trees: dict[tuple[str, str], ast.Module] = {}
-
 
 def parse(source: Source, report: Report) -> ast.Module | None:
     """The tree of a source, or None after reporting why there is none."""
     with _ONE_AT_A_TIME, uncollected():
         return _parse(machine(), source, report)
-
-
-def parse_once(source: Source, report: Report) -> ast.Module | None:
-    """As ``parse``, but equal sources share one tree, with the places in the source that was read first: a tree is never
-    changed."""
-    key = source.name, source.text
-    tree = _trees.pop(key, None) or parse(source, report)
-    if tree is not None:
-        while len(_trees) >= MOST_TREES:
-            _trees.pop(next(iter(_trees)), None)
-        _trees[key] = tree  # the last to go
-    return tree
 
 
 def _parse(tools: Machine, source: Source, report: Report) -> ast.Module | None:

@@ -103,9 +103,9 @@ class Argument(Node):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CallExpr(Expr):
-    """``function`` is a NameExpr or, for ``body.wall.at(...)``, a MemberExpr."""
+    """``function`` is a NameExpr; for ``body.wall.at(...)`` a MemberExpr, for ``side[0](...)`` an IndexExpr."""
 
-    function: NameExpr | MemberExpr
+    function: NameExpr | MemberExpr | IndexExpr
     arguments: tuple[Argument, ...]
 
 

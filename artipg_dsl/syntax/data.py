@@ -1,0 +1,149 @@
+"""Trees as data, for files.
+
+A tree is a list of rows, children before their parents: the number of the node's class, where it starts and ends, and its
+fields. A field that holds nodes holds the numbers of their rows. Whoever makes a tree of rows is told where they are none: every
+field holds what its annotation declares, and every place lies within the text.
+"""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from types import NoneType, UnionType
+from typing import Any, Union, get_args, get_origin, get_type_hints
+
+from ..source import Source, Span
+from . import ast
+
+PLAIN, NODE, SPAN = range(3)  # what a field holds
+Field = tuple[str, int, bool, tuple[type, ...], bool, Any]  # see ``_shape``
+
+KINDS: tuple[type[ast.Node], ...] = tuple(
+    held for held in vars(ast).values() if isinstance(held, type) and issubclass(held, ast.Node)
+)
+
+
+class Spoilt(ValueError):
+    """Data that is no tree of the text."""
+
+
+def to_data(tree: ast.Module) -> list[list[Any]]:
+    """The rows of a tree."""
+    rows: list[list[Any]] = []
+    numbers: dict[int, int] = {}  # a node may stand in two places, as the ends of a range of one value do
+    kinds = {kind: number for number, kind in enumerate(KINDS)}
+
+    def data(value: Any) -> Any:
+        if isinstance(value, ast.Node):
+            number = numbers.get(id(value))
+            if number is None:
+                row = [data(getattr(value, name)) for name, *_ in _shape(type(value))]
+                number = numbers[id(value)] = len(rows)
+                rows.append([kinds[type(value)], value.span.start, value.span.end, *row])
+            return number
+        if isinstance(value, Span):
+            return [value.start, value.end]
+        return [data(item) for item in value] if isinstance(value, tuple) else value
+
+    data(tree)
+    return rows
+
+
+def from_data(rows: Any, source: Source) -> ast.Module:
+    """The tree that ``to_data`` made rows of, its places in ``source``. Raises Spoilt, TypeError, ValueError or IndexError."""
+    most = len(source.text)
+    nodes: list[ast.Node] = []
+
+    def span(start: Any, end: Any) -> Span:
+        if type(start) is not int or type(end) is not int or not 0 <= start <= end <= most:
+            raise Spoilt
+        return Span(source, start, end)
+
+    def node(number: Any) -> ast.Node:
+        if type(number) is not int or number < 0:
+            raise Spoilt
+        return nodes[number]  # those before it alone
+
+    for number, start, end, *held in rows:
+        kind = KINDS[number]
+        found: dict[str, Any] = {"span": span(start, end)}
+        for (name, what, several, allowed, optional, inner), value in zip(_shape(kind), held, strict=True):
+            if value is None:
+                if not optional:
+                    raise Spoilt
+            elif what == NODE:
+                if kind is ast.Clause:  # what it holds depends on where it stands
+                    value = tuple(map(node, value)) if isinstance(value, list) else node(value)
+                elif several:
+                    value = tuple(map(node, value))
+                    if not all(isinstance(item, allowed) for item in value):
+                        raise Spoilt
+                    if inner is not None and not all(map(inner, value)):
+                        raise Spoilt
+                else:
+                    value = node(value)
+                    if not isinstance(value, allowed) or inner is not None and not inner(value):
+                        raise Spoilt
+            elif what == SPAN:
+                value = tuple(span(*pair) for pair in value) if several else span(*value)
+            elif several:
+                value = tuple(value)
+                if not all(type(item) in allowed for item in value):
+                    raise Spoilt
+            elif type(value) not in allowed:
+                raise Spoilt
+            found[name] = value
+        nodes.append(kind(**found))
+    if not nodes or not isinstance(nodes[-1], ast.Module):
+        raise Spoilt
+    return nodes[-1]
+
+
+_shapes: dict[type[ast.Node], tuple[Field, ...]] = {
+    ast.Clause: (("word", PLAIN, False, (str,), False, None), ("value", NODE, False, (), True, None))
+}
+
+
+def _shape(kind: type[ast.Node]) -> tuple[Field, ...]:
+    """Of each field but the span: its name, what it holds, whether several, the classes of one, whether it may be missing, and a
+    test of what stands in a clause."""
+    if kind not in _shapes:
+        hints = get_type_hints(kind)
+        _shapes[kind] = tuple(_field(field.name, hints[field.name]) for field in fields(kind) if field.name != "span")
+    return _shapes[kind]
+
+
+def _field(name: str, hint: Any) -> Field:
+    options = _options(hint)
+    given = [option for option in options if option is not NoneType]
+    several = get_origin(given[0]) is tuple
+    if several:
+        given = list(_options(get_args(given[0])[0]))
+    classes = tuple(get_origin(option) or option for option in given)
+    optional = NoneType in options
+    if classes == (Span,):
+        return name, SPAN, several, classes, optional, None
+    if all(issubclass(option, ast.Node) for option in classes):
+        clause = get_args(given[0]) if classes == (ast.Clause,) else ()
+        return name, NODE, several, classes, optional, _clause_test(clause[0]) if clause else None
+    return name, PLAIN, several, classes, optional, None
+
+
+def _options(hint: Any) -> tuple[Any, ...]:
+    return get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
+
+
+def _clause_test(hint: Any) -> Any:
+    """Whether a clause holds what its field declares."""
+    if hint is Any:
+        return None
+    if hint is NoneType or hint is None:
+        return lambda clause: clause.value is None
+    if get_origin(hint) is tuple:
+        inner, *more = get_args(hint)
+        length = None if more[-1:] == [Ellipsis] else 1 + len(more)
+        return lambda clause: (
+            isinstance(clause.value, tuple)
+            and length in (None, len(clause.value))
+            and all(isinstance(item, inner) for item in clause.value)
+        )
+    return lambda clause: isinstance(clause.value, hint)

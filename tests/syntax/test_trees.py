@@ -1,0 +1,81 @@
+"""A tree is kept as data and comes back as it was; what is no tree of the text is refused."""
+
+import json
+import random
+from pathlib import Path
+
+import pytest
+
+from artipg_dsl import cache
+from artipg_dsl.diagnostics import Report
+from artipg_dsl.resources import library_dir
+from artipg_dsl.source import Source
+from artipg_dsl.syntax import ast, trees
+from artipg_dsl.syntax.data import from_data, to_data
+from artipg_dsl.syntax.grammar import Machine
+from artipg_dsl.syntax.parse import parse
+from artipg_dsl.syntax.walk import walk
+
+FORMS = Path(__file__).parent / "design" / "forms.apg"
+
+
+def read(path):
+    return Source(path.name, path.read_text(encoding="utf-8"))
+
+
+def places(tree):
+    """Which nodes are one and the same."""
+    numbers = {}
+    return [numbers.setdefault(id(node), len(numbers)) for node in walk(tree)]
+
+
+@pytest.mark.parametrize("path", [FORMS, *sorted(library_dir().glob("[m-t]*.apg"))], ids=lambda path: path.stem)
+def test_a_tree_comes_back_as_it_was(path):
+    source = read(path)
+    tree = parse(source, Report())
+    again = from_data(json.loads(json.dumps(to_data(tree))), source)
+    assert again == tree and repr(again) == repr(tree) and places(again) == places(tree)
+    assert {type(node) for node in walk(again)} == {type(node) for node in walk(tree)}
+
+
+def test_what_is_no_tree_is_refused():
+    """One place of the data is changed at a time: it is refused with one of a few errors, or is a tree of the grammar's nodes."""
+    source = read(FORMS)
+    rows = to_data(parse(source, Report()))
+    pick = random.Random(7)
+    refused = 0
+    for _ in range(400):
+        spoilt = json.loads(json.dumps(rows))
+        row = pick.choice(spoilt)
+        row[pick.randrange(len(row))] = pick.choice([-1, 0, 3, 10**9, "x", None, 1.5, True, [], [0], [[0, 1]], {}])
+        try:
+            tree = from_data(spoilt, source)
+        except (ValueError, TypeError, IndexError):
+            refused += 1
+            continue
+        for node in walk(tree):
+            assert 0 <= node.span.start <= node.span.end <= len(source.text)
+            if isinstance(node, ast.BinaryExpr):
+                assert isinstance(node.left, ast.Expr) and isinstance(node.op, str)
+    assert refused > 200
+
+
+def test_a_file_is_parsed_once_for_all_processes(tmp_path, monkeypatch):
+    monkeypatch.setenv("APGC_CACHE", str(tmp_path))
+    parsed = []
+    run = Machine.run
+    monkeypatch.setattr(Machine, "run", lambda self, source, text: parsed.append(text) or run(self, source, text))
+    sources = [Source("a.apg", "apg 1\nmaterial oak { density 700kg/m3 }\n"), Source("b.apg", "apg 1\nlet two = 2\n")]
+
+    def anew():
+        monkeypatch.setattr(trees, "_trees", {})
+        parsed.clear()
+        return [trees.tree_of(source, Report()) for source in sources], len(parsed)
+
+    first, number = anew()
+    assert number == 2 and anew() == (first, 0)
+    sources[1] = Source("b.apg", "apg 1\nlet two = 3\n")
+    assert anew()[1] == 1
+    for path in tmp_path.glob("tree-*"):
+        cache.write(path.name, b"[[0, 0, 0]]")
+    assert anew()[1] == 2 and anew()[1] == 0
