@@ -41,7 +41,7 @@ COLD, WARM = ("plan", "first", "second"), ("unchecked", "check", "points", "anno
 FEW = 4  # objects of which files are written
 COUNTED = {
     "plans": ("runtime.plan", "make_plan"),
-    "pieces": ("geometry.pieces", "build"),
+    "pieces": ("geometry.pieces", "clouds"),
     "hulls": ("geometry.pieces", "_hull"),
     "pairs": ("geometry.collide", "examine"),
     "loops": ("runtime.loops", "Loops.slopes"),

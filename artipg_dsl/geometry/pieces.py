@@ -1,13 +1,14 @@
 """Convex pieces of many instances at once: the declared ones, or the hull of a mesh of few corners.
 
 The faces of a hull are found at the test values when the primitive is compiled; an instance takes the first set of
-faces that is convex for it, and only one that fits none gets a hull of its own.
+faces that is convex for it, and only one that fits none gets a hull of its own. Whoever needs the points alone asks for
+clouds, whose faces are looked for when they are wanted.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from hashlib import blake2b
 from typing import Any
@@ -70,16 +71,97 @@ def _shared(used: bytes, faces: bytes) -> _Hull:
     return _Hull(np.frombuffer(used, dtype=np.int64), np.frombuffer(faces, dtype=np.int64).reshape(-1, 3))
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Cloud:
+    """Points (k, P, 3) of convex pieces of instances ``rows`` (k,), before their faces are looked for.
+
+    A declared piece is there so many times, with an ``index`` (k,) for each; ``number`` is its own, -1: the hull of a mesh.
+    """
+
+    primitive: Primitive
+    number: int
+    variant: tuple[bool, ...]
+    rows: np.ndarray
+    index: np.ndarray
+    points: np.ndarray
+
+    def known(self, index: int) -> tuple[_Hull, ...]:
+        """The hulls that may fit."""
+        if self.number < 0:
+            return _mesh_hulls(self.primitive, self.variant)
+        return _known(self.primitive, self.number, index)
+
+    def name(self, index: int) -> str:
+        if self.number < 0:
+            return "hull"
+        piece = self.primitive.pieces[self.number]
+        return piece.name if piece.count is None else f"{piece.name}[{index}]"
+
+    def at(self, chosen: np.ndarray) -> Cloud:
+        """Some of the pieces, in their order."""
+        return replace(self, rows=self.rows[chosen], index=self.index[chosen], points=self.points[chosen])
+
+    def ranges(self) -> list[tuple[int, int, int]]:
+        """(index, where its rows begin, where they end): rows are sorted by index."""
+        edges = np.flatnonzero(np.diff(self.index, prepend=-1)).tolist()
+        return [(int(self.index[a]), a, b) for a, b in zip(edges, [*edges[1:], len(self.index)], strict=True)]
+
+    def settled(self) -> np.ndarray:
+        """(k,) of which pieces all points are corners, as far as is known before their faces are."""
+        count, found = self.points.shape[1], np.ones(len(self.rows), dtype=bool)
+        for index, start, stop in self.ranges():
+            found[start:stop] = all(len(hull.used) == count for hull in self.known(index))
+        return found
+
+    def fitted(self, chosen: np.ndarray) -> list[tuple[np.ndarray, _Hull]]:
+        """The hulls of some of the pieces: (positions in ``chosen``, their hull)."""
+        alike: dict[tuple[_Hull, ...], list[np.ndarray]] = {}
+        order = np.argsort(self.index[chosen], kind="stable")
+        for own in np.split(order, np.flatnonzero(np.diff(self.index[chosen[order]])) + 1) if len(order) else ():
+            alike.setdefault(self.known(int(self.index[chosen[own[0]]])), []).append(own)
+        found: list[tuple[np.ndarray, _Hull]] = []
+        for known, parts in alike.items():
+            at = np.concatenate(parts)
+            fitting = _fitting(self.points[chosen[at]], known)
+            found += [(at[fitting == n], hull) for n, hull in enumerate(known) if (fitting == n).any()]
+            for own in at[fitting == len(known)].tolist():
+                row = chosen[own]
+                hull = _own(self.primitive, self.name(int(self.index[row])), self.points[row])
+                found.append((np.array([own]), hull))
+        return found
+
+    def groups(self) -> list[PieceGroup]:
+        """The pieces with their faces, index by index."""
+        found: dict[int, list[PieceGroup]] = {}
+        alike: dict[tuple[_Hull, ...], list[tuple[int, int, int]]] = {}
+        for index, start, stop in self.ranges():
+            alike.setdefault(self.known(index), []).append((index, start, stop))
+        for known, ranges in alike.items():
+            fitting = _fitting(np.concatenate([self.points[start:stop] for _, start, stop in ranges]), known)
+            begin = 0
+            for index, start, stop in ranges:
+                fits = fitting[begin : begin + stop - start]
+                begin += stop - start
+                own = slice(start, stop)
+                name = self.name(index)
+                found[index] = _grouped(self.primitive, name, self.rows[own], self.points[own], known, fits)
+        return [group for index in sorted(found) for group in found[index]]
+
+
+def clouds(primitive: Primitive, params: Params) -> list[Cloud]:
+    """The points of all convex pieces of k instances; metres, own frame."""
+    if not primitive.pieces:
+        found = []
+        for variant, rows in mesh.group_rows(primitive, params):
+            (made,) = mesh.build(primitive, mesh.take(params, rows), _hull_steps(primitive, variant))
+            found.append(Cloud(primitive, -1, variant, rows, np.zeros(len(rows), dtype=np.int64), made.vertices))
+        return found
+    return [_declared(primitive, number, params) for number in range(len(primitive.pieces))]
+
+
 def build(primitive: Primitive, params: Params) -> list[PieceGroup]:
     """Convex pieces of k instances, one group per piece (its index too) and per set of faces; metres, own frame."""
-    if not primitive.pieces:
-        groups = []
-        for variant, rows in mesh.group_rows(primitive, params):
-            known = _mesh_hulls(primitive, variant)
-            (made,) = mesh.build(primitive, mesh.take(params, rows), _hull_steps(primitive, variant))
-            groups.extend(_grouped(primitive, "hull", rows, made.vertices, known, _fitting(made.vertices, known)))
-        return groups
-    return [group for number in range(len(primitive.pieces)) for group in _declared(primitive, number, params)]
+    return [group for cloud in clouds(primitive, params) for group in cloud.groups()]
 
 
 def amounts(primitive: Primitive, params: Params) -> np.ndarray:
@@ -89,25 +171,15 @@ def amounts(primitive: Primitive, params: Params) -> np.ndarray:
     return np.sum([_counts(primitive, piece, params) for piece in primitive.pieces], axis=0)
 
 
-def _declared(primitive: Primitive, number: int, params: Params) -> list[PieceGroup]:
-    """The groups of a declared piece, index by index; those indices that have the same hulls are made together."""
+def _declared(primitive: Primitive, number: int, params: Params) -> Cloud:
+    """A declared piece, all indices of it together."""
     piece = primitive.pieces[number]
     counts = _counts(primitive, piece, params)
-    alike: dict[tuple[_Hull, ...], list[int]] = {}
-    for index in range(int(counts.max(initial=0))):
-        alike.setdefault(_known(primitive, number, index), []).append(index)
-    made: dict[int, list[PieceGroup]] = {}
-    for known, indices in alike.items():
-        rows = [np.flatnonzero(counts > index) for index in indices]
-        which = np.repeat(indices, [len(own) for own in rows])
-        points = _points(primitive, piece, which, mesh.take(params, np.concatenate(rows)))
-        hulls, start = _fitting(points, known), 0
-        for index, own in zip(indices, rows, strict=True):
-            part = slice(start, start + len(own))
-            start += len(own)
-            name = piece.name if piece.count is None else f"{piece.name}[{index}]"
-            made[index] = _grouped(primitive, name, own, points[part], known, hulls[part])
-    return [group for index in sorted(made) for group in made[index]]
+    rows = [np.flatnonzero(counts > index) for index in range(int(counts.max(initial=0)))]
+    index = np.repeat(np.arange(len(rows)), [len(own) for own in rows])
+    chosen = np.concatenate([np.zeros(0, dtype=np.int64), *rows])
+    points = _points(primitive, piece, index, mesh.take(params, chosen))
+    return Cloud(primitive, number, (), chosen, index, points)
 
 
 def _counts(primitive: Primitive, piece: Piece, params: Params) -> np.ndarray:

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from ..graph.primitive import Primitive
-from . import pieces
+from . import pieces as convex
 from .quadrature import volume_inertia
 
 
@@ -36,9 +36,14 @@ class SiteTable:
         return len(self.owner)
 
     @cached_property
-    def pieces(self) -> list[pieces.PieceGroup]:
+    def pieces(self) -> list[convex.PieceGroup]:
         """The convex pieces of all rows, in their own frames; built once, whoever asks."""
-        return pieces.build(self.primitive, self.params) if len(self) else []
+        return [group for cloud in self.clouds for group in cloud.groups()]
+
+    @cached_property
+    def clouds(self) -> list[convex.Cloud]:
+        """The points of the convex pieces, before their faces are looked for."""
+        return convex.clouds(self.primitive, self.params) if len(self) else []
 
     @cached_property
     def moments(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

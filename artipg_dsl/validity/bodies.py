@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..geometry.collide import DEPTH, inset
+from ..geometry.pieces import Cloud
 from ..geometry.vectors import cross, dot
 from ..runtime.batch import Batch
 from ..runtime.motion import apply
@@ -24,13 +25,14 @@ class Pieces:
     """N pieces sorted by link (links by object): corners by class and slot, box, object, link (a row of the link table).
 
     ``corners`` holds (n, P, 3) per class, P a power of two; a piece with fewer corners repeats its last. ``shape`` is
-    the index of its faces in ``faces``. ``solid`` is the row of its primitive in the tables of sites, one after the
-    other. Only pieces that come near others are inset, in place, by ``ready``; ``done`` tells which, by class and slot.
-    ``source`` tells where a piece stood before it was sorted, ``met`` which pieces have been found to meet another.
+    the index of its faces in ``faces``, or of the cloud that it is the piece ``place`` of and that finds them. ``solid`` is
+    the row of its primitive in the tables of sites, one after the other. Only pieces that come near others get faces and
+    are inset, in place, by ``ready``; ``done`` tells which, by class and slot. ``source`` tells where a piece stood before it
+    was sorted, ``met`` which pieces have been found to meet another.
     """
 
     corners: list[np.ndarray]
-    faces: list[np.ndarray]
+    faces: list[np.ndarray | Cloud]
     done: list[np.ndarray]
     kind: np.ndarray
     slot: np.ndarray
@@ -39,6 +41,7 @@ class Pieces:
     owner: np.ndarray
     link: np.ndarray
     shape: np.ndarray
+    place: np.ndarray
     solid: np.ndarray
     met: np.ndarray
     source: np.ndarray
@@ -62,7 +65,7 @@ class Pieces:
 
     def part(self, rows: slice | np.ndarray) -> Pieces:
         """Some of the pieces; they share the corners."""
-        names = ("kind", "slot", "low", "high", "owner", "link", "shape", "solid", "met", "source")
+        names = ("kind", "slot", "low", "high", "owner", "link", "shape", "place", "solid", "met", "source")
         columns = (getattr(self, name)[rows] for name in names)
         found = Pieces(self.corners, self.faces, self.done, *columns)
         found.gap, found.side, found.group = (
@@ -110,13 +113,24 @@ class Pieces:
             known[self.slot[at]] = True
         rows = np.flatnonzero(piece)
         rows = rows[np.argsort(self.shape[rows], kind="stable")]
+        alike: dict[tuple[int, int], list[tuple[np.ndarray, np.ndarray, np.ndarray]]] = {}
         for group in np.split(rows, np.flatnonzero(np.diff(self.shape[rows])) + 1) if len(rows) else ():
-            faces, corners = self.faces[self.shape[group[0]]], self.corners[self.kind[group[0]]]
-            slot = self.slot[group]
-            count = int(faces.max()) + 1
-            moved = inset(corners[slot, :count], faces)
-            corners[slot, :count] = moved
-            corners[slot, count:] = moved[:, -1:]
+            kind = int(self.kind[group[0]])
+            for own, used, faces in self._with_faces(group):
+                alike.setdefault((kind, id(faces)), []).append((own, used, faces))
+        for (kind, _), parts in alike.items():
+            corners, (_, used, faces) = self.corners[kind], parts[0]
+            slot = self.slot[np.concatenate([own for own, _, _ in parts])]
+            moved = inset(corners[slot[:, None], used], faces)
+            corners[slot, : len(used)] = moved
+            corners[slot, len(used) :] = moved[:, -1:]
+
+    def _with_faces(self, group: np.ndarray) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        """Pieces of one shape by their faces: (pieces, which of their points are corners, faces)."""
+        shape = self.faces[self.shape[group[0]]]
+        if isinstance(shape, Cloud):
+            return [(group[at], hull.used, hull.told) for at, hull in shape.fitted(self.place[group])]
+        return [(group, np.arange(int(shape.max()) + 1), shape)]
 
     def classes(self, piece: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
         """(positions within ``piece``, their corners (m, P, 3)) for each class that occurs."""
@@ -172,13 +186,15 @@ class Placed:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Alike:
-    """Convex pieces with common faces (F, 3): corners (k, P, 3) at rest, object and link (a row of the link table) of each."""
+    """Convex pieces with common faces (F, 3), or pieces ``place`` (k,) of a cloud: corners (k, P, 3) at rest, object and link
+    (a row of the link table) of each."""
 
     corners: np.ndarray
-    faces: np.ndarray
+    faces: np.ndarray | Cloud
     owner: np.ndarray
     link: np.ndarray
     solid: np.ndarray | None = None  # rows of their primitives in the tables of sites, one after the other
+    place: np.ndarray | None = None
 
 
 def gather(batch: Batch, first: np.ndarray, turn: np.ndarray, shift: np.ndarray) -> Pieces:
@@ -200,7 +216,10 @@ def _gathered(batch: Batch, first: np.ndarray, turn: np.ndarray, shift: np.ndarr
     tables = batch.sites()
     offset = np.cumsum([0, *(len(table) for table in tables)]).tolist()
     groups = [
-        (group, group.rows + start) for table, start in zip(tables, offset, strict=False) for group in table.pieces
+        (points, faces, rows + start, place)
+        for table, start in zip(tables, offset, strict=False)
+        for cloud in table.clouds
+        for points, faces, rows, place in _unplaced(cloud)
     ]
     if not groups:
         return packed([])
@@ -208,20 +227,34 @@ def _gathered(batch: Batch, first: np.ndarray, turn: np.ndarray, shift: np.ndarr
     link = first[owner] + link
     rotation, translation = (np.concatenate([getattr(t, name) for t in tables]) for name in ("rotation", "translation"))
     found: list[Alike | None] = [None] * len(groups)
-    corners = np.array([group.vertices.shape[1] for group, _ in groups])
+    corners = np.array([points.shape[1] for points, *_ in groups])
     for count in np.unique(corners):  # those with as many corners are placed together
         alike = np.flatnonzero(corners == count).tolist()
-        rows = np.concatenate([groups[k][1] for k in alike])
+        rows = np.concatenate([groups[k][2] for k in alike])
         sign = np.stack([np.ones(len(rows)), mirror[rows], np.ones(len(rows))], axis=-1)
-        placed = np.concatenate([groups[k][0].vertices for k in alike]) * sign[:, None]
+        placed = np.concatenate([groups[k][0] for k in alike]) * sign[:, None]
         placed = turned(rotation[rows], placed) + translation[rows][:, None]
         placed = turned(turn[link[rows]], placed) + shift[link[rows]][:, None]
         stop = 0
         for k in alike:
-            start, stop = stop, stop + len(groups[k][1])
-            at = rows[start:stop]
-            found[k] = Alike(placed[start:stop], groups[k][0].faces, owner[at], link[at], at)
+            _, faces, at, place = groups[k]
+            start, stop = stop, stop + len(at)
+            found[k] = Alike(placed[start:stop], faces, owner[at], link[at], at, place)
     return packed([group for group in found if group is not None])
+
+
+def _unplaced(cloud: Cloud) -> list[tuple[np.ndarray, np.ndarray | Cloud, np.ndarray, np.ndarray | None]]:
+    """Pieces in their own frames: (corners, faces or the cloud that finds them, rows, places in the cloud). Faces are found at
+    once where not all points may be corners, or some are no numbers, which is refused."""
+    later = cloud.settled() & bool(np.isfinite(cloud.points).all())
+    found: list[tuple[np.ndarray, np.ndarray | Cloud, np.ndarray, np.ndarray | None]] = []
+    if later.any():
+        place = np.flatnonzero(later)
+        found.append((cloud.points[place], cloud, cloud.rows[place], place))
+    if not later.all():
+        groups = cloud.at(np.flatnonzero(~later)).groups()
+        found += [(group.vertices, group.faces, group.rows, None) for group in groups]
+    return found
 
 
 def packed(groups: list[Alike]) -> Pieces:
@@ -233,7 +266,9 @@ def packed(groups: list[Alike]) -> Pieces:
     wide = np.array([max(8, 1 << (n - 1).bit_length()) for n in given.tolist()], dtype=np.int64)
     if not groups:
         none, flags = np.zeros(0, dtype=np.int64), np.zeros(0, dtype=bool)
-        return Pieces([], [], [], none, none, np.zeros((0, 3)), np.zeros((0, 3)), none, none, none, none, flags, none)
+        return Pieces(
+            [], [], [], none, none, np.zeros((0, 3)), np.zeros((0, 3)), none, none, none, none, none, flags, none
+        )
     sizes, corners, begin = np.unique(wide), [], np.zeros(len(groups), dtype=np.int64)
     for size in sizes:
         same = np.flatnonzero(wide == size)
@@ -252,9 +287,12 @@ def packed(groups: list[Alike]) -> Pieces:
         at = kind == number
         low[at], high[at] = points.min(axis=1)[slot[at]], points.max(axis=1)[slot[at]]
     order = np.argsort(link, kind="stable")
-    solid = np.concatenate([np.full(len(group.owner), -1) if group.solid is None else group.solid for group in groups])
+    solid, place = (
+        np.concatenate([np.full(len(g.owner), -1) if getattr(g, name) is None else getattr(g, name) for g in groups])
+        for name in ("solid", "place")
+    )
     shape, met, source = np.repeat(shapes, counts), np.zeros(len(owner), dtype=bool), np.arange(len(owner))
-    columns = (kind, slot, low + DEPTH / 2, high - DEPTH / 2, owner, link, shape, solid, met, source)
+    columns = (kind, slot, low + DEPTH / 2, high - DEPTH / 2, owner, link, shape, place, solid, met, source)
     done = [np.zeros(len(points), dtype=bool) for points in corners]
     faces = list({id(group.faces): group.faces for group in groups}.values())  # in the order of ``alike``
     return Pieces(corners, faces, done, *(column[order] for column in columns))
