@@ -15,14 +15,14 @@ from ..semantics.check import TypedProgram
 from ..semantics.symbols import ModuleScope, Symbol
 from ..syntax import ast
 from .elaborate import conditions as stated
-from .elaborate import drives, labels, mimic, rings
+from .elaborate import drives, labels, mimic, motions, rings
 from .elaborate.body import enter_when, lower_statements
 from .elaborate.drives import driven
 from .elaborate.legal import legalize
 from .elaborate.links import Links, first_part
-from .elaborate.motions import motions
 from .elaborate.part import Part
 from .elaborate.slots import slots
+from .elaborate.statements import carry_out
 from .elaborate.surfaces import frame_on
 from .expressions import builtins
 from .expressions.context import Abort, Context, Makers
@@ -75,8 +75,10 @@ def lower_category(typed: TypedProgram, category: Symbol, report: Report) -> Low
         for step in stage:
             try:
                 step.run(lowering)
-            except (Abort, ScopeError) as error:
-                context.failed(error, category.decl.name_span)
+            except Abort:
+                return None
+            except ScopeError as error:
+                context.mixed(error, category.decl.name_span)
                 return None
             except Circle as error:
                 circular(lowering.root, error.columns)
@@ -116,7 +118,7 @@ def no_rings(lowering: Lowering) -> None:
 
 def motion(lowering: Lowering) -> None:
     """Narrow joints by ``limit``, tie loops by ``close``, mark the joints that go as far as ``clearance``."""
-    motions(lowering.links, lowering.root)
+    carry_out(lowering.links, lowering.root, motions.MEANINGS)
     clearances(lowering.links)
 
 
@@ -137,7 +139,7 @@ def what_is_said(lowering: Lowering) -> None:
 
 def conditions(lowering: Lowering) -> None:
     """What objects have to fulfil, and which parts may touch."""
-    stated.conditions(lowering.links, lowering.root)
+    carry_out(lowering.links, lowering.root, stated.MEANINGS)
 
 
 def counterparts(lowering: Lowering) -> None:

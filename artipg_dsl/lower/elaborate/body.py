@@ -7,7 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from ...graph import expr as E
-from ...graph.expr import Scope, ScopeError
+from ...graph.expr import Scope
 from ...semantics.symbols import Symbol, lineage
 from ...source import Span
 from ...syntax import ast
@@ -100,14 +100,12 @@ def announce(env: Env, body: tuple[ast.Stmt, ...]) -> None:
 
 def lower(env: Env, body: tuple[ast.Stmt, ...]) -> None:
     for statement in body:
-        try:
+        with env.context.attempt(statement.span):
             if isinstance(statement, ast.WhenStmt):
                 open_when(env, statement)
             else:
                 for name in names_of(statement):
                     env.force(name)
-        except (Abort, ScopeError) as error:
-            env.context.failed(error, statement.span)
     bind_slots(env, body)
 
 

@@ -7,11 +7,11 @@ from collections.abc import Iterator
 
 from ...graph import expr as E
 from ...graph.depend import draws_behind
-from ...graph.expr import Expr, ScopeError
+from ...graph.expr import Expr
 from ...graph.program import Allowed, Clear, Preference, Requirement, Stable
 from ...syntax import ast
 from ...syntax.walk import walk
-from ..expressions.context import Abort, text_of, where
+from ..expressions.context import text_of, where
 from ..expressions.env import Element, Env
 from ..expressions.evaluate import Evaluator
 from ..solids.primitives import comparison
@@ -21,44 +21,15 @@ from .connect import carriers
 from .links import Links
 from .part import Part
 from .place import begins
+from .statements import Meanings
 
 
-def conditions(links: Links, env: Env) -> None:
-    """Requirements and pairs of links that may touch, of an environment and all inside it."""
-    context = links.context
-    for part in env.parts:
-        for instance in part.instances:
-            if instance.env is not None:
-                conditions(links, instance.env)
-    for inner in env.inner:
-        conditions(links, inner)
-    for statement in env.statements:
-        try:
-            match statement:
-                case ast.RequireStmt() if statement.condition is not None:
-                    require(env, statement)
-                case ast.RequireStmt():
-                    message = statement.message or (
-                        "it tips over when open" if statement.stable == "open" else "it tips over"
-                    )
-                    context.program.stable.append(
-                        Stable(env.scope, statement.stable == "open", message, where(statement.span))
-                    )
-                case ast.PreferStmt():
-                    prefer(env, statement)
-                case ast.AllowStmt():
-                    allow(links, env, statement)
-                case ast.ClearStmt():
-                    clear(links, env, statement)
-                case _:
-                    pass
-        except (Abort, ScopeError) as error:
-            context.failed(error, statement.span)
-
-
-def require(env: Env, statement: ast.RequireStmt) -> None:
-    assert statement.condition is not None
+def require(links: Links, env: Env, statement: ast.RequireStmt) -> None:
     ev = Evaluator(env)
+    if statement.condition is None:
+        message = statement.message or ("it tips over when open" if statement.stable == "open" else "it tips over")
+        env.context.program.stable.append(Stable(env.scope, statement.stable == "open", message, where(statement.span)))
+        return
     for node in conjuncts(statement.condition):
         others, bounding = disjuncts(node)
         condition, slack = comparison(ev, bounding)
@@ -86,7 +57,7 @@ def giving(env: Env, value: Value) -> tuple[int, ...]:
     return tuple(own) or tuple(draws_behind(env.context.program, codes))
 
 
-def prefer(env: Env, statement: ast.PreferStmt) -> None:
+def prefer(links: Links, env: Env, statement: ast.PreferStmt) -> None:
     ev = Evaluator(env)
     weight = E.ONE if statement.weight is None else ev.scalar(statement.weight)
     if statement.weight is not None and weight.constant is not None and not 0.0 <= float(weight.constant) < math.inf:
@@ -187,3 +158,6 @@ def nodes(links: Links, env: Env, node: ast.Expr) -> tuple[int, ...]:
     if not parts:
         raise env.context.error("wrong-kind", node.span, f"`{text_of(node.span)}` is not a part")
     return tuple(sorted(number for (part, _), number in links.nodes.items() if part in parts))
+
+
+MEANINGS: Meanings = {ast.RequireStmt: require, ast.PreferStmt: prefer, ast.AllowStmt: allow, ast.ClearStmt: clear}

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ...graph import expr as E
-from ...graph.expr import Scope, ScopeError
+from ...graph.expr import Scope
 from ...graph.primitive import Triple
 from ...semantics.meanings import Base, Word
 from ...source import Span
 from ...syntax import ast
-from ..expressions.context import Abort, Equation, text_of
+from ..expressions.context import Equation, text_of
 from ..expressions.env import Element, Env
 from ..expressions.evaluate import Evaluator
 from ..expressions.members import At, in_element
@@ -39,13 +39,11 @@ class Attachment:
 def statements(env: Env) -> None:
     """Process the statements of an environment and of those inside it."""
     for part in env.parts:
-        try:
+        with env.context.attempt(part.span):
             _ = part.pose
-        except (Abort, ScopeError) as error:
-            env.context.failed(error, part.span)
     for statement in env.statements:
         stated = len(env.equations)
-        try:
+        with env.context.attempt(statement.span):
             match statement:
                 case ast.AlignStmt():
                     align(env, statement)
@@ -55,8 +53,6 @@ def statements(env: Env) -> None:
                     goes_with(joint(env, statement), env.equations[stated:])
                 case _:
                     pass
-        except (Abort, ScopeError) as error:
-            env.context.failed(error, statement.span)
     for inner in env.inner:
         statements(inner)
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any
 
 from ...graph import expr as E
-from ...graph.expr import ONE, Expr, Scope, ScopeError
+from ...graph.expr import ONE, Expr, Scope
 from ...graph.formula import free_variables
 from ...graph.primitive import Triple, pair
 from ...graph.program import Grasp, Keypoint, Label, Pose, Target
@@ -15,7 +14,7 @@ from ...semantics import types
 from ...semantics.meanings import Current, Declared, Global
 from ...syntax import ast
 from ...syntax.walk import walk as nodes_in
-from ..expressions.context import Abort, Context, where
+from ..expressions.context import Context, where
 from ..expressions.env import Element, Env
 from ..expressions.evaluate import Evaluator
 from ..values.carry import moved
@@ -29,6 +28,7 @@ from .looks import sole_look
 from .part import Part
 from .paths import elements_named, walk
 from .place import root
+from .statements import Meanings, attempt
 
 
 @dataclass(slots=True, eq=False)
@@ -54,17 +54,12 @@ def statements(links: Links, env: Env) -> None:
                 if instance.env is not None:
                     statements(links, instance.env)
     said = [(home, statement) for home in homes for statement in home.statements]
-    for home, statement in said:
-        if isinstance(statement, ast.SymmetryStmt) and not one_element(
-            statement
-        ):  # before those under a guard, which say more
-            attempt(links, home, statement, symmetry)
-    for home, statement in said:
-        if isinstance(statement, ast.SymmetryStmt) and one_element(statement):
-            attempt(links, home, statement, symmetry)
+    symmetries = [(home, s) for home, s in said if isinstance(s, ast.SymmetryStmt)]
+    for home, symmetric in sorted(symmetries, key=lambda pair: one_element(pair[1])):  # one element last: it says more
+        attempt(links, home, symmetric, MEANINGS)
     for home, statement in sorted(said, key=lambda pair: pair[1].span.start):
-        if type(statement) in MEANINGS:
-            attempt(links, home, statement, MEANINGS[type(statement)])
+        if not isinstance(statement, ast.SymmetryStmt):
+            attempt(links, home, statement, MEANINGS)
 
 
 def nested(env: Env) -> Iterator[Env]:
@@ -72,14 +67,6 @@ def nested(env: Env) -> Iterator[Env]:
     yield env
     for inner in env.inner:
         yield from nested(inner)
-
-
-def attempt(links: Links, env: Env, statement: ast.Stmt, meaning: Callable[[Links, Env, Any], None]) -> None:
-    """One statement; after an error the next ones are still looked at."""
-    try:
-        meaning(links, env, statement)
-    except (Abort, ScopeError) as error:
-        env.context.failed(error, statement.span)
 
 
 # ---------------------------------------------------------------- targets
@@ -401,7 +388,8 @@ def one_element(statement: ast.SymmetryStmt) -> bool:
     return any(isinstance(node, ast.IndexExpr) for node in nodes_in(statement.target))
 
 
-MEANINGS: dict[type[ast.Stmt], Callable[[Links, Env, Any], None]] = {
+MEANINGS: Meanings = {
+    ast.SymmetryStmt: symmetry,
     ast.LabelStmt: label,
     ast.FieldStmt: field_label,
     ast.MaterialStmt: material,

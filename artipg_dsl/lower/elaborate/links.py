@@ -11,13 +11,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
 from ...graph import expr as E
-from ...graph.expr import Scope, ScopeError
+from ...graph.expr import Scope
 from ...graph.program import Link, Pose, Site
 from ...graph.program import Part as PartNode
 from ...graph.reference import Elsewhere, Onward, Reference, Under
 from ...source import Span
 from ...syntax import ast
-from ..expressions.context import Abort, Context
+from ..expressions.context import Context
 from ..expressions.env import Env, Hinge, exists_in
 from ..expressions.extents import union_of
 from ..solve.cases import TooManyCases, combinations
@@ -228,10 +228,8 @@ class Links:
     def build(self, env: Env, parent: int) -> None:
         """Nodes, sites and joints of the parts of an environment, depth first in the order of the text."""
         for part in env.parts:
-            try:
+            with self.context.attempt(part.span):
                 self.build_part(part, parent)
-            except (Abort, ScopeError) as error:
-                self.context.failed(error, part.span)
         for inner in env.inner:
             self.build(inner, parent)
 

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ...graph import expr as E
-from ...graph.expr import ScopeError
 from ...graph.primitive import Triple, triple
 from ...graph.program import Closure
 from ...graph.reference import Reference
 from ...syntax import ast
-from ..expressions.context import Abort, where
+from ..expressions.context import where
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..solve.solve import lifted
@@ -21,24 +20,7 @@ from .guards import has_row
 from .joints import clears, ends
 from .links import Links
 from .paths import joints
-
-
-def motions(links: Links, env: Env) -> None:
-    """The statements about joints of an environment and of all inside it, once every joint is made."""
-    for part in env.parts:
-        for instance in part.instances:
-            if instance.env is not None:
-                motions(links, instance.env)
-    for inner in env.inner:
-        motions(links, inner)
-    for statement in env.statements:
-        try:
-            if isinstance(statement, ast.LimitStmt):
-                limit(links, env, statement)
-            elif isinstance(statement, ast.CloseStmt):
-                close(links, env, statement)
-        except (Abort, ScopeError) as error:
-            env.context.failed(error, statement.span)
+from .statements import Meanings
 
 
 def limit(links: Links, env: Env, statement: ast.LimitStmt) -> None:
@@ -87,3 +69,6 @@ def close(links: Links, env: Env, statement: ast.CloseStmt) -> None:
     if along is not None:
         b = plus(b, times(along, dot(minus(a, b), along)))
     links.context.program.closures.append(Closure(env.scope, (first, second), (a, b), where(statement.span)))
+
+
+MEANINGS: Meanings = {ast.LimitStmt: limit, ast.CloseStmt: close}

@@ -191,9 +191,14 @@ class Context:
         """What the checker should have ruled out, or what is left of a statement that was reported; the caller raises it."""
         return Abort() if self.report.failed else InternalError(span, what)
 
-    def failed(self, error: Abort | ScopeError, span: Span) -> None:
-        """Go on after a statement that could not be lowered; what is not in the report yet is put there."""
-        if isinstance(error, ScopeError):
+    @contextmanager
+    def attempt(self, span: Span) -> Iterator[None]:
+        """Go on after a statement that cannot be lowered; what is not in the report yet is put there."""
+        try:
+            yield
+        except Abort:
+            pass
+        except ScopeError as error:
             self.mixed(error, span)
 
     def mixed(self, error: ScopeError, span: Span) -> Abort:
