@@ -14,10 +14,11 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import UsageError
+from ..errors import UsageError, UserError
 from ..run.job import open_job, prepare
-from ..run.request import read_request
+from ..run.request import read_numbers, read_request
 from ..run.resume import reopen
+from ..run.schema import expand
 from ..run.settings import Value
 from ..session import Session, categories
 from .samples import Object, Samples
@@ -71,9 +72,19 @@ def load(
     return Samples(prepare(sampler, request))
 
 
-def open_samples(folder: str | Path) -> Samples:
-    """The objects of a folder that ``apgc sample`` has written, made again. Raises ExportError, UserError."""
-    return Samples(reopen(folder))
+def open_samples(folder: str | Path, *, numbers: Sequence[int] | np.ndarray | None = None) -> Samples:
+    """The objects of a folder that ``apgc sample`` has written, made again: all, or those of the given ``numbers``.
+
+    Where the folder has tables, they are made from these. Raises ExportError, UserError, UsageError.
+    """
+    job = reopen(folder)
+    if numbers is None:
+        return Samples(job)
+    asked = expand(read_numbers(None, numbers))
+    absent = np.setdiff1d(asked, job.request.objects)
+    if len(absent):
+        raise UserError(f"there is no object {absent[0]} in {folder}", "its manifest lists the numbers")
+    return Samples(job.of(asked))
 
 
 __all__ = ["Object", "Samples", "categories", "load", "open_samples", "sample"]

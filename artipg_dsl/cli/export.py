@@ -9,8 +9,8 @@ from pathlib import Path
 from ..errors import UsageError
 from .messages import plural, say
 from .progress import Progress
-from .render import open_wanted
 from .sample import read_resolution, refuse_file
+from .wanted import open_wanted
 
 
 def run(options: argparse.Namespace) -> int:

@@ -54,7 +54,7 @@ def add_compile(to: argparse.ArgumentParser) -> None:
 
 
 def add_sample(to: argparse.ArgumentParser) -> None:
-    _program(to)
+    _source(to)
     _drawing(to, 10)
     to.add_argument("-o", "--out", type=folder, default="out", metavar="DIR", help="output folder (default: out)")
     to.add_argument(
@@ -97,6 +97,11 @@ def add_sample(to: argparse.ArgumentParser) -> None:
         metavar="LIST",
         help=f"formats, separated by commas: {', '.join(n for n in FORMATS if '.' not in n)} (default: points,annotation); "
         f"shards of arrays can be written in another container: points.{', points.'.join(OTHERS)}",
+    )
+    to.add_argument(
+        "--tables",
+        action="store_true",
+        help="write the values that objects are made of, instead of points and annotations (with --format: beside what it names)",
     )
     to.add_argument(
         "--states",

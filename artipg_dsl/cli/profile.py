@@ -10,7 +10,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from .progress import Progress
-from .sample import read_request
+from .wanted import read_request
 
 if TYPE_CHECKING:
     from ..quality.cost import Cost

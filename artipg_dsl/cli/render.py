@@ -5,12 +5,11 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from ..errors import UsageError, UserError
-from ..run.job import Job, open_job
-from ..run.resume import reopen
+from ..errors import UsageError
 from .messages import say
 from .progress import Progress
-from .sample import read_request, read_resolution
+from .sample import read_resolution
+from .wanted import open_wanted
 
 
 def run(options: argparse.Namespace) -> int:
@@ -37,24 +36,3 @@ def run(options: argparse.Namespace) -> int:
         )
     say(f"drew {len(job.request.objects)} of {job.program.name} to {options.out}")
     return 0
-
-
-def open_wanted(options: argparse.Namespace, *, every: bool = False) -> Job:
-    """The job to take objects from; of a folder the first ones, or ``every`` one."""
-    if not Path(options.program).is_dir():
-        return open_job(read_request(options))
-    if options.set or options.seed is not None:
-        raise UsageError(
-            f"the samples in {options.program} already have their seed and settings",
-            "leave out --seed and --set, or name a category",
-        )
-    job = reopen(options.program)
-    numbers = job.request.objects
-    if options.only is None:
-        return job.of(numbers[: options.number or (len(numbers) if every else options.default_number)])
-    absent = sorted(set(options.only) - set(numbers.tolist()))
-    if absent:
-        raise UserError(
-            f"there is no object {absent[0]} in {options.program}", f"its manifest lists {len(numbers)} objects"
-        )
-    return job.of(options.only)

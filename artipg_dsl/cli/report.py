@@ -13,7 +13,7 @@ from ..errors import UsageError
 from .arguments import STREAM
 from .messages import say
 from .progress import Progress
-from .sample import read_request
+from .wanted import read_request
 
 if TYPE_CHECKING:
     from ..quality.card import Card

@@ -5,12 +5,12 @@ from __future__ import annotations
 import argparse
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ..errors import UsageError, UserError
-from ..run.settings import split
 from .messages import plural, say
 from .progress import Progress
+from .wanted import is_folder, open_wanted, read_request
 
 if TYPE_CHECKING:
     from ..export.content import Content
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from ..run.job import Job
     from ..run.manifest import Manifest
     from ..run.output import Output
-    from ..run.request import Request
 
 _ABOUT_POINTS = {"motion": False, "surface": "boundary", "spread": "random", "per": "object", "balance": None}
 
@@ -31,13 +30,14 @@ def refuse_file(folder: Path) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    from ..export.registry import choose_formats
+    from ..export.registry import TABLES, choose_formats
     from ..export.write import ExportError
     from ..run.output import Output
 
     begun = time.monotonic()
     try:
-        formats = choose_formats(options.format, views=options.views is not None)
+        named = options.format if not options.tables else ",".join(filter(None, [options.format, TABLES]))
+        formats = choose_formats(named, views=options.views is not None)
     except ExportError as wrong:
         raise UsageError(wrong.message, wrong.hint) from None
     output = Output.of(formats, _read_content(options))
@@ -99,28 +99,34 @@ def read_resolution(options: argparse.Namespace) -> Resolution | None:
     return None if asked == (None, None) else Resolution(tolerance=options.tolerance, triangles=options.triangles)
 
 
-def read_request(options: argparse.Namespace, program: str | None = None, **more: Any) -> Request:
-    """The objects asked for: of a program, by a seed, with the values that are set. Raises UsageError, UserError."""
-    from ..run import request
-
-    only = options.only
-    number = None if only else options.number or (None if more.get("values") else options.default_number)
-    return request.read_request(
-        program or options.program, seed=options.seed or 0, n=number, numbers=only, settings=split(options.set), **more
-    )
-
-
 def _open_job(options: argparse.Namespace) -> Job:
     """The job: objects that are drawn, or those of a file of values, or mutants of them. Raises UsageError, UserError."""
     from ..run import job as jobs
     from ..sampling.mutate import Mutation, read_operations
 
+    if is_folder(options.program):
+        return _open_folder(options)
     step = Mutation(read_operations(options.mutate), options.variant or 0) if options.mutate else None
     asked = read_request(
         options, checked=not options.unchecked, sampling=options.sampling, repair=options.repair, values=options.params
     )
     job = jobs.open_job(asked, values=options.params or "values")
     return job if step is None else job.mutated(step)
+
+
+def _open_folder(options: argparse.Namespace) -> Job:
+    """The job of the objects of a folder, as they are. Raises UsageError, UserError."""
+    for name in ("mutate", "params", "unchecked", "repair"):
+        if getattr(options, name):
+            hint = (
+                "apgc mutate makes mutants of them" if name == "mutate" else f"leave out --{name}, or name a category"
+            )
+            raise UsageError(f"the samples in {options.program} are there already: --{name} does not apply", hint)
+    if options.sampling != "sequential":
+        raise UsageError(f"the samples in {options.program} are there already", "leave out --sampling")
+    if Path(options.out).resolve() == Path(options.program).resolve():
+        raise UsageError(f"{options.out} holds the samples themselves", "name another folder with -o")
+    return open_wanted(options, every=True)
 
 
 # ---------------------------------------------------------------- what is told
@@ -137,6 +143,8 @@ def _warn_of_engine() -> None:
 def show_statistics(job: Job, manifest: Manifest) -> str:
     """How well the text of the category leads to valid objects: counts, and what failed with its line."""
     counts = manifest.get("counts") or job.counts()
+    if counts is None:
+        return "these objects were counted together with others"
     made, valid = counts["objects"], counts["first_valid"]
     if not made:
         return "nothing was left to do"

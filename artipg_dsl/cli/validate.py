@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import NoObject, UserError
 from .progress import Progress
-from .render import open_wanted
+from .wanted import open_wanted
 
 if TYPE_CHECKING:
     from ..export.strict import Strict

@@ -103,6 +103,17 @@ _VIEWS = {
     "cloud_link": Meaning("as link", _CLOUD),
 }
 
+_TABLES = {
+    "object": "object number",
+    "drawn": "the number that its random values are addressed by, with seed, attempt, lane and salt",
+    "attempt": "attempts before this one",
+    "lane": "of a mutant, which one it is",
+    "salt": "of a mutant, what its random values are of",
+    "rows": "objects, draws: how many values it has of each draw",
+    "values": "the values, object by object, draw by draw: metres, radians, counts, indices of options",
+    "repairs": "what was moved to make it valid, as the annotation has it (JSON); empty for nothing",
+}
+
 _KINDS = {
     "mask": "the label holds",
     "grade": "how far the label holds, 0 .. 1",
@@ -140,6 +151,12 @@ def point_arrays(program: Program, content: Content) -> dict[str, dict[str, Any]
         lengths["objects"] = "classes" if points.per == "semantic" else f"{points.per}s"
     moving = {*_MOVING, *(name for name, kind in field_kinds(program.labels).items() if kind == "vectors")}
     return {name: _entry(m, content, lengths, name in moving) for name, m in _with_states(meant, content).items()}
+
+
+def table_arrays(program: Program) -> dict[str, Any]:
+    """What the arrays of a tables shard hold, and the draws in the order of ``rows`` and ``values``."""
+    draws = [{"name": d.column.name, "kind": d.kind, "unit": d.unit, "options": list(d.options)} for d in program.draws]
+    return {**_TABLES, "draws": draws}
 
 
 def view_arrays(program: Program, content: Content) -> dict[str, dict[str, Any]]:

@@ -97,9 +97,12 @@ def _writer(place: str) -> Any:
     return getattr(import_module(f".{module}", __package__), function)
 
 
+TABLES = "tables"
+
+
 def _contained(entry: Format) -> list[Format]:
     """A format of arrays, and the same in other containers."""
-    if entry.container is None:
+    if entry.container is None or entry.name == TABLES:  # what is read again is kept in one container
         return [entry]
     return [entry] + [
         replace(
@@ -119,6 +122,13 @@ FORMATS: dict[str, Format] = {
     for plain in (
         Format(
             "points", "labelled points with their binding, NumPy", ".npz", shard="shards:points_shard", container=NPZ
+        ),
+        Format(
+            "tables",
+            "the values alone that all else is made of, NumPy",
+            ".npz",
+            shard="shards:tables_shard",
+            container=NPZ,
         ),
         Format(
             "annotation", "joints, parts, grasps, parameters as JSON lines", ".jsonl", shard="shards:annotation_shard"
@@ -200,10 +210,13 @@ def _require(entry: Format) -> None:
 
 
 def choose_formats(names: str | Sequence[str] | None, *, views: bool = False) -> list[Format]:
-    """What ``apgc sample`` writes: the formats named (None: the default ones), and annotations with any of them.
+    """What ``apgc sample`` writes: the formats named (None: the default ones), and annotations with any of them but tables, which
+    hold them in short.
 
     ``views``: those too, whether they are named or not.
     """
     chosen = find_formats(DEFAULT if names is None else names)
+    if not views and [entry.name for entry in chosen] == [TABLES]:
+        return chosen
     more = {"annotation", *(["views"] if views and "views" not in [entry.kind for entry in chosen] else [])}
     return [entry for entry in FORMATS.values() if entry in chosen or entry.name in more]

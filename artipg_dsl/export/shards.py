@@ -12,6 +12,7 @@ from ..annotate.cloud import sample_points
 from ..annotate.sampling import Sampling
 from ..annotate.states import REST, States, joint_values, state_table
 from ..annotate.views import NONE, make_views
+from ..sampling.columns import to_columns
 from .containers import Arrays
 from .content import Content
 
@@ -84,6 +85,12 @@ def points_shard(batch: Batch, content: Content) -> Arrays:
 def views_shard(batch: Batch, content: Content) -> Arrays:
     """The arrays of ``views-<shard>.npz``."""
     return view_arrays(batch, content.cameras or Cameras(), content.states)
+
+
+def tables_shard(batch: Batch, content: Content) -> Arrays:
+    """The arrays of ``tables-<shard>.npz``: the values that the objects are made of."""
+    del content
+    return to_columns(batch)
 
 
 def annotation_shard(batch: Batch, content: Content) -> bytes:

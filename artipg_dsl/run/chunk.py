@@ -51,13 +51,13 @@ class Chunk:
 
     def write(self, sample: Callable[[np.ndarray], Batch], progress: Progress | None = None) -> None:
         """Write what is missing; ``sample(numbers)`` makes the batch, ``progress(done, of)`` hears of objects with files."""
-        missing = [e for e in self.formats if e.shard and not _shard_path(self.out, e, self.shard).exists()]
+        missing = [e for e in self.formats if e.shard and not shard_path(self.out, e, self.shard).exists()]
         absent = self.numbers if self.force and self.each else self.absent()
         if not (self.always or missing or len(absent)):
             return
         batch = sample(self.numbers if self.always or missing else absent)
         for entry in missing:
-            write_bytes(_shard_path(self.out, entry, self.shard), entry.shard_bytes(batch, self.content))
+            write_bytes(shard_path(self.out, entry, self.shard), entry.shard_bytes(batch, self.content))
         if len(absent):
             write_objects(
                 batch,
@@ -86,5 +86,5 @@ class Chunk:
         return parts
 
 
-def _shard_path(out: Path, entry: Format, index: int) -> Path:
+def shard_path(out: Path, entry: Format, index: int) -> Path:
     return out / f"{entry.kind}-{index:05d}{entry.suffix}"

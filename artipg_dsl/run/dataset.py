@@ -43,14 +43,18 @@ def write_dataset(
     out, numbers, shard = Path(out), job.request.objects, output.shard
     manifest = make_ready(out, manifests.build(job.program, job.request, output, out=out), force)
     counting = "counts" not in manifest and part[1] == 1
+    remade = job.tables is not None  # what was counted then is known, or it is not
     first, step = (part[0] - 1) * shard, part[1] * shard
     chunks = [
-        Chunk(out, numbers[at : at + shard], output.writers, output.content, at // shard, always=counting)
+        Chunk(
+            out, numbers[at : at + shard], output.writers, output.content, at // shard, always=counting and not remade
+        )
         for at in range(first, len(numbers), step)
     ]
     _carry_out(job, chunks, progress, workers)
-    if counting:
-        manifest = manifests.build(job.program, job.request, output, out=out, counts=job.counts())
+    counts = job.counts()
+    if counting and counts is not None:
+        manifest = manifests.build(job.program, job.request, output, out=out, counts=counts)
         write_bytes(out / manifests.NAME, manifests.to_text(manifest), force=True)
     return manifest
 

@@ -26,6 +26,7 @@ from .params import read_values
 from .request import Request, is_file
 from .schema import to_runs
 from .settings import resolve
+from .tables import Tables
 
 if TYPE_CHECKING:
     from ..graph.program import Program
@@ -41,6 +42,7 @@ class Job:
     given: dict[int, float]
     values: Values | None
     statistics: Statistics = field(default_factory=Statistics)
+    tables: Tables | None = None  # where the objects are known by their values, which are valid
 
     @property
     def program(self) -> Program:
@@ -50,7 +52,7 @@ class Job:
         """The objects of the given numbers, by default all that are requested. Raises NoObject."""
         asked = self.request.objects if numbers is None else np.asarray(numbers, dtype=np.int64)
         try:
-            made = self._made(asked, self.request.mutations)
+            made = self.tables.batch(self, asked) if self.tables else self._made(asked, self.request.mutations)
             prove(made)
             return made
         except Exhausted as error:
@@ -97,8 +99,10 @@ class Job:
         """In words what failed, with its place in the text, and in how many attempts; the worst first."""
         return count_in_words(self.program, self.statistics.failures())
 
-    def counts(self) -> Counts:
-        """The statistics as the manifest keeps them."""
+    def counts(self) -> Counts | None:
+        """The statistics as the manifest keeps them; None where the objects are some of those that others counted together."""
+        if self.tables is not None:
+            return self.tables.counts if self.tables.numbers == self.request.numbers else None
         return summarize(self.program, self.statistics, self.request.checked)
 
 

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NotRequired, TypedDic
 
 import numpy as np
 
-from ..export.meanings import point_arrays, view_arrays, vocabularies
+from ..export.meanings import point_arrays, table_arrays, view_arrays, vocabularies
 from ..export.mutants import MEANINGS
-from ..export.registry import kinds
+from ..export.registry import TABLES, kinds
 from ..export.write import ExportError
 from ..shapes import Misfit, Rule, fit, hints, shown
 from ..version import __version__
@@ -67,6 +67,7 @@ class Manifest(TypedDict):
     sites: list[Site]
     arrays: NotRequired[dict[str, dict[str, Any]]]
     views: NotRequired[dict[str, dict[str, Any]]]
+    tables: NotRequired[dict[str, Any]]
     correspondence: NotRequired[dict[str, str]]
     counts: NotRequired[Counts]
 
@@ -96,6 +97,8 @@ def build(
         manifest["arrays"] = point_arrays(program, content)
     if content.cameras is not None:
         manifest["views"] = view_arrays(program, content)
+    if TABLES in output.kinds:
+        manifest["tables"] = table_arrays(program)
     if "correspondence" in output.kinds:
         manifest["correspondence"] = dict(MEANINGS)
     if counts is not None:

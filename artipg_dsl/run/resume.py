@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 from ..errors import UsageError, UserError
 from ..export.objects import OBJECTS
-from ..export.registry import FORMATS
+from ..export.registry import FORMATS, TABLES
 from ..export.write import ExportError, ensure_folder, explain, sweep, write_bytes
 from . import manifest as manifests
 from .job import Job, open_job
 from .manifest import Manifest
 from .request import Request
+from .tables import Tables
 
 
 def reopen(folder: Path | str) -> Job:
@@ -29,11 +31,16 @@ def read(folder: Path | str) -> Manifest:
 
 
 def remake(folder: Path | str, manifest: Manifest) -> Job:
-    """The job that the manifest of a folder tells of. Raises UserError."""
+    """The job that the manifest of a folder tells of; where it has tables, objects are made from these. Raises UserError."""
+    identity = manifest["identity"]
     try:
-        return open_job(Request.from_manifest(manifest["identity"], manifest["source"], Path(folder)))
+        job = open_job(Request.from_manifest(identity, manifest["source"], Path(folder)))
     except UsageError as error:  # what the manifest says, nobody has typed
         raise UserError(f"{Path(folder) / manifests.NAME}: {error.message}", error.hint) from None
+    if TABLES not in identity["formats"] or job.request.mutations:  # mutants are told by what made them, too
+        return job
+    tables = Tables(Path(folder), job.request.numbers, identity["shard"], manifest.get("counts"))
+    return replace(job, tables=tables)
 
 
 def make_ready(out: Path, manifest: Manifest, force: bool) -> Manifest:

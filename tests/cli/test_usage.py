@@ -19,7 +19,7 @@ from .helpers import CHEST, Apgc, command, environment
         ("sample Microwave --formt glb", "apgc sample has no option --formt", "did you mean --format?"),
         ("sample Microwave more", "unexpected argument more", "apgc sample --help"),
         ("sample Microwave -n 0", "0 is not a number from 1", "apgc sample --help"),
-        ("sample", "required: NAME|FILE", "apgc sample --help"),
+        ("sample", "required: DIR|NAME|FILE", "apgc sample --help"),
         ("compile Microwave --emit tree", "there is no --emit `tree`", "graph, ast, typed"),
         (f"sample {CHEST} --variant 3", "--variant applies to mutants", "--mutate"),
         (f"sample {CHEST} --states open=45", "`open=45` has no unit", "deg"),
