@@ -121,11 +121,11 @@ class Session:
         if typed is None or self.report.failed:
             return None
         if typed.category is None:
-            solids.close(solids.own(typed, self.report), self.report)
+            solids.check_closed(solids.lower_own(typed, self.report), self.report)
             return None
         lowering = lower_category(typed, typed.category, self.report)
         if lowering is not None:
-            solids.close(lowering.context.solids, self.report)
+            solids.check_closed(lowering.context.solids, self.report)
         return None if self.report.failed else lowering
 
     @cached_property
@@ -213,10 +213,10 @@ class Session:
     def _warn_of_cost(self, batch: Batch, span: Span) -> None:
         """Name the parts that the check of an object takes long for."""
         from .geometry.errors import PrimitiveError  # start-up
-        from .quality.cost import costs, heavy  # start-up
+        from .quality.cost import find_heavy, measure_costs  # start-up
 
         try:
-            found = heavy(costs(batch))
+            found = find_heavy(measure_costs(batch))
         except PrimitiveError:
             return  # told elsewhere, or when objects are drawn
         for cost in found:
@@ -288,9 +288,9 @@ class Session:
 
     def _warn_floating(self, batch: Batch, lowering: Lowering) -> None:
         """Report the parts that float in each of a few objects that has them: none of those is ever valid."""
-        from .validity.adrift import adrift  # start-up
+        from .validity.adrift import find_adrift  # start-up
 
-        floating = [path for path, (wrong, present) in adrift(batch).items() if wrong == present]
+        floating = [path for path, (wrong, present) in find_adrift(batch).items() if wrong == present]
         for part in lowering.context.parts:
             own = [path for path in floating if path == part.path or path.startswith(f"{part.path}.")]
             if own and part.span.source is lowering.root.module.source:

@@ -70,34 +70,34 @@ def fit(value: Any, kind: Any, at: str = "") -> None:
         if rules and not _fits(value, plain):
             if _within(value, plain):
                 fit(value, plain, at)
-            raise Misfit(at, rules[0].words, shown(value))
+            raise Misfit(at, rules[0].words, show_value(value))
         fit(value, plain, at)
         for rule in rules:
             if not rule.holds(value):
-                raise Misfit(at, rule.words, shown(value))
+                raise Misfit(at, rule.words, show_value(value))
     elif origin in (Required, NotRequired):
         fit(value, get_args(kind)[0], at)
     elif origin in (Union, UnionType):
         _one_of(value, get_args(kind), at)
     elif origin is Literal:
         if not any(value == option and type(value) is type(option) for option in get_args(kind)):
-            raise Misfit(at, words(kind), shown(value))
+            raise Misfit(at, _describe_shape(kind), show_value(value))
     elif origin in (list, tuple, dict):
         _container(value, origin, get_args(kind), at)
     elif is_typeddict(kind):
         _keys(value, kind, at)
     elif kind is None or kind is NoneType:
         if value is not None:
-            raise Misfit(at, "nothing", shown(value))
+            raise Misfit(at, "nothing", show_value(value))
     elif kind is float:
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise Misfit(at, "a number", shown(value))
+            raise Misfit(at, "a number", show_value(value))
         if not abs(value) <= 1e300:
-            raise Misfit(at, "a finite number", shown(value))
+            raise Misfit(at, "a finite number", show_value(value))
     elif not isinstance(value, kind) or kind is int and isinstance(value, bool):
-        raise Misfit(at, words(kind), shown(value))
+        raise Misfit(at, _describe_shape(kind), show_value(value))
     elif kind is str and not _text(value):
-        raise Misfit(at, "text", shown(value))
+        raise Misfit(at, "text", show_value(value))
     elif is_dataclass(value) and type(value) not in NAMED:
         for name, inner in hints(value.__class__).items():
             fit(getattr(value, name), inner, f"{at}.{name}" if at else name)
@@ -132,12 +132,14 @@ def _one_of(value: Any, options: tuple[Any, ...], at: str) -> None:
         except Misfit as wrong:
             if wrong.at != at:
                 inside = wrong
-    raise inside or Misfit(at, " or ".join(dict.fromkeys(words(option) for option in options)), shown(value))
+    raise inside or Misfit(
+        at, " or ".join(dict.fromkeys(_describe_shape(option) for option in options)), show_value(value)
+    )
 
 
 def _container(value: Any, origin: Any, inner: tuple[Any, ...], at: str) -> None:
     if not isinstance(value, origin):
-        raise Misfit(at, words(origin), shown(value))
+        raise Misfit(at, _describe_shape(origin), show_value(value))
     if origin is dict:
         for key, item in value.items():
             fit(key, inner[0], at)
@@ -155,18 +157,20 @@ def _container(value: Any, origin: Any, inner: tuple[Any, ...], at: str) -> None
 
 def _keys(value: Any, kind: Any, at: str) -> None:
     if not isinstance(value, dict):
-        raise Misfit(at, "an object", shown(value))
+        raise Misfit(at, "an object", show_value(value))
     known = hints(kind)
     for name, inner in known.items():
         place = f"{at}.{name}" if at else name
         if name in value:
             fit(value[name], inner, place)
         elif get_origin(inner) is not NotRequired:
-            raise Misfit(place, words(inner), "nothing")
+            raise Misfit(place, _describe_shape(inner), "nothing")
     for name in value:
         if name not in known:
             close = did_you_mean(str(name), known)
-            raise Misfit(at, "no such key" if close is None else f"another key ({close})", f"the key {shown(name)}")
+            raise Misfit(
+                at, "no such key" if close is None else f"another key ({close})", f"the key {show_value(name)}"
+            )
 
 
 @cache
@@ -176,25 +180,25 @@ def hints(kind: Any) -> dict[str, Any]:
     return {field.name: found[field.name] for field in fields(kind)} if is_dataclass(kind) else found
 
 
-def words(kind: Any) -> str:
+def _describe_shape(kind: Any) -> str:
     """What an annotation asks for."""
     origin = get_origin(kind)
     if origin is Annotated:
         rules = [rule for rule in get_args(kind)[1:] if isinstance(rule, Rule)]
-        return rules[0].words if rules else words(get_args(kind)[0])
+        return rules[0].words if rules else _describe_shape(get_args(kind)[0])
     if origin in (Required, NotRequired):
-        return words(get_args(kind)[0])
+        return _describe_shape(get_args(kind)[0])
     if origin is Literal:
         options = [str(option) for option in get_args(kind)]
         return options[0] if len(options) == 1 else f"one of {', '.join(options)}"
     if origin in (Union, UnionType):
-        return " or ".join(words(option) for option in get_args(kind))
+        return " or ".join(_describe_shape(option) for option in get_args(kind))
     if is_typeddict(kind):
         return "an object"
     return str(NAMED.get(kind) or _WORDS.get(origin or kind) or getattr(kind, "__name__", kind))
 
 
-def shown(value: Any) -> str:
+def show_value(value: Any) -> str:
     """A value as messages show it."""
     if value is None or isinstance(value, bool):
         return {None: "nothing", True: "true", False: "false"}[value]

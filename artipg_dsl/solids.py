@@ -9,9 +9,9 @@ from .diagnostics import Report
 from .geometry import facts
 from .geometry.errors import PrimitiveError
 from .geometry.patches import evaluate_rows
-from .geometry.selftest import missed
+from .geometry.selftest import measure_missed
 from .geometry.topology import orientation, seams
-from .geometry.trial import anything, variants
+from .geometry.trial import draw_any, variants
 from .graph.primitive import Primitive
 from .graph.program import Program
 from .lower.expressions.context import Abort
@@ -30,14 +30,14 @@ LOOSE, ABSENT = 0.05, 0.1  # of its size that a solid reaches beyond its pieces:
 _NARROW = "does the path cross or touch itself, or bend more tightly than its section allows? Narrow the ranges in its formula"
 
 
-def close(solids: Mapping[Any, Lowered], report: Report) -> None:
+def check_closed(solids: Mapping[Any, Lowered], report: Report) -> None:
     """Report ``leaky-primitive`` for each lowered primitive whose surfaces do not bound a solid.
 
     Every surface, at each variant its test values show, must meet others all around and have the inside on one side.
     """
     for symbol, lowered in solids.items():
         try:
-            examine(lowered.primitive)
+            examine_primitive(lowered.primitive)
             _cover(symbol, lowered, report)
         except PrimitiveError as error:
             # one that is made of a curve is known by the symbol and the curve
@@ -49,7 +49,9 @@ def _cover(symbol: Symbol, lowered: Lowered, report: Report) -> None:
     stated = [s for s in getattr(symbol, "body", ()) if isinstance(s, ast.PieceDecl)]
     if not stated or symbol.module.source.name.startswith("library/"):  # those of the library are tested
         return
-    found = facts.known(lowered.primitive, "missed", lambda: missed(lowered.primitive), lambda far: far, _distance)
+    found = facts.recall_fact(
+        lowered.primitive, "missed", lambda: measure_missed(lowered.primitive), lambda far: far, _distance
+    )
     if found is None or found[0] < LOOSE:
         return
     far, place = found
@@ -62,7 +64,7 @@ def _cover(symbol: Symbol, lowered: Lowered, report: Report) -> None:
     )
 
 
-def examine(primitive: Primitive) -> None:
+def examine_primitive(primitive: Primitive) -> None:
     """Raises PrimitiveError for the first fault; that there is none is kept between runs."""
 
     def closed() -> bool:
@@ -71,7 +73,7 @@ def examine(primitive: Primitive) -> None:
         orientation(primitive)
         return True
 
-    facts.known(primitive, "closed", closed, bool, _true)
+    facts.recall_fact(primitive, "closed", closed, bool, _true)
 
 
 def _true(data: object) -> bool:
@@ -81,7 +83,7 @@ def _true(data: object) -> bool:
 
 
 def _distance(data: Any) -> tuple[float, str] | None:
-    """What ``missed`` gives, from data."""
+    """What ``measure_missed`` gives, from data."""
     if data is None:
         return None
     far, place = data
@@ -115,7 +117,7 @@ def _too_tight(lowered: Lowered) -> str | None:
     """That a path bends more tightly than its section allows, at all test values."""
     for condition in lowered.conditions:
         if condition.bend is not None:
-            params = anything(lowered.primitive, _TRIED)
+            params = draw_any(lowered.primitive, _TRIED)
             reach, radius = evaluate_rows(lowered.primitive, condition.bend, params)
             if not evaluate_rows(lowered.primitive, (condition.holds,), params, bool).any():
                 least, most = (plain(float(v), "m") for v in (reach.min(), radius.max()))
@@ -124,7 +126,7 @@ def _too_tight(lowered: Lowered) -> str | None:
     return None
 
 
-def own(typed: TypedProgram, report: Report) -> dict[Symbol, Lowered]:
+def lower_own(typed: TypedProgram, report: Report) -> dict[Symbol, Lowered]:
     """The primitives that the file declares, lowered by themselves; those over curves take their shape from a use."""
     context = new_context(report, Program(typed.main.name, ""), typed)
     found: dict[Symbol, Lowered] = {}

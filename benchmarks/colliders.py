@@ -30,7 +30,7 @@ def main() -> None:
     for name in given.categories:
         batch = Session.of(str(name)).sampler.batch(np.arange(given.n), given.seed)
         robots = Robots(batch)
-        pieces = [len(items) for items in solids.by_object(robots.pieces, given.n)]
+        pieces = [len(items) for items in solids.group_by_object(robots.pieces, given.n)]
         begun = time.process_time()
         found = robots.colliders
         spent = (time.process_time() - begun) / given.n * 1e3

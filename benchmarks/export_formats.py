@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from artipg_dsl.export.objects import write_objects
-from artipg_dsl.export.registry import FORMATS, per_object
+from artipg_dsl.export.registry import FORMATS, object_formats
 from artipg_dsl.export.robot import Robots
 from artipg_dsl.resources import categories_dir
 from artipg_dsl.session import Session
@@ -28,7 +28,7 @@ def main() -> None:
     options.add_argument("categories", nargs="*", default=sorted(categories_dir().glob("*.apg")))
     options.add_argument("-n", type=int, default=16, help="objects of each category")
     given = options.parse_args()
-    names, sizes = per_object(), []
+    names, sizes = object_formats(), []
     print(f"| category | (the model) | {' | '.join(names)} |\n|---|{'---:|' * (len(names) + 1)}")
     for category in given.categories:
         batch = Session.of(str(category)).sampler.batch(np.arange(given.n), 7)

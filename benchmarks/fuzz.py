@@ -153,7 +153,7 @@ def share_library() -> None:
     checker.Checker.__init__ = begun
     checking._declaration = lambda ck, symbol: None if id(symbol) in shared else declaration(ck, symbol)
 
-    examine, examined = solids.examine, set()
+    examine, examined = solids.examine_primitive, set()
 
     def once(primitive) -> None:  # noqa: ANN001
         program = Program("P", primitives={primitive.name: primitive})
@@ -162,7 +162,7 @@ def share_library() -> None:
             examine(primitive)
             examined.add(key)
 
-    solids.examine = once
+    solids.examine_primitive = once
     run("warm.apg", WARM)
 
 

@@ -17,14 +17,14 @@ sys.path[:0] = [str(Path(__file__).parents[1] / "tests")]
 from objects import batches, options_of  # noqa: E402
 from simulators.fingers import verdicts  # noqa: E402
 
-from artipg_dsl.annotate.annotation import describe  # noqa: E402
+from artipg_dsl.annotate.annotation import annotate  # noqa: E402
 
 
 def main() -> None:
     options = options_of(__doc__, "name what has none, and what does not hold").parse_args()
     print(f"{'category':18}{'grasps that hold':>20}{'links with a grasp, of those that can be held':>50}")
     for category, batch in batches(options):
-        held, links = verdicts(batch, describe(batch))
+        held, links = verdicts(batch, annotate(batch))
         good, had = sum(not v.fault for v in held), sum(grasped for _, grasped in links)
         print(f"{category:18}{f'{good} of {len(held)}':>20}{f'{had} of {len(links)}':>50}", flush=True)
         if options.v:

@@ -16,7 +16,7 @@ from artipg_dsl.annotate.rebind import rebind
 from artipg_dsl.annotate.sampling import Sampling
 from artipg_dsl.export import solids
 from artipg_dsl.geometry import points
-from artipg_dsl.geometry.block import block
+from artipg_dsl.geometry.block import block_of
 from artipg_dsl.geometry.cells import Cells
 from artipg_dsl.geometry.density import element_split
 from artipg_dsl.geometry.patches import grid
@@ -59,7 +59,7 @@ def alone(batch) -> list[tuple[Cells, np.ndarray, points.PointSet]]:
         one = replace(table, number=0, params=params, owner=every, rank=0 * every, **columns)
         key = random.key(7, "points", table.path)
         made = points.sample([one], len(rows), POINTS, key, every.astype(np.uint64))
-        cells = Cells(block([one], 0, len(rows)))
+        cells = Cells(block_of([one], 0, len(rows)))
         cells.measure_bent()
         found.append((cells, (cells.first[:, None] + made.patch).ravel(), made))
     return found

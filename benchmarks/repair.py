@@ -16,9 +16,9 @@ import numpy as np
 from artipg_dsl.random import key, uniform
 from artipg_dsl.runtime.kernels import Kept
 from artipg_dsl.sampling.clips import Asked
-from artipg_dsl.sampling.known import again, match_keys, rows_of_draw
+from artipg_dsl.sampling.known import evaluate_again, match_keys, rows_of_draw
 from artipg_dsl.sampling.repair import repair
-from artipg_dsl.sampling.search import domain
+from artipg_dsl.sampling.search import domain_ends
 from artipg_dsl.session import Session, categories
 
 SHARE = 0.1  # of the width of a domain
@@ -26,12 +26,12 @@ SHARE = 0.1  # of the width of a domain
 
 def disturbed(batch, sampler, share: float = SHARE) -> list[np.ndarray]:  # noqa: ANN001
     """The drawn numbers of a batch, each moved evenly within ``share`` of the width of its domain either way."""
-    lean = again(batch, np.arange(len(batch)), plan=sampler.lean)
+    lean = evaluate_again(batch, np.arange(len(batch)), plan=sampler.lean)
     asked = []
     for number, draw in enumerate(batch.program.draws):
         value = batch.state.values[number]
         if draw.kind == "real":
-            low, high = domain(lean, number)
+            low, high = domain_ends(lean, number)
             rows = batch.rowmap.rows(draw.column.scope)
             unit = uniform(key(batch.seed, draw.address, "disturbed"), rows.address)
             value = value + share * (high - low) * (2.0 * unit - 1.0)
@@ -47,7 +47,7 @@ def kept(batch, sampler, asked: list[np.ndarray]):  # noqa: ANN001, ANN201
         order = np.argsort(at.key, kind="stable")
         still = np.zeros(len(order))
         values.append(Kept(at.key[order], held[at.row][order], still, still.astype(bool)))
-    return again(batch, np.arange(len(batch)), values=values)
+    return evaluate_again(batch, np.arange(len(batch)), values=values)
 
 
 def stated(batch, asked: list[np.ndarray], trial) -> Asked:  # noqa: ANN001
@@ -99,8 +99,8 @@ def main() -> None:
 
 def domain_width(sampler, batch, number: int) -> float:  # noqa: ANN001
     """The mean width of the domain of a draw."""
-    lean = again(batch, np.arange(len(batch)), plan=sampler.lean)
-    low, high = domain(lean, number)
+    lean = evaluate_again(batch, np.arange(len(batch)), plan=sampler.lean)
+    low, high = domain_ends(lean, number)
     return float(np.mean(high - low)) if len(low) else 1.0
 
 

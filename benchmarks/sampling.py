@@ -21,7 +21,7 @@ from pathlib import Path
 import numpy as np
 
 from artipg_dsl.graph import expr as E
-from artipg_dsl.graph.feasible import ranges
+from artipg_dsl.graph.feasible import find_ranges
 from artipg_dsl.graph.interval import Intervals
 from artipg_dsl.graph.program import Draw, Program, Requirement
 from artipg_dsl.runtime.kernels import State
@@ -52,8 +52,8 @@ def ordered(program: Program) -> Plan:
 def static(program: Program) -> Plan:
     draws = []
     for number, draw in enumerate(program.draws):
-        low, high = ranges(program).get(number, (0.0, 0.0))
-        if number in ranges(program) and low <= high:
+        low, high = find_ranges(program).get(number, (0.0, 0.0))
+        if number in find_ranges(program) and low <= high:
             draw = replace(draw, low=E.maximum(draw.low, E.const(low)), high=E.minimum(draw.high, E.const(high)))
         draws.append(bare(draw))
     return varied(program, draws)

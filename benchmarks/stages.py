@@ -45,7 +45,7 @@ from artipg_dsl.geometry import points
 from artipg_dsl.geometry.hidden import Occlusion
 from artipg_dsl.geometry.resolution import Resolution
 from artipg_dsl.session import Session
-from artipg_dsl.validity.validate import collisions
+from artipg_dsl.validity.validate import find_collisions
 
 HERE = Path(__file__).parent
 PROGRAMS = {
@@ -115,7 +115,7 @@ def columns(sampler, numbers: np.ndarray, n_points: int) -> tuple[dict[str, floa
     out["labels"] = [(a.shape, a.dtype) for a in (labels.semantic, *labels.fields.values())]
 
     begun = time.process_time()
-    found = collisions(batch)
+    found = find_collisions(batch)
     spent["collision"] = time.process_time() - begun
     out["collision"] = [((len(batch), len(found.joint) // len(batch) + 1), np.float64)]
 

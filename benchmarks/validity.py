@@ -26,11 +26,11 @@ from artipg_dsl.run.job import open_program
 from artipg_dsl.runtime.batch import Batch
 from artipg_dsl.sampling.statistics import Statistics
 from artipg_dsl.session import Session
-from artipg_dsl.validity.bodies import gather, turned
-from artipg_dsl.validity.evidence import evidence
-from artipg_dsl.validity.faults import faults
+from artipg_dsl.validity.bodies import gather, turn_points
+from artipg_dsl.validity.evidence import find_evidence
+from artipg_dsl.validity.faults import find_faults
 from artipg_dsl.validity.tree import Tree
-from artipg_dsl.validity.validate import collisions
+from artipg_dsl.validity.validate import find_collisions
 
 STATES, DEEP, WIDER = 1000, 1e-4, 0.4
 
@@ -43,7 +43,7 @@ def table(name: str, n: int, blocking: int) -> str:
     """One row: first attempts that are valid, how many of the others a repair puts right, delivered objects that are valid,
     joints, pairs of links that block one another and how often, milliseconds of processor time to draw and to check one."""
     sampler, told = open_program(name)[0], Statistics()
-    faults(sampler.batch(np.arange(8), 0))
+    find_faults(sampler.batch(np.arange(8), 0))
     drawn = checked = 0.0
     unsound = repaired = failed = invalid = joints = 0
     for start in range(0, n, 256):
@@ -51,16 +51,16 @@ def table(name: str, n: int, blocking: int) -> str:
         begin = time.process_time()
         batch = sampler.batch(numbers, 0, statistics=told)
         middle = time.process_time()
-        wrong = faults(batch).objects()
+        wrong = find_faults(batch).objects()
         drawn, checked = drawn + middle - begin, checked + time.process_time() - middle
         joints += len(batch.joints().owner)
         unsound += int((batch.state.attempt[wrong] == 0).sum())
         again = numbers[np.union1d(wrong, np.flatnonzero(batch.state.attempt))]
         if len(again):
-            invalid += len(faults(sampler.batch(again, 0, checked=True)).objects())
+            invalid += len(find_faults(sampler.batch(again, 0, checked=True)).objects())
             failed += len(again)
             repaired += len(sampler.batch(again, 0, checked=True, mend=True).repairs.objects())
-    pairs = evidence(sampler.batch(np.arange(min(blocking, n)), 0, checked=True)).blocking
+    pairs = find_evidence(sampler.batch(np.arange(min(blocking, n)), 0, checked=True)).blocking
     blocks = ", ".join(f"{pair.first} and {pair.second} ({pair.objects})" for pair in pairs) or "none"
     return (
         f"| {name} | {100 * (told.first_valid - unsound) / n:.1f} % | {f'{repaired} of {failed}' if failed else '-'} "
@@ -80,7 +80,9 @@ class Exact:
             for group in pieces.build(site.primitive, site.params) if len(site) else ():
                 rows = group.rows
                 sign = np.stack([np.ones(len(rows)), site.mirror[rows], np.ones(len(rows))], axis=-1)
-                points = turned(site.rotation[rows], group.vertices * sign[:, None]) + site.translation[rows][:, None]
+                points = (
+                    turn_points(site.rotation[rows], group.vertices * sign[:, None]) + site.translation[rows][:, None]
+                )
                 faces = np.concatenate([np.full((len(group.faces), 1), 3), group.faces], axis=1).flatten()
                 for corners, link in zip(points, site.link[rows].tolist(), strict=True):
                     shape = fcl.Convex(np.ascontiguousarray(corners), len(group.faces), faces)
@@ -121,7 +123,7 @@ def sweep(name: str, n: int) -> tuple[int, int, int, int, int]:
         tree, exact = Tree(batch), Exact(batch)
         wide = WIDER * (tree.high - tree.low)
         tree.low, tree.high = tree.low - wide, tree.high + wide
-        found = collisions(batch, tree, gather(batch, tree.first, tree.turn, tree.shift))
+        found = find_collisions(batch, tree, gather(batch, tree.first, tree.turn, tree.shift))
         rest = tree.joints.rest
         chosen = np.flatnonzero(tree.alone & (tree.turns | tree.slides))
         for joint in chosen[np.linspace(0, len(chosen) - 1, min(6, len(chosen))).astype(int)].tolist():

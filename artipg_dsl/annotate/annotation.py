@@ -14,10 +14,10 @@ from ..graph.program import MEASURES
 from .frames import rotate
 from .grasps import GraspTable, KeypointTable, sample_grasps, sample_keypoints
 from .gripper import REASONS, STANDARD, Gripper, judge
-from .hierarchy import lineages, semantic_parents
-from .interactions import Interactions, directions, interactions
+from .hierarchy import find_semantic_parents, lineages_of
+from .interactions import Interactions, directions_of, find_interactions
 from .poses import part_poses, symmetry_words
-from .states import joint_twist, resting
+from .states import joint_twist, rest_values
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 _VERSION = 1
 
 
-def describe(
+def annotate(
     batch: Batch, states: np.ndarray | None = None, gripper: Gripper | None = STANDARD
 ) -> list[dict[str, Any]]:
     """One annotation per object of the batch, keys in a fixed order. Everything is as at rest.
@@ -37,7 +37,7 @@ def describe(
     """
     n = len(batch)
     grasps, reached, dropped = _reachable(batch, states, gripper)
-    acting = interactions(batch)
+    acting = find_interactions(batch)
     columns = {
         "links": _links(batch),
         "joints": _joints(batch),
@@ -59,7 +59,7 @@ def describe(
                 "category": batch.program.name,
                 "seed": int(batch.seed),
                 **{name: column[i] for name, column in columns.items()},
-                "drawn": {key: plain(drawn[key]) for key in sorted(drawn)},
+                "drawn": {key: to_plain_data(drawn[key]) for key in sorted(drawn)},
                 "rejected": int(batch.state.attempt[i]),  # draws before this one that broke a requirement
                 "repairs": repaired[i],
                 "version": _VERSION,
@@ -73,11 +73,11 @@ def _repairs(batch: Batch) -> list[list[dict[str, Any]]]:
     found: list[list[dict[str, Any]]] = [[] for _ in range(len(batch))]
     log = batch.repairs
     for owner, entry in zip(log.owner.tolist(), log.plain(batch.program), strict=True):
-        found[owner].append({key: plain(value) for key, value in entry.items()})
+        found[owner].append({key: to_plain_data(value) for key, value in entry.items()})
     return found
 
 
-def line(annotation: dict[str, Any]) -> str:
+def to_line(annotation: dict[str, Any]) -> str:
     """An annotation as one line of JSON, the same text for the same numbers."""
     return json.dumps(annotation, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
 
@@ -90,14 +90,14 @@ def _tidy(values: np.ndarray) -> list[Any]:
     return rounded.tolist()
 
 
-def plain(value: Any) -> Any:
+def to_plain_data(value: Any) -> Any:
     """NumPy values, nested ones too, as what JSON knows."""
     if isinstance(value, dict):
-        return {str(key): plain(inner) for key, inner in value.items()}
+        return {str(key): to_plain_data(inner) for key, inner in value.items()}
     if isinstance(value, (list, tuple)):
-        return [plain(inner) for inner in value]
+        return [to_plain_data(inner) for inner in value]
     if isinstance(value, np.ndarray):
-        return plain(value.tolist())
+        return to_plain_data(value.tolist())
     if isinstance(value, (bool, np.bool_)):
         return bool(value)
     if isinstance(value, (int, np.integer)):
@@ -214,7 +214,7 @@ def _parts(batch: Batch) -> list[list[dict[str, Any]]]:
     parts, n = batch.parts(), len(batch)
     poses = part_poses(batch)
     words = batch.program.vocabularies.get("semantic", ())
-    of = semantic_parents(parts)
+    of = find_semantic_parents(parts)
     semantic = [words[i] if i else None for i in np.asarray(parts.semantic).tolist()]
     columns: dict[str, list[Any]] = {
         "number": np.asarray(parts.number).tolist(),
@@ -224,7 +224,7 @@ def _parts(batch: Batch) -> list[list[dict[str, Any]]]:
         "parent": [None if p < 0 else p for p in np.asarray(parts.parent).tolist()],
         "semantic": semantic,
         "of": [None if p < 0 else p for p in of.tolist()],
-        "lineage": lineages(parts, of, words, batch.program.name),
+        "lineage": lineages_of(parts, of, words, batch.program.name),
         "link": _names(batch.links(), n, parts.owner, parts.link),
         "center": _tidy(poses.center),
         "quaternion": _tidy(poses.quaternion),
@@ -292,9 +292,9 @@ def _acts(batch: Batch, acting: Interactions, states: np.ndarray | None) -> dict
     """Where interactions act, which way and how fast their links move, and how far the joint can go each way."""
     turn, shift = batch.pose(states)
     joints = batch.joints()
-    values = batch.settled(resting(batch) if states is None else states)
+    values = batch.settled(rest_values(batch) if states is None else states)
     point = rotate(turn[acting.link], acting.point) + shift[acting.link]
-    direction, speed = directions(joint_twist(batch, states), acting.joint, point)
+    direction, speed = directions_of(joint_twist(batch, states), acting.joint, point)
     left = np.stack([joints.low - values, joints.high - values], axis=-1)[acting.joint]
     return {
         "point": _tidy(point),

@@ -34,7 +34,7 @@ def read_cameras(text: str) -> Cameras:
         raise UserError(f"{text}:{error.lineno}:{error.colno}: this is not JSON: {error.msg}", hint) from None
     except UnicodeDecodeError:
         raise UserError(f"{text} is not a text file", hint) from None
-    return from_description(described, text)
+    return cameras_from(described, text)
 
 
 def cameras_of(views: int | str | Path | Mapping[str, Any], **more: Any) -> Cameras:
@@ -49,10 +49,10 @@ def cameras_of(views: int | str | Path | Mapping[str, Any], **more: Any) -> Came
         views = found.plain()
     described = {"views": views} if isinstance(views, int | np.integer) else dict(views)
     described |= {k: list(v) if isinstance(v, tuple) else v for k, v in more.items()}
-    return from_description({k: int(v) if isinstance(v, np.integer) else v for k, v in described.items()})
+    return cameras_from({k: int(v) if isinstance(v, np.integer) else v for k, v in described.items()})
 
 
-def from_description(described: Any, name: str = "the cameras") -> Cameras:
+def cameras_from(described: Any, name: str = "the cameras") -> Cameras:
     """Cameras from what a camera file holds. Raises UserError."""
     if not isinstance(described, dict):
         raise UserError(f"{name}: an object is needed, {{ ... }}", f"for example {_EXAMPLE}")

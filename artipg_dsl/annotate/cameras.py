@@ -11,7 +11,7 @@ from .. import random
 from ..geometry.vectors import length, unit
 from .frames import rotate
 
-Span = tuple[float, float]
+Range = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,9 +27,9 @@ class Cameras:
     width: int = 320
     height: int = 240
     fov: float = 35.0
-    azimuth: Span = (-60.0, 60.0)
-    elevation: Span = (10.0, 60.0)
-    distance: Span = (1.0, 1.3)
+    azimuth: Range = (-60.0, 60.0)
+    elevation: Range = (10.0, 60.0)
+    distance: Range = (1.0, 1.3)
     points: int = 2048
     poses: tuple[tuple[tuple[float, ...], tuple[float, ...] | None, tuple[float, ...]], ...] = ()
 

@@ -14,11 +14,11 @@ from ..geometry.pointset import PointSet
 from ..validity.materials import material_rows
 from .frames import rotate, rotate_rows
 from .interactions import acting_joints
-from .jacobian import jacobian
+from .jacobian import find_jacobian
 from .points import field_kinds, label_points
 from .sampling import Sampling
 from .seen import part_coordinates
-from .shares import draw, weigher
+from .shares import draw_points, make_weigher
 from .states import twist
 
 if TYPE_CHECKING:
@@ -78,9 +78,9 @@ def sample_points(
     """
     how = how if isinstance(how, Sampling) else Sampling(how)
     tables = batch.sites()
-    address, weigh = np.asarray(batch.numbers).astype(np.uint64), weigher(batch, how)
+    address, weigh = np.asarray(batch.numbers).astype(np.uint64), make_weigher(batch, how)
     try:
-        drawn = draw(tables, len(batch), how, random.key(batch.seed, "points"), address, weigh)
+        drawn = draw_points(tables, len(batch), how, random.key(batch.seed, "points"), address, weigh)
     except geometry.PointsError as wrong:
         numbers = ", ".join(str(batch.numbers[k]) for k in wrong.objects[:5])
         what = "that can be seen from outside" if how.surface == "outside" else "to put points on"
@@ -111,7 +111,7 @@ def complete(batch: Batch, made: PointSet, owner: np.ndarray, states: np.ndarray
         )
     every = np.asarray(states) if several else [states]
     shown = [_move_points(batch, made, own, one, motion) for one in every]
-    drivers = jacobian(batch, every[0]).driver[own] if motion else None
+    drivers = find_jacobian(batch, every[0]).driver[own] if motion else None
     position, normal, velocity, velocities = (
         None if arrays[0] is None else np.stack(arrays, axis=1) if several else arrays[0]
         for arrays in zip(*shown, strict=True)
@@ -150,4 +150,4 @@ def _move_points(
     )
     if not motion:
         return position, normal, None, None
-    return position, normal, twist(batch, states).at(link, position), jacobian(batch, states).at(link, position)
+    return position, normal, twist(batch, states).at(link, position), find_jacobian(batch, states).at(link, position)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..geometry.vectors import length
 from ..graph.program import MEASURES, Grasp
-from ..runtime.fields import Field, Reader, read_pose, read_triples
+from ..runtime.fields import Field, FieldReader, read_pose, read_triples
 from .frames import quaternion, reflect, rotate
 
 
@@ -58,7 +58,7 @@ class KeypointTable:
     point: np.ndarray
 
 
-def sample_grasps(reader: Reader, values: int = 5) -> GraspTable:
+def sample_grasps(reader: FieldReader, values: int = 5) -> GraspTable:
     """All grasps of a batch, each family at ``values`` evenly spaced parameters."""
     columns: list[dict[str, np.ndarray]] = []
     names: list[str] = []
@@ -129,7 +129,7 @@ def grasp_frame(approach: np.ndarray, close: np.ndarray) -> np.ndarray:
     return np.stack([np.cross(y, z), y, z], axis=-1) + 0.0
 
 
-def sample_keypoints(reader: Reader) -> KeypointTable:
+def sample_keypoints(reader: FieldReader) -> KeypointTable:
     """All keypoints of a batch."""
     owners, links, points, names = [], [], [], []
     for keypoint in reader.program.keypoints:

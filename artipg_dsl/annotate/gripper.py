@@ -16,7 +16,7 @@ import numpy as np
 from ..errors import UsageError
 from ..geometry.collide import DEPTH, Corners, overlap
 from ..graph.program import MEASURES
-from ..validity.bodies import Pieces, Placed, boxes_meet, gather, spread
+from ..validity.bodies import Pieces, Placed, boxes_meet, enumerate_ranges, gather
 from .frames import rotate
 
 if TYPE_CHECKING:
@@ -144,7 +144,7 @@ def _meets(
     block = np.cumsum(count) // _PAIRS
     for number in range(int(block[-1]) + 1):
         rows = np.flatnonzero(block == number)
-        grasp, piece = spread(start[rows], count[rows])
+        grasp, piece = enumerate_ranges(start[rows], count[rows])
         at = boxes_meet(rows[grasp], piece, *hand, body.low, body.high)  # the hand as a whole first
         box = (shapes * rows[grasp[at]][:, None] + np.arange(shapes)).ravel()
         piece = np.repeat(piece[at], shapes)

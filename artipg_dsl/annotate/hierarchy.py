@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from ..runtime.tables import PartTable
 
 
-def semantic_parents(parts: PartTable) -> np.ndarray:
+def find_semantic_parents(parts: PartTable) -> np.ndarray:
     """For each part (P,) the number of the semantic part that it belongs to, -1: the object itself.
 
     That is the innermost one around it; for a part in none, that of the part it is rigidly connected to, or of what
@@ -41,7 +41,7 @@ def _climb(up: np.ndarray, known: np.ndarray) -> np.ndarray:
     return known[at]
 
 
-def lineages(parts: PartTable, of: np.ndarray, words: tuple[str, ...], category: str) -> list[str | None]:
+def lineages_of(parts: PartTable, of: np.ndarray, words: tuple[str, ...], category: str) -> list[str | None]:
     """``Microwave/door/handle`` for each part that has a semantic word of its own, None for the others."""
     first = np.searchsorted(parts.owner, parts.owner).tolist()
     semantic, known = np.asarray(parts.semantic).tolist(), {}

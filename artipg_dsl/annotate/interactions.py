@@ -13,7 +13,7 @@ from ..geometry import points as geometry
 from ..geometry.pointset import PointSet, Pools
 from ..runtime.fields import read_pose, read_triples
 from .frames import reflect, rotate
-from .points import field_name, holding
+from .points import field_name, select_holding
 from .states import Twist, own_joints
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ class Interactions:
     point: np.ndarray
 
 
-def interactions(batch: Batch) -> Interactions:
+def find_interactions(batch: Batch) -> Interactions:
     """All affordances of a batch that can be found on links a joint moves: labels of every vocabulary but ``semantic``.
 
     They are looked for at points on each primitive that such a label names, as ``label_points`` says what holds there.
@@ -98,7 +98,7 @@ def acting_joints(batch: Batch, points: PointSet) -> dict[str, np.ndarray]:
     number = np.append(np.asarray(batch.joints().number, dtype=np.int64), -1)
     rows = points.row.ravel()
     found = {field_name(label): np.full(points.site.size, -1, dtype=np.int64) for label in acting}
-    for label, target, at in holding(batch, tables, points, acting):
+    for label, target, at in select_holding(batch, tables, points, acting):
         table, row = tables[target.site], rows[at]
         found[field_name(label)][at] = number[_moved_by(batch, label, first[table.owner[row]] + table.link[row])]
     return {name: values.reshape(points.site.shape) for name, values in sorted(found.items())}
@@ -120,7 +120,7 @@ def _found_on(batch: Batch, labels: Sequence[Label], moving: np.ndarray) -> Iter
     held = {pair: np.zeros(len(tables[pair[1].site]), dtype=bool) for pair in pairs}
     for count in _LOOKS:
         points = _looks(batch, wanted, count)
-        for label, target, at in holding(batch, tables, points, labels):
+        for label, target, at in select_holding(batch, tables, points, labels):
             held[label, target][points.row.ravel()[at]] = True
         missed = [np.zeros(len(table), dtype=bool) for table in tables]
         for (_, target), found in held.items():
@@ -150,7 +150,7 @@ def _looks(batch: Batch, wanted: Sequence[np.ndarray], count: int) -> PointSet:
     return points.take(np.flatnonzero(full & (own.label > 0)))
 
 
-def directions(motion: Twist, joint: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def directions_of(motion: Twist, joint: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Unit directions (I, 3) in which points move as the value of the joint rows ``joint`` (I,) grows, nan on its axis,
     and speeds (I,). ``motion`` is that of ``joint_twist``."""
     velocity = motion.at(joint, points)

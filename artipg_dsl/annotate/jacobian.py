@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..runtime.loops import leading
-from ..runtime.motion import freedoms, levels
-from ..runtime.newton import solved
+from ..runtime.loops import leaders_of
+from ..runtime.motion import freedoms_of, joints_by_depth
+from ..runtime.newton import solve_small
 from .frames import rotate
 
 if TYPE_CHECKING:
@@ -43,23 +43,23 @@ class Jacobian:
         return out
 
 
-def jacobian(batch: Batch, states: np.ndarray | None = None) -> Jacobian:
+def find_jacobian(batch: Batch, states: np.ndarray | None = None) -> Jacobian:
     """The motion of each link by every joint that drives it, with the joints at ``states`` (J,), at rest by default."""
     links, joints = batch.links(), batch.joints()
     values = batch.settled(batch.rest() if states is None else np.asarray(states, dtype=np.float64))
     rotation, translation = batch.pose(values)
     first = np.searchsorted(links.owner, joints.owner)
     parent, child = first + joints.parent, first + joints.child
-    axis, slide = (rotate(rotation[parent], way) for way in freedoms(joints))
+    axis, slide = (rotate(rotation[parent], way) for way in freedoms_of(joints))
     origin = rotate(rotation[parent], joints.origin) + translation[parent]
-    drivers, rate, depends = rates(batch, values)
+    drivers, rate, depends = find_rates(batch, values)
     slots = drivers.shape[1]
     moved = np.zeros((len(links.owner), slots), dtype=bool)
     turn, shift = np.zeros((len(links.owner), slots, 3)), np.zeros((len(links.owner), slots, 3))
     x, y, z = origin.T
     a, b, c = axis.T
     lever = np.stack([c * y - b * z, a * z - c * x, b * x - a * y], axis=-1) + slide  # slide - axis x origin
-    for at in levels(len(links.owner), parent, child):
+    for at in joints_by_depth(len(links.owner), parent, child):
         up, down = parent[at], child[at]
         moved[down] = moved[up] | depends[at]
         turn[down] = turn[up] + rate[at, :, None] * axis[at, None]
@@ -79,14 +79,14 @@ def jacobian(batch: Batch, states: np.ndarray | None = None) -> Jacobian:
     )
 
 
-def rates(batch: Batch, values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def find_rates(batch: Batch, values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The joints that drive each object, rows of the table (B, S), -1 for no more; how fast each joint moves per unit of
     each of them, (J, S), with the joints at ``values``; and by which of them it moves at all, (J, S) bool."""
     joints = batch.joints()
     count = len(joints.owner)
-    leader, multiple = leading(joints)
+    leader, multiple = leaders_of(joints)
     loops = batch.loops
-    turning, sliding = freedoms(joints)
+    turning, sliding = freedoms_of(joints)
     free = (leader == np.arange(count)) & ((turning != 0.0) | (sliding != 0.0)).any(axis=1)
     if loops is not None:
         free[loops.variable[loops.follows]] = False
@@ -123,4 +123,4 @@ def _answers(slope: np.ndarray, follows: np.ndarray) -> np.ndarray:
                 matrix[i, j] += held[:, m, i] * held[:, m, j]
                 right[j, i] -= held[:, m, i] * slope[:, m, j]
         matrix[i, i] += np.where(follows[:, i], 0.0, 1.0)
-    return np.stack([solved(matrix, one).T for one in right], axis=-1)
+    return np.stack([solve_small(matrix, one).T for one in right], axis=-1)

@@ -10,8 +10,16 @@ import numpy as np
 
 from ..errors import UserError
 from ..graph.program import Label, Target
-from ..runtime.fields import Reader
-from ..validity.formulas import Points, in_words, is_degree, is_predicate, is_wrong, on_surfaces, said
+from ..runtime.fields import FieldReader
+from ..validity.formulas import (
+    BoundPoints,
+    evaluate_label,
+    is_degree,
+    is_predicate,
+    is_wrong,
+    label_in_words,
+    select_on_surfaces,
+)
 
 if TYPE_CHECKING:
     from ..geometry.sites import SiteTable
@@ -30,7 +38,7 @@ class Labels:
 
 
 def label_points(
-    reader: Reader, sites: list[SiteTable], points: Points, labels: Sequence[Label] | None = None
+    reader: FieldReader, sites: list[SiteTable], points: BoundPoints, labels: Sequence[Label] | None = None
 ) -> Labels:
     """Labels of points at joint values 0, where ``points.position`` and ``normal`` are in the object's frame.
 
@@ -55,7 +63,7 @@ def label_points(
         for target in label.targets:
             if target.site not in tables:
                 continue
-            at = on_surfaces(chosen[target.site], tables[target.site], target, points)
+            at = select_on_surfaces(chosen[target.site], tables[target.site], target, points)
             if not len(at):
                 continue
             at, value = _evaluate(reader, label, target, at, points)
@@ -73,7 +81,7 @@ def label_points(
     return Labels(semantic.reshape(shape), made)
 
 
-def _by_site(reader: Reader, tables: Mapping[int, SiteTable], points: Points) -> dict[int, np.ndarray]:
+def _by_site(reader: FieldReader, tables: Mapping[int, SiteTable], points: BoundPoints) -> dict[int, np.ndarray]:
     """The flat numbers of the points of each site, ascending."""
     flat_site = np.asarray(points.site).ravel()
     narrow = flat_site.astype(np.int16) if len(reader.program.sites) < 2**15 else flat_site  # sorted by its digits
@@ -82,8 +90,8 @@ def _by_site(reader: Reader, tables: Mapping[int, SiteTable], points: Points) ->
     return {number: order[edges[number] : edges[number + 1]] for number in tables}
 
 
-def holding(
-    reader: Reader, sites: list[SiteTable], points: Points, labels: Sequence[Label]
+def select_holding(
+    reader: FieldReader, sites: list[SiteTable], points: BoundPoints, labels: Sequence[Label]
 ) -> Iterator[tuple[Label, Target, np.ndarray]]:
     """For each label (whole vocabularies, outer ones first) and target the flat numbers of the points at which it holds
     and no deeper one does; what holds nowhere is left out."""
@@ -95,7 +103,7 @@ def holding(
         for target in label.targets:
             if target.site not in tables:
                 continue
-            at = on_surfaces(chosen[target.site], tables[target.site], target, points)
+            at = select_on_surfaces(chosen[target.site], tables[target.site], target, points)
             if len(at):
                 at, value = _evaluate(reader, label, target, at, points)
                 at, level = at[value > 0], levels[label.vocabulary]
@@ -151,20 +159,20 @@ def _finish(field: np.ndarray) -> np.ndarray:
 
 
 def _evaluate(
-    reader: Reader, label: Label, target: Target, at: np.ndarray, points: Points
+    reader: FieldReader, label: Label, target: Target, at: np.ndarray, points: BoundPoints
 ) -> tuple[np.ndarray, np.ndarray]:
     """Those of the flat point numbers ``at``, all of one site, at which a label says something, and what: (k,) or (k, 3).
 
     Numbers, and degrees from 0 to 1. Raises UserError.
     """
-    at, told = said(reader, label, target, at, points)
+    at, told = evaluate_label(reader, label, target, at, points)
     wrong = np.flatnonzero(is_wrong(label, told))
     if len(wrong):
         row = np.asarray(points.row).ravel()[at[wrong[0]]]
         place = int(np.asarray(reader.owner(reader.program.sites[target.site].scope))[row])
         number = getattr(reader, "numbers", np.arange(place + 1))[place]
         raise UserError(
-            f"{in_words(label)} of object {number}",
+            f"{label_in_words(label)} of object {number}",
             "say with `where` at which points it holds, or keep the formula in its range with `min` and `max`",
         )
     return at, told if told.dtype == bool or not is_degree(label) else np.clip(told, 0.0, 1.0)

@@ -39,11 +39,11 @@ def part_poses(batch: Batch, states: np.ndarray | None = None) -> PartPoses:
     turn, shift = batch.pose(states)
     rotation = compose(turn[link], parts.rotation)
     size = parts.high - parts.low
-    center = rotate(turn[link], middles(parts)) + shift[link]
+    center = rotate(turn[link], centers_of(parts)) + shift[link]
     return PartPoses(rotation, quaternion(rotation), center, size, diagonal(size))
 
 
-def middles(parts: PartTable) -> np.ndarray:
+def centers_of(parts: PartTable) -> np.ndarray:
     """Centres (P, 3) of the boxes of parts at joint values 0."""
     return rotate(parts.rotation, (parts.high + parts.low) / 2) + parts.translation
 
@@ -52,7 +52,7 @@ def diagonal(size: np.ndarray) -> np.ndarray:
     return np.sqrt(size[:, 0] ** 2 + size[:, 1] ** 2 + size[:, 2] ** 2)
 
 
-def normalised(poses: PartPoses, part: np.ndarray, points: np.ndarray) -> np.ndarray:
+def normalise(poses: PartPoses, part: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Normalised part coordinates of points (..., 3), each of the part ``part`` (...), a row of ``poses``."""
     scale = np.where(poses.scale > 0, poses.scale, 1.0)[part]
     return unrotate(poses.rotation[part], points - poses.center[part]) / scale[..., None]

@@ -12,7 +12,7 @@ from ..geometry.bound import normals_at
 from ..geometry.patches import inside_split
 from .frames import rotate, rotate_rows, unrotate
 from .points import Labels, label_points
-from .poses import diagonal, middles
+from .poses import centers_of, diagonal
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Hits:
+class SoupHits:
     """n points on triangles of a soup: ``triangle`` (n,), barycentric ``weights`` (n, 3) of its corners."""
 
     triangle: np.ndarray
@@ -35,12 +35,12 @@ class Hits:
             out[:, axis] = a * weights[0] + b * weights[1] + c * weights[2]
         return out
 
-    def take(self, at: np.ndarray) -> Hits:
-        return Hits(self.triangle[at], self.weights[at])
+    def take(self, at: np.ndarray) -> SoupHits:
+        return SoupHits(self.triangle[at], self.weights[at])
 
 
 @dataclass(frozen=True, slots=True)
-class Bound:
+class BoundHits:
     """The points of hits as ``label_points`` wants them: bound to the rows of the site tables, at joint values 0."""
 
     site: np.ndarray
@@ -51,17 +51,17 @@ class Bound:
     position: np.ndarray
     normal: np.ndarray
 
-    def take(self, at: np.ndarray) -> Bound:
-        return Bound(*(getattr(self, name)[at] for name in self.__slots__))
+    def take(self, at: np.ndarray) -> BoundHits:
+        return BoundHits(*(getattr(self, name)[at] for name in self.__slots__))
 
 
-def bind(soup: Soup, hits: Hits) -> Bound:
+def bind_hits(soup: Soup, hits: SoupHits) -> BoundHits:
     """Place on the triangle, normal of the surface that it stands for."""
     row, patch = soup.row[hits.triangle], soup.patch[hits.triangle]
     uv = np.clip(hits.blend(soup.uv), 0.0, 1.0)
     normal = normals_at(soup.rows, row, patch, uv[:, 0], uv[:, 1])
     position = hits.blend(soup.corner)
-    return Bound(soup.rows.site[row], soup.rows.row[row], patch, uv[:, 0], uv[:, 1], position, normal)
+    return BoundHits(soup.rows.site[row], soup.rows.row[row], patch, uv[:, 0], uv[:, 1], position, normal)
 
 
 def part_coordinates(batch: Batch, part: np.ndarray, points: np.ndarray) -> np.ndarray:
@@ -70,21 +70,21 @@ def part_coordinates(batch: Batch, part: np.ndarray, points: np.ndarray) -> np.n
     scale = diagonal(parts.high - parts.low)
     scale = np.where(scale > 0, scale, 1.0)
     back = np.swapaxes(parts.rotation, -1, -2)
-    return rotate_rows(back, part, points - middles(parts)[part]) / scale[part][:, None]
+    return rotate_rows(back, part, points - centers_of(parts)[part]) / scale[part][:, None]
 
 
-def classes(batch: Batch, points: Bound) -> np.ndarray:
+def read_classes(batch: Batch, points: BoundHits) -> np.ndarray:
     """Semantic classes (n,)."""
     wanted = [label for label in batch.program.labels if label.vocabulary == "semantic"]
     return label_points(batch, batch.sites(), points, wanted).semantic
 
 
-def labels(batch: Batch, points: Bound) -> Labels:
+def read_labels(batch: Batch, points: BoundHits) -> Labels:
     """All labels (n,)."""
     return label_points(batch, batch.sites(), points)
 
 
-def amid_solids(
+def is_amid_solids(
     made: Soup, index: int, rotation: np.ndarray, translation: np.ndarray, places: np.ndarray
 ) -> np.ndarray:
     """(V,) bool: which ``places`` (V, 3) lie within a solid of the object ``index`` of a soup, its links carried by

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Drawn:
+class DrawnPoints:
     """Points (P, n), the objects (P,) that they are on, and how much surface each stands for (P, n), square metres."""
 
     points: PointSet
@@ -35,9 +35,9 @@ Weigh = Callable[[Pools], np.ndarray]  # (P,): what each pool weighs
 _ORDER = 0xFFFFFFFF  # the attempt whose stream orders points: no draw comes so far
 
 
-def draw(
+def draw_points(
     sites: list[SiteTable], n_objects: int, how: Sampling, key: random.Key, address: np.ndarray, weigh: Weigh
-) -> Drawn:
+) -> DrawnPoints:
     """Points in a random order. Raises PointsError for objects without such surface."""
     outside, n = how.surface == "outside", int(how.count)
     times = blue.TIMES if how.spread == "blue" else 1
@@ -50,7 +50,7 @@ def draw(
         raise geometry.PointsError(bare.tolist())
     made = found if times == 1 else found.take(_places(blue.thin(found.position, found.normal, area, n)))
     order = _places(_shuffle(key, random.mix(address[pools.owner], pools.label), n))
-    return Drawn(made.take(order), pools.owner, np.repeat(area[:, None] / n, n, axis=1))
+    return DrawnPoints(made.take(order), pools.owner, np.repeat(area[:, None] / n, n, axis=1))
 
 
 def _balanced(
@@ -61,7 +61,7 @@ def _balanced(
     key: random.Key,
     address: np.ndarray,
     weigh: Weigh,
-) -> Drawn:
+) -> DrawnPoints:
     """The points of each object shared out over its pools by weight; what shows no surface leaves its own to others."""
     n, times = int(how.count), blue.TIMES if how.spread == "blue" else 1
     pools = Pools.of(sites, labels, n_objects)
@@ -69,7 +69,7 @@ def _balanced(
     counts, open_ = np.zeros(len(pools.owner), dtype=np.int64), np.ones(len(pools.owner), dtype=bool)
     parts: list[tuple[np.ndarray, PointSet]] = []  # rows of pools, and their points
     while open_.any():  # the pools of objects that are not settled yet
-        wanted = np.where(open_, quotas(pools.owner, np.where(open_, weight, 0.0), n), 0)
+        wanted = np.where(open_, share_out(pools.owner, np.where(open_, weight, 0.0), n), 0)
         found, full, shown = geometry.sample_counts(
             sites, pools, wanted * times, key, address, outside=how.surface == "outside"
         )
@@ -89,10 +89,10 @@ def _balanced(
     whole = flat.shaped(n_objects, n)
     share = (area[row] / counts[row])[order].reshape(n_objects, n)
     mixed = _places(_shuffle(key, address, n))
-    return Drawn(whole.take(mixed), np.arange(n_objects), share[mixed])
+    return DrawnPoints(whole.take(mixed), np.arange(n_objects), share[mixed])
 
 
-def weigher(batch: Batch, how: Sampling) -> Weigh:
+def make_weigher(batch: Batch, how: Sampling) -> Weigh:
     """What the pools of a sampling weigh. Raises UsageError for weights of what the program does not have."""
     program = batch.program
     known: list[str] = {
@@ -124,7 +124,7 @@ def weigher(batch: Batch, how: Sampling) -> Weigh:
     return weigh
 
 
-def quotas(owner: np.ndarray, weight: np.ndarray, n: int) -> np.ndarray:
+def share_out(owner: np.ndarray, weight: np.ndarray, n: int) -> np.ndarray:
     """Whole numbers (P,), n for each owner in all, in the proportion of the weights as near as can be."""
     total = np.bincount(owner, weight)[owner]
     exact = np.where(weight > 0, n * weight / np.where(total > 0, total, 1.0), 0.0)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..geometry import mesh
-from ..geometry.block import Block, block
+from ..geometry.block import Block, block_of
 from .frames import place
 
 if TYPE_CHECKING:
@@ -35,10 +35,10 @@ class Soup:
     part: np.ndarray
 
 
-def soup(batch: Batch, first: int, stop: int, steps: int = _STEPS) -> Soup:
+def make_soup(batch: Batch, first: int, stop: int, steps: int = _STEPS) -> Soup:
     """The triangles of the objects ``first .. stop - 1`` of a batch, ``steps`` per full turn."""
     tables = batch.sites()
-    rows = block(tables, first, stop)
+    rows = block_of(tables, first, stop)
     rotation, translation = rows.rotation.T.reshape(-1, 3, 3), rows.translation.T
     corners, fractions = [np.empty((0, 3, 3))], [np.empty((0, 3, 2))]
     owners, patches = [np.empty(0, np.int64)], [np.empty(0, np.int64)]

@@ -11,7 +11,7 @@ import numpy as np
 
 from .. import random
 from ..errors import UsageError
-from ..runtime.motion import freedoms
+from ..runtime.motion import freedoms_of
 from .frames import rotate
 
 if TYPE_CHECKING:
@@ -73,27 +73,31 @@ def joint_values(batch: Batch, states: States) -> np.ndarray:
     drawn = 0
     for name, count in states.wanted:
         if name == "random":
-            found += [draw(batch, k) for k in range(drawn, drawn + count)]
+            found += [draw_values(batch, k) for k in range(drawn, drawn + count)]
             drawn += count
         else:
             found.append(
-                resting(batch) if name == "rest" else opened(batch) if name == "open" else _parse_state(batch, name)
+                rest_values(batch)
+                if name == "rest"
+                else open_values(batch)
+                if name == "open"
+                else _parse_state(batch, name)
             )
     return np.stack([batch.settled(values) for values in found])
 
 
-def resting(batch: Batch) -> np.ndarray:
+def rest_values(batch: Batch) -> np.ndarray:
     """Joint values (J,) at rest, 0 where a joint states none."""
     rest = batch.joints().rest
     return np.where(np.isnan(rest), 0.0, rest)
 
 
-def opened(batch: Batch, share: float = 0.8) -> np.ndarray:
+def open_values(batch: Batch, share: float = 0.8) -> np.ndarray:
     """Joint values (J,) with every limited joint ``share`` of the way from rest to its farther end.
 
     What mimics another joint is put right by ``batch.pose``.
     """
-    joints, rest = batch.joints(), resting(batch)
+    joints, rest = batch.joints(), rest_values(batch)
     low, high = (np.where(np.isnan(limit), rest, limit) for limit in (joints.low, joints.high))
     end = np.where(high - rest >= rest - low, high, low)
     return rest + share * (end - rest)
@@ -104,7 +108,7 @@ def _parse_state(batch: Batch, text: str) -> np.ndarray:
 
     A share (``lid=20%``) is of the way from rest to the farther end. Values stay within the limits. Raises UsageError.
     """
-    joints, values = batch.joints(), resting(batch)
+    joints, values = batch.joints(), rest_values(batch)
     own = [batch.program.joints[k].name for k in joints.definition]
     every = list(dict.fromkeys(joint.name for joint in batch.program.joints))
     defined = {name for joint in batch.program.joints for name in (joint.name, joint.path)} | set(joints.name)
@@ -121,7 +125,7 @@ def _parse_state(batch: Batch, text: str) -> np.ndarray:
         for row in [k for k, names in enumerate(zip(joints.name, own, strict=True)) if name in names]:
             units = {"prismatic": _LENGTHS}.get(joints.kind[row], _ANGLES)
             if unit == "%":
-                values[row] = opened(batch, float(number) / 100)[row]
+                values[row] = open_values(batch, float(number) / 100)[row]
             elif unit in units:
                 values[row] = float(number) * units[unit]
             else:
@@ -133,12 +137,12 @@ def _parse_state(batch: Batch, text: str) -> np.ndarray:
     return np.clip(values, low, high)
 
 
-def draw(batch: Batch, k: int) -> np.ndarray:
+def draw_values(batch: Batch, k: int) -> np.ndarray:
     """The ``k``-th random joint values (J,): independent and uniform within the limits, -pi .. pi where none are.
 
     Addressed by object, path of the joint and rank of its repeats. A sliding joint without a limit rests.
     """
-    joints, values = batch.joints(), resting(batch)
+    joints, values = batch.joints(), rest_values(batch)
     definition = np.asarray(joints.definition)
     turning = np.array([kind in ("revolute", "continuous", "screw", "ball") for kind in joints.kind], dtype=bool)
     free = np.array([kind == "continuous" for kind in joints.kind], dtype=bool)
@@ -206,7 +210,7 @@ def joint_twist(batch: Batch, states: np.ndarray | None = None) -> Twist:
     links, joints = batch.links(), batch.joints()
     rotation, translation = batch.pose(states)
     parent = np.searchsorted(links.owner, joints.owner) + joints.parent
-    axis, slide = (rotate(rotation[parent], way) for way in freedoms(joints))  # with the link that carries them
+    axis, slide = (rotate(rotation[parent], way) for way in freedoms_of(joints))  # with the link that carries them
     x, y, z = (rotate(rotation[parent], joints.origin) + translation[parent]).T
     a, b, c = axis.T
     return Twist(axis, np.stack([c * y - b * z, a * z - c * x, b * x - a * y], axis=-1) + slide)  # - axis x origin
@@ -217,7 +221,7 @@ def twist(batch: Batch, states: np.ndarray | None = None) -> Twist:
     links, joints = batch.links(), batch.joints()
     start = np.searchsorted(links.owner, joints.owner)
     parent, child = start + joints.parent, start + joints.child
-    stiff = np.flatnonzero(~np.any([(way != 0.0).any(axis=1) for way in freedoms(joints)], axis=0))
+    stiff = np.flatnonzero(~np.any([(way != 0.0).any(axis=1) for way in freedoms_of(joints)], axis=0))
     own = joint_twist(batch, states)
     made = Twist(np.zeros((len(links.owner), 3)), np.zeros((len(links.owner), 3)))
     made.turn[child], made.shift[child] = own.turn, own.shift

@@ -12,8 +12,8 @@ from ..errors import UsageError, UserError
 from ..geometry.rays import ENGINES, NEAR, Caster, Grid, best_engine, intersect, rotate_vectors
 from .cameras import Cameras, extrinsics
 from .points import field_kinds
-from .seen import Hits, amid_solids, bind, carry_vectors, classes, labels, part_coordinates
-from .soup import Soup, soup
+from .seen import SoupHits, bind_hits, carry_vectors, is_amid_solids, part_coordinates, read_classes, read_labels
+from .soup import Soup, make_soup
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
@@ -117,7 +117,7 @@ class _Views:
 
     def fill(self, first: int, stop: int) -> None:
         """The objects ``first .. stop - 1``."""
-        made = soup(self.batch, first, stop)
+        made = make_soup(self.batch, first, stop)
         shots: list[_Shot] = []
         for i in range(first, stop):
             span = slice(int(made.start[i - first]), int(made.start[i - first + 1]))
@@ -131,7 +131,7 @@ class _Views:
                 at = (i * self.each + k) * self.cameras.count
                 self.turn[at : at + self.cameras.count], self.eye[at : at + self.cameras.count] = turn[0], eye[0]
                 if self.cameras.poses:  # others stand outside the sphere around the object
-                    amid = np.flatnonzero(amid_solids(made, i - first, rotation, translation, eye[0]))
+                    amid = np.flatnonzero(is_amid_solids(made, i - first, rotation, translation, eye[0]))
                     if len(amid):
                         raise UserError(
                             f"view {amid[0]} of object {target.number} is taken from within one of its solids",
@@ -143,9 +143,9 @@ class _Views:
 
     def _write(self, made: Soup, shots: list[_Shot]) -> None:
         """Images and clouds of some shots, everything that does not depend on the shot for all of them at once."""
-        hits = Hits(*(np.concatenate([getattr(s.hits, name) for s in shots]) for name in ("triangle", "weights")))
+        hits = SoupHits(*(np.concatenate([getattr(s.hits, name) for s in shots]) for name in ("triangle", "weights")))
         shot = np.repeat(np.arange(len(shots)), [len(s.hits.triangle) for s in shots])
-        bound = bind(made, hits)
+        bound = bind_hits(made, hits)
         link, part = made.link[hits.triangle], made.part[hits.triangle]
         state = np.array([s.number // self.cameras.count % self.each for s in shots])[shot]
         turn = np.stack([rotation for rotation, _ in self.poses])
@@ -153,7 +153,7 @@ class _Views:
         every = {
             "normal": carry_vectors(turn.reshape(-1, 3, 3), None, state * turn.shape[1] + link, bound.normal),
             "npcs": part_coordinates(self.batch, part, bound.position),
-            "semantic": classes(self.batch, bound),
+            "semantic": read_classes(self.batch, bound),
             "instance": np.asarray(self.batch.parts().number)[part],
             "link": np.asarray(self.batch.links().number)[link],
         }
@@ -182,7 +182,7 @@ class _Views:
         _enter(self.cloud["points"], slot, position)
         _enter(self.cloud["camera"], slot, camera)
         self.cloud["pixel"][slot] = np.stack([row, column], axis=-1)
-        for name, values in labels(self.batch, bound.take(chosen)).fields.items():
+        for name, values in read_labels(self.batch, bound.take(chosen)).fields.items():
             if values.ndim == 2:
                 values = carry_vectors(turn.reshape(-1, 3, 3), None, (state * turn.shape[1] + link)[chosen], values)
             _enter(self.cloud[name], slot, values)
@@ -232,7 +232,7 @@ class _Shot:
         key, address = self.draw
         self.chosen = random.orders(random.streams(key, address.reshape(1)), len(triangle))[0, : c.points]
         self.depth = depth
-        self.hits = Hits(triangle + target.first, weights)
+        self.hits = SoupHits(triangle + target.first, weights)
 
     def _window(self, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The pixels [low, high) that the picture of the object's box, ``ends`` (3, 2), lies within."""
@@ -253,7 +253,7 @@ class _Shot:
         """Triangles, barycentric weights, depths along z and numbers of the rays of a grid that meet the object."""
         found = self.target.caster.first(self.turn, self.eye, grid)
         at = np.flatnonzero(found >= 0)
-        hits = Hits(found[at], intersect(self.local, found[at], grid.directions()[at]))
+        hits = SoupHits(found[at], intersect(self.local, found[at], grid.directions()[at]))
         return hits.triangle, hits.weights, hits.blend(self.local[..., 2:])[:, 0], at
 
     def _some(self, count: int, of: int) -> np.ndarray:

@@ -106,13 +106,13 @@ class Files:
         unless ``force``. Raises ExportError.
         """
         from ..export.objects import object_folder, write_objects
-        from ..export.registry import find_formats, per_object
+        from ..export.registry import find_formats, object_formats
         from ..geometry.resolution import Resolution
 
         chosen = find_formats(formats if isinstance(formats, str) else list(formats))
         for entry in chosen:
             if not entry.per_object:
-                raise UsageError(f"{entry.name} is written by `to`", f"`export` writes {', '.join(per_object())}")
+                raise UsageError(f"{entry.name} is written by `to`", f"`export` writes {', '.join(object_formats())}")
         fine = Resolution(tolerance=tolerance, triangles=triangles)
         write_objects(self.batch, Path(folder), chosen, force=force, resolution=fine)
         return [object_folder(Path(folder), n) for n in self.numbers.tolist()]
@@ -153,7 +153,7 @@ class Files:
     # ------------------------------------------------------------ pictures
 
     def sheet(self, path: str | Path, **options: Any) -> Path:
-        """Draw all objects to a PNG; the options are those of ``view.sheet.sheet`` (colour, tile, columns, states, view)."""
+        """Draw all objects to a PNG; the options are those of ``view.sheet.draw_sheet`` (colour, tile, columns, states, view)."""
         from ..view.sheet import write_sheet
 
         if Path(path).suffix.lower() != ".png":
@@ -164,9 +164,9 @@ class Files:
     @cached_property
     def _picture(self) -> bytes:
         from ..view.png import png_bytes
-        from ..view.sheet import sheet
+        from ..view.sheet import draw_sheet
 
-        return png_bytes(sheet(self.job.batch(self.numbers[:_PICTURED]), tile=220))
+        return png_bytes(draw_sheet(self.job.batch(self.numbers[:_PICTURED]), tile=220))
 
     def _repr_png_(self) -> bytes:
         return self._picture

@@ -66,15 +66,15 @@ class Samples(Files):
 
     def changes(self, number: int) -> list[Step]:
         """What made the object of a number from the one before, step by step; nothing for one that was drawn."""
-        from ..sampling.trace import traces
+        from ..sampling.trace import trace_objects
 
-        return traces(self.object(number).batch)[0]
+        return trace_objects(self.object(number).batch)[0]
 
     def replay(self, records: Iterable[Mapping[str, Any]]) -> Samples:
         """Objects made from these as the records of traces say (lines of ``trace-*.jsonl``). Raises NoObject, UserError."""
-        from ..sampling.trace import Replay, checked
+        from ..sampling.trace import Replay, check_record
 
-        made = {record["object"]: record for record in map(checked, records)}
+        made = {record["object"]: record for record in map(check_record, records)}
         return Samples(self.job.mutated(Replay(made), sorted(made)))
 
     def repairs(self) -> Repairs:
@@ -83,9 +83,9 @@ class Samples(Files):
 
     def correspondence(self) -> Correspondence:
         """Which elementary primitive of the objects before became which of these, a row for each of these."""
-        from ..sampling.correspondence import correspondence
+        from ..sampling.correspondence import find_correspondence
 
-        return correspondence(self.batch.history[0].before if self.batch.history else self.batch, self.batch)
+        return find_correspondence(self.batch.history[0].before if self.batch.history else self.batch, self.batch)
 
     # ------------------------------------------------------------ tables
 
@@ -109,10 +109,10 @@ class Samples(Files):
         ``states`` (K, J) adds what is elsewhere in each of them. Grasps are those that the ``gripper`` can make: measures
         such as "stroke=8cm,width=2cm", or "any". Raises UsageError.
         """
-        from ..annotate.annotation import describe
+        from ..annotate.annotation import annotate
         from ..annotate.gripper import read_gripper
 
-        return describe(self.batch, states, read_gripper(gripper))
+        return annotate(self.batch, states, read_gripper(gripper))
 
     def __getitem__(self, name: str) -> np.ndarray:
         """A drawn value, one per object: ``batch["width"]`` (B,) float64, nan where an object has none of the name.
@@ -144,9 +144,9 @@ class Samples(Files):
 
     def opened(self) -> np.ndarray:
         """Joint values (J,) with every limited joint four fifths of its way open."""
-        from ..annotate.states import opened
+        from ..annotate.states import open_values
 
-        return opened(self.batch)
+        return open_values(self.batch)
 
     def states(self, **values: float) -> np.ndarray:
         """Joint values (J,) at rest but for the joints named: ``batch.states(open=1.2)``, all that bear the name."""
@@ -239,10 +239,10 @@ class Samples(Files):
         ``tolerance``: how far a mesh may lie off the true surface, metres; ``triangles``: the most that an object may
         have, spread by curvature. Neither: 24 steps per full turn. Raises UsageError.
         """
-        from ..export.scenes import scenes
+        from ..export.scenes import make_scenes
         from ..geometry.resolution import Resolution
 
-        return scenes(self.batch, states, Resolution(tolerance=tolerance, triangles=triangles))
+        return make_scenes(self.batch, states, Resolution(tolerance=tolerance, triangles=triangles))
 
     def grasps(
         self, values: int = 5, *, gripper: Gripper | str = "standard", states: np.ndarray | None = None

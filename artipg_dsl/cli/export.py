@@ -15,7 +15,7 @@ from .wanted import open_wanted
 
 def run(options: argparse.Namespace) -> int:
     from ..export.content import Content
-    from ..export.registry import find_formats, per_object
+    from ..export.registry import find_formats, object_formats
     from ..export.write import ExportError
     from ..geometry.resolution import STANDARD
     from ..run.dataset import add_formats, write_dataset
@@ -28,7 +28,7 @@ def run(options: argparse.Namespace) -> int:
         raise UsageError(wrong.message, wrong.hint) from None
     for entry in formats:
         if not entry.per_object:
-            known = ", ".join(per_object())
+            known = ", ".join(object_formats())
             raise UsageError(f"{entry.name} is written by `apgc sample`", f"export writes {known}")
     folder = Path(options.program)
     out = Path(options.out or (folder if folder.is_dir() else "out"))

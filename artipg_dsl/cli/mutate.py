@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import UsageError, UserError
-from ..run.settings import show
+from ..run.settings import show_value
 from .messages import plural, say
 from .sample import refuse_file, show_statistics
 from .sample import write as write_folder
@@ -72,13 +72,13 @@ def _open_originals(options: argparse.Namespace) -> tuple[Job, Output]:
     from ..run.job import open_job
     from ..run.output import Output
     from ..run.request import read_request
-    from ..run.resume import read, remake
+    from ..run.resume import read_folder_manifest, remake
 
     if options.params is not None:
         request = read_request(options.folder, checked=not options.unchecked, values=options.params)
         job, output = open_job(request, values=options.params), Output(DEFAULT)
     elif Path(options.folder).is_dir():
-        manifest = read(options.folder)
+        manifest = read_folder_manifest(options.folder)
         job, output = remake(options.folder, manifest), Output.from_manifest(manifest["identity"])
         job = job.but(checked=False) if options.unchecked else job
     else:
@@ -155,8 +155,8 @@ def _compare(first: str, second: str, *, everything: bool) -> int:
 def _compare_folders(first: str, second: str, everything: bool) -> list[str]:
     """The differences of the objects of two folders, those of the same number or a mutant and its original."""
     from ..run.resume import reopen
-    from ..sampling.known import again
-    from ..sampling.trace import difference
+    from ..sampling.known import evaluate_again
+    from ..sampling.trace import compare_batches
 
     a, b = reopen(first), reopen(second)
     if a.program.hash != b.program.hash:
@@ -169,11 +169,11 @@ def _compare_folders(first: str, second: str, everything: bool) -> list[str]:
         raise UserError(f"{first} and {second} have no object in common")
     after = b.batch(others[both])
     stock, place = np.unique(sources[both], return_inverse=True)
-    before = again(a.batch(stock), place)
+    before = evaluate_again(a.batch(stock), place)
     units = {draw.address: draw.unit for draw in a.program.draws}
     lines: list[str] = []
     for number, source, changes in zip(
-        others[both].tolist(), sources[both].tolist(), difference(before, after), strict=True
+        others[both].tolist(), sources[both].tolist(), compare_batches(before, after), strict=True
     ):
         if not changes:
             continue
@@ -208,7 +208,7 @@ def _show_step(step: Step, units: dict[str, str]) -> str:
     """``handle: BarHandle -> BowHandle``, lengths and angles in the units that people use."""
 
     def said(value: Any) -> str:
-        return show(value, units.get(step.draw or "", "m")) if isinstance(value, float) else str(value)
+        return show_value(value, units.get(step.draw or "", "m")) if isinstance(value, float) else str(value)
 
     if step.how == "gone":
         return f"{step.path}: {said(step.before)}, gone"

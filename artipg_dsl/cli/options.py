@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from ..export.registry import FORMATS, OTHERS, per_object
+from ..export.registry import FORMATS, OTHERS, object_formats
 from .arguments import amount, folder, fraction, numbers, part, picture, place, positive, tolerance, whole, workers
 
 _MESHES = 60  # objects of a report whose meshes are looked at
@@ -162,7 +162,7 @@ def add_export(to: argparse.ArgumentParser) -> None:
         "-o", "--out", type=folder, metavar="DIR", help="output folder (default: the folder of samples, or out)"
     )
     to.add_argument(
-        "--format", metavar="LIST", required=True, help=f"formats, separated by commas: {', '.join(per_object())}"
+        "--format", metavar="LIST", required=True, help=f"formats, separated by commas: {', '.join(object_formats())}"
     )
     _meshes(to)
     to.add_argument("--force", action="store_true", help="overwrite existing files")

@@ -30,9 +30,9 @@ def _examine(options: argparse.Namespace, stage: Callable[[str], None] = lambda 
     """Stages with their CPU seconds, in all, and parts with their costs per object."""
     from ..export.content import Content
     from ..export.registry import choose_formats
-    from ..quality.cost import costs
+    from ..quality.cost import measure_costs
     from ..run.job import open_job
-    from ..validity.faults import faults
+    from ..validity.faults import find_faults
 
     spent: dict[str, float] = {}
 
@@ -45,13 +45,13 @@ def _examine(options: argparse.Namespace, stage: Callable[[str], None] = lambda 
 
     job = timed("compiling", lambda: open_job(read_request(options, checked=False)))
     batch = timed("drawing", job.batch)
-    timed("checking", lambda: faults(batch))
+    timed("checking", lambda: find_faults(batch))
     content = Content()
     for entry in choose_formats(None):
         if entry.shard:
             timed(f"writing {entry.name}", lambda: entry.shard_bytes(batch, content))  # noqa: B023 - called at once
     stage("making the pieces of each part")
-    found: list[Cost] = costs(batch, timed=True)
+    found: list[Cost] = measure_costs(batch, timed=True)
     return {
         "category": job.program.name,
         "objects": len(batch),

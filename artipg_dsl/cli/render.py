@@ -14,13 +14,13 @@ from .wanted import open_wanted
 
 def run(options: argparse.Namespace) -> int:
     from ..geometry.resolution import SMOOTH
-    from ..view.sheet import direction, write_sheet
+    from ..view.sheet import read_direction, write_sheet
 
     if Path(options.out).suffix.lower() != ".png":
         raise UsageError(
             f"the picture is a PNG, and {options.out} is not the name of one", "choose a name that ends in .png"
         )
-    direction(options.view)
+    read_direction(options.view)
     job = open_wanted(options)
     with Progress("drawing") as progress:
         write_sheet(

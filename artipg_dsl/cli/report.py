@@ -24,14 +24,14 @@ PICTURED, COLUMNS, TILE = 12, 6, 160  # objects on the picture of a page
 
 
 def run(options: argparse.Namespace) -> int:
-    from ..export.strict import ready
+    from ..export.strict import require_manifold
     from ..export.write import refuse_existing, write_bytes
-    from ..quality.sizes import reference
-    from ..quality.text import markdown, text
+    from ..quality.sizes import read_reference
+    from ..quality.text import card_text, markdown_table
     from ..run.workers import map_each
 
     names = _read_names(options)
-    known = reference(options.reference)
+    known = read_reference(options.reference)
     alone = options.html == STREAM  # the page is what is printed
     if alone and (options.json or options.markdown):
         raise UsageError(
@@ -41,23 +41,23 @@ def run(options: argparse.Namespace) -> int:
     if options.html is not None and not alone:
         refuse_existing(Path(options.html), options.force)
     if options.meshes:
-        ready()
-    tasks = [Task(options, name, known, options.workers == 1) for name in names]
+        require_manifold()
+    tasks = [_Task(options, name, known, options.workers == 1) for name in names]
     cards, pictures = [], []
     for card, seen in map_each(_examined, tasks, options.workers) if options.workers > 1 else map(_examined, tasks):
         cards.append(card)
         pictures.append(seen)
         if not (options.json or options.markdown or alone):
-            print(("\n" if len(cards) > 1 else "") + text(card), flush=True)
+            print(("\n" if len(cards) > 1 else "") + card_text(card), flush=True)
     if options.json:
         found = [card.plain() for card in cards]
         print(json.dumps(found if options.all or len(found) > 1 else found[0], indent=1))
     elif options.markdown:
-        print(markdown(cards), end="")
+        print(markdown_table(cards), end="")
     if options.html is not None:
-        from ..quality.page import page
+        from ..quality.page import render_page
 
-        made = page(cards, pictures)
+        made = render_page(cards, pictures)
         if alone:
             print(made)
         else:
@@ -80,7 +80,7 @@ def _read_names(options: argparse.Namespace) -> list[str]:
 
 
 @dataclass(frozen=True, slots=True)
-class Task:
+class _Task:
     """A category whose card is wanted; ``watched``: somebody may look on."""
 
     options: argparse.Namespace
@@ -89,10 +89,10 @@ class Task:
     watched: bool
 
 
-def _examined(task: Task) -> tuple[Card, bytes]:
+def _examined(task: _Task) -> tuple[Card, bytes]:
     """The card of a category, and a picture where there is to be a page."""
-    from ..export.strict import strict
-    from ..quality.card import STEPS, Valid, card
+    from ..export.strict import check_meshes
+    from ..quality.card import STEPS, Valid, make_card
     from ..run.job import open_job
     from ..session import categories
 
@@ -110,8 +110,8 @@ def _examined(task: Task) -> tuple[Card, bytes]:
         step("sampling", 0, len(STEPS))
         batch = job.batch()
         valid = Valid(job.statistics.first_valid, job.statistics.attempts, job.failures())
-        meshes = strict(job.of(request.objects[: options.meshes]).batch()) if options.meshes else None
-        found = card(
+        meshes = check_meshes(job.of(request.objects[: options.meshes]).batch()) if options.meshes else None
+        found = make_card(
             job.sampler,
             batch,
             valid,
@@ -126,17 +126,17 @@ def _examined(task: Task) -> tuple[Card, bytes]:
 
 def _own_lines(path: Path | None) -> int | None:
     """Lines of the text of a category; None for a compiled one."""
-    from ..quality.card import text_lines
+    from ..quality.card import program_lines
 
     if path is None or path.suffix != ".apg":
         return None
-    return text_lines(path.read_text(encoding="utf-8"))
+    return program_lines(path.read_text(encoding="utf-8"))
 
 
 def _picture(job: Job) -> bytes:
     """A small contact sheet as PNG."""
     from ..view.png import png_bytes
-    from ..view.sheet import sheet
+    from ..view.sheet import draw_sheet
 
     batch = job.batch()
-    return png_bytes(sheet(batch, columns=min(COLUMNS, len(batch)), tile=TILE, colour="material"))
+    return png_bytes(draw_sheet(batch, columns=min(COLUMNS, len(batch)), tile=TILE, colour="material"))

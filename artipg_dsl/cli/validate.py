@@ -44,11 +44,11 @@ def examine(
 ) -> dict[str, Any]:
     """All evidence as plain data. ``drawn`` are objects that meet the requirements, ``delivered`` what is handed out;
     ``meshes``: what is delivered, by what is seen of it. ``progress`` is told (step, steps) before each step, ``stage`` what it is."""
-    from ..export.strict import ready, strict
-    from ..validity.evidence import evidence
+    from ..export.strict import check_meshes, require_manifold
+    from ..validity.evidence import find_evidence
 
     if meshes:
-        ready()
+        require_manifold()
     free = job.but(checked=False)
     steps = 4 + meshes
     progress(0, steps)
@@ -56,7 +56,7 @@ def examine(
     batch = free.batch()
     progress(1, steps)
     stage("checking them as they are drawn")
-    drawn = evidence(batch, 0)
+    drawn = find_evidence(batch, 0)
     progress(2, steps)
     stage("drawing objects until they are valid")
     job = job.but()  # what was counted before does not matter here
@@ -65,10 +65,10 @@ def examine(
         batch = job.batch()
         progress(3, steps)
         stage("checking them in all states")
-        delivered: Evidence | None = evidence(batch, states)
+        delivered: Evidence | None = find_evidence(batch, states)
         progress(4, steps)
         stage("checking what is seen")
-        seen, why = strict(batch, states) if meshes else None, None
+        seen, why = check_meshes(batch, states) if meshes else None, None
     except NoObject as error:
         delivered, why = None, error.message
     made = job.statistics
@@ -146,7 +146,7 @@ def _others(faults: list[tuple[str, int]], objects: int) -> list[str]:
 
 def _collision(pair: dict[str, Any], objects: int, kinds: dict[str, str]) -> list[str]:
     """Two links that collide, and of one object the parts, the value of the joint and the place, in lines."""
-    from ..validity.contact import Contact, in_words
+    from ..validity.contact import Contact, contact_in_words
 
     kind, joint = kinds.get(pair["joint"], ""), pair["joint"]
     if not joint:
@@ -158,5 +158,5 @@ def _collision(pair: dict[str, Any], objects: int, kinds: dict[str, str]) -> lis
     share = f"{100 * pair['objects'] / objects:.1f}% of objects"
     lines = [f"    {pair['first']} and {pair['second']} collide {when}: {share}"]
     if pair["example"] is not None:
-        lines.append("        " + in_words(kind, Contact(**pair["example"])))
+        lines.append("        " + contact_in_words(kind, Contact(**pair["example"])))
     return lines

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import UsageError, UserError
-from ..run.settings import split
+from ..run.settings import split_settings
 
 if TYPE_CHECKING:
     from ..run.job import Job
@@ -21,7 +21,12 @@ def read_request(options: argparse.Namespace, program: str | None = None, **more
     only = options.only
     number = None if only else options.number or (None if more.get("values") else options.default_number)
     return request.read_request(
-        program or options.program, seed=options.seed or 0, n=number, numbers=only, settings=split(options.set), **more
+        program or options.program,
+        seed=options.seed or 0,
+        n=number,
+        numbers=only,
+        settings=split_settings(options.set),
+        **more,
     )
 
 

@@ -9,7 +9,7 @@ from .robot import Robot, RobotJoint
 _LIGHT = 0.05  # of the mass of what a link carries
 
 
-def adjacent(robot: Robot) -> list[tuple[str, str]]:
+def find_adjacent(robot: Robot) -> list[tuple[str, str]]:
     """Names of pairs of links that a joint, two joints with but a light link between, a common axle or a loop's closing holds together.
 
     Links that fixed joints hold together count as one.

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..validity.bodies import Alike, Pieces, packed, turned
+from ..validity.bodies import Alike, Pieces, pack_pieces, turn_points
 from ..validity.tree import Tree
-from ..validity.validate import at_rest, checked
+from ..validity.validate import find_meetings, find_meetings_at_rest
 from . import solids
 from .hulls import BUDGET, Body, Hull
 
@@ -27,14 +27,19 @@ _Check = Callable[[Tree, Pieces], np.ndarray]
 _Mine = tuple[int, Hull]  # the number of an object and a hull of it
 
 
-def colliders(batch: Batch, groups: list[solids.PieceGroup], materials: dict[int, np.ndarray]) -> list[list[Hull]]:
+def make_colliders(
+    batch: Batch, groups: list[solids.ShapedPieces], materials: dict[int, np.ndarray]
+) -> list[list[Hull]]:
     """The colliders of each object, in the order of the pieces; ``materials`` by site: what each row is made of."""
-    objects = solids.by_object(groups, len(batch))
+    objects = solids.group_by_object(groups, len(batch))
     bodies = [Body(items, materials) for items in objects]
     merged = {i: bodies[i] for i, items in enumerate(objects) if len(items) > BUDGET}
     if merged:
         tree = Tree(batch)
-        for check in (at_rest, checked):  # most of what meets does so at rest, which is soon looked at
+        for check in (
+            find_meetings_at_rest,
+            find_meetings,
+        ):  # most of what meets does so at rest, which is soon looked at
             _set_apart(tree, merged, check)
     return [body.in_order() for body in bodies]
 
@@ -75,9 +80,9 @@ def _meeting(tree: Tree, check: _Check, hulls: list[_Mine], side: list[int]) -> 
         items = [hulls[k][1].item for k in numbers]
         link = tree.first[owner] + np.array([item.group.table.link[item.row] for item in items])
         corners = np.stack([hulls[k][1].vertices for k in numbers])
-        placed = turned(tree.turn[link], corners) + tree.shift[link][:, None]
+        placed = turn_points(tree.turn[link], corners) + tree.shift[link][:, None]
         groups.append(Alike(placed, hulls[numbers[0]][1].faces, owner, link))
-    body = packed(groups)
+    body = pack_pieces(groups)
     number = np.concatenate([np.zeros(0, dtype=np.int64), *map(np.array, alike.values())])[body.source]
     body.side = np.array(side, dtype=np.int64)[number]
     check(tree, body)

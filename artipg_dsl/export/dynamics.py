@@ -55,7 +55,7 @@ class Dynamics:
     armature: np.ndarray
 
 
-def dynamics(
+def complete_dynamics(
     joints: JointTable,
     rest: np.ndarray,
     first: np.ndarray,

@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from ..runtime.motion import square
-from .materials import linear
+from ..runtime.motion import perpendicular_to
+from .materials import to_linear
 from .pose import open_values, rest_values
-from .robot import Look, Robot, RobotJoint
+from .robot import Robot, RobotJoint, SeenMaterial
 
 FLOAT, UNSIGNED_SHORT, UNSIGNED_INT = 5126, 5123, 5125
 VERTICES, INDICES = 34962, 34963
@@ -62,7 +62,7 @@ class _Buffer:
 def glb_bytes(robot: Robot) -> bytes:
     """The whole .glb file of one object."""
     buffer = _Buffer()
-    looks: dict[Look, int] = {}
+    looks: dict[SeenMaterial, int] = {}
     meshes: list[dict[str, Any]] = []
     top = {"name": robot.name, "rotation": _Z_UP_TO_Y_UP, "children": [1], "extras": {"frame": "x front, y left, z up"}}
     # node 0 turns the axes, node 1 + k is link k, primitives follow
@@ -115,7 +115,7 @@ def _pack(document: dict[str, Any], binary: bytes) -> bytes:
     return struct.pack("<III", 0x46546C67, 2, 12 + len(chunks)) + chunks
 
 
-def _mesh(visual: Any, origin: np.ndarray, buffer: _Buffer, looks: dict[Look, int]) -> dict[str, Any]:
+def _mesh(visual: Any, origin: np.ndarray, buffer: _Buffer, looks: dict[SeenMaterial, int]) -> dict[str, Any]:
     group, k = visual.item.group, visual.item.k
     shading = group.shading
     position = (group.vertices[k][shading.source] - origin).astype("<f4")
@@ -133,8 +133,8 @@ def _mesh(visual: Any, origin: np.ndarray, buffer: _Buffer, looks: dict[Look, in
     return {"name": visual.name, "primitives": [primitive]}
 
 
-def _material(look: Look) -> dict[str, Any]:
-    colour = np.round(linear(np.array(look.colour)), 6).tolist()
+def _material(look: SeenMaterial) -> dict[str, Any]:
+    colour = np.round(to_linear(np.array(look.colour)), 6).tolist()
     material: dict[str, Any] = {
         "name": look.name,
         "pbrMetallicRoughness": {
@@ -168,7 +168,7 @@ def _translations(joint: RobotJoint, values: np.ndarray) -> np.ndarray:
 def _turns(joint: RobotJoint, values: np.ndarray) -> np.ndarray:
     """Quaternions (n, 4), x y z w, of the child link in the parent's frame."""
     half = values / 2
-    axis = square(joint.axis[None])[0] if joint.kind == "ball" else joint.axis  # a ball's value is its tilt
+    axis = perpendicular_to(joint.axis[None])[0] if joint.kind == "ball" else joint.axis  # a ball's value is its tilt
     return np.concatenate([np.sin(half)[:, None] * axis, np.cos(half)[:, None]], axis=1)
 
 

@@ -9,13 +9,13 @@ from functools import cache
 
 import numpy as np
 
-from ..geometry.merge import Cluster, Convex, clusters, cut, gathered, halves
+from ..geometry.merge import Cluster, Convex, clusters, cut, gather_clusters, halves
 from ..geometry.vectors import cross, dot
 from . import solids
 
 BUDGET = 60  # colliders of an object
 STEPS = (0.002, 0.004, 0.008, 0.016, 0.03)  # of the diagonal of the object's box
-Item = solids.Item[solids.PieceGroup]
+Item = solids.Item[solids.ShapedPieces]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -102,7 +102,7 @@ def _rows(found: list[list[Cluster]], tolerance: float, materials: dict[int, np.
             single.setdefault(key, []).append(parts[0])
         else:
             others.append(parts)
-    return [*(gathered(parts, tolerance) for parts in single.values()), *others]
+    return [*(gather_clusters(parts, tolerance) for parts in single.values()), *others]
 
 
 def _pieces(items: list[Item]) -> Iterator[Convex]:

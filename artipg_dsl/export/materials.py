@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..graph.program import Material
-from ..validity.materials import RANGES, drawn
+from ..validity.materials import RANGES, draw_property
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
@@ -20,12 +20,12 @@ def resolve_materials(batch: Batch, material: Material) -> list[Material]:
     ranges = [name for name in RANGES if getattr(material, name)[0] != getattr(material, name)[1]]
     if not ranges:
         return [material] * len(batch)
-    values: dict[str, Any] = {name: drawn(batch, material, name).tolist() for name in ranges}
+    values: dict[str, Any] = {name: draw_property(batch, material, name).tolist() for name in ranges}
     each: list[dict[str, Any]] = [{name: (v[i], v[i]) for name, v in values.items()} for i in range(len(batch))]
     return [replace(material, **one) for one in each]
 
 
-def colours(batch: Batch, material: Material) -> np.ndarray:
+def draw_colours(batch: Batch, material: Material) -> np.ndarray:
     """sRGB (B, 3) of a material in each object: one of its colours, the same for all its primitives in an object.
 
     The choice depends on the seed, the object's number and the material's name alone (a multiplicative hash). A mutant
@@ -43,7 +43,7 @@ def colours(batch: Batch, material: Material) -> np.ndarray:
     return palette[(mixed % np.uint64(len(palette))).astype(np.int64)]
 
 
-def linear(srgb: np.ndarray) -> np.ndarray:
+def to_linear(srgb: np.ndarray) -> np.ndarray:
     """Linear light of sRGB values in 0 .. 1 (glTF and renderers compute with the former)."""
     srgb = np.asarray(srgb, dtype=np.float64)
     return np.where(srgb <= 0.04045, srgb / 12.92, np.power((srgb + 0.055) / 1.055, 2.4))

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Meaning:
+class _ArrayMeaning:
     """What an array holds: its shape in words, frame and unit, and type."""
 
     text: str
@@ -24,48 +24,50 @@ class Meaning:
     dtype: str = "uint16"
 
 
-_OBJECT = Meaning("number of the object", "objects", dtype="int64")
-_STATE = Meaning(
+_OBJECT = _ArrayMeaning("number of the object", "objects", dtype="int64")
+_STATE = _ArrayMeaning(
     "joint values in the order of the annotation, then nan", "objects, states, joints", unit="rad or m", dtype="float64"
 )
 _POINTS = {
-    "points": Meaning("points on the visible surface at rest", "objects, points, 3", "object", "m", "float32"),
-    "normals": Meaning("outward unit normals of the surface", "objects, points, 3", "object", "1", "float32"),
-    "semantic": Meaning("class of the part, an index into vocabularies.semantic; 0: unlabelled", "objects, points"),
-    "instance": Meaning("part instance, its `number` in the annotation", "objects, points"),
-    "link": Meaning("link, its `number` in the annotation", "objects, points"),
-    "material": Meaning("material, an index into vocabularies.materials; 65535: none", "objects, points"),
-    "npcs": Meaning(
+    "points": _ArrayMeaning("points on the visible surface at rest", "objects, points, 3", "object", "m", "float32"),
+    "normals": _ArrayMeaning("outward unit normals of the surface", "objects, points, 3", "object", "1", "float32"),
+    "semantic": _ArrayMeaning(
+        "class of the part, an index into vocabularies.semantic; 0: unlabelled", "objects, points"
+    ),
+    "instance": _ArrayMeaning("part instance, its `number` in the annotation", "objects, points"),
+    "link": _ArrayMeaning("link, its `number` in the annotation", "objects, points"),
+    "material": _ArrayMeaning("material, an index into vocabularies.materials; 65535: none", "objects, points"),
+    "npcs": _ArrayMeaning(
         "place in the box of the instance, its diagonal 1 and its centre 0",
         "objects, points, 3",
         "part",
         "1",
         "float32",
     ),
-    "primitive": Meaning("index into sites: which primitive of the program", "objects, points"),
-    "element": Meaning("which of the object's primitives of that site, from 0", "objects, points"),
-    "patch": Meaning("surface patch of the primitive, from 0", "objects, points"),
-    "u": Meaning("first patch coordinate, a fraction 0 .. 1", "objects, points", "patch", "1", "float32"),
-    "v": Meaning("second patch coordinate, a fraction 0 .. 1", "objects, points", "patch", "1", "float32"),
+    "primitive": _ArrayMeaning("index into sites: which primitive of the program", "objects, points"),
+    "element": _ArrayMeaning("which of the object's primitives of that site, from 0", "objects, points"),
+    "patch": _ArrayMeaning("surface patch of the primitive, from 0", "objects, points"),
+    "u": _ArrayMeaning("first patch coordinate, a fraction 0 .. 1", "objects, points", "patch", "1", "float32"),
+    "v": _ArrayMeaning("second patch coordinate, a fraction 0 .. 1", "objects, points", "patch", "1", "float32"),
 }
-_ACTING = Meaning(
+_ACTING = _ArrayMeaning(
     "joint that the label is for, its place in the annotation's list `joints`; 65535: none, or it does not hold",
     "objects, points",
 )
-_AREA = {"area": Meaning("surface that the point stands for", "objects, points", unit="m2", dtype="float32")}
+_AREA = {"area": _ArrayMeaning("surface that the point stands for", "objects, points", unit="m2", dtype="float32")}
 _MOTIONS = {
-    "motion": Meaning(
+    "motion": _ArrayMeaning(
         "velocity of the point per unit of the next joint above its link",
         "objects, points, 3",
         "object",
         "m per rad, or m per m",
         "float32",
     ),
-    "drivers": Meaning(
+    "drivers": _ArrayMeaning(
         "joints that move the point, places in the annotation's list `joints`; 65535: no more",
         "objects, points, drivers",
     ),
-    "velocities": Meaning(
+    "velocities": _ArrayMeaning(
         "velocity of the point per unit of each of its drivers, with all that follows it",
         "objects, points, drivers, 3",
         "object",
@@ -77,30 +79,32 @@ _MOVING = ("points", "normals", "motion", "velocities")  # what depends on the s
 
 _SHOT, _IMAGE, _CLOUD = ("objects, views" + more for more in ("", ", height, width", ", cloud"))
 _VIEWS = {
-    "intrinsics": Meaning("camera matrix; the first pixel's centre is (0.5, 0.5)", f"{_SHOT}, 3, 3", dtype="float64"),
-    "extrinsics": Meaning(
+    "intrinsics": _ArrayMeaning(
+        "camera matrix; the first pixel's centre is (0.5, 0.5)", f"{_SHOT}, 3, 3", dtype="float64"
+    ),
+    "extrinsics": _ArrayMeaning(
         "object's frame to the camera's: x right, y down, z forward", f"{_SHOT}, 4, 4", "camera", "m", "float64"
     ),
-    "depth": Meaning("distance along the camera's z, 0: nothing seen", _IMAGE, "camera", "m", "float32"),
-    "normal": Meaning("outward unit normal, 0: nothing seen", f"{_IMAGE}, 3", "object", "1", "float32"),
-    "npcs": Meaning(
+    "depth": _ArrayMeaning("distance along the camera's z, 0: nothing seen", _IMAGE, "camera", "m", "float32"),
+    "normal": _ArrayMeaning("outward unit normal, 0: nothing seen", f"{_IMAGE}, 3", "object", "1", "float32"),
+    "npcs": _ArrayMeaning(
         "place in the box of the instance, its diagonal 1 and its centre 0; 0: nothing seen",
         f"{_IMAGE}, 3",
         "part",
         "1",
         "float32",
     ),
-    "semantic": Meaning("class, an index into vocabularies.semantic; 0: unlabelled, 65535: nothing seen", _IMAGE),
-    "instance": Meaning("part instance, its `number` in the annotation; 65535: nothing seen", _IMAGE),
-    "link": Meaning("link, its `number` in the annotation; 65535: nothing seen", _IMAGE),
-    "cloud_points": Meaning("points that the camera sees", f"{_CLOUD}, 3", "object", "m", "float32"),
-    "cloud_camera": Meaning("the same points", f"{_CLOUD}, 3", "camera", "m", "float32"),
-    "cloud_normals": Meaning("outward unit normals", f"{_CLOUD}, 3", "object", "1", "float32"),
-    "cloud_pixel": Meaning("row and column of the pixel that shows the point", f"{_CLOUD}, 2"),
-    "cloud_npcs": Meaning("as npcs", f"{_CLOUD}, 3", "part", "1", "float32"),
-    "cloud_semantic": Meaning("as semantic", _CLOUD),
-    "cloud_instance": Meaning("as instance", _CLOUD),
-    "cloud_link": Meaning("as link", _CLOUD),
+    "semantic": _ArrayMeaning("class, an index into vocabularies.semantic; 0: unlabelled, 65535: nothing seen", _IMAGE),
+    "instance": _ArrayMeaning("part instance, its `number` in the annotation; 65535: nothing seen", _IMAGE),
+    "link": _ArrayMeaning("link, its `number` in the annotation; 65535: nothing seen", _IMAGE),
+    "cloud_points": _ArrayMeaning("points that the camera sees", f"{_CLOUD}, 3", "object", "m", "float32"),
+    "cloud_camera": _ArrayMeaning("the same points", f"{_CLOUD}, 3", "camera", "m", "float32"),
+    "cloud_normals": _ArrayMeaning("outward unit normals", f"{_CLOUD}, 3", "object", "1", "float32"),
+    "cloud_pixel": _ArrayMeaning("row and column of the pixel that shows the point", f"{_CLOUD}, 2"),
+    "cloud_npcs": _ArrayMeaning("as npcs", f"{_CLOUD}, 3", "part", "1", "float32"),
+    "cloud_semantic": _ArrayMeaning("as semantic", _CLOUD),
+    "cloud_instance": _ArrayMeaning("as instance", _CLOUD),
+    "cloud_link": _ArrayMeaning("as link", _CLOUD),
 }
 
 _TABLES = {
@@ -122,7 +126,7 @@ _KINDS = {
 }
 
 
-def vocabularies(program: Program) -> dict[str, list[str]]:
+def list_vocabularies(program: Program) -> dict[str, list[str]]:
     """Words by vocabulary: the program's, those its labels use, and the names of its joints, grasps and materials."""
     words = {name: list(entries) for name, entries in program.vocabularies.items()}
     for label in program.labels:
@@ -170,17 +174,17 @@ def view_arrays(program: Program, content: Content) -> dict[str, dict[str, Any]]
     return {name: _entry(m, content, lengths, name != "object") for name, m in _with_states(meant, content).items()}
 
 
-def _with_states(meant: dict[str, Meaning], content: Content) -> dict[str, Meaning]:
+def _with_states(meant: dict[str, _ArrayMeaning], content: Content) -> dict[str, _ArrayMeaning]:
     return meant if content.states.only_rest else meant | {"state": _STATE}
 
 
-def _label(kind: str, shape: str) -> Meaning:
+def _label(kind: str, shape: str) -> _ArrayMeaning:
     if kind == "vectors":
-        return Meaning(_KINDS[kind], f"{shape}, 3", "object", dtype="float32")
-    return Meaning(_KINDS[kind], shape, dtype="bool" if kind == "mask" else "float32")
+        return _ArrayMeaning(_KINDS[kind], f"{shape}, 3", "object", dtype="float32")
+    return _ArrayMeaning(_KINDS[kind], shape, dtype="bool" if kind == "mask" else "float32")
 
 
-def _entry(meaning: Meaning, content: Content, lengths: Mapping[str, int | str], moving: bool) -> dict[str, Any]:
+def _entry(meaning: _ArrayMeaning, content: Content, lengths: Mapping[str, int | str], moving: bool) -> dict[str, Any]:
     """A meaning as plain data, its shape with the lengths known: one more axis where an array depends on the state."""
     axes = meaning.shape.split(", ")
     if moving and not content.states.only_rest and "states" not in axes:

@@ -6,19 +6,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..runtime.loops import leading
+from ..runtime.loops import leaders_of
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
 
 
-def mechanisms(batch: Batch) -> tuple[np.ndarray, np.ndarray]:
+def find_mechanisms(batch: Batch) -> tuple[np.ndarray, np.ndarray]:
     """For each joint (J,) the joint that leads it, itself where none does, and how many times as fast as that it moves.
 
     Of what a loop determines it is the mean over the leader's range: a joint may move fast where another hardly does.
     """
     joints = batch.joints()
-    leader, ratio = leading(joints)
+    leader, ratio = leaders_of(joints)
     if batch.loops is None:
         return leader, ratio
     leader = batch.loops.driven(leader)

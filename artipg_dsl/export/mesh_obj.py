@@ -12,7 +12,7 @@ from .naming import Names
 from .pose import rest_poses
 
 if TYPE_CHECKING:
-    from .robot import Look, Robot, RobotLink, Visual
+    from .robot import Robot, RobotLink, SeenMaterial, Visual
 
 _LIBRARY = "object.mtl"
 
@@ -61,7 +61,7 @@ def obj_bytes(shapes: Sequence[Shape]) -> bytes:
     return obj_text(shapes).encode("utf-8")
 
 
-def link_meshes(link: RobotLink) -> list[tuple[str, Look, bytes]]:
+def link_meshes(link: RobotLink) -> list[tuple[str, SeenMaterial, bytes]]:
     """One OBJ for each material of a link, in the link's frame: its name, how it looks, its text."""
     found = []
     for material in dict.fromkeys(visual.look.name for visual in link.visuals):
@@ -100,7 +100,7 @@ def move_points(points: np.ndarray, turn: np.ndarray, shift: np.ndarray) -> np.n
     return points[:, :1] * turn[:, 0] + points[:, 1:2] * turn[:, 1] + points[:, 2:] * turn[:, 2] + shift
 
 
-def mtl_text(looks: Iterable[Look]) -> str:
+def mtl_text(looks: Iterable[SeenMaterial]) -> str:
     """Materials: sRGB colour and opacity as every reader takes them, and Pr, Pm (roughness, metalness) for newer ones.
 
     The shininess of older readers is the Phong exponent that spreads light like the roughness r: 2 / r^4 - 2

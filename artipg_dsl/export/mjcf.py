@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..runtime.motion import square
-from .adjacent import adjacent
+from ..runtime.motion import perpendicular_to
+from .adjacent import find_adjacent
 from .mesh_obj import link_meshes
 from .pose import link_poses, rest_values
 from .robot import Collider, Robot, RobotJoint, RobotLink
@@ -90,7 +90,7 @@ class _Model:
             ],
             "meshes": self.meshes,
             "hulls": self.hulls,
-            "excludes": adjacent(robot),
+            "excludes": find_adjacent(robot),
             "couplings": self.couplings,
             "closures": [
                 {"name": f"closure_{n}", "site1": f"closure_{n}_a", "site2": f"closure_{n}_b"}
@@ -193,7 +193,7 @@ def qpos(robot: Robot, values: dict[str, float], order: list[str]) -> list[float
             numbers.append(values[screw.name] * screw.pitch / (2 * np.pi))
         elif joint.kind == "ball":
             half = values[name] / 2
-            numbers += [float(np.cos(half)), *(np.sin(half) * square(joint.axis[None])[0]).tolist()]
+            numbers += [float(np.cos(half)), *(np.sin(half) * perpendicular_to(joint.axis[None])[0]).tolist()]
         else:
             numbers.append(values[name])
     return numbers

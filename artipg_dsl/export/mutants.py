@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..sampling.correspondence import correspondence
+from ..sampling.correspondence import find_correspondence
 from ..sampling.trace import trace_lines
 from .containers import Arrays
 from .content import Content
@@ -34,4 +34,4 @@ def trace_shard(batch: Batch, content: Content) -> bytes:
 def correspondence_shard(batch: Batch, content: Content) -> Arrays:
     """The arrays of ``correspondence-<shard>.npz``: a row per primitive of the objects."""
     del content
-    return correspondence(batch.history[0].before if batch.history else batch, batch).arrays()
+    return find_correspondence(batch.history[0].before if batch.history else batch, batch).arrays()

@@ -26,7 +26,7 @@ def object_folder(out: Path, number: int) -> Path:
     return out / OBJECTS / f"{number:06d}"
 
 
-def lacking(folder: Path, formats: Sequence[Format]) -> list[Format]:
+def find_lacking(folder: Path, formats: Sequence[Format]) -> list[Format]:
     """Those of the formats whose files an object's folder does not hold. Folders appear whole, so one file tells."""
     return [entry for entry in formats if not (folder / entry.file).exists()]
 
@@ -51,7 +51,7 @@ def write_objects(
     for i, number in enumerate(batch.numbers.tolist()):
         if number in wanted:
             folder = object_folder(out, number)
-            _write_object(robots, i, folder, lacking(folder, formats) if add else formats, force=force)
+            _write_object(robots, i, folder, find_lacking(folder, formats) if add else formats, force=force)
         if progress:
             progress(i + 1, len(batch))
 

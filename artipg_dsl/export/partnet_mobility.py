@@ -18,15 +18,15 @@ import numpy as np
 from ..annotate.cloud import Points, sample_points
 from ..annotate.sampling import Sampling
 from .mesh_obj import Shape, move_points, mtl_text, obj_text
-from .partnet_tree import Words, entry, tree, words_of
-from .partnet_words import JOINTS, LIFTED, category, link_label, root_label, snake
+from .partnet_tree import CategoryWords, build_tree, to_entry, words_of
+from .partnet_words import JOINTS, LIFTED, link_label, root_label, spell_category, to_snake_case
 from .urdf import numbers
 from .write import ExportError
 
 if TYPE_CHECKING:
     from jinja2 import Template
 
-    from .robot import Collider, Look, Robot, RobotJoint, Robots
+    from .robot import Collider, Robot, RobotJoint, Robots, SeenMaterial
 
 _POINTS = 10000
 _URDFS = ("mobility.urdf", "mobility_vhacd.urdf", "mobility_cvx.urdf")  # one text under the names that readers ask for
@@ -50,17 +50,17 @@ _BOX_FACES = np.array(
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
+class DatasetFrame:
     """From the object's frame (metres, x front, y left, z up) to the data set's."""
 
     center: np.ndarray
     unit: float  # metres
 
     @staticmethod
-    def around(low: np.ndarray, high: np.ndarray) -> Frame:
+    def around(low: np.ndarray, high: np.ndarray) -> DatasetFrame:
         """The frame of an object with a box of these corners: centred, its half diagonal 1."""
         half = (high - low) / 2
-        return Frame((low + high) / 2, float(np.sqrt(half[0] * half[0] + half[1] * half[1] + half[2] * half[2])))
+        return DatasetFrame((low + high) / 2, float(np.sqrt(half[0] * half[0] + half[1] * half[1] + half[2] * half[2])))
 
     def points(self, points: np.ndarray) -> np.ndarray:
         return _to_dataset_axes((points - self.center) / self.unit)
@@ -84,7 +84,7 @@ class Leaf:
 
 
 @dataclass(slots=True)
-class Member:
+class FolderLink:
     """A link on its way into the folder. ``number`` is ours; ``joint`` is None for the root.
 
     ``limit`` is in radians or the data set's unit, None for joints without.
@@ -110,8 +110,8 @@ def partnet_files(robots: Robots, i: int) -> dict[str, bytes]:
     if not points:
         raise ExportError(f"{robot.name} has nothing visible", "leave partnet-mobility out of --format")
     everything = np.concatenate(points)
-    frame = Frame.around(everything.min(axis=0), everything.max(axis=0))
-    words = words_of(category(robots.batch.program.name), _said(robots, i))
+    frame = DatasetFrame.around(everything.min(axis=0), everything.max(axis=0))
+    words = words_of(spell_category(robots.batch.program.name), _said(robots, i))
     members = _members(robots, i, robot, frame, words)
     files: dict[str, bytes] = {}
     drawn = _meshes(robots, i, robot, members, frame, files)
@@ -130,7 +130,7 @@ def partnet_files(robots: Robots, i: int) -> dict[str, bytes]:
             "user_id": "artipg_dsl",
             "time_in_sec": "0",
             "version": "1",
-            "model_cat": category(robots.batch.program.name),
+            "model_cat": spell_category(robots.batch.program.name),
             "metres_per_unit": repr(frame.unit),
         }
     )
@@ -144,7 +144,9 @@ def _said(robots: Robots, i: int) -> set[str]:
     return {words[k] for k in np.unique(robots.parts.semantic[own]).tolist() if k}
 
 
-def _members(robots: Robots, i: int, robot: Robot, frame: Frame, words: Words | None) -> list[Member]:
+def _members(
+    robots: Robots, i: int, robot: Robot, frame: DatasetFrame, words: CategoryWords | None
+) -> list[FolderLink]:
     """The links by id: those that move in our order, then the root."""
     above = {joint.child: joint for joint in robot.joints}
     order = [k for k in range(len(robot.links)) if k in above] + [k for k in range(len(robot.links)) if k not in above]
@@ -164,7 +166,7 @@ def _members(robots: Robots, i: int, robot: Robot, frame: Frame, words: Words | 
         pivot = np.zeros(3) if joint is None else frame.points(robot.links[k].origin)
         parent = None if joint is None else ids[joint.parent]
         limit = None if joint is None else _limit(joint, frame)
-        member = Member(ids[k], k, word, kind, label, node, pivot, joint, limit, parent, {})
+        member = FolderLink(ids[k], k, word, kind, label, node, pivot, joint, limit, parent, {})
         node += 1
         instances = dict.fromkeys(int(v.item.group.table.instance[v.item.row]) for v in robot.links[k].visuals)
         for instance in instances:
@@ -190,7 +192,7 @@ def _words(robot: Robot, joint: RobotJoint) -> tuple[str, str]:
     return JOINTS["continuous" if joint.kind == "revolute" and not limited else joint.kind]
 
 
-def _limit(joint: RobotJoint, frame: Frame) -> tuple[float, float] | None:
+def _limit(joint: RobotJoint, frame: DatasetFrame) -> tuple[float, float] | None:
     if joint.low is None or joint.high is None:
         return None
     unit = {"prismatic": 1.0, "screw": joint.pitch / (2 * np.pi)}.get(joint.kind)
@@ -203,11 +205,11 @@ def _leaf_name(robots: Robots, i: int, instance: int) -> tuple[str, str]:
     row = int(robots.part_start[i]) + instance
     semantic, text = int(robots.parts.semantic[row]), robots.parts.name[row]
     words = robots.batch.program.vocabularies.get("semantic", ())
-    return snake(words[semantic] if semantic else text.split(".")[-1]), text
+    return to_snake_case(words[semantic] if semantic else text.split(".")[-1]), text
 
 
 def _meshes(
-    robots: Robots, i: int, robot: Robot, members: list[Member], frame: Frame, files: dict[str, bytes]
+    robots: Robots, i: int, robot: Robot, members: list[FolderLink], frame: DatasetFrame, files: dict[str, bytes]
 ) -> dict[int, tuple[list[dict[str, str]], list[str]]]:
     """Write the meshes; for each member's id, its visuals (name and file) and the files of its colliders.
 
@@ -249,7 +251,7 @@ def _normals(visual: Any) -> tuple[np.ndarray, np.ndarray]:
     return _to_dataset_axes(shading.normals[visual.item.k]), shading.faces
 
 
-def _textured(stem: str, shapes: list[Shape], look: Look) -> dict[str, bytes]:
+def _textured(stem: str, shapes: list[Shape], look: SeenMaterial) -> dict[str, bytes]:
     text = f"mtllib {stem}.mtl\n" + obj_text(shapes, [look.name] * len(shapes))
     return {f"textured_objs/{stem}.obj": text.encode(), f"textured_objs/{stem}.mtl": mtl_text([look]).encode()}
 
@@ -261,7 +263,7 @@ def _hull(collider: Collider) -> Shape:
     return Shape("box", move_points(_CORNERS * np.array(collider.size), collider.rotation, collider.center), _BOX_FACES)
 
 
-def _urdf_link(member: Member, members: list[Member], drawn: dict[int, Any]) -> dict[str, Any]:
+def _urdf_link(member: FolderLink, members: list[FolderLink], drawn: dict[int, Any]) -> dict[str, Any]:
     joint, visuals = member.joint, drawn[member.id]
     found: dict[str, Any] = {"id": member.id, "parent": member.parent, "type": member.type, "axis": "", "limit": None}
     found |= {"visuals": visuals[0], "colliders": visuals[1], "back": numbers(-member.pivot)}
@@ -274,7 +276,7 @@ def _urdf_link(member: Member, members: list[Member], drawn: dict[int, Any]) -> 
     return found
 
 
-def _mobility(member: Member) -> dict[str, Any]:
+def _mobility(member: FolderLink) -> dict[str, Any]:
     """An entry of ``mobility_v2.json``: hinges in degrees, the rest in the data set's frame."""
     joint = member.joint
     data: dict[str, Any] = {}
@@ -302,20 +304,20 @@ def _mobility(member: Member) -> dict[str, Any]:
     }
 
 
-def _tree(name: str, members: list[Member], words: Words | None) -> dict[str, Any]:
+def _tree(name: str, members: list[FolderLink], words: CategoryWords | None) -> dict[str, Any]:
     """The part tree: that of PartNet, or the object, its links, and the leaves with their meshes."""
     if words is not None:
-        return tree(
+        return build_tree(
             words, members, 1 + max(n for m in members for n in (m.node, *(leaf.id for leaf in m.leaves.values())))
         )
     links = []
     for member in members:
-        leaves = [entry(leaf) for leaf in member.leaves.values()]
+        leaves = [to_entry(leaf) for leaf in member.leaves.values()]
         links.append({"id": member.node, "name": member.label, "text": member.label, "children": leaves})
-    return {"id": 0, "name": snake(name), "text": name, "children": links}
+    return {"id": 0, "name": to_snake_case(name), "text": name, "children": links}
 
 
-def _samples(robots: Robots, i: int, members: list[Member], frame: Frame) -> dict[str, bytes]:
+def _samples(robots: Robots, i: int, members: list[FolderLink], frame: DatasetFrame) -> dict[str, bytes]:
     """``point_sample/``: points of the visible surface with normal, colour and leaf."""
     points = _points(robots)
     ids = {(m.number, instance): leaf.id for m in members for instance, leaf in m.leaves.items()}

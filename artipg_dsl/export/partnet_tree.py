@@ -10,11 +10,11 @@ from importlib import resources
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .partnet_mobility import Leaf, Member
+    from .partnet_mobility import FolderLink, Leaf
 
 
 @dataclass(frozen=True, slots=True)
-class Words:
+class CategoryWords:
     """The part names of a category: what stands above all, and the path below it for each of our words."""
 
     root: str
@@ -30,15 +30,15 @@ def _table() -> dict[str, Any]:
     return json.loads(resources.files("artipg_dsl.export").joinpath("partnet_paths.json").read_text(encoding="utf-8"))
 
 
-def words_of(category: str, said: set[str]) -> Words | None:
+def words_of(category: str, said: set[str]) -> CategoryWords | None:
     """The words of a category of PartNet for an object that has some of ours; None for a category that it has not."""
     for case in _table().get(category, ()):
         if said.issuperset(case["needs"]):
-            return Words(case["root"], case["paths"])
+            return CategoryWords(case["root"], case["paths"])
     return None
 
 
-def tree(words: Words, members: Sequence[Member], first: int) -> dict[str, Any]:
+def build_tree(words: CategoryWords, members: Sequence[FolderLink], first: int) -> dict[str, Any]:
     """The nodes from the object down to the leaves. A leaf keeps its id, others are numbered from ``first`` on; the
     object is 0.
 
@@ -69,14 +69,14 @@ def tree(words: Words, members: Sequence[Member], first: int) -> dict[str, Any]:
                 own, inner = path.rpartition("/")[::2]
                 holder = node(own, _SHARED)
             else:
-                at: Member | None = member
+                at: FolderLink | None = member
                 while at is not None and (own, at.id) not in nodes:
                     at = None if at.parent is None else by_id[at.parent]
                 owner = member.id if at is None else at.id
                 node(own, owner)
                 between = inner.rpartition("/")[0]
                 holder = _below(own, between, owner, node)
-            holder["children"].append(entry(leaf))
+            holder["children"].append(to_entry(leaf))
     return node(words.root.partition("/")[0], _SHARED)
 
 
@@ -92,12 +92,12 @@ def _below(own: str, between: str, owner: int, node: Any) -> dict[str, Any]:
     return node(path, owner)
 
 
-def _depth(member: Member, by_id: dict[int, Member]) -> int:
+def _depth(member: FolderLink, by_id: dict[int, FolderLink]) -> int:
     depth = 0
     while member.parent is not None:
         member, depth = by_id[member.parent], depth + 1
     return depth
 
 
-def entry(leaf: Leaf) -> dict[str, Any]:
+def to_entry(leaf: Leaf) -> dict[str, Any]:
     return {"id": leaf.id, "name": leaf.name, "text": leaf.text, "objs": leaf.stems}

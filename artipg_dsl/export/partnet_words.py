@@ -66,12 +66,12 @@ LIFTED = 5.0  # kg: a root part below this is `free` (one takes the object in th
 _FURNITURE = ("StorageFurniture", "Table")  # whose doors are told apart by how they move
 
 
-def category(name: str) -> str:
+def spell_category(name: str) -> str:
     """The data set's spelling of a category."""
     return {known.lower(): known for known in CATEGORIES}.get(name.replace("_", "").lower(), name)
 
 
-def snake(name: str) -> str:
+def to_snake_case(name: str) -> str:
     """``StorageFurniture`` as ``storage_furniture``, ``pad.row[1].key`` as ``pad_row_1_key``: one token."""
     words = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name)
     return re.sub(r"\W+", "_", words).strip("_").lower() or "part"
@@ -79,12 +79,12 @@ def snake(name: str) -> str:
 
 def root_label(name: str) -> str:
     """What the data set calls the root part: ``furniture_body``, ``oven_body``."""
-    return "furniture_body" if category(name) in _FURNITURE else f"{snake(name)}_body"
+    return "furniture_body" if spell_category(name) in _FURNITURE else f"{to_snake_case(name)}_body"
 
 
 def link_label(category_name: str, word: str, kind: str) -> str:
     """What it calls a moving part: ours, but furniture has ``rotation_door`` and ``translation_door``."""
-    label = snake(word)
-    if label == "door" and category(category_name) in _FURNITURE and kind != "fixed":
+    label = to_snake_case(word)
+    if label == "door" and spell_category(category_name) in _FURNITURE and kind != "fixed":
         return f"{'translation' if kind == 'prismatic' else 'rotation'}_door"
     return label

@@ -7,25 +7,25 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..annotate.frames import axis_angle
-from ..runtime.motion import square
+from ..runtime.motion import perpendicular_to
 
 if TYPE_CHECKING:
     from .robot import Robot, RobotJoint
 
-Pose = tuple[np.ndarray, np.ndarray]
+LinkPose = tuple[np.ndarray, np.ndarray]
 
 
 def rest_values(robot: Robot) -> dict[str, float]:
     """The value of every joint at rest; a follower's comes from its leader."""
-    return follow(robot, {joint.name: joint.rest for joint in robot.joints})
+    return follow_leaders(robot, {joint.name: joint.rest for joint in robot.joints})
 
 
 def open_values(robot: Robot) -> dict[str, float]:
     """The value of every joint at the end of its range that is farther from rest (without limits: a full turn on)."""
-    return follow(robot, {joint.name: _other_end(joint) for joint in robot.joints})
+    return follow_leaders(robot, {joint.name: _other_end(joint) for joint in robot.joints})
 
 
-def follow(robot: Robot, values: dict[str, float]) -> dict[str, float]:
+def follow_leaders(robot: Robot, values: dict[str, float]) -> dict[str, float]:
     """``values`` with those of mimicking joints set from their leaders' (chains of followers are followed)."""
     by_name = {joint.name: joint for joint in robot.joints}
 
@@ -45,12 +45,12 @@ def _other_end(joint: RobotJoint) -> float:
     return joint.high if joint.high - joint.rest >= joint.rest - joint.low else joint.low
 
 
-def link_poses(robot: Robot, values: dict[str, float]) -> list[Pose]:
+def link_poses(robot: Robot, values: dict[str, float]) -> list[LinkPose]:
     """Rotation (3, 3) and origin (3,) of every link's frame in the object's, at the values of all joints."""
-    poses: list[Pose | None] = [None] * len(robot.links)
+    poses: list[LinkPose | None] = [None] * len(robot.links)
     above = {joint.child: joint for joint in robot.joints}
 
-    def pose(link: int) -> Pose:
+    def pose(link: int) -> LinkPose:
         found = poses[link]
         if found is None:
             joint = above.get(link)
@@ -64,12 +64,14 @@ def link_poses(robot: Robot, values: dict[str, float]) -> list[Pose]:
     return [pose(link) for link in range(len(robot.links))]
 
 
-def _beyond(parent: Pose, joint: RobotJoint, value: float) -> Pose:
+def _beyond(parent: LinkPose, joint: RobotJoint, value: float) -> LinkPose:
     """The pose of a joint's child link. No BLAS: the same bits everywhere."""
     turn, shift = parent
     advance = {"prismatic": 1.0, "screw": joint.pitch / (2.0 * np.pi)}.get(joint.kind, 0.0)
     origin = joint.origin + value * advance * joint.axis
-    axis = square(joint.axis[None])[0] if joint.kind == "ball" else joint.axis  # the tilt that a ball's value is
+    axis = (
+        perpendicular_to(joint.axis[None])[0] if joint.kind == "ball" else joint.axis
+    )  # the tilt that a ball's value is
     turning = joint.kind in ("revolute", "continuous", "screw", "ball")
     own = axis_angle(axis, np.asarray(value)) if turning else np.eye(3)
     return _product(turn, own), _product(turn, origin) + shift
@@ -81,6 +83,6 @@ def _product(turn: np.ndarray, other: np.ndarray) -> np.ndarray:
     return terms[0] + terms[1] + terms[2]
 
 
-def rest_poses(robot: Robot) -> list[Pose]:
+def rest_poses(robot: Robot) -> list[LinkPose]:
     """The poses of all links with the joints at rest."""
     return link_poses(robot, rest_values(robot))

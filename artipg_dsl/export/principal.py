@@ -10,7 +10,7 @@ import numpy as np
 _SWEEPS = 8  # convergence is quadratic: five do for 3 x 3
 
 
-def principal(tensors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def find_principal(tensors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Moments (n, 3) and right-handed axes (n, 3, 3), as columns, of symmetric tensors (n, 3, 3).
 
     ``tensor = axes @ diag(moments) @ axes.T``. A diagonal tensor keeps its axes.

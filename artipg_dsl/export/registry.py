@@ -174,7 +174,7 @@ def kinds(names: Sequence[str]) -> list[str]:
     return [FORMATS[name].kind for name in names]
 
 
-def per_object() -> list[str]:
+def object_formats() -> list[str]:
     """Names of the formats that write files for each object."""
     return [name for name, entry in FORMATS.items() if entry.per_object]
 

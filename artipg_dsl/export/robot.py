@@ -18,12 +18,12 @@ from ..annotate.frames import quaternion
 from ..geometry.resolution import STANDARD, Resolution
 from ..graph.program import Material
 from ..validity.mass import Mass, masses
-from ..validity.materials import catalogue, material_rows
+from ..validity.materials import list_materials, material_rows
 from . import materials, solids
-from .colliders import colliders
-from .dynamics import Dynamics, dynamics
+from .colliders import make_colliders
+from .dynamics import Dynamics, complete_dynamics
 from .hulls import Hull
-from .mechanisms import mechanisms
+from .mechanisms import find_mechanisms
 from .mesh_obj import Shape
 from .naming import Names
 
@@ -34,7 +34,7 @@ SMALLEST_MASS = 1e-6  # kg
 
 
 @dataclass(frozen=True, slots=True)
-class Look:
+class SeenMaterial:
     """A material as it is seen in one object: sRGB colour and opacity in 0 .. 1."""
 
     name: str
@@ -49,7 +49,7 @@ class Visual:
     """A primitive to be seen: vertices and faces in the link's frame, closed; ``shading`` for formats with normals."""
 
     name: str
-    look: Look
+    look: SeenMaterial
     shape: Shape
     item: solids.Item[solids.SolidGroup] = field(repr=False)  # refers to the whole batch
 
@@ -129,7 +129,7 @@ class RobotJoint:
 
 
 @dataclass(frozen=True, slots=True)
-class Closure:
+class RobotClosure:
     """Points (3,) of two links, each in its link's frame, that stay together: where a loop closes."""
 
     links: tuple[int, int]
@@ -144,7 +144,7 @@ class Robot:
     number: int
     links: tuple[RobotLink, ...]
     joints: tuple[RobotJoint, ...]
-    closures: tuple[Closure, ...] = ()
+    closures: tuple[RobotClosure, ...] = ()
 
 
 class Robots:
@@ -160,9 +160,9 @@ class Robots:
         self.meshes = solids.build_meshes(self.tables, resolution)
         self.physics = physics
         self.pieces = solids.build_pieces(self.tables) if physics else []
-        self.catalogue = catalogue(batch)
+        self.catalogue = list_materials(batch)
         self.material_rows = {t.number: material_rows(batch, t) for t in self.tables}
-        self.visuals = solids.by_object(self.meshes, len(batch))
+        self.visuals = solids.group_by_object(self.meshes, len(batch))
         objects = np.arange(len(batch) + 1)
         self.link_start = np.searchsorted(self.links.owner, objects)
         self.joint_start = np.searchsorted(self.joints.owner, objects)
@@ -179,7 +179,7 @@ class Robots:
     @cached_property
     def colliders(self) -> list[list[Hull]]:
         """What collides of each object."""
-        return colliders(self.batch, self.pieces, self.material_rows)
+        return make_colliders(self.batch, self.pieces, self.material_rows)
 
     @cached_property
     def mass(self) -> Mass:
@@ -202,8 +202,8 @@ class Robots:
             return Dynamics(*(np.zeros(len(self.joints.owner)) for _ in fields(Dynamics)))
         first, rest = self.link_start[self.joints.owner], self.batch.settled(self.joints.rest)
         center = self.mass.center + self.origins
-        together = mechanisms(self.batch)
-        return dynamics(
+        together = find_mechanisms(self.batch)
+        return complete_dynamics(
             self.joints, rest, first, self.mass.mass, center, self.mass.inertia, self.batch.pose(), together
         )
 
@@ -218,21 +218,21 @@ class Robots:
         return [materials.resolve_materials(self.batch, material) for material in self.catalogue]
 
     @cached_property
-    def looks(self) -> list[list[Look]]:
+    def looks(self) -> list[list[SeenMaterial]]:
         """For each material of the catalogue, how it looks in each object."""
         return [
             [
-                Look(m.name, tuple(c), 1.0 - m.transparency[0], m.metalness[0], m.roughness[0])
-                for m, c in zip(resolved, materials.colours(self.batch, resolved[0]).tolist(), strict=True)
+                SeenMaterial(m.name, tuple(c), 1.0 - m.transparency[0], m.metalness[0], m.roughness[0])
+                for m, c in zip(resolved, materials.draw_colours(self.batch, resolved[0]).tolist(), strict=True)
             ]
             for resolved in self.materials
         ]
 
     def material(self, item: solids.Item[Any]) -> int:
-        """Index into ``catalogue`` of what a primitive is made of."""
+        """Index into ``list_materials`` of what a primitive is made of."""
         return int(self.material_rows[item.group.table.number][item.row])
 
-    def look(self, i: int, item: solids.Item[Any]) -> Look:
+    def look(self, i: int, item: solids.Item[Any]) -> SeenMaterial:
         """How a primitive of object ``i`` looks."""
         return self.looks[self.material(item)][i]
 
@@ -312,14 +312,14 @@ class Robots:
             )
         return Collider(name, full, material, center, rotation, turn, hull=hull)
 
-    def _closures(self, i: int) -> Iterator[Closure]:
+    def _closures(self, i: int) -> Iterator[RobotClosure]:
         loops, first = self.batch.loops, int(self.link_start[i])
         if loops is None:
             return
         for c in np.flatnonzero(loops.owner == i).tolist():
             one, other = int(loops.link[0, c]), int(loops.link[1, c])
             points = loops.point[0, c] - self.origins[one], loops.point[1, c] - self.origins[other]
-            yield Closure((one - first, other - first), points)
+            yield RobotClosure((one - first, other - first), points)
 
     def _joints(self, i: int) -> list[RobotJoint]:
         joints, first, last = self.joints, int(self.joint_start[i]), int(self.joint_start[i + 1])

@@ -16,7 +16,9 @@ if TYPE_CHECKING:
     from ..runtime.batch import Batch
 
 
-def scenes(batch: Batch, states: np.ndarray | None = None, resolution: Resolution = STANDARD) -> list[trimesh.Scene]:
+def make_scenes(
+    batch: Batch, states: np.ndarray | None = None, resolution: Resolution = STANDARD
+) -> list[trimesh.Scene]:
     """One scene per object with the joints at ``states`` (J,), at rest by default: a closed mesh per primitive.
 
     Metres, the object's frame; a mesh is named after its part (``feet``, ``feet.2``, ... where that has several

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..annotate.annotation import describe, line
+from ..annotate.annotation import annotate, to_line
 from ..annotate.cameras import Cameras
 from ..annotate.cloud import sample_points
 from ..annotate.sampling import Sampling
@@ -96,4 +96,6 @@ def tables_shard(batch: Batch, content: Content) -> Arrays:
 def annotation_shard(batch: Batch, content: Content) -> bytes:
     """The lines of ``annotation-<shard>.jsonl``: one object each."""
     values = None if content.states.only_rest else joint_values(batch, content.states)
-    return "".join(line(annotation) + "\n" for annotation in describe(batch, values, content.gripper)).encode("utf-8")
+    return "".join(to_line(annotation) + "\n" for annotation in annotate(batch, values, content.gripper)).encode(
+        "utf-8"
+    )

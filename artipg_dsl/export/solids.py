@@ -15,7 +15,7 @@ import numpy as np
 
 from ..annotate.frames import place
 from ..geometry import mesh
-from ..geometry.resolution import FINEST, STANDARD, Resolution, bends, within_budget
+from ..geometry.resolution import FINEST, STANDARD, Resolution, measure_bends, within_budget
 from ..geometry.topology import topology
 from ..geometry.vectors import cross, dot
 from .shading import Shading, shade
@@ -45,7 +45,7 @@ class SolidGroup:
 
 
 @dataclass(frozen=True)
-class PieceGroup:
+class ShapedPieces:
     """Convex pieces of ``rows`` of one site. Where ``is_box``, the piece is a box of ``size`` about ``center`` in the
     directions of the site's rotation; otherwise the hull of vertices (k, P, 3). All in the object's frame.
 
@@ -67,10 +67,10 @@ class PieceGroup:
     @cached_property
     def planes(self) -> tuple[np.ndarray, np.ndarray]:
         """Outward normals (k, F, 3) and offsets (k, F) of the faces."""
-        return planes(self.vertices, self.faces)
+        return planes_of(self.vertices, self.faces)
 
 
-def planes(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def planes_of(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Outward unit normals (k, F, 3) of the faces of convex pieces (k, P, 3), and their offsets (k, F)."""
     corners = vertices[:, faces]
     normal = cross(corners[:, :, 1] - corners[:, :, 0], corners[:, :, 2] - corners[:, :, 0])
@@ -78,7 +78,7 @@ def planes(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndar
     return normal, dot(normal, corners[:, :, 0])
 
 
-Group = TypeVar("Group", SolidGroup, PieceGroup)
+Group = TypeVar("Group", SolidGroup, ShapedPieces)
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,7 +117,10 @@ def _steps_of(tables: list[SiteTable], resolution: Resolution) -> Sequence[int |
         return [np.full(len(table.owner), wanted) for table in tables]
     objects = max((int(table.owner.max()) + 1 for table in tables), default=0)
     parts = [
-        (bends(table.primitive, topology(table.primitive, variant), mesh.take(table.params, rows)), table.owner[rows])
+        (
+            measure_bends(table.primitive, topology(table.primitive, variant), mesh.take(table.params, rows)),
+            table.owner[rows],
+        )
         for table in tables
         for variant, rows in mesh.group_rows(table.primitive, table.params)
     ]
@@ -125,17 +128,17 @@ def _steps_of(tables: list[SiteTable], resolution: Resolution) -> Sequence[int |
     return [own[table.owner] for table in tables]
 
 
-def build_pieces(tables: list[SiteTable]) -> list[PieceGroup]:
+def build_pieces(tables: list[SiteTable]) -> list[ShapedPieces]:
     """Convex pieces of all instances of all sites, boxes told from other hulls."""
-    groups: list[PieceGroup] = []
+    groups: list[ShapedPieces] = []
     for table in tables:
         if not len(table.owner):
             continue
         names: dict[str, int] = {}
         for part in table.pieces:
             rows = np.asarray(part.rows)
-            is_box, size, center = as_box(part.vertices)
-            bulge = as_round(part.vertices)
+            is_box, size, center = match_box(part.vertices)
+            bulge = match_round(part.vertices)
             name, _, index = part.name.partition("[")
             number = names.setdefault(name, len(names))
             center = _place_points(table, rows, center[:, None])[:, 0]
@@ -146,7 +149,7 @@ def build_pieces(tables: list[SiteTable]) -> list[PieceGroup]:
                     faces = part.faces if sign > 0 else part.faces[:, ::-1]
                     step = int(index[:-1] or 0)
                     groups.append(
-                        PieceGroup(
+                        ShapedPieces(
                             table, number, step, rows[c], vertices[c], faces, is_box[c], size[c], center[c], bulge[c]
                         )
                     )
@@ -158,7 +161,7 @@ def _place_points(table: SiteTable, rows: np.ndarray, points: np.ndarray) -> np.
     return place(table.rotation[rows], table.translation[rows], points, table.mirror[rows])
 
 
-def as_box(vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def match_box(vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Whether the points (k, P, 3) are the eight corners of a box along the axes; its size and centre (k, 3)."""
     low, high = vertices.min(axis=1), vertices.max(axis=1)
     size, center = high - low, (high + low) / 2
@@ -171,7 +174,7 @@ def as_box(vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return exact & (code == np.arange(8)).all(axis=1) & (size > 0).all(axis=1), size, center
 
 
-def as_round(vertices: np.ndarray) -> np.ndarray:
+def match_round(vertices: np.ndarray) -> np.ndarray:
     """Radius, length and whether it ends in half spheres, (k, 3), of the points (k, P, 3) of cylinders, balls and capsules.
 
     The corners of a cylinder lie on two equal circles about z, or in the middle of these, those of a ball or a capsule
@@ -201,7 +204,7 @@ def as_round(vertices: np.ndarray) -> np.ndarray:
     return found
 
 
-def by_object(groups: list[Group], n_objects: int) -> list[list[Item[Group]]]:
+def group_by_object(groups: list[Group], n_objects: int) -> list[list[Item[Group]]]:
     """Items of each object, in the order of groups (of sites, then pieces) and within them of rows."""
     items: list[list[Item[Group]]] = [[] for _ in range(n_objects)]
     for group in groups:

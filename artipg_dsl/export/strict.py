@@ -16,10 +16,10 @@ import numpy as np
 from ..errors import UserError
 from ..runtime.batch import Batch
 from ..runtime.motion import apply
-from ..validity.bodies import Alike, Pieces, packed
+from ..validity.bodies import Alike, Pieces, pack_pieces
 from ..validity.evidence import STATES, random_states
-from ..validity.tree import Tree, led
-from ..validity.validate import near
+from ..validity.tree import Tree, lead_states
+from ..validity.validate import find_near_pieces
 from .solids import build_meshes
 
 if TYPE_CHECKING:
@@ -57,9 +57,9 @@ class Strict:
     touches: tuple[Touch, ...]
 
 
-def strict(batch: Batch, states: int = STATES) -> Strict:
+def check_meshes(batch: Batch, states: int = STATES) -> Strict:
     """Look at the meshes of a batch. Raises UserError where manifold3d is not installed."""
-    ready()
+    require_manifold()
     tree = Tree(batch)
     solids = _Solids(batch, tree)
     worst: dict[tuple[Any, ...], Touch] = {}
@@ -74,7 +74,7 @@ def strict(batch: Batch, states: int = STATES) -> Strict:
     return Strict(len(batch), rest, sweeps, every, states, found)
 
 
-def ready() -> None:
+def require_manifold() -> None:
     """Raise UserError where manifold3d is not installed."""
     if find_spec("manifold3d") is None:
         raise UserError(
@@ -90,7 +90,7 @@ def _configurations(tree: Tree, states: int) -> Iterator[tuple[str, np.ndarray, 
     none = np.full(len(tree.first), -1)
     yield _KINDS[0], none, rest, np.zeros(0, dtype=np.int64)
     moves = np.array([kind != "fixed" for kind in tree.joints.kind], dtype=bool)
-    for lead, values, _ in led(tree, moves & (tree.high > tree.low), np.linspace(0.0, 1.0, _STEPS)):
+    for lead, values, _ in lead_states(tree, moves & (tree.high > tree.low), np.linspace(0.0, 1.0, _STEPS)):
         yield _KINDS[1], lead, values, _open_ones(tree, values)
     for number in range(states if moves.any() else 0):
         values = random_states(tree.batch, number)
@@ -127,7 +127,7 @@ class _Solids:
                     )
                 self.solids.append(solid)
                 self.names.append(self.parts.name[part])
-        self.boxes: Pieces = packed(groups)  # at joint values 0
+        self.boxes: Pieces = pack_pieces(groups)  # at joint values 0
         self.seen: set[tuple[Any, ...]] = set()
 
     def touching(self, values: np.ndarray, kind: str, lead: np.ndarray, apart: np.ndarray) -> Iterator[Touch]:
@@ -138,7 +138,7 @@ class _Solids:
         middle = apply(own, (body.low + body.high) / 2) + at
         half = apply(np.abs(own), (body.high - body.low) / 2)
         placed = replace(body, low=middle - half, high=middle + half)
-        i, j = near(tree, placed, np.arange(len(body)), placed.low, placed.high, None)
+        i, j = find_near_pieces(tree, placed, np.arange(len(body)), placed.low, placed.high, None)
         keep = ~np.isin(body.owner[i], apart) & ~tree.permitted(body.link[i], body.link[j])
         i, j = i[keep], j[keep]
         fresh = self.fresh(body.link[i], body.link[j], turn, shift)

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..geometry.vectors import cross
-from ..runtime.motion import square
+from ..runtime.motion import perpendicular_to
 from .robot import SMALLEST_MASS, Robot, RobotJoint, RobotLink
 
 ADVANCE, SWING, TWIST, MARK = "_advance", "_swing", "_twist", "_mark"
@@ -44,7 +44,7 @@ def simple_joints(robot: Robot) -> Robot:
             )
             joints += _chain([slide, replace(joint, kind=kind, pitch=0.0)], links)
         elif joint.kind == "ball":
-            tilt = square(joint.axis[None])[0]
+            tilt = perpendicular_to(joint.axis[None])[0]
             kind = "continuous" if joint.low is None or joint.high is None else "revolute"
             tilted = replace(joint, kind=kind, axis=tilt)
             if joint.low is not None and joint.high is not None:  # a range is that of the angle, in any direction

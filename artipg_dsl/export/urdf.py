@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..annotate.frames import euler
-from .adjacent import adjacent
+from .adjacent import find_adjacent
 from .mesh_obj import Shape, link_meshes, obj_bytes
 from .robot import Collider, Robot, RobotJoint, RobotLink
 from .substitute import simple_joints
@@ -63,7 +63,7 @@ def _unused(name: str, robot: Robot) -> str:
 def _pairs(whole: Robot, robot: Robot) -> list[tuple[str, str, str]]:
     """Pairs of links that do not collide, and why: parent and child in the URDF, or held together through links between."""
     held = {frozenset((robot.links[joint.parent].name, robot.links[joint.child].name)) for joint in robot.joints}
-    pairs = adjacent(whole)
+    pairs = find_adjacent(whole)
     other = [pair for pair in pairs if frozenset(pair) not in held][:_MOST_PAIRS]
     return [(*pair, "Adjacent") for pair in pairs if frozenset(pair) in held] + [(*pair, _APART) for pair in other]
 

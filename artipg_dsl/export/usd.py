@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..annotate.frames import quaternion
-from .materials import linear
+from .materials import to_linear
 from .pose import rest_poses
-from .principal import principal
-from .robot import Closure, Collider, Robot, RobotJoint, Robots, Visual
+from .principal import find_principal
+from .robot import Collider, Robot, RobotClosure, RobotJoint, Robots, Visual
 from .write import ExportError
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ def usd_files(robots: Robots, i: int) -> dict[str, bytes]:
     name, bodies = Names()(robot.name), Names("Looks", "joints")
     link_names = [bodies(link.name) for link in robot.links]
     links = [_link(robot, k, pose, words) | {"name": link_names[k]} for k, pose in enumerate(rest_poses(robot))]
-    moments, axes = principal(np.stack([link.inertia for link in robot.links]))
+    moments, axes = find_principal(np.stack([link.inertia for link in robot.links]))
     for k, link in enumerate(links):
         # a button's moments are tiny: significant digits, not decimals
         link |= {"moments": "({:.9g}, {:.9g}, {:.9g})".format(*moments[k].tolist()), "axes": _quat(quaternion(axes[k]))}
@@ -78,7 +78,7 @@ def _looks(robot: Robot) -> list[dict[str, str]]:
     found = []
     for name, look in looks.items():
         material = physical.get(name)
-        entry = {"name": _identifier(name), "colour": _vector(np.round(linear(np.array(look.colour)), 6))}
+        entry = {"name": _identifier(name), "colour": _vector(np.round(to_linear(np.array(look.colour)), 6))}
         entry |= {
             "metalness": f"{look.metalness:.6g}",
             "roughness": f"{look.roughness:.6g}",
@@ -206,7 +206,7 @@ def _joint(robot: Robot, joint: RobotJoint, name: str, links: list[str], paths: 
     }
 
 
-def _closure(closure: Closure, name: str, links: list[str]) -> dict[str, Any]:
+def _closure(closure: RobotClosure, name: str, links: list[str]) -> dict[str, Any]:
     """Where a loop closes: two points that stay together, outside the articulation's tree."""
     lines = [
         *(f"rel physics:body{n} = </{name}/{links[k]}>" for n, k in enumerate(closure.links)),

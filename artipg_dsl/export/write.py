@@ -127,7 +127,7 @@ def write_bytes(path: Path | str, data: bytes, *, force: bool = False) -> None:
         stream.write(data)
 
 
-def sweep(folder: Path) -> None:
+def sweep_unfinished(folder: Path) -> None:
     """Remove what a killed process left unfinished in ``folder`` (what a running one still writes stays)."""
     for left in folder.glob(f".*{_MARK}*"):
         owner = left.name.split(_MARK)[1].removesuffix("-old")

@@ -45,7 +45,7 @@ class Block:
     diagonal: np.ndarray  # (R,) of the box in the row's own frame, metres
 
 
-def block(sites: list[SiteTable], first: int, stop: int) -> Block:
+def block_of(sites: list[SiteTable], first: int, stop: int) -> Block:
     """The rows of the objects ``first .. stop - 1``."""
     by_primitive: dict[int, list[tuple[SiteTable, slice]]] = {}
     for site in sites:

@@ -39,7 +39,7 @@ def thin(position: np.ndarray, normal: np.ndarray, area: np.ndarray, n: int) -> 
     return out
 
 
-def radius(area: np.ndarray, n: int) -> np.ndarray:
+def disc_radius(area: np.ndarray, n: int) -> np.ndarray:
     """The largest radius that n equal discs on a plane of this area could have: packed in a hexagon's way."""
     return np.sqrt(area / (2.0 * np.sqrt(3.0) * n))
 
@@ -48,7 +48,7 @@ def _chosen(position: np.ndarray, normal: np.ndarray, area: np.ndarray, n: int) 
     """(P m,) bool: which points stay, n of each pool."""
     pools, m = position.shape[:2]
     owner = np.repeat(np.arange(pools), m)
-    one, two, weight = _neighbours(position, normal, 2.0 * radius(area, n))
+    one, two, weight = _neighbours(position, normal, 2.0 * disc_radius(area, n))
     there = np.ones(pools * m, dtype=bool)
     excess = np.full(pools, m - n)
     while excess.any():

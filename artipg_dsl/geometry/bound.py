@@ -6,7 +6,7 @@ import numpy as np
 
 from .block import Block
 from .patches import surfaces
-from .surface import Evaluator
+from .surface import PatchEvaluator
 
 
 def normals_at(rows: Block, row: np.ndarray, patch: np.ndarray, u: np.ndarray, v: np.ndarray) -> np.ndarray:
@@ -23,7 +23,7 @@ def normals_at(rows: Block, row: np.ndarray, patch: np.ndarray, u: np.ndarray, v
     )
     for which, at in zip(sorted_cell[starts].tolist(), np.split(order, starts[1:]), strict=True):
         shelf, number = rows.shelves[which // widest], which % widest
-        _, normal = Evaluator(shelf.primitive, number, shelf.params).at(row[at] - shelf.start, u[at], v[at])
+        _, normal = PatchEvaluator(shelf.primitive, number, shelf.params).at(row[at] - shelf.start, u[at], v[at])
         for axis in range(3):
             local[axis][at] = normal[axis]
     local[1] *= rows.mirror[row]

@@ -13,8 +13,8 @@ import numpy as np
 from .block import Block, Coordinates, Shelf, to_object
 from .density import patch_area
 from .flat import BENT, PLANAR, quads, shapes
-from .patches import Params, existing, surfaces
-from .surface import Evaluator
+from .patches import Params, find_existing, surfaces
+from .surface import PatchEvaluator
 from .topology import orientation
 
 _CHUNK = 8192  # cells at a time: their arrays stay in the cache
@@ -88,7 +88,7 @@ class Cells:
         part = slice(shelf.start, shelf.stop)
         if any(s.guard is not None for s in surfaces(shelf.primitive)):
             here = self.first[part, None] + np.arange(len(surfaces(shelf.primitive)))
-            self.exists[here] = existing(shelf.primitive, shelf.params)
+            self.exists[here] = find_existing(shelf.primitive, shelf.params)
 
     def _complete_flat(self, part: slice) -> None:
         """Normals and areas of some cells, as far as they are flat, from their quads."""
@@ -135,7 +135,7 @@ class Cells:
     ) -> tuple[Coordinates, Coordinates]:
         """Positions and outward normals at fractions of cells that all belong to ``bent``."""
         row, local, params = self.rows_asked(bent, cell)
-        at, normal = Evaluator(bent.shelf.primitive, bent.patch, params).at(local, u, v)
+        at, normal = PatchEvaluator(bent.shelf.primitive, bent.patch, params).at(local, u, v)
         return to_object(self.poses, row, at, normal)
 
     def rows_asked(self, bent: Bent, cell: np.ndarray) -> tuple[np.ndarray, np.ndarray, Params]:

@@ -98,10 +98,10 @@ def _incident(faces: np.ndarray, corners: int) -> np.ndarray:
 
 def overlap(first: Bodies, second: Bodies) -> np.ndarray:
     """Whether the bodies penetrate one another; (k,) bool. Bodies that touch are best inset before."""
-    return examine(first, second, near=0.0)[0]
+    return separate(first, second, near=0.0)[0]
 
 
-def examine(first: Bodies, second: Bodies, near: float = 0.5) -> tuple[np.ndarray, np.ndarray]:
+def separate(first: Bodies, second: Bodies, near: float = 0.5) -> tuple[np.ndarray, np.ndarray]:
     """Which pairs overlap (k,), and for the others a direction (k, 3) along which ``first`` lies beyond ``second``.
 
     The two are apart along it by at least ``near`` times their distance. Where it cannot be told within the steps, the
@@ -143,7 +143,7 @@ def examine(first: Bodies, second: Bodies, near: float = 0.5) -> tuple[np.ndarra
     return result & ~apart, nearest
 
 
-def common(first: Bodies, second: Bodies) -> np.ndarray:
+def common_point(first: Bodies, second: Bodies) -> np.ndarray:
     """A point (k, 3) that both bodies of each pair hold; of two that do not meet, midway between where they are nearest."""
     count = len(first)
     rows, nearest = np.arange(count), first.center() - second.center()
@@ -167,11 +167,11 @@ def common(first: Bodies, second: Bodies) -> np.ndarray:
     return (_mixed(weight, simplex[:, 0]) + _mixed(weight, simplex[:, 1])) / 2
 
 
-def within(first: Bodies, second: Bodies, distance: np.ndarray, near: float = 0.99) -> np.ndarray:
+def find_near(first: Bodies, second: Bodies, distance: np.ndarray, near: float = 0.99) -> np.ndarray:
     """Which pairs overlap or are nearer than ``distance`` (k,); those between ``near`` of it and all of it may be left out."""
     if not len(distance):
         return np.zeros(0, dtype=bool)
-    hit, away = examine(first, second, near)
+    hit, away = separate(first, second, near)
     return hit | (dot(away, away) < distance * distance)
 
 

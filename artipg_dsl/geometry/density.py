@@ -14,8 +14,8 @@ import numpy as np
 
 from ..graph.expr import Expr, call
 from ..graph.primitive import Primitive, Triple
-from .patches import Params, Split, existing, grid, surfaces
-from .topology import shown, turns
+from .patches import Params, Split, find_existing, grid, surfaces
+from .topology import shown_rows, turns
 
 _FLAT = 1e-9  # relative deviation below which an element counts as constant or linear
 _SAMPLES = np.linspace(0.0, 1.0, 9)
@@ -56,7 +56,7 @@ class Kind:
 @lru_cache(maxsize=4096)
 def kind(primitive: Primitive, patch: int) -> Kind:
     """How the area element of a patch varies, from the test values."""
-    params = shown(primitive, patch)
+    params = shown_rows(primitive, patch)
     u, v = np.meshgrid(_SAMPLES, _SAMPLES, indexing="ij")
     element = grid(element_split(primitive, patch), params, u, v)[..., 0]
     element = element / np.maximum(element.max(axis=(1, 2), keepdims=True), 1e-300)
@@ -135,11 +135,11 @@ def patch_area(primitive: Primitive, patch: int, params: Params) -> np.ndarray:
     else:
         area = _integral(primitive, patch, params, found.nodes, found.order)
     if surfaces(primitive)[patch].guard is not None:
-        area = np.where(existing(primitive, params)[:, patch], area, 0.0)
+        area = np.where(find_existing(primitive, params)[:, patch], area, 0.0)
     return area
 
 
-class Placement:
+class AreaPlacement:
     """Where numbers in (0, 1) fall on one patch of k instances."""
 
     def __init__(self, primitive: Primitive, patch: int, params: Params):

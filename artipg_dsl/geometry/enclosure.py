@@ -37,7 +37,7 @@ def _steps(primitive: Primitive) -> tuple[Expr, ...] | None:
     return tuple(order) if visit(primitive.inside) else None
 
 
-def most_inside(
+def bound_inside(
     primitive: Primitive, params: dict[str, np.ndarray], low: Sequence[np.ndarray], high: Sequence[np.ndarray]
 ) -> np.ndarray:
     """(m,) bounds from above of the inside function of m instances over boxes ``low .. high`` (three (m,) each).

@@ -46,7 +46,7 @@ def _facts(primitive: Primitive) -> _Facts:
     return _Facts(primitive)
 
 
-def known(
+def recall_fact(
     primitive: Primitive,
     name: str,
     find: Callable[[], Fact],

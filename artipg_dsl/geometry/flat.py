@@ -12,9 +12,20 @@ import numpy as np
 from ..graph.derive import derive
 from ..graph.expr import ONE, ZERO, Expr, substitute
 from ..graph.primitive import Primitive
-from .patches import Params, U, V, existing, grid, inside_split, parameter_formula, position_split, rows_of, surfaces
-from .topology import shown
-from .trial import trial
+from .patches import (
+    Params,
+    U,
+    V,
+    find_existing,
+    grid,
+    inside_split,
+    parameter_formula,
+    position_split,
+    rows_of,
+    surfaces,
+)
+from .topology import shown_rows
+from .trial import draw_trial
 
 PARALLEL, PLANAR, BENT = 0, 1, 2  # a parallelogram, another flat quad, anything else
 _TOLERANCE = 1e-9
@@ -34,7 +45,9 @@ def _shape(primitive: Primitive, patch: int) -> int:
     du, dv = surface.tangents
     if any(derive(e, "u") is not ZERO for e in du) or any(derive(e, "v") is not ZERO for e in dv):
         return BENT
-    places = grid(position_split(primitive, patch), shown(primitive, patch), *np.meshgrid(_ENDS, _ENDS, indexing="ij"))
+    places = grid(
+        position_split(primitive, patch), shown_rows(primitive, patch), *np.meshgrid(_ENDS, _ENDS, indexing="ij")
+    )
     corners = [places[:, i, j] for i in (0, -1) for j in (0, -1)]  # at (0, 0), (0, 1), (1, 0), (1, 1)
     a, b = corners[2] - corners[0], corners[1] - corners[0]
     c = corners[3] - corners[2] - corners[1] + corners[0]
@@ -78,8 +91,8 @@ def convex(primitive: Primitive) -> bool:
     """Whether the solid is convex: it declares no pieces, and points between its surface points never lie outside."""
     if primitive.pieces:
         return False
-    params = trial(primitive)
-    there = existing(primitive, params)
+    params = draw_trial(primitive)
+    there = find_existing(primitive, params)
     u, v = (a.ravel() for a in np.meshgrid(_INNER, _INNER, indexing="ij"))
     every = [grid(position_split(primitive, patch), params, u, v) for patch in range(there.shape[1])]
     split = inside_split(primitive)

@@ -17,7 +17,7 @@ import numpy as np
 from .block import Block, Coordinates, to_local
 from .box import bounds
 from .cells import Cells
-from .enclosure import most_inside
+from .enclosure import bound_inside
 from .flat import BENT, PLANAR, convex
 from .patches import inside_split
 
@@ -37,7 +37,7 @@ def scales(rows: Block) -> np.ndarray:
     return _OFF * out
 
 
-def packed(u: np.ndarray, v: np.ndarray) -> np.ndarray:
+def pack_fractions(u: np.ndarray, v: np.ndarray) -> np.ndarray:
     """(m,) uint32: two fractions rounded down to 15 bits each, a nought above either.
 
     With ``x - low`` and ``high - x`` of packed numbers a bit of ``_SIGNS`` tells that one of the two is out of bounds.
@@ -175,7 +175,7 @@ class Occlusion:
         np.minimum(within[0::2], 2.0, out=within[0::2])
         np.maximum(within[1::2], -1.0, out=within[1::2])
         low, high = np.clip(within[0::2], 0.0, 1.0), np.clip(within[1::2], 0.0, 1.0)
-        pairs.least[part], pairs.most[part] = packed(low[0], low[1]), packed(high[0], high[1])
+        pairs.least[part], pairs.most[part] = pack_fractions(low[0], low[1]), pack_fractions(high[0], high[1])
 
     @staticmethod
     def _narrow(quad: np.ndarray, low: np.ndarray, high: np.ndarray, within: np.ndarray) -> None:
@@ -215,7 +215,7 @@ class Occlusion:
             ends = np.stack([origin + u * a + v * b + (u * v) * c for u, v in corners])
             row = pairs.other[mine] - shelf.start
             params = {name: value[row] for name, value in shelf.params.items()}
-            found = most_inside(shelf.primitive, params, ends.min(axis=0), ends.max(axis=0))
+            found = bound_inside(shelf.primitive, params, ends.min(axis=0), ends.max(axis=0))
             out[pairs.cell[mine[found < 0.0]]] = True
         return out
 
@@ -261,7 +261,7 @@ class Occlusion:
         Points are sorted by cell: cell ``first + i`` has ``count[i]`` of them from ``start[i]`` on.
         """
         pairs, shelves = self.pairs, len(self.rows.shelves)
-        out, spots = np.zeros(len(u), dtype=bool), packed(u, v)
+        out, spots = np.zeros(len(u), dtype=bool), pack_fractions(u, v)
         begin, end = int(pairs.edges[group * shelves]), int(pairs.edges[(group + 1) * shelves])
         at = pairs.cell[begin:end] - first
         asked = begin + np.flatnonzero(count[at])

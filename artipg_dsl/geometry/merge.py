@@ -152,7 +152,7 @@ def _chained(parts: list[Cluster], tolerance: float) -> list[Cluster]:
     return found
 
 
-def gathered(parts: list[Cluster], tolerance: float) -> list[Cluster]:
+def gather_clusters(parts: list[Cluster], tolerance: float) -> list[Cluster]:
     """Clusters of several primitives in a row, such as the keys of a keyboard: rows first, then rows of rows."""
     while True:
         fewer = _chained(parts, tolerance)

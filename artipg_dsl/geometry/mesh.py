@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..graph.primitive import Primitive
-from .patches import Params, existing, position_split, rows_of
-from .resolution import bends
+from .patches import Params, find_existing, position_split, rows_of
+from .resolution import measure_bends
 from .topology import Topology, topology
-from .weld import Plan, plan, step_counts
+from .weld import WeldPlan, plan_weld, step_counts
 
 _TRIANGLES = 100_000  # summed at a time, so that the terms stay in the caches
 
@@ -41,7 +41,7 @@ def take(params: Params, rows: np.ndarray) -> Params:
 
 def group_rows(primitive: Primitive, params: Params) -> list[tuple[tuple[bool, ...], np.ndarray]]:
     """Instances that have the same patches: (which patches, rows), in a fixed order."""
-    there = existing(primitive, params)
+    there = find_existing(primitive, params)
     if len(there) and (there == there[0]).all():
         return [(tuple(there[0].tolist()), np.arange(len(there)))]
     makes, which = np.unique(there, axis=0, return_inverse=True)
@@ -57,7 +57,7 @@ def build(primitive: Primitive, params: Params, steps: int | np.ndarray = 24) ->
     """
     groups = []
     for found, rows, counts in _stepped(primitive, params, steps):
-        welded = plan(found, counts)
+        welded = plan_weld(found, counts)
         vertices = _vertices(primitive, welded, take(params, rows))
         groups.append(MeshGroup(rows, vertices, welded.faces, welded.face_patch, welded.face_uv))
     return groups
@@ -72,14 +72,14 @@ def _stepped(
         if not isinstance(steps, np.ndarray):
             yield found, rows, tuple(step_counts(found, steps).tolist())
             continue
-        counts = bends(primitive, found, take(params, rows)).steps(steps[rows])
+        counts = measure_bends(primitive, found, take(params, rows)).steps(steps[rows])
         makes, which = np.unique(counts, axis=0, return_inverse=True)
         which = which.reshape(-1)
         for n, make in enumerate(makes.tolist()):
             yield found, rows[which == n], tuple(make)
 
 
-def _vertices(primitive: Primitive, welded: Plan, params: Params) -> np.ndarray:
+def _vertices(primitive: Primitive, welded: WeldPlan, params: Params) -> np.ndarray:
     out = np.empty((3, rows_of(params), welded.count))
     for patch, vertex, u, v in zip(welded.patches, welded.vertex, welded.u, welded.v, strict=True):
         if len(vertex) == 0:
@@ -124,7 +124,7 @@ def volume_inertia(primitive: Primitive, params: Params, steps: int = 24) -> tup
     count = rows_of(params)
     volume, centre, inertia = np.empty(count), np.empty((count, 3)), np.empty((count, 3, 3))
     for found, rows, counts in _stepped(primitive, params, steps):
-        welded = plan(found, counts)
+        welded = plan_weld(found, counts)
         at_once = max(1, _TRIANGLES // len(welded.faces))
         for start in range(0, len(rows), at_once):
             part = rows[start : start + at_once]

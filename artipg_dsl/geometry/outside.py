@@ -27,7 +27,7 @@ _STRIDE = 65  # through the directions, so that the first of them are spread eve
 _PAIRS = 500_000  # of a ray and a triangle at a time
 
 
-def directions(count: int = _DIRECTIONS) -> np.ndarray:
+def spread_directions(count: int = _DIRECTIONS) -> np.ndarray:
     """(count, 3) unit vectors spread evenly: a Fibonacci lattice on the sphere, in an order whose beginnings are even too."""
     number = np.arange(count) * _STRIDE % count
     z = 1.0 - (2.0 * number + 1.0) / count
@@ -86,7 +86,7 @@ class Outlook:
         start = [p + self.off[owner] * n for p, n in zip(position, normal, strict=True)]
         seen = np.zeros(len(cell), dtype=bool)
         left = np.arange(len(cell))
-        for way in directions():
+        for way in spread_directions():
             slope = way[0] * normal[0][left] + way[1] * normal[1][left] + way[2] * normal[2][left]
             asked = left[slope > _GRAZING]
             if len(asked):

@@ -139,7 +139,7 @@ def evaluate_rows(primitive: Primitive, exprs: Sequence[Expr], params: Params, k
     return out
 
 
-def existing(primitive: Primitive, params: Params) -> np.ndarray:
+def find_existing(primitive: Primitive, params: Params) -> np.ndarray:
     """(k, patches) bool: which patches an instance has."""
     every = surfaces(primitive)
     out = np.ones((len(every), rows_of(params)), dtype=bool)

@@ -21,8 +21,8 @@ from . import facts, mesh
 from .errors import PrimitiveError
 from .patches import Params, evaluate_rows, rows_of
 from .topology import topology
-from .trial import trial, variants
-from .weld import plan, step_counts
+from .trial import draw_trial, variants
+from .weld import plan_weld, step_counts
 
 _STEPS = (24, 16, 12, 8)  # per full turn: a hull takes the finest of these that has few corners
 _FEW = 200  # what collision checks and simulators take well; a ball of 16 steps lies within 2 % of its radius
@@ -217,7 +217,7 @@ def _known(primitive: Primitive, number: int, index: int) -> tuple[_Hull, ...]:
     piece = primitive.pieces[number]
 
     def find() -> tuple[_Hull, ...]:
-        params = trial(primitive)
+        params = draw_trial(primitive)
         rows = np.flatnonzero(_counts(primitive, piece, params) > index)
         points = _points(primitive, piece, np.full(len(rows), index), mesh.take(params, rows))
         return _distinct(primitive, piece.name, points)
@@ -229,7 +229,7 @@ def _known(primitive: Primitive, number: int, index: int) -> tuple[_Hull, ...]:
 def _hull_steps(primitive: Primitive, variant: tuple[bool, ...]) -> int:
     """The steps per full turn of the mesh whose hull is the piece."""
     found = topology(primitive, variant)
-    few = (s for s in _STEPS if plan(found, tuple(step_counts(found, s).tolist())).count <= _FEW)
+    few = (s for s in _STEPS if plan_weld(found, tuple(step_counts(found, s).tolist())).count <= _FEW)
     return next(few, _STEPS[-1])
 
 
@@ -237,14 +237,14 @@ def _hull_steps(primitive: Primitive, variant: tuple[bool, ...]) -> int:
 def _mesh_hulls(primitive: Primitive, variant: tuple[bool, ...]) -> tuple[_Hull, ...]:
     """The mesh itself, where it may be convex, and the hulls of the test values for which it is not."""
     found = topology(primitive, variant)
-    corners = plan(found, tuple(step_counts(found, _hull_steps(primitive, variant)).tolist())).count
+    corners = plan_weld(found, tuple(step_counts(found, _hull_steps(primitive, variant)).tolist())).count
     name = f"hulls of meshes {''.join(str(int(there)) for there in variant)}"
     return _kept(primitive, name, lambda: _found_hulls(primitive, variant), corners)
 
 
 def _found_hulls(primitive: Primitive, variant: tuple[bool, ...]) -> tuple[_Hull, ...]:
     found: list[_Hull] = []
-    params = mesh.take(trial(primitive), variants(primitive)[variant])
+    params = mesh.take(draw_trial(primitive), variants(primitive)[variant])
     (made,) = mesh.build(primitive, params, _hull_steps(primitive, variant))
     points, corners = made.vertices, made.vertices.shape[1]
     if 2 * corners - len(made.faces) == 4:  # V - E + F = 2: one body without holes
@@ -257,7 +257,7 @@ def _kept(
     primitive: Primitive, name: str, find: Callable[[], tuple[_Hull, ...]], points: int, most: int | None = None
 ) -> tuple[_Hull, ...]:
     """Hulls of so many ``points`` as facts that are kept between runs."""
-    return facts.known(
+    return facts.recall_fact(
         primitive,
         name,
         find,

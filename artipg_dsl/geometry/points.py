@@ -16,15 +16,15 @@ from typing import Any
 import numpy as np
 
 from .. import random
-from .block import Block, Coordinates, block, to_object
+from .block import Block, Coordinates, block_of, to_object
 from .cells import Cells
-from .density import Placement, solve_linear
+from .density import AreaPlacement, solve_linear
 from .flat import BENT, PLANAR
 from .hidden import Occlusion, runs, scales
 from .outside import Outlook
 from .pointset import PointSet, Pools
 from .sites import SiteTable
-from .surface import Evaluator
+from .surface import PatchEvaluator
 
 _ROWS, _OBJECTS = 16_000, 256  # at most in a block, about
 _LOOKED_AT = 32  # objects in a block whose triangles are needed
@@ -136,7 +136,7 @@ def _sample(
     objects = int(pools.owner[-1]) + 1
     most = min(_LOOKED_AT if outside else _OBJECTS, max(1, _POINTS * objects // (count * n_points)))
     for first, stop in _blocks(sites, objects, most):
-        rows = block(sites, first, stop)
+        rows = block_of(sites, first, stop)
         low, high = np.searchsorted(pools.owner, (first, stop)).tolist()
         pool = pool_of[starts[rows.site] + rows.row] - low
         _Sampler(rows, pool, key, address[low:high], low, counts[low:high], outside).fill(found)
@@ -356,8 +356,8 @@ class _LoosePoints:
             if part.start == part.stop:
                 continue
             row, local, params = cells.rows_asked(bent, cell[part])
-            placement = Placement(bent.shelf.primitive, bent.patch, params)
-            surface = Evaluator(bent.shelf.primitive, bent.patch, params)
+            placement = AreaPlacement(bent.shelf.primitive, bent.patch, params)
+            surface = PatchEvaluator(bent.shelf.primitive, bent.patch, params)
             for low in range(0, part.stop - part.start, _CHUNK):
                 some, mine = (
                     slice(part.start + low, min(part.start + low + _CHUNK, part.stop)),
@@ -411,7 +411,7 @@ def evaluate_flat(
         part = slice(*np.searchsorted(owner, (first, stop)).tolist())
         if part.start == part.stop:
             continue
-        rows = block(sites, first, stop)
+        rows = block_of(sites, first, stop)
         cells = Cells(rows)
         own = _rows(sites, rows, site[part], row[part])
         if (rows.owner[own] != owner[part] - first).any():

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..graph.primitive import Primitive
 from .box import bounds
-from .patches import Params, Split, existing, rows_of, surfaces
+from .patches import Params, Split, find_existing, rows_of, surfaces
 from .topology import orientation, turns
 
 _AT_ONCE = 400_000  # places, so that the terms stay in the caches
@@ -46,7 +46,7 @@ def volume_inertia(
     low, high = bounds(primitive, params)
     middle = (low + high) / 2  # the moments are taken about it, so that little cancels
     volume, first, second = np.zeros(count), np.zeros((count, 3)), np.zeros((count, 3, 3))
-    there = existing(primitive, params)
+    there = find_existing(primitive, params)
     for patch in range(there.shape[1]):
         split, u, v, weight = _rule(primitive, patch)
         rows = np.flatnonzero(there[:, patch])

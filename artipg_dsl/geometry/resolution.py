@@ -94,7 +94,7 @@ class Bends:
         return found
 
 
-def bends(primitive: Primitive, topology: Topology, params: Params) -> Bends:
+def measure_bends(primitive: Primitive, topology: Topology, params: Params) -> Bends:
     """How instances of one topology bend."""
     count = rows_of(params)
     reach = np.zeros((count, len(topology.patches), 2))

@@ -18,7 +18,7 @@ from . import mesh, pieces, quadrature, surface
 from .box import bounds
 from .errors import PrimitiveError
 from .patches import Params, inside_split, rows_of, surfaces
-from .trial import trial
+from .trial import draw_trial
 
 _ON_SURFACE = 1e-9  # how far the inside function may be from 0 on a surface, relative to the diagonal
 _JUMP = 0.005  # of the distance to the solid
@@ -53,7 +53,7 @@ class Finding:
 def check_primitive(primitive: Primitive, samples: int = 12) -> list[Finding]:
     """All that is wrong with a primitive over ``samples`` test values and the ends of its test ranges."""
     try:
-        params = trial(primitive, samples)
+        params = draw_trial(primitive, samples)
         mesh.build(primitive, params)
     except PrimitiveError as error:
         check = "inside" if "inside function" in error.words else "closed"
@@ -318,11 +318,11 @@ def _covered(seen: _Inspection, groups: list[pieces.PieceGroup]) -> tuple[np.nda
     return row, points, covered
 
 
-def missed(primitive: Primitive) -> tuple[float, str] | None:
+def measure_missed(primitive: Primitive) -> tuple[float, str] | None:
     """How far (a share of its size) a place deep within a solid lies from all its convex pieces, at the worst of a few test
     values, and where; None where pieces cover it all.
     """
-    seen = _Inspection(primitive, trial(primitive, 2))
+    seen = _Inspection(primitive, draw_trial(primitive, 2))
     groups = pieces.build(primitive, seen.params)
     row, points, covered = _covered(seen, groups)
     some = np.flatnonzero(~covered)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..graph.expr import ZERO, const
 from ..graph.primitive import Primitive
-from .density import Placement, norm, patch_area
+from .density import AreaPlacement, norm, patch_area
 from .patches import Params, Split, rows_of, surfaces
 from .topology import orientation
 
@@ -30,7 +30,7 @@ def place(
     primitive: Primitive, patch: int, params: Params, row: np.ndarray, first: np.ndarray, second: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Fractions (u, v), uniform by area, for pairs of numbers in (0, 1) on instances ``row`` (m,)."""
-    return Placement(primitive, patch, params).place(row, first, second)
+    return AreaPlacement(primitive, patch, params).place(row, first, second)
 
 
 @lru_cache(maxsize=4096)
@@ -44,7 +44,7 @@ def _split(primitive: Primitive, patch: int) -> Split:
     return Split(primitive, (*surface.position, *normal, x * x + y * y + z * z))
 
 
-class Evaluator:
+class PatchEvaluator:
     """Positions and normals of one patch on k instances."""
 
     def __init__(self, primitive: Primitive, patch: int, params: Params):
@@ -75,5 +75,5 @@ def evaluate(
     primitive: Primitive, patch: int, params: Params, row: np.ndarray, u: np.ndarray, v: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Position (m, 3) in metres and outward unit normal (m, 3) at fractions (u, v) of instances ``row`` (m,)."""
-    position, normal = Evaluator(primitive, patch, params).at(row, u, v)
+    position, normal = PatchEvaluator(primitive, patch, params).at(row, u, v)
     return np.stack(position, axis=-1), np.stack(normal, axis=-1)

@@ -15,7 +15,7 @@ from ..graph.formula import compile_formula
 from ..graph.primitive import Primitive
 from .errors import PrimitiveError
 from .patches import Params, grid, position_split, surfaces, tangent_split
-from .trial import trial, variants
+from .trial import draw_trial, variants
 
 _TOLERANCE = 1e-9  # relative to the extent of the instance
 _PROBE = 1e-6  # how far off a surface the inside function is asked, relative too
@@ -69,7 +69,7 @@ def seams(primitive: Primitive, variant: tuple[bool, ...]) -> Seams:
         names = [s.name for s, there in zip(surfaces(primitive), variant, strict=True) if there]
         message = f"no test values give the surfaces {', '.join(names)} alone: widen the test ranges"
         raise PrimitiveError(primitive, None, message)
-    params = {name: value[rows[:_ROWS]] for name, value in trial(primitive).items()}
+    params = {name: value[rows[:_ROWS]] for name, value in draw_trial(primitive).items()}
     patches = tuple(int(i) for i in np.flatnonzero(variant))
     if not patches:
         raise PrimitiveError(primitive, None, "there is no surface at some test values")
@@ -214,20 +214,20 @@ def _warped(primitive: Primitive, patch: int, params: Params) -> np.ndarray:
     return np.array(turned) > 1e-6
 
 
-def shown(primitive: Primitive, patch: int) -> Params:
+def shown_rows(primitive: Primitive, patch: int) -> Params:
     """The test values at which the patch exists."""
     rows = [r for flags, r in variants(primitive).items() if flags[patch]]
     if not rows:
         raise PrimitiveError(primitive, surfaces(primitive)[patch].name, "it does not exist at any test value")
     every = np.sort(np.concatenate(rows))
-    return {name: value[every] for name, value in trial(primitive).items()}
+    return {name: value[every] for name, value in draw_trial(primitive).items()}
 
 
 @lru_cache(maxsize=4096)
 def turns(primitive: Primitive, patch: int) -> tuple[float, float]:
     """The greatest angles that lines along u and along v turn through, over all test values of all variants."""
     u, v = np.meshgrid(_FINE, np.array([0.0, 0.5, 1.0]), indexing="ij")
-    params = shown(primitive, patch)
+    params = shown_rows(primitive, patch)
     along_u = grid(tangent_split(primitive, patch), params, u, v)[..., :3]
     along_v = grid(tangent_split(primitive, patch), params, v, u)[..., 3:]
     return _turned(along_u), _turned(along_v)
@@ -253,7 +253,7 @@ def orientation(primitive: Primitive) -> np.ndarray:
     out = np.zeros(len(surfaces(primitive)), dtype=np.int64)
     u, v = (a.ravel() for a in np.meshgrid(_ACROSS, _ACROSS, indexing="ij"))
     for patch, surface in enumerate(surfaces(primitive)):
-        chosen = shown(primitive, patch)
+        chosen = shown_rows(primitive, patch)
         point = grid(position_split(primitive, patch), chosen, u, v)
         tangent = grid(tangent_split(primitive, patch), chosen, u, v)
         normal = np.cross(tangent[..., :3], tangent[..., 3:])

@@ -10,7 +10,7 @@ from .. import random
 from ..graph.expr import Expr
 from ..graph.primitive import Primitive
 from .errors import PrimitiveError
-from .patches import Params, evaluate_rows, existing
+from .patches import Params, evaluate_rows, find_existing
 
 _OVERSAMPLE = 64  # candidates per wanted row: `requires` may refuse many
 _PER_END = 3  # rows with one parameter at an end of its range, per end
@@ -31,13 +31,13 @@ def _trial(primitive: Primitive, count: int) -> Params:
     return {name: np.concatenate([p[name] for p in parts]) for name in parts[0]}
 
 
-def trial(primitive: Primitive, count: int = 12) -> Params:
+def draw_trial(primitive: Primitive, count: int = 12) -> Params:
     """``count`` rows drawn over the test ranges, then some with each parameter at either end, or with every value of
     one that counts; all meet `requires`."""
     return dict(_trial(primitive, count))
 
 
-def anything(primitive: Primitive, count: int) -> Params:
+def draw_any(primitive: Primitive, count: int) -> Params:
     """``count`` rows drawn over the test ranges, whether they meet `requires` or not."""
     return _values(primitive, count, {}, 0)
 
@@ -71,8 +71,8 @@ def _allowed(primitive: Primitive, conditions: tuple[Expr, ...], params: Params)
 
 @lru_cache(maxsize=512)
 def variants(primitive: Primitive) -> dict[tuple[bool, ...], np.ndarray]:
-    """Which patches can exist together: a tuple per variant, with the rows of ``trial`` that show it."""
-    there = existing(primitive, trial(primitive))
+    """Which patches can exist together: a tuple per variant, with the rows of ``draw_trial`` that show it."""
+    there = find_existing(primitive, draw_trial(primitive))
     found: dict[tuple[bool, ...], list[int]] = {}
     for row, flags in enumerate(there.tolist()):
         found.setdefault(tuple(flags), []).append(row)

@@ -16,7 +16,7 @@ _EIGHTH = math.pi / 4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Plan:
+class WeldPlan:
     """``faces`` (F, 3) int32 wind outwards and index the vertices; ``face_patch`` (F,) int32 gives patch numbers;
     ``face_uv`` (F, 3, 2) the fractions of the corners on that patch.
 
@@ -40,7 +40,7 @@ def step_counts(topology: Topology, steps: int) -> np.ndarray:
 
 
 @lru_cache(maxsize=1024)
-def plan(topology: Topology, steps: tuple[int, ...]) -> Plan:
+def plan_weld(topology: Topology, steps: tuple[int, ...]) -> WeldPlan:
     """The plan for the ``steps`` of each class of directions; raises PrimitiveError when the surfaces do not close."""
     counts = np.array(steps, dtype=np.int64)[topology.step_class]
     sizes = (counts[:, 0] + 1) * (counts[:, 1] + 1)
@@ -76,7 +76,7 @@ def plan(topology: Topology, steps: tuple[int, ...]) -> Plan:
         owners.append(np.full(len(triangles), patch))
     every, owner = np.concatenate(faces), np.concatenate(owners)
     _check_closed(topology, every, owner)
-    return Plan(
+    return WeldPlan(
         len(representatives),
         every.astype(np.int32),
         owner.astype(np.int32),

@@ -10,7 +10,7 @@ from .program import Program
 _SIDEWAYS = frozenset({"reduce", "element", "previous", "scan"})
 
 
-def needed(program: Program, roots: Iterable[Expr]) -> set[Column]:
+def columns_behind(program: Program, roots: Iterable[Expr]) -> set[Column]:
     """All columns that expressions depend on, those included that count the rows they are taken in."""
     found: set[Column] = set()
     stack, seen = list(roots), set()
@@ -38,11 +38,11 @@ def needed(program: Program, roots: Iterable[Expr]) -> set[Column]:
 
 def draws_behind(program: Program, roots: Iterable[Expr]) -> list[int]:
     """The indices of the draws that expressions depend on, in the order in which they are drawn."""
-    found = needed(program, roots)
+    found = columns_behind(program, roots)
     return [number for number, draw in enumerate(program.draws) if draw.column in found]
 
 
-def crosses(program: Program, roots: Iterable[Expr]) -> bool:
+def reads_across(program: Program, roots: Iterable[Expr]) -> bool:
     """Whether expressions read other rows of a table than the one they stand in and those above it."""
     stack, seen = list(roots), set()
     while stack:

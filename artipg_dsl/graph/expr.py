@@ -12,12 +12,12 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 from weakref import WeakValueDictionary
 
-from .functions import FUNCTIONS, folded
+from .functions import FUNCTIONS, fold_constants
 from .functions import PREDICATES as PREDICATES
 from .scopes import Column as Column
 from .scopes import Scope as Scope
 from .scopes import ScopeError as ScopeError
-from .show import few
+from .show import is_short
 from .show import show as show
 
 
@@ -39,7 +39,7 @@ class Expr:
         return self.value if self.op == "const" else None
 
     def __repr__(self) -> str:
-        return show(self) if few(self, 200) else f"<{self.op} of many terms>"
+        return show(self) if is_short(self, 200) else f"<{self.op} of many terms>"
 
     def __add__(self, other: Expr | float) -> Expr:
         return add(self, wrap(other))
@@ -156,7 +156,7 @@ def call(op: str, *args: Expr) -> Expr:
     if len(args) != arity:
         raise ValueError(f"{op} takes {arity} arguments")
     if all(a.op == "const" for a in args):
-        value = folded(function, [a.value for a in args])
+        value = fold_constants(function, [a.value for a in args])
         if op in ("sin", "cos") and math.isfinite(value) and abs(value - round(value)) < 1e-15:
             value = float(round(value))  # quarter turns are exact
         return const(value)

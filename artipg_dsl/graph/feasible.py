@@ -67,13 +67,13 @@ class _Narrowed(Intervals):
         return [column for column in _sorted_columns(reader, node) if column in self.box]
 
 
-def conflicts(program: Program, given: Mapping[int, float] | None = None) -> list[Conflict]:
+def find_conflicts(program: Program, given: Mapping[int, float] | None = None) -> list[Conflict]:
     """Everything that can never be met, given the values of some draws (by index), in the order of the text."""
     found, box, causes = _narrow(program, given)
     return [*found.values(), *_broken(program, {} if found else box, found, causes)]
 
 
-def ranges(program: Program) -> dict[int, Interval]:
+def find_ranges(program: Program) -> dict[int, Interval]:
     """The intervals of the draws (by index) that the requirements narrow, whatever else is drawn."""
     return _narrow(program, None)[1]
 
@@ -105,7 +105,7 @@ def _narrow(
                     reasons
                 )  # whole numbers beside one that is left out: no range to tell of
                 one, other = (None, reasons[0]) if alike else (k, None)
-                found[k] = Conflict(one, other, reasons, chain, low, high, scope, certain(scope, intervals))
+                found[k] = Conflict(one, other, reasons, chain, low, high, scope, is_certain(scope, intervals))
             elif why and (low, high) != intervals.column(draw.column) and (given is None or k not in given):
                 box[k] = (low, max(low, high))
                 causes[k] = tuple(why), others
@@ -208,11 +208,11 @@ def _broken(
         scope = requirement.scope
         read = [c for node in (requirement.condition, requirement.guard) for c in intervals.decide(reader, node)]
         reasons, chain = _led(causes, [number], [numbers[c] for c in read])
-        more.append(Conflict(None, number, reasons, chain, math.nan, math.nan, scope, certain(scope, intervals)))
+        more.append(Conflict(None, number, reasons, chain, math.nan, math.nan, scope, is_certain(scope, intervals)))
     return more
 
 
-def idle(program: Program) -> list[int]:
+def find_idle(program: Program) -> list[int]:
     """The requirements on something drawn that hold whatever is drawn; one between constants states a fact on purpose."""
     intervals = Intervals(program.draws, program.definitions)
     reader = Linear(lambda c: c not in program.definitions, program.definitions, through=True)
@@ -224,9 +224,9 @@ def idle(program: Program) -> list[int]:
     ]
 
 
-def certain(scope: Scope, intervals: Intervals) -> bool:
+def is_certain(scope: Scope, intervals: Intervals) -> bool:
     """Whether every object has a row of the table."""
     return all(s.count is None or s.count is TRUE or intervals.of(s.count)[0] >= 1.0 for s in scope.ancestors())
 
 
-__all__ = ["Conflict", "certain", "conflicts", "idle", "ranges"]
+__all__ = ["Conflict", "is_certain", "find_conflicts", "find_idle", "find_ranges"]

@@ -42,7 +42,7 @@ FUNCTIONS: dict[str, tuple[int, Callable[..., float]]] = {
 PREDICATES = frozenset({"lt", "le", "eq", "and", "or", "not"})
 
 
-def folded(function: Callable[..., float], values: Sequence[float]) -> float:
+def fold_constants(function: Callable[..., float], values: Sequence[float]) -> float:
     """The value of a function of constants: nan where it has none (1 / 0, the root or the logarithm of -1), inf where it is
     too large for a number. What an author writes of this kind is refused where it stands (``lower.expressions.arithmetic``)."""
     try:

@@ -128,6 +128,6 @@ class Intervals:
         return (0.0, 0.0) if apart else (0.0, 1.0)
 
 
-def always(condition: Expr, draws: Iterable[Draw], definitions: Mapping[Column, Expr] | None = None) -> bool:
+def holds_always(condition: Expr, draws: Iterable[Draw], definitions: Mapping[Column, Expr] | None = None) -> bool:
     """Whether a predicate holds for all values of the draws."""
     return Intervals(draws, definitions or {}).of(condition)[0] >= 1.0

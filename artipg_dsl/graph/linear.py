@@ -8,7 +8,7 @@ from typing import Any
 from . import expr as E
 from .expr import ONE, ZERO, Column, Expr, Scope
 
-Form = tuple[dict[Column, Expr], Expr]  # coefficient of each column, and the rest
+LinearForm = tuple[dict[Column, Expr], Expr]  # coefficient of each column, and the rest
 Parts = tuple[dict[Any, Expr], Expr]  # the same with atoms beside the columns
 
 
@@ -86,7 +86,7 @@ class Linear:
                 stack.extend(at.args)
         return found
 
-    def form(self, node: Expr) -> Form | None:
+    def form(self, node: Expr) -> LinearForm | None:
         """Coefficients and rest, or None where the expression is not linear in the unknowns."""
         found = self.parts(node)
         if any(isinstance(key, Expr) for key in found[0]):
@@ -154,13 +154,13 @@ class Linear:
             if single is not None and (parent is None or parent.within(single.scope)):
                 coefficients[name] = single
             elif self.whole and self.undefined(name):
-                forms = [inside(form, name) for form in forms]
+                forms = [_move_to_rest(form, name) for form in forms]
             else:
                 coefficients[name] = make(values)
         return coefficients, make([f[1] for f in forms])
 
 
-def inside(form: Parts, key: Any) -> Parts:
+def _move_to_rest(form: Parts, key: Any) -> Parts:
     """A form in which a term belongs to the rest."""
     left, rest = dict(form[0]), form[1]
     factor = left.pop(key, ZERO)
@@ -262,7 +262,7 @@ def isolate(node: Expr, target: Column, value: Expr, linear: Linear) -> Expr | N
         node = node.args[k]
 
 
-def solve_block(forms: list[Form], columns: list[Column]) -> dict[Column, Expr] | None:
+def solve_block(forms: list[LinearForm], columns: list[Column]) -> dict[Column, Expr] | None:
     """Gauss elimination of ``form = 0`` for as many columns; pivots are constants where there are any."""
     rows = [(dict(c), rest) for c, rest in forms]
     order: list[tuple[Column, dict[Column, Expr], Expr]] = []

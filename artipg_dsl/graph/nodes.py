@@ -19,13 +19,13 @@ _MOST_UNKNOWNS = 64  # of equations that are solved together
 _NONE: frozenset[str] = frozenset()
 
 
-class Fault(ValueError):
+class NodeFault(ValueError):
     """What is wrong, in words."""
 
 
-def need(holds: object, words: str) -> None:
+def require(holds: object, words: str) -> None:
     if not holds:
-        raise Fault(words)
+        raise NodeFault(words)
 
 
 class Nodes:
@@ -39,15 +39,17 @@ class Nodes:
 
     def make(self, op: str, value: Any, args: tuple[Any, ...]) -> Expr:
         """The node. Raises Fault."""
-        need(all(isinstance(a, Expr) and a in self.free for a in args), f"the arguments of {op} are expressions (%n)")
+        require(
+            all(isinstance(a, Expr) and a in self.free for a in args), f"the arguments of {op} are expressions (%n)"
+        )
         build = getattr(self, f"_{op}", None) if op in _SPECIAL else None
-        need(build or op in FUNCTIONS, f"there is no operator {op[:40]!r}")
+        require(build or op in FUNCTIONS, f"there is no operator {op[:40]!r}")
         free = _NONE.union(*(self.free[a] for a in args)) if args else _NONE
-        need(not free or op in FUNCTIONS or op == "solve", f"a variable of a formula is inside {op}")
+        require(not free or op in FUNCTIONS or op == "solve", f"a variable of a formula is inside {op}")
         try:
             node, truth = build(value, args) if build else self._plain(op, args)
         except ScopeError as error:
-            raise Fault(str(error)) from None
+            raise NodeFault(str(error)) from None
         if op == "var":
             free = frozenset((value,))
         self.free[node] = _NONE if op == "solve" else free
@@ -83,91 +85,95 @@ class Nodes:
 
     def _plain(self, op: str, args: tuple[Expr, ...]) -> tuple[Expr, bool]:
         arity = FUNCTIONS[op][0]
-        need(len(args) == arity, f"{op} takes {arity} arguments, not {len(args)}")
+        require(len(args) == arity, f"{op} takes {arity} arguments, not {len(args)}")
         if op not in PREDICATES and op != "where":
-            need(not any(self.truth[a] for a in args), f"{op} calculates with numbers, not with true and false")
+            require(not any(self.truth[a] for a in args), f"{op} calculates with numbers, not with true and false")
         return raw(op, args), op in PREDICATES or op == "where" and all(self.truth[a] for a in args[1:])
 
     def _const(self, value: Any, args: tuple[Expr, ...]) -> tuple[Expr, bool]:
-        need(not args and isinstance(value, bool | float), "a constant is a number such as 0.5, true or false")
+        require(not args and isinstance(value, bool | float), "a constant is a number such as 0.5, true or false")
         return raw("const", (), value), isinstance(value, bool)
 
     def _var(self, value: Any, args: tuple[Expr, ...]) -> tuple[Expr, bool]:
-        need(not args and isinstance(value, str) and NAME.fullmatch(value), "the name of a variable is made of words")
+        require(
+            not args and isinstance(value, str) and NAME.fullmatch(value), "the name of a variable is made of words"
+        )
         return raw("var", (), value), False
 
     def _col(self, value: Any, args: tuple[Expr, ...]) -> tuple[Expr, bool]:
-        need(not args and isinstance(value, Column), "col reads a column ($n)")
+        require(not args and isinstance(value, Column), "col reads a column ($n)")
         return raw("col", (), value, value.scope), value.kind == "bool"
 
     def _rank(self, value: Any, args: tuple[Expr, ...]) -> tuple[Expr, bool]:
-        need(not args and isinstance(value, Scope), "rank is of a table (@n)")
+        require(not args and isinstance(value, Scope), "rank is of a table (@n)")
         return raw("rank", (), value, value), False
 
     def _phi(self, value: Any, args: tuple[Expr, ...]) -> tuple[Expr, bool]:
-        need(
+        require(
             isinstance(value, tuple) and value and all(isinstance(s, Scope) for s in value),
             "phi merges tables [@n ...]",
         )
         parent = value[0].parent
-        need(parent and all(s.parent is parent and s.kind == "guard" for s in value), "phi merges guards of one table")
-        need(
+        require(
+            parent and all(s.parent is parent and s.kind == "guard" for s in value), "phi merges guards of one table"
+        )
+        require(
             len(args) == len(value) + 1, f"phi of {len(value)} tables takes {len(value) + 1} arguments, not {len(args)}"
         )
         held = all(self.stands(a, s) for a, s in zip(args, (*value, parent), strict=True))
-        need(held, "phi reads a table that it cannot see")
+        require(held, "phi reads a table that it cannot see")
         return raw("phi", args, value, parent), all(self.truth[a] for a in args)
 
     def _reduce(self, value: Any, args: tuple[Expr, ...]) -> tuple[Expr, bool]:
         kind, child = value
-        need(kind in _REDUCTIONS, f"there is no reduction {str(kind)[:40]!r}")
-        need(isinstance(child, Scope) and child.parent, "reduce is over the rows of a table below another (@n)")
-        need(len(args) == 1 and self.stands(args[0], child), "reduce takes one argument in the rows of its table")
+        require(kind in _REDUCTIONS, f"there is no reduction {str(kind)[:40]!r}")
+        require(isinstance(child, Scope) and child.parent, "reduce is over the rows of a table below another (@n)")
+        require(len(args) == 1 and self.stands(args[0], child), "reduce takes one argument in the rows of its table")
         return raw("reduce", args, (kind, child), child.parent), kind in ("any", "all")
 
     def _element(self, value: Any, args: tuple[Expr, ...]) -> tuple[Expr, bool]:
-        need(isinstance(value, Scope) and value.parent, "element is of a table below another (@n)")
-        need(len(args) == 2, "element takes a value and a rank")
-        need(
+        require(isinstance(value, Scope) and value.parent, "element is of a table below another (@n)")
+        require(len(args) == 2, "element takes a value and a rank")
+        require(
             self.stands(args[0], value) and self.stands(args[1], value.parent),
             "element reads a table that it cannot see",
         )
         return raw("element", args, value, value.parent), self.truth[args[0]]
 
     def _previous(self, value: Any, args: tuple[Expr, ...]) -> tuple[Expr, bool]:
-        need(isinstance(value, Scope), "previous is of a table (@n)")
-        need(
+        require(isinstance(value, Scope), "previous is of a table (@n)")
+        require(
             len(args) == 2 and all(self.stands(a, value) for a in args),
             "previous takes a value and a first one in its table",
         )
         return raw("previous", args, value, value), all(self.truth[a] for a in args)
 
     def _scan(self, value: Any, args: tuple[Expr, ...]) -> tuple[Expr, bool]:
-        need(isinstance(value, Scope), "scan is of a table (@n)")
-        need(len(args) == 1 and self.stands(args[0], value), "scan takes one argument in the rows of its table")
+        require(isinstance(value, Scope), "scan is of a table (@n)")
+        require(len(args) == 1 and self.stands(args[0], value), "scan takes one argument in the rows of its table")
         return raw("scan", args, value, value), False
 
     def _solve(self, value: Any, args: tuple[Expr, ...]) -> tuple[Expr, bool]:
         whole = all(isinstance(n, int) and not isinstance(n, bool) for n in value)
-        need(
+        require(
             whole and 1 <= value[0] <= _MOST_UNKNOWNS and value[1] >= 0,
             "solve says how many unknowns and values it has",
         )
         size, known = value
         formulas, values = args[: size + size * size], args[size + size * size :]
-        need(len(values) == known + size, f"solve of {size} unknowns and {known} values has other arguments")
+        require(len(values) == known + size, f"solve of {size} unknowns and {known} values has other arguments")
         names = frozenset([f"solve.x{k}" for k in range(size)] + [f"solve.p{k}" for k in range(known)])
-        need(
+        require(
             all(self.formula[a] and self.free[a] <= names for a in formulas),
             "solve solves formulas of its unknowns and values",
         )
-        need(not any(self.free[a] for a in values), "a variable of a formula is inside solve")
+        require(not any(self.free[a] for a in values), "a variable of a formula is inside solve")
         return raw("solve", args, value), False
 
     def _root(self, value: Any, args: tuple[Expr, ...]) -> tuple[Expr, bool]:
-        need(len(args) == 1 and args[0].op == "solve", "root is of equations solved together")
+        require(len(args) == 1 and args[0].op == "solve", "root is of equations solved together")
         (index,) = value
-        need(type(index) is int and 0 <= index < args[0].value[0], "root says which unknown it is")
+        require(type(index) is int and 0 <= index < args[0].value[0], "root says which unknown it is")
         return raw("root", args, value, args[0].scope), False
 
 

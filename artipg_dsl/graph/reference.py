@@ -48,19 +48,19 @@ class Onward:
 Reference = tuple[int | Under | Elsewhere | Onward, ...]
 
 
-def definitions(reference: Reference) -> tuple[int, ...]:
+def definitions_of(reference: Reference) -> tuple[int, ...]:
     """All definitions that a reference may come to, each once."""
     found: dict[int, None] = {}
     for item in reference:
-        found.update(dict.fromkeys((item,) if isinstance(item, int) else definitions(item.links)))
+        found.update(dict.fromkeys((item,) if isinstance(item, int) else definitions_of(item.links)))
     return tuple(found)
 
 
-def ranks(reference: Reference) -> Iterator[tuple[Expr, Scope]]:
+def ranks_of(reference: Reference) -> Iterator[tuple[Expr, Scope]]:
     """The ranks that a reference reads, each with the scope in whose rows."""
     for item in reference:
         if isinstance(item, int):
             continue
         if isinstance(item, Elsewhere) and item.rank is not None:
             yield item.rank, item.scope
-        yield from ranks(item.links)
+        yield from ranks_of(item.links)

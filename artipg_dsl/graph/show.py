@@ -22,7 +22,7 @@ _INFIX = {
 }
 
 
-def few(node: Expr, most: int) -> bool:
+def is_short(node: Expr, most: int) -> bool:
     """Whether the written form of an expression, which repeats what is shared, has at most so many nodes."""
     left, stack = most, [node]
     while stack and left >= 0:

@@ -16,7 +16,7 @@ from typing import Any
 from ..shapes import Misfit
 from . import program as P
 from .expr import CROSSING, Column, Expr, Scope, show
-from .nodes import Fault, Nodes, need
+from .nodes import NodeFault, Nodes, require
 from .primitive import Patch, Piece, Primitive
 from .reference import Elsewhere, Onward, Under
 from .verify import Verifier
@@ -247,24 +247,24 @@ class _Reader:
         self.at = 0
 
     def next(self) -> str:
-        need(self.at < len(self.words), "the line ends too early")
+        require(self.at < len(self.words), "the line ends too early")
         word = self.words[self.at]
         self.at += 1
         return word
 
     def ends(self, mark: str) -> bool:
         """Whether the next word is ``mark``, which is then read."""
-        need(self.at < len(self.words), f"the line ends before {mark}")
+        require(self.at < len(self.words), f"the line ends before {mark}")
         found = self.words[self.at] == mark
         self.at += found
         return found
 
     def expect(self, mark: str) -> None:
         word = self.next()
-        need(word == mark, f"expected {mark}, found {word[:40]!r}")
+        require(word == mark, f"expected {mark}, found {word[:40]!r}")
 
     def value(self, depth: int = 0) -> Any:
-        need(depth < _DEEPEST, "the line is nested too deeply")
+        require(depth < _DEEPEST, "the line is nested too deeply")
         word = self.next()
         if word == "[":
             items: list[Any] = []
@@ -277,40 +277,40 @@ class _Reader:
         name = self.next()
         cls = _RECORDS.get(name)
         if cls is None:
-            raise Fault(f"there is no record {name[:40]!r}")
+            raise NodeFault(f"there is no record {name[:40]!r}")
         known = {field.name for field in fields(cls)}
         found: dict[str, Any] = {}
         while not self.ends(")"):
             key = self.next()
-            need(key in known, f"{name} has no field {key[:40]!r}")
-            need(key not in found, f"the field {key} of {name} is given twice")
+            require(key in known, f"{name} has no field {key[:40]!r}")
+            require(key not in found, f"the field {key} of {name} is given twice")
             value = self.value(depth)
             as_list = cls is P.Draw and key in ("bounds", "unions", "limits") and isinstance(value, tuple)
             found[key] = list(value) if as_list else value
         missing = [
             f.name for f in fields(cls) if f.default is MISSING and f.default_factory is MISSING and f.name not in found
         ]
-        need(not missing, f"{name} has no {', '.join(missing)}")
+        require(not missing, f"{name} has no {', '.join(missing)}")
         return cls(**found)
 
     def atom(self, word: str) -> Any:
         if word[0] in "%@$" and re.fullmatch(r"[%@$][0-9]{1,9}", word):
             among = self.known[word[0]]
-            need(int(word[1:]) < len(among), f"{word} is not known before this line")
+            require(int(word[1:]) < len(among), f"{word} is not known before this line")
             return among[int(word[1:])]
         if word[0] == '"':
             try:
                 text = json.loads(word)
                 text.encode()
             except (ValueError, UnicodeEncodeError):
-                raise Fault(f"{word[:40]} is not text") from None
+                raise NodeFault(f"{word[:40]} is not text") from None
             return text
         if word in ("none", "true", "false"):
             return {"none": None, "true": True, "false": False}[word]
         try:
             return int(word) if re.fullmatch(r"-?[0-9]{1,18}", word) else float(word)
         except ValueError:
-            raise Fault(f"{word[:40]!r} is not a value") from None
+            raise NodeFault(f"{word[:40]!r} is not a value") from None
 
     def expression(self) -> Expr:
         op = self.next()
@@ -331,12 +331,12 @@ class _Reader:
         word, program = self.next(), self.program
         if word[0] in "@$%":
             among = self.known[word[0]]
-            need(word[1:] == str(len(among)), f"expected {word[0]}{len(among)}, found {word[:40]}")
+            require(word[1:] == str(len(among)), f"expected {word[0]}{len(among)}, found {word[:40]}")
             self.expect("=")
             among.append(self.expression() if word[0] == "%" else self.column() if word[0] == "$" else self.scope())
         elif word in ("program", "doc"):
             text = self.value()
-            need(isinstance(text, str), f"{word} is text")
+            require(isinstance(text, str), f"{word} is text")
             setattr(program, "name" if word == "program" else "doc", text)
         elif word == "define":
             column, value = self.value(), self.value()
@@ -344,21 +344,21 @@ class _Reader:
             program.definitions[column] = value
         elif word in _KEPT:
             item = self.value()
-            need(type(item) is _KEPT[word], f"{word} is of records {_KEPT[word].__name__}")
+            require(type(item) is _KEPT[word], f"{word} is of records {_KEPT[word].__name__}")
             held = getattr(program, "draws" if word == "draw" else word)
             self.items.append((line, item, len(held)))
             if isinstance(held, list):
                 held.append(item)
             else:
-                need(isinstance(item.name, str) and item.name not in held, f"{word} must have different names")
+                require(isinstance(item.name, str) and item.name not in held, f"{word} must have different names")
                 held[item.name] = item
         elif word == "vocabulary":
             name, words = self.value(), self.value()
             self.verifier.vocabulary(name, words)
             program.vocabularies[name] = words
         else:
-            raise Fault(f"there is no item {word[:40]!r}")
-        need(self.at == len(self.words), f"there is more after the end of the line: {self.words[self.at :][:1]}")
+            raise NodeFault(f"there is no item {word[:40]!r}")
+        require(self.at == len(self.words), f"there is more after the end of the line: {self.words[self.at :][:1]}")
 
     def column(self) -> Column:
         kind, scope, name = self.next(), self.value(), self.value()
@@ -396,11 +396,11 @@ def from_text(text: str) -> P.Program:
             for at, item, place in reader.items:
                 number = at
                 check(item, place)
-    except (Fault, Misfit) as error:
+    except (NodeFault, Misfit) as error:
         raise TextError(f"line {number} of the compiled program: {error}") from None
     try:
         reader.verifier.whole()
-    except Fault as error:
+    except NodeFault as error:
         raise TextError(f"the compiled program is incomplete or damaged: {error}") from None
     program.hash, program.foreign = digest(program), True
     return program

@@ -40,7 +40,7 @@ def _higher(a: Expr, b: Expr) -> Expr:
     return b if a is LEAST else a if b is LEAST else E.maximum(a, b)
 
 
-def inside_both(first: Region, second: Region) -> Region:
+def intersect_regions(first: Region, second: Region) -> Region:
     return tuple((_higher(a[0], b[0]), _lower(a[1], b[1])) for a in first for b in second)
 
 
@@ -78,7 +78,7 @@ class _Regions:
             return first if second is None else second
         if first is None or second is None:
             return None
-        found = inside_both(first, second) if both else (*first, *second)
+        found = intersect_regions(first, second) if both else (*first, *second)
         return found if len(found) <= MOST else None
 
     def equal(self, difference: Expr, wanted: bool) -> Region | None:

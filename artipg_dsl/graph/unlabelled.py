@@ -24,7 +24,7 @@ class Bare:
     partly: bool
 
 
-def unlabelled(program: Program) -> list[Bare]:
+def find_unlabelled(program: Program) -> list[Bare]:
     """The sites that semantic labels leave bare.
 
     Conditions are read as they are written: a comparison may hold or not, a choice takes one of its options. So labels
@@ -123,4 +123,4 @@ def _side(side: Expr, term: _Term, value: float) -> float:
     return value if side is term[0] else 0.0
 
 
-__all__ = ["Bare", "unlabelled"]
+__all__ = ["Bare", "find_unlabelled"]

@@ -14,9 +14,9 @@ from typing import Any
 from .. import shapes
 from . import program as P
 from .expr import Column, Expr, Scope, choices
-from .nodes import KINDS, NAME, Fault, Nodes, need
+from .nodes import KINDS, NAME, NodeFault, Nodes, require
 from .primitive import Patch, Piece, Primitive
-from .reference import Elsewhere, Onward, Reference, Under, definitions
+from .reference import Elsewhere, Onward, Reference, Under, definitions_of
 
 _WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _OPTION = re.compile(NAME.pattern + r"(#[0-9]{1,4})?")  # the second of one template is told apart
@@ -74,106 +74,109 @@ class Verifier:
         for cell in _cells(item, type(item)):
             self.placed(cell, _scope_of(item))
         for name, cell in _conditions(item):
-            need(self.nodes.truth[cell], f"{name} is true or false, not a number")
+            require(self.nodes.truth[cell], f"{name} is true or false, not a number")
         getattr(self, f"_{type(item).__name__.lower()}", lambda *_: None)(item, number)
 
     def whole(self) -> None:
         """What only the whole program tells."""
         program = self.program
-        need(program.scopes and program.scopes[0].kind == "root", "the first table is not a root")
-        need(_WORD.fullmatch(program.name), "the name of the program is not a valid name")
+        require(program.scopes and program.scopes[0].kind == "root", "the first table is not a root")
+        require(_WORD.fullmatch(program.name), "the name of the program is not a valid name")
         named = [draw.column for draw in program.draws]
-        need(len(set(named)) == len(named), "a column is drawn twice")
+        require(len(set(named)) == len(named), "a column is drawn twice")
         both = next((c for c in named if c in program.definitions), None)
-        need(both is None, f"the column {both and both.name} is drawn and defined")
+        require(both is None, f"the column {both and both.name} is drawn and defined")
 
     # ------------------------------------------------------------ what all have in common
 
     def scope(self, scope: Scope) -> None:
         shapes.fit(scope.name, str, "name")
         if scope.parent is None:
-            need(
+            require(
                 scope.kind == "root" and not self.program.scopes,
                 "only the first table may be without a parent, as the root",
             )
             return
-        need(scope.kind in ("repeat", "guard"), f"a table is a repeat or a guard, not {str(scope.kind)[:40]!r}")
+        require(scope.kind in ("repeat", "guard"), f"a table is a repeat or a guard, not {str(scope.kind)[:40]!r}")
         if not isinstance(scope.parent, Scope) or not isinstance(scope.count, Expr):
-            raise Fault("a table has a parent (@n) and a count (%n)")
-        need(self.nodes.stands(scope.count, scope.parent), "the count of a table reads a table that it cannot see")
+            raise NodeFault("a table has a parent (@n) and a count (%n)")
+        require(self.nodes.stands(scope.count, scope.parent), "the count of a table reads a table that it cannot see")
 
     def column(self, column: Column) -> None:
-        need(isinstance(column.scope, Scope), "a column is of a table (@n)")
-        need(column.kind in KINDS, f"there is no kind of column {str(column.kind)[:40]!r}")
-        need(
+        require(isinstance(column.scope, Scope), "a column is of a table (@n)")
+        require(column.kind in KINDS, f"there is no kind of column {str(column.kind)[:40]!r}")
+        require(
             isinstance(column.name, str) and NAME.fullmatch(column.name),
-            f"{shapes.shown(column.name)} is not a name of a column",
+            f"{shapes.show_value(column.name)} is not a name of a column",
         )
 
     def definition(self, column: Any, value: Any) -> None:
-        need(
+        require(
             isinstance(column, Column) and isinstance(value, Expr), "define takes a column ($n) and an expression (%n)"
         )
-        need(column not in self.program.definitions, f"the column {column.name} is defined twice")
+        require(column not in self.program.definitions, f"the column {column.name} is defined twice")
         self.placed(value, column.scope)
-        need(
+        require(
             self.nodes.truth[value] == (column.kind == "bool"),
             f"the column {column.name} is of another kind than its value",
         )
 
     def vocabulary(self, name: Any, words: Any) -> None:
         shapes.fit(words, tuple[str, ...])
-        need(words[:1] == (P.UNLABELLED,), f"the first word of a vocabulary is not {P.UNLABELLED}")
+        require(words[:1] == (P.UNLABELLED,), f"the first word of a vocabulary is not {P.UNLABELLED}")
         for word in (name, *words):
-            need(isinstance(word, str) and _WORD.fullmatch(word), f"{shapes.shown(word)} is not a word of a vocabulary")
+            require(
+                isinstance(word, str) and _WORD.fullmatch(word),
+                f"{shapes.show_value(word)} is not a word of a vocabulary",
+            )
 
     def placed(self, expr: Expr, scope: Scope | None) -> None:
-        need(self.nodes.stands(expr, scope), "a value reads a table that it cannot see, or a variable of a formula")
+        require(self.nodes.stands(expr, scope), "a value reads a table that it cannot see, or a variable of a formula")
 
     def formulas(self, exprs: Sequence[Expr | None], known: frozenset[str], scope: Scope | None = None) -> None:
         for expr in exprs:
             wrong = None if expr is None else self.nodes.computes(expr, known, scope)
-            need(wrong is None, wrong or "")
+            require(wrong is None, wrong or "")
 
     def named(self, item: Any) -> None:
         for name in _NAMED.get(type(item), ()):
             value = getattr(item, name)
             for one in (value,) if isinstance(value, str) else value:
                 form = _OPTION if name == "options" else NAME
-                need(form.fullmatch(one), f"{name}: {shapes.shown(one)} is not a name")
+                require(form.fullmatch(one), f"{name}: {shapes.show_value(one)} is not a name")
 
     def index(self, number: int, among: Sequence[Any], what: str, least: int = 0) -> None:
-        need(least <= number < len(among), f"there is no {what} {number}")
+        require(least <= number < len(among), f"there is no {what} {number}")
 
     def reference(self, reference: Reference, among: Sequence[Any], what: str) -> None:
-        for number in definitions(reference):
+        for number in definitions_of(reference):
             self.index(number, among, what)
         for item in _records(reference):
             if isinstance(item, Elsewhere):
-                need(item.repeat.kind == "repeat", "a value elsewhere must be in an element of a repeat")
+                require(item.repeat.kind == "repeat", "a value elsewhere must be in an element of a repeat")
                 if item.rank is None:
-                    need(item.scope.within(item.repeat), "the element before is looked for outside its repeat")
+                    require(item.scope.within(item.repeat), "the element before is looked for outside its repeat")
                 else:
                     self.placed(item.rank, item.scope)
 
     # ------------------------------------------------------------ draws and requirements
 
     def _draw(self, draw: P.Draw, number: int) -> None:
-        need(draw.address, "a draw has no address")
-        need(draw.unit in UNITS, f"{shapes.shown(draw.unit)} is not a unit of values inside")
+        require(draw.address, "a draw has no address")
+        require(draw.unit in UNITS, f"{shapes.show_value(draw.unit)} is not a unit of values inside")
         if draw.kind == "choice":
-            need(
+            require(
                 draw.options and len(draw.options) == len(draw.weights),
                 "a choice needs a weight for each of its options",
             )
-            need(len(set(draw.options)) == len(draw.options), "a choice has an option twice")
+            require(len(set(draw.options)) == len(draw.options), "a choice has an option twice")
             usual = 0.0 if draw.default is None else draw.default.constant
-            need(usual in range(len(draw.options)), "the default of a choice must be one of its options")
+            require(usual in range(len(draw.options)), "the default of a choice must be one of its options")
         else:
-            need(draw.kind in ("real", "count"), f"there is no kind of draw {shapes.shown(draw.kind)}")
-            need(draw.low is not None and draw.high is not None, "a number is drawn between low and high")
-            need(draw.distribution in _LAWS, f"there is no distribution {shapes.shown(draw.distribution)}")
-            need(
+            require(draw.kind in ("real", "count"), f"there is no kind of draw {shapes.show_value(draw.kind)}")
+            require(draw.low is not None and draw.high is not None, "a number is drawn between low and high")
+            require(draw.distribution in _LAWS, f"there is no distribution {shapes.show_value(draw.distribution)}")
+            require(
                 _LAWS[draw.distribution](len(draw.arguments)),
                 f"{draw.distribution} is given the wrong number of arguments",
             )
@@ -184,8 +187,11 @@ class Verifier:
         for one in (*asked, *(one for u in draw.unions for one in (u.requirement, *u.also))):
             self.index(one, self.program.requirements, "requirement")
         for bound in draw.bounds:
-            need(bound.side in ("low", "high"), f"the side of a bound is low or high, not {shapes.shown(bound.side)}")
-        need(all(union.intervals for union in draw.unions), "a range of several intervals is empty")
+            require(
+                bound.side in ("low", "high"),
+                f"the side of a bound is low or high, not {shapes.show_value(bound.side)}",
+            )
+        require(all(union.intervals for union in draw.unions), "a range of several intervals is empty")
 
     def _requirement(self, requirement: P.Requirement, number: int) -> None:
         for one in requirement.repair:
@@ -194,15 +200,15 @@ class Verifier:
     # ------------------------------------------------------------ parts, links and joints
 
     def _part(self, part: P.Part, number: int) -> None:
-        need(-1 <= part.parent < number, "a part must come after the part that contains it")
-        need(
+        require(-1 <= part.parent < number, "a part must come after the part that contains it")
+        require(
             part.parent < 0 or self.among(part.scope, part.parent),
             "the part that contains it does not exist in all its rows",
         )
         for word, _ in part.semantic:
             self.word("semantic", word)
         for axis in () if part.symmetry is None else choices(part.symmetry[1]):
-            need(axis.constant in (0.0, 1.0, 2.0), "the symmetry of a part is about axis 0, 1 or 2")
+            require(axis.constant in (0.0, 1.0, 2.0), "the symmetry of a part is about axis 0, 1 or 2")
         self.reference(part.link, self.program.links, "link")
         self.reference(part.holder, self.program.parts, "part")
 
@@ -212,23 +218,23 @@ class Verifier:
 
     def _site(self, site: P.Site, number: int) -> None:
         primitive = self.program.primitives.get(site.primitive)
-        need(primitive is not None, f"there is no primitive {site.primitive}")
+        require(primitive is not None, f"there is no primitive {site.primitive}")
         assert primitive is not None
-        need(
+        require(
             len(site.parameters) == len(primitive.parameters),
             f"{site.primitive} takes {len(primitive.parameters)} parameters",
         )
         self.index(site.part, self.program.parts, "part")
-        need(self.among(site.scope, site.part), "the part that contains it does not exist in all its rows")
+        require(self.among(site.scope, site.part), "the part that contains it does not exist in all its rows")
         for name, _ in site.materials:
-            need(name in self.program.materials, f"there is no material {shapes.shown(name)}")
+            require(name in self.program.materials, f"there is no material {shapes.show_value(name)}")
         self.reference(site.link, self.program.links, "link")
 
     def _link(self, link: P.Link, number: int) -> None:
         self.index(link.part, self.program.parts, "part", -1)
 
     def _joint(self, joint: P.Joint, number: int) -> None:
-        need(joint.kind in _JOINTS, f"there is no kind of joint {shapes.shown(joint.kind)}")
+        require(joint.kind in _JOINTS, f"there is no kind of joint {shapes.show_value(joint.kind)}")
         self.index(joint.child, self.program.links, "link")
         self.reference(joint.parent, self.program.links, "link")
         joints = self.program.joints
@@ -240,15 +246,15 @@ class Verifier:
             self.reference(reference, self.program.links, "link")
 
     def _allowed(self, allowed: P.Allowed, number: int) -> None:
-        need(allowed.kind in ("overlap", "free", "floating"), f"nothing allows {shapes.shown(allowed.kind)}")
+        require(allowed.kind in ("overlap", "free", "floating"), f"nothing allows {shapes.show_value(allowed.kind)}")
         for one in (*allowed.first, *allowed.second):
             self.index(one, self.program.parts, "part")
-        need(len(allowed.ranks) == 2, "ranks are those of either side")
+        require(len(allowed.ranks) == 2, "ranks are those of either side")
 
     def _clear(self, clear: P.Clear, number: int) -> None:
         for one in (*clear.first, *clear.second):
             self.index(one, self.program.parts, "part")
-        need(len(clear.ranks) == 2, "ranks are those of either side")
+        require(len(clear.ranks) == 2, "ranks are those of either side")
 
     def _slot(self, slot: P.Slot, number: int) -> None:
         for one in slot.parts:
@@ -258,15 +264,15 @@ class Verifier:
 
     def word(self, vocabulary: str, name: str) -> None:
         known = self.program.vocabularies.get(vocabulary, ())
-        need(name in known, f"the vocabulary {vocabulary} has no word {shapes.shown(name)}")
+        require(name in known, f"the vocabulary {vocabulary} has no word {shapes.show_value(name)}")
 
     def _label(self, label: P.Label, number: int) -> None:
         if label.vocabulary == "semantic":
             self.word("semantic", label.name)
-        need(len(label.vector) in (0, 3), "a vector has three components")
-        need(not label.vector or label.vocabulary == "field", "a vector is a field")
-        need(0 <= label.depth <= 10_000, "the depth of a label is a small number")
-        need(label.motion in ("", "along", "about"), f"a label has no motion {shapes.shown(label.motion)}")
+        require(len(label.vector) in (0, 3), "a vector has three components")
+        require(not label.vector or label.vocabulary == "field", "a vector is a field")
+        require(0 <= label.depth <= 10_000, "the depth of a label is a small number")
+        require(label.motion in ("", "along", "about"), f"a label has no motion {shapes.show_value(label.motion)}")
         for joint in label.joints:
             self.index(joint, self.program.joints, "joint")
         for target in label.targets:
@@ -280,7 +286,7 @@ class Verifier:
         self.reference(grasp.link, self.program.links, "link")
         self.formulas(grasp.formulas, _GRASP, grasp.scope)
         names = [name for name, _ in grasp.hand]
-        need(
+        require(
             set(names) <= set(P.MEASURES) and len(set(names)) == len(names),
             "a hand has a measure that grippers do not have",
         )
@@ -292,28 +298,28 @@ class Verifier:
         for field in fields(material):
             value = getattr(material, field.name)
             if field.name == "colour":
-                need(
+                require(
                     value and all(0 <= c <= 1 for one in value for c in one),
                     "colours are numbers from 0 to 1, and there is one",
                 )
             elif field.name != "name":
                 most = 1.0 if field.name in ("metalness", "roughness", "transparency", "restitution") else 1e6
-                need(0 <= value[0] <= value[1] <= most, f"{field.name} is a range from 0 to {most:g}")
-        need(material.density[0] > 0, "a density is above 0")
+                require(0 <= value[0] <= value[1] <= most, f"{field.name} is a range from 0 to {most:g}")
+        require(material.density[0] > 0, "a density is above 0")
 
     # ------------------------------------------------------------ primitives
 
     def _primitive(self, primitive: Primitive, number: int) -> None:
         names, own = primitive.parameters, frozenset(primitive.parameters)
-        need(len(own) == len(names), "a parameter is given twice")
+        require(len(own) == len(names), "a parameter is given twice")
         clash = own & {"u", "v", "i", "p.x", "p.y", "p.z"}
-        need(not clash, f"a parameter is called {', '.join(sorted(clash))}, which has another meaning in a formula")
-        need(len(primitive.test) == len(names), "there is a test range for each parameter")
-        need(all(low <= high for low, high in primitive.test), "a test range ends before it begins")
-        need(own.issuperset(primitive.whole), "a number of copies must be a parameter")
-        need(primitive.patches, "a primitive has no surface")
+        require(not clash, f"a parameter is called {', '.join(sorted(clash))}, which has another meaning in a formula")
+        require(len(primitive.test) == len(names), "there is a test range for each parameter")
+        require(all(low <= high for low, high in primitive.test), "a test range ends before it begins")
+        require(own.issuperset(primitive.whole), "a number of copies must be a parameter")
+        require(primitive.patches, "a primitive has no surface")
         for patch in primitive.patches:
-            need(
+            require(
                 patch.count is None or 0 <= patch.count <= _MOST_PATCHES,
                 f"a surface exists up to {_MOST_PATCHES} times",
             )
@@ -321,7 +327,7 @@ class Verifier:
             self.formulas(patch.position, indexed | {"u", "v"})
             self.formulas((*patch.u_range, *patch.v_range, patch.guard), indexed)
         for piece in primitive.pieces:
-            need(piece.points, "a convex piece has no points")
+            require(piece.points, "a convex piece has no points")
             self.formulas([piece.count], own)
             self.formulas([piece.guard, *(cell for point in piece.points for cell in point)], own | {"i"})
         self.formulas([primitive.inside], own | {"p.x", "p.y", "p.z"})
@@ -370,4 +376,4 @@ def _records(reference: Reference) -> Iterator[Under | Elsewhere | Onward]:
             yield from _records(item.links)
 
 
-__all__ = ["Fault", "Verifier"]
+__all__ = ["NodeFault", "Verifier"]

@@ -9,7 +9,7 @@ from ..diagnostics import Report
 from ..graph.expr import Scope, ScopeError
 from ..graph.linear import Circle
 from ..graph.program import UNLABELLED, Link, Program
-from ..graph.reference import definitions
+from ..graph.reference import definitions_of
 from ..graph.text import digest
 from ..semantics.check import TypedProgram
 from ..semantics.symbols import ModuleScope, Symbol
@@ -229,7 +229,7 @@ WATCHERS: list[Callable[[Pass, Lowering], None]] = []
 def clearances(links: Links) -> None:
     """Mark the joints that turn or slide as far as nothing is in the way; refuse those that do not move by themselves."""
     program = links.context.program
-    followed = {k for joint in program.joints if joint.mimic is not None for k in definitions(joint.mimic[0])}
+    followed = {k for joint in program.joints if joint.mimic is not None for k in definitions_of(joint.mimic[0])}
     for number, span in links.context.clearances.items():
         if number in followed or program.joints[number].mimic is not None or program.closures:
             links.context.unclear.append(span)

@@ -9,12 +9,12 @@ from typing import Any
 from ..export.strict import Strict
 from ..runtime.batch import Batch
 from ..sampling.sample import Sampler
-from .coverage import Coverage, coverage
-from .dead import Dead, dead_alternatives, dead_parameters
-from .distance import mean_distance
-from .duplicates import CLOSE, near_duplicates
-from .graphs import graphs
-from .sizes import Extent, Real, compare, extents
+from .coverage import Coverage, measure_coverage
+from .dead import Dead, find_dead_alternatives, find_dead_parameters
+from .distance import measure_distance
+from .duplicates import CLOSE, find_near_duplicates
+from .graphs import find_graphs
+from .sizes import Extent, Real, compare_sizes, measure_extents
 
 _VERSION = 1  # of the JSON form
 VALID, DUPLICATE, WITHIN, LINES = 0.99, 0.01, 0.75, 200  # the goals
@@ -142,7 +142,7 @@ class Card:
 STEPS = ("sampling", "graphs", "near-duplicates", "pairs", "sizes", "dead parameters", "dead alternatives")
 
 
-def card(
+def make_card(
     sampler: Sampler,
     batch: Batch,
     valid: Valid,
@@ -164,8 +164,8 @@ def card(
             progress(STEPS[number], number, len(STEPS))
 
     step(1)
-    found = graphs(batch)
-    distance, pairs = mean_distance(found)
+    found = find_graphs(batch)
+    distance, pairs = measure_distance(found)
     kind, count = found.kinds
     kinds = tuple((found.text[k], int(c)) for k, c in zip(kind[:_SHOWN], count[:_SHOWN], strict=True))
     variety = Variety(
@@ -180,15 +180,15 @@ def card(
         kinds,
     )
     step(2)
-    close = int(near_duplicates(batch, found.code).sum())
+    close = int(find_near_duplicates(batch, found.code).sum())
     step(3)
-    together = coverage(sampler, batch)
+    together = measure_coverage(sampler, batch)
     step(4)
-    size = extents(batch)
+    size = measure_extents(batch)
     step(5)
-    parameters = tuple(dead_parameters(batch))
+    parameters = tuple(find_dead_parameters(batch))
     step(6)
-    alternatives = tuple(dead_alternatives(sampler, batch))
+    alternatives = tuple(find_dead_alternatives(sampler, batch))
     return Card(
         batch.program.name,
         batch.program.hash,
@@ -199,7 +199,7 @@ def card(
         variety,
         close,
         together,
-        tuple(compare(size, real)),
+        tuple(compare_sizes(size, real)),
         real,
         parameters,
         alternatives,
@@ -208,6 +208,6 @@ def card(
     )
 
 
-def text_lines(text: str) -> int:
+def program_lines(text: str) -> int:
     """Lines of a program without blank ones and comments."""
     return sum(1 for line in text.splitlines() if line.strip() and not line.strip().startswith("#"))

@@ -31,7 +31,7 @@ class Cost:
     seconds: float
 
 
-def costs(batch: Batch, *, timed: bool = False) -> list[Cost]:
+def measure_costs(batch: Batch, *, timed: bool = False) -> list[Cost]:
     """Of each part of a batch, those of most pieces first. ``timed``: the pieces are made, too."""
     tables = [table for table in batch.sites() if len(table)]
     held = [amounts(table.primitive, table.params) for table in tables]
@@ -51,7 +51,7 @@ def costs(batch: Batch, *, timed: bool = False) -> list[Cost]:
     return sorted((Cost(part, *sums) for part, sums in found.items()), key=lambda cost: (-cost.pieces, cost.part))
 
 
-def heavy(found: Iterable[Cost]) -> list[Cost]:
+def find_heavy(found: Iterable[Cost]) -> list[Cost]:
     """The parts of too many pieces, or too many pairs of them."""
     return [cost for cost in found if cost.pieces > _TOO_MANY or cost.pairs > _TOO_TIGHT]
 

@@ -46,7 +46,7 @@ class Factor:
 
 
 @dataclass(frozen=True, slots=True)
-class Pair:
+class LevelPair:
     """Two names with the levels of each, ``first = handle`` and ``one = "none"``."""
 
     first: str
@@ -61,15 +61,15 @@ class Coverage:
 
     seen: int
     possible: int
-    missed: tuple[Pair, ...]
-    excluded: tuple[Pair, ...]
+    missed: tuple[LevelPair, ...]
+    excluded: tuple[LevelPair, ...]
 
     @property
     def share(self) -> float:
         return self.seen / self.possible if self.possible else 1.0
 
 
-def factors(batch: Batch) -> list[Factor]:
+def list_factors(batch: Batch) -> list[Factor]:
     """The choices and counts of a program with their levels; not those that were given a value."""
     found = []
     for number, draw in enumerate(batch.program.draws):
@@ -101,17 +101,17 @@ def _levels(draw: Draw, drawn: np.ndarray) -> tuple[Level, ...]:
     return tuple(Level(f"{a}..{b - 1}" if b - a > 1 else str(a), a, b - 1) for a, b in pairwise(ends))
 
 
-def coverage(sampler: Sampler, batch: Batch) -> Coverage:
+def measure_coverage(sampler: Sampler, batch: Batch) -> Coverage:
     """The pair coverage of a batch, with what was not seen asked for."""
     seen = 0
-    missed: list[Pair] = []
-    excluded: list[Pair] = []
+    missed: list[LevelPair] = []
+    excluded: list[LevelPair] = []
     trials = _Trials(sampler, batch.state)
-    for first, second in combinations(factors(batch), 2):
-        table = together(batch, first, second)
+    for first, second in combinations(list_factors(batch), 2):
+        table = find_together(batch, first, second)
         seen += int(table.sum())
         for i, j in np.argwhere(~table).tolist():
-            pair = Pair(first.name, first.levels[i].name, second.name, second.levels[j].name)
+            pair = LevelPair(first.name, first.levels[i].name, second.name, second.levels[j].name)
             (missed if trials.possible(first, i, second, j) else excluded).append(pair)
     return Coverage(seen, seen + len(missed), tuple(missed), tuple(excluded))
 
@@ -121,7 +121,7 @@ def _common(first: Factor, second: Factor) -> Scope:
     return next(scope for scope in first.scope.ancestors() if second.scope.within(scope))
 
 
-def together(batch: Batch, first: Factor, second: Factor) -> np.ndarray:
+def find_together(batch: Batch, first: Factor, second: Factor) -> np.ndarray:
     """(levels, levels) which levels of two factors some row of their deepest common table shows."""
     table = _common(first, second)
     return (_shown(batch, first, table).T.astype(np.int64) @ _shown(batch, second, table)) > 0

@@ -13,9 +13,9 @@ import numpy as np
 from ..graph.program import Draw
 from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State
-from ..sampling.known import again, find_differing, keep_draw, make_batch
+from ..sampling.known import evaluate_again, find_differing, keep_draw, make_batch
 from ..sampling.sample import Sampler
-from .fingerprint import fingerprint
+from .fingerprint import fingerprint_objects
 
 _FEW = 48  # objects tried at first
 _MANY = 400  # objects tried before a parameter is called dead
@@ -32,7 +32,7 @@ class Dead:
     option: str = ""
 
 
-def dead_parameters(batch: Batch) -> list[Dead]:
+def find_dead_parameters(batch: Batch) -> list[Dead]:
     """Numbers that are drawn and change nothing that can be observed."""
     found = []
     for number, draw in enumerate(batch.program.draws):
@@ -58,13 +58,13 @@ def _effect(batch: Batch, number: int, having: np.ndarray) -> str:
         values = (
             everything if count == _MANY else [keep_draw(batch, k, objects) for k in range(len(batch.program.draws))]
         )
-        before = fingerprint(again(batch, objects, values=values))
+        before = fingerprint_objects(evaluate_again(batch, objects, values=values))
         for step in _ROUND:
             other = list(values)
             other[number] = _moved(batch.program.draws[number], batch.state.values[number], values[number], step)
-            after = again(batch, objects, values=other)
+            after = evaluate_again(batch, objects, values=other)
             changed = find_differing(batch, objects, after, [number]) & ~after.state.failed
-            look = changed & (fingerprint(after) != before)
+            look = changed & (fingerprint_objects(after) != before)
             still = changed & ~find_differing(batch, objects, after, others)  # nothing else had to give way
             if (look & still).any():
                 return ""
@@ -88,7 +88,7 @@ def _moved(draw: Draw, drawn: np.ndarray, values: Kept, step: float) -> Kept:
     return replace(values, value=low + np.mod(values.value - low + shift, span))
 
 
-def dead_alternatives(sampler: Sampler, batch: Batch) -> list[Dead]:
+def find_dead_alternatives(sampler: Sampler, batch: Batch) -> list[Dead]:
     """Alternatives that no object takes, and such as cannot be told from another one."""
     found = []
     numbers = batch.numbers[:_FEW]
@@ -120,4 +120,4 @@ def _taken(
     taken = make_batch(sampler.program, sampler.plan, state)
     there = np.zeros(len(numbers), dtype=bool)
     there[taken.owner(batch.program.draws[number].column.scope)] = True
-    return fingerprint(taken), there & ~state.failed
+    return fingerprint_objects(taken), there & ~state.failed

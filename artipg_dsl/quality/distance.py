@@ -88,7 +88,7 @@ def _without(children: tuple[int, ...], others: tuple[int, ...]) -> list[int]:
     return found
 
 
-def mean_distance(graphs: Graphs) -> tuple[float, int]:
+def measure_distance(graphs: Graphs) -> tuple[float, int]:
     """The mean normalised distance between two different objects, and from how many pairs: all, or a sample of them."""
     distance = Distance(graphs)
     kind, count = graphs.kinds

@@ -14,13 +14,13 @@ from ..runtime.batch import Batch
 CLOSE = 0.02  # of the range of a value
 
 
-def near_duplicates(batch: Batch, kind: np.ndarray | None = None, close: float = CLOSE) -> np.ndarray:
+def find_near_duplicates(batch: Batch, kind: np.ndarray | None = None, close: float = CLOSE) -> np.ndarray:
     """(B,) whether an object is nearly the same as one before it in the batch.
 
     ``kind`` (B,) sets objects apart beforehand (their kinematic graphs). The range of a value is that of its
     declaration if constant, else of what was drawn.
     """
-    mark = structure(batch)
+    mark = hash_structure(batch)
     if kind is not None:
         mark = mix(mark, kind)
     owner, value = _unit_values(batch)
@@ -40,7 +40,7 @@ def near_duplicates(batch: Batch, kind: np.ndarray | None = None, close: float =
     return found
 
 
-def structure(batch: Batch) -> np.ndarray:
+def hash_structure(batch: Batch) -> np.ndarray:
     """(B,) uint64, equal for objects with the same rows of draws and the same choices and counts in them."""
     found = np.zeros(len(batch), dtype=np.uint64)
     for number, draw in enumerate(batch.program.draws):

@@ -21,7 +21,7 @@ from ..validity.materials import material_rows
 _GRAIN = 1e-9  # metres, radians: what differs by less is the same
 
 
-def fingerprint(batch: Batch) -> np.ndarray:
+def fingerprint_objects(batch: Batch) -> np.ndarray:
     """(B,) uint64 per object of a batch."""
     return _Observer(batch).found
 

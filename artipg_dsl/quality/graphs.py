@@ -12,14 +12,14 @@ from functools import cached_property
 
 import numpy as np
 
-from ..graph.reference import definitions
+from ..graph.reference import definitions_of
 from ..runtime.batch import Batch
 
 _ROOT = "root"  # in place of the joint above the root
 
 
 @dataclass(frozen=True, slots=True)
-class Node:
+class Subtree:
     """A kind of subtree: the joint above, the semantic part, the codes of the children, ascending."""
 
     joint: str
@@ -31,7 +31,7 @@ class Node:
 class Graphs:
     """``code`` (B,) is an index into ``nodes`` per object: the subtree at its root. ``joints`` (B,) counts its joints."""
 
-    nodes: tuple[Node, ...]
+    nodes: tuple[Subtree, ...]
     code: np.ndarray
     joints: np.ndarray
 
@@ -67,7 +67,7 @@ def _part_words(batch: Batch) -> list[str]:
     named = {part.path: number for number, part in reversed(list(enumerate(program.parts)))}
     carried: dict[int, str] = {}
     for part in program.parts:
-        for carrier in definitions(part.link) if part.semantic else ():
+        for carrier in definitions_of(part.link) if part.semantic else ():
             carried.setdefault(carrier, part.word)
     found = []
     for number, link in enumerate(program.links):
@@ -78,7 +78,7 @@ def _part_words(batch: Batch) -> list[str]:
     return found
 
 
-def graphs(batch: Batch) -> Graphs:
+def find_graphs(batch: Batch) -> Graphs:
     """The kinematic graph of each object of a batch."""
     links, joints = batch.links(), batch.joints()
     first = np.searchsorted(links.owner, np.arange(len(batch)))
@@ -93,7 +93,7 @@ def graphs(batch: Batch) -> Graphs:
     known = sorted(set(words))
     label = np.array([known.index(w) for w in words], dtype=np.int64)[links.definition]
 
-    nodes: list[Node] = []
+    nodes: list[Subtree] = []
     code = np.full(size, -1)
     height = _heights(above)
     for level in range(int(height.max(initial=-1)) + 1):
@@ -103,7 +103,7 @@ def graphs(batch: Batch) -> Graphs:
         distinct, place = np.unique(cells, axis=0, return_inverse=True)
         code[rows] = len(nodes) + place.reshape(-1)
         for row in distinct.tolist():
-            nodes.append(Node(kinds[row[0]], known[row[1]], tuple(c for c in row[2:] if c >= 0)))
+            nodes.append(Subtree(kinds[row[0]], known[row[1]], tuple(c for c in row[2:] if c >= 0)))
     counts = np.bincount(joints.owner, minlength=len(batch))
     return Graphs(tuple(nodes), code[first], counts)
 

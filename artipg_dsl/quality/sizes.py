@@ -13,7 +13,7 @@ import numpy as np
 
 from ..errors import UserError
 from ..runtime.batch import Batch
-from ..sampling.known import again
+from ..sampling.known import evaluate_again
 from ..validity.bodies import gather
 
 _REFERENCE = "reference.json"
@@ -51,7 +51,7 @@ class Extent:
     ratio: float | None
 
 
-def reference(path: str | Path | None = None) -> dict[str, Real]:
+def read_reference(path: str | Path | None = None) -> dict[str, Real]:
     """What is known of real objects, by category: the shipped file, or one of its form. Raises UserError."""
     try:
         text = (
@@ -80,12 +80,12 @@ def _real(entry: Mapping[str, Any]) -> Real:
     return Real(**known)
 
 
-def extents(batch: Batch) -> np.ndarray:
+def measure_extents(batch: Batch) -> np.ndarray:
     """(B, 3) metres: depth along x, width along y, height along z of the box around each object, its joints at rest."""
     found = np.zeros((len(batch), 3))
     for start in range(0, len(batch), _BLOCK):
         objects = np.arange(start, min(start + _BLOCK, len(batch)))
-        part = again(batch, objects)
+        part = evaluate_again(batch, objects)
         links = part.links()
         turn, shift = part.pose()
         first = np.searchsorted(links.owner, np.arange(len(part)))
@@ -97,7 +97,7 @@ def extents(batch: Batch) -> np.ndarray:
     return found
 
 
-def compare(size: np.ndarray, real: Real | None) -> list[Extent]:
+def compare_sizes(size: np.ndarray, real: Real | None) -> list[Extent]:
     """The sizes (B, 3) of objects along x, y, z beside real ones."""
     side = size[:, [1, 0, 2]]
     if real is not None and real.turned:
@@ -114,4 +114,4 @@ def compare(size: np.ndarray, real: Real | None) -> list[Extent]:
     return found
 
 
-__all__ = ["Extent", "Real", "compare", "extents", "reference"]
+__all__ = ["Extent", "Real", "compare_sizes", "measure_extents", "read_reference"]

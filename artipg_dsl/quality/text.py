@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from .card import Card
-from .coverage import Pair
+from .coverage import LevelPair
 from .sizes import Extent
 
 _FEW = 8  # of a list that are told
 
 
-def text(card: Card) -> str:
+def card_text(card: Card) -> str:
     """A card in lines: each figure, its goal, whether it is met, and below it what explains it."""
     goals = {goal.figure: goal for goal in card.goals}
     counted = "1 object" if card.objects == 1 else f"{card.objects} objects"
     lines = [f"{card.category}: {counted}, seed {card.seed}" + ("" if card.checked else ", collisions not checked")]
-    for figure, value, remarks in rows(card):
+    for figure, value, remarks in list_figures(card):
         goal = goals.get(figure)
         verdict = "" if goal is None else f"  goal {goal.goal}: {'met' if goal.met else 'NOT MET'}"
         lines.append(f"{figure:<18} {value}{verdict}")
@@ -24,7 +24,7 @@ def text(card: Card) -> str:
     return "\n".join(lines)
 
 
-def rows(card: Card) -> Iterator[tuple[str, str, list[str]]]:
+def list_figures(card: Card) -> Iterator[tuple[str, str, list[str]]]:
     """(name of a figure, its value in words, remarks) for every figure of a card."""
     variety, pairs = card.variety, card.pairs
     failed = [f"{count} times: {what}" for what, count in card.valid.failed.items()]
@@ -84,7 +84,7 @@ def _extent_text(extent: Extent) -> str:
     return told + f"; real {low:.1f} .. {middle:.1f} .. {high:.1f}; medians as {extent.ratio:.2f} to 1"
 
 
-def _say(pair: Pair) -> str:
+def _say(pair: LevelPair) -> str:
     return f"{pair.first} = {pair.one} with {pair.second} = {pair.two}"
 
 
@@ -107,7 +107,7 @@ HEAD = (
 )
 
 
-def markdown(cards: Sequence[Card]) -> str:
+def markdown_table(cards: Sequence[Card]) -> str:
     """A table with a row per category, the goals that are not met, and why a category has as many graphs as it should."""
     seen = any(card.meshes is not None for card in cards)
     head = [*HEAD, *(["meshes apart"] if seen else [])]

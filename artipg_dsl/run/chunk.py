@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..export.content import Content
-from ..export.objects import lacking, object_folder, write_objects
+from ..export.objects import find_lacking, object_folder, write_objects
 from ..export.registry import Format
 from ..export.write import write_bytes
 from ..geometry import facts
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 _FEW = 32  # objects in a chunk without shards, where several processes share the work
 
-Progress = Callable[[int, int], None]
+ReportProgress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +49,7 @@ class Chunk:
         """The formats that write files per object."""
         return [entry for entry in self.formats if entry.per_object]
 
-    def write(self, sample: Callable[[np.ndarray], Batch], progress: Progress | None = None) -> None:
+    def write(self, sample: Callable[[np.ndarray], Batch], progress: ReportProgress | None = None) -> None:
         """Write what is missing; ``sample(numbers)`` makes the batch, ``progress(done, of)`` hears of objects with files."""
         missing = [e for e in self.formats if e.shard and not shard_path(self.out, e, self.shard).exists()]
         absent = self.numbers if self.force and self.each else self.absent()
@@ -73,7 +73,7 @@ class Chunk:
 
     def absent(self) -> np.ndarray:
         """The objects whose folders lack some of their files."""
-        found = [n for n in self.numbers.tolist() if lacking(object_folder(self.out, n), self.each)]
+        found = [n for n in self.numbers.tolist() if find_lacking(object_folder(self.out, n), self.each)]
         return np.array(found, dtype=np.int64)
 
     def split(self) -> list[Chunk]:

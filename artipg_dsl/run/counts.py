@@ -7,7 +7,7 @@ from typing import NotRequired, TypedDict
 
 from ..errors import NoObject
 from ..graph.program import Program
-from ..runtime.repairs import Cause, in_short
+from ..runtime.repairs import Cause, describe_cause
 from ..sampling.statistics import Exhausted, Statistics
 from .schema import Count
 
@@ -64,7 +64,7 @@ def count_in_words(program: Program, counted: Mapping[Cause, int]) -> dict[str, 
     """Counts of what failed, in words with its place in the text, the most frequent first."""
     found: dict[str, int] = {}
     for cause, count in counted.items():
-        words = in_short(program, cause)
+        words = describe_cause(program, cause)
         found[words] = found.get(words, 0) + count
     return dict(sorted(found.items(), key=lambda item: (-item[1], item[0])))
 
@@ -73,7 +73,7 @@ def explain_exhausted(program: Program, error: Exhausted, fixed: bool) -> NoObje
     """What the requirements leave nothing of, and which of them are to blame; ``fixed``: parameters were set."""
     shown = ", ".join(map(str, error.numbers[:3].tolist())) + (", ..." if len(error.numbers) > 3 else "")
     counted = "object" if len(error.numbers) == 1 else f"{len(error.numbers)} objects"
-    shapes = {in_short(program, ("collision", key)): words for key, words in error.statistics.examples.items()}
+    shapes = {describe_cause(program, ("collision", key)): words for key, words in error.statistics.examples.items()}
     lines = [
         f"  {count:>8} times: {reason}" + (f"\n{'':17}{shapes[reason]}" if shapes.get(reason) else "")
         for reason, count in list(count_in_words(program, error.statistics.failures()).items())[:3]

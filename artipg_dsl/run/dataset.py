@@ -10,18 +10,18 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ..export.content import SHARD, Content
-from ..export.objects import lacking, object_folder
+from ..export.objects import find_lacking, object_folder
 from ..export.registry import FORMATS, Format
 from ..export.write import ExportError, write_bytes
 from ..geometry.resolution import Resolution
 from . import manifest as manifests
-from .chunk import Chunk, Progress
+from .chunk import Chunk, ReportProgress
 from .job import Job
 from .manifest import Manifest
 from .output import Output
 from .resume import make_ready, sweep_all
 from .schema import expand
-from .workers import share
+from .workers import write_shared
 
 
 def write_dataset(
@@ -31,7 +31,7 @@ def write_dataset(
     *,
     part: tuple[int, int] = (1, 1),
     force: bool = False,
-    progress: Progress | None = None,
+    progress: ReportProgress | None = None,
     workers: int = 1,
 ) -> Manifest:
     """Write the objects of a job to the folder ``out`` and return the manifest. Raises ExportError, NoObject.
@@ -41,7 +41,7 @@ def write_dataset(
     left out. ``progress(done, total)`` hears of objects as they are finished; ``workers``: how many processes share the work.
     """
     out, numbers, shard = Path(out), job.request.objects, output.shard
-    manifest = make_ready(out, manifests.build(job.program, job.request, output, out=out), force)
+    manifest = make_ready(out, manifests.build_manifest(job.program, job.request, output, out=out), force)
     counting = "counts" not in manifest and part[1] == 1
     remade = job.tables is not None  # what was counted then is known, or it is not
     first, step = (part[0] - 1) * shard, part[1] * shard
@@ -54,16 +54,16 @@ def write_dataset(
     _carry_out(job, chunks, progress, workers)
     counts = job.counts()
     if counting and counts is not None:
-        manifest = manifests.build(job.program, job.request, output, out=out, counts=counts)
+        manifest = manifests.build_manifest(job.program, job.request, output, out=out, counts=counts)
         write_bytes(out / manifests.NAME, manifests.to_text(manifest), force=True)
     return manifest
 
 
-def _carry_out(job: Job, chunks: list[Chunk], progress: Progress | None, workers: int) -> None:
+def _carry_out(job: Job, chunks: list[Chunk], progress: ReportProgress | None, workers: int) -> None:
     """Write all chunks, here or by other processes in smaller pieces."""
     total, done = sum(len(chunk.numbers) for chunk in chunks), 0
     if workers > 1:
-        for piece in share(job, workers, [piece for chunk in chunks for piece in chunk.split()]):
+        for piece in write_shared(job, workers, [piece for chunk in chunks for piece in chunk.split()]):
             done += len(piece.numbers) if piece.each or not chunks[0].each else 0
             if progress:
                 progress(done, total)
@@ -75,7 +75,7 @@ def _carry_out(job: Job, chunks: list[Chunk], progress: Progress | None, workers
             progress(done, total)
 
 
-def _offset(progress: Progress | None, done: int, total: int) -> Progress | None:
+def _offset(progress: ReportProgress | None, done: int, total: int) -> ReportProgress | None:
     return (lambda finished, _: progress(done + finished, total)) if progress else None
 
 
@@ -86,7 +86,7 @@ def add_formats(
     *,
     resolution: Resolution | None = None,
     force: bool = False,
-    progress: Progress | None = None,
+    progress: ReportProgress | None = None,
     workers: int = 1,
 ) -> None:
     """Further files for the objects of a job in their folder; formats that it has are refused, or written again by ``force``.
@@ -95,13 +95,13 @@ def add_formats(
     The manifest names the new formats once all objects have them; until then the same call completes what is missing.
     """
     numbers = job.request.objects
-    manifest = manifests.read(out)
+    manifest = manifests.read_manifest(out)
     assert manifest is not None
     identity = manifest["identity"]
     listed = identity["formats"]
     resolution = resolution or Output.from_manifest(identity).content.resolution
     doubled = [entry.name for entry in formats if entry.name in listed]
-    there = {n for n in numbers.tolist() if not lacking(object_folder(out, n), formats)}
+    there = {n for n in numbers.tolist() if not find_lacking(object_folder(out, n), formats)}
     if doubled and len(there) == len(numbers) and not force:
         raise ExportError(f"{out} already has its objects as {', '.join(doubled)}", "use --force to write them again")
     sweep_all(out)
@@ -112,6 +112,6 @@ def add_formats(
     ]
     _carry_out(job, chunks, progress, workers)
     new = [entry.name for entry in formats if entry.name not in listed]
-    if new and not any(lacking(object_folder(out, n), formats) for n in expand(identity["numbers"]).tolist()):
+    if new and not any(find_lacking(object_folder(out, n), formats) for n in expand(identity["numbers"]).tolist()):
         identity["formats"] = [name for name in FORMATS if name in {*listed, *new}]
         write_bytes(out / manifests.NAME, manifests.to_text(manifest), force=True)

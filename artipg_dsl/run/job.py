@@ -13,7 +13,7 @@ from ..diagnostics.suggest import did_you_mean
 from ..errors import UsageError, UserError
 from ..resources import COMPILED
 from ..runtime.kernels import TooMany
-from ..sampling.known import again
+from ..sampling.known import evaluate_again
 from ..sampling.mutate import Mutation, Names
 from ..sampling.sample import Sampler
 from ..sampling.statistics import Exhausted, Statistics
@@ -25,7 +25,7 @@ from .counts import Counts, count_in_words, explain_exhausted, summarize
 from .params import read_values
 from .request import Request, is_file
 from .schema import to_runs
-from .settings import resolve
+from .settings import resolve_settings
 from .tables import Tables
 
 if TYPE_CHECKING:
@@ -79,7 +79,7 @@ class Job:
         stock, place = np.unique(sources, return_inverse=True)
         made = self._made(stock, tuple(before))
         if len(stock) != len(numbers) or (np.diff(place) != 1).any():
-            made = again(made, place)
+            made = evaluate_again(made, place)
         return step.apply(self.sampler, made, numbers, variants, statistics, request.checked)
 
     def but(self, **changes: Any) -> Job:
@@ -139,7 +139,7 @@ def prepare(sampler: Sampler, request: Request, *, values: str = "values") -> Jo
             f"the program {request.source} has changed since these samples were made",
             "sample it again, with --force into the same folder",
         )
-    given, settings = resolve(program, request.settings)
+    given, settings = resolve_settings(program, request.settings)
     held = None if request.values is None else read_values(request.values, program, values)
     for step in request.mutations:
         for name in Names.unknown(step.only, program) if isinstance(step, Mutation) else ():

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NotRequired, TypedDic
 
 import numpy as np
 
-from ..export.meanings import point_arrays, table_arrays, view_arrays, vocabularies
+from ..export.meanings import list_vocabularies, point_arrays, table_arrays, view_arrays
 from ..export.mutants import MEANINGS
 from ..export.registry import TABLES, kinds
 from ..export.write import ExportError
-from ..shapes import Misfit, Rule, fit, hints, shown
+from ..shapes import Misfit, Rule, fit, hints, show_value
 from ..version import __version__
 from .counts import Counts
 from .output import Output, Written
@@ -39,7 +39,7 @@ class Identity(Objects, Written, Fixed, Versions):
     """What a folder must have been made with for its files to be kept by a later run, in the order of the file."""
 
 
-class Site(TypedDict):
+class Computer(TypedDict):
     path: str
     primitive: str
 
@@ -64,7 +64,7 @@ class Manifest(TypedDict):
     cpu: str
     frame: str
     vocabularies: dict[str, list[str]]
-    sites: list[Site]
+    sites: list[Computer]
     arrays: NotRequired[dict[str, dict[str, Any]]]
     views: NotRequired[dict[str, dict[str, Any]]]
     tables: NotRequired[dict[str, Any]]
@@ -72,7 +72,7 @@ class Manifest(TypedDict):
     counts: NotRequired[Counts]
 
 
-def build(
+def build_manifest(
     program: Program, request: Request, output: Output, *, out: Path | str = ".", counts: Counts | None = None
 ) -> Manifest:
     """The manifest of a folder ``out``; ``counts`` is what the run has counted, once it is over."""
@@ -90,7 +90,7 @@ def build(
         "python": platform.python_version(),
         "cpu": _find_cpu_class(),
         "frame": _FRAME,
-        "vocabularies": vocabularies(program),
+        "vocabularies": list_vocabularies(program),
         "sites": [{"path": site.path, "primitive": site.primitive} for site in program.sites],
     }
     if "points" in output.kinds:
@@ -130,7 +130,7 @@ def to_text(manifest: Manifest) -> bytes:
     return (json.dumps(manifest, indent=1, ensure_ascii=False) + "\n").encode("utf-8")
 
 
-def read(folder: Path | str) -> Manifest | None:
+def read_manifest(folder: Path | str) -> Manifest | None:
     """The manifest in a folder, None where there is none. Raises ExportError."""
     path = Path(folder) / NAME
     try:
@@ -155,17 +155,19 @@ def read(folder: Path | str) -> Manifest | None:
 def _check(found: dict[str, Any]) -> None:
     """Raises Misfit with the key, what is there and what was expected."""
     if isinstance(found["manifest"], int) and found["manifest"] != _VERSION:
-        raise Misfit("manifest", f"version {_VERSION}, the one that this artipg_dsl writes,", shown(found["manifest"]))
+        raise Misfit(
+            "manifest", f"version {_VERSION}, the one that this artipg_dsl writes,", show_value(found["manifest"])
+        )
     fit(found, Manifest)
     identity = found["identity"]
     size = count_numbers(identity["numbers"])
     if found["objects"] != size:
-        raise Misfit("objects", f"the {size} of identity.numbers", shown(found["objects"]))
+        raise Misfit("objects", f"the {size} of identity.numbers", show_value(found["objects"]))
     names = _name_shards(size, identity["shard"])
     if found["shards"] != names:
         raise Misfit("shards", f"the {len(names)} shards of {identity['shard']} objects each", "another list")
     if ("views" in kinds(identity["formats"])) != (identity["views"] is not None):
-        raise Misfit("identity.views", "cameras, where there are views,", shown(identity["views"]))
+        raise Misfit("identity.views", "cameras, where there are views,", show_value(identity["views"]))
     Output.from_manifest(identity)
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any, NotRequired, TypedDict, cast
 
-from ..annotate.camera_file import cameras_of, from_description
+from ..annotate.camera_file import cameras_from, cameras_of
 from ..annotate.cameras import Cameras
 from ..annotate.gripper import Gripper, read_gripper
 from ..annotate.sampling import MOST as MOST_POINTS
@@ -20,7 +20,7 @@ from ..geometry.rays import best_engine
 from ..geometry.resolution import COARSEST, FINEST, Resolution
 from ..graph.program import MEASURES
 from ..shapes import Rule
-from .schema import MOST, Title, fitting, one_of, within
+from .schema import MOST, Title, at_entry, one_of, within
 
 
 def _states(text: str) -> bool:
@@ -124,9 +124,9 @@ class Output:
         views, hand, weights = found["views"], found["gripper"], found.get("weights")
         cameras = None
         if views is not None:
-            with fitting("identity.views", "a description of cameras"):
-                cameras = from_description({key: value for key, value in views.items() if key != "engine"})
-        with fitting("identity", "points that can be taken"):
+            with at_entry("identity.views", "a description of cameras"):
+                cameras = cameras_from({key: value for key, value in views.items() if key != "engine"})
+        with at_entry("identity", "points that can be taken"):
             points = Sampling(
                 found["points"],
                 found["surface"],

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from ..diagnostics.suggest import did_you_mean
 from ..errors import SettingError, UsageError, UserError
 from ..sampling.values import Values
-from .settings import read
+from .settings import read_setting
 
 if TYPE_CHECKING:
     from ..graph.program import Draw, Program
@@ -98,7 +98,7 @@ def _read_record(entry: Mapping[str, Any], program: Program) -> dict[int, tuple[
 def _read_number(draw: Draw, item: Any) -> float:
     """A value as the runtime takes it; nan where there is none. Raises SettingError."""
     item = _make_finite(item)
-    return math.nan if item is None else read(draw, item, anywhere=True)[0]
+    return math.nan if item is None else read_setting(draw, item, anywhere=True)[0]
 
 
 def _make_finite(value: Any) -> Any:

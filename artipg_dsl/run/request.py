@@ -17,7 +17,7 @@ from ..sampling.prior import CANDIDATES, MOST_CANDIDATES
 from ..sampling.trace import Replay
 from ..shapes import Rule
 from .params import read_params
-from .schema import MOST, RUNS, Ends, Runs, Title, expand, one_of, to_runs, within
+from .schema import MOST, RUNS, FirstAndLast, Runs, Title, expand, one_of, to_runs, within
 from .settings import Value
 from .traces import gather_traces
 
@@ -38,7 +38,7 @@ class Mutated(TypedDict):
     only: str
     one: bool
     each: Annotated[int, within(1, MOST)]
-    sources: Annotated[list[Ends], Rule(RUNS.words, lambda value: bool(value) and RUNS.holds(value))] | None
+    sources: Annotated[list[FirstAndLast], Rule(RUNS.words, lambda value: bool(value) and RUNS.holds(value))] | None
 
 
 class Made(TypedDict):
@@ -65,7 +65,7 @@ class Objects(TypedDict):
 
     program: Annotated[str, Title("the compiled program")]
     seed: Annotated[int, Title("the seed")]
-    numbers: Annotated[list[Ends], RUNS, Title("the objects asked for")]
+    numbers: Annotated[list[FirstAndLast], RUNS, Title("the objects asked for")]
 
 
 class Fixed(TypedDict):

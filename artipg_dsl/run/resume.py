@@ -9,7 +9,7 @@ from pathlib import Path
 from ..errors import UsageError, UserError
 from ..export.objects import OBJECTS
 from ..export.registry import FORMATS, TABLES
-from ..export.write import ExportError, ensure_folder, explain, sweep, write_bytes
+from ..export.write import ExportError, ensure_folder, explain, sweep_unfinished, write_bytes
 from . import manifest as manifests
 from .job import Job, open_job
 from .manifest import Manifest
@@ -19,12 +19,12 @@ from .tables import Tables
 
 def reopen(folder: Path | str) -> Job:
     """The job that a folder of samples was made by. Raises ExportError, UserError."""
-    return remake(folder, read(folder))
+    return remake(folder, read_folder_manifest(folder))
 
 
-def read(folder: Path | str) -> Manifest:
+def read_folder_manifest(folder: Path | str) -> Manifest:
     """The manifest of a folder of samples. Raises ExportError, UserError."""
-    manifest = manifests.read(folder)
+    manifest = manifests.read_manifest(folder)
     if manifest is None:
         raise UserError(f"{folder} has no {manifests.NAME}", manifests.WANTED)
     return manifest
@@ -48,7 +48,7 @@ def make_ready(out: Path, manifest: Manifest, force: bool) -> Manifest:
 
     Returns the manifest that holds: the old one where its files are kept.
     """
-    old = manifests.read(out)
+    old = manifests.read_manifest(out)
     if old is not None:
         changed = manifests.describe_difference(old, manifest)
         if changed and not force:
@@ -66,7 +66,7 @@ def make_ready(out: Path, manifest: Manifest, force: bool) -> Manifest:
             "choose another folder, or use --force to write among them",
         )
     ensure_folder(out)
-    sweep(out)
+    sweep_unfinished(out)
     write_bytes(out / manifests.NAME, manifests.to_text(manifest), force=True)
     return manifest
 
@@ -75,7 +75,7 @@ def sweep_all(out: Path) -> None:
     """Remove what killed processes left unfinished in a folder of samples."""
     for place in (out, out / OBJECTS):
         if place.is_dir():
-            sweep(place)
+            sweep_unfinished(place)
 
 
 def _clear(out: Path, old: Manifest) -> None:

@@ -57,7 +57,7 @@ def _is_ordered(value: Sequence[Sequence[int]]) -> bool:
 
 
 Count = Annotated[int, Rule("a whole number from 0 on", lambda value: 0 <= value < LARGE)]
-Ends = Annotated[list[int], Rule("a first and a last number", lambda value: len(value) == 2)]
+FirstAndLast = Annotated[list[int], Rule("a first and a last number", lambda value: len(value) == 2)]
 RUNS = Rule("runs of object numbers [first, last], ascending", _is_ordered)
 
 
@@ -82,7 +82,7 @@ def count_numbers(found: Sequence[Sequence[int]]) -> int:
 
 
 @contextmanager
-def fitting(at: str, expected: str) -> Iterator[None]:
+def at_entry(at: str, expected: str) -> Iterator[None]:
     """What is refused inside is a fault of the entry ``at``. Raises Misfit."""
     try:
         yield

@@ -22,7 +22,7 @@ _NOUNS = {"m": "a length", "rad": "an angle", "kg": "a mass", "kg/m3": "a densit
 _EXAMPLES = {"m": "45cm", "rad": "30deg", "kg": "2kg", "kg/m3": "700kg/m3", "s": "2s", "m/s": "1m/s"}
 
 
-def split(texts: Iterable[str]) -> dict[str, str]:
+def split_settings(texts: Iterable[str]) -> dict[str, str]:
     """``["width=45cm", ...]`` as a dictionary. Raises SettingError."""
     found: dict[str, str] = {}
     for text in texts:
@@ -35,7 +35,7 @@ def split(texts: Iterable[str]) -> dict[str, str]:
     return found
 
 
-def resolve(program: Program, settings: Mapping[str, Value]) -> tuple[dict[int, float], Settings]:
+def resolve_settings(program: Program, settings: Mapping[str, Value]) -> tuple[dict[int, float], Settings]:
     """Values by the index of their draw, and the settings in SI units as a manifest keeps them. Raises SettingError.
 
     Text carries its unit; a bare number is in metres, radians or whatever the SI unit is. A name that several
@@ -50,7 +50,7 @@ def resolve(program: Program, settings: Mapping[str, Value]) -> tuple[dict[int, 
         refused: SettingError | None = None
         for k, draw in draws.items():
             try:
-                given[k], plain[name] = read(draw, value)
+                given[k], plain[name] = read_setting(draw, value)
             except SettingError as error:
                 refused = error
         if name not in plain:
@@ -61,7 +61,7 @@ def resolve(program: Program, settings: Mapping[str, Value]) -> tuple[dict[int, 
     return given, plain
 
 
-def read(draw: Draw, value: Value, *, anywhere: bool = False) -> tuple[float, Value]:
+def read_setting(draw: Draw, value: Value, *, anywhere: bool = False) -> tuple[float, Value]:
     """The value of a draw as the runtime takes it, and as a manifest keeps it. Raises SettingError.
 
     ``anywhere``: outside its domain, too.
@@ -137,10 +137,10 @@ def _unknown(program: Program, name: str) -> SettingError:
 def _show_domain(draw: Draw) -> str:
     """``40cm .. 60cm``; ends that depend on other values are left open."""
     ends = [None if e is None else e.constant for e in (draw.low, draw.high)]
-    return " .. ".join("?" if e is None else show(float(e), draw.unit) for e in ends)
+    return " .. ".join("?" if e is None else show_value(float(e), draw.unit) for e in ends)
 
 
-def show(value: float, unit: str) -> str:
+def show_value(value: float, unit: str) -> str:
     """A value in the unit that people use for its size."""
     if unit == "m":
         unit = "mm" if abs(value) < 0.01 else "cm" if abs(value) < 1 else "m"

@@ -27,7 +27,7 @@ R = TypeVar("R")
 _job: Job | None = None  # what this worker works for
 
 
-def share(job: Job, count: int, chunks: list[Chunk]) -> Iterator[Chunk]:
+def write_shared(job: Job, count: int, chunks: list[Chunk]) -> Iterator[Chunk]:
     """Write the chunks with ``count`` processes and give each back, in their order; the job's statistics take what was counted.
 
     Raises what the first chunk that fails raises, and UserError where a process dies.

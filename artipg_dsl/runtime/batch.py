@@ -17,11 +17,11 @@ from ..graph.reference import Reference
 from . import motion
 from .kernels import State
 from .loops import Loops, loops_of
-from .needs import pose_cells, wanted
+from .needs import find_wanted, pose_cells
 from .plan import Plan, make_plan
 from .referred import Referred
 from .repairs import Repairs
-from .rooted import led, rooted
+from .rooted import lead_by_heads, root_joints
 from .tables import Instances, JointTable, LinkTable, PartTable, Rowmap
 
 _UNLIKE = np.array([1.0, 2.0])  # turns and axis of a part that is like itself only as it stands
@@ -219,7 +219,7 @@ class Batch:
         return LinkTable(
             made.owner,
             made.number,
-            apart(made.sort_names(names), made.owner),
+            make_distinct(made.sort_names(names), made.owner),
             made.definition,
             made.sort(rotations, (3, 3)),
             made.sort(translations, (3,)),
@@ -272,9 +272,14 @@ class Batch:
             for name, values in columns.items()
         }
         table = JointTable(
-            made.owner, made.number, apart(made.sort_names(names), made.owner), made.definition, kinds, **sorted_columns
+            made.owner,
+            made.number,
+            make_distinct(made.sort_names(names), made.owner),
+            made.definition,
+            kinds,
+            **sorted_columns,
         )
-        return rooted(led(table), self.numbers)
+        return root_joints(lead_by_heads(table), self.numbers)
 
     def parts(self) -> PartTable:
         """The parts, elementary ones too."""
@@ -377,7 +382,7 @@ class Batch:
             if ranks:
                 repeats.add(name)
             places = list(zip(*ranks, strict=True)) if ranks else [()] * len(rows)
-            told = [plain(draw, value) for value in self.state.values[number][rows].tolist()]
+            told = [to_plain(draw, value) for value in self.state.values[number][rows].tolist()]
             found.setdefault(name, []).extend(zip(places, told, strict=True))
         return {
             name: [value for _, value in sorted(several, key=itemgetter(0))] if name in repeats else several[0][1]
@@ -389,7 +394,7 @@ class Batch:
         return {draw.address: self.state.values[k] for k, draw in enumerate(self.program.draws)}
 
 
-def plain(draw: Draw, value: float) -> Any:
+def to_plain(draw: Draw, value: float) -> Any:
     """A value as people and files know it."""
     return draw.options[int(value)] if draw.kind == "choice" else int(value) if draw.kind == "count" else float(value)
 
@@ -419,7 +424,7 @@ def _tag(name: str) -> str:
     return name.replace("[", "_").replace("]", "")
 
 
-def apart(names: Sequence[str], owner: np.ndarray) -> list[str]:
+def make_distinct(names: Sequence[str], owner: np.ndarray) -> list[str]:
     """The tags of names, each once in its object: ``row[1]`` and a part called ``row_1`` stay two."""
     tags, owners = [_tag(name) for name in names], owner.tolist()
     taken = set(zip(owners, tags, strict=True))
@@ -439,7 +444,7 @@ def apart(names: Sequence[str], owner: np.ndarray) -> list[str]:
 @lru_cache(maxsize=8)
 def full_plan(program: Program) -> Plan:
     """The plan of all that a batch is asked for; one for all batches of a program that came from another process."""
-    return make_plan(program, wanted(program))
+    return make_plan(program, find_wanted(program))
 
 
 def _revived(

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..random import key, uniform
 from .kernels import Kept, Rows, State, full
-from .laws import TOLERANCE, clear, density, gaps_of, held, inside, spread, spread_between, support
+from .laws import TOLERANCE, density, gaps_of, in_gap, measure, move_out_of_gaps, spread, spread_between, support_of
 
 Gaps = tuple[np.ndarray, np.ndarray]  # where gaps begin and end: (gaps, rows) each
 LEAST = 1e-300  # a range that holds less of its law than this counts as holding so much
@@ -48,7 +48,7 @@ def _given(
         return None
     found = full(rows, value).astype(np.float64)
     bad = ~((found >= low - TOLERANCE) & (found <= high + TOLERANCE))
-    _no_room(state, rows, number, bad if gaps is None else bad | inside(found, gaps))
+    _no_room(state, rows, number, bad if gaps is None else bad | in_gap(found, gaps))
     return np.where(bad, low, found)
 
 
@@ -77,14 +77,14 @@ def draw_real(
         top = np.maximum(low, high)
         if state.defaults and default is not None:
             found = np.minimum(np.maximum(full(rows, default).astype(np.float64), low), top)
-            found = found if gaps is None else clear(found, low, top, gaps)
+            found = found if gaps is None else move_out_of_gaps(found, low, top, gaps)
         else:
             unit = _lot(state, rows, address)
             found = _spread(unit, low, top, gaps, distribution, arguments)
             if number in state.kept:
                 found = _near(state.kept[number], rows, unit, low, top, found, gaps)
         if gaps is not None:
-            _no_room(state, rows, number, inside(found, gaps) & ~bad)
+            _no_room(state, rows, number, in_gap(found, gaps) & ~bad)
     if state.weigh and domain is not None:
         _weigh(state, rows, number, found, (low, high), domain, gaps, distribution, arguments)
     state.values[number] = found
@@ -116,7 +116,7 @@ def _weigh(
     arguments: tuple[Any, ...],
 ) -> None:
     """Note how much of the declared law lies in the range that was left of it, or how likely a value given is by it."""
-    whole = held(
+    whole = measure(
         full(rows, domain[0]).astype(np.float64),
         full(rows, domain[1]).astype(np.float64),
         None,
@@ -126,7 +126,7 @@ def _weigh(
     part = (
         density(value, distribution, arguments)
         if number in state.given
-        else held(ends[0], ends[1], gaps, distribution, arguments)
+        else measure(ends[0], ends[1], gaps, distribution, arguments)
     )
     _note(state, rows, part, whole, number in state.given)
 
@@ -148,8 +148,8 @@ def _near(
     first = np.minimum(np.maximum(old - kept.reach[at], low), high)
     last = np.minimum(np.maximum(old + kept.reach[at], low), high)
     if gaps is not None:
-        near = clear(spread_between(unit, first, last, gaps, "uniform", ()), low, high, gaps)
-        return np.where(known, np.where(first < last, near, clear(first, low, high, gaps)), fresh)
+        near = move_out_of_gaps(spread_between(unit, first, last, gaps, "uniform", ()), low, high, gaps)
+        return np.where(known, np.where(first < last, near, move_out_of_gaps(first, low, high, gaps)), fresh)
     return np.where(known, np.minimum(first + unit * (last - first), last), fresh)
 
 
@@ -189,17 +189,19 @@ def draw_count(
             found = _other_count(state.kept[number], rows, _lot(state, rows, address), first, last, found)
         if gaps is not None:
             found = (
-                np.floor(clear(found, first - 0.5, last + 0.5, gaps) + 0.5) if state.defaults or state.kept else found
+                np.floor(move_out_of_gaps(found, first - 0.5, last + 0.5, gaps) + 0.5)
+                if state.defaults or state.kept
+                else found
             )
-            _no_room(state, rows, number, inside(found, gaps) & ~bad)
+            _no_room(state, rows, number, in_gap(found, gaps) & ~bad)
     if state.weigh and domain is not None:
         one, two = _whole(first, last, distribution, arguments)
         least, most = (full(rows, end).astype(np.float64) for end in domain)
         least, most = _whole(np.ceil(least - TOLERANCE), np.floor(most + TOLERANCE), distribution, arguments)
         law = () if distribution == "uniform" else arguments
         ends = (found, found) if number in state.given else (one, two)
-        part = held(ends[0] - 0.5, ends[1] + 0.5, gaps, distribution, law)
-        _note(state, rows, part, held(least - 0.5, most + 0.5, None, distribution, law))
+        part = measure(ends[0] - 0.5, ends[1] + 0.5, gaps, distribution, law)
+        _note(state, rows, part, measure(least - 0.5, most + 0.5, None, distribution, law))
     state.values[number] = found
     return found
 
@@ -208,7 +210,7 @@ def _whole(
     first: np.ndarray, last: np.ndarray, distribution: str, arguments: tuple[Any, ...]
 ) -> tuple[np.ndarray, np.ndarray]:
     """The whole numbers of a range in which a law lies."""
-    first, last = support(first, last, distribution, arguments)
+    first, last = support_of(first, last, distribution, arguments)
     return np.ceil(first - TOLERANCE), np.floor(last + TOLERANCE)
 
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 from ..graph.reference import Reference
 
 
-class Reader(Protocol):
+class FieldReader(Protocol):
     """What annotation needs of a batch: values of expressions in the rows of a scope, and whose rows they are."""
 
     @property
@@ -57,13 +57,13 @@ class Field:
         return [np.broadcast_to(np.asarray(r), shape) for r in results]
 
 
-def read_pose(reader: Reader, pose: Pose, scope: Scope) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def read_pose(reader: FieldReader, pose: Pose, scope: Scope) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Rotation (k, 3, 3), translation (k, 3) and mirror (k,) of a pose in the rows of a scope."""
     values = np.stack([np.asarray(v, dtype=np.float64) for v in reader.read(pose_cells(pose), scope)], axis=-1)
     return values[:, :9].reshape(-1, 3, 3), values[:, 9:12], values[:, 12]
 
 
-def read_triples(reader: Reader, triples: Sequence[Sequence[Expr]], scope: Scope) -> list[np.ndarray]:
+def read_triples(reader: FieldReader, triples: Sequence[Sequence[Expr]], scope: Scope) -> list[np.ndarray]:
     """Vectors (k, 3) in the rows of a scope, one array per triple of expressions."""
     values = reader.read([expr for triple in triples for expr in triple], scope)
     arrays = [np.asarray(v, dtype=np.float64) for v in values]

@@ -63,7 +63,7 @@ def _among(
     table = np.stack([np.broadcast_to(np.asarray(v, dtype=np.float64), low.shape) for v in values])
     within = (table >= low - TOLERANCE) & (table <= high + TOLERANCE)
     if gaps is not None:
-        within &= ~np.stack([inside(row, gaps) for row in table])
+        within &= ~np.stack([in_gap(row, gaps) for row in table])
     return table, within
 
 
@@ -116,17 +116,19 @@ def _end(low: np.ndarray, guard: np.ndarray | bool, value: np.ndarray | float, f
     return np.where(np.logical_and(guard, ~np.isnan(found)), found, free)
 
 
-def inside(value: np.ndarray, gaps: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+def in_gap(value: np.ndarray, gaps: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
     """Which values lie in a gap, by more than rounding."""
     return np.logical_or.reduce((value > gaps[0] + TOLERANCE) & (value < gaps[1] - TOLERANCE), axis=0)
 
 
-def clear(value: np.ndarray, low: np.ndarray, high: np.ndarray, gaps: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+def move_out_of_gaps(
+    value: np.ndarray, low: np.ndarray, high: np.ndarray, gaps: tuple[np.ndarray, np.ndarray]
+) -> np.ndarray:
     """Values in a gap moved to the nearest place between ``low`` and ``high`` that is in none; else left where they are."""
-    found, best = value, np.where(inside(value, gaps), np.inf, 0.0)
+    found, best = value, np.where(in_gap(value, gaps), np.inf, 0.0)
     for place in (*gaps[0], *gaps[1]):
         way = np.abs(place - value)
-        better = (place >= low) & (place <= high) & (way < best) & ~inside(place, gaps)
+        better = (place >= low) & (place <= high) & (way < best) & ~in_gap(place, gaps)
         found, best = np.where(better, place, found), np.where(better, way, best)
     return found
 
@@ -142,8 +144,8 @@ def spread_between(
     """Uniform numbers to a distribution truncated to ``low .. high`` without the gaps."""
     if distribution == "values":
         return _nearest(unit, low, high, arguments, gaps)
-    low, high = support(low, high, distribution, arguments)
-    first, last = level(low, distribution, arguments), level(high, distribution, arguments)
+    low, high = support_of(low, high, distribution, arguments)
+    first, last = _find_level(low, distribution, arguments), _find_level(high, distribution, arguments)
     begin, end = _apart(low, high, gaps, distribution, arguments)
     at = first + unit * ((last - first) - _total(end - begin))
     for one, two in zip(begin, end, strict=True):
@@ -151,7 +153,7 @@ def spread_between(
     return np.minimum(np.maximum(_value(np.minimum(at, last), distribution, arguments), low), high)
 
 
-def held(
+def measure(
     low: np.ndarray,
     high: np.ndarray,
     gaps: tuple[np.ndarray, np.ndarray] | None,
@@ -161,8 +163,8 @@ def held(
     """How much of a law lies between ``low`` and ``high`` outside the gaps, in a measure of the law's own (rows,)."""
     if distribution == "values":
         return _among(low, high, arguments, gaps)[1].sum(axis=0).astype(np.float64)
-    low, high = support(low, high, distribution, arguments)
-    total = np.maximum(level(high, distribution, arguments) - level(low, distribution, arguments), 0.0)
+    low, high = support_of(low, high, distribution, arguments)
+    total = np.maximum(_find_level(high, distribution, arguments) - _find_level(low, distribution, arguments), 0.0)
     if gaps is None:
         return total
     begin, end = _apart(low, high, gaps, distribution, arguments)
@@ -170,7 +172,7 @@ def held(
 
 
 def density(value: np.ndarray, distribution: str, arguments: tuple[Any, ...]) -> np.ndarray:
-    """The density of a law at a value, in the measure of ``held``."""
+    """The density of a law at a value, in the measure of ``measure``."""
     if distribution == "normal":
         return np.exp(-0.5 * ((value - arguments[0]) / arguments[1]) ** 2) / (_ROOT * arguments[1])
     if distribution == "lognormal":
@@ -179,7 +181,7 @@ def density(value: np.ndarray, distribution: str, arguments: tuple[Any, ...]) ->
     return np.ones(len(value))
 
 
-def support(
+def support_of(
     low: np.ndarray, high: np.ndarray, distribution: str, arguments: tuple[Any, ...]
 ) -> tuple[np.ndarray, np.ndarray]:
     """The part of a range in which the law lies: ``uniform(a, b)`` between the two."""
@@ -193,7 +195,7 @@ _STEEP = _CDF + 1e-9 * _Z
 _ROOT = float(np.sqrt(2.0 * np.pi))
 
 
-def level(value: np.ndarray, distribution: str, arguments: tuple[Any, ...]) -> np.ndarray:
+def _find_level(value: np.ndarray, distribution: str, arguments: tuple[Any, ...]) -> np.ndarray:
     if distribution == "normal":
         return np.interp((value - arguments[0]) / arguments[1], _Z, _STEEP)
     if distribution == "lognormal":
@@ -217,8 +219,8 @@ def _apart(
     arguments: tuple[Any, ...],
 ) -> tuple[np.ndarray, np.ndarray]:
     """The gaps within a range in levels, ascending and no two of them overlapping."""
-    begin = level(np.minimum(np.maximum(gaps[0], low), high), distribution, arguments)
-    end = np.maximum(level(np.minimum(np.maximum(gaps[1], low), high), distribution, arguments), begin)
+    begin = _find_level(np.minimum(np.maximum(gaps[0], low), high), distribution, arguments)
+    end = np.maximum(_find_level(np.minimum(np.maximum(gaps[1], low), high), distribution, arguments), begin)
     order = np.argsort(begin, axis=0, kind="stable")
     begin, end = np.take_along_axis(begin, order, axis=0), np.take_along_axis(end, order, axis=0)
     end = np.maximum.accumulate(end, axis=0)

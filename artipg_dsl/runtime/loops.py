@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .motion import Cells, Chains, apply, carried, follow
-from .newton import solved
+from .motion import JointChains, MatrixCells, apply, carry, follow
+from .newton import solve_small
 from .tables import JointTable
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ class Loops:
     """
 
     batch: Batch
-    chains: Chains
+    chains: JointChains
     owner: np.ndarray
     link: np.ndarray
     point: np.ndarray  # (2, C, 3), at joint values 0
@@ -78,7 +78,7 @@ class Loops:
         places = [self._placed(turn, shift, self.link[side], list(self.point[side].T)) for side in range(2)]
         holder = chains.parent[self.joint]
         above = [cell[:, holder] for cell in turn]
-        axis, slide = (carried(above, list(way[:, self.joint])) for way in (chains.axis, chains.slide))
+        axis, slide = (carry(above, list(way[:, self.joint])) for way in (chains.axis, chains.slide))
         origin = self._placed(turn, shift, holder, list(chains.origin[:, self.joint]))
         # from the joint to the point that it moves
         arm = [
@@ -100,9 +100,9 @@ class Loops:
         return gap.reshape(3 * most, len(values), count), slope.reshape(3 * most, size, len(values), count)
 
     @staticmethod
-    def _placed(turn: Cells, shift: Cells, link: np.ndarray, point: Cells) -> Cells:
+    def _placed(turn: MatrixCells, shift: MatrixCells, link: np.ndarray, point: MatrixCells) -> MatrixCells:
         """Points on links, posed."""
-        moved = carried([cell[:, link] for cell in turn], point)
+        moved = carry([cell[:, link] for cell in turn], point)
         return [at + cell[:, link] for at, cell in zip(moved, shift, strict=True)]
 
     def settle(self, states: np.ndarray) -> np.ndarray:
@@ -148,7 +148,7 @@ class Loops:
             for j in range(i):
                 matrix[i, j] = matrix[j, i]
             matrix[i, i] += np.where(self.follows[:, i], 1e-15, 1.0)
-        return solved(matrix.reshape(size, size, -1), right.reshape(size, -1)).reshape(size, *shape)
+        return solve_small(matrix.reshape(size, size, -1), right.reshape(size, -1)).reshape(size, *shape)
 
     def _stepped(self, joints: JointTable, values: np.ndarray, step: np.ndarray, going: np.ndarray) -> np.ndarray:
         """States (S, J) after a step of the objects that are ``going`` (S, B)."""
@@ -185,8 +185,8 @@ def loops_of(batch: Batch) -> Loops | None:
     order = np.argsort(np.concatenate(owners), kind="stable")
     owner, link = np.concatenate(owners)[order], np.concatenate(rows, axis=1)[:, order]
     point = np.concatenate(points, axis=1)[:, order]
-    leader, rate = leading(joints)
-    at, side, joint = above(batch, link)
+    leader, rate = leaders_of(joints)
+    at, side, joint = _joints_above(batch, link)
     used = np.unique(leader[joint])
     used = used[np.argsort(joints.owner[used], kind="stable")]
     slot_of = np.zeros(len(leader), dtype=np.int64)
@@ -197,7 +197,7 @@ def loops_of(batch: Batch) -> Loops | None:
     matter[joint] = True
     made = Loops(
         batch,
-        Chains(links, joints, matter),
+        JointChains(links, joints, matter),
         owner,
         link,
         point,
@@ -213,7 +213,7 @@ def loops_of(batch: Batch) -> Loops | None:
     return made
 
 
-def leading(joints: JointTable) -> tuple[np.ndarray, np.ndarray]:
+def leaders_of(joints: JointTable) -> tuple[np.ndarray, np.ndarray]:
     """The joint (a row of the table) that each joint follows in the end, and how many times as fast it moves."""
     base = np.searchsorted(joints.owner, joints.owner)
     leader = np.where(joints.mimic >= 0, base + joints.mimic, np.arange(len(base)))
@@ -224,7 +224,7 @@ def leading(joints: JointTable) -> tuple[np.ndarray, np.ndarray]:
     return leader, rate
 
 
-def above(batch: Batch, link: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _joints_above(batch: Batch, link: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Every joint above the links (2, C): (closure, side, row of the table of joints)."""
     links, joints = batch.links(), batch.joints()
     first = np.searchsorted(links.owner, joints.owner)

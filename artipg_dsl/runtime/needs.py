@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from ..graph.expr import Expr, Scope
 from ..graph.formula import row_values
 from ..graph.program import Pose, Program
-from ..graph.reference import ranks
+from ..graph.reference import ranks_of
 
 Wanted = tuple[Expr, Scope]
 
@@ -17,22 +17,22 @@ def pose_cells(pose: Pose) -> list[Expr]:
     return [*(cell for row in pose.rotation for cell in row), *pose.translation, pose.mirror]
 
 
-def wanted(program: Program) -> Iterator[Wanted]:
+def find_wanted(program: Program) -> Iterator[Wanted]:
     """Everything that tables, loops, labels, grasps and keypoints read."""
     for site in program.sites:
         yield from _each(site.scope, site.parameters, pose_cells(site.pose), (p for _, p in site.materials))
     for part in program.parts:
         words = (p for _, p in part.semantic)
         yield from _each(part.scope, pose_cells(part.pose), part.low, part.high, words, part.symmetry or ())
-        yield from ranks(part.link)
-        yield from ranks(part.holder)
+        yield from ranks_of(part.link)
+        yield from ranks_of(part.holder)
     for link in program.links:
         if link.part >= 0 and link.scope.within(program.parts[link.part].scope):
             yield from _each(link.scope, pose_cells(program.parts[link.part].pose))
     for closure in program.closures:
         yield from _each(closure.scope, *closure.points)
         for side in closure.links:
-            yield from ranks(side)
+            yield from ranks_of(side)
     for joint in program.joints:
         physics = (
             joint.low,
@@ -45,10 +45,10 @@ def wanted(program: Program) -> Iterator[Wanted]:
             joint.pitch,
         )
         yield from _each(joint.scope, joint.origin, joint.axis, (p for p in physics if p is not None))
-        yield from ranks(joint.parent)
+        yield from ranks_of(joint.parent)
         if joint.mimic is not None:
             yield from _each(joint.scope, joint.mimic[1:])
-            yield from ranks(joint.mimic[0])
+            yield from ranks_of(joint.mimic[0])
     for label in program.labels:
         inputs = row_values(label.formulas)
         for target in label.targets:
@@ -59,13 +59,13 @@ def wanted(program: Program) -> Iterator[Wanted]:
         yield from _each(
             grasp.scope, pose_cells(grasp.frame), grasp.size, grasp.center, (grasp.low, grasp.high), inputs
         )
-        yield from ranks(grasp.link)
+        yield from ranks_of(grasp.link)
     for keypoint in program.keypoints:
         yield from _each(keypoint.scope, keypoint.point)
-        yield from ranks(keypoint.link)
+        yield from ranks_of(keypoint.link)
 
 
-def narrowing(program: Program) -> Iterator[Wanted]:
+def narrowing_of(program: Program) -> Iterator[Wanted]:
     """The domain and the bounds of each draw."""
     for draw in program.draws:
         ends = (end for end in (draw.low, draw.high) if end is not None)

@@ -18,7 +18,7 @@ _SHORTEST = 2.0**-12  # of a full step
 
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")
-def newton(
+def solve_roots(
     system: Callable[..., tuple[Any, ...]], starts: Sequence[np.ndarray | float], knowns: Sequence[np.ndarray | float]
 ) -> np.ndarray:
     """The unknowns (n, rows) or, all being scalars, (n,) where ``system`` is 0, looked for from ``starts``.
@@ -33,7 +33,7 @@ def newton(
     for _ in range(_ROUNDS):
         if still.all():
             break
-        step = length * solved(slope, residual)
+        step = length * solve_small(slope, residual)
         trial = x - step
         at_trial = _at(system, trial, given)
         better = (at_trial[2] < worst) & ~still
@@ -56,7 +56,7 @@ def _at(
     return residual, slope, np.where(np.isfinite(worst), worst, np.inf)
 
 
-def solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+def solve_small(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     """Solve a small system (n, n, rows) per row: elimination with the largest pivot of each column, in a fixed order."""
     n, _, rows = matrix.shape
     table = np.concatenate([matrix, right[:, None]], axis=1)

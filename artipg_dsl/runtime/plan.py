@@ -53,7 +53,7 @@ class Plan:
         if function is None:
             from . import draws, kernels, newton  # start-up: a plan is made and shown without them
 
-            namespace: dict[str, Any] = {**vars(kernels), **vars(draws), "newton": newton.newton}
+            namespace: dict[str, Any] = {**vars(kernels), **vars(draws), "newton": newton.solve_roots}
             exec(compile(self.source, "<plan>", "exec"), namespace)  # noqa: S102 - no text of a program but literals
             function = self._function = namespace["evaluate"]
         return function

@@ -10,13 +10,13 @@ from ..graph.expr import Expr, Scope
 from ..graph.reference import Elsewhere, Onward, Reference, Under
 from .tables import Instances, Rowmap
 
-Read = Callable[[Sequence[Expr], Scope], list[np.ndarray]]
+ReadRows = Callable[[Sequence[Expr], Scope], list[np.ndarray]]
 
 
 class Referred:
     """Resolves references to definitions whose rows stand in ``scopes`` and are numbered by ``instances``."""
 
-    def __init__(self, rowmap: Rowmap, instances: Instances, scopes: Sequence[Scope], read: Read):
+    def __init__(self, rowmap: Rowmap, instances: Instances, scopes: Sequence[Scope], read: ReadRows):
         self.rowmap, self.instances, self.scopes, self.read = rowmap, instances, scopes, read
 
     def numbers(self, scope: Scope, reference: Reference) -> np.ndarray:

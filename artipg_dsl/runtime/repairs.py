@@ -110,7 +110,7 @@ class Repairs:
         return found
 
 
-def in_short(program: Program, cause: Cause) -> str:
+def describe_cause(program: Program, cause: Cause) -> str:
     """A cause in a line of statistics: its place in the text, then what is wrong."""
     kind, about = cause
     words, place = _explained(program, cause)
@@ -119,7 +119,7 @@ def in_short(program: Program, cause: Cause) -> str:
     return words if place is None else f"{place.rpartition(':')[0]}: {words}"
 
 
-def giving(program: Program, cause: Cause) -> tuple[int, ...]:
+def find_yielding(program: Program, cause: Cause) -> tuple[int, ...]:
     """The draws that the text says should give way when something is wrong."""
     kind, about = cause
     if kind == "requirement":
@@ -128,8 +128,8 @@ def giving(program: Program, cause: Cause) -> tuple[int, ...]:
     return tuple(dict.fromkeys(k for r in stated for k in program.requirements[r].repair))
 
 
-def read(program: Program, owner: int, entries: Sequence[Mapping[str, Any]]) -> Repairs:
-    """The rows of one object as ``plain`` has told them. Raises KeyError and ValueError for what it has not."""
+def read_repairs(program: Program, owner: int, entries: Sequence[Mapping[str, Any]]) -> Repairs:
+    """The rows of one object as ``to_plain`` has told them. Raises KeyError and ValueError for what it has not."""
     parts = []
     for entry in entries:
         path, ends = re.sub(r"\[\d+\]", "", entry["path"]), (entry["from"], entry["to"])

@@ -15,7 +15,7 @@ class Ring(UserError):
     """Links of an object that hang on one another, or joints that follow one another."""
 
 
-def led(joints: JointTable) -> JointTable:
+def lead_by_heads(joints: JointTable) -> JointTable:
     """The same joints, each that follows one that follows another following the head of the chain itself."""
     base = np.searchsorted(joints.owner, joints.owner)
     leader = np.where(joints.mimic >= 0, base + joints.mimic, -1)
@@ -38,7 +38,7 @@ def led(joints: JointTable) -> JointTable:
     return replace(joints, mimic=np.where(leader >= 0, leader - base, -1), multiplier=multiplier, offset=offset)
 
 
-def rooted(joints: JointTable, numbers: np.ndarray) -> JointTable:
+def root_joints(joints: JointTable, numbers: np.ndarray) -> JointTable:
     """The joints, where no link hangs on itself. ``numbers`` (B,) are the numbers of the objects, for the message."""
     size = int(max(joints.parent.max(initial=0), joints.child.max(initial=0))) + 1
     above = np.full(len(numbers) * size, -1, dtype=np.int64)

@@ -12,9 +12,9 @@ from ..graph.program import Program
 from ..runtime.batch import Batch
 from ..runtime.kernels import full
 from ..runtime.laws import TOLERANCE
-from ..runtime.repairs import HOW, Cause, Repairs, giving
-from .known import again, match_keys, rows_of_draw
-from .search import domain
+from ..runtime.repairs import HOW, Cause, Repairs, find_yielding
+from .known import evaluate_again, match_keys, rows_of_draw
+from .search import domain_ends
 
 if TYPE_CHECKING:
     from .sample import Sampler
@@ -50,7 +50,7 @@ class Clips:
     why: list[Cause | None]
 
 
-def clipped(lean: Batch, asked: Asked) -> Clips:
+def read_clipped(lean: Batch, asked: Asked) -> Clips:
     """What an evaluation has made of the values asked; ``lean`` is one of the sampler's lean plan."""
     owner, draw, row, why = (
         [np.zeros(0, dtype=np.int64)],
@@ -82,7 +82,7 @@ def _binding(lean: Batch, number: int, rows: np.ndarray, asked: np.ndarray) -> t
         for k in np.flatnonzero(np.isnan(asked)).tolist():
             why[k] = ("domain", number)
         return np.array([w is not None for w in why], dtype=bool), why
-    low, high = (end[rows] for end in domain(lean, number))
+    low, high = (end[rows] for end in domain_ends(lean, number))
     whole = draw.kind == "count"
     ends = {"low": np.ceil(low - TOLERANCE) if whole else low, "high": np.floor(high + TOLERANCE) if whole else high}
     reason = {side: np.full(len(rows), -1) for side in ends}  # the requirement of the tightest bound
@@ -111,7 +111,7 @@ class Blame:
     failing: Mapping[Cause, np.ndarray]
 
 
-def logged(
+def log_moved(
     sampler: Sampler, before: Batch, asked: Asked, after: Batch, blame: Blame, redrawn: np.ndarray | None = None
 ) -> Repairs:
     """The values that objects were to have (``asked``, per row of ``before``) and have not in ``after``, with the reasons.
@@ -119,7 +119,7 @@ def logged(
     ``redrawn`` (objects,): those that were drawn again in part.
     """
     program, everything = after.program, np.arange(len(after))
-    lean = again(after, everything, plan=sampler.lean)
+    lean = evaluate_again(after, everything, plan=sampler.lean)
     wrong: dict[int, list[Cause]] = {}
     for cause, objects in blame.failing.items():
         for owner in objects.tolist():
@@ -164,7 +164,7 @@ def logged(
 def _blamed(blame: Blame, wrong: Sequence[Cause], number: int, program: Program) -> tuple[Cause, bool]:
     """What a value was moved for on purpose, and whether the text says that it should give way."""
     for cause in wrong:
-        if number in giving(program, cause):
+        if number in find_yielding(program, cause):
             return cause, True
     for cause in wrong:
         if number in blame.behind(cause):

@@ -95,7 +95,7 @@ def from_columns(
     found = make_batch(program, sampler.plan, state, columns["object"])
     found.repairs = Repairs.joined(
         [
-            repairs.read(program, owner, json.loads(bytes(columns["repairs"][owner])))
+            repairs.read_repairs(program, owner, json.loads(bytes(columns["repairs"][owner])))
             for owner in np.flatnonzero(columns["repairs"] != b"").tolist()
         ]
     )

@@ -44,7 +44,7 @@ class Correspondence:
         return {name: getattr(self, name) for name in self.__slots__}
 
 
-def correspondence(before: Batch, after: Batch) -> Correspondence:
+def find_correspondence(before: Batch, after: Batch) -> Correspondence:
     """The table from a batch to what was made of it, object by object in the same order."""
     tables = before.sites(), after.sites()
     owners, columns = [], []

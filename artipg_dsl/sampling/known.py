@@ -16,11 +16,11 @@ from ..random import mix
 from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State
 from ..runtime.plan import Plan
-from ..validity.clearance import limited
+from ..validity.clearance import limit_joints
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Chosen:
+class DrawRows:
     """Rows of a draw for some objects of a batch, an object as often as it is named: ``row`` of the table, ``owner``
     (place among the objects named), ``key`` (what the row is known by)."""
 
@@ -29,14 +29,14 @@ class Chosen:
     key: np.ndarray
 
 
-def rows_of_draw(batch: Batch, number: int, objects: np.ndarray) -> Chosen:
+def rows_of_draw(batch: Batch, number: int, objects: np.ndarray) -> DrawRows:
     """The rows that draw ``number`` has in the objects at the given places of a batch."""
     rows = batch.rowmap.rows(batch.program.draws[number].column.scope)
     first = np.searchsorted(rows.owner, objects)
     count = np.searchsorted(rows.owner, objects, side="right") - first
     owner = np.repeat(np.arange(len(objects)), count)
     row = np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count) + np.repeat(first, count)
-    return Chosen(row, owner, mix(rows.address[row], owner))
+    return DrawRows(row, owner, mix(rows.address[row], owner))
 
 
 def keep_draw(
@@ -53,7 +53,7 @@ def keep_draw(
     )
 
 
-def again(
+def evaluate_again(
     batch: Batch,
     objects: np.ndarray,
     *,
@@ -85,7 +85,7 @@ def again(
 
 def make_batch(program: Program, plan: Plan, state: State, numbers: np.ndarray | None = None) -> Batch:
     tables, values = plan.function(state)
-    return Batch(program, plan, state, tables, values, numbers, ends=limited)
+    return Batch(program, plan, state, tables, values, numbers, ends=limit_joints)
 
 
 def find_differing(

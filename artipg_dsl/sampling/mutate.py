@@ -23,10 +23,10 @@ from ..random import key, uniform
 from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State, full
 from ..runtime.repairs import Repairs
-from .clips import CLIPPED, Asked, Blame, logged
-from .known import again, find_differing, keep_draw, make_batch, rows_of_draw
-from .repair import Mended, joined, mended, tally
-from .sample import Sampler, asked, colliding
+from .clips import CLIPPED, Asked, Blame, log_moved
+from .known import evaluate_again, find_differing, keep_draw, make_batch, rows_of_draw
+from .repair import Mended, join_solved, mend, tally
+from .sample import Sampler, find_faulty, is_examined
 from .statistics import ATTEMPTS, Exhausted, Statistics
 
 OPERATIONS = ("apa", "dpa", "cpa")
@@ -134,7 +134,7 @@ class Stage:
     wanted: list[np.ndarray] = field(repr=False)
 
 
-def structural(program: Program) -> set[int]:
+def find_structural(program: Program) -> set[int]:
     """The choices that decide which parts there are (not which material they have)."""
     read = {column for scope in program.scopes if scope.count is not None for column in leaves(scope.count)}
     return {k for k, d in enumerate(program.draws) if d.kind == "choice" and d.column in read}
@@ -176,23 +176,23 @@ def mutate(
         )
         after, tries = step.one(statistics, checked) if one else step.run(statistics, checked)
         rejected += tries
-        logs = [moved(sampler, now, after, step.purpose()), *step.logs()]
+        logs = [_find_moved(sampler, now, after, step.purpose()), *step.logs()]
         tally(statistics, logs[0], {}, np.zeros(len(batch), dtype=bool))
         repairs += logs
         history.append(Stage(operation, now, after, step.purpose()))
         now = after
         if one and any(w.any() for w in step.swaps):
             break
-    found = again(now, np.arange(len(batch)), attempt=rejected, lane=lane, salt=salt)
+    found = evaluate_again(now, np.arange(len(batch)), attempt=rejected, lane=lane, salt=salt)
     found.history = tuple(history)
     found.repairs = Repairs.joined(repairs)
     return found
 
 
-def moved(sampler: Sampler, before: Batch, after: Batch, meant: Sequence[np.ndarray]) -> Repairs:
+def _find_moved(sampler: Sampler, before: Batch, after: Batch, meant: Sequence[np.ndarray]) -> Repairs:
     """What an operation has moved without meaning to: kept values that no longer fitted, each with what forbids it."""
     asked = Asked(Asked.all(before).values, [~rows for rows in meant])
-    return logged(sampler, before, asked, after, Blame(lambda _: [], {})).only(CLIPPED)
+    return log_moved(sampler, before, asked, after, Blame(lambda _: [], {})).only(CLIPPED)
 
 
 class Names:
@@ -244,7 +244,7 @@ class _Step:
         self.sampler, self.batch, self.operation = sampler, batch, operation
         self.salt, self.lane, self.able, self.strength, self.share = salt, lane, able, strength, share
         draws = batch.program.draws
-        parts = structural(batch.program)
+        parts = find_structural(batch.program)
         self.meant = [np.zeros(batch.rowmap.rows(d.column.scope).size, dtype=bool) for d in draws]
         self.swaps = [np.zeros_like(m) for m in self.meant]
         for number, draw in enumerate(draws):
@@ -324,12 +324,12 @@ class _Step:
         if not len(touched):
             return self.batch, attempt
         found = self.trial(np.arange(len(self.batch)), attempt, self.giving)
-        return joined(found, [(m.batch, m.places) for m in self.mended]), attempt
+        return join_solved(found, [(m.batch, m.places) for m in self.mended]), attempt
 
     def mend(self, trial: Batch, objects: np.ndarray, bad: np.ndarray, statistics: Statistics, checked: bool) -> None:
         """Put attempts right that failed, by their numbers: templates and counts are what the operation is about."""
         fixed = [number for number, draw in enumerate(trial.program.draws) if draw.kind != "real"]
-        found = mended(self.sampler, trial, np.flatnonzero(bad), statistics, checked, fixed)
+        found = mend(self.sampler, trial, np.flatnonzero(bad), statistics, checked, fixed)
         bad[found.places] = False
         self.mended.append(replace(found, places=objects[found.places]))
 
@@ -405,9 +405,9 @@ class _Step:
         if alone:
             bad |= self.spoiled(trial, objects)
         sound = np.flatnonzero(~bad)
-        if asked(trial.program, checked) and len(sound):
-            part = trial if len(sound) == len(trial) else again(trial, sound)
-            bad[sound[colliding(part, statistics, checked)]] = True
+        if is_examined(trial.program, checked) and len(sound):
+            part = trial if len(sound) == len(trial) else evaluate_again(trial, sound)
+            bad[sound[find_faulty(part, statistics, checked)]] = True
         statistics.add(trial.state, first, bad)
         return bad
 
@@ -426,4 +426,4 @@ class _Step:
         return bad | ~moved
 
 
-__all__ = ["OPERATIONS", "Mutation", "Names", "Stage", "find_differing", "mutate", "structural"]
+__all__ = ["OPERATIONS", "Mutation", "Names", "Stage", "find_differing", "mutate", "find_structural"]

@@ -61,7 +61,7 @@ class Resampling:
         self.states.append(state)
         score = np.where(state.failed, -np.inf, state.log_weight - state.leaning).reshape(-1, count)
         self.valid += int((~state.failed).sum())
-        self.effective += float(effective(score).sum())
+        self.effective += float(count_effective(score).sum())
         lot = uniform(key(self.seed, "prior"), objects.astype(np.uint64), 0, attempt)
         return self.best(numbers, first, score - np.log(-np.log(lot)).reshape(-1, count))
 
@@ -81,7 +81,7 @@ class Resampling:
         return found
 
 
-def effective(log_weights: np.ndarray) -> np.ndarray:
+def count_effective(log_weights: np.ndarray) -> np.ndarray:
     """The effective sample size (sum w)^2 / sum w^2 of each row of log-weights (rows, candidates); 0 where all are -inf."""
     top = log_weights.max(axis=1, keepdims=True)
     weight = np.exp(log_weights - np.where(np.isfinite(top), top, 0.0))

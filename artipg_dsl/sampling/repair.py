@@ -14,20 +14,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..graph.depend import crosses, draws_behind
+from ..graph.depend import draws_behind, reads_across
 from ..graph.expr import Expr
 from ..graph.program import Draw
-from ..graph.reference import definitions
+from ..graph.reference import definitions_of
 from ..random import mix
 from ..runtime.batch import Batch
 from ..runtime.kernels import Kept
 from ..runtime.needs import pose_cells
-from ..runtime.repairs import Cause, Repairs, giving
-from ..validity.faults import faults
-from ..validity.formulas import fallible, unsaid
-from .clips import Asked, Blame, Clips, clipped, logged
-from .known import again, match_keys, rows_of_draw
-from .search import AGAIN, Search, Spots, at_fault, domain
+from ..runtime.repairs import Cause, Repairs, find_yielding
+from ..validity.faults import find_faults
+from ..validity.formulas import find_fallible, find_unsaid
+from .clips import Asked, Blame, Clips, log_moved, read_clipped
+from .known import evaluate_again, match_keys, rows_of_draw
+from .search import AGAIN, Search, Spots, domain_ends, find_broken
 from .statistics import Statistics
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ Solved = tuple[Batch, np.ndarray]  # a batch of objects put right, and their pla
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Outcome:
+class RepairOutcome:
     """Objects after a repair: those that ``failed`` (places in the batch) are as bad as they were."""
 
     batch: Batch
@@ -56,7 +56,7 @@ def repair(
     checked: bool = True,
     counted: bool = False,
     fixed: Iterable[int] = (),
-) -> Outcome:
+) -> RepairOutcome:
     """The objects of a batch, each made valid by the least change.
 
     ``asked``: the values that they should have (default: those they have), which the batch has kept as far as they fit. Draws that
@@ -67,12 +67,12 @@ def repair(
     statistics = statistics if statistics is not None else Statistics()
     asked = Asked.all(batch) if asked is None else asked
     counts = Statistics() if counted else statistics
-    failing = causes(batch, checked, counts)
+    failing = find_causes(batch, checked, counts)
     bad = np.zeros(len(batch), dtype=bool)
     for objects in failing.values():
         bad[objects] = True
-    lean = again(batch, np.arange(len(batch)), plan=sampler.lean)
-    moved = clipped(lean, asked)
+    lean = evaluate_again(batch, np.arange(len(batch)), plan=sampler.lean)
+    moved = read_clipped(lean, asked)
     counts.add(batch.state, True, bad | np.isin(np.arange(len(batch)), moved.owner))
     target = [_target(lean, k, values) for k, values in enumerate(asked.values)]
     handler = Handler(sampler, frozenset(fixed) | set(batch.state.given), checked)
@@ -80,7 +80,7 @@ def repair(
     solved: list[Solved] = []
     if bad.any() or asides:
         search = Search(
-            sampler, lean, target, asked.stated, handler.sound if checked or fallible(sampler.program) else None
+            sampler, lean, target, asked.stated, handler.sound if checked or find_fallible(sampler.program) else None
         )
         wanted = np.flatnonzero(bad)
         for start in range(0, len(wanted), _GROUP):
@@ -89,15 +89,15 @@ def repair(
             objects = np.setdiff1d(objects, np.concatenate([np.zeros(0, dtype=np.int64), *(s[1] for s in solved)]))
             for start in range(0, len(objects), _GROUP):
                 solved += handler.aside(search, moved, cause, objects[start : start + _GROUP])
-    found = joined(batch, solved)
+    found = join_solved(batch, solved)
     still = bad.copy()
     for _, places in solved:
         still[places] = False
     blamed = {**failing, **{c: np.union1d(o, failing.get(c, o)) for c, o in asides.items()}}
-    log = logged(sampler, batch, asked, found, Blame(handler.behind, blamed))
+    log = log_moved(sampler, batch, asked, found, Blame(handler.behind, blamed))
     found.repairs = log = log.without(still)
     tally(statistics, log, failing, still)
-    return Outcome(found, np.flatnonzero(still), log, failing)
+    return RepairOutcome(found, np.flatnonzero(still), log, failing)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -109,13 +109,13 @@ class Mended:
 
     def within(self, batch: Batch) -> Batch:
         """They in the place of those of a batch."""
-        found = joined(batch, [(self.batch, self.places)])
+        found = join_solved(batch, [(self.batch, self.places)])
         log = self.batch.repairs
         found.repairs = replace(log, owner=self.places[log.owner])
         return found
 
 
-def mended(
+def mend(
     sampler: Sampler,
     batch: Batch,
     objects: np.ndarray,
@@ -124,9 +124,11 @@ def mended(
     fixed: Iterable[int] = (),
 ) -> Mended:
     """What can be put right of some objects of a batch, whose failures have been counted; draws ``fixed`` do not move."""
-    outcome = repair(sampler, again(batch, objects), statistics=statistics, checked=checked, counted=True, fixed=fixed)
+    outcome = repair(
+        sampler, evaluate_again(batch, objects), statistics=statistics, checked=checked, counted=True, fixed=fixed
+    )
     good = np.setdiff1d(np.arange(len(objects)), outcome.failed)
-    found = again(outcome.batch, good)
+    found = evaluate_again(outcome.batch, good)
     found.repairs = outcome.repairs.of(good)
     return Mended(found, objects[good])
 
@@ -145,12 +147,12 @@ def tally(statistics: Statistics, log: Repairs, failing: dict[Cause, np.ndarray]
             statistics.repaired[cause] = statistics.repaired.get(cause, 0) + len(objects)
 
 
-def causes(batch: Batch, checked: bool, statistics: Statistics) -> dict[Cause, np.ndarray]:
+def find_causes(batch: Batch, checked: bool, statistics: Statistics) -> dict[Cause, np.ndarray]:
     """What is wrong with objects, each with the places of those that have it; solids of those that meet the text alone."""
-    found: dict[Cause, np.ndarray] = {cause: np.unique(owners) for cause, owners in at_fault(batch)}
+    found: dict[Cause, np.ndarray] = {cause: np.unique(owners) for cause, owners in find_broken(batch)}
     sound = np.flatnonzero(~batch.state.failed)
-    if len(sound) and (checked or fallible(batch.program)):
-        part = batch if len(sound) == len(batch) else again(batch, sound)
+    if len(sound) and (checked or find_fallible(batch.program)):
+        part = batch if len(sound) == len(batch) else evaluate_again(batch, sound)
         for cause, objects in (_solids(part) if checked else _silent(part)).items():
             found[cause] = sound[objects]
             statistics.fail(cause, len(objects))
@@ -159,12 +161,12 @@ def causes(batch: Batch, checked: bool, statistics: Statistics) -> dict[Cause, n
 
 def _silent(batch: Batch) -> dict[Cause, np.ndarray]:
     """Labels of objects that have no value, and of which."""
-    return {("solid", words): objects for words, objects in unsaid(batch)}
+    return {("solid", words): objects for words, objects in find_unsaid(batch)}
 
 
 def _solids(batch: Batch) -> dict[Cause, np.ndarray]:
     """What is wrong with the solids of objects, and with which."""
-    found = faults(batch)
+    found = find_faults(batch)
     struck = found.collisions
     named = found.tree.named(struck) if len(struck) else {}
     return {("collision", key): np.unique(struck.owner[rows]) for key, rows in named.items()} | {
@@ -174,7 +176,7 @@ def _solids(batch: Batch) -> dict[Cause, np.ndarray]:
 
 def _target(lean: Batch, number: int, asked: np.ndarray) -> np.ndarray:
     """What was asked, within the declared domain; what the evaluation drew where nothing was."""
-    low, high = domain(lean, number)
+    low, high = domain_ends(lean, number)
     drawn = lean.state.values[number]
     if lean.program.draws[number].kind == "choice":
         return drawn
@@ -210,7 +212,7 @@ class Handler:
             draws = range(len(self.program.draws)) if roots is None else draws_behind(self.program, roots)
             self._behind[cause] = (
                 [k for k in draws if k not in self.fixed],
-                roots is None or crosses(self.program, roots),
+                roots is None or reads_across(self.program, roots),
             )
         return self._behind[cause]
 
@@ -232,7 +234,7 @@ class Handler:
             ]
         if kind == "collision":
             links = {k for k, link in enumerate(program.links) if link.path in about[:2]}
-            held = [s for s in program.sites if links & set(definitions(s.link))]
+            held = [s for s in program.sites if links & set(definitions_of(s.link))]
             sites = [e for s in held for e in (*s.parameters, *pose_cells(s.pose))]
             joints = [j for j in program.joints if j.path == about[2]]
             return sites + [e for j in joints for e in (*j.origin, *j.axis, j.low, j.high) if e is not None]
@@ -244,7 +246,7 @@ class Handler:
         for cause, owners in failing.items():
             draws, sideways = self._known(cause)
             if hints:
-                draws = [k for k in giving(self.program, cause) if k not in self.fixed]
+                draws = [k for k in find_yielding(self.program, cause) if k not in self.fixed]
             some = np.intersect1d(owners, objects)
             rows = None
             if cause in batch.state.faults and not sideways:
@@ -307,7 +309,7 @@ class Handler:
         """Search again from objects of which less is wrong than before."""
         if not len(some):
             return []
-        nearer = again(batch, some, plan=self.sampler.lean)
+        nearer = evaluate_again(batch, some, plan=self.sampler.lean)
         target, stated = [], []
         for number in range(len(self.program.draws)):
             old, new = rows_of_draw(search.batch, number, places), rows_of_draw(nearer, number, np.arange(len(nearer)))
@@ -320,14 +322,14 @@ class Handler:
             known = np.zeros(len(value), dtype=bool)
             known[new.row[there]] = search.stated[number][old.row[here]]
             stated.append(known)
-        failing = {cause: np.unique(owners) for cause, owners in at_fault(nearer)}
+        failing = {cause: np.unique(owners) for cause, owners in find_broken(nearer)}
         inner = Search(self.sampler, nearer, target, stated, search.sound)
         return [(b, places[p]) for b, p in self.solve(inner, failing, np.arange(len(nearer)), depth)]
 
     def count(self, batch: Batch) -> np.ndarray:
         """How many rows are at fault, per object."""
         found = np.zeros(len(batch))
-        for _, owners in at_fault(batch):
+        for _, owners in find_broken(batch):
             found += np.bincount(owners, minlength=len(batch))
         return found
 
@@ -362,7 +364,7 @@ class Handler:
         return [(search.evaluated(right, self.sampler.lean)[0], right.place)]
 
 
-def joined(batch: Batch, solved: Sequence[Solved]) -> Batch:
+def join_solved(batch: Batch, solved: Sequence[Solved]) -> Batch:
     """The objects of a batch, some of them replaced by what they have become."""
     if not solved:
         return batch
@@ -383,4 +385,4 @@ def joined(batch: Batch, solved: Sequence[Solved]) -> Batch:
         order = np.argsort(key, kind="stable")
         still = np.zeros(len(key))
         values.append(Kept(key[order], value[order], still, still.astype(bool)))
-    return again(batch, np.arange(len(batch)), values=values)
+    return evaluate_again(batch, np.arange(len(batch)), values=values)

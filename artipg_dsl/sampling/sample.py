@@ -7,19 +7,19 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from ..graph.feasible import conflicts
+from ..graph.feasible import find_conflicts
 from ..graph.program import Program
 from ..runtime.batch import Batch, full_plan
 from ..runtime.kernels import State, preferred
-from ..runtime.needs import narrowing, wanted
+from ..runtime.needs import find_wanted, narrowing_of
 from ..runtime.plan import Plan, make_plan
-from ..validity.contact import contact, in_words
-from ..validity.faults import faults
-from ..validity.formulas import fallible, unsaid
+from ..validity.contact import contact_in_words, describe_contact
+from ..validity.faults import find_faults
+from ..validity.formulas import find_fallible, find_unsaid
 from ..validity.sound import prove
 from .known import make_batch
 from .prior import BLOCK, Resampling
-from .repair import Mended, mended
+from .repair import Mended, mend
 from .statistics import ATTEMPTS, Exhausted, Statistics
 
 _COLLIDING = 25  # attempts that end in a collision, until it is the program's fault
@@ -38,7 +38,7 @@ class Sampler:
 
     def __init__(self, program: Program, plan: Plan | None = None):
         self.program = program
-        self.plan = plan or make_plan(program, wanted(program))
+        self.plan = plan or make_plan(program, find_wanted(program))
 
     def __reduce__(self) -> tuple[Callable[[Program], Sampler], tuple[Program]]:
         """To another process goes the program, which is planned anew there."""
@@ -47,7 +47,7 @@ class Sampler:
     @cached_property
     def lean(self) -> Plan:
         """Draws and requirements alone, with what narrows each draw: for trying values out."""
-        return make_plan(self.program, narrowing(self.program))
+        return make_plan(self.program, narrowing_of(self.program))
 
     def batch(
         self,
@@ -101,7 +101,7 @@ class Sampler:
 def _hopeless(program: Program, given: dict[int, float]) -> bool:
     """Whether the values given leave no valid object at all, whatever else is drawn."""
     fixed = {k: float(v) for k, v in given.items() if np.ndim(v) == 0}
-    return bool(fixed) and any(conflict.certain for conflict in conflicts(program, fixed))
+    return bool(fixed) and any(conflict.certain for conflict in find_conflicts(program, fixed))
 
 
 class _Trials:
@@ -138,9 +138,9 @@ class _Trials:
         state, batch = self.made(numbers, attempt)
         bad = state.failed.copy()
         sound = np.flatnonzero(~bad)
-        if asked(self.sampler.program, self.checked) and len(sound):
+        if is_examined(self.sampler.program, self.checked) and len(sound):
             within = batch if len(sound) == len(numbers) else self.made(numbers[sound], attempt[sound])[1]
-            struck = colliding(within, self.statistics, self.checked)
+            struck = find_faulty(within, self.statistics, self.checked)
             bad[sound[struck]] = True
             for number in within.numbers[struck].tolist():
                 self.hits[number] = self.hits.get(number, 0) + 1
@@ -155,15 +155,15 @@ class _Trials:
     def mended(self, batch: Batch, bad: np.ndarray) -> Mended:
         """The objects of first attempts that a repair puts right; they are no longer ``bad``."""
         declined = np.isin(batch.numbers, np.array(list(self.spare), dtype=np.int64))
-        found = mended(self.sampler, batch, np.flatnonzero(bad & ~declined), self.statistics, self.checked)
+        found = mend(self.sampler, batch, np.flatnonzero(bad & ~declined), self.statistics, self.checked)
         bad[found.places] = False
         return found
 
     def resampled(self, numbers: np.ndarray, candidates: int) -> Batch:
         """Objects that are each one of several attempts. Raises Exhausted."""
         struck = None
-        if asked(self.sampler.program, self.checked):
-            struck = lambda batch: colliding(batch, self.statistics, self.checked)  # noqa: E731
+        if is_examined(self.sampler.program, self.checked):
+            struck = lambda batch: find_faulty(batch, self.statistics, self.checked)  # noqa: E731
         attempt = np.zeros(len(numbers), dtype=np.int64)
         for start in range(0, len(numbers), max(1, BLOCK // candidates)):
             part = slice(start, start + max(1, BLOCK // candidates))
@@ -187,28 +187,28 @@ class _Trials:
         return self.made(numbers, attempt)[1]
 
 
-def asked(program: Program, checked: bool) -> bool:
+def is_examined(program: Program, checked: bool) -> bool:
     """Whether objects of a program are looked at beyond its requirements: ``checked``, or for what its labels say."""
-    return checked or bool(fallible(program))
+    return checked or bool(find_fallible(program))
 
 
-def colliding(batch: Batch, statistics: Statistics, checked: bool = True) -> np.ndarray:
+def find_faulty(batch: Batch, statistics: Statistics, checked: bool = True) -> np.ndarray:
     """Indices of the objects of a batch at fault beyond the requirements: labels without a value, and where they are
     ``checked`` solids that collide, tip over, ...; counted."""
     if not checked:
-        silent = unsaid(batch)
+        silent = find_unsaid(batch)
         for words, objects in silent:
             statistics.unsound[words] = statistics.unsound.get(words, 0) + len(objects)
         return np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *(objects for _, objects in silent)]))
     if batch.program.foreign:
         prove(batch)
-    found = faults(batch, soon=True)
+    found = find_faults(batch, soon=True)
     struck = found.collisions
     for key, rows in found.tree.named(struck).items() if len(struck) else ():
         if key not in statistics.examples:
-            met = contact(found.tree, found.body, struck, int(rows[0]))
+            met = describe_contact(found.tree, found.body, struck, int(rows[0]))
             kinds = (joint.kind for joint in batch.program.joints if joint.path == key[2])
-            statistics.examples[key] = "" if met is None else in_words(next(kinds, ""), met)
+            statistics.examples[key] = "" if met is None else contact_in_words(next(kinds, ""), met)
         statistics.collided[key] = statistics.collided.get(key, 0) + len(np.unique(struck.owner[rows]))
     for fault in found.others:
         statistics.unsound[fault.words] = statistics.unsound.get(fault.words, 0) + len(fault.objects)

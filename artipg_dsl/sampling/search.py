@@ -121,7 +121,7 @@ class Search:
         self.rows = [batch.rowmap.rows(d.column.scope) for d in batch.program.draws]
         self.low, self.high, self.width = [], [], []
         for number, draw in enumerate(batch.program.draws):
-            low, high = domain(batch, number)
+            low, high = domain_ends(batch, number)
             wide = high - low
             some = np.where(np.isfinite(wide) & (wide > 0.0), wide, np.maximum(np.abs(self.target[number]), 1e-3))
             self.low.append(low)
@@ -222,7 +222,7 @@ class Search:
         batch, sources = self.evaluated(moves, self.sampler.lean)
         size = len(moves.place)
         faults = np.zeros(size)
-        for _, owners in at_fault(batch):
+        for _, owners in find_broken(batch):
             faults += np.bincount(owners, minlength=size)
         cost, alone = np.zeros(size), np.ones(size, dtype=bool)
         for number, draw in enumerate(batch.program.draws):
@@ -311,7 +311,7 @@ class Search:
         return at(high)
 
 
-def domain(batch: Batch, number: int) -> tuple[np.ndarray, np.ndarray]:
+def domain_ends(batch: Batch, number: int) -> tuple[np.ndarray, np.ndarray]:
     """The declared ends of a draw, per row (a choice: its first and last option)."""
     draw = batch.program.draws[number]
     rows = batch.rowmap.rows(draw.column.scope)
@@ -322,7 +322,7 @@ def domain(batch: Batch, number: int) -> tuple[np.ndarray, np.ndarray]:
     return low, np.maximum(low, high)
 
 
-def at_fault(batch: Batch) -> Iterator[tuple[tuple[str, int], np.ndarray]]:
+def find_broken(batch: Batch) -> Iterator[tuple[tuple[str, int], np.ndarray]]:
     """What the text finds wrong with a batch: ("draw" or "requirement", number), and the object of each row at fault."""
     program = batch.program
     for (kind, number), rows in batch.state.faults.items():

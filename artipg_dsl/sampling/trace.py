@@ -22,23 +22,23 @@ from ..graph.expr import Scope
 from ..graph.program import Draw
 from ..random import mix
 from ..runtime import repairs
-from ..runtime.batch import Batch, plain
+from ..runtime.batch import Batch, to_plain
 from ..runtime.kernels import Kept
 from ..runtime.repairs import HOW, Repairs
 from ..shapes import Misfit, Rule, fit
-from .known import again, rows_of_draw
+from .known import evaluate_again, rows_of_draw
 from .mutate import OPERATIONS, Stage
-from .sample import Sampler, asked, colliding
+from .sample import Sampler, find_faulty, is_examined
 from .statistics import Exhausted, Statistics
 
 _WRITTEN = "give a trace-*.jsonl written by `apgc mutate`"
 _TOLD = 1e-9  # determined values that move by less are not told
 
 
-Place = Annotated[int, Rule("a whole number, at least 0", lambda value: 0 <= value < 2**62)]
+_Place = Annotated[int, Rule("a whole number, at least 0", lambda value: 0 <= value < 2**62)]
 _Value = float | int | str | None
-Changed = TypedDict(
-    "Changed",
+_Changed = TypedDict(
+    "_Changed",
     {
         "op": Literal["apa", "dpa", "cpa"],
         "how": Literal["changed", "clipped", "new", "gone", "determined"],
@@ -46,11 +46,11 @@ Changed = TypedDict(
         "from": _Value,
         "to": _Value,
         "draw": NotRequired[str],
-        "at": NotRequired[list[Place]],
+        "at": NotRequired[list[_Place]],
     },
 )
-Repaired = TypedDict(
-    "Repaired",
+_Repaired = TypedDict(
+    "_Repaired",
     {
         "path": str,
         "from": _Value,
@@ -65,14 +65,14 @@ Repaired = TypedDict(
 class _Record(TypedDict):
     """What a line of a trace holds."""
 
-    object: Place
-    source: Place
-    steps: list[Changed]
-    rejected: NotRequired[Place]
+    object: _Place
+    source: _Place
+    steps: list[_Changed]
+    rejected: NotRequired[_Place]
     salt: NotRequired[str]
     lane: NotRequired[Annotated[int, Rule("a whole number of 32 bits", lambda value: 0 <= value < 2**32)]]
     program: NotRequired[str]
-    repairs: NotRequired[list[Repaired]]
+    repairs: NotRequired[list[_Repaired]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,15 +92,15 @@ class Step:
         return found | ({} if self.draw is None else {"draw": self.draw, "at": list(self.at)})
 
 
-def traces(batch: Batch) -> list[list[Step]]:
+def trace_objects(batch: Batch) -> list[list[Step]]:
     """The steps that made each object of a batch from the one it was made from; none for those that were drawn."""
     found: list[list[Step]] = [[] for _ in range(len(batch))]
     for stage in batch.history:
-        steps(stage, found)
+        _append_steps(stage, found)
     return found
 
 
-def steps(stage: Stage, into: list[list[Step]]) -> None:
+def _append_steps(stage: Stage, into: list[list[Step]]) -> None:
     """Append what one operation did, per object: what was changed on purpose, then what followed."""
     lists: tuple[list[list[Step]], list[list[Step]]] = [[] for _ in into], [[] for _ in into]
     for owner, step in _drawn(stage):
@@ -131,20 +131,20 @@ def _drawn(stage: Stage) -> Iterable[tuple[int, Step]]:
             p, q = int(old.row[i]), int(new.row[j])
             how = "changed" if stage.wanted[number][p] else "clipped"
             step = Step(
-                stage.operation, how, names[1][q], plain(draw, a[p]), plain(draw, b[q]), draw.address, ranks[1][q]
+                stage.operation, how, names[1][q], to_plain(draw, a[p]), to_plain(draw, b[q]), draw.address, ranks[1][q]
             )
             yield int(new.owner[j]), step
         for j in there_new.tolist():
             q = int(new.row[j])
             yield (
                 int(new.owner[j]),
-                Step(stage.operation, "new", names[1][q], None, plain(draw, b[q]), draw.address, ranks[1][q]),
+                Step(stage.operation, "new", names[1][q], None, to_plain(draw, b[q]), draw.address, ranks[1][q]),
             )
         for i in here_gone.tolist():
             p = int(old.row[i])
             yield (
                 int(old.owner[i]),
-                Step(stage.operation, "gone", names[0][p], plain(draw, a[p]), None, draw.address, ranks[0][p]),
+                Step(stage.operation, "gone", names[0][p], to_plain(draw, a[p]), None, draw.address, ranks[0][p]),
             )
 
 
@@ -176,7 +176,7 @@ def _determined(stage: Stage) -> Iterable[tuple[int, Step]]:
 # ---------------------------------------------------------------- files
 
 
-def record(batch: Batch, index: int, made: Sequence[Step], sources: np.ndarray) -> dict[str, Any]:
+def _make_record(batch: Batch, index: int, made: Sequence[Step], sources: np.ndarray) -> dict[str, Any]:
     """The trace of one object as a line of a file holds it."""
     return {
         "object": int(batch.numbers[index]),
@@ -192,11 +192,11 @@ def record(batch: Batch, index: int, made: Sequence[Step], sources: np.ndarray) 
 def trace_lines(batch: Batch) -> bytes:
     """The traces of a batch, one object a line (JSON)."""
     sources = batch.history[0].before.numbers if batch.history else batch.numbers
-    found = [record(batch, i, made, sources) for i, made in enumerate(traces(batch))]
+    found = [_make_record(batch, i, made, sources) for i, made in enumerate(trace_objects(batch))]
     return "".join(json.dumps(line, ensure_ascii=False, separators=(",", ":")) + "\n" for line in found).encode()
 
 
-def checked(record: Any) -> Mapping[str, Any]:
+def check_record(record: Any) -> Mapping[str, Any]:
     """A record that is one. Raises UserError."""
     try:
         fit(record, _Record)
@@ -253,9 +253,9 @@ class Replay:
         """The objects ``numbers``, made from those of the batch as their records say. Raises Exhausted, UserError."""
         found = replay(batch, [self.records[n] for n in numbers.tolist()])
         bad = found.state.failed.copy()
-        if asked(found.program, checked) and not bad.all():
+        if is_examined(found.program, checked) and not bad.all():
             sound = np.flatnonzero(~bad)
-            bad[sound[colliding(again(found, sound), statistics, checked)]] = True
+            bad[sound[find_faulty(evaluate_again(found, sound), statistics, checked)]] = True
         statistics.add(found.state, True, bad)
         if bad.any():
             raise Exhausted(numbers[bad], statistics, 1)
@@ -273,12 +273,14 @@ def replay(batch: Batch, records: Sequence[Mapping[str, Any]]) -> Batch:
     for operation in OPERATIONS:
         changed, wanted = _asked(now, operation, records)
         if changed:
-            after = again(now, everything, values=_overlaid(now, changed))
+            after = evaluate_again(now, everything, values=_overlaid(now, changed))
             history.append(Stage(operation, now, after, wanted))
             now = after
-    found = again(now, everything, attempt=attempt, lane=lane, salt=salt)
+    found = evaluate_again(now, everything, attempt=attempt, lane=lane, salt=salt)
     try:
-        told = [repairs.read(batch.program, place, entry.get("repairs", ())) for place, entry in enumerate(records)]
+        told = [
+            repairs.read_repairs(batch.program, place, entry.get("repairs", ())) for place, entry in enumerate(records)
+        ]
     except ValueError as error:
         raise UserError(f"the repairs in the trace do not fit this program: {error}", _WRITTEN) from None
     found.repairs = Repairs.joined(told)
@@ -354,9 +356,9 @@ def _number(draw: Draw, step: Mapping[str, Any]) -> float:
 # ---------------------------------------------------------------- two states of the same objects
 
 
-def difference(before: Batch, after: Batch) -> list[list[Step]]:
+def compare_batches(before: Batch, after: Batch) -> list[list[Step]]:
     """What sets objects of two batches of one program apart, object by object in their order."""
     nothing = [np.zeros(before.rowmap.rows(d.column.scope).size, dtype=bool) for d in before.program.draws]
     found: list[list[Step]] = [[] for _ in range(len(after))]
-    steps(Stage("", again(before, np.arange(len(before))), after, nothing), found)
+    _append_steps(Stage("", evaluate_again(before, np.arange(len(before))), after, nothing), found)
     return found

@@ -12,9 +12,9 @@ from ..errors import UserError
 from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State
 from ..runtime.repairs import Repairs
-from .clips import Asked, Blame, logged
-from .known import again, make_batch, rows_of_draw
-from .repair import Handler, Outcome, causes, joined, repair
+from .clips import Asked, Blame, log_moved
+from .known import evaluate_again, make_batch, rows_of_draw
+from .repair import Handler, RepairOutcome, find_causes, join_solved, repair
 from .sample import Sampler
 from .statistics import Exhausted, Statistics
 
@@ -42,7 +42,7 @@ class Values:
         return self.redrawn(sampler, trial, asked, found, statistics, checked) if len(found.failed) else found.batch
 
     def redrawn(
-        self, sampler: Sampler, trial: Batch, asked: Asked, found: Outcome, statistics: Statistics, checked: bool
+        self, sampler: Sampler, trial: Batch, asked: Asked, found: RepairOutcome, statistics: Statistics, checked: bool
     ) -> Batch:
         """Objects that a repair could not put right: more and more of their values are drawn again."""
         handler = Handler(sampler, frozenset(), checked)
@@ -63,21 +63,21 @@ class Values:
             ]
             trying = self.tried(sampler, trial.numbers[left], trial.seed, np.full(len(left), attempt), released)
             bad = np.zeros(len(left), dtype=bool)
-            for objects in causes(trying, checked, statistics).values():
+            for objects in find_causes(trying, checked, statistics).values():
                 bad[objects] = True
             statistics.add(trying.state, False, bad)
             good = np.flatnonzero(~bad)
             if len(good):
-                solved.append((again(trying, good), left[good]))
+                solved.append((evaluate_again(trying, good), left[good]))
             left = left[bad]
             if not len(left):
                 break
         else:
             raise Exhausted(trial.numbers[left], statistics, _TRIALS)
-        whole = joined(found.batch, solved)
+        whole = join_solved(found.batch, solved)
         drawn = np.zeros(len(whole), dtype=bool)
         drawn[found.failed] = True
-        more = logged(sampler, trial, asked, whole, Blame(handler.behind, found.failing), drawn).without(~drawn)
+        more = log_moved(sampler, trial, asked, whole, Blame(handler.behind, found.failing), drawn).without(~drawn)
         whole.repairs = Repairs.joined([found.repairs, more])
         return whole
 

@@ -10,10 +10,10 @@ import numpy as np
 from ..geometry.box import bounds
 from ..geometry.sites import SiteTable
 from ..runtime.batch import Batch
-from .floating import ROUND, TOUCH, joined, loose, neighbours
+from .floating import ROUND, TOUCH, find_loose, find_neighbours, join_groups
 
 
-def adrift(batch: Batch) -> dict[str, tuple[int, int]]:
+def find_adrift(batch: Batch) -> dict[str, tuple[int, int]]:
     """For parts, by their path: in how many objects one hangs together with the first part of its link by no chain of
     boxes, at joint values 0, and how many objects have it. Parts that do so in none are left out."""
     tables = batch.sites()
@@ -23,9 +23,9 @@ def adrift(batch: Batch) -> dict[str, tuple[int, int]]:
     link = np.concatenate([first[table.owner] + table.link for table in tables])
     middle, half = np.concatenate([_box(table) for table in tables], axis=1)
     margin = TOUCH + ROUND * 2 * np.sort(half, axis=1)[:, 1]
-    pairs = neighbours(link, middle - half, middle + half, margin)
+    pairs = find_neighbours(link, middle - half, middle + half, margin)
     floats = np.split(
-        loose(batch, link, joined(np.arange(len(link)), *pairs)), np.cumsum([len(t) for t in tables])[:-1]
+        find_loose(batch, link, join_groups(np.arange(len(link)), *pairs)), np.cumsum([len(t) for t in tables])[:-1]
     )
     found: dict[str, tuple[int, int]] = {}
     for table, wrong in zip(tables, floats, strict=True):

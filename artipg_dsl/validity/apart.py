@@ -8,27 +8,27 @@ import numpy as np
 
 from ..graph.program import Clear
 from .bodies import Pieces
-from .meant import meant, sites_of
-from .together import least, ways
+from .meant import find_meant, sites_of
+from .together import least_share, list_ways
 from .tree import Tree
-from .validate import checked
+from .validate import find_meetings
 
 
-def too_near(tree: Tree, body: Pieces) -> list[tuple[str, np.ndarray]]:
+def find_too_near(tree: Tree, body: Pieces) -> list[tuple[str, np.ndarray]]:
     """In words with the line, which of these statements do not hold, and the objects in which they do not."""
     found: list[tuple[str, np.ndarray]] = []
     program = tree.batch.program
     for statement in program.clear:
         part = _sides(tree, body, statement)
-        rows = checked(tree, part)
+        rows = find_meetings(tree, part)
         names: dict[str, list[int]] = {}
         for link, joint in zip(rows[:, 0].astype(int).tolist(), rows[:, 2].astype(int).tolist(), strict=True):
             when = "at rest" if joint < 0 else f"while {program.joints[tree.joints.definition[joint]].path} moves"
             names.setdefault(when, []).append(int(tree.links.owner[link]))
         if statement.whatever:
-            way = ways(tree)
+            way = list_ways(tree)
             way = way.at(np.flatnonzero((way.joint >= 0).sum(axis=1) > 1))
-            met = least(tree, part, way, np.zeros(len(tree.joints.owner), dtype=bool))[1]
+            met = least_share(tree, part, way, np.zeros(len(tree.joints.owner), dtype=bool))[1]
             if met.any():
                 names["while several joints move"] = tree.links.owner[way.first[met]].tolist()
         found += [
@@ -44,7 +44,7 @@ def _sides(tree: Tree, body: Pieces, statement: Clear) -> Pieces:
     count = sum(len(table) for table in batch.sites())
     side, gap, group = np.zeros(count, dtype=np.int64), np.full(count, -1.0), np.full(count, -1)
     for bit, nodes, ranks in zip((1, 2), (statement.first, statement.second), statement.ranks, strict=True):
-        named, start = meant(batch, statement, nodes, ranks), 0
+        named, start = find_meant(batch, statement, nodes, ranks), 0
         for table, (rows, of) in zip(batch.sites(), sites_of(batch, named.row), strict=True):
             at = start + rows
             side[at] |= bit

@@ -92,13 +92,13 @@ class Pieces:
         if turn is not None and chosen is not None:
             back = turn[self.link[chosen]].transpose(0, 2, 1)
             for at, corners in self.classes(chosen):
-                straight = turned(back[at], corners)
+                straight = turn_points(back[at], corners)
                 half = 0.0 if self.gap is None else self.gap[chosen[at], None] / 2
                 ends[chosen[at]] = np.stack([straight.min(axis=1) - half, straight.max(axis=1) + half], axis=1)
         pick = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
         corners = np.stack([ends[:, pick[:, axis], axis] for axis in range(3)], axis=-1)
         if turn is not None and chosen is not None:
-            corners[chosen] = turned(back.transpose(0, 2, 1), corners[chosen])
+            corners[chosen] = turn_points(back.transpose(0, 2, 1), corners[chosen])
         count = np.arange(len(self))
         return replace(self, corners=[corners], kind=np.zeros(len(self), dtype=np.int64), slot=count, gap=None)
 
@@ -222,7 +222,7 @@ def _gathered(batch: Batch, first: np.ndarray, turn: np.ndarray, shift: np.ndarr
         for points, faces, rows, place in _unplaced(cloud)
     ]
     if not groups:
-        return packed([])
+        return pack_pieces([])
     owner, link, mirror = (np.concatenate([getattr(t, name) for t in tables]) for name in ("owner", "link", "mirror"))
     link = first[owner] + link
     rotation, translation = (np.concatenate([getattr(t, name) for t in tables]) for name in ("rotation", "translation"))
@@ -233,14 +233,14 @@ def _gathered(batch: Batch, first: np.ndarray, turn: np.ndarray, shift: np.ndarr
         rows = np.concatenate([groups[k][2] for k in alike])
         sign = np.stack([np.ones(len(rows)), mirror[rows], np.ones(len(rows))], axis=-1)
         placed = np.concatenate([groups[k][0] for k in alike]) * sign[:, None]
-        placed = turned(rotation[rows], placed) + translation[rows][:, None]
-        placed = turned(turn[link[rows]], placed) + shift[link[rows]][:, None]
+        placed = turn_points(rotation[rows], placed) + translation[rows][:, None]
+        placed = turn_points(turn[link[rows]], placed) + shift[link[rows]][:, None]
         stop = 0
         for k in alike:
             _, faces, at, place = groups[k]
             start, stop = stop, stop + len(at)
             found[k] = Alike(placed[start:stop], faces, owner[at], link[at], at, place)
-    return packed([group for group in found if group is not None])
+    return pack_pieces([group for group in found if group is not None])
 
 
 def _unplaced(cloud: Cloud) -> list[tuple[np.ndarray, np.ndarray | Cloud, np.ndarray, np.ndarray | None]]:
@@ -257,7 +257,7 @@ def _unplaced(cloud: Cloud) -> list[tuple[np.ndarray, np.ndarray | Cloud, np.nda
     return found
 
 
-def packed(groups: list[Alike]) -> Pieces:
+def pack_pieces(groups: list[Alike]) -> Pieces:
     """Pieces group by group, sorted by link."""
     alike: dict[int, int] = {}  # by the identity of their faces: what has the same is inset together
     shapes = [alike.setdefault(id(group.faces), len(alike)) for group in groups]
@@ -277,11 +277,11 @@ def packed(groups: list[Alike]) -> Pieces:
         for count in np.unique(given[same]):
             mine = same[given[same] == count]
             own = np.concatenate([groups[k].corners for k in mine.tolist()])
-            _, at = spread(begin[mine], counts[mine])
+            _, at = enumerate_ranges(begin[mine], counts[mine])
             points[at, :count], points[at, count:] = own, own[:, -1:]
         corners.append(points)
     owner, link = (np.concatenate([getattr(group, name) for group in groups]) for name in ("owner", "link"))
-    slot, kind = spread(begin, counts)[1], np.repeat(np.searchsorted(sizes, wide), counts)
+    slot, kind = enumerate_ranges(begin, counts)[1], np.repeat(np.searchsorted(sizes, wide), counts)
     low, high = np.empty((len(owner), 3)), np.empty((len(owner), 3))
     for number, points in enumerate(corners):
         at = kind == number
@@ -298,7 +298,7 @@ def packed(groups: list[Alike]) -> Pieces:
     return Pieces(corners, faces, done, *(column[order] for column in columns))
 
 
-def spread(first: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def enumerate_ranges(first: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(index, value): the values ``first .. first + count - 1`` of each index."""
     count = np.maximum(count, 0)
     index = np.repeat(np.arange(len(first)), count)
@@ -326,7 +326,7 @@ def link_boxes(body: Pieces, links: int) -> tuple[np.ndarray, np.ndarray, np.nda
     return low, high, begin, end
 
 
-def turned(rotation: np.ndarray, points: np.ndarray) -> np.ndarray:
+def turn_points(rotation: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Matrices (k, 3, 3) times points (k, P, 3), written out."""
     r = rotation[:, None]
     cells = [r[..., i, 0] * points[..., 0] for i in range(3)]
@@ -361,7 +361,7 @@ class Rings:
         )
 
 
-def rings(body: Pieces, piece: np.ndarray, axis: np.ndarray, origin: np.ndarray) -> Rings:
+def bound_rings(body: Pieces, piece: np.ndarray, axis: np.ndarray, origin: np.ndarray) -> Rings:
     """The bounds of pieces (k,) about axes (k, 3) through origins (k, 3)."""
     margin = DEPTH / 2  # as far as insetting moves every side
     along, across = _frame(axis)
@@ -407,7 +407,7 @@ def swept_extent(
     flat = direction - axis * along[:, None]
     side = cross(flat, axis)
     for at, corners in moved.pieces.classes(moved.piece):
-        local = turned(moved.turn[at], corners) + (moved.shift - origin)[at, None]
+        local = turn_points(moved.turn[at], corners) + (moved.shift - origin)[at, None]
         c, s = dot(local, flat[at, None]), np.abs(dot(local, side[at, None]))
         w = half[at, None]
         radius = np.sqrt(c * c + s * s)

@@ -16,16 +16,16 @@ from ..geometry.collide import overlap
 from ..runtime.batch import Batch
 from ..runtime.tables import JointTable
 from .bodies import Pieces, Placed, gather
-from .together import least, ways
+from .together import least_share, list_ways
 from .tree import Tree
-from .validate import COARSE, HALVINGS, Turns, blocks, near, turnings
+from .validate import COARSE, HALVINGS, Turns, find_near_pieces, find_turns, split_blocks
 
 _HALVES = 24  # of the way of a slide
 HAIR_TURN, HAIR_SLIDE = 1e-4, 1e-5
 WIDE_TURN, WIDE_SLIDE = 2e-3, 5e-4
 
 
-def limited(batch: Batch) -> JointTable:
+def limit_joints(batch: Batch) -> JointTable:
     """The joints of a batch, with the high ends that the solids leave to those that go on."""
     tree, joints = Tree(batch), batch.joints()
     goes_on = np.array([joint.clearance for joint in batch.program.joints], dtype=bool)[joints.definition]
@@ -42,11 +42,11 @@ def limited(batch: Batch) -> JointTable:
     tree.high = np.where(tree.slides, np.minimum(tree.high, joints.rest + across), tree.high)
     most = np.where(goes_on, tree.high - joints.rest, np.inf)
     room = most.copy()
-    for part in blocks(body):
+    for part in split_blocks(body):
         for piece, joint in tree.carried(part, goes_on & tree.slides):
             _sliding(tree, part, piece, joint, room)
         for piece, joint in tree.carried(part, goes_on & tree.turns):
-            i, turns = turnings(tree, part, piece, joint)
+            i, turns = find_turns(tree, part, piece, joint)
             keep = np.flatnonzero(~tree.permitted(part.link[turns.piece], part.link[turns.other]))
             _turning(part, turns.at(keep), joint[i[keep]], room)
     hair = np.where(tree.slides, HAIR_SLIDE, HAIR_TURN)
@@ -63,12 +63,12 @@ def _shared(tree: Tree, body: Pieces, whatever: np.ndarray) -> np.ndarray:
 
     Two that are in the way of one another stop at the same share of what each has alone.
     """
-    way = ways(tree)
+    way = list_ways(tree)
     matter = (way.joint >= 0).sum(axis=1) > 1  # what one joint alone does is known
     matter &= (np.append(whatever, False)[way.joint]).any(axis=1) & ~tree.permitted(way.first, way.second)
     way, share = way.at(np.flatnonzero(matter)), np.ones(len(whatever))
-    for part in blocks(body):
-        share = np.minimum(share, least(tree, part, way, whatever)[0])
+    for part in split_blocks(body):
+        share = np.minimum(share, least_share(tree, part, way, whatever)[0])
     room = (tree.high - tree.joints.rest) * share
     hair = np.where(tree.slides, WIDE_SLIDE, WIDE_TURN)
     return np.where(share < 1.0, np.maximum(room - hair, 0.0), room)
@@ -77,7 +77,7 @@ def _shared(tree: Tree, body: Pieces, whatever: np.ndarray) -> np.ndarray:
 def _sliding(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray, room: np.ndarray) -> None:
     """Lower ``room`` (J,) to how far pieces slide along the axes of joints before they meet others."""
     way = tree.axis[joint] * (tree.high - tree.joints.rest)[joint][:, None]
-    i, j = near(
+    i, j = find_near_pieces(
         tree, body, piece, body.low[piece] + np.minimum(way, 0.0), body.high[piece] + np.maximum(way, 0.0), joint
     )
     keep = ~tree.permitted(body.link[piece[i]], body.link[j])

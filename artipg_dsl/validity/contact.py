@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry.collide import common, overlap
+from ..geometry.collide import common_point, overlap
 from .bodies import Pieces, Placed
 from .tree import Tree
 from .validate import Collisions
@@ -27,7 +27,7 @@ class Contact:
     value: float | None
 
 
-def contact(tree: Tree, body: Pieces, found: Collisions, row: int) -> Contact | None:
+def describe_contact(tree: Tree, body: Pieces, found: Collisions, row: int) -> Contact | None:
     """What meets in a row of ``found``, whose pieces are those of ``body``; None where a loop does not close."""
     pair = found.pieces[row]
     if (pair < 0).any():
@@ -44,7 +44,7 @@ def contact(tree: Tree, body: Pieces, found: Collisions, row: int) -> Contact | 
         states[joint] = value
     turn, shift, _ = tree.at(states)
     first, second = (Placed(body, k, turn[body.link[k]], shift[body.link[k]]) for k in (i, j))
-    at = tuple(np.round(common(first, second)[0], 4).tolist())
+    at = tuple(np.round(common_point(first, second)[0], 4).tolist())
     paths = [tree.batch.program.links[tree.links.definition[body.link[k[0]]]].path for k in (i, j)]
     names = [_part_name(tree, body, int(k[0])) for k in ((i, j) if paths[0] <= paths[1] else (j, i))]
     return Contact(int(tree.batch.numbers[owner]), (names[0], names[1]), at, value)
@@ -73,7 +73,7 @@ def _part_name(tree: Tree, body: Pieces, piece: int) -> str:
     return ""
 
 
-def in_words(kind: str, found: Contact) -> str:
+def contact_in_words(kind: str, found: Contact) -> str:
     """``handle.grip and frame.rim at 12.3 deg, about (0.2, 0.1, 0.45), in object 17``; ``kind`` of the joint."""
     when = ""
     if found.value is not None:

@@ -13,16 +13,16 @@ import numpy as np
 from ..random import key, mix, uniform
 from ..runtime.batch import Batch
 from .bodies import gather
-from .contact import Contact, contact
-from .faults import faults
+from .contact import Contact, describe_contact
+from .faults import find_faults
 from .tree import Tree
-from .validate import blocks, posed
+from .validate import find_meetings_in_states, split_blocks
 
 STATES = 64  # random configurations per object
 
 
 @dataclass(frozen=True, slots=True)
-class Pair:
+class LinkPair:
     """Two links, by path, of ``objects`` objects; ``joint`` makes them meet ("" at rest), at the least at ``value``.
 
     ``example``: the parts of one of these objects that meet, and where.
@@ -46,24 +46,24 @@ class Evidence:
     invalid: int
     colliding: int
     faults: tuple[tuple[str, int], ...]
-    pairs: tuple[Pair, ...]
-    blocking: tuple[Pair, ...]
+    pairs: tuple[LinkPair, ...]
+    blocking: tuple[LinkPair, ...]
     blocked: int
     joints: int
     states: int
 
 
-def evidence(batch: Batch, states: int = STATES) -> Evidence:
+def find_evidence(batch: Batch, states: int = STATES) -> Evidence:
     """What is wrong with a batch at rest and joint by joint, and which links meet in ``states`` random
     configurations of all joints."""
-    wrong = faults(batch)
+    wrong = find_faults(batch)
     found, tree = wrong.collisions, wrong.tree
     pairs = []
     for (first, second, joint), rows in tree.named(found).items():
         value = float(found.value[rows].min())
         row = int(rows[np.argmin(found.value[rows])])
-        example = contact(tree, wrong.body, found, row)
-        pairs.append(Pair(first, second, joint, len(np.unique(found.owner[rows])), value, example))
+        example = describe_contact(tree, wrong.body, found, row)
+        pairs.append(LinkPair(first, second, joint, len(np.unique(found.owner[rows])), value, example))
     known = _codes(tree, found.owner, found.first, found.second)
     blocking, blocked = _blocking(tree, states, known) if states else ([], 0)
     count = len(tree.joints.owner)
@@ -74,7 +74,7 @@ def evidence(batch: Batch, states: int = STATES) -> Evidence:
     )
 
 
-def _sorted(pairs: list[Pair]) -> tuple[Pair, ...]:
+def _sorted(pairs: list[LinkPair]) -> tuple[LinkPair, ...]:
     return tuple(sorted(pairs, key=lambda p: (-p.objects, p.first, p.second, p.joint)))
 
 
@@ -96,14 +96,14 @@ def _anywhere(tree: Tree, number: int) -> np.ndarray:
     return tree.low + lot * (tree.high - tree.low)
 
 
-def _blocking(tree: Tree, states: int, known: np.ndarray) -> tuple[list[Pair], int]:
+def _blocking(tree: Tree, states: int, known: np.ndarray) -> tuple[list[LinkPair], int]:
     """Pairs of links that meet in random states alone, and how many objects have any."""
     batch, count = tree.batch, len(tree.links.owner)
     body = gather(batch, tree.first, tree.turn, tree.shift)
     met: list[np.ndarray] = [np.zeros(0, dtype=np.int64)]
     values = np.array([_anywhere(tree, number) for number in range(states if len(tree.joints.owner) else 0)])
-    for part in blocks(body):
-        for first, second in posed(tree, part, values):
+    for part in split_blocks(body):
+        for first, second in find_meetings_in_states(tree, part, values):
             met.append(np.unique(np.minimum(first, second) * count + np.maximum(first, second)))
     pair = np.setdiff1d(np.concatenate(met), known)
     paths = [link.path for link in batch.program.links]
@@ -111,5 +111,5 @@ def _blocking(tree: Tree, states: int, known: np.ndarray) -> tuple[list[Pair], i
     for low, high in zip((pair // count).tolist(), (pair % count).tolist(), strict=True):
         names = sorted(paths[tree.links.definition[link]] for link in (low, high))
         found.setdefault((names[0], names[1]), set()).add(int(tree.links.owner[low]))
-    pairs = [Pair(first, second, "", len(owners), 0.0) for (first, second), owners in found.items()]
+    pairs = [LinkPair(first, second, "", len(owners), 0.0) for (first, second), owners in found.items()]
     return pairs, len(set().union(*found.values()))

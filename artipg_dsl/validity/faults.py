@@ -7,14 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..runtime.batch import Batch
-from .apart import too_near
+from .apart import find_too_near
 from .bodies import Pieces, gather
-from .floating import Solids, inverted
-from .formulas import unsaid
-from .mass import crossed, weightless
-from .stance import falling
+from .floating import Solids, find_inverted
+from .formulas import find_unsaid
+from .mass import find_crossed, find_weightless
+from .stance import find_falling
 from .tree import Tree
-from .validate import Collisions, collisions
+from .validate import Collisions, find_collisions
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +39,7 @@ class Faults:
         return np.unique(np.concatenate([self.collisions.objects(), *(fault.objects for fault in self.others)]))
 
 
-def faults(batch: Batch, soon: bool = False) -> Faults:
+def find_faults(batch: Batch, soon: bool = False) -> Faults:
     """Everything that is wrong with the objects of a batch; ``soon``: joints are moved only where nothing is wrong at rest."""
     tree = Tree(batch)
     body = gather(batch, tree.first, tree.turn, tree.shift)
@@ -51,15 +51,15 @@ def faults(batch: Batch, soon: bool = False) -> Faults:
             *solids.degenerate(),
             *solids.floating(),
             *solids.unheld(),
-            *inverted(tree),
-            *weightless(batch),
-            *crossed(batch),
-            *unsaid(batch),
-            *too_near(tree, body),
+            *find_inverted(tree),
+            *find_weightless(batch),
+            *find_crossed(batch),
+            *find_unsaid(batch),
+            *find_too_near(tree, body),
         )
     ]
-    for statement, objects in zip(batch.program.stable, falling(tree, body), strict=False):
+    for statement, objects in zip(batch.program.stable, find_falling(tree, body), strict=False):
         others.append(Fault(f"{statement.where}: {statement.message}", objects))
     found = tuple(fault for fault in others if len(fault.objects))
     lost = np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *(fault.objects for fault in found)]))
-    return Faults(tree, body, collisions(batch, tree, body, lost if soon else None), found)
+    return Faults(tree, body, find_collisions(batch, tree, body, lost if soon else None), found)

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry.collide import within
+from ..geometry.collide import find_near
 from ..geometry.vectors import dot
 from ..runtime.batch import Batch
-from .bodies import Pieces, Placed, spread
-from .meant import meant, sites_of
+from .bodies import Pieces, Placed, enumerate_ranges
+from .meant import find_meant, sites_of
 from .tree import Tree
 
 TOUCH = 1e-4  # metres: what is farther apart does not touch
@@ -83,7 +83,7 @@ class Solids:
     def floating(self) -> Wrong:
         """Primitives that hang together with the first of their link by no chain of contacts."""
         group, margin = np.arange(len(self.site)), self.margin()
-        first, second = neighbours(self.link, self.low, self.high, margin)
+        first, second = find_neighbours(self.link, self.low, self.high, margin)
         most, least = np.maximum(self.low[first], self.low[second]), np.minimum(self.high[first], self.high[second])
         shared = (least - most).min(axis=1)  # the deeper boxes overlap, the sooner a pair is asked
         while True:
@@ -93,15 +93,15 @@ class Solids:
                 break
             best = np.unique(np.concatenate([_best(group[side], shared) for side in (first, second)]))
             met = self._touch(first[best], second[best], margin)
-            group = joined(group, first[best[met]], second[best[met]])
+            group = join_groups(group, first[best[met]], second[best[met]])
             left = np.ones(len(first), dtype=bool)
             left[best] = False
             first, second, shared = first[left], second[left], shared[left]
-        return self.told(loose(self.tree.batch, self.link, group), "`{}` touches nothing else of its link")
+        return self.told(find_loose(self.tree.batch, self.link, group), "`{}` touches nothing else of its link")
 
     def _touch(self, first: np.ndarray, second: np.ndarray, margin: np.ndarray) -> np.ndarray:
         """Indices of the pairs of primitives that touch."""
-        k, one = spread(self.begin[first], self.count[first])
+        k, one = enumerate_ranges(self.begin[first], self.count[first])
         room = np.maximum(margin[first], margin[second])
         i, j = self.order[one], second[k]
         near = np.ones(len(k), dtype=bool)
@@ -110,14 +110,14 @@ class Solids:
                 self.low[j, axis] < self.body.high[i, axis] + room[k]
             )
         k, i = k[near], i[near]
-        n, other = spread(self.begin[second[k]], self.count[second[k]])
+        n, other = enumerate_ranges(self.begin[second[k]], self.count[second[k]])
         k, i, j = k[n], i[n], self.order[other]
         for axis in range(3):
             near = (self.body.low[i, axis] < self.body.high[j, axis] + room[k]) & (
                 self.body.low[j, axis] < self.body.high[i, axis] + room[k]
             )
             k, i, j = k[near], i[near], j[near]
-        return np.unique(k[within(Placed(self.body, i), Placed(self.body, j), room[k])])
+        return np.unique(k[find_near(Placed(self.body, i), Placed(self.body, j), room[k])])
 
     # ------------------------------------------------------------ between links
 
@@ -165,7 +165,7 @@ class Solids:
         held = tree.turns[joint].copy()
         for side in (link, holder):
             rows = np.flatnonzero(held)
-            k, piece = spread(begin[side[rows]], (end - begin)[side[rows]])
+            k, piece = enumerate_ranges(begin[side[rows]], (end - begin)[side[rows]])
             at = rows[k]
             near = np.ones(len(at), dtype=bool)
             for axis_ in range(3):
@@ -175,7 +175,7 @@ class Solids:
                 )
             at, piece = at[near], piece[near]
             met = np.zeros(len(link), dtype=bool)
-            met[at[within(Placed(body, piece), _Segments(ends[0][at], ends[1][at]), np.full(len(at), _HOLD))]] = True
+            met[at[find_near(Placed(body, piece), _Segments(ends[0][at], ends[1][at]), np.full(len(at), _HOLD))]] = True
             held &= met
         return held
 
@@ -194,16 +194,16 @@ class Solids:
             for end_ in (tree.low, tree.high)
         ]
         first, last = np.minimum(*shift), np.maximum(*shift)
-        k, i = spread(begin[link], (end - begin)[link])
+        k, i = enumerate_ranges(begin[link], (end - begin)[link])
         lows, highs = self._boxes(holder)
         close = _within(body.low[i] + first[k], body.high[i] + last[k], lows[k], highs[k])
         k, i = k[close], i[close]
-        n, j = spread(begin[holder], (end - begin)[holder])
+        n, j = enumerate_ranges(begin[holder], (end - begin)[holder])
         lows, highs = self._boxes(link)
         close = _within(body.low[j], body.high[j], (lows + first)[n], (highs + last)[n])
         n, j = n[close], j[close]
         start = np.searchsorted(n, np.arange(len(link)))
-        n, at = spread(start[k], (np.searchsorted(n, np.arange(len(link)), side="right") - start)[k])
+        n, at = enumerate_ranges(start[k], (np.searchsorted(n, np.arange(len(link)), side="right") - start)[k])
         k, i, j = k[n], i[n], j[at]
         low, high = body.low[i] + first[k], body.high[i] + last[k]
         gap = np.maximum(np.maximum(low - body.high[j], body.low[j] - high), 0.0)
@@ -215,7 +215,7 @@ class Solids:
         while (rank >= begun).any():  # the nearest boxes first
             at = order[(rank >= begun) & (rank < stop) & ~met[k[order]]]
             moved = Placed(body, i[at], ends=(shift[0][k[at]], shift[1][k[at]]))
-            met[k[at[within(moved, Placed(body, j[at]), np.full(len(at), _HOLD))]]] = True
+            met[k[at[find_near(moved, Placed(body, j[at]), np.full(len(at), _HOLD))]]] = True
             begun, stop = stop, 4 * stop
         return met
 
@@ -254,7 +254,7 @@ def _best(group: np.ndarray, value: np.ndarray) -> np.ndarray:
 def _may_float(batch: Batch) -> np.ndarray:
     """Primitives within parts that may float."""
     free = [said for said in batch.program.allowed if said.kind == "floating"]
-    rows = [meant(batch, said, said.first, said.ranks[0]).row for said in free]
+    rows = [find_meant(batch, said, said.first, said.ranks[0]).row for said in free]
     if not rows:
         return np.zeros(0, dtype=np.int64)
     inside = sites_of(batch, np.unique(np.concatenate(rows)))
@@ -262,14 +262,14 @@ def _may_float(batch: Batch) -> np.ndarray:
     return np.concatenate([begin + row for begin, (row, _) in zip(start[:-1], inside, strict=True)])
 
 
-def neighbours(
+def find_neighbours(
     link: np.ndarray, low: np.ndarray, high: np.ndarray, margin: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Pairs of primitives of one link whose boxes, larger by the margin (S,), overlap."""
     sort = np.argsort(link, kind="stable")
     stop = np.searchsorted(link[sort], link[sort], side="right")
     place = np.arange(len(sort))
-    i, j = spread(place + 1, stop - place - 1)
+    i, j = enumerate_ranges(place + 1, stop - place - 1)
     first, second = sort[i], sort[j]
     room = np.maximum(margin[first], margin[second])
     for k in range(3):
@@ -278,7 +278,7 @@ def neighbours(
     return first, second
 
 
-def loose(batch: Batch, link: np.ndarray, group: np.ndarray) -> np.ndarray:
+def find_loose(batch: Batch, link: np.ndarray, group: np.ndarray) -> np.ndarray:
     """Which primitives (S,) are in another group than the first of their link, and in none that may float."""
     head = np.full(int(link.max(initial=-1)) + 1, len(link))
     np.minimum.at(head, link, np.arange(len(link)))
@@ -287,7 +287,7 @@ def loose(batch: Batch, link: np.ndarray, group: np.ndarray) -> np.ndarray:
     return (group != group[head[link]]) & ~excused[group]
 
 
-def joined(group: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+def join_groups(group: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """Groups (S,), each known by its lowest member, with those of the pairs put together."""
     while True:
         before = group
@@ -301,7 +301,7 @@ def joined(group: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarr
             return group
 
 
-def inverted(tree: Tree) -> Wrong:
+def find_inverted(tree: Tree) -> Wrong:
     """Joints whose range does not hold their rest value, as none does that ends below where it begins; those that others
     leave no way at all. Requirements see to the former, which an edited program may lack."""
     joints = tree.joints

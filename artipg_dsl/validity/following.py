@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry.collide import examine
+from ..geometry.collide import separate
 from ..geometry.vectors import dot
 from ..runtime.motion import apply
-from .bodies import Pieces, Placed, boxes_meet, link_boxes, spread
+from .bodies import Pieces, Placed, boxes_meet, enumerate_ranges, link_boxes
 from .tree import Tree
 
 _CLEAR = 1e-8  # metres, of the millionth by which what touches is apart
@@ -35,7 +35,7 @@ class Met:
 Meeting = Callable[[Placed, Placed], np.ndarray]
 
 
-def in_states(
+def meet_in_states(
     tree: Tree, body: Pieces, states: np.ndarray, asked: np.ndarray | None = None, meeting: Meeting | None = None
 ) -> Iterator[Met]:
     """State by state of ``states`` (S, J), what meets that may not, of objects that have pieces and are ``asked`` (S, B), by
@@ -72,7 +72,7 @@ def _pairs(tree: Tree, body: Pieces, asked: np.ndarray) -> _Pairs:
     full = np.flatnonzero((end > begin) & asked[tree.links.owner])
     owner = tree.links.owner[full]
     own = np.arange(len(full)) + (1 if body.side is None else 0)
-    at, other = spread(own, np.searchsorted(owner, owner, side="right") - own)
+    at, other = enumerate_ranges(own, np.searchsorted(owner, owner, side="right") - own)
     first, second = full[at], full[other]
     if body.side is None:  # of other pairs it is asked whether they keep a distance
         keep = ~tree.permitted(first, second)
@@ -104,19 +104,19 @@ def _near(
         return state, state, state
     link, where = np.remainder(posed, links), np.floor_divide(posed, links)
     count = (end - begin)[link]
-    at, piece = spread(begin[link], count)
+    at, piece = enumerate_ranges(begin[link], count)
     low, high = _boxes(turn[where, link][at], shift[where, link][at], body.low[piece], body.high[piece])
     start = np.cumsum(count) - count
     least, most = np.minimum.reduceat(low, start), np.maximum.reduceat(high, start)
     here, there = back[: len(pair)], back[len(pair) :]
     found = []
     for own, other in ((here, there), (there, here)):  # those of either that come near the other as a whole
-        k, i = spread(start[own], count[own])
+        k, i = enumerate_ranges(start[own], count[own])
         keep = boxes_meet(i, other[k], low, high, least, most)
         found.append((k[keep], i[keep]))
     (k, i), (pair_of, j) = found
     begun = np.searchsorted(pair_of, k)
-    n, at = spread(begun, np.searchsorted(pair_of, k, side="right") - begun)
+    n, at = enumerate_ranges(begun, np.searchsorted(pair_of, k, side="right") - begun)
     k, i, j = k[n], i[n], j[at]
     keep = boxes_meet(i, j, low, high, low, high)
     state, i, j = state[k[keep]], piece[i[keep]], piece[j[keep]]
@@ -163,7 +163,7 @@ class _Ways:
             chosen = np.arange(len(own)) == (start + stop - 1) // 2
             chosen |= met[own] | (number == _TRIES)
             rows, left = left[chosen], left[~chosen]
-            hit[rows], way = examine(first.at(rows), second.at(rows), near=0.0)
+            hit[rows], way = separate(first.at(rows), second.at(rows), near=0.0)
             met[group[rows[hit[rows]]]] = True
             way = way / np.maximum(np.sqrt(dot(way, way)), 1e-300)[:, None]
             for known, turn in zip(self.held, turns, strict=True):

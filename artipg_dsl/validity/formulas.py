@@ -17,7 +17,7 @@ from ..geometry.pointset import PointSet
 from ..graph.expr import Scope
 from ..graph.formula import free_variables
 from ..graph.program import Label, Program, Target
-from ..runtime.fields import Field, Reader, read_pose, read_triples
+from ..runtime.fields import Field, FieldReader, read_pose, read_triples
 from ..runtime.motion import apply
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ _CHUNK = 16_000  # points at a time: their arrays stay in the caches
 _GRID = np.array([0.001, *((k + 0.5) / 16 for k in range(16)), 0.999])  # places on a surface, along either fraction
 
 
-class Points(Protocol):
+class BoundPoints(Protocol):
     """Points of any shape, each bound to a row of a table of sites, at joint values 0 in the object's frame."""
 
     @property
@@ -48,7 +48,7 @@ class Points(Protocol):
     def normal(self) -> np.ndarray: ...
 
 
-def on_surfaces(at: np.ndarray, table: SiteTable, target: Target, points: Points) -> np.ndarray:
+def select_on_surfaces(at: np.ndarray, table: SiteTable, target: Target, points: BoundPoints) -> np.ndarray:
     """Those of the flat point numbers ``at`` that lie on the surfaces a target names."""
     if not target.surfaces:
         return at
@@ -56,7 +56,9 @@ def on_surfaces(at: np.ndarray, table: SiteTable, target: Target, points: Points
     return at[np.isin(np.asarray(points.patch).ravel()[at], meant)]
 
 
-def said(reader: Reader, label: Label, target: Target, at: np.ndarray, points: Points) -> tuple[np.ndarray, np.ndarray]:
+def evaluate_label(
+    reader: FieldReader, label: Label, target: Target, at: np.ndarray, points: BoundPoints
+) -> tuple[np.ndarray, np.ndarray]:
     """Those of the flat point numbers ``at``, all of one site, at which a label says something, and what: (k,) or (k, 3).
 
     Formulas are evaluated in the frame of the target; vectors are returned in the object's.
@@ -96,7 +98,7 @@ def is_wrong(label: Label, told: np.ndarray) -> np.ndarray:
     return bad.any(axis=-1) if bad.ndim > 1 else bad
 
 
-def in_words(label: Label) -> str:
+def label_in_words(label: Label) -> str:
     """That a label says nothing that can be said at a point."""
     if label.vocabulary == "field":
         return f"{label.where}: the field `{label.name}` has no value at some point"
@@ -107,14 +109,14 @@ def in_words(label: Label) -> str:
 
 
 @lru_cache(maxsize=8)
-def fallible(program: Program) -> tuple[Label, ...]:
+def find_fallible(program: Program) -> tuple[Label, ...]:
     """The labels whose values depend on the point and may be none."""
     return tuple(label for label in program.labels if not is_predicate(label) and free_variables(label.formulas))
 
 
-def unsaid(batch: Batch) -> list[tuple[str, np.ndarray]]:
+def find_unsaid(batch: Batch) -> list[tuple[str, np.ndarray]]:
     """Labels that have no value somewhere on the surfaces they lie on, in words, and the objects in which they have none."""
-    labels = fallible(batch.program)
+    labels = find_fallible(batch.program)
     if not labels:
         return []
     sites = batch.sites()
@@ -126,12 +128,12 @@ def unsaid(batch: Batch) -> list[tuple[str, np.ndarray]]:
             if table is None or not len(table):
                 continue
             points = _places(sites, table)
-            at = on_surfaces(np.arange(points.site.size), table, target, points)
+            at = select_on_surfaces(np.arange(points.site.size), table, target, points)
             if not len(at):
                 continue
-            at, told = said(batch, label, target, at, points)
+            at, told = evaluate_label(batch, label, target, at, points)
             rows = points.row.ravel()[at[is_wrong(label, told)]]
-            wrong.setdefault(in_words(label), []).append(table.owner[rows])
+            wrong.setdefault(label_in_words(label), []).append(table.owner[rows])
     found = {words: np.unique(np.concatenate(owners)) for words, owners in wrong.items()}
     return [(words, objects) for words, objects in found.items() if len(objects)]
 
@@ -151,7 +153,7 @@ def _places(sites: list[SiteTable], table: SiteTable) -> PointSet:
 class _Place:
     """The variables ``p``, ``n`` and ``size`` of a target: those of their coordinates that ``names`` tells."""
 
-    def __init__(self, reader: Reader, target: Target, scope: Scope, names: set[str], vector: bool):
+    def __init__(self, reader: FieldReader, target: Target, scope: Scope, names: set[str], vector: bool):
         self.names, self.kinds = sorted(names), {name.partition(".")[0] for name in names}
         if vector or self.kinds & {"p", "n"}:
             self.rotation, translation, self.mirror = read_pose(reader, target.frame, scope)
@@ -161,7 +163,7 @@ class _Place:
             size, center = read_triples(reader, [target.size, target.center], scope)
             self.size, self.center = np.ascontiguousarray(size.T), np.ascontiguousarray(center.T)
 
-    def variables(self, row: np.ndarray, at: np.ndarray, points: Points) -> dict[str, np.ndarray]:
+    def variables(self, row: np.ndarray, at: np.ndarray, points: BoundPoints) -> dict[str, np.ndarray]:
         """Values at the flat point numbers ``at``, whose rows are ``row``."""
         away = {}
         if "p" in self.kinds:

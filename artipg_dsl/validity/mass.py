@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..geometry.block import block
+from ..geometry.block import block_of
 from ..geometry.box import bounds
 from ..geometry.errors import PrimitiveError
 from ..geometry.overlap import Touching
-from ..runtime.motion import apply, product
-from .materials import catalogue, drawn, material_rows
+from ..runtime.motion import apply, multiply
+from .materials import draw_property, list_materials, material_rows
 
 if TYPE_CHECKING:
     from ..geometry.sites import SiteTable
@@ -36,20 +36,20 @@ class Mass:
 def masses(batch: Batch) -> Mass:
     """The mass of every link of a batch, in the object's frame at joint values 0; worked out once for a batch."""
     if "masses" not in batch.known:
-        batch.known["masses"] = link_mass(*weighed(batch))
+        batch.known["masses"] = link_mass(*weighing_of(batch))
     return batch.known["masses"]
 
 
-def weighed(batch: Batch) -> tuple[list[SiteTable], list[np.ndarray], np.ndarray, int, np.ndarray]:
+def weighing_of(batch: Batch) -> tuple[list[SiteTable], list[np.ndarray], np.ndarray, int, np.ndarray]:
     """What ``link_mass`` is told of a batch."""
     links, tables = batch.links(), batch.sites()
     start = np.searchsorted(links.owner, np.arange(len(batch)))
-    density = np.stack([drawn(batch, material, "density") for material in catalogue(batch)])
+    density = np.stack([draw_property(batch, material, "density") for material in list_materials(batch)])
     densities = [density[material_rows(batch, table), table.owner] for table in tables]
     return tables, densities, start, len(links.owner), _welded(batch, start)
 
 
-def weightless(batch: Batch) -> list[tuple[str, np.ndarray]]:
+def find_weightless(batch: Batch) -> list[tuple[str, np.ndarray]]:
     """Links that weigh nothing, in words, and the objects in which they do.
 
     The densest primitive of a body loses nothing to others, and none is without thickness: only a link that is fixed to
@@ -67,7 +67,7 @@ def weightless(batch: Batch) -> list[tuple[str, np.ndarray]]:
     return [(words, np.unique(objects)) for words, objects in wrong.items()]
 
 
-def crossed(batch: Batch) -> list[tuple[str, np.ndarray]]:
+def find_crossed(batch: Batch) -> list[tuple[str, np.ndarray]]:
     """Primitives whose surfaces cross, so that no body has their moments, in words, and the objects that have them.
 
     Within the ranges that a primitive is tested for it is sound; those beyond them are asked one by one, and all of a
@@ -162,7 +162,7 @@ class Weighing:
     ):
         self.count, self.inertia = n_links, inertia
         self.own = [_whole(*what, link_start, inertia) for what in zip(tables, densities, strict=True) if len(what[0])]
-        rows = block(tables, 0, len(link_start))
+        rows = block_of(tables, 0, len(link_start))
         self.owner = rows.owner
         if not len(self.owner):
             return
@@ -240,7 +240,7 @@ def _turned_inertia(table: SiteTable, inertia: np.ndarray) -> np.ndarray:
     """Inertia tensors (k, 3, 3) of local frames in the axes of the object."""
     sign = np.stack([np.ones_like(table.mirror), table.mirror, np.ones_like(table.mirror)], axis=-1)
     inertia = inertia * sign[:, :, None] * sign[:, None, :]
-    return product(product(table.rotation, inertia), table.rotation.transpose(0, 2, 1))
+    return multiply(multiply(table.rotation, inertia), table.rotation.transpose(0, 2, 1))
 
 
 def _parallel_axis(mass: np.ndarray, offset: np.ndarray) -> np.ndarray:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 _PLAIN = Material("plain")
 
 
-def catalogue(batch: Batch) -> list[Material]:
+def list_materials(batch: Batch) -> list[Material]:
     """Materials by index; what has none is plain: 700 kg/m3, light grey."""
     return [_PLAIN, *batch.program.materials.values()]
 
@@ -32,7 +32,7 @@ RANGES = {  # property: what its draw is named after; the two frictions share on
 }
 
 
-def drawn(batch: Batch, material: Material, name: str) -> np.ndarray:
+def draw_property(batch: Batch, material: Material, name: str) -> np.ndarray:
     """A property (B,) of a material in each object, uniform in its range: addressed by seed, object and names alone.
 
     A mutant has the values of the object that it was made from.

@@ -26,7 +26,9 @@ class Meant:
     group: np.ndarray
 
 
-def meant(batch: Batch, statement: Allowed | Clear, nodes: Sequence[int], ranks: Sequence[tuple[str, int]]) -> Meant:
+def find_meant(
+    batch: Batch, statement: Allowed | Clear, nodes: Sequence[int], ranks: Sequence[tuple[str, int]]
+) -> Meant:
     """The parts that one side of a statement names, where it is said."""
     found = [_of(batch, statement.scope, node, ranks) for node in nodes]
     none = np.zeros(0, dtype=np.int64)  # a compiled program may name no part at all
@@ -62,7 +64,7 @@ def _elements(batch: Batch, scope: Scope, ranks: Sequence[tuple[str, int]]) -> n
     return keep
 
 
-def pairs(owner: np.ndarray, first: Meant, second: Meant) -> tuple[np.ndarray, np.ndarray]:
+def pair_parts(owner: np.ndarray, first: Meant, second: Meant) -> tuple[np.ndarray, np.ndarray]:
     """Rows of the table of parts, of the objects ``owner``, that one another side of a statement are: all of the first with
     all of the second, of one element with those of the same."""
     mine, theirs = owner[first.row], owner[second.row]

@@ -12,11 +12,11 @@ from __future__ import annotations
 import numpy as np
 
 from ..geometry.vectors import dot
-from ..runtime.motion import apply, product, rotation_about
+from ..runtime.motion import apply, multiply, rotation_about
 from .bodies import Pieces
 from .hull import NEAR, depth, hulls
-from .mass import Mass, Rough, Weighing, masses, weighed
-from .tree import Tree, led
+from .mass import Mass, Rough, Weighing, masses, weighing_of
+from .tree import Tree, lead_states
 
 _FLOOR = 1e-3  # metres: what is higher does not stand on it
 TILT = float(np.tan(np.radians(2.0)))
@@ -26,7 +26,7 @@ _SHARES = np.linspace(0.0, 1.0, 9)
 _WAYS = tuple((np.cos(angle), np.sin(angle)) for angle in np.arange(8) * (np.pi / 4))
 
 
-def falling(tree: Tree, body: Pieces) -> list[np.ndarray]:
+def find_falling(tree: Tree, body: Pieces) -> list[np.ndarray]:
     """For each ``require stable`` of the program, the indices of the objects that do not stand.
 
     Bounds of the masses decide most objects; where primitives overlap is measured for the others alone.
@@ -39,7 +39,7 @@ def falling(tree: Tree, body: Pieces) -> list[np.ndarray]:
     if "masses" in batch.known:
         still, tipped = Stance(tree, body, masses(batch)).verdicts(whatever, everything)
     else:
-        weighing = Weighing(*weighed(batch))
+        weighing = Weighing(*weighing_of(batch))
         known = weighing.rough()
         stance = Stance(tree, body, known)
         still, stands = stance.decided(known, whatever)
@@ -175,7 +175,7 @@ class Stance:
         """By how much (B,) the centres of mass lie within what is asked for, negative where they do not."""
         base = self.base
         if not self.still.all():  # feet that move along
-            back = product(turn, self.tree.turn.transpose(0, 2, 1))
+            back = multiply(turn, self.tree.turn.transpose(0, 2, 1))
             from_rest = shift - apply(back, self.tree.shift)
             base = hulls(*self._padded(apply(back[self.link], self.point) + from_rest[self.link]))
         return self._within(base, self.centers(turn, shift), np.arange(self.count))
@@ -197,7 +197,7 @@ class Stance:
         above = tree.chain[self.link]
         above = tree.joint[above[above >= 0]]
         moves_feet[above[above >= 0]] = True
-        for lead, states, number in led(tree, ~tree.alone | moves_feet, _SHARES):
+        for lead, states, number in lead_states(tree, ~tree.alone | moves_feet, _SHARES):
             turn, shift = tree.batch.pose(states)
             bad |= (self.margin(turn, shift) < 0.0) & (lead >= 0)
             some = np.flatnonzero(lead >= 0)

@@ -15,10 +15,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry.collide import examine
+from ..geometry.collide import separate
 from ..geometry.vectors import dot
-from ..runtime.motion import apply, product, rotation_about
-from .bodies import Pieces, Placed, spread, swept_extent, turned
+from ..runtime.motion import apply, multiply, rotation_about
+from .bodies import Pieces, Placed, enumerate_ranges, swept_extent, turn_points
 from .tree import Tree
 from .validate import EXACT
 
@@ -47,10 +47,10 @@ class Ways:
         return Ways(self.first[rows], self.second[rows], self.joint[rows], levels)
 
 
-def ways(tree: Tree) -> Ways:
+def list_ways(tree: Tree) -> Ways:
     """All pairs of links of the objects of a batch, each once."""
     count, depth = len(tree.links.owner), tree.chain.shape[1]
-    first, second = spread(np.arange(count) + 1, tree.start[tree.links.owner + 1] - np.arange(count) - 1)
+    first, second = enumerate_ranges(np.arange(count) + 1, tree.start[tree.links.owner + 1] - np.arange(count) - 1)
     same = (tree.chain[first][:, :, None] == tree.chain[second][:, None, :]) & (tree.chain[first] >= 0)[:, :, None]
     one = np.argmax(same.any(axis=2), axis=1)
     two = np.argmax(same[np.arange(len(first)), one], axis=1) if len(first) else one
@@ -63,7 +63,7 @@ def ways(tree: Tree) -> Ways:
 
 
 @dataclass(slots=True, eq=False)
-class Reach:
+class _Reach:
     """Boxes of things (k,) swept by the joints above them, (levels + 1, k, 3): by none, by the innermost, ...; and how far
     from the axis of each joint they reach (levels, k)."""
 
@@ -72,7 +72,7 @@ class Reach:
     radius: np.ndarray
 
 
-def _reach(tree: Tree, link: np.ndarray, low: np.ndarray, high: np.ndarray) -> Reach:
+def _reach(tree: Tree, link: np.ndarray, low: np.ndarray, high: np.ndarray) -> _Reach:
     """Of the boxes of things on links (k,), at rest."""
     lows, highs, radii = [low], [high], []
     for level in range(tree.chain.shape[1]):
@@ -85,7 +85,7 @@ def _reach(tree: Tree, link: np.ndarray, low: np.ndarray, high: np.ndarray) -> R
         lows.append(low)
         highs.append(high)
         radii.append(radius)
-    return Reach(np.stack(lows), np.stack(highs), np.stack(radii))
+    return _Reach(np.stack(lows), np.stack(highs), np.stack(radii))
 
 
 def _swept(
@@ -168,8 +168,8 @@ def _cells(tree: Tree, body: Pieces, way: Ways) -> Cells:
     own = _reach(tree, body.link[used], body.low[used], body.high[used])
     place = np.zeros(len(body), dtype=np.int64)
     place[used] = np.arange(len(used))
-    index, piece = spread(begin[way.first[seen]], count[way.first[seen]])
-    at, other = spread(begin[way.second[seen]][index], count[way.second[seen]][index])
+    index, piece = enumerate_ranges(begin[way.first[seen]], count[way.first[seen]])
+    at, other = enumerate_ranges(begin[way.second[seen]][index], count[way.second[seen]][index])
     row, piece = seen[index[at]], piece[at]
     if body.side is not None:
         one, two = body.side[piece], body.side[other]
@@ -191,7 +191,7 @@ def _cells(tree: Tree, body: Pieces, way: Ways) -> Cells:
     return Cells(row, piece, other, start, stop, radius, slack)
 
 
-def _meet(own: Reach, levels: tuple[np.ndarray, np.ndarray], first: np.ndarray, second: np.ndarray) -> np.ndarray:
+def _meet(own: _Reach, levels: tuple[np.ndarray, np.ndarray], first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """Which of two things (k,), each swept as far up as told, have boxes that overlap."""
     lows, highs = (
         [getattr(own, name)[level, at] for level, at in zip(levels, (first, second), strict=True)]
@@ -201,7 +201,7 @@ def _meet(own: Reach, levels: tuple[np.ndarray, np.ndarray], first: np.ndarray, 
 
 
 @dataclass(slots=True, eq=False)
-class Posed:
+class _Posed:
     """Turns (k, 3, 3) and shifts (k, 3) from rest, and the axes and points on them of joints (k, C, 3) there."""
 
     turn: np.ndarray
@@ -210,10 +210,10 @@ class Posed:
     origin: np.ndarray
 
 
-def _posed(tree: Tree, joint: np.ndarray, value: np.ndarray) -> Posed:
+def _posed(tree: Tree, joint: np.ndarray, value: np.ndarray) -> _Posed:
     """What joints (k, c), from the innermost to the outermost, do at values (k, c)."""
     known = np.maximum(joint, 0)
-    found = Posed(
+    found = _Posed(
         np.tile(_OWN, (len(joint), 1, 1)), np.zeros((len(joint), 3)), tree.axis[known].copy(), tree.origin[known].copy()
     )
     for column in range(joint.shape[1]):
@@ -222,7 +222,7 @@ def _posed(tree: Tree, joint: np.ndarray, value: np.ndarray) -> Posed:
         own = rotation_about(tree.axis[at], np.where(tree.turns[at], by, 0.0))
         shift = tree.origin[at] - apply(own, tree.origin[at])
         shift = shift + tree.axis[at] * (np.where(tree.slides[at], 1.0, tree.advance[at]) * by)[:, None]
-        found.turn[rows] = product(own, found.turn[rows])
+        found.turn[rows] = multiply(own, found.turn[rows])
         found.shift[rows] = apply(own, found.shift[rows]) + shift
         for inner in range(column):
             found.axis[rows, inner] = apply(own, found.axis[rows, inner])
@@ -243,7 +243,7 @@ def _examined(
         Placed(body, piece, pose.turn, pose.shift) for piece, pose in zip((part.piece, part.other), poses, strict=True)
     ]
     gap = None if body.gap is None else body.gap[part.piece]
-    hit, away = examine(sides[0], sides[1], 0.5 if gap is None else EXACT)
+    hit, away = separate(sides[0], sides[1], 0.5 if gap is None else EXACT)
     length = np.maximum(np.sqrt(dot(away, away)), 1e-12)
     away = away / length[:, None]
     rows, loss = np.arange(len(part.row)), np.zeros(joint.shape)
@@ -316,7 +316,8 @@ def _cloud(
                 slide = np.where(slides, middle[at, column] + sign * by, 0.0)
                 slide = slide + np.where(turns, tree.advance[known] * middle[at, column], 0.0)
                 made.append(
-                    turned(turn, across * wider[:, None, None] + height) + (origin + axis * slide[:, None])[:, None]
+                    turn_points(turn, across * wider[:, None, None] + height)
+                    + (origin + axis * slide[:, None])[:, None]
                 )
             points = np.concatenate(made, axis=1)
         found[at] = dot(points, ahead[at][:, None]).max(axis=1) + spare
@@ -331,7 +332,7 @@ def _add(columns: np.ndarray) -> np.ndarray:
     return total
 
 
-def least(tree: Tree, body: Pieces, way: Ways, yields: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def least_share(tree: Tree, body: Pieces, way: Ways, yields: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The least share of the ways of joints that ``yield`` (J,) at which any of the pairs of links meet.
 
     Returns that share of each joint (J,), 1 where nothing meets, and which pairs of links meet where none of their joints yields.

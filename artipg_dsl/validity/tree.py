@@ -9,17 +9,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..runtime.batch import Batch
-from ..runtime.motion import apply, product
+from ..runtime.motion import apply, multiply
 from .bodies import Pieces
-from .meant import meant, pairs
+from .meant import find_meant, pair_parts
 
 if TYPE_CHECKING:
     from .validate import Collisions
 
 _KEPT = 500_000  # links, each in a state, of which the poses are kept
 _SHARES = np.unique(np.concatenate([[0.002, 0.005, 0.01, 0.02, 0.035], np.linspace(0.0, 1.0, 41), [0.98, 0.995]]))
-Ends = tuple[np.ndarray, np.ndarray]
-Poses = tuple[np.ndarray, np.ndarray, list[Ends]]
+JointEnds = tuple[np.ndarray, np.ndarray]
+RestPoses = tuple[np.ndarray, np.ndarray, list[JointEnds]]
 _TURNING = ("revolute", "continuous", "screw")
 
 
@@ -56,7 +56,7 @@ class Tree:
         assert np.array_equal(self.leader, self.leader[self.leader]), "a joint follows one that follows another"
         if batch.loops is not None:  # what the loops of an object determine follows its first driving joint
             self.leader = batch.loops.driven(self.leader)
-        self._poses: dict[bytes, Poses] = {}
+        self._poses: dict[bytes, RestPoses] = {}
         self.alone = np.bincount(self.leader, minlength=len(base))[self.leader] == 1
         self.alone &= self.turns | self.slides | (kinds == "fixed")  # a ball turns about what is no axis of the table
 
@@ -72,12 +72,12 @@ class Tree:
             groups.setdefault((pair[0], pair[1], program.joints[j].path if j >= 0 else ""), []).append(row)
         return {key: np.array(rows) for key, rows in groups.items()}
 
-    def at(self, states: np.ndarray) -> tuple[np.ndarray, np.ndarray, Ends]:
+    def at(self, states: np.ndarray) -> tuple[np.ndarray, np.ndarray, JointEnds]:
         """Turn and shift of the links from rest with the joints at ``states`` (J,), and the links where loops do not close."""
         turn, shift, apart = self.poses(states[None])
         return turn[0], shift[0], apart[0]
 
-    def poses(self, states: np.ndarray) -> Poses:
+    def poses(self, states: np.ndarray) -> RestPoses:
         """The same for states (S, J): (S, L, 3, 3), (S, L, 3), and the links of each state; kept for as long as there is room."""
         key = states.tobytes()
         found = self._poses.get(key)
@@ -85,7 +85,7 @@ class Tree:
             turn, shift = self.batch.pose(states)
             loops, none = self.batch.loops, np.zeros(0, dtype=np.int64)
             apart = [(none, none) if loops is None else loops.apart(*pose) for pose in zip(turn, shift, strict=True)]
-            turn = product(turn, self.turn.transpose(0, 2, 1))
+            turn = multiply(turn, self.turn.transpose(0, 2, 1))
             found = turn, shift - apply(turn, self.shift), apart
             if sum(kept[1].shape[0] * kept[1].shape[1] for kept in self._poses.values()) + shift.size // 3 > _KEPT:
                 self._poses.clear()
@@ -96,7 +96,7 @@ class Tree:
     def following(self) -> tuple[np.ndarray, np.ndarray]:
         """The joint that leads each object (S, B), -1 for none, and the states (S, J) that show what joints do that move others,
         or turn about more than one axis."""
-        made = [(lead, states) for lead, states, _ in led(self, ~self.alone, _SHARES)]
+        made = [(lead, states) for lead, states, _ in lead_states(self, ~self.alone, _SHARES)]
         lead = np.array([lead for lead, _ in made], dtype=np.int64).reshape(len(made), len(self.first))
         return lead, np.array([states for _, states in made]).reshape(len(made), len(self.joints.owner))
 
@@ -121,8 +121,9 @@ class Tree:
                 sides = (said.first, said.second)
                 one, two = (
                     link[row]
-                    for row in pairs(
-                        parts.owner, *(meant(self.batch, said, n, r) for n, r in zip(sides, said.ranks, strict=True))
+                    for row in pair_parts(
+                        parts.owner,
+                        *(find_meant(self.batch, said, n, r) for n, r in zip(sides, said.ranks, strict=True)),
                     )
                 )
                 found.append(np.minimum(one, two) * len(self.above) + np.maximum(one, two))
@@ -138,7 +139,7 @@ class Tree:
                 yield piece, joint[piece]
 
 
-def led(tree: Tree, chosen: np.ndarray, shares: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, int]]:
+def lead_states(tree: Tree, chosen: np.ndarray, shares: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, int]]:
     """States (J,) in which one leading joint of ``chosen`` (J,) bool of every object stands at each share of its range.
 
     The first such joint of every object, then the second, ...: (that joint of each object (B,), -1 for none; states with

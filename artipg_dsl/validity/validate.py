@@ -14,12 +14,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry.collide import examine, overlap, within
+from ..geometry.collide import find_near, overlap, separate
 from ..geometry.vectors import dot
 from ..runtime.batch import Batch
 from ..runtime.motion import apply, rotation_about
-from .bodies import FULL, Pieces, Placed, gather, link_boxes, rings, spread, swept_extent
-from .following import in_states
+from .bodies import FULL, Pieces, Placed, bound_rings, enumerate_ranges, gather, link_boxes, swept_extent
+from .following import meet_in_states
 from .tree import Tree
 
 _BLOCK = 20_000  # pieces at a time
@@ -27,7 +27,7 @@ HALVINGS = 16  # of an interval of angles; what is not decided then is nearer th
 EXACT = 1 - 1e-6  # of the distance: how well it is known where a gap is asked for
 COARSE = 12  # halvings for which boxes stand for the pieces
 _TILTED = 8  # and for which the boxes of tilted links do
-Pairs = tuple[np.ndarray, np.ndarray]
+LinkPairs = tuple[np.ndarray, np.ndarray]
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +53,7 @@ class Collisions:
         return np.unique(self.owner)
 
 
-def collisions(
+def find_collisions(
     batch: Batch, tree: Tree | None = None, body: Pieces | None = None, lost: np.ndarray | None = None
 ) -> Collisions:
     """All penetrations of a batch, each pair of links once per joint that brings it about.
@@ -63,18 +63,18 @@ def collisions(
     """
     tree = tree or Tree(batch)
     body = body or gather(batch, tree.first, tree.turn, tree.shift)
-    return _told(tree, checked(tree, body, lost))
+    return _told(tree, find_meetings(tree, body, lost))
 
 
-def checked(tree: Tree, body: Pieces, lost: np.ndarray | None = None) -> np.ndarray:
+def find_meetings(tree: Tree, body: Pieces, lost: np.ndarray | None = None) -> np.ndarray:
     """Rows (link, link, joint, value, piece, piece) of all that meet: rows of the tables of links and joints, -1 at rest;
-    pieces of either link by their ``source``. ``lost``: as of ``collisions``."""
-    return np.concatenate([_nothing(), *(_block(tree, part, lost) for part in blocks(body))])
+    pieces of either link by their ``source``. ``lost``: as of ``find_collisions``."""
+    return np.concatenate([_nothing(), *(_block(tree, part, lost) for part in split_blocks(body))])
 
 
-def at_rest(tree: Tree, body: Pieces) -> np.ndarray:
-    """As ``checked``, of what meets at rest."""
-    return np.concatenate([_nothing(), *(_resting(tree, part) for part in blocks(body))])
+def find_meetings_at_rest(tree: Tree, body: Pieces) -> np.ndarray:
+    """As ``find_meetings``, of what meets at rest."""
+    return np.concatenate([_nothing(), *(_resting(tree, part) for part in split_blocks(body))])
 
 
 def _told(tree: Tree, rows: np.ndarray) -> Collisions:
@@ -116,7 +116,7 @@ def _nothing() -> np.ndarray:
     return np.zeros((0, 6))
 
 
-def blocks(body: Pieces) -> Iterator[Pieces]:
+def split_blocks(body: Pieces) -> Iterator[Pieces]:
     """Pieces of whole objects, some at a time."""
     edges = np.flatnonzero(np.diff(body.owner, prepend=-1, append=-1))
     start = 0
@@ -146,9 +146,9 @@ def _block(tree: Tree, body: Pieces, lost: np.ndarray | None) -> np.ndarray:
 # ---------------------------------------------------------------- which pairs of pieces come near one another
 
 
-def near(
+def find_near_pieces(
     tree: Tree, body: Pieces, piece: np.ndarray, low: np.ndarray, high: np.ndarray, joint: np.ndarray | None
-) -> Pairs:
+) -> LinkPairs:
     """Pairs (index into ``piece``, other piece) whose boxes overlap: the links' first, then the pieces' own.
 
     With joints, the other piece stays where it is; without, its link comes later in the table.
@@ -156,14 +156,14 @@ def near(
     first, stop = tree.start[body.owner[piece]], tree.start[body.owner[piece] + 1]
     if joint is None:
         first = body.link[piece] + (1 if body.side is None else 0)
-    i, link = spread(first, stop - first)
+    i, link = enumerate_ranges(first, stop - first)
     lows, highs, begin, end = link_boxes(body, len(tree.links.owner))
     if joint is not None:  # what hangs on the joint's link moves along
         child = tree.child[joint]
         stays = ~(tree.chain[link] == child[i][:, None]).any(axis=1)
         i, link = i[stays], link[stays]
     i, link = _touching(i, link, low, high, lows, highs)
-    k, other = spread(begin[link], (end - begin)[link])
+    k, other = enumerate_ranges(begin[link], (end - begin)[link])
     i, other = _touching(i[k], other, low, high, body.low, body.high)
     keep = body.opposed(piece[i], other)
     return i[keep], other[keep]
@@ -173,12 +173,12 @@ def _meeting(body: Pieces, first: Placed, second: Placed) -> np.ndarray:
     """Which pairs of placed pieces meet: penetrate one another, or are nearer than their gap."""
     if body.gap is None:
         return overlap(first, second)
-    return within(first, second, body.gap[first.piece], EXACT)
+    return find_near(first, second, body.gap[first.piece], EXACT)
 
 
 def _touching(
     i: np.ndarray, j: np.ndarray, low: np.ndarray, high: np.ndarray, lows: np.ndarray, highs: np.ndarray
-) -> Pairs:
+) -> LinkPairs:
     """The pairs (i, j) whose boxes overlap."""
     for k in range(3):
         close = (low[i, k] < highs[j, k]) & (lows[j, k] < high[i, k])
@@ -191,7 +191,7 @@ def _touching(
 
 def _resting(tree: Tree, body: Pieces) -> np.ndarray:
     piece = np.arange(len(body))
-    i, j = near(tree, body, piece, body.low, body.high, None)
+    i, j = find_near_pieces(tree, body, piece, body.low, body.high, None)
     body.ready(i, j)
     hit = _meeting(body, Placed(body, i), Placed(body, j))
     i, j = i[hit], j[hit]
@@ -205,7 +205,7 @@ def _sliding(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> 
     ends = tuple(axis * (end[joint] - rest)[:, None] for end in (tree.low, tree.high))
     low = body.low[piece] + np.minimum(*ends)
     high = body.high[piece] + np.maximum(*ends)
-    i, j = near(tree, body, piece, low, high, joint)
+    i, j = find_near_pieces(tree, body, piece, low, high, joint)
     body.ready(piece[i], j)
     hit = _meeting(body, Placed(body, piece[i], ends=(ends[0][i], ends[1][i])), Placed(body, j))
     i, j = i[hit], j[hit]
@@ -214,17 +214,17 @@ def _sliding(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> 
 
 
 def _turning(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> np.ndarray:
-    i, turns = turnings(tree, body, piece, joint)
+    i, turns = find_turns(tree, body, piece, joint)
     hit, value = _decide(tree, body, turns)
     i, j = i[hit], turns.other[hit]
     met = body.source[piece[i]], body.source[j]
     return _Hits(*tree.blame(body, piece[i], j), joint[i], value + tree.joints.rest[joint[i]], met).rows()
 
 
-def turnings(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> tuple[np.ndarray, Turns]:
+def find_turns(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> tuple[np.ndarray, Turns]:
     """The turns by which pieces could meet others: (index into ``piece``, the turn, less the joint's rest value)."""
     axis, origin = tree.axis[joint], tree.origin[joint]
-    own = rings(body, piece, axis, origin)
+    own = bound_rings(body, piece, axis, origin)
     ends = [tree.advance[joint] * (end[joint] - tree.joints.rest[joint]) for end in (tree.low, tree.high)]
     own.height += np.stack([np.minimum(*ends), np.maximum(*ends)], axis=-1)
     if body.gap is not None:
@@ -232,10 +232,10 @@ def turnings(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray) -> 
     middle = origin + axis * ((own.height[:, 0] + own.height[:, 1]) / 2)[:, None]
     wide = own.reach[:, 1][:, None] * np.sqrt(np.maximum(1.0 - axis * axis, 0.0))
     wide += np.abs(axis) * ((own.height[:, 1] - own.height[:, 0]) / 2)[:, None]
-    i, j = near(tree, body, piece, middle - wide, middle + wide, joint)
+    i, j = find_near_pieces(tree, body, piece, middle - wide, middle + wide, joint)
     # the others' bounds about the same axes, each once
     pair, back = np.unique(joint[i] * len(body) + j, return_inverse=True)
-    other = rings(
+    other = bound_rings(
         body, pair % max(len(body), 1), tree.axis[pair // max(len(body), 1)], tree.origin[pair // max(len(body), 1)]
     )
     meet = np.ones(len(i), dtype=bool)
@@ -297,7 +297,7 @@ class Turns:
         moved = Placed(body, self.piece, turn, self.origin - apply(turn, self.origin) + along)
         still = Placed(body, self.other)
         gap = None if body.gap is None else body.gap[self.piece]
-        hit, away = examine(moved, still, 0.5 if gap is None else EXACT)
+        hit, away = separate(moved, still, 0.5 if gap is None else EXACT)
         # moved lies beyond still along ``away``: does it while it turns by half the interval either way?
         least = -swept_extent(moved, self.axis, self.origin, np.minimum(half, np.pi), -away)
         least -= np.abs(dot(self.axis, away) * self.advance * half)
@@ -356,7 +356,7 @@ def _following(tree: Tree, body: Pieces) -> Iterator[np.ndarray]:
     """Joints that others follow, in many states."""
     leads, values = tree.following
     gaps = None if body.gap is None else lambda one, two: _meeting(body, one, two)
-    for found in in_states(tree, body, values, leads >= 0, gaps):
+    for found in meet_in_states(tree, body, values, leads >= 0, gaps):
         (i, j), lead, states = found.pieces, leads[found.number], values[found.number]
         for first, second, one, two in (
             (*tree.blame(body, i, j), body.source[i], body.source[j]),
@@ -368,7 +368,7 @@ def _following(tree: Tree, body: Pieces) -> Iterator[np.ndarray]:
                 yield _Hits(first[keep], second[keep], at[keep], states[at[keep]], (one[keep], two[keep])).rows()
 
 
-def posed(tree: Tree, body: Pieces, states: np.ndarray) -> Iterator[Pairs]:
+def find_meetings_in_states(tree: Tree, body: Pieces, states: np.ndarray) -> Iterator[LinkPairs]:
     """Pairs of links that meet and may not, for each of the ``states`` (S, J)."""
-    for found in in_states(tree, body, states):
+    for found in meet_in_states(tree, body, states):
         yield tree.blame(body, *found.pieces)

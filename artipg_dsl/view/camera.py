@@ -64,7 +64,7 @@ def look_at(points: np.ndarray, azimuth: float = 33.0, elevation: float = 24.0, 
     return Camera(eye, axes, scale, max(distance - size, distance * 0.02), distance + 3 * size)
 
 
-def lights(camera: Camera, sun_count: int = 12, sky_count: int = 32) -> Lights:
+def place_lights(camera: Camera, sun_count: int = 12, sky_count: int = 32) -> Lights:
     """A broad sun from above the viewer's left and a sky, as bundles of parallel lights that each cast a shadow.
 
     The counts are multiples of 4: the samples of a pixel share the lights out (``deferred.pick_lights``).

@@ -16,7 +16,7 @@ _GROUND_REACH = 1.3  # how far from the object its shadow is looked for, in its 
 
 
 @dataclass(frozen=True, slots=True)
-class Hits:
+class RayHits:
     """For each ray (n,): the face it meets, -1 for none, its barycentric ``u``, ``v`` and the ``distance``."""
 
     face: np.ndarray
@@ -30,7 +30,7 @@ class Engine(Protocol):
 
     def begin(self, scene: Scene, camera: Camera, lights: Lights, floor: float) -> None: ...
 
-    def first(self, faces: np.ndarray, rays: Rays) -> Hits: ...
+    def first(self, faces: np.ndarray, rays: Rays) -> RayHits: ...
 
     def visible(self, points: np.ndarray, light: np.ndarray) -> np.ndarray: ...
 
@@ -45,7 +45,7 @@ class Rays:
 
 
 @dataclass(frozen=True, slots=True)
-class Surface:
+class _SeenSurface:
     """What is seen at some samples: position, unit normal (n, 3) towards the viewer, tint (n, 4), finish (n,) each."""
 
     position: np.ndarray
@@ -64,7 +64,7 @@ def camera_rays(camera: Camera, size: int) -> Rays:
     return Rays(camera.eye, direction.reshape(-1, 3), edge)
 
 
-def draw(
+def shade_picture(
     engine: Engine, size: int, backdrop: np.ndarray, scene: Scene, camera: Camera, lights: Lights, floor: float
 ) -> np.ndarray:
     """Linear light (size, size, 3) of a scene that stands on the plane z = ``floor``."""
@@ -106,7 +106,7 @@ def _picked_power(lights: Lights, chosen: np.ndarray) -> np.ndarray:
     return (lights.power * (_SAMPLES * _SAMPLES))[chosen]
 
 
-def _surface(scene: Scene, rays: Rays, at: np.ndarray, hits: Hits) -> Surface:
+def _surface(scene: Scene, rays: Rays, at: np.ndarray, hits: RayHits) -> _SeenSurface:
     """What the samples ``at`` show, interpolated over the faces they hit."""
     corners = scene.faces[hits.face[at]]
     u, v = hits.u[at][:, None], hits.v[at][:, None]
@@ -116,7 +116,7 @@ def _surface(scene: Scene, rays: Rays, at: np.ndarray, hits: Hits) -> Surface:
     normal = np.where((normal * towards).sum(axis=1, keepdims=True) < 0, -normal, normal)
     position = rays.eye - towards * hits.distance[at][:, None]
     first = corners[:, 0]
-    return Surface(position, normal, scene.colour[first], scene.metalness[first], scene.gloss[first])
+    return _SeenSurface(position, normal, scene.colour[first], scene.metalness[first], scene.gloss[first])
 
 
 def _unit_or_up(vectors: np.ndarray) -> np.ndarray:
@@ -128,7 +128,7 @@ def _light_up(
     engine: Engine,
     lights: Lights,
     chosen: np.ndarray,
-    seen: Surface,
+    seen: _SeenSurface,
     rays: Rays,
     at: np.ndarray,
     backdrop: np.ndarray,
@@ -175,7 +175,7 @@ def _distance_to_floor(rays: Rays, at: np.ndarray, floor: float) -> np.ndarray:
     return (floor - rays.eye[2]) / np.minimum(rays.direction[at, 2], -1e-9)
 
 
-def _ground_samples(scene: Scene, rays: Rays, solid: Hits, floor: float, extent: float) -> np.ndarray:
+def _ground_samples(scene: Scene, rays: Rays, solid: RayHits, floor: float, extent: float) -> np.ndarray:
     """Samples that show ground near enough to the object to lie in its shadow."""
     at = np.flatnonzero((solid.face < 0) & (rays.direction[:, 2] < -1e-6))
     points = rays.eye[:2] + rays.direction[at, :2] * _distance_to_floor(rays, at, floor)[:, None]

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..geometry.rays import cover
 from .camera import Camera, Lights
-from .deferred import Hits, Rays, draw
+from .deferred import RayHits, Rays, shade_picture
 from .raster_gl import light_matrices
 from .scene import Scene
 
@@ -24,7 +24,7 @@ class Renderer:
 
     def render(self, scene: Scene, camera: Camera, lights: Lights, floor: float) -> np.ndarray:
         """Linear light (size, size, 3) of a scene that stands on the plane z = ``floor``."""
-        return draw(self, self.size, self.backdrop, scene, camera, lights, floor)
+        return shade_picture(self, self.size, self.backdrop, scene, camera, lights, floor)
 
     def begin(self, scene: Scene, camera: Camera, lights: Lights, floor: float) -> None:
         """Draw the shadow map of every light: the depth (K, MAP, MAP) along it of what is nearest."""
@@ -67,7 +67,7 @@ class Renderer:
         above = (map_[at + _MAP + 2] < near) * (1 - fx) + (map_[at + _MAP + 3] < near) * fx
         return below * (1 - fy) + above * fy
 
-    def first(self, faces: np.ndarray, rays: Rays) -> Hits:
+    def first(self, faces: np.ndarray, rays: Rays) -> RayHits:
         """The nearest of ``faces`` at each sample of the picture."""
         local = self.camera.local(self.scene.vertices)
         depth = -local[:, 2]
@@ -88,7 +88,7 @@ class Renderer:
         distance[met] = 1.0 / (near[met] * back)
         face = np.full(found.size, -1)
         face[met] = faces[found[met]]
-        return Hits(face, u, v, distance)
+        return RayHits(face, u, v, distance)
 
 
 def barycentric(triangle: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from .camera import Camera, Lights
-from .deferred import Hits, Rays, draw
+from .deferred import RayHits, Rays, shade_picture
 from .scene import Scene
 
 
@@ -26,7 +26,7 @@ class Renderer:
 
     def render(self, scene: Scene, camera: Camera, lights: Lights, floor: float) -> np.ndarray:
         """Linear light (size, size, 3) of a scene that stands on the plane z = ``floor``."""
-        return draw(self, self.size, self.backdrop, scene, camera, lights, floor)
+        return shade_picture(self, self.size, self.backdrop, scene, camera, lights, floor)
 
     def begin(self, scene: Scene, camera: Camera, lights: Lights, floor: float) -> None:
         self.scene, self.lights = scene, lights
@@ -40,16 +40,16 @@ class Renderer:
             self._mesh(built, np.ascontiguousarray(triangles))
         return built
 
-    def first(self, faces: np.ndarray, rays: Rays) -> Hits:
+    def first(self, faces: np.ndarray, rays: Rays) -> RayHits:
         """The nearest of ``faces`` that each ray meets."""
         count = len(rays.direction)
         if not len(faces):
-            return Hits(np.full(count, -1), np.zeros(count), np.zeros(count), np.full(count, np.inf))
+            return RayHits(np.full(count, -1), np.zeros(count), np.zeros(count), np.full(count, np.inf))
         origins = np.broadcast_to(rays.eye.astype(np.float32), (count, 3)).copy()
         found = self._build(faces).run(origins, rays.direction.astype(np.float32), output=True)
         met = found["primID"] >= 0
         face = np.where(met, faces[np.maximum(found["primID"], 0)], -1)
-        return Hits(face, found["u"].astype(float), found["v"].astype(float), found["tfar"].astype(float))
+        return RayHits(face, found["u"].astype(float), found["v"].astype(float), found["tfar"].astype(float))
 
     def visible(self, points: np.ndarray, light: np.ndarray) -> np.ndarray:
         """Which of the lights (n, m) each point sees, 0 or 1."""

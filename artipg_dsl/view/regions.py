@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..annotate.points import field_name, label_points
-from ..annotate.seen import Bound, Hits, bind, carry_vectors
-from ..annotate.soup import Soup, soup
+from ..annotate.seen import BoundHits, SoupHits, bind_hits, carry_vectors
+from ..annotate.soup import Soup, make_soup
 from .scene import Scene, hex_colour
 
 if TYPE_CHECKING:
@@ -46,19 +46,19 @@ _LEAST = 200  # pieces along that of the object, at most
 _STRIPE = 3.0  # pieces to a stripe where several words hold
 
 
-def words(batch: Batch, vocabulary: str) -> list[str]:
+def words_said(batch: Batch, vocabulary: str) -> list[str]:
     """The words of a vocabulary that some label of the program says, in its order."""
     said = {label.name for label in batch.program.labels if label.vocabulary == vocabulary}
     return [word for word in batch.program.vocabularies.get(vocabulary, ()) if word in said]
 
 
-def colours(batch: Batch, vocabulary: str) -> dict[str, np.ndarray]:
+def colours_of(batch: Batch, vocabulary: str) -> dict[str, np.ndarray]:
     """The colour of each word that is said, linear light (3,)."""
     every = list(batch.program.vocabularies.get(vocabulary, ()))
-    return {word: hex_colour(COLOURS[(every.index(word) - 1) % len(COLOURS)]) for word in words(batch, vocabulary)}
+    return {word: hex_colour(COLOURS[(every.index(word) - 1) % len(COLOURS)]) for word in words_said(batch, vocabulary)}
 
 
-def regions(
+def find_regions(
     batch: Batch, robots: Robots, i: int, pose: tuple[np.ndarray, np.ndarray], vocabulary: str
 ) -> tuple[Scene, set[str]]:
     """Object ``i`` with its links moved by ``pose``, and the words that hold somewhere on it.
@@ -67,19 +67,19 @@ def regions(
     with the neutral colour by the degree of a graded label, in stripes where several words hold.
     """
     labels = [label for label in batch.program.labels if label.vocabulary == vocabulary]
-    made = soup(batch, i, i + 1)
+    made = make_soup(batch, i, i + 1)
     triangle, weights, edge = _cut(made, [target.site for label in labels for target in label.targets])
-    middle = Hits(triangle, weights.mean(axis=1))
-    at = bind(made, middle)
+    middle = SoupHits(triangle, weights.mean(axis=1))
+    at = bind_hits(made, middle)
     shares = _degrees(batch, labels, at)
-    tint, painted = paint(list(colours(batch, vocabulary).values()), shares, at.position, _STRIPE * edge)
+    tint, painted = paint(list(colours_of(batch, vocabulary).values()), shares, at.position, _STRIPE * edge)
     opacity = np.where(painted, 1.0, _opacities(robots, i, made)[triangle])
     kept, weights = _join(triangle, weights, tint)
     triangle, tint, opacity = triangle[kept], tint[kept], opacity[kept]
 
     corner = np.einsum("sck,skx->scx", weights, made.corner[triangle])
     inner = (0.97 * weights + 0.03 * weights.mean(axis=1, keepdims=True)).reshape(-1, 3)  # the very pole has no normal
-    normal = bind(made, Hits(np.repeat(triangle, 3), inner)).normal
+    normal = bind_hits(made, SoupHits(np.repeat(triangle, 3), inner)).normal
     turn, shift = pose
     link = np.repeat(made.link[triangle], 3)
     colour = np.concatenate([tint, opacity[:, None]], axis=1).repeat(3, axis=0)
@@ -111,13 +111,13 @@ def _cut(made: Soup, labelled: Sequence[int]) -> tuple[np.ndarray, np.ndarray, n
     found = []
     for n in np.unique(pieces).tolist():
         which = np.flatnonzero(pieces == n)
-        grid = pattern(n)
+        grid = subdivide(n)
         found.append((np.repeat(which, len(grid)), np.tile(grid, (len(which), 1, 1))))
     triangle = np.concatenate([f[0] for f in found])
     return triangle, np.concatenate([f[1] for f in found]), edge[triangle]
 
 
-def pattern(n: int) -> np.ndarray:
+def subdivide(n: int) -> np.ndarray:
     """(n * n, 3, 3): weights of the corners of the triangles that ``n`` cuts along each side make."""
     a, b = (x.ravel() for x in np.mgrid[0:n, 0:n])
     up, down = a + b < n, a + b < n - 1
@@ -129,10 +129,10 @@ def pattern(n: int) -> np.ndarray:
     return np.concatenate(made) / n
 
 
-def _degrees(batch: Batch, labels: list[Label], at: Bound) -> dict[str, np.ndarray]:
+def _degrees(batch: Batch, labels: list[Label], at: BoundHits) -> dict[str, np.ndarray]:
     """How far each word holds at the places, 0 .. 1."""
     fields = label_points(batch, batch.sites(), at, labels).fields
-    ordered = words(batch, labels[0].vocabulary) if labels else []
+    ordered = words_said(batch, labels[0].vocabulary) if labels else []
     names = {label.name: field_name(label) for label in labels}
     return {word: np.clip(np.nan_to_num(fields[names[word]].astype(np.float64)), 0.0, 1.0) for word in ordered}
 

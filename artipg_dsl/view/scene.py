@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..annotate.frames import rotate
-from ..annotate.states import opened
-from ..export.materials import linear
+from ..annotate.states import open_values
+from ..export.materials import to_linear
 from ..export.robot import Robots
 
 COLOURINGS = ("part", "material", "affordance")
@@ -56,14 +56,14 @@ class Scene:
 
 def hex_colour(text: str) -> np.ndarray:
     """Linear light (3,) of ``rrggbb``."""
-    return linear(np.array([int(text[i : i + 2], 16) / 255 for i in (0, 2, 4)]))
+    return to_linear(np.array([int(text[i : i + 2], 16) / 255 for i in (0, 2, 4)]))
 
 
 def _palette() -> np.ndarray:
     return np.array([hex_colour(text) for text in _PALETTE])
 
 
-def scene(robots: Robots, i: int, pose: tuple[np.ndarray, np.ndarray], colouring: str = "part") -> Scene:
+def make_scene(robots: Robots, i: int, pose: tuple[np.ndarray, np.ndarray], colouring: str = "part") -> Scene:
     """Object ``i`` of a batch with its links moved by ``pose``, what ``batch.pose`` returns for the whole batch."""
     turn, shift = pose
     semantic = _palette()
@@ -76,7 +76,7 @@ def scene(robots: Robots, i: int, pose: tuple[np.ndarray, np.ndarray], colouring
         link = int(robots.link_start[i]) + int(group.table.link[item.row])
         vertices = rotate(turn[link], group.vertices[item.k][shading.source]) + shift[link]
         look = robots.look(i, item)
-        rgb = linear(np.array(look.colour))
+        rgb = to_linear(np.array(look.colour))
         if colouring == "part":
             word = int(group.table.semantic[item.row])
             rgb = semantic[(word - 1) % len(semantic)] if word else hex_colour(_UNSAID)
@@ -92,4 +92,4 @@ def scene(robots: Robots, i: int, pose: tuple[np.ndarray, np.ndarray], colouring
     return Scene(**{name: np.concatenate(arrays) for name, arrays in parts.items()})
 
 
-__all__ = ["COLOURINGS", "Scene", "hex_colour", "opened", "scene"]
+__all__ = ["COLOURINGS", "Scene", "hex_colour", "open_values", "make_scene"]

@@ -12,10 +12,10 @@ from ..annotate.frames import rotate
 from ..export.robot import Robots
 from ..export.write import ExportError, write_bytes
 from ..geometry.resolution import SMOOTH, Resolution
-from .camera import lights, look_at
+from .camera import look_at, place_lights
 from .png import png_bytes, srgb, write_number, write_text
-from .regions import colours, regions, words
-from .scene import COLOURINGS, hex_colour, opened, scene
+from .regions import colours_of, find_regions, words_said
+from .scene import COLOURINGS, hex_colour, make_scene, open_values
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
@@ -32,7 +32,7 @@ VIEWS = {  # degrees to the left of the front, and above
 BACKDROP = "eaedf1"
 
 
-def renderer(name: str, size: int) -> Any:
+def make_renderer(name: str, size: int) -> Any:
     """A renderer by name, or with ``auto`` the first of ``RENDERERS`` that works on this machine."""
     if name != "auto" and name not in RENDERERS:
         raise ExportError(f"unknown renderer {name!r}", f"the renderers are auto, {', '.join(RENDERERS)}")
@@ -60,7 +60,7 @@ def _make(name: str, size: int) -> Any:
     return Plain(size, backdrop)
 
 
-def sheet(
+def draw_sheet(
     batch: Batch,
     *,
     columns: int | None = None,
@@ -84,12 +84,12 @@ def sheet(
     if not len(batch):
         raise ExportError("there is no object to draw", "sample at least one")
     acting = colour == "affordance"
-    if acting and not words(batch, colour):
+    if acting and not words_said(batch, colour):
         raise ExportError(f"{batch.program.name} has no label of `affordance`", "say where one acts: see `label`")
-    draw, said = renderer(which, tile), set[str]()
+    draw, said = make_renderer(which, tile), set[str]()
     robots = Robots(batch, resolution=resolution, physics=False)
-    poses = {"rest": batch.pose(), "open": batch.pose(opened(batch))}
-    azimuth, elevation = direction(view)
+    poses = {"rest": batch.pose(), "open": batch.pose(open_values(batch))}
+    azimuth, elevation = read_direction(view)
     if view is None:
         azimuth *= _side(robots, poses["open"])
     columns = columns or default_columns(len(batch))
@@ -99,13 +99,13 @@ def sheet(
     for i, number in enumerate(batch.numbers.tolist()):
         state = states if states != "alternate" else ("rest", "open")[(i + i // columns * (columns % 2 == 0)) % 2]
         if acting:
-            shown, found = regions(batch, robots, i, poses[state], colour)
+            shown, found = find_regions(batch, robots, i, poses[state], colour)
             said |= found
         else:
-            shown = scene(robots, i, poses[state], colour)
+            shown = make_scene(robots, i, poses[state], colour)
         camera = look_at(shown.vertices, azimuth, elevation)
         floor = float(shown.vertices[:, 2].min())
-        light = draw.render(shown, camera, lights(camera, *draw.light_counts), floor)
+        light = draw.render(shown, camera, place_lights(camera, *draw.light_counts), floor)
         y, x = i // columns * tile, i % columns * tile
         cell = image[y : y + tile, x : x + tile]
         cell[:] = srgb(light)
@@ -113,12 +113,12 @@ def sheet(
         if progress:
             progress(i + 1, len(batch))
     if acting:
-        tints = {word: srgb(tint) for word, tint in colours(batch, colour).items() if word in said}
-        image = np.concatenate([image, legend(tints, image.shape[1])])
+        tints = {word: srgb(tint) for word, tint in colours_of(batch, colour).items() if word in said}
+        image = np.concatenate([image, draw_legend(tints, image.shape[1])])
     return image
 
 
-def direction(view: str | tuple[float, float] | None) -> tuple[float, float]:
+def read_direction(view: str | tuple[float, float] | None) -> tuple[float, float]:
     """Azimuth and elevation (degrees) of a view: a name, two numbers, or the text of two numbers. Raises ExportError."""
     if view is None or isinstance(view, str) and view in VIEWS:
         return VIEWS[view or "iso"]
@@ -132,7 +132,7 @@ def direction(view: str | tuple[float, float] | None) -> tuple[float, float]:
     return azimuth, elevation
 
 
-def legend(tints: dict[str, np.ndarray], width: int, size: int = 2) -> np.ndarray:
+def draw_legend(tints: dict[str, np.ndarray], width: int, size: int = 2) -> np.ndarray:
     """Rows of words beside their colours (3,) uint8, for below a picture of some width; a dot is ``size`` pixels."""
     wide, high = 6 * size * (max(map(len, tints), default=0) + 3), 14 * size
     columns = max(1, width // wide)
@@ -161,5 +161,5 @@ def default_columns(count: int) -> int:
 
 
 def write_sheet(batch: Batch, path: Path | str, *, force: bool = False, **options: Any) -> None:
-    """Write the contact sheet of a batch as PNG; the options are those of ``sheet``."""
-    write_bytes(path, png_bytes(sheet(batch, **options)), force=force)
+    """Write the contact sheet of a batch as PNG; the options are those of ``draw_sheet``."""
+    write_bytes(path, png_bytes(draw_sheet(batch, **options)), force=force)

@@ -8,7 +8,7 @@ from itertools import product
 
 from geometry.shipped import SHIPPED
 
-from artipg_dsl.geometry.trial import trial
+from artipg_dsl.geometry.trial import draw_trial
 from artipg_dsl.resources import library_dir
 from artipg_dsl.session import Session
 from artipg_dsl.syntax import ast
@@ -102,7 +102,7 @@ def shipped() -> dict[str, Shipped]:
 
 def primitive(module: str, name: str, made, node: ast.PrimitiveDecl) -> Shipped:
     """A primitive with values of its test range that meet its requirements."""
-    values = trial(made, 4)
+    values = draw_trial(made, 4)
     types = {n: p.type.name for p in node.body if isinstance(p, ast.ParamDecl) for n in p.names}
     vectors = {n.split(".")[0] for n in made.parameters if "." in n}
     given = []

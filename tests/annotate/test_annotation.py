@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from export.fake_batch import SEMANTIC, FakeBatch
 
-from artipg_dsl.annotate.annotation import describe, line, plain
+from artipg_dsl.annotate.annotation import annotate, to_line, to_plain_data
 from artipg_dsl.annotate.frames import axis_angle, compose, euler, quaternion, rotate, unrotate
 from artipg_dsl.annotate.grasps import grasp_frame, sample_grasps
 from artipg_dsl.annotate.points import field_kinds, label_points
-from artipg_dsl.annotate.poses import normalised, part_poses, symmetry_words
+from artipg_dsl.annotate.poses import normalise, part_poses, symmetry_words
 from artipg_dsl.graph import expr as e
 from artipg_dsl.runtime.fields import Field
 
@@ -145,7 +145,7 @@ def test_normalised_coordinates_have_a_unit_diagonal() -> None:
     poses = part_poses(FakeBatch(1))
     for part in range(8):
         corner = poses.center[part] + rotate(poses.rotation[part], poses.size[part] / 2)
-        found = normalised(poses, np.array([part]), corner[None])[0]
+        found = normalise(poses, np.array([part]), corner[None])[0]
         assert 2 * np.sqrt((found**2).sum()) == pytest.approx(1.0) and (found > 0).all()
 
 
@@ -168,7 +168,7 @@ def test_a_grasp_frame_is_square_even_if_its_words_are_not() -> None:
 
 def test_the_annotation_tells_the_whole_object() -> None:
     batch = FakeBatch(2)
-    second = describe(batch, gripper=None)[1]
+    second = annotate(batch, gripper=None)[1]
     assert (second["object"], second["category"]) == (1, "Cupboard")
     assert (second["seed"], second["rejected"]) == (7, 1)
     hinge = second["joints"][0]
@@ -182,14 +182,14 @@ def test_the_annotation_tells_the_whole_object() -> None:
 
 
 def test_a_line_is_json_short_and_the_same_from_any_batch() -> None:
-    text = line(describe(FakeBatch(5))[3])
-    assert text == line(describe(FakeBatch(1, first=3))[0]) and "\n" not in text
+    text = to_line(annotate(FakeBatch(5))[3])
+    assert text == to_line(annotate(FakeBatch(1, first=3))[0]) and "\n" not in text
     again = json.loads(text)
-    assert line(again) == text and "-0.0," not in text and "e-1" not in text
+    assert to_line(again) == text and "-0.0," not in text and "e-1" not in text
 
 
 def test_plain_values() -> None:
-    assert plain({"b": np.float64(1.5), "a": (np.int64(2), np.bool_(True), None, np.nan)}) == {
+    assert to_plain_data({"b": np.float64(1.5), "a": (np.int64(2), np.bool_(True), None, np.nan)}) == {
         "b": 1.5,
         "a": [2, True, None, None],
     }

@@ -9,7 +9,7 @@ import pytest
 
 import artipg_dsl as apg
 from artipg_dsl.annotate.sampling import Sampling, read_weights
-from artipg_dsl.annotate.shares import quotas
+from artipg_dsl.annotate.shares import share_out
 from artipg_dsl.errors import UsageError
 from artipg_dsl.export.containers import npz_bytes
 from artipg_dsl.export.shards import point_arrays
@@ -87,8 +87,8 @@ def test_blue_points_keep_apart_within_their_share(samples: apg.Samples) -> None
 
 def test_quotas() -> None:
     owner = np.array([0, 0, 0, 1, 1, 2])
-    assert quotas(owner, np.array([1.0, 1.0, 1.0, 3.0, 1.0, 2.0]), 10).tolist() == [4, 3, 3, 8, 2, 10]
-    assert quotas(owner, np.array([1.0, 0.0, 1.0, 0.0, 1.0, 0.1]), 3).tolist() == [2, 0, 1, 0, 3, 3]
+    assert share_out(owner, np.array([1.0, 1.0, 1.0, 3.0, 1.0, 2.0]), 10).tolist() == [4, 3, 3, 8, 2, 10]
+    assert share_out(owner, np.array([1.0, 0.0, 1.0, 0.0, 1.0, 0.1]), 3).tolist() == [2, 0, 1, 0, 3, 3]
 
 
 def test_shards_hold_what_points_stand_for(samples: apg.Samples) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from artipg_dsl.annotate.cloud import Points, sample_points
-from artipg_dsl.annotate.states import own_joints, resting, twist
+from artipg_dsl.annotate.states import own_joints, rest_values, twist
 from artipg_dsl.diagnostics import CompileError
 from artipg_dsl.runtime.batch import Batch
 from artipg_dsl.session import Session
@@ -84,7 +84,7 @@ def cosines(batch: Batch, points: Points) -> tuple[np.ndarray, np.ndarray]:
 
 def upward(batch: Batch) -> np.ndarray:
     """1 for joints that can only grow from rest, -1 for those that can only fall, 0 for the others."""
-    joints, rest = batch.joints(), resting(batch)
+    joints, rest = batch.joints(), rest_values(batch)
     up = np.isnan(joints.high) | (joints.high > rest + 1e-6)
     down = np.isnan(joints.low) | (joints.low < rest - 1e-6)
     return up.astype(int) - down

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from artipg_dsl.annotate.annotation import describe
+from artipg_dsl.annotate.annotation import annotate
 from artipg_dsl.annotate.grasps import sample_grasps
 from artipg_dsl.annotate.gripper import REASONS, STANDARD, Gripper, judge, read_gripper
 from artipg_dsl.annotate.states import joint_values, read_states
@@ -63,9 +63,9 @@ def test_a_grasp_may_state_the_hand_it_is_meant_for() -> None:
     assert verdicts(stated, Gripper(palm_width=0.02)) == ["wide"] * 5
     by_size = batch(opening="size.y + 1mm  stroke size.y + t * 1cm")
     assert verdicts(by_size) == ["wide"] * 3 + ["reachable"] * 2
-    told = describe(stated)[0]["grasps"][0]
+    told = annotate(stated)[0]["grasps"][0]
     assert (
-        told["gripper"] == {"stroke": 0.1, "palm_width": 0.02} and describe(batch())[0]["grasps"][0]["gripper"] is None
+        told["gripper"] == {"stroke": 0.1, "palm_width": 0.02} and annotate(batch())[0]["grasps"][0]["gripper"] is None
     )
 
 
@@ -87,13 +87,13 @@ def test_something_has_to_be_held() -> None:
 
 
 def test_the_annotation_counts_what_was_dropped() -> None:
-    plain = describe(batch())[1]
+    plain = annotate(batch())[1]
     assert [g["reachable"] for g in plain["grasps"]] == [True] * 4
     assert plain["dropped"] == [{"name": "side", "wide": 0, "blocked": 1, "empty": 0}]
-    every = describe(batch(), gripper=None)[1]
+    every = annotate(batch(), gripper=None)[1]
     assert len(every["grasps"]) == 5 and every["dropped"] == [] and every["grasps"][0]["reachable"] is None
     tight = batch(near=5.0)
-    told = describe(tight, joint_values(tight, read_states("rest,slide=15cm")))[1]
+    told = annotate(tight, joint_values(tight, read_states("rest,slide=15cm")))[1]
     assert [g["reachable"] for g in told["grasps"]] == [False] * 4
     assert [[g["reachable"] for g in s["grasps"]] for s in told["states"]] == [[False] * 4, [True] * 4]
     assert told["dropped"][0]["blocked"] == 1
@@ -144,7 +144,7 @@ category Post {
   keypoint middle on knob
 """,
     )
-    found = describe(Session.of_text(text).sampler.batch(np.arange(12), 1), gripper=None)
+    found = annotate(Session.of_text(text).sampler.batch(np.arange(12), 1), gripper=None)
     with_knob = [any(p["path"] == "knob" for p in a["parts"]) for a in found]
     assert 0 < sum(with_knob) < 12
     for there, told in zip(with_knob, found, strict=True):

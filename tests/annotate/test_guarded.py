@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from artipg_dsl.annotate.annotation import describe
+from artipg_dsl.annotate.annotation import annotate
 from artipg_dsl.annotate.cloud import sample_points
 from artipg_dsl.session import Session
 from artipg_dsl.source import Source
@@ -33,7 +33,7 @@ category Block {
 
 def test_only_where_the_condition_holds() -> None:
     batch = Session(Source("block.apg", TEXT), None).sampler.batch(np.arange(30), seed=5)
-    told = describe(batch)
+    told = annotate(batch)
     turned = np.array([batch.drawn(k)["kind"] == "turned" for k in range(30)])
     assert 0 < turned.sum() < 30
     points = sample_points(batch, 64)

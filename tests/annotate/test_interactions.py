@@ -7,12 +7,12 @@ import os
 import numpy as np
 import pytest
 
-from artipg_dsl.annotate.annotation import describe
+from artipg_dsl.annotate.annotation import annotate
 from artipg_dsl.annotate.cloud import sample_points
-from artipg_dsl.annotate.interactions import directions, interactions
+from artipg_dsl.annotate.interactions import directions_of, find_interactions
 from artipg_dsl.annotate.rebind import rebind
 from artipg_dsl.annotate.sampling import Sampling
-from artipg_dsl.annotate.states import joint_twist, joint_values, opened, read_states
+from artipg_dsl.annotate.states import joint_twist, joint_values, open_values, read_states
 from artipg_dsl.errors import UsageError
 from artipg_dsl.export.shards import point_arrays
 from artipg_dsl.runtime.batch import Batch
@@ -29,7 +29,7 @@ def batch() -> Batch:
 
 def test_the_handle_of_the_door_of_the_microwave(batch: Batch) -> None:
     lineages = set()
-    for annotation in describe(batch):
+    for annotation in annotate(batch):
         parts = annotation["parts"]
         for part in parts:
             assert (part["lineage"] is None) == (part["semantic"] is None)
@@ -52,18 +52,18 @@ def test_the_handle_of_the_door_of_the_microwave(batch: Batch) -> None:
 
 def test_a_handle_in_a_template_is_of_what_carries_it() -> None:
     batch = Session.of("StorageFurniture").sampler.batch(np.arange(4), seed=1)
-    handles = [p["lineage"] for a in describe(batch, gripper=None) for p in a["parts"] if p["semantic"] == "handle"]
+    handles = [p["lineage"] for a in annotate(batch, gripper=None) for p in a["parts"] if p["semantic"] == "handle"]
     assert handles and all("/drawer/handle" in name or "/door/handle" in name for name in handles)
 
 
 def test_directions_are_those_of_the_joint(batch: Batch) -> None:
-    found = interactions(batch)
+    found = find_interactions(batch)
     assert (np.diff(found.owner) >= 0).all() and {"affordance.pull", "affordance.press"} <= set(found.name)
     values = batch.rest()
     step = 1e-6
     turn, shift = batch.pose(values)
     place = np.einsum("kij,kj->ki", turn[found.link], found.point) + shift[found.link]
-    direction, speed = directions(joint_twist(batch, values), found.joint, place)
+    direction, speed = directions_of(joint_twist(batch, values), found.joint, place)
     for row, joint in enumerate(found.joint):
         nudged = values.copy()
         nudged[joint] += step
@@ -76,7 +76,7 @@ def test_directions_are_those_of_the_joint(batch: Batch) -> None:
 def test_one_can_act_on_all_that_moves(category: str) -> None:
     """Every moving link bears an affordance, or carries one that does."""
     idle = set()
-    for annotation in describe(Session.of(category).sampler.batch(np.arange(12), seed=5), gripper=None):
+    for annotation in annotate(Session.of(category).sampler.batch(np.arange(12), seed=5), gripper=None):
         above = {joint["child"]: joint["parent"] for joint in annotation["joints"]}
         reached = set()
         for link in {entry["link"] for entry in annotation["interactions"]}:
@@ -125,7 +125,7 @@ def test_interactions_are_what_the_surface_bears() -> None:
     batch = Session(Source("chest.apg", GUARDED), None).sampler.batch(np.arange(8), seed=1)
     plain = [batch.drawn(k)["kind"] == "plain" for k in range(8)]
     assert len(set(plain)) == 2
-    for annotation, lifted in zip(describe(batch), plain, strict=True):
+    for annotation, lifted in zip(annotate(batch), plain, strict=True):
         told = sorted(entry["affordance"].split(".")[1] for entry in annotation["interactions"])
         assert told == ["lift"] * lifted + ["open", "press", "pull", "turn"]
         words = {part["path"]: part["semantic"] for part in annotation["parts"]}
@@ -139,7 +139,7 @@ def test_shipped_interactions_are_found_on_points(category: str) -> None:
     points = sample_points(batch, Sampling(3000, per="link"))
     names = batch.links().name
     first = np.searchsorted(batch.links().owner, np.arange(len(batch)))
-    for k, annotation in enumerate(describe(batch, gripper=None)):
+    for k, annotation in enumerate(annotate(batch, gripper=None)):
         moving = {joint["child"] for joint in annotation["joints"] if joint["type"] != "fixed"}
         told = {(entry["link"], entry["affordance"]) for entry in annotation["interactions"]}
         rows = np.flatnonzero(points.object == k)
@@ -190,7 +190,7 @@ def test_a_label_is_for_a_joint_of_several_in_a_row() -> None:
         "grasp": ("swing", None),
         "roll": ("raise", up),
     }
-    for annotation in describe(batch):
+    for annotation in annotate(batch):
         told = {e["affordance"].split(".")[1]: (e["joint"], e["direction"]) for e in annotation["interactions"]}
         assert told == wanted
     points = sample_points(batch, 400, motion=True)
@@ -216,7 +216,7 @@ def test_what_a_formula_asks_about_is_what_a_door_is_pushed_by() -> None:
     batch = Session.of("Door").sampler.batch(np.arange(12), seed=3)
     joints = {
         (entry["affordance"], entry["joint"].split(".")[-1])
-        for annotation in describe(batch, gripper=None)
+        for annotation in annotate(batch, gripper=None)
         for entry in annotation["interactions"]
         if ".letters" not in entry["joint"]
     }
@@ -224,7 +224,7 @@ def test_what_a_formula_asks_about_is_what_a_door_is_pushed_by() -> None:
 
 
 def test_a_shut_door_is_pulled_and_an_open_one_pushed(batch: Batch) -> None:
-    told = describe(batch, np.stack([batch.rest(), opened(batch, 1.0)]))
+    told = annotate(batch, np.stack([batch.rest(), open_values(batch, 1.0)]))
     seen = 0
     for annotation in told:
         for k, entry in enumerate(annotation["interactions"]):

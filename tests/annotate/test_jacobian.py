@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from artipg_dsl.annotate.cloud import sample_points
-from artipg_dsl.annotate.jacobian import jacobian, rates
+from artipg_dsl.annotate.jacobian import find_jacobian, find_rates
 from artipg_dsl.annotate.rebind import rebind
-from artipg_dsl.annotate.states import draw
+from artipg_dsl.annotate.states import draw_values
 from artipg_dsl.runtime.batch import Batch
 from artipg_dsl.session import Session, categories
 
@@ -29,7 +29,7 @@ def batch_of(category: str, count: int = 2) -> Batch:
 @pytest.mark.parametrize("category", CATEGORIES)
 def test_velocities_are_differences_of_places(category: str) -> None:
     batch = batch_of(category)
-    states = np.stack([draw(batch, k) for k in range(2)])
+    states = np.stack([draw_values(batch, k) for k in range(2)])
     states[1] = (states[0] + states[1]) / 2
     points = sample_points(batch, 64, states, motion=True)
     assert points.drivers is not None and points.velocities is not None
@@ -45,7 +45,7 @@ def test_velocities_are_differences_of_places(category: str) -> None:
     base = np.searchsorted(batch.joints().owner, np.arange(len(batch)))
     for k, state in enumerate(states):
         assert np.abs(at(state) - points.position[:, k]).max() < 1e-9
-        drivers, _, _ = rates(batch, batch.settled(state))
+        drivers, _, _ = find_rates(batch, batch.settled(state))
         for slot in range(drivers.shape[1]):
             moving = drivers[:, slot][drivers[:, slot] >= 0]
             step = np.zeros(len(state))
@@ -60,8 +60,8 @@ def test_velocities_are_differences_of_places(category: str) -> None:
 def test_what_follows_is_no_driver_and_moves_along() -> None:
     batch = batch_of("Foldingrack")
     assert batch.loops is not None
-    state = draw(batch, 0)
-    drivers, rate, depends = rates(batch, batch.settled(state))
+    state = draw_values(batch, 0)
+    drivers, rate, depends = find_rates(batch, batch.settled(state))
     followers = batch.loops.variable[batch.loops.follows]
     assert len(followers) and not np.isin(followers, drivers).any()
     assert depends[followers].any(axis=1).all() and (np.abs(rate[followers]).max(axis=1) > 1e-6).all()
@@ -69,7 +69,7 @@ def test_what_follows_is_no_driver_and_moves_along() -> None:
 
 def test_points_bound_again_have_the_same_velocities() -> None:
     batch = batch_of("Foldingrack", 2)
-    states = np.stack([draw(batch, 0), draw(batch, 1)])
+    states = np.stack([draw_values(batch, 0), draw_values(batch, 1)])
     points = sample_points(batch, 40, states, motion=True)
     again = rebind(batch, points, states, motion=True)
     assert again.velocities is not None and np.array_equal(again.velocities, points.velocities)
@@ -79,7 +79,7 @@ def test_points_bound_again_have_the_same_velocities() -> None:
 def test_alone_and_in_a_batch_the_same_bits() -> None:
     whole, one = batch_of("Foldingrack", 4), Session.of("Foldingrack").sampler.batch(np.array([2]), seed=11)
     links = np.flatnonzero(whole.links().owner == 2)
-    found, alone = jacobian(whole), jacobian(one)
+    found, alone = find_jacobian(whole), find_jacobian(one)
     width = alone.driver.shape[1]
     assert (found.driver[links][:, width:] == -1).all()
     for name in ("driver", "turn", "shift"):

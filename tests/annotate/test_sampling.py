@@ -92,7 +92,7 @@ def test_elimination_reaches_most_of_the_largest_radius() -> None:
     normal = np.broadcast_to([0.0, 0.0, 1.0], place.shape)
     kept = blue.thin(place, normal, np.ones(2), 1000)
     assert kept.shape == (2, 1000) and (np.diff(kept, axis=1) > 0).all()
-    most = 2 * blue.radius(np.ones(1), 1000)[0]
+    most = 2 * blue.disc_radius(np.ones(1), 1000)[0]
     for points in (place[0][kept[0]], place[1][kept[1]]):
         gaps = np.sqrt(((points[:, None] - points) ** 2).sum(axis=-1)) + np.eye(len(points))
         assert gaps.min() > 0.55 * most

@@ -7,7 +7,7 @@ import pytest
 from export.fake_batch import FakeBatch
 
 from artipg_dsl.annotate.cloud import sample_points
-from artipg_dsl.annotate.states import REST, joint_values, opened, read_states, resting, state_table, twist
+from artipg_dsl.annotate.states import REST, joint_values, open_values, read_states, rest_values, state_table, twist
 from artipg_dsl.errors import UsageError
 from artipg_dsl.runtime.batch import Batch
 from artipg_dsl.sampling.sample import Sampler
@@ -58,14 +58,14 @@ def test_values_of_an_object_are_its_own(sampler: Sampler, batch: Batch) -> None
     assert few.tobytes() == joint_values(batch, read_states("random:3"))[:, at].tobytes()
     assert more[:3].tobytes() == few.tobytes(), "further states leave the first as they are"
     mixed = joint_values(alone, read_states("random:1,rest,random:2"))
-    assert mixed[[0, 2, 3]].tobytes() == few.tobytes() and mixed[1].tobytes() == resting(alone).tobytes()
+    assert mixed[[0, 2, 3]].tobytes() == few.tobytes() and mixed[1].tobytes() == rest_values(alone).tobytes()
 
 
 def test_a_joint_that_mimics_follows() -> None:
     batch = FakeBatch(3, mimic=True)
     values = joint_values(batch, read_states("open,random:2"))
     assert (values[:, 1::2] == 0.002 * values[:, 0::2]).all() and (values[:, 0::2] > 0).all()
-    assert values[0, 0::2] == pytest.approx(opened(batch)[0::2])
+    assert values[0, 0::2] == pytest.approx(open_values(batch)[0::2])
 
 
 def test_a_table_of_states_ends_in_nan(batch: Batch) -> None:

@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from artipg_dsl.annotate.annotation import describe
+from artipg_dsl.annotate.annotation import annotate
 from artipg_dsl.annotate.cloud import sample_points
 from artipg_dsl.diagnostics import Diagnostic
 from artipg_dsl.export.partnet_mobility import partnet_files
 from artipg_dsl.export.robot import Robots
 from artipg_dsl.export.usd import usd_files
-from artipg_dsl.graph.unlabelled import unlabelled
+from artipg_dsl.graph.unlabelled import find_unlabelled
 from artipg_dsl.session import Session, categories
 from artipg_dsl.source import Source
 
@@ -58,7 +58,7 @@ def test_class_0_says_that_nothing_is_said() -> None:
     paths = np.array([site.path for site in batch.program.sites])[points.primitive]
     meant = np.select([paths == "body", paths == "tap.knob"], [words.index("base"), words.index("knob")], 0)
     assert np.array_equal(points.semantic, meant) and (points.semantic == 0).any()
-    told = {part["path"]: part["semantic"] for part in describe(batch)[0]["parts"]}
+    told = {part["path"]: part["semantic"] for part in annotate(batch)[0]["parts"]}
     assert told == {"body": "base", "tap": None, "tap.stem": None, "tap.knob": "knob"}
 
 
@@ -141,5 +141,5 @@ def test_the_word_is_reserved(tmp_path: Path) -> None:
 def test_shipped_categories_label_all_of_their_surface(name: str) -> None:
     made = Session.of(name)
     batch = made.sampler.batch(np.arange(6), seed=11)
-    assert [batch.program.sites[bare.number].path for bare in unlabelled(batch.program)] == []
+    assert [batch.program.sites[bare.number].path for bare in find_unlabelled(batch.program)] == []
     assert (sample_points(batch, 512).semantic > 0).all()

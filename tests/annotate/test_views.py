@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from artipg_dsl.annotate.camera_file import from_description, read_cameras
+from artipg_dsl.annotate.camera_file import cameras_from, read_cameras
 from artipg_dsl.annotate.cameras import Cameras
 from artipg_dsl.annotate.cloud import sample_points
 from artipg_dsl.annotate.frames import rotate, unrotate
 from artipg_dsl.annotate.poses import part_poses
-from artipg_dsl.annotate.states import joint_values, opened, read_states
+from artipg_dsl.annotate.states import joint_values, open_values, read_states
 from artipg_dsl.annotate.views import NONE, Views, make_views
 from artipg_dsl.errors import UsageError, UserError
 from artipg_dsl.geometry import rays
@@ -124,7 +124,7 @@ def test_normals_turn_to_the_camera(views: Views) -> None:
 
 
 def test_part_coordinates_lead_back_to_the_points(batch: Batch) -> None:
-    state = opened(batch)
+    state = open_values(batch)
     views = make_views(batch, CAMERAS, state)
     poses = part_poses(batch, state)
     first = np.searchsorted(batch.parts().owner, np.arange(len(batch)))
@@ -251,8 +251,8 @@ def test_without_embree_numpy_does_it(monkeypatch: pytest.MonkeyPatch, batch: Ba
 
 def test_cameras_of_their_own(batch: Batch) -> None:
     poses = [{"eye": [2, 0, 0.5]}, {"eye": [0.1, 0, 2], "target": [0.1, 0, 0]}, {"eye": [1.5, 1, 1], "up": [0, 1, 0]}]
-    cameras = from_description({"poses": poses, "width": 64, "height": 64, "fov": 50, "points": 200})
-    assert cameras.count == 3 and from_description(cameras.plain()) == cameras
+    cameras = cameras_from({"poses": poses, "width": 64, "height": 64, "fov": 50, "points": 200})
+    assert cameras.count == 3 and cameras_from(cameras.plain()) == cameras
     views = make_views(batch, cameras)
     outside = views.extrinsics[2]
     eye = -np.einsum("vji,vj->vi", outside[:, :3, :3], outside[:, :3, 3])
@@ -272,12 +272,12 @@ def test_default_cameras_stand_in_front_and_see_all(batch: Batch) -> None:
 
 
 def test_a_camera_that_sees_nothing_is_an_error_in_words(batch: Batch) -> None:
-    away = from_description({"poses": [{"eye": [2, 0, 0.2], "target": [3, 0, 0.2]}]})
+    away = cameras_from({"poses": [{"eye": [2, 0, 0.2], "target": [3, 0, 0.2]}]})
     with pytest.raises(UserError, match="view 0 of object 0 does not see it"):
         make_views(batch, away)
     far = {"poses": [{"eye": [50, 0, 0.2]}], "width": 65, "height": 49, "points": 1_000_000, "fov": 60}
     with pytest.raises(UserError, match="next to nothing") as caught:
-        make_views(batch, from_description(far))
+        make_views(batch, cameras_from(far))
     assert "fewer points" in caught.value.hint
 
 
@@ -288,9 +288,9 @@ def test_a_camera_within_a_solid_is_refused_but_not_one_in_the_cavity(batch: Bat
     small = {"width": 16, "height": 12, "points": 50}
     solid = [{"eye": [3, 0, 0.2]}, {"eye": middle.tolist(), "target": [1, 0, 0.2]}]
     with pytest.raises(UserError, match="view 1 of object 0 is taken from within one of its solids"):
-        make_views(batch, from_description(small | {"poses": solid}))
+        make_views(batch, cameras_from(small | {"poses": solid}))
     cavity = (middle + [0.06, 0.0, 0.06]).tolist()
-    views = make_views(batch, from_description(small | {"poses": [{"eye": cavity, "target": [3, 0.0, cavity[2]]}]}))
+    views = make_views(batch, cameras_from(small | {"poses": [{"eye": cavity, "target": [3, 0.0, cavity[2]]}]}))
     assert seen(views).all() and (views.images["depth"] < 0.6).all()
 
 

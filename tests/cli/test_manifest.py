@@ -102,7 +102,7 @@ def test_no_command_ends_in_a_traceback_whatever_the_manifest_says(folder, below
     for at, made in mutants(whole):
         (place / manifest.NAME).write_text(json.dumps(made), encoding="utf-8")
         try:
-            manifest.read(place)
+            manifest.read_manifest(place)
         except ExportError as wrong:
             refused += 1
             assert str(place / manifest.NAME) in wrong.message and wrong.hint, wrong
@@ -156,7 +156,7 @@ def test_what_is_wrong_is_told_with_its_key(folder: Path, tmp_path: Path, at: Pa
     whole = json.loads((folder / manifest.NAME).read_text(encoding="utf-8"))
     (tmp_path / manifest.NAME).write_text(json.dumps(changed(whole, at, value)), encoding="utf-8")
     with pytest.raises(ExportError) as wrong:
-        manifest.read(tmp_path)
+        manifest.read_manifest(tmp_path)
     assert wrong.value.message.startswith(f"{tmp_path / manifest.NAME}: {words}"), wrong.value.message
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from artipg_dsl.annotate.annotation import describe
+from artipg_dsl.annotate.annotation import annotate
 from artipg_dsl.export.shards import point_arrays
 from artipg_dsl.runtime.batch import Batch
 from artipg_dsl.session import Session
@@ -38,7 +38,7 @@ def test_arrays(batch: Batch) -> None:
 
 
 def test_annotation(batch: Batch) -> None:
-    annotations = describe(batch)
+    annotations = annotate(batch)
     assert set(annotations[0]) == set(told("keys"))
     entries = told("entries")
     for key, (names,) in entries.items():

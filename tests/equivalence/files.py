@@ -129,10 +129,10 @@ def usd(folder: Path, robot: Robot) -> Reading:
 
 
 def _tilt(robot: Robot, name: str, value: float) -> Matrix:
-    from artipg_dsl.runtime.motion import square
+    from artipg_dsl.runtime.motion import perpendicular_to
 
     joint = next(j for j in robot.joints if j.name == name)
-    return matrix(axis_angle(square(joint.axis[None])[0], np.float64(value)), np.zeros(3))
+    return matrix(axis_angle(perpendicular_to(joint.axis[None])[0], np.float64(value)), np.zeros(3))
 
 
 def glb(folder: Path, robot: Robot) -> Reading:

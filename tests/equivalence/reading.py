@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from artipg_dsl.export.pose import follow, link_poses
+from artipg_dsl.export.pose import follow_leaders, link_poses
 from artipg_dsl.export.robot import Robot, RobotJoint
 
 Values = dict[str, float]
@@ -63,7 +63,7 @@ def random_values(robot: Robot, seed: int) -> Values:
     """A random state within the limits, followers with their leaders."""
     random = np.random.default_rng(seed)
     spans = {j.name: (j.low, j.high) if j.low is not None and j.high is not None else (-3.0, 3.0) for j in robot.joints}
-    return follow(robot, {name: float(random.uniform(*span)) for name, span in spans.items()})
+    return follow_leaders(robot, {name: float(random.uniform(*span)) for name, span in spans.items()})
 
 
 def from_the_root(robot: Robot) -> list[RobotJoint]:

@@ -10,10 +10,10 @@ import pytest
 from artipg_dsl.export.hulls import STEPS
 from artipg_dsl.export.mjcf import mjcf_files
 from artipg_dsl.export.robot import Robot, Robots
-from artipg_dsl.export.solids import as_round, planes
+from artipg_dsl.export.solids import match_round, planes_of
 from artipg_dsl.export.urdf import urdf_files
 from artipg_dsl.export.usd import usd_files
-from artipg_dsl.geometry.merge import Convex, clusters, cut, gap, gathered, halves
+from artipg_dsl.geometry.merge import Convex, clusters, cut, gap, gather_clusters, halves
 from artipg_dsl.session import Session
 
 BOX = np.array([(x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
@@ -60,8 +60,8 @@ def test_rings_one_above_the_other_become_long_staves() -> None:
 
 def test_the_keys_of_a_keyboard_become_one_slab_and_far_ones_do_not() -> None:
     keys = [(convex(BOX * [1, 1, 0.2] + [1.1 * c, 1.1 * r, 0], unit=10 * r + c),) for r in range(4) for c in range(10)]
-    assert len(gathered(keys, 0.12)) == 1
-    assert len(gathered(keys[::2], 0.12)) == 20
+    assert len(gather_clusters(keys, 0.12)) == 1
+    assert len(gather_clusters(keys[::2], 0.12)) == 20
 
 
 def test_halves_are_of_primitives_then_steps_then_names() -> None:
@@ -78,7 +78,7 @@ def test_cylinders_balls_and_capsules_are_known() -> None:
     circle = np.stack([0.02 * np.cos(turn), 0.02 * np.sin(turn), 0 * turn], axis=-1)
     cylinder = np.concatenate([circle - [0, 0, 0.05], circle + [0, 0, 0.05]])
     cone = np.concatenate([circle - [0, 0, 0.05], 0.9 * circle + [0, 0, 0.05]])
-    assert as_round(np.stack([cylinder, cone])).tolist() == [[pytest.approx(0.02), pytest.approx(0.1), 0], [0, 0, 0]]
+    assert match_round(np.stack([cylinder, cone])).tolist() == [[pytest.approx(0.02), pytest.approx(0.1), 0], [0, 0, 0]]
     tilt = np.linspace(-np.pi / 2, np.pi / 2, 9)
     ball = np.stack(
         np.broadcast_arrays(
@@ -88,11 +88,11 @@ def test_cylinders_balls_and_capsules_are_known() -> None:
     )
     ball = 0.03 * ball.reshape(-1, 3)
     capsule = ball + np.sign(ball[:, 2:]) * [0, 0, 0.04]
-    assert as_round(np.stack([ball, capsule])).tolist() == [
+    assert match_round(np.stack([ball, capsule])).tolist() == [
         [pytest.approx(0.03), 0, 1],
         [pytest.approx(0.03), pytest.approx(0.08), 1],
     ]
-    assert not as_round(np.stack([ball * [1, 1, 1.1], ball * [1, 0.9, 1]])).any()
+    assert not match_round(np.stack([ball * [1, 1, 1.1], ball * [1, 0.9, 1]])).any()
 
 
 TEXT = """apg 1
@@ -170,7 +170,7 @@ def inside(robot: Robot, point: np.ndarray) -> bool:
                 hit = (np.abs(c.rotation.T @ (local - c.center)) < np.array(c.size) / 2).all()
             else:
                 assert c.hull is not None
-                normals, offsets = planes(c.hull.vertices[None], c.hull.faces)
+                normals, offsets = planes_of(c.hull.vertices[None], c.hull.faces)
                 hit = (normals[0] @ local < offsets[0]).all()
             if hit:
                 return True
@@ -237,7 +237,7 @@ def test_hulls_reach_hardly_farther_than_the_pieces_and_hold_them(name: str) -> 
         kept = sum(len(hull.pieces) for hull in hulls)
         assert kept == sum(len(group.rows[group.table.owner[group.rows] == i]) for group in robots.pieces)
         for hull in hulls:
-            normals, offsets = planes(hull.vertices[None], hull.faces)
+            normals, offsets = planes_of(hull.vertices[None], hull.faces)
             short = max(float((piece.points @ normals[0].T - offsets[0]).max()) for piece in hull.pieces)
             assert short <= (tolerance if hull.cut else 1e-9)
             assert gap(hull.pieces) <= 2 * tolerance

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from artipg_dsl.annotate.annotation import describe
+from artipg_dsl.annotate.annotation import annotate
 from artipg_dsl.annotate.cameras import Cameras
 from artipg_dsl.annotate.poses import part_poses
 from artipg_dsl.annotate.sampling import Sampling
@@ -82,7 +82,7 @@ def test_states_of_points_views_and_annotations_are_the_same(written: Path) -> N
 def test_an_annotation_tells_what_is_elsewhere_in_each_state(sampler: Sampler) -> None:
     batch = sampler.batch(np.arange(3), seed=1)
     values = joint_values(batch, read_states("rest,open"))
-    plain, told = describe(batch), describe(batch, values)
+    plain, told = annotate(batch), annotate(batch, values)
     poses, first = part_poses(batch, values[1]), np.searchsorted(batch.parts().owner, np.arange(3))
     for i in range(3):
         assert {k: v for k, v in told[i].items() if k != "states"} == plain[i]

@@ -166,7 +166,7 @@ def test_other_options_are_refused_with_words_unless_forced(tmp_path: Path) -> N
         write(tmp_path / "o", 5, points=32)
     write(tmp_path / "o", 2, formats="points", seed=8, force=True)
     assert set(tree(tmp_path / "o")) == {"manifest.json", "notes.txt", "points-00000.npz", "annotation-00000.jsonl"}
-    assert manifest.read(tmp_path / "o")["identity"]["seed"] == 8  # type: ignore[index]
+    assert manifest.read_manifest(tmp_path / "o")["identity"]["seed"] == 8  # type: ignore[index]
 
 
 def test_a_folder_with_something_else_named_manifest_is_left_alone(tmp_path: Path) -> None:
@@ -189,7 +189,7 @@ def test_counts_of_the_run_reach_the_manifest(tmp_path: Path) -> None:
         "repaired": {"too long": 1},
     }
     assert write(tmp_path / "o", 2, counts=counts)["counts"] == counts
-    assert manifest.read(tmp_path / "o")["counts"] == counts  # type: ignore[index]
+    assert manifest.read_manifest(tmp_path / "o")["counts"] == counts  # type: ignore[index]
 
 
 def test_unknown_formats_list_the_known_ones() -> None:

@@ -19,7 +19,7 @@ from artipg_dsl.export.dynamics import (
     VELOCITY,
     Dynamics,
     _of_all,
-    dynamics,
+    complete_dynamics,
 )
 
 
@@ -50,7 +50,9 @@ def one(kind: str, axis: list[float], mass: float = 2.0, lifted: float = 0.0, **
     pose = np.stack([np.eye(3), turn]), np.zeros((2, 3))
     center = np.array([[0.0, 0, 0], [0.3, 0, 0]])
     together = np.zeros(1, int), np.ones(1)
-    return dynamics(table, table.rest, np.zeros(1, int), np.array([5.0, mass]), center, inertia, pose, together)
+    return complete_dynamics(
+        table, table.rest, np.zeros(1, int), np.array([5.0, mass]), center, inertia, pose, together
+    )
 
 
 def test_a_hinge_that_gravity_pulls_off_its_rest_holds_itself() -> None:

@@ -11,7 +11,7 @@ import pytest
 import trimesh
 
 from artipg_dsl.export.glb import glb_bytes, open_values
-from artipg_dsl.export.materials import linear
+from artipg_dsl.export.materials import to_linear
 from artipg_dsl.export.robot import Robot, Robots
 from artipg_dsl.export.shading import shade
 
@@ -54,9 +54,11 @@ def test_colours_are_linear_and_glass_is_blended(robot: Robot) -> None:
     document, _ = parse(glb_bytes(robot))
     glass = next(m for m in document["materials"] if m["name"] == "glass")
     colour = glass["pbrMetallicRoughness"]["baseColorFactor"]
-    assert colour[:3] == pytest.approx(linear(np.array([0.6, 0.75, 0.8])), abs=1e-6) and colour[3] == pytest.approx(0.4)
+    assert colour[:3] == pytest.approx(to_linear(np.array([0.6, 0.75, 0.8])), abs=1e-6) and colour[3] == pytest.approx(
+        0.4
+    )
     assert glass["alphaMode"] == "BLEND"
-    assert linear(np.array([0.0, 1.0])).tolist() == [0.0, 1.0]
+    assert to_linear(np.array([0.0, 1.0])).tolist() == [0.0, 1.0]
 
 
 def test_nodes_tell_their_joints_and_the_animation_drives_them(robot: Robot) -> None:

@@ -18,7 +18,7 @@ from artipg_dsl.api import Samples, load
 from artipg_dsl.cli.main import main
 from artipg_dsl.errors import UserError
 from artipg_dsl.graph.text import TextError, from_text, to_text
-from artipg_dsl.runtime.batch import apart
+from artipg_dsl.runtime.batch import make_distinct
 from artipg_dsl.session import Session
 
 TEXTS = [
@@ -245,11 +245,11 @@ def test_tags_that_meet_stay_apart() -> None:
     import numpy as np
 
     names = ["row[1].turn", "row_1.turn", "row[1].turn", "row_1.turn", "row_1.turn_2"]
-    assert apart(names, np.array([0, 0, 1, 2, 2])) == [
+    assert make_distinct(names, np.array([0, 0, 1, 2, 2])) == [
         "row_1.turn",
         "row_1.turn_2",
         "row_1.turn",
         "row_1.turn",
         "row_1.turn_2",
     ]
-    assert apart(["a[1]", "a_1", "a_1_2"], np.zeros(3, dtype=int)) == ["a_1", "a_1_3", "a_1_2"]
+    assert make_distinct(["a[1]", "a_1", "a_1_2"], np.zeros(3, dtype=int)) == ["a_1", "a_1_3", "a_1_2"]

@@ -11,7 +11,7 @@ from artipg_dsl.export.robot import Robots
 from artipg_dsl.resources import library_dir
 from artipg_dsl.session import Session
 from artipg_dsl.validity.mass import masses
-from artipg_dsl.validity.materials import RANGES, drawn
+from artipg_dsl.validity.materials import RANGES, draw_property
 
 TEXT = """apg 1
 use primitives { Cuboid }
@@ -37,14 +37,14 @@ def test_every_object_draws_from_the_ranges() -> None:
     assert ash.density == (600.0, 750.0) and ash.roughness == (0.5, 0.7) and ash.transparency == (0.1, 0.1)
     for name in RANGES:
         low, high = getattr(ash, name)
-        values = drawn(batch, ash, name)
+        values = draw_property(batch, ash, name)
         assert values.shape == (400,) and (values >= low).all() and (values <= high).all()
         if low < high:
             shares = np.sort((values - low) / (high - low))
             uniform = (np.arange(400) + 0.5) / 400
             assert np.abs(shares - uniform).max() < 0.08  # Kolmogorov: 1 % of samples of 400 exceed 0.081
-    assert (drawn(batch, ash, "friction_dynamic") < drawn(batch, ash, "friction_static")).all()
-    density, roughness = drawn(batch, ash, "density"), drawn(batch, ash, "roughness")
+    assert (draw_property(batch, ash, "friction_dynamic") < draw_property(batch, ash, "friction_static")).all()
+    density, roughness = draw_property(batch, ash, "density"), draw_property(batch, ash, "roughness")
     assert abs(np.corrcoef(density, roughness)[0, 1]) < 0.15
 
 
@@ -52,8 +52,8 @@ def test_a_draw_belongs_to_object_and_material_alone() -> None:
     whole, one = load(TEXT, n=9, seed=3).batch, load(TEXT, n=9, seed=3).object(7).batch
     ash = whole.program.materials["ash"]
     for name in RANGES:
-        assert drawn(whole, ash, name)[7] == drawn(one, ash, name)[0]
-    assert (drawn(load(TEXT, n=9, seed=4).batch, ash, "density") != drawn(whole, ash, "density")).all()
+        assert draw_property(whole, ash, name)[7] == draw_property(one, ash, name)[0]
+    assert (draw_property(load(TEXT, n=9, seed=4).batch, ash, "density") != draw_property(whole, ash, "density")).all()
 
 
 def test_mass_friction_and_looks_follow() -> None:
@@ -62,13 +62,13 @@ def test_mass_friction_and_looks_follow() -> None:
     ash = batch.program.materials["ash"]
     for i, material in enumerate(resolve_materials(batch, ash)):
         (link,) = robots.robot(i).links
-        expected = 0.1 * 0.2 * (0.3 * drawn(batch, ash, "density")[i] + 0.01 * 700)
+        expected = 0.1 * 0.2 * (0.3 * draw_property(batch, ash, "density")[i] + 0.01 * 700)
         assert link.mass == pytest.approx(expected, rel=1e-9)
         body = next(c.material for c in link.colliders if c.material.name == "ash")
         assert all(getattr(body, name) == getattr(material, name) for name in RANGES)
         assert body.friction_static[0] == body.friction_static[1]
         look = next(v.look for v in link.visuals if v.look.name == "ash")
-        assert look.roughness == drawn(batch, ash, "roughness")[i] and look.opacity == pytest.approx(0.9)
+        assert look.roughness == draw_property(batch, ash, "roughness")[i] and look.opacity == pytest.approx(0.9)
 
 
 def test_parts_without_a_material_are_named() -> None:

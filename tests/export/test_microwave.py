@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from artipg_dsl.annotate.annotation import describe, line
+from artipg_dsl.annotate.annotation import annotate, to_line
 from artipg_dsl.annotate.cloud import sample_points
 from artipg_dsl.export.glb import glb_bytes
 from artipg_dsl.export.robot import Robots
@@ -33,7 +33,7 @@ def robots(batch: Batch) -> Robots:
 
 def test_every_urdf_loads_with_the_joints_of_its_annotation(batch: Batch, robots: Robots) -> None:
     mujoco = pytest.importorskip("mujoco")
-    for i, annotation in enumerate(describe(batch)):
+    for i, annotation in enumerate(annotate(batch)):
         files = urdf_files(robots.robot(i))
         assets = {name: data for name, data in files.items() if name.endswith(".obj")}
         model = mujoco.MjModel.from_xml_string(files["object.urdf"].decode(), assets)
@@ -66,7 +66,7 @@ def test_an_object_is_the_same_alone(sampler: Sampler, batch: Batch, robots: Rob
     alone = sampler.batch(np.array([37]), seed=7)
     one = Robots(alone).robot(0)
     assert urdf_files(one) == urdf_files(robots.robot(7)) and glb_bytes(one) == glb_bytes(robots.robot(7))
-    assert line(describe(alone)[0]) == line(describe(batch)[7])
+    assert to_line(annotate(alone)[0]) == to_line(annotate(batch)[7])
     mine, theirs = point_arrays(alone, 128), point_arrays(batch, 128)
     assert list(mine) == list(theirs)
     for name, array in mine.items():

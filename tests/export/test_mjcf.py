@@ -10,9 +10,9 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from artipg_dsl.export.adjacent import adjacent
+from artipg_dsl.export.adjacent import find_adjacent
 from artipg_dsl.export.mjcf import mjcf_files, qpos
-from artipg_dsl.export.pose import follow, link_poses, rest_values
+from artipg_dsl.export.pose import follow_leaders, link_poses, rest_values
 from artipg_dsl.export.robot import Robot, Robots
 from artipg_dsl.export.write import ExportError
 from artipg_dsl.session import Session
@@ -50,7 +50,7 @@ def order(model) -> list[str]:  # type: ignore[no-untyped-def]
 def some_values(robot: Robot, seed: int) -> dict[str, float]:
     random = np.random.default_rng(seed)
     ends = {j.name: (j.low, j.high) if j.low is not None and j.high is not None else (-1.0, 1.0) for j in robot.joints}
-    return follow(robot, {name: float(random.uniform(low, high)) for name, (low, high) in ends.items()})
+    return follow_leaders(robot, {name: float(random.uniform(low, high)) for name, (low, high) in ends.items()})
 
 
 def test_links_masses_centres_and_inertia(robot: Robot, files: dict[str, bytes]) -> None:
@@ -154,7 +154,7 @@ def test_a_link_does_not_collide_with_its_fixed_parent() -> None:
     pair = {robot.links[0].name, robot.links[1].name}
     touching = [{model.body(int(model.geom_bodyid[g])).name for g in (c.geom1, c.geom2)} for c in data.contact]
     assert pair not in touching
-    free = {tuple(sorted(names)) for names in adjacent(robot)}
+    free = {tuple(sorted(names)) for names in find_adjacent(robot)}
     assert tuple(sorted(pair)) in free and model.nexclude == len(free)
 
 
@@ -163,7 +163,7 @@ def test_links_that_are_welded_count_as_one() -> None:
     door = robot.joints[1]
     on_door = replace(robot, joints=(robot.joints[0], replace(door, parent=1)))
     names = [link.name for link in robot.links]
-    assert set(adjacent(on_door)) == {(names[0], names[1]), (names[0], names[2]), (names[1], names[2])}
+    assert set(find_adjacent(on_door)) == {(names[0], names[1]), (names[0], names[2]), (names[1], names[2])}
 
 
 def test_the_halves_of_scissors_and_what_a_ring_carries_count_as_held() -> None:
@@ -173,12 +173,12 @@ def test_the_halves_of_scissors_and_what_a_ring_carries_count_as_held() -> None:
     halves = replace(
         button, kind="revolute", axis=-door.axis, origin=door.origin + 0.01 * door.axis, mimic=("open", 1.0, 0.0)
     )
-    assert (names[1], names[2]) in adjacent(replace(robot, joints=(door, halves)))
-    assert (names[1], names[2]) not in adjacent(replace(robot, joints=(door, replace(halves, mimic=None))))
+    assert (names[1], names[2]) in find_adjacent(replace(robot, joints=(door, halves)))
+    assert (names[1], names[2]) not in find_adjacent(replace(robot, joints=(door, replace(halves, mimic=None))))
     carried = replace(robot, joints=(door, replace(button, parent=1)))
-    assert (names[0], names[2]) not in adjacent(carried)
+    assert (names[0], names[2]) not in find_adjacent(carried)
     ring = replace(robot.links[1], mass=0.01 * robot.links[2].mass)
-    assert (names[0], names[2]) in adjacent(replace(carried, links=(robot.links[0], ring, robot.links[2])))
+    assert (names[0], names[2]) in find_adjacent(replace(carried, links=(robot.links[0], ring, robot.links[2])))
 
 
 def test_a_follower_is_tied_by_an_equality_and_follows() -> None:

@@ -14,7 +14,7 @@ import trimesh
 
 from artipg_dsl import Samples, sample
 from artipg_dsl.export.partnet_mobility import partnet_files
-from artipg_dsl.export.partnet_words import CATEGORIES, category, link_label, snake
+from artipg_dsl.export.partnet_words import CATEGORIES, link_label, spell_category, to_snake_case
 from artipg_dsl.export.registry import FORMATS
 from artipg_dsl.export.robot import Robots
 from artipg_dsl.export.write import ExportError
@@ -362,9 +362,11 @@ def test_what_it_cannot_state_is_refused(monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def test_words() -> None:
-    assert category("Trashcan") == "TrashCan" and category("washing_machine") == "WashingMachine"
-    assert category("Foldingrack") == "Foldingrack" and len(CATEGORIES) == 46
-    assert snake("pad.row[1].key") == "pad_row_1_key" and snake("StorageFurniture") == "storage_furniture"
+    assert spell_category("Trashcan") == "TrashCan" and spell_category("washing_machine") == "WashingMachine"
+    assert spell_category("Foldingrack") == "Foldingrack" and len(CATEGORIES) == 46
+    assert (
+        to_snake_case("pad.row[1].key") == "pad_row_1_key" and to_snake_case("StorageFurniture") == "storage_furniture"
+    )
     assert link_label("StorageFurniture", "door", "revolute") == "rotation_door"
     assert link_label("Microwave", "door", "revolute") == "door"
     assert FORMATS["partnet-mobility"].file == "mobility.urdf"

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from artipg_dsl.export.pose import follow, link_poses
+from artipg_dsl.export.pose import follow_leaders, link_poses
 from artipg_dsl.export.robot import Robot, Robots
-from artipg_dsl.export.solids import as_box
+from artipg_dsl.export.solids import match_box
 from artipg_dsl.export.substitute import simple_joints
 from artipg_dsl.export.urdf import urdf_files
 from artipg_dsl.export.write import ExportError
@@ -81,7 +81,7 @@ def test_box_is_told_from_other_hulls() -> None:
     sheared = corners + corners[:, 2:] * [0.1, 0, 0]
     repeated = corners.copy()
     repeated[7] = corners[6]
-    is_box, size, center = as_box(np.stack([corners, sheared, repeated]))
+    is_box, size, center = match_box(np.stack([corners, sheared, repeated]))
     assert is_box.tolist() == [True, False, False]
     assert size[0].tolist() == [2, 4, 6] and center[0].tolist() == [0, 0, 0]
 
@@ -150,7 +150,7 @@ def test_a_substitute_moves_as_the_joint_does(robot: Robot, kind: str, added: in
     assert {joint.kind for joint in simple.joints} <= {"revolute", "continuous", "prismatic", "fixed"}
     for value in (-0.7, 0.0, 1.1):
         states = {joint.name: 0.0 for joint in simple.joints} | {first.name: value}
-        poses = zip(link_poses(whole, states), link_poses(simple, follow(simple, states)), strict=False)
+        poses = zip(link_poses(whole, states), link_poses(simple, follow_leaders(simple, states)), strict=False)
         for (turn, shift), (simple_turn, simple_shift) in poses:
             assert simple_turn == pytest.approx(turn, abs=1e-12) and simple_shift == pytest.approx(shift, abs=1e-12)
     more = sum(link.mass for link in simple.links) - sum(link.mass for link in whole.links)

@@ -10,7 +10,7 @@ import pytest
 import trimesh
 
 from artipg_dsl.annotate.frames import axis_angle
-from artipg_dsl.export.pose import follow, link_poses
+from artipg_dsl.export.pose import follow_leaders, link_poses
 from artipg_dsl.export.robot import Robot, Robots
 from artipg_dsl.export.sdf import sdf_files
 from artipg_dsl.export.write import ExportError
@@ -75,7 +75,7 @@ def check(robot: Robot, seed: int = 0) -> Model:
         for joint in robot.joints:
             low, high = (-1.0, 1.0) if joint.low is None or joint.high is None else (joint.low, joint.high)
             values[joint.name] = 0.0 if joint.kind in ("ball", "fixed") else float(random.uniform(low, high))
-        values = follow(robot, values)
+        values = follow_leaders(robot, values)
         read = model.poses(values)
         for link, (turn, shift) in zip(robot.links, link_poses(robot, values), strict=True):
             assert read[link.name][0] == pytest.approx(turn, abs=1e-8) and read[link.name][1] == pytest.approx(

@@ -110,10 +110,10 @@ def test_meshes_are_looked_at_in_the_same_states(tmp_path: Path, capsys: pytest.
 
 def test_a_mesh_can_meet_where_no_piece_does() -> None:
     """Two cylinders 0.3 mm into one another: their true surfaces are met by meshes at other angles than by pieces."""
-    from artipg_dsl.export.strict import strict
+    from artipg_dsl.export.strict import check_meshes
     from artipg_dsl.session import Session
 
-    found = strict(Session.of_text(POST).sampler.batch(np.arange(1), 0), 4)
+    found = check_meshes(Session.of_text(POST).sampler.batch(np.arange(1), 0), 4)
     assert (found.objects, found.rest, found.sweeps, found.all) == (1, 0, 0, 0)
     touch = found.touches[0]
     assert (touch.links, touch.parts, touch.state) == (("body", "peg"), ("post", "peg"), "at rest")
@@ -122,7 +122,7 @@ def test_a_mesh_can_meet_where_no_piece_does() -> None:
 
 
 def test_both_ways_of_looking_agree(strict: ModuleType, tmp_path: Path) -> None:
-    from artipg_dsl.export.strict import strict as look
+    from artipg_dsl.export.strict import check_meshes as look
     from artipg_dsl.session import Session
 
     (tmp_path / "peg.apg").write_text(POST)

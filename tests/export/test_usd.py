@@ -10,7 +10,7 @@ import pytest
 from artipg_dsl import sample
 from artipg_dsl.annotate.frames import axis_angle
 from artipg_dsl.export.pose import link_poses, rest_poses
-from artipg_dsl.export.principal import principal
+from artipg_dsl.export.principal import find_principal
 from artipg_dsl.export.robot import Robot, Robots
 from artipg_dsl.export.usd import Names, between, frame_of, usd_files
 from artipg_dsl.export.write import ExportError
@@ -269,7 +269,7 @@ def test_principal_axes_of_any_tensor() -> None:
     points = rng.normal(size=(300, 5, 3)) * rng.uniform(1e-4, 1, (300, 1, 3))
     tensors = np.einsum("nki,nkj->nij", points, points)
     tensors = np.concatenate([tensors, np.eye(3)[None], np.diag([3.0, 1.0, 2.0])[None], np.zeros((1, 3, 3))])
-    moments, axes = principal(tensors)
+    moments, axes = find_principal(tensors)
     scale = np.abs(tensors).max(axis=(1, 2), keepdims=True) + 1e-30
     again = np.einsum("nij,nj,nkj->nik", axes, moments, axes)
     assert (np.abs(again - tensors) <= 1e-13 * scale).all()

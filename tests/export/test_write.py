@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from artipg_dsl.export.write import ExportError, replacing_file, replacing_folder, sweep, write_bytes
+from artipg_dsl.export.write import ExportError, replacing_file, replacing_folder, sweep_unfinished, write_bytes
 
 
 def names(folder: Path) -> list[str]:
@@ -83,5 +83,5 @@ def test_what_a_killed_process_left_is_swept(tmp_path: Path) -> None:
     (tmp_path / f".o.partial-{dead}").mkdir()
     (tmp_path / f".b.bin.partial-{os.getpid()}").write_bytes(b"still at it")
     (tmp_path / ".hidden").write_bytes(b"")
-    sweep(tmp_path)
+    sweep_unfinished(tmp_path)
     assert names(tmp_path) == [f".b.bin.partial-{os.getpid()}", ".hidden"]

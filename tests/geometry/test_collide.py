@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from artipg_dsl.geometry.collide import Corners, examine, inset, overlap
+from artipg_dsl.geometry.collide import Corners, inset, overlap, separate
 
 CUBE = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
 FACES = np.array(
@@ -50,7 +50,7 @@ def test_agrees_with_separating_axes_on_turned_boxes() -> None:
 
 def test_the_direction_given_separates() -> None:
     (first, _), (second, _) = boxes(2000, 3), boxes(2000, 4)
-    hit, away = examine(Corners(first), Corners(second))
+    hit, away = separate(Corners(first), Corners(second))
     beyond = np.einsum("kpi,ki->kp", first, away).min(axis=1) - np.einsum("kpi,ki->kp", second, away).max(axis=1)
     assert (beyond[~hit] > 0).all() and hit.any()
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from artipg_dsl.geometry.flat import BENT, PARALLEL, PLANAR, convex, shapes
-from artipg_dsl.geometry.hidden import _SIGNS, packed
+from artipg_dsl.geometry.hidden import _SIGNS, pack_fractions
 from artipg_dsl.geometry.patches import surfaces
 
 from . import shapes as made
@@ -43,7 +43,7 @@ def test_packed_fractions_tell_every_place_within_bounds():
     generator = np.random.default_rng(0)
     u, v, low_u, low_v, high_u, high_v = generator.random((6, 20_000))
     within = (low_u <= u) & (u <= high_u) & (low_v <= v) & (v <= high_v)
-    spot = packed(u, v)
-    told = (((spot - packed(low_u, low_v)) | (packed(high_u, high_v) - spot)) & _SIGNS) == 0
+    spot = pack_fractions(u, v)
+    told = (((spot - pack_fractions(low_u, low_v)) | (pack_fractions(high_u, high_v) - spot)) & _SIGNS) == 0
     assert told[within].all() and within.sum() > 100
     assert (told & ~within).sum() < 20  # rounding alone

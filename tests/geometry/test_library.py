@@ -7,9 +7,9 @@ import pytest
 
 from artipg_dsl.geometry import mesh
 from artipg_dsl.geometry.box import bounds
-from artipg_dsl.geometry.patches import existing
+from artipg_dsl.geometry.patches import find_existing
 from artipg_dsl.geometry.selftest import check_primitive
-from artipg_dsl.geometry.trial import trial
+from artipg_dsl.geometry.trial import draw_trial
 from artipg_dsl.graph.text import from_text, to_text
 from artipg_dsl.session import Session, check_text
 from artipg_dsl.source import Source
@@ -42,8 +42,8 @@ def test_a_prism_has_the_sides_that_each_instance_asks_for():
         "top_radius": np.full(4, 0.1),
         "height": np.full(4, 0.2),
     }
-    assert set(trial(prism)["sides"]) == set(range(3, 13))
-    assert existing(prism, params).sum(axis=1).tolist() == (3 * sides).tolist()
+    assert set(draw_trial(prism)["sides"]) == set(range(3, 13))
+    assert find_existing(prism, params).sum(axis=1).tolist() == (3 * sides).tolist()
     for group in mesh.build(prism, params):
         assert len(group.faces) == 4 * sides[group.rows[0]]
     volume, centre, _ = mesh.volume_inertia(prism, params)

@@ -9,14 +9,14 @@ import trimesh
 from artipg_dsl.geometry import box, mesh
 from artipg_dsl.geometry.errors import PrimitiveError
 from artipg_dsl.geometry.topology import topology
-from artipg_dsl.geometry.trial import trial, variants
+from artipg_dsl.geometry.trial import draw_trial, variants
 from artipg_dsl.graph.expr import const
 
 from . import shapes
 
 
 def params_of(primitive, rows=40):
-    return trial(primitive, rows)
+    return draw_trial(primitive, rows)
 
 
 @pytest.mark.parametrize("make", shapes.ALL)

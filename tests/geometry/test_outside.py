@@ -6,7 +6,7 @@ import numpy as np
 
 from artipg_dsl import random
 from artipg_dsl.geometry import outside, points
-from artipg_dsl.geometry.block import block
+from artipg_dsl.geometry.block import block_of
 from artipg_dsl.geometry.cells import Cells
 from artipg_dsl.geometry.hidden import scales
 
@@ -60,7 +60,7 @@ def test_the_grid_gives_what_rays_give_one_by_one() -> None:
     address = np.arange(3, dtype=np.uint64)
     sites = scenes.cluttered(PRIMITIVES, address, 14)
     found = points.sample(sites, 3, 200, KEY, address)
-    rows = block(sites, 0, 3)
+    rows = block_of(sites, 0, 3)
     cells = Cells(rows)
     outlook = outside.Outlook(cells, scales(rows), np.zeros(len(cells.area), dtype=bool))
     own = points._rows(sites, rows, found.site.ravel(), found.row.ravel())
@@ -79,7 +79,7 @@ def plain(outlook: outside.Outlook, owner: int, start: np.ndarray, normal: np.nd
     """Whether one of the rays from a point leaves: every ray with every triangle (Moeller and Trumbore's test)."""
     mine = outlook.corner[:, :, outlook.owner == owner].transpose(2, 0, 1)
     a, e, f = mine[:, 0], mine[:, 1] - mine[:, 0], mine[:, 2] - mine[:, 0]
-    for way in outside.directions():
+    for way in outside.spread_directions():
         if way @ normal <= 0.02:
             continue
         p = np.cross(way, f)
@@ -94,7 +94,7 @@ def plain(outlook: outside.Outlook, owner: int, start: np.ndarray, normal: np.nd
 
 
 def test_directions_are_even() -> None:
-    ways = outside.directions()
+    ways = outside.spread_directions()
     assert np.abs((ways**2).sum(axis=1) - 1).max() < 1e-12
     angle = np.degrees(np.arccos(np.clip(ways @ ways.T - 2 * np.eye(len(ways)), -1, 1)))
     assert 13 < angle.min(axis=1).min() and angle.min(axis=1).max() < 17.5

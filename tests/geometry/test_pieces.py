@@ -5,7 +5,7 @@ import pytest
 
 from artipg_dsl.geometry import mesh, pieces
 from artipg_dsl.geometry.errors import PrimitiveError
-from artipg_dsl.geometry.trial import trial
+from artipg_dsl.geometry.trial import draw_trial
 from artipg_dsl.graph.expr import ZERO, const, var
 from artipg_dsl.graph.formula import compile_formula
 from artipg_dsl.graph.primitive import Piece
@@ -23,7 +23,7 @@ def outside(primitive, params, rows, points):
 @pytest.mark.parametrize("make", shapes.ALL)
 def test_pieces_are_convex_and_within_the_solid_and_fill_the_mesh(make):
     primitive = make()
-    params = trial(primitive, 30)
+    params = draw_trial(primitive, 30)
     total = np.zeros(len(params[""]))
     weights = np.random.default_rng(0).dirichlet(np.full(3, 0.5), 50)
     for group in pieces.build(primitive, params):
@@ -79,7 +79,7 @@ def test_faces_found_once_are_checked_for_every_instance():
 def test_pieces_without_numbers_are_refused():
     x, y, z = shapes.size()
     lump = shapes.cuboid(pieces=(Piece("lump", ((x, y, z), (-x, y, z), (x, -y, z), (-x, -y, -z))),))
-    params = {name: np.full_like(value, np.nan) for name, value in trial(lump).items()}
+    params = {name: np.full_like(value, np.nan) for name, value in draw_trial(lump).items()}
     with pytest.raises(PrimitiveError, match="lump has points that are not finite numbers"):
         pieces.build(lump, params)
 
@@ -88,4 +88,4 @@ def test_flat_pieces_are_refused():
     x, y, _ = shapes.size()
     flat = shapes.cuboid(pieces=(Piece("sheet", ((x, y, ZERO), (-x, y, ZERO), (x, -y, ZERO), (-x, -y, ZERO))),))
     with pytest.raises(PrimitiveError, match="sheet has no volume"):
-        pieces.build(flat, trial(flat))
+        pieces.build(flat, draw_trial(flat))

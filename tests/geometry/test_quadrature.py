@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from artipg_dsl.geometry import mesh, quadrature
-from artipg_dsl.geometry.trial import trial
+from artipg_dsl.geometry.trial import draw_trial
 
 from .shipped import SHIPPED
 
@@ -29,7 +29,7 @@ def test_a_ball_and_a_cone_have_the_moments_of_the_books():
 @pytest.mark.parametrize("name", ["SlantedTube", "PotShell", "Superellipsoid", "EggRing", "TaperedSleeve", "Prism"])
 def test_meshes_come_nearer_to_the_quadrature_the_finer_they_are(name):
     primitive = SHIPPED[name]
-    params = trial(primitive, 4)
+    params = draw_trial(primitive, 4)
     exact = quadrature.volume_inertia(primitive, params)
     off = []
     for steps in (24, 96):
@@ -41,7 +41,7 @@ def test_meshes_come_nearer_to_the_quadrature_the_finer_they_are(name):
 
 def test_an_instance_has_the_same_bits_alone():
     primitive = SHIPPED["HollowFrustum"]  # with and without cut faces
-    params = trial(primitive, 8)
+    params = draw_trial(primitive, 8)
     every = quadrature.volume_inertia(primitive, params)
     for row in (0, 3, len(params[""]) - 1):
         alone = quadrature.volume_inertia(primitive, mesh.take(params, np.array([row])))

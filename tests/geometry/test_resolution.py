@@ -6,7 +6,7 @@ import pytest
 from artipg_dsl.api import sample
 from artipg_dsl.errors import UsageError
 from artipg_dsl.geometry import mesh, surface
-from artipg_dsl.geometry.trial import trial
+from artipg_dsl.geometry.trial import draw_trial
 
 from .shipped import SHIPPED
 
@@ -21,7 +21,7 @@ def apart(corners):
 @pytest.mark.parametrize("name", SHIPPED)
 def test_meshes_are_closed_at_every_tolerance(name):
     primitive = SHIPPED[name]
-    params = trial(primitive, 6)
+    params = draw_trial(primitive, 6)
     rows = np.arange(0, len(params[""]), 3)
     some = mesh.take(params, rows)
     exact = mesh.volume_inertia(primitive, some, 96)[0]
@@ -64,14 +64,14 @@ def test_a_cylinder_takes_the_steps_of_its_own_radius_and_flat_things_take_none(
     for row, radius in enumerate(params["radius"]):
         needed = np.pi / np.arccos(1 - tolerance / radius)
         assert needed <= steps[row] <= 1.35 * needed
-    cuboid = trial(SHIPPED["Cuboid"], 4)
+    cuboid = draw_trial(SHIPPED["Cuboid"], 4)
     (group,) = mesh.build(SHIPPED["Cuboid"], cuboid, np.full(len(cuboid[""]), 1e-5))
     assert len(group.faces) == 12
 
 
 def test_an_instance_is_the_same_alone():
     primitive = SHIPPED["TorusSector"]
-    params = trial(primitive, 8)
+    params = draw_trial(primitive, 8)
     tolerance = np.geomspace(1e-3, 1e-2, len(params[""]))
     groups = mesh.build(primitive, params, tolerance)
     assert sorted(r for g in groups for r in g.rows.tolist()) == list(range(len(tolerance)))

@@ -8,7 +8,7 @@ import pytest
 from artipg_dsl import random
 from artipg_dsl.geometry import density, mesh, surface
 from artipg_dsl.geometry.patches import surfaces
-from artipg_dsl.geometry.trial import trial
+from artipg_dsl.geometry.trial import draw_trial
 from artipg_dsl.graph.expr import const
 from artipg_dsl.graph.formula import compile_formula
 
@@ -23,7 +23,7 @@ def inside_of(primitive, params, row, points):
 @pytest.mark.parametrize("make", shapes.ALL)
 def test_areas_agree_with_a_fine_mesh(make):
     primitive = make()
-    params = trial(primitive, 8)
+    params = draw_trial(primitive, 8)
     found = surface.areas(primitive, params)
     for group in mesh.build(primitive, params, steps=192):
         corners = group.vertices[:, group.faces]
@@ -75,7 +75,7 @@ def var_size():
 @pytest.mark.parametrize("make", (*shapes.ALL, saddle))
 def test_placing_is_uniform_by_area(make):
     primitive = make()
-    params = {name: value[:1] for name, value in trial(primitive, 4).items()}
+    params = {name: value[:1] for name, value in draw_trial(primitive, 4).items()}
     count, cells = 40_000, 10
     first, second = random.pair(random.key(11, primitive.name), np.arange(count))
     row = np.zeros(count, dtype=np.int64)
@@ -97,7 +97,7 @@ def test_placing_is_uniform_by_area(make):
 @pytest.mark.parametrize("make", shapes.ALL)
 def test_normals_are_unit_and_point_outwards_everywhere(make):
     primitive = make()
-    params = trial(primitive, 5)
+    params = draw_trial(primitive, 5)
     count = len(params[""])
     ends = np.array([0.0, 1e-9, 0.3, 0.7, 1.0])
     u, v = (a.ravel() for a in np.meshgrid(ends, ends))

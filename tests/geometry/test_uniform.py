@@ -10,7 +10,7 @@ from scipy.stats import chi2
 
 from artipg_dsl import random
 from artipg_dsl.geometry import density, points
-from artipg_dsl.geometry.block import block
+from artipg_dsl.geometry.block import block_of
 from artipg_dsl.geometry.cells import Cells
 from artipg_dsl.geometry.density import element_split
 from artipg_dsl.geometry.patches import grid
@@ -35,15 +35,15 @@ def drawn(primitive, seed: int) -> tuple[Cells, np.ndarray, points.PointSet]:
     params = {name: (low + high) / 2 for name, (low, high) in zip(primitive.parameters, ranges(primitive), strict=True)}
     sites = [scenes.table(0, primitive, params, [0], np.zeros(3))]
     made = points.sample(sites, 1, N, random.key(seed, "points"), np.zeros(1, dtype=np.uint64))
-    cells = Cells(block(sites, 0, 1))
+    cells = Cells(block_of(sites, 0, 1))
     cells.measure_bent()
     return cells, made.patch[0].astype(int), made
 
 
 def ranges(primitive) -> list[tuple[float, float]]:
-    from artipg_dsl.geometry.trial import trial
+    from artipg_dsl.geometry.trial import draw_trial
 
-    values = trial(primitive)
+    values = draw_trial(primitive)
     return [(float(values[name][0]), float(values[name][0])) for name in primitive.parameters]
 
 
@@ -81,7 +81,7 @@ def test_the_test_catches_points_that_crowd_in_the_middle_of_a_disc(monkeypatch:
     """Without the inverse of the area element, a lid has as many points on its inner half radius as on its outer."""
     lid = next(p for name, p in primitives() if name == "LatheKettle-Dome")
     assert chi2.sf(*within(*drawn(lid, 3))) > LOST
-    monkeypatch.setattr(density.Placement, "place", lambda self, row, first, second: (first, second))
+    monkeypatch.setattr(density.AreaPlacement, "place", lambda self, row, first, second: (first, second))
     assert chi2.sf(*within(*drawn(lid, 3))) < 1e-12
 
 

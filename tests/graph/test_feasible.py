@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from artipg_dsl.graph import expr as E
 from artipg_dsl.graph.expr import TRUE, Column, Expr, Scope
-from artipg_dsl.graph.feasible import certain, conflicts, idle, ranges
+from artipg_dsl.graph.feasible import find_conflicts, find_idle, find_ranges, is_certain
 from artipg_dsl.graph.inequality import bounds_of
 from artipg_dsl.graph.interval import Intervals
 from artipg_dsl.graph.program import Bound, Draw, Program, Requirement, Union
@@ -62,7 +62,7 @@ def valid(spans: Domains, stated: Sequence[Inequality]) -> Iterator[tuple[int, .
 @settings(max_examples=EXAMPLES, deadline=None)
 @given(domains, inequalities)
 def test_a_conflict_is_one_by_trying_everything(spans: Domains, stated: list[Inequality]) -> None:
-    for conflict in conflicts(program(spans, stated)):
+    for conflict in find_conflicts(program(spans, stated)):
         assert conflict.certain
         told = [stated[k] for k in conflict.reasons]
         assert told and not list(valid(spans, told)), "what is named is enough to rule everything out"
@@ -72,8 +72,8 @@ def test_a_conflict_is_one_by_trying_everything(spans: Domains, stated: list[Ine
 @given(domains, inequalities)
 def test_ranges_hold_every_valid_value(spans: Domains, stated: list[Inequality]) -> None:
     made = program(spans, stated)
-    if not conflicts(made):
-        narrowed = ranges(made)
+    if not find_conflicts(made):
+        narrowed = find_ranges(made)
         for values in valid(spans, stated):
             for k, (low, high) in narrowed.items():
                 assert low - 1e-9 <= values[k] <= high + 1e-9
@@ -84,7 +84,7 @@ def test_ranges_hold_every_valid_value(spans: Domains, stated: list[Inequality])
 def test_values_that_are_given(spans: Domains, stated: list[Inequality], which: int, value: int) -> None:
     low, high = spans[which]
     value = min(max(value, low), high)
-    if conflicts(program(spans, stated), {which: float(value)}):
+    if find_conflicts(program(spans, stated), {which: float(value)}):
         assert not any(values[which] == value for values in valid(spans, stated))
 
 
@@ -92,13 +92,13 @@ def test_values_that_are_given(spans: Domains, stated: list[Inequality], which: 
 @given(domains, inequalities)
 def test_what_is_idle_always_holds(spans: Domains, stated: list[Inequality]) -> None:
     everything = len(list(valid(spans, [])))
-    for number in idle(program(spans, stated)):
+    for number in find_idle(program(spans, stated)):
         assert len(list(valid(spans, [stated[number]]))) == everything
 
 
 def test_a_requirement_between_constants_is_not_idle() -> None:
     made = program([(0, 1)] * 3, [(E.ONE, E.const(2.0), TRUE), (a, E.const(5.0), TRUE), (a, E.ZERO, TRUE)])
-    assert idle(made) == [1]
+    assert find_idle(made) == [1]
 
 
 # ---------------------------------------------------------------- one value
@@ -135,12 +135,12 @@ def test_bounds_of_one_value_conflict_where_they_leave_nothing(bounds: list[tupl
     low = max([-3.0, *(value for side, value in bounds if side == "low")])
     high = min([3.0, *(value for side, value in bounds if side == "high")])
     made = alone(-3.0, 3.0, bounds)
-    found = conflicts(made)
+    found = find_conflicts(made)
     assert bool(found) == (low > high)
     if found:
         assert (found[0].draw, found[0].low, found[0].high) == (0, low, high)
     else:
-        assert ranges(made).get(0, (-3.0, 3.0)) == (low, high)
+        assert find_ranges(made).get(0, (-3.0, 3.0)) == (low, high)
 
 
 spans = st.tuples(numbers, numbers).map(lambda t: (min(t), max(t)))
@@ -154,15 +154,15 @@ def test_a_union_narrows_to_the_hull_of_what_it_leaves(
     high = min([3.0, *(value for side, value in bounds if side == "high")])
     left = [(max(p, low), min(q, high)) for p, q in region if max(p, low) <= min(q, high)]
     made = alone(-3.0, 3.0, bounds, [region])
-    found = conflicts(made)
+    found = find_conflicts(made)
     assert bool(found) == (not left)
     for conflict in found:
         named = [bounds[k] for k in conflict.reasons if k < len(bounds)]
-        again = conflicts(alone(-3.0, 3.0, named, [region] if len(bounds) in conflict.reasons else []))
+        again = find_conflicts(alone(-3.0, 3.0, named, [region] if len(bounds) in conflict.reasons else []))
         assert again, "what is named is enough to rule everything out"
     if left:
         hull = min(p for p, _ in left), max(q for _, q in left)
-        assert ranges(made).get(0, (-3.0, 3.0)) == hull
+        assert find_ranges(made).get(0, (-3.0, 3.0)) == hull
 
 
 # ---------------------------------------------------------------- tables
@@ -186,7 +186,7 @@ def row(count: Expr, kind: str) -> Scope:
 )
 def test_what_every_object_has(scope: Scope, known: bool) -> None:
     made = program([(1, 2), (0, 2), (0, 0)], [])
-    assert certain(scope, Intervals(made.draws, {})) == known
+    assert is_certain(scope, Intervals(made.draws, {})) == known
 
 
 @pytest.mark.parametrize("least, sure", [(0, False), (1, True)])
@@ -197,7 +197,7 @@ def test_a_conflict_in_a_table_is_certain_where_the_table_has_rows(least: int, s
     made.scopes.append(child)
     made.draws.append(Draw(column, "v", "real", E.const(1.0), E.const(2.0), bounds=[Bound("high", E.ZERO, TRUE, 0)]))
     made.requirements.append(Requirement(child, E.call("le", E.col(column), E.ZERO), TRUE, "", None))
-    (conflict,) = conflicts(made)
+    (conflict,) = find_conflicts(made)
     assert (conflict.draw, conflict.scope, conflict.certain) == (3, child, sure)
 
 
@@ -205,6 +205,6 @@ def test_a_bound_under_a_guard_that_may_not_hold_rules_nothing_out() -> None:
     made = program([(0, 1), (1, 2), (0, 0)], [])
     made.draws[1].bounds.append(Bound("high", E.ZERO, E.call("le", E.ONE, a), 0))
     made.requirements.append(Requirement(ROOT, E.call("le", b, E.ZERO), E.call("le", E.ONE, a), "", None))
-    assert conflicts(made) == [] and ranges(made) == {}
-    (found,) = conflicts(made, {0: 1.0})
+    assert find_conflicts(made) == [] and find_ranges(made) == {}
+    (found,) = find_conflicts(made, {0: 1.0})
     assert found.draw == 1 and (found.low, found.high) == (1.0, 0.0)

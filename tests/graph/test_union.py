@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from artipg_dsl.graph import expr as E
 from artipg_dsl.graph.expr import Expr
 from artipg_dsl.graph.interval import Intervals
-from artipg_dsl.graph.union import BESIDE, EVERYTHING, LEAST, MOST, MOST_OF_ALL, Region, inside_both, region_of
+from artipg_dsl.graph.union import BESIDE, EVERYTHING, LEAST, MOST, MOST_OF_ALL, Region, intersect_regions, region_of
 
 from .brute import DRAWS, X, Y, above_zero, anything, evaluate, numbers, within, x, y
 
@@ -31,13 +31,15 @@ def contains(region: Region, at: float, other: float, slack: float = 0.0) -> boo
 
 @given(regions, regions, numbers)
 def test_two_unions_contain_together_what_each_contains(first: Region, second: Region, at: float) -> None:
-    assert contains(inside_both(first, second), at, 1.0) == (contains(first, at, 1.0) and contains(second, at, 1.0))
+    assert contains(intersect_regions(first, second), at, 1.0) == (
+        contains(first, at, 1.0) and contains(second, at, 1.0)
+    )
     assert contains((*first, *second), at, 1.0) == (contains(first, at, 1.0) or contains(second, at, 1.0))
 
 
 @given(regions, numbers)
 def test_everything_leaves_a_union_as_it_is(region: Region, at: float) -> None:
-    assert inside_both(region, EVERYTHING) == region == inside_both(EVERYTHING, region)
+    assert intersect_regions(region, EVERYTHING) == region == intersect_regions(EVERYTHING, region)
     assert contains(EVERYTHING, at, 1.0)
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from artipg_dsl.annotate.annotation import describe
+from artipg_dsl.annotate.annotation import annotate
 from artipg_dsl.session import Session
 
 HEAD = "apg 1\nuse primitives { Cuboid }\n"
@@ -24,7 +24,7 @@ def objects(body: str, way: str) -> list[tuple[Any, Any]]:
     }
     batch = Session.of_text(HEAD + where[way]).sampler.batch(np.arange(8), seed=2)
     assert {str(batch.drawn(k)) for k in range(8)} > {str(batch.drawn(0))}
-    told = describe(batch)
+    told = annotate(batch)
     return [
         (
             sorted((p["name"], p["center"], p["size"]) for p in t["parts"]),

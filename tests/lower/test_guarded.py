@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from artipg_dsl.annotate.annotation import describe
+from artipg_dsl.annotate.annotation import annotate
 from artipg_dsl.annotate.cloud import Points, sample_points
 from artipg_dsl.annotate.sampling import Sampling
 from artipg_dsl.graph.text import from_text, to_text
 from artipg_dsl.runtime.batch import Batch
 from artipg_dsl.session import Session, check_text
 from artipg_dsl.source import Source
-from artipg_dsl.validity.faults import faults
+from artipg_dsl.validity.faults import find_faults
 from artipg_dsl.validity.tree import Tree
 
 HEAD = """apg 1
@@ -104,7 +104,7 @@ def rows(what: str, field: str, key: str = "name") -> Look:
     def look(batch: Batch, number: int, prefix: str) -> Any:
         own = plain(prefix) + "p"
         return [
-            row[field] for row in describe(batch)[number][what] if re.fullmatch(rf"{own}(ull)?", plain(str(row[key])))
+            row[field] for row in annotate(batch)[number][what] if re.fullmatch(rf"{own}(ull)?", plain(str(row[key])))
         ]
 
     return look
@@ -116,7 +116,7 @@ def names_of(what: str) -> Look:
 
 def size(batch: Batch, number: int, prefix: str) -> list[int]:
     """The size along z of each part `q` in millimetres."""
-    parts = describe(batch)[number]["parts"]
+    parts = annotate(batch)[number]["parts"]
     found = [
         p["size"][2] * 1e3 for p in parts if p["name"].startswith(prefix) and p["name"].split(".")[-1].startswith("q")
     ]
@@ -501,7 +501,7 @@ category T {
 
 def blamed(batch: Batch) -> set[tuple[int, str]]:
     """The objects, and of those with several units the unit, in which links collide."""
-    found = faults(batch)
+    found = find_faults(batch)
     names, first = batch.links().name, np.searchsorted(batch.links().owner, np.arange(len(batch)))
     hits = found.collisions
     return {
@@ -558,7 +558,7 @@ def test_faults_under_a_guard(way: Callable[..., str], parts: str, said: str, wo
         batch = Session.of_text(HEAD + way(body, said, "")).sampler.batch(
             np.arange(MADE if way in (when, role) else 1), seed=2
         )
-        wrong = {k for fault in faults(batch).others if word in fault.words for k in fault.objects.tolist()}
+        wrong = {k for fault in find_faults(batch).others if word in fault.words for k in fault.objects.tolist()}
         if way in (repeat, twice):
             assert (0 in wrong) == (at_fault != excuses), at_fault
         else:
@@ -574,7 +574,7 @@ def test_stability_under_a_guard(way: Callable[..., str]) -> None:
     batch = Session.of_text(HEAD + way(lean, "require stable", "")).sampler.batch(
         np.arange(MADE if way in (when, role) else 1), seed=2
     )
-    wrong = {k for fault in faults(batch).others if "tips" in fault.words for k in fault.objects.tolist()}
+    wrong = {k for fault in find_faults(batch).others if "tips" in fault.words for k in fault.objects.tolist()}
     assert wrong == {number for number, _, truth in units(way, batch) if truth}
 
 
@@ -640,7 +640,7 @@ category T {{
 
 def test_ports_slots_and_outputs_under_a_guard() -> None:
     batch = Session.of_text(HEAD + HANDED.format(root=ROOT)).sampler.batch(np.arange(MADE), seed=2)
-    for number, told in enumerate(describe(batch)):
+    for number, told in enumerate(annotate(batch)):
         parts = {row["name"]: row for row in told["parts"]}
         named = "post.low" if batch.drawn(number)["a"] == "yes" else "post.high"
         assert parts["p"]["center"][2] == pytest.approx(parts[named]["center"][2])
@@ -688,5 +688,5 @@ category T {{
   align u.p.bottom = body.top
 }}"""
     batch = Session.of_text(HEAD + text).sampler.batch(np.arange(MADE), seed=2)
-    ranges = {batch.drawn(k)["u"]: told["joints"][0]["range"] for k, told in enumerate(describe(batch))}
+    ranges = {batch.drawn(k)["u"]: told["joints"][0]["range"] for k, told in enumerate(annotate(batch))}
     assert ranges == {"One": [0.0, 0.02], "Two": [0.0, 0.05]}

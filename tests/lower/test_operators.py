@@ -9,7 +9,7 @@ from artipg_dsl.geometry.mesh import build, moments
 from artipg_dsl.geometry.patches import rows_of
 from artipg_dsl.geometry.selftest import check_primitive
 from artipg_dsl.geometry.surface import evaluate
-from artipg_dsl.geometry.trial import trial
+from artipg_dsl.geometry.trial import draw_trial
 from artipg_dsl.graph.expr import Scope, show, var
 from artipg_dsl.graph.program import Program
 from artipg_dsl.lower.expressions.context import Abort
@@ -295,7 +295,7 @@ def test_a_smooth_loft_has_no_kink_and_reaches_no_further_than_its_sections(text
     kinks, boxes = [], []
     for way in (text, text.replace(" smooth", "")):
         primitive = lowered(way).primitive
-        params = trial(primitive, 6)
+        params = draw_trial(primitive, 6)
         walls = [k for k, patch in enumerate(primitive.patches) if patch.name not in ("start", "end")]
         row, u = np.repeat(np.arange(rows_of(params)), 9), np.tile(np.linspace(0.0, 1.0, 9), rows_of(params))
         turns = [0.0]
@@ -313,7 +313,7 @@ def test_a_smooth_loft_has_no_kink_and_reaches_no_further_than_its_sections(text
 def test_a_circle_between_rectangles_is_cut_into_arcs_that_close():
     primitive = lowered(PLINTH.replace("rectangle(b, a)", "circle(b)")).primitive
     assert primitive.surfaces == ("skin", "start", "end") and len(primitive.patches) == 16
-    (group,) = build(primitive, trial(primitive, 2))
+    (group,) = build(primitive, draw_trial(primitive, 2))
     volume = moments(group.vertices, group.faces)[0]
     assert (volume > 0).all() and group.vertices.shape[1] > 24
 

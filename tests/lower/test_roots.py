@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from artipg_dsl.graph.text import from_text, to_text
-from artipg_dsl.runtime.newton import newton
+from artipg_dsl.runtime.newton import solve_roots
 from artipg_dsl.sampling.module import to_module
 from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.sampling.statistics import Exhausted, Statistics
@@ -161,11 +161,11 @@ def test_newton_on_plain_arrays(rows: int) -> None:
     def system(x, y, p):
         return x * x + y * y - p, x - y * y * y, 2 * x, 2 * y, 1.0, -3 * y * y
 
-    x, y = newton(system, (1.0, 1.0), (goal,))
+    x, y = solve_roots(system, (1.0, 1.0), (goal,))
     np.testing.assert_allclose(x * x + y * y, goal, rtol=1e-14)
     np.testing.assert_allclose(x, y**3, rtol=1e-13)
 
 
 def test_newton_stands_still_where_the_slope_is_0() -> None:
-    (x,) = newton(lambda x, p: (x * x + p + 1.0, 2 * x), (0.0,), (np.zeros(2),))
+    (x,) = solve_roots(lambda x, p: (x * x + p + 1.0, 2 * x), (0.0,), (np.zeros(2),))
     assert (x == 0.0).all()

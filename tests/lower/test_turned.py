@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from artipg_dsl.annotate.annotation import describe
+from artipg_dsl.annotate.annotation import annotate
 from artipg_dsl.session import Session
 
 HEAD = """apg 1
@@ -32,7 +32,7 @@ def standing(body: str, name: str = "p") -> dict[str, set[tuple[float, ...]]]:
     """How a part is turned in each of its templates."""
     batch = Session.of_text(category(body)).sampler.batch(np.arange(10), seed=1)
     found: dict[str, set[tuple[float, ...]]] = {}
-    for told in describe(batch):
+    for told in annotate(batch):
         for part in told["parts"]:
             if part["name"] == name:
                 turned = np.round(part["quaternion"], 3) * (1 if part["quaternion"][0] >= 0 else -1)
@@ -66,7 +66,7 @@ def test_the_turn_of_a_style_that_is_handed_in(given: str) -> None:
 def test_a_mounted_part_lies_as_it_says() -> None:
     """A face names a side of the box as the part lies: the cylinder stands out of the wall."""
     body = "  part p : Cylinder(radius = 1cm, height = 6cm) along x\n  connect p.back to body.front"
-    (told,) = describe(Session.of_text(category(body)).sampler.batch(np.arange(1), seed=1))
+    (told,) = annotate(Session.of_text(category(body)).sampler.batch(np.arange(1), seed=1))
     (p,) = (part for part in told["parts"] if part["name"] == "p")
     assert p["center"][0] == pytest.approx(0.25 + 0.03) and tuple(p["quaternion"]) == pytest.approx(ALONG_X)
 
@@ -81,7 +81,7 @@ def test_a_mounted_part_lies_as_it_says() -> None:
 )
 def test_an_alternative_is_there_where_its_guard_holds(way: str) -> None:
     batch = Session.of_text(category(way + "\n  connect p to body")).sampler.batch(np.arange(10), seed=1)
-    shown = [any(part["name"] == "p" for part in told["parts"]) for told in describe(batch)]
+    shown = [any(part["name"] == "p" for part in told["parts"]) for told in annotate(batch)]
     assert shown == [batch.drawn(k)["c"] == "yes" for k in range(10)] and 0 < sum(shown) < 10
 
 

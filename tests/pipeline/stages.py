@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from artipg_dsl.annotate.annotation import describe
+from artipg_dsl.annotate.annotation import annotate
 from artipg_dsl.annotate.cloud import sample_points
 from artipg_dsl.cli.compile import EMITTERS
 from artipg_dsl.diagnostics import Report
@@ -203,7 +203,7 @@ def plan(session: Session) -> str:
 def sample(session: Session) -> str:
     """Object 0 with seed 0, rounded: what was drawn, parts, joints, labels at points, grasps."""
     batch = session.sampler.batch(np.arange(1), 0, checked=True)
-    (told,) = describe(batch, gripper=None)
+    (told,) = annotate(batch, gripper=None)
     lines = [f"attempt {told['rejected']}"]
     lines += [f"drawn {name} = {_rounded(value)}" for name, value in told["drawn"].items()]
     for link, mass in zip(told["links"], masses(batch).mass, strict=True):

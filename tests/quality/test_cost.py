@@ -8,7 +8,7 @@ import pytest
 
 from artipg_dsl.cli.main import main
 from artipg_dsl.diagnostics import CODES
-from artipg_dsl.quality.cost import costs
+from artipg_dsl.quality.cost import measure_costs
 from artipg_dsl.session import Session
 from artipg_dsl.validity.bodies import gather
 from artipg_dsl.validity.tree import Tree
@@ -19,7 +19,7 @@ def test_pieces_and_pairs_are_those_that_the_check_gathers(category):
     batch = Session.of(category).sampler.batch(np.arange(5), 0)
     tree = Tree(batch)
     body = gather(batch, tree.first, tree.turn, tree.shift)
-    found = costs(batch)
+    found = measure_costs(batch)
     assert sum(cost.pieces for cost in found) * 5 == pytest.approx(len(body))
     same = (body.owner[:, None] == body.owner) & (body.link[:, None] != body.link)
     assert sum(cost.pairs for cost in found) * 5 == pytest.approx(same.sum())

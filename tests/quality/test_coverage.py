@@ -4,23 +4,23 @@ from __future__ import annotations
 
 import numpy as np
 
-from artipg_dsl.quality.coverage import coverage, factors, together
-from artipg_dsl.quality.dead import dead_alternatives, dead_parameters
-from artipg_dsl.quality.fingerprint import fingerprint
+from artipg_dsl.quality.coverage import find_together, list_factors, measure_coverage
+from artipg_dsl.quality.dead import find_dead_alternatives, find_dead_parameters
+from artipg_dsl.quality.fingerprint import fingerprint_objects
 
 from .programs import CHEST, sampled
 
 
 def test_all_pairs_of_a_chest_are_seen() -> None:
     sampler, batch = sampled(CHEST)
-    found = coverage(sampler, batch)
+    found = measure_coverage(sampler, batch)
     assert (found.seen, found.possible, found.missed, found.excluded) == (6, 6, (), ())
     assert found.share == 1.0
 
 
 def test_what_few_objects_do_not_show_is_missed() -> None:
     sampler, _ = sampled(CHEST)
-    found = coverage(sampler, sampler.batch(np.array([3]), 0))
+    found = measure_coverage(sampler, sampler.batch(np.array([3]), 0))
     assert (found.seen, found.possible) == (1, 6) and len(found.missed) == 5 and not found.excluded
     assert found.share == 1 / 6
 
@@ -29,9 +29,9 @@ def test_what_is_given_is_no_choice() -> None:
     sampler, _ = sampled(CHEST)
     given = {k: 1.0 for k, draw in enumerate(sampler.program.draws) if draw.column.name == "lid"}
     batch = sampler.batch(np.arange(40), 0, given=given)
-    found = coverage(sampler, batch)
+    found = measure_coverage(sampler, batch)
     assert (found.possible, found.excluded) == (0, ()) and found.share == 1.0
-    assert not dead_alternatives(sampler, batch)
+    assert not find_dead_alternatives(sampler, batch)
 
 
 GUARDED = """
@@ -56,7 +56,7 @@ category Guarded {
 
 def test_pairs_that_guards_or_requirements_exclude_are_told_from_missed_ones() -> None:
     sampler, batch = sampled(GUARDED, 200)
-    found = coverage(sampler, batch)
+    found = measure_coverage(sampler, batch)
     excluded = {(p.first, p.one, p.second, p.two) for p in found.excluded}
     assert excluded == {
         ("n", "2", "top", "Cylinder"),
@@ -87,15 +87,15 @@ category Elements {
 
 def test_choices_of_one_element_meet_in_the_element() -> None:
     sampler, batch = sampled(ELEMENTS)
-    first, second = factors(batch)
-    assert together(batch, first, second).tolist() == [[False, True], [True, False]]
-    found = coverage(sampler, batch)
+    first, second = list_factors(batch)
+    assert find_together(batch, first, second).tolist() == [[False, True], [True, False]]
+    found = measure_coverage(sampler, batch)
     assert (found.seen, len(found.missed), len(found.excluded)) == (2, 0, 2)
 
 
 def test_of_long_counts_thirds_are_told_apart() -> None:
     _, batch = sampled("category Box { count n in 2 .. 30  root part body : Cuboid(size = [n * 1cm, 1cm, 1cm]) }", 5)
-    (factor,) = factors(batch)
+    (factor,) = list_factors(batch)
     assert [level.name for level in factor.levels] == ["2..10", "11..20", "21..30"]
 
 
@@ -123,13 +123,13 @@ category Dead {
 
 def test_parameters_without_effect_are_found() -> None:
     _, batch = sampled(DEAD)
-    assert {dead.name: dead.why for dead in dead_parameters(batch)} == {
+    assert {dead.name: dead.why for dead in find_dead_parameters(batch)} == {
         "unused": "changes nothing",
         "idle": "changes nothing",
         "stuck": "has no room to vary",
         "bound": "changes nothing",
     }
-    assert all(dead.where.startswith("<text>:") for dead in dead_parameters(batch))
+    assert all(dead.where.startswith("<text>:") for dead in find_dead_parameters(batch))
 
 
 def test_a_parameter_of_what_is_never_there_is_never_drawn() -> None:
@@ -144,8 +144,8 @@ category Never {
   }
 }"""
     sampler, batch = sampled(text)
-    assert [(d.name, d.why) for d in dead_parameters(batch)] == [("w", "is never drawn")]
-    assert [(d.name, d.option, d.why) for d in dead_alternatives(sampler, batch)] == [
+    assert [(d.name, d.why) for d in find_dead_parameters(batch)] == [("w", "is never drawn")]
+    assert [(d.name, d.option, d.why) for d in find_dead_alternatives(sampler, batch)] == [
         ("top", "Cuboid", "is never taken")
     ]
 
@@ -162,12 +162,12 @@ category Box {
   connect top.cap.bottom on body.top
 }"""
     sampler, batch = sampled(text)
-    found = dead_alternatives(sampler, batch)
+    found = find_dead_alternatives(sampler, batch)
     assert [(d.name, d.option, d.why) for d in found] == [("top", "Other", "cannot be told from Plain")]
 
 
 def test_a_fingerprint_belongs_to_the_object() -> None:
     sampler, batch = sampled(CHEST)
-    together_, alone = fingerprint(batch), fingerprint(sampler.batch(np.array([11, 5]), 0))
+    together_, alone = fingerprint_objects(batch), fingerprint_objects(sampler.batch(np.array([11, 5]), 0))
     assert alone.tolist() == [together_[11], together_[5]]
     assert len(np.unique(together_)) == 60

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from artipg_dsl.errors import UserError
-from artipg_dsl.quality.card import text_lines
-from artipg_dsl.quality.duplicates import near_duplicates, structure
-from artipg_dsl.quality.sizes import Real, compare, extents, reference
+from artipg_dsl.quality.card import program_lines
+from artipg_dsl.quality.duplicates import find_near_duplicates, hash_structure
+from artipg_dsl.quality.sizes import Real, compare_sizes, measure_extents, read_reference
 from artipg_dsl.session import categories
 
 from .programs import CHEST, sampled
@@ -23,7 +23,7 @@ def test_near_duplicates_of_one_parameter_are_those_within_two_percent() -> None
     width = batch.state.values[0]
     close = np.abs(width[:, None] - width[None, :]) <= 0.02 * 0.1
     expected = np.array([close[i, :i].any() for i in range(80)])
-    found = near_duplicates(batch)
+    found = find_near_duplicates(batch)
     assert 0 < expected.sum() < 80
     assert found.sum() == expected.sum()  # of two that are close it is the later one
     assert np.array_equal(found, expected)
@@ -32,16 +32,16 @@ def test_near_duplicates_of_one_parameter_are_those_within_two_percent() -> None
 def test_other_choices_counts_or_graphs_set_apart() -> None:
     _, batch = sampled(CHEST, 300)
     lid, drawers = (batch.state.values[k] for k, d in enumerate(batch.program.draws) if d.kind != "real")
-    mark = structure(batch)
+    mark = hash_structure(batch)
     pairs = np.stack([lid, drawers], axis=1)
     assert len(np.unique(mark)) == len(np.unique(pairs, axis=0)) == 6
-    assert near_duplicates(batch).any()
-    assert not near_duplicates(batch, np.arange(300)).any()
+    assert find_near_duplicates(batch).any()
+    assert not find_near_duplicates(batch, np.arange(300)).any()
 
 
 def test_without_parameters_the_same_choices_are_the_same_object() -> None:
     _, batch = sampled("category Box { count n in 1 .. 3  root part body : Cuboid(size = [n * 1cm, 1cm, 1cm]) }", 20)
-    assert near_duplicates(batch).sum() == 17
+    assert find_near_duplicates(batch).sum() == 17
 
 
 def test_extents_are_those_of_what_is_there() -> None:
@@ -52,7 +52,7 @@ category Turned {
   align ball.center = [0, 0, 40cm]
   connect ball to body
 }"""
-    size = extents(sampled(text, 2)[1])
+    size = measure_extents(sampled(text, 2)[1])
     reach = (0.05 + 0.05) / np.sqrt(2) * 2  # a disc and a rod at 45 degrees, not a box at 45 degrees
     assert size[:, :2] == pytest.approx(np.array([[0.1, 0.2], [0.1, 0.2]]), abs=1e-5)
     assert size[:, 2] == pytest.approx(0.15 + 0.4 + reach / 2, abs=2e-3)
@@ -60,18 +60,18 @@ category Turned {
 
 def test_comparison_with_real_sizes() -> None:
     size = np.array([[0.1, 0.4, 1.0], [0.2, 0.2, 2.0], [0.3, 0.1, 3.0], [0.4, 0.2, 4.0]])
-    width, depth, height = compare(size, Real(width=(0.15, 0.2, 0.25), height=(0.5, 2.5, 3.5)))
+    width, depth, height = compare_sizes(size, Real(width=(0.15, 0.2, 0.25), height=(0.5, 2.5, 3.5)))
     assert (width.axis, width.within, width.ratio) == ("width", 0.5, 1.0)
     assert (depth.real, depth.within, depth.ratio) == (None, None, None) and depth.ours[1] == pytest.approx(0.25)
     assert (height.within, height.ratio) == (0.75, 1.0)
-    width, depth, _ = compare(size, Real(width=(0.15, 0.35, 0.45), depth=(0.05, 0.15, 0.25), turned=True))
+    width, depth, _ = compare_sizes(size, Real(width=(0.15, 0.35, 0.45), depth=(0.05, 0.15, 0.25), turned=True))
     assert width.ours[1] == pytest.approx(0.35) and depth.ours[1] == pytest.approx(0.15)
     assert (width.within, depth.within) == (1.0, 1.0)
-    assert all(e.real is None for e in compare(size, None))
+    assert all(e.real is None for e in compare_sizes(size, None))
 
 
 def test_every_shipped_category_has_real_sizes_and_a_reason_for_its_graphs() -> None:
-    known = reference()
+    known = read_reference()
     assert set(known) == set(categories())
     for real in known.values():
         assert real.width and real.depth and real.height and real.source and real.graphs and real.why
@@ -93,7 +93,7 @@ def test_a_reference_that_is_none_is_told(text: str, word: str, tmp_path: Path) 
     file = tmp_path / "sizes.json"
     file.write_text(text)
     with pytest.raises(UserError, match=word) as error:
-        reference(file)
+        read_reference(file)
     assert str(file) in error.value.message
 
 
@@ -102,8 +102,8 @@ def test_a_reference_of_ones_own(tmp_path: Path) -> None:
     file.write_text(
         json.dumps({"categories": {"Lamp": {"height": [0.2, 0.3, 0.5], "graphs": 3, "why": "they say so"}}})
     )
-    assert reference(file) == {"Lamp": Real(height=(0.2, 0.3, 0.5), graphs=3, why="they say so")}
+    assert read_reference(file) == {"Lamp": Real(height=(0.2, 0.3, 0.5), graphs=3, why="they say so")}
 
 
 def test_lines_that_count() -> None:
-    assert text_lines("apg 1\n\n# a remark\n## a document\ncategory A {\n  param a # here\n}\n") == 4
+    assert program_lines("apg 1\n\n# a remark\n## a document\ncategory A {\n  param a # here\n}\n") == 4

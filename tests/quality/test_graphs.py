@@ -7,15 +7,15 @@ import itertools
 import numpy as np
 import pytest
 
-from artipg_dsl.quality.distance import Distance, mean_distance
-from artipg_dsl.quality.graphs import Graphs, Node, graphs
+from artipg_dsl.quality.distance import Distance, measure_distance
+from artipg_dsl.quality.graphs import Graphs, Subtree, find_graphs
 
 from .programs import CHEST, sampled
 
 
 def test_graphs_of_a_chest_are_those_one_can_count() -> None:
     _, batch = sampled(CHEST)
-    found = graphs(batch)
+    found = find_graphs(batch)
     kind, count = found.kinds
     assert {found.text[k] for k in kind} == {
         "body",
@@ -33,8 +33,8 @@ def test_graphs_of_a_chest_are_those_one_can_count() -> None:
 
 def test_a_graph_does_not_depend_on_the_batch() -> None:
     sampler, batch = sampled(CHEST)
-    alone = graphs(sampler.batch(np.array([7]), 0))
-    together = graphs(batch)
+    alone = find_graphs(sampler.batch(np.array([7]), 0))
+    together = find_graphs(batch)
     assert alone.text[alone.code[0]] == together.text[together.code[7]]
 
 
@@ -69,17 +69,17 @@ category Pair {
   label semantic.body on body
 }
 """
-    found = graphs(sampled(text)[1])
+    found = find_graphs(sampled(text)[1])
     assert [found.text[k] for k in found.kinds[0]] == ["body(continuous dial, prismatic button)"]
 
 
 def forest(*trees: tuple) -> Graphs:
     """Graphs from nested tuples (joint, part, child, child, ...)."""
-    nodes: list[Node] = []
+    nodes: list[Subtree] = []
 
     def code(tree: tuple) -> int:
         joint, part, *children = tree
-        node = Node(joint, part, tuple(sorted(map(code, children))))
+        node = Subtree(joint, part, tuple(sorted(map(code, children))))
         if node not in nodes:
             nodes.append(node)
         return nodes.index(node)
@@ -115,9 +115,9 @@ def test_the_mean_over_all_pairs() -> None:
     found = forest(one, one, two, two)
     distance = Distance(found)
     expected = np.mean([distance.normalised(a, b) for a, b in itertools.permutations(found.code.tolist(), 2)])
-    mean, pairs = mean_distance(found)
+    mean, pairs = measure_distance(found)
     assert mean == pytest.approx(expected) == pytest.approx(2 / 3 * 2 / 3) and pairs == 6
-    assert mean_distance(forest(one)) == (0.0, 0)
+    assert measure_distance(forest(one)) == (0.0, 0)
 
 
 def test_a_sample_of_pairs_comes_close_to_all() -> None:
@@ -125,6 +125,6 @@ def test_a_sample_of_pairs_comes_close_to_all() -> None:
     found = forest(*many)
     distance = Distance(found)
     exact = np.mean([distance.normalised(a, b) for a, b in itertools.permutations(found.code.tolist(), 2)])
-    mean, pairs = mean_distance(found)
+    mean, pairs = measure_distance(found)
     assert pairs == 400 and mean == pytest.approx(exact, abs=0.04)
-    assert mean_distance(found) == (mean, pairs)
+    assert measure_distance(found) == (mean, pairs)

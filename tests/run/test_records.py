@@ -21,7 +21,7 @@ from artipg_dsl.export.write import ExportError
 from artipg_dsl.geometry.resolution import Resolution
 from artipg_dsl.graph.program import Program
 from artipg_dsl.run import manifest as manifests
-from artipg_dsl.run.manifest import Identity, Manifest, build, describe_difference, read
+from artipg_dsl.run.manifest import Identity, Manifest, build_manifest, describe_difference, read_manifest
 from artipg_dsl.run.output import Output, Written, read_content
 from artipg_dsl.run.request import Drawn, Made, Request, read_numbers, read_request, read_sampling
 from artipg_dsl.run.schema import expand, read_titles, to_runs
@@ -83,8 +83,8 @@ def usual(field: Field[Any]) -> Any:
 def through(program: Program, request: Request, output: Output, folder: Path) -> Manifest:
     """The manifest as it is read again from a folder."""
     folder.mkdir(exist_ok=True)
-    (folder / manifests.NAME).write_bytes(manifests.to_text(build(program, request, output, out=folder)))
-    found = read(folder)
+    (folder / manifests.NAME).write_bytes(manifests.to_text(build_manifest(program, request, output, out=folder)))
+    found = read_manifest(folder)
     assert found is not None
     return found
 
@@ -168,7 +168,7 @@ def test_the_entries_are_those_of_the_two_records_and_the_versions(program: Prog
     assert not drawn & written
     assert drawn | written | {"artipg_dsl", "numpy"} == set(get_type_hints(Identity))
     full = replace(Output(FORMATS), content=Content(**CONTENT))
-    found = build(program, Request(**DRAWN | {"repair": False}), full)
+    found = build_manifest(program, Request(**DRAWN | {"repair": False}), full)
     assert list(found["identity"]) == list(get_type_hints(Identity)), "all of them, in the order of the file"
     assert list(found["identity"]["made"]) == list(get_type_hints(Made))
 
@@ -181,7 +181,7 @@ def entries(identity: Any) -> Iterator[tuple[tuple[str, ...], str]]:
 
 def test_every_entry_has_a_title_and_tells_two_runs_apart(program: Program) -> None:
     full = replace(Output(FORMATS), content=Content(**CONTENT))
-    one = build(program, Request(**DRAWN | {"repair": False}), full)
+    one = build_manifest(program, Request(**DRAWN | {"repair": False}), full)
     assert {place[0] for place, _ in entries(one)} == set(get_type_hints(Identity))
     assert {place[1] for place, _ in entries(one) if place[1:]} == set(get_type_hints(Made))
     assert describe_difference(one, copy.deepcopy(one)) is None
@@ -205,14 +205,14 @@ def test_every_entry_has_a_title_and_tells_two_runs_apart(program: Program) -> N
     ],
 )
 def test_an_unknown_key_is_refused(program: Program, tmp_path: Path, at: tuple[str, ...], words: str) -> None:
-    whole: Any = build(program, Request("Box"), Output(FORMATS, Content(**CONTENT)))
+    whole: Any = build_manifest(program, Request("Box"), Output(FORMATS, Content(**CONTENT)))
     inside = whole
     for key in at:
         inside = inside[key]
     inside["sed"] = 1.0
     (tmp_path / manifests.NAME).write_bytes(manifests.to_text(whole))
     with pytest.raises(ExportError) as wrong:
-        read(tmp_path)
+        read_manifest(tmp_path)
     assert wrong.value.message.startswith(f"{tmp_path / manifests.NAME}: {words}"), wrong.value.message
 
 

@@ -18,7 +18,7 @@ STORED = sorted((Path(__file__).parent / "manifests").glob("2-*.json"))
 @pytest.mark.parametrize("path", STORED, ids=lambda path: path.stem)
 def test_a_manifest_of_version_2_is_read_and_written_as_it_was(tmp_path: Path, path: Path) -> None:
     shutil.copy(path, tmp_path / manifests.NAME)
-    found = manifests.read(tmp_path)
+    found = manifests.read_manifest(tmp_path)
     assert found is not None
     identity = found["identity"]
     request = Request.from_manifest(identity, found["source"], tmp_path)

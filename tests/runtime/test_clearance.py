@@ -7,7 +7,7 @@ from artipg_dsl.diagnostics.model import CompileError
 from artipg_dsl.graph.text import from_text, to_text
 from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.session import Session
-from artipg_dsl.validity.faults import faults
+from artipg_dsl.validity.faults import find_faults
 
 HEAD = "apg 1\nuse primitives { Cuboid }\ncategory Case {\n"
 SLIDE = """
@@ -41,7 +41,7 @@ def program(body: str) -> Sampler:
 def test_a_slide_ends_at_the_wall() -> None:
     batch = program(SLIDE).batch(np.arange(50), 0)
     assert batch.joints().high == pytest.approx(batch.values()["free"] - 1e-5, abs=3e-6)
-    assert len(faults(batch).objects()) == 0
+    assert len(find_faults(batch).objects()) == 0
 
 
 def test_a_turn_ends_at_the_post() -> None:
@@ -49,7 +49,7 @@ def test_a_turn_ends_at_the_post() -> None:
     batch = program(TURN).batch(np.arange(50), 0)
     exact = batch.values()["away"] - 2 * np.arctan2(0.01, 0.19)
     assert batch.joints().high == pytest.approx(exact, abs=3e-4)
-    assert len(faults(batch).objects()) == 0
+    assert len(find_faults(batch).objects()) == 0
 
 
 def test_with_nothing_in_the_way_it_goes_all_the_way() -> None:
@@ -137,7 +137,7 @@ def meetings(batch, beyond: float) -> list[int]:
 
     from artipg_dsl.validity.bodies import gather
     from artipg_dsl.validity.tree import Tree
-    from artipg_dsl.validity.validate import posed
+    from artipg_dsl.validity.validate import find_meetings_in_states
 
     tree = Tree(batch)
     yields = np.array([joint.whatever for joint in batch.program.joints])[tree.joints.definition]
@@ -147,7 +147,7 @@ def meetings(batch, beyond: float) -> list[int]:
     found: set[int] = set()
     for shares in product(np.linspace(0, 1, 25 if count == 2 else 9), repeat=count):
         states = tree.low + np.array(shares)[tree.joints.number] * (high - tree.low)
-        found |= set(tree.links.owner[next(posed(tree, body, states[None]))[0]].tolist())
+        found |= set(tree.links.owner[next(find_meetings_in_states(tree, body, states[None]))[0]].tolist())
     return sorted(found)
 
 
@@ -183,7 +183,7 @@ def test_a_joint_that_others_leave_no_way_makes_an_object_invalid() -> None:
         "align crate.center.x = 0", "align crate.center.x = 30cm + away"
     )
     batch = program(text.replace("-20cm .. 20cm", "-25cm .. 20cm")).batch(np.arange(3), 0)
-    assert [fault.words.split(": ", 1)[1] for fault in faults(batch).others] == [
+    assert [fault.words.split(": ", 1)[1] for fault in find_faults(batch).others] == [
         "the range of `swing` is empty: something is in the way from the start when other joints are open"
     ]
 
@@ -192,8 +192,8 @@ def test_clear_all_looks_at_all_states() -> None:
     fixed = CRATE.replace("clearance all", "60deg").replace("10cm .. 30cm", "22cm .. 22cm")
     loose = program(fixed.replace("-20cm", "15cm").replace("range 15cm", "range 0cm") + "clear bar from crate by 1mm\n")
     bound = program(fixed.replace("-20cm", "0cm") + "clear bar from crate by 1mm all\n")
-    assert faults(loose.batch(np.arange(2), 0)).others == ()
-    words = [fault.words for fault in faults(bound.batch(np.arange(2), 0)).others]
+    assert find_faults(loose.batch(np.arange(2), 0)).others == ()
+    words = [fault.words for fault in find_faults(bound.batch(np.arange(2), 0)).others]
     assert len(words) == 1 and words[0].endswith("does not hold while several joints move")
     apart = program(fixed.replace("60deg", "20deg") + "clear bar from crate by 1mm all\n")
-    assert faults(apart.batch(np.arange(2), 0)).others == ()
+    assert find_faults(apart.batch(np.arange(2), 0)).others == ()

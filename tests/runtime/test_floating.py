@@ -12,8 +12,8 @@ from artipg_dsl.graph.text import from_text, to_text
 from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.sampling.statistics import Exhausted, Statistics
 from artipg_dsl.session import Session
-from artipg_dsl.validity.faults import faults
-from artipg_dsl.validity.mass import crossed
+from artipg_dsl.validity.faults import find_faults
+from artipg_dsl.validity.mass import find_crossed
 
 HEAD = "apg 1\nuse primitives { Cuboid, Cylinder, RoundedCuboid }\ncategory Case {\n"
 BODY = "root part body : Cuboid(size = [20cm, 20cm, 20cm])\n"
@@ -24,7 +24,7 @@ def program(body: str) -> Sampler:
 
 
 def found(body: str) -> list[str]:
-    return [fault.words for fault in faults(program(body).batch(np.arange(1), 0)).others]
+    return [fault.words for fault in find_faults(program(body).batch(np.arange(1), 0)).others]
 
 
 SHELF = (
@@ -75,7 +75,7 @@ def test_a_ball_that_touches_in_a_point(sink: str, floats: bool) -> None:
 def test_allow_floating_is_silent_and_survives_compilation() -> None:
     text = SHELF.format(gap="1cm") + 'allow floating shelf because "it hangs on threads"\n'
     sampler = program(text)
-    assert not faults(sampler.batch(np.arange(1), 0)).others
+    assert not find_faults(sampler.batch(np.arange(1), 0)).others
     again = from_text(to_text(sampler.program))
     assert [(a.kind, a.reason) for a in again.allowed] == [("floating", "it hangs on threads")]
 
@@ -142,8 +142,8 @@ def test_floating_objects_are_drawn_again() -> None:
 
 def test_the_same_whatever_else_is_in_the_batch() -> None:
     sampler = program("param up : length in -5mm .. 5mm\n" + SHELF.format(gap="up"))
-    (whole,) = faults(sampler.batch(np.arange(30), 2)).others
-    assert [n for n in range(30) if faults(sampler.batch(np.array([n]), 2)).others] == whole.objects.tolist()
+    (whole,) = find_faults(sampler.batch(np.arange(30), 2)).others
+    assert [n for n in range(30) if find_faults(sampler.batch(np.array([n]), 2)).others] == whole.objects.tolist()
 
 
 HOLLOW = """apg 1
@@ -182,7 +182,7 @@ def test_an_edited_range_that_does_not_hold_the_rest_value() -> None:
     )
     (joint,) = sampler.program.joints
     sampler.program.joints[0] = replace(joint, low=E.const(0.02), high=E.const(0.01))
-    (fault,) = faults(Sampler(sampler.program).batch(np.arange(1), 0)).others
+    (fault,) = find_faults(Sampler(sampler.program).batch(np.arange(1), 0)).others
     assert fault.words.endswith("the range of `j` does not contain its rest value")
 
 
@@ -208,7 +208,7 @@ def test_a_link_that_others_fill_weighs_nothing_and_is_drawn_again() -> None:
     sampler = program(FIXED.format("9cm + q * 2cm"))
     made = sampler.batch(np.arange(12), 0, checked=True, statistics=counted)
     assert counted.unsound[words] > 0
-    assert all(not found.others for found in [faults(made)])
+    assert all(not found.others for found in [find_faults(made)])
     alone = [sampler.batch(np.array([k]), 0, checked=True).state.attempt[0] for k in range(12)]
     assert alone == made.state.attempt.tolist()
 
@@ -230,5 +230,5 @@ category Ring {
 def test_a_hole_that_is_larger_than_what_it_is_in(bore: str, wrong: list[str]) -> None:
     """Beyond the range that a primitive is tested for, each of its solids is asked whether a body can have its moments."""
     batch = Session.of_text(WASHER.replace("BORE", bore)).sampler.batch(np.arange(1), 0)
-    assert [words for words, _ in crossed(batch)] == wrong
-    assert [fault.words for fault in faults(batch).others] == wrong
+    assert [words for words, _ in find_crossed(batch)] == wrong
+    assert [fault.words for fault in find_faults(batch).others] == wrong

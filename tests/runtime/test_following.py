@@ -12,9 +12,9 @@ from artipg_dsl.runtime.batch import Batch
 from artipg_dsl.session import Session
 from artipg_dsl.validity import tree as trees
 from artipg_dsl.validity.bodies import Placed, gather
-from artipg_dsl.validity.following import in_states
+from artipg_dsl.validity.following import meet_in_states
 from artipg_dsl.validity.tree import Tree
-from artipg_dsl.validity.validate import collisions
+from artipg_dsl.validity.validate import find_collisions
 
 
 @pytest.fixture(scope="module")
@@ -32,10 +32,10 @@ def test_states_together_show_what_each_shows_alone(shaken: Batch) -> None:
     tree, count = Tree(shaken), 0
     body = gather(shaken, tree.first, tree.turn, tree.shift)
     lead, states = tree.following
-    together = list(in_states(tree, body, states, lead >= 0))
+    together = list(meet_in_states(tree, body, states, lead >= 0))
     assert [found.number for found in together] == list(range(len(states)))
     for found in together:
-        (alone,) = in_states(tree, body, states[found.number][None], lead[found.number][None] >= 0)
+        (alone,) = meet_in_states(tree, body, states[found.number][None], lead[found.number][None] >= 0)
         one, two = (sorted(zip(*(side.tolist() for side in met.pieces), strict=True)) for met in (found, alone))
         assert one == two
         count += len(one)
@@ -53,7 +53,7 @@ def test_boxes_and_directions_leave_out_nothing_that_meets() -> None:
     i, j = i[asked], j[asked]
     i, j = (side[~tree.permitted(body.link[i], body.link[j])] for side in (i, j))
     body.ready(i, j)
-    for found in in_states(tree, body, states):
+    for found in meet_in_states(tree, body, states):
         turn, shift, _ = tree.at(states[found.number])
         placed = [Placed(body, side, turn[body.link[side]], shift[body.link[side]]) for side in (i, j)]
         hit = overlap(*placed)
@@ -76,14 +76,14 @@ def test_a_check_settles_loops_a_few_times(shaken: Batch) -> None:
     """At rest, and in all states together, not state by state."""
     kind = type(shaken.loops)
     with mock.patch.object(kind, "_settled", autospec=True, side_effect=kind._settled) as calls:
-        collisions(shaken)
+        find_collisions(shaken)
     assert calls.call_count <= 3
 
 
 def test_poses_of_more_states_than_fit_are_worked_out_anew(shaken: Batch) -> None:
-    one = collisions(shaken)
+    one = find_collisions(shaken)
     with mock.patch.object(trees, "KEPT", 1), mock.patch("artipg_dsl.validity.following.BLOCK", 1):
-        two = collisions(shaken)
+        two = find_collisions(shaken)
     assert one.value.tobytes() == two.value.tobytes() and one.pieces.tobytes() == two.pieces.tobytes()
 
 
@@ -93,4 +93,4 @@ def test_objects_without_a_joint_have_no_states_to_look_at() -> None:
     tree = Tree(batch)
     lead, states = tree.following
     assert states.shape == (len(lead), 0)
-    assert not len(collisions(batch, tree, gather(batch, tree.first, tree.turn, tree.shift)).objects())
+    assert not len(find_collisions(batch, tree, gather(batch, tree.first, tree.turn, tree.shift)).objects())

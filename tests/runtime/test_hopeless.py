@@ -7,7 +7,7 @@ from artipg_dsl.diagnostics import CompileError
 from artipg_dsl.sampling.statistics import Exhausted, Statistics
 from artipg_dsl.session import Session
 from artipg_dsl.validity import validate
-from artipg_dsl.validity.faults import faults
+from artipg_dsl.validity.faults import find_faults
 
 HEAD = "apg 1\nuse primitives { Cuboid }\ncategory Box {\n"
 BODY = "  root part body : Cuboid(size = [10cm, 10cm, 10cm])\n"
@@ -111,11 +111,11 @@ def test_objects_that_are_wrong_at_rest_are_not_moved(monkeypatch: pytest.Monkey
     )
     sampler = Session.of_text(text).sampler
     plain = sampler.batch(np.arange(20), 0)
-    wrong = set(validate.collisions(plain).objects().tolist())
+    wrong = set(validate.find_collisions(plain).objects().tolist())
     assert 4 < len(wrong) < 16
     swept.clear()
     sampler.batch(np.arange(20), 0, checked=True)
-    assert faults(plain, soon=True).objects().tolist() == sorted(wrong)
+    assert find_faults(plain, soon=True).objects().tolist() == sorted(wrong)
     swept.clear()
-    faults(plain, soon=True)
+    find_faults(plain, soon=True)
     assert set(swept) == set(range(20)) - wrong

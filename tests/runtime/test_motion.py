@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from artipg_dsl.runtime.motion import apply, link_motion, product, rotation_about
+from artipg_dsl.runtime.motion import apply, link_motion, multiply, rotation_about
 
 
 def states_at(batch, **values):
@@ -55,7 +55,7 @@ def test_motion_is_rigid(microwave):
     share = (np.arange(len(joints.owner)) * 0.37) % 1.0
     low, high = np.nan_to_num(joints.low, nan=-3.0), np.nan_to_num(joints.high, nan=3.0)
     turn, _ = link_motion(batch.links(), joints, low + share * (high - low))
-    assert product(turn, np.swapaxes(turn, 1, 2)) == pytest.approx(np.tile(np.eye(3), (len(turn), 1, 1)), abs=1e-12)
+    assert multiply(turn, np.swapaxes(turn, 1, 2)) == pytest.approx(np.tile(np.eye(3), (len(turn), 1, 1)), abs=1e-12)
     assert np.linalg.det(turn) == pytest.approx(np.ones(len(turn)))
 
 

@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from artipg_dsl.export.materials import colours
-from artipg_dsl.sampling.correspondence import NONE, REPLICA, SAME, SLOT, correspondence
-from artipg_dsl.sampling.known import again
-from artipg_dsl.sampling.mutate import Names, mutate, structural
+from artipg_dsl.export.materials import draw_colours
+from artipg_dsl.sampling.correspondence import NONE, REPLICA, SAME, SLOT, find_correspondence
+from artipg_dsl.sampling.known import evaluate_again
+from artipg_dsl.sampling.mutate import Names, find_structural, mutate
 from artipg_dsl.sampling.statistics import Statistics
-from artipg_dsl.sampling.trace import difference, replay, trace_lines, traces
+from artipg_dsl.sampling.trace import compare_batches, replay, trace_lines, trace_objects
 from artipg_dsl.session import Session
 
 
@@ -26,7 +26,7 @@ def kinds(made):
 
 def test_without_operations_nothing_changes(microwave, batch):
     same = mutate(microwave, batch, operations=())
-    assert not any(traces(same)) and not any(difference(batch, same))
+    assert not any(trace_objects(same)) and not any(compare_batches(batch, same))
     for a, b in zip(batch.sites(), same.sites(), strict=True):
         assert np.array_equal(a.translation, b.translation)
 
@@ -34,7 +34,7 @@ def test_without_operations_nothing_changes(microwave, batch):
 def test_apa_swaps_templates_and_keeps_what_the_role_inherits(microwave, batch):
     mutant = mutate(microwave, batch, operations=("apa",), only="handle")
     number = next(k for k, d in enumerate(microwave.program.draws) if d.address == "handle")
-    assert number in structural(microwave.program)
+    assert number in find_structural(microwave.program)
     assert (mutant.state.values[number] != batch.state.values[number]).all()
     sizes = [k for k, d in enumerate(microwave.program.draws) if d.address.startswith("handle.size")]
     kept = np.ones(len(batch), dtype=bool)
@@ -47,7 +47,7 @@ def test_apa_swaps_templates_and_keeps_what_the_role_inherits(microwave, batch):
 
 def test_dpa_changes_counts_and_kept_ranks_keep_their_draws(microwave, batch):
     mutant = mutate(microwave, batch, operations=("dpa",))
-    made = traces(mutant)
+    made = trace_objects(mutant)
     changed = [i for i in range(len(batch)) if ("dpa", "changed") in kinds(made[i])]
     assert len(changed) > 0.75 * sum(any(c == "count" for c in _count_rows(batch, i)) for i in range(len(batch)))
     counts = {d.address for d in microwave.program.draws if d.kind == "count"}
@@ -95,7 +95,7 @@ def test_a_mutant_is_the_same_alone_and_in_a_batch_and_variants_differ(microwave
 
 def test_unrelated_draws_are_left_alone(microwave, batch):
     mutant = mutate(microwave, batch, operations=("cpa",), only="border")
-    for made in traces(mutant):
+    for made in trace_objects(mutant):
         assert {s.path for s in made if s.how == "changed"} == {"border"}
 
 
@@ -116,22 +116,22 @@ def test_traces_say_what_was_done_and_do_it_again(microwave, batch):
     assert trace_lines(again_made) == trace_lines(mutant)
     for a, b in zip(mutant.sites(), again_made.sites(), strict=True):
         assert a.translation.tobytes() == b.translation.tobytes()
-    order = [[("apa", "dpa", "cpa").index(s.op) for s in made] for made in traces(mutant)]
+    order = [[("apa", "dpa", "cpa").index(s.op) for s in made] for made in trace_objects(mutant)]
     assert all(o == sorted(o) for o in order)
-    found = {how for made in traces(mutant) for _, how in kinds(made)}
+    found = {how for made in trace_objects(mutant) for _, how in kinds(made)}
     assert found >= {"changed", "new", "gone", "determined"}
 
 
 def test_a_trace_ends_where_the_mutant_stands(microwave, batch):
     mutant = mutate(microwave, batch, variant=5)
-    for index, made in enumerate(traces(mutant)[:20]):
+    for index, made in enumerate(trace_objects(mutant)[:20]):
         last = {s.path: s.after for s in made if s.draw and "[" not in s.path}
         drawn = mutant.drawn(index)
         assert all(drawn.get(path) == value for path, value in last.items() if value is not None or path not in drawn)
 
 
 def test_an_edited_trace_is_made_as_far_as_it_fits(microwave, batch):
-    one = again(batch, np.array([4]))
+    one = evaluate_again(batch, np.array([4]))
     step = {"op": "cpa", "how": "changed", "path": "width", "from": 0, "to": 9.0, "draw": "width", "at": []}
     made = replay(one, [{"steps": [step]}])
     number = next(k for k, d in enumerate(microwave.program.draws) if d.address == "width")
@@ -145,7 +145,7 @@ def test_an_edited_trace_is_made_as_far_as_it_fits(microwave, batch):
 def test_pairs_differ_in_one_value(microwave, batch, name):
     pair = mutate(microwave, batch, only=name, one=True)
     changed = 0
-    for index, made in enumerate(traces(pair)):
+    for index, made in enumerate(trace_objects(pair)):
         purpose = [s for s in made if s.how == "changed"]
         assert not [s for s in made if s.how == "clipped"]
         assert len(purpose) <= 1 and all(s.path == name for s in purpose)
@@ -177,26 +177,26 @@ def test_names_mean_parts_values_and_rows(microwave, batch):
 
 
 def test_variants_side_by_side_are_those_made_alone(microwave, batch):
-    together = again(batch, np.array([7, 7, 8, 7]))
+    together = evaluate_again(batch, np.array([7, 7, 8, 7]))
     many = mutate(microwave, together, variant=np.array([0, 1, 0, -1]))
     for place, variant in ((0, 0), (1, 1)):
-        assert many.drawn(place) == mutate(microwave, again(batch, np.array([7])), variant=variant).drawn(0)
+        assert many.drawn(place) == mutate(microwave, evaluate_again(batch, np.array([7])), variant=variant).drawn(0)
     assert many.drawn(3) == batch.drawn(7)
 
 
 def test_a_mutant_has_the_colours_of_its_original(microwave, batch):
     mutant = mutate(
-        microwave, again(batch, np.array([7, 7, 9]), numbers=np.array([0, 1, 2])), variant=np.array([-1, 0, 0])
+        microwave, evaluate_again(batch, np.array([7, 7, 9]), numbers=np.array([0, 1, 2])), variant=np.array([-1, 0, 0])
     )
     for material in microwave.program.materials.values():
-        np.testing.assert_array_equal(colours(mutant, material), colours(batch, material)[[7, 7, 9]])
+        np.testing.assert_array_equal(draw_colours(mutant, material), draw_colours(batch, material)[[7, 7, 9]])
 
 
 # ---------------------------------------------------------------- correspondence
 
 
 def test_every_primitive_is_its_own_match(batch):
-    table = correspondence(batch, batch)
+    table = find_correspondence(batch, batch)
     assert (
         (table.how == SAME).all()
         and (table.site == table.before_site).all()
@@ -207,7 +207,7 @@ def test_every_primitive_is_its_own_match(batch):
 
 def test_new_rows_take_the_nearest_that_was_there(microwave, batch):
     mutant = mutate(microwave, batch, operations=("dpa",))
-    table = correspondence(batch, mutant)
+    table = find_correspondence(batch, mutant)
     replicas = table.how == REPLICA
     assert replicas.any() and (table.site == table.before_site)[replicas].all()
     counts = {}
@@ -224,7 +224,7 @@ def test_the_nearest_of_a_single_row_of_knobs_is_the_last():
     mutant = mutate(sampler, batch, operations=("dpa",))
     knobs = [b.values()["knobs"] for b in (batch, mutant)]
     assert (knobs[0] != knobs[1]).all()
-    table = correspondence(batch, mutant)
+    table = find_correspondence(batch, mutant)
     site = next(k for k, s in enumerate(sampler.program.sites) if s.path == "knob.cap")
     mine = table.site == site
     np.testing.assert_array_equal(
@@ -235,7 +235,7 @@ def test_the_nearest_of_a_single_row_of_knobs_is_the_last():
 
 def test_slots_carry_over_to_another_template(microwave, batch):
     mutant = mutate(microwave, batch, operations=("apa",), only="handle")
-    table = correspondence(batch, mutant)
+    table = find_correspondence(batch, mutant)
     paths = np.array([s.path for s in microwave.program.sites])
     grips = (table.how == SLOT) & (paths[table.site] == "handle.grip")
     assert grips.any() and (paths[table.before_site[grips]] == "handle.grip").all()

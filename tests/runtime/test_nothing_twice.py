@@ -7,14 +7,14 @@ from unittest import mock
 import numpy as np
 import pytest
 
-from artipg_dsl.annotate.annotation import describe
+from artipg_dsl.annotate.annotation import annotate
 from artipg_dsl.export.robot import Robots
 from artipg_dsl.geometry import pieces
 from artipg_dsl.graph import expr as E
 from artipg_dsl.runtime import plan as plans
 from artipg_dsl.session import Session
 from artipg_dsl.validity import bodies, mass
-from artipg_dsl.validity.faults import faults
+from artipg_dsl.validity.faults import find_faults
 from artipg_dsl.validity.tree import Tree
 
 
@@ -28,7 +28,7 @@ def test_pieces_are_built_once_for_check_gripper_and_exports(sampler) -> None:
         batch = sampler.batch(np.arange(3), seed=1, checked=True)
         before = built.call_count
         with mock.patch.object(bodies, "_gathered", side_effect=bodies._gathered) as gathered:
-            describe(batch)
+            annotate(batch)
             assert all(robot.colliders for robot in [Robots(batch)])
         assert built.call_count == before == sum(len(table) > 0 for table in batch.sites())
         assert gathered.call_count == 0
@@ -46,7 +46,7 @@ def test_faces_are_looked_for_where_pieces_come_near_one_another(sampler) -> Non
     batch = sampler.batch(np.arange(3), seed=1)
     tree = Tree(batch)
     with mock.patch.object(pieces.Cloud, "fitted", counted):
-        body = faults(batch).body
+        body = find_faults(batch).body
     assert 0 < sum(asked) < len(body) / 10
     body = bodies.gather(batch, tree.first, tree.turn, tree.shift)
     body.ready(np.arange(len(body)))

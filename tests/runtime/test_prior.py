@@ -7,7 +7,7 @@ from artipg_dsl.errors import UsageError
 from artipg_dsl.graph.text import from_text, to_text
 from artipg_dsl.run.request import read_sampling
 from artipg_dsl.sampling.module import to_module
-from artipg_dsl.sampling.prior import CANDIDATES, effective
+from artipg_dsl.sampling.prior import CANDIDATES, count_effective
 from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.sampling.statistics import ATTEMPTS, Statistics
 from artipg_dsl.session import Session
@@ -122,7 +122,7 @@ def test_statistics_tell_the_effective_number_of_candidates():
     assert counted.candidates == CANDIDATES and counted.objects == 50 and counted.attempts >= 50 * CANDIDATES
     assert 50 < counted.effective < counted.candidates_valid <= counted.attempts
     assert np.allclose(
-        effective(np.array([[0.0, 0.0, -np.inf], [-np.inf] * 3, [0.0, -800.0, -900.0]])), [2.0, 0.0, 1.0]
+        count_effective(np.array([[0.0, 0.0, -np.inf], [-np.inf] * 3, [0.0, -800.0, -900.0]])), [2.0, 0.0, 1.0]
     )
 
 

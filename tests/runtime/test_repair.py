@@ -12,7 +12,7 @@ from artipg_dsl.run.params import read_values
 from artipg_dsl.run.request import Request
 from artipg_dsl.runtime.kernels import Kept, State
 from artipg_dsl.sampling.clips import Asked
-from artipg_dsl.sampling.known import again, make_batch, rows_of_draw
+from artipg_dsl.sampling.known import evaluate_again, make_batch, rows_of_draw
 from artipg_dsl.sampling.mutate import mutate
 from artipg_dsl.sampling.repair import repair
 from artipg_dsl.sampling.sample import Sampler
@@ -20,7 +20,7 @@ from artipg_dsl.sampling.statistics import Statistics
 from artipg_dsl.sampling.trace import Replay, read_traces, trace_lines
 from artipg_dsl.sampling.values import Values
 from artipg_dsl.session import Session
-from artipg_dsl.validity.faults import faults
+from artipg_dsl.validity.faults import find_faults
 
 HEAD = "apg 1\nuse primitives { Cuboid }\ncategory Box {\n"
 BODY = "  root part body : Cuboid(size = [10cm, 10cm, 10cm])\n"
@@ -142,7 +142,7 @@ def test_links_that_collide_are_kept_apart_by_the_values_behind_them() -> None:
         {"wide": 0.2, "reach": 0.2, "far": 0.25},
         statistics=statistics,
     )
-    assert not len(faults(batch).objects()) and batch.drawn(1) == {"wide": 0.2, "reach": 0.2, "far": 0.25}
+    assert not len(find_faults(batch).objects()) and batch.drawn(1) == {"wide": 0.2, "reach": 0.2, "far": 0.25}
     (entry,) = log(batch)
     assert entry["path"] in ("reach", "far") and entry["how"] == "search"
     assert abs(entry["to"] - entry["from"]) < 0.06  # 4.9 cm would do
@@ -229,7 +229,7 @@ def test_disturbed_objects_become_valid_with_little_change(name: str) -> None:
         still = np.zeros(len(order))
         state.kept[number] = Kept(at.key[order], asked[number][at.row][order], still, still.astype(bool))
     found = repair(sampler, make_batch(sampler.program, sampler.plan, state), Asked.all(batch, asked))
-    assert not len(found.failed) and not found.batch.state.failed.any() and not len(faults(found.batch).objects())
+    assert not len(found.failed) and not found.batch.state.failed.any() and not len(find_faults(found.batch).objects())
     assert len(found.repairs) < sum(len(v) for v in asked) / 4
 
 
@@ -240,7 +240,7 @@ def test_sampling_repairs_instead_of_drawing_again_where_it_is_asked_to() -> Non
     mended = sampler.batch(numbers, 1, checked=True, mend=True, statistics=statistics)
     valid = plain.state.attempt == 0
     assert 0 < valid.sum() < 40 and statistics.attempts == 40
-    assert (mended.state.attempt == 0).all() and not len(faults(mended).objects())
+    assert (mended.state.attempt == 0).all() and not len(find_faults(mended).objects())
     assert np.array_equal(mended.repairs.objects(), np.flatnonzero(~valid))
     for key, value in mended.values().items():
         assert np.array_equal(value[valid], plain.values()[key][valid])
@@ -257,13 +257,13 @@ def test_mutants_are_repaired_and_tell_it_again_when_replayed() -> None:
     statistics = Statistics()
     mutant = mutate(sampler, batch, operations=("cpa",), checked=True, statistics=statistics)
     assert statistics.first_valid < 24 == statistics.attempts  # none was drawn again
-    assert not len(faults(mutant).objects()) and "search" in {entry["how"] for entry in log(mutant)}
+    assert not len(find_faults(mutant).objects()) and "search" in {entry["how"] for entry in log(mutant)}
     assert sum(statistics.repaired.values()) == len(mutant.repairs.objects())
     records = read_traces(trace_lines(mutant).decode(), "trace")
     same = Replay(records).apply(sampler, batch, mutant.numbers, np.zeros(24, dtype=np.int64), Statistics(), True)
     assert log(same) == log(mutant) and trace_lines(same) == trace_lines(mutant)
     assert all(np.array_equal(v, mutant.values()[k]) for k, v in same.values().items())
-    alone = mutate(sampler, again(batch, mutant.repairs.objects()[:1]), operations=("cpa",), checked=True)
+    alone = mutate(sampler, evaluate_again(batch, mutant.repairs.objects()[:1]), operations=("cpa",), checked=True)
     assert log(alone) == mutant.repairs.of(mutant.repairs.objects()[:1]).plain(sampler.program)
 
 

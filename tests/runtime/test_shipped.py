@@ -13,7 +13,7 @@ import pytest
 from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.sampling.statistics import Statistics
 from artipg_dsl.session import Session, categories
-from artipg_dsl.validity.faults import faults
+from artipg_dsl.validity.faults import find_faults
 
 EVERY = bool(int(os.environ.get("ARTIPG_EVERY", "0")))
 ATTEMPTS = 400 if EVERY else 50
@@ -38,13 +38,13 @@ def test_the_handle_of_a_kettle_hangs_on_both_sides(place: int, part: str) -> No
 def test_globes_on_a_leaning_stem_stand() -> None:
     sampler = Session.of("globe").sampler
     batch = sampler.batch(np.arange(60), 1, given=chosen(sampler, "bracket", 2))
-    assert not len(faults(batch).objects())
+    assert not len(find_faults(batch).objects())
 
 
 def test_the_handle_of_a_bottle_stands_in_its_wall() -> None:
     sampler = Session.of("bottle").sampler
     given = chosen(sampler, "handle", 0) | chosen(sampler, "body", 0)
-    assert not len(faults(sampler.batch(np.arange(20), 1, given=given)).objects())
+    assert not len(find_faults(sampler.batch(np.arange(20), 1, given=given)).objects())
 
 
 def test_the_arms_of_scissors_reach_around_the_pin() -> None:
@@ -52,7 +52,7 @@ def test_the_arms_of_scissors_reach_around_the_pin() -> None:
     index = {draw.column.path: k for k, draw in enumerate(sampler.program.draws)}
     tight = {"boss": 6e-3, "pin_radius": 3e-3, "blade_width": 9e-3, "shank": 2e-2, "loop_width": 4e-2}
     batch = sampler.batch(np.arange(6), 1, given={index[name]: value for name, value in tight.items()})
-    assert not len(faults(batch).objects())
+    assert not len(find_faults(batch).objects())
 
 
 @pytest.mark.parametrize("name", sorted(categories()) if EVERY else ["washing_machine"])

@@ -12,10 +12,10 @@ from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.sampling.statistics import Statistics
 from artipg_dsl.session import Session
 from artipg_dsl.validity.bodies import gather
-from artipg_dsl.validity.faults import faults
+from artipg_dsl.validity.faults import find_faults
 from artipg_dsl.validity.hull import depth, hulls
-from artipg_dsl.validity.mass import Weighing, masses, weighed
-from artipg_dsl.validity.stance import TILT, Stance, falling
+from artipg_dsl.validity.mass import Weighing, masses, weighing_of
+from artipg_dsl.validity.stance import TILT, Stance, find_falling
 from artipg_dsl.validity.tree import Tree
 
 HEAD = "apg 1\nuse primitives { Cuboid, Cylinder }\ncategory Case {\n"
@@ -26,7 +26,7 @@ def program(body: str) -> Sampler:
 
 
 def tips(body: str) -> bool:
-    return len(faults(program(body).batch(np.arange(1), 0)).others) > 0
+    return len(find_faults(program(body).batch(np.arange(1), 0)).others) > 0
 
 
 def test_hulls_are_those_of_scipy() -> None:
@@ -130,7 +130,7 @@ def test_what_tips_over_is_drawn_again_and_told_with_its_line() -> None:
     sampler = program("param off : length in 18cm .. 20cm\n" + LEANING.format(off="off"))
     statistics = Statistics()
     batch = sampler.batch(np.arange(60), 3, checked=True, statistics=statistics)
-    assert not faults(batch).others
+    assert not find_faults(batch).others
     assert (batch.values()["off"] < 0.2 * (1 - TILT) + 1e-9).all()
     assert 0 < statistics.first_valid < 60
     (words,) = statistics.unsound
@@ -145,15 +145,15 @@ def test_it_holds_only_where_it_is_stated() -> None:
         "require stable", "when fixed == no { require stable }"
     )
     batch = program(text).batch(np.arange(30), 0)
-    (fault,) = faults(batch).others
+    (fault,) = find_faults(batch).others
     assert np.array_equal(fault.objects, np.flatnonzero(batch.values()["fixed"] == 1))
     assert 0 < len(fault.objects) < 30
 
 
 def test_the_same_whatever_else_is_in_the_batch() -> None:
     sampler = program("param off : length in 18cm .. 20cm\n" + LEANING.format(off="off"))
-    (whole,) = faults(sampler.batch(np.arange(40), 5)).others
-    alone = [n for n in range(40) if faults(sampler.batch(np.array([n]), 5)).others]
+    (whole,) = find_faults(sampler.batch(np.arange(40), 5)).others
+    alone = [n for n in range(40) if find_faults(sampler.batch(np.array([n]), 5)).others]
     assert alone == whole.objects.tolist()
 
 
@@ -169,9 +169,9 @@ def test_bounds_of_masses_decide_as_masses_do(name: str) -> None:
     tree = Tree(batch)
     body = gather(batch, tree.first, tree.turn, tree.shift)
     open_too = any(statement.open for statement in sampler.program.stable)
-    bounds = Weighing(*weighed(batch)).rough()
+    bounds = Weighing(*weighing_of(batch)).rough()
     falls, stands = Stance(tree, body, bounds).decided(bounds, open_too)
-    (found,) = falling(tree, body)
+    (found,) = find_falling(tree, body)
     still, tipped = Stance(tree, body, masses(batch)).verdicts(open_too, np.ones(24, dtype=bool))
     exact = tipped if open_too else still
     assert found.tolist() == np.flatnonzero(exact).tolist() and 0 < exact.sum() < 24

@@ -161,6 +161,6 @@ def test_gaps_of_unions_overlap_and_nest():
         )
         share = (found <= 1).mean()
         assert abs(share - 1 / sum(b - a for a, b in allowed)) < 1e-3
-        assert np.allclose(laws.held(low[:1], low[:1] + 10, mine, "uniform", ()), sum(b - a for a, b in allowed))
-        moved = laws.clear(np.full(1, 1.2), low[:1], low[:1] + 10, mine)
+        assert np.allclose(laws.measure(low[:1], low[:1] + 10, mine, "uniform", ()), sum(b - a for a, b in allowed))
+        moved = laws.move_out_of_gaps(np.full(1, 1.2), low[:1], low[:1] + 10, mine)
         assert np.allclose(moved, 1.0)

@@ -7,10 +7,10 @@ from artipg_dsl.geometry import pieces
 from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.sampling.statistics import Exhausted, Statistics
 from artipg_dsl.session import Session
-from artipg_dsl.validity.bodies import turned
-from artipg_dsl.validity.evidence import evidence, random_states
+from artipg_dsl.validity.bodies import turn_points
+from artipg_dsl.validity.evidence import find_evidence, random_states
 from artipg_dsl.validity.tree import Tree
-from artipg_dsl.validity.validate import collisions, posed
+from artipg_dsl.validity.validate import find_collisions, find_meetings_in_states
 
 HEAD = "apg 1\nuse primitives { Cuboid, Cylinder }\ncategory Case {\n"
 
@@ -22,7 +22,7 @@ def program(body: str) -> Sampler:
 def found(body: str, n: int = 1) -> list[tuple[str, str, str]]:
     """The pairs of links, by path, with the joint that makes them meet."""
     batch = program(body).batch(np.arange(n), 0)
-    return sorted(Tree(batch).named(collisions(batch)))
+    return sorted(Tree(batch).named(find_collisions(batch)))
 
 
 WALL = "root part body : Cuboid(size = [40cm, 5cm, 60cm])\n"
@@ -40,7 +40,7 @@ def test_door_inset_beside_a_post(edge: str, turn: str, meets: bool) -> None:
     """About its back edge the front corner swings into the post; about the front edge it swings clear."""
     body = WALL + DOOR.format(edge=edge, range=turn)
     batch = program(body).batch(np.arange(1), 0)
-    hits = collisions(batch)
+    hits = find_collisions(batch)
     assert batch.joints().axis[0, 2] == (1.0 if edge == "back" else -1.0)  # either range opens to the front
     assert (len(hits) > 0) == meets
 
@@ -102,9 +102,9 @@ def test_sampling_draws_again_what_collides() -> None:
     statistics = Statistics()
     numbers = np.arange(40)
     batch = sampler.batch(numbers, 1, checked=True, statistics=statistics)
-    assert len(collisions(batch)) == 0
+    assert len(find_collisions(batch)) == 0
     free = sampler.batch(numbers, 1)
-    struck = collisions(free).objects()
+    struck = find_collisions(free).objects()
     assert 0 < len(struck) < 40
     assert statistics.first_valid == 40 - len(struck)
     assert statistics.collided[("body", "crate", "pull")] == statistics.attempts - 40
@@ -134,7 +134,7 @@ def test_boxes_that_meet_only_together_block() -> None:
   align far.left = body.left
   joint b : prismatic body -> far along y range -30cm .. 0
 """
-    report = evidence(program(text).batch(np.arange(3), 0))
+    report = find_evidence(program(text).batch(np.arange(3), 0))
     assert report.pairs == () and report.colliding == 0
     assert [(p.first, p.second, p.objects) for p in report.blocking] == [("far", "near", 3)]
 
@@ -158,9 +158,11 @@ def exact_pairs(batch, states: np.ndarray) -> set[tuple[int, int]]:
         for group in pieces.build(table.primitive, table.params) if len(table) else ():
             rows = group.rows
             sign = np.stack([np.ones(len(rows)), table.mirror[rows], np.ones(len(rows))], axis=-1)
-            placed = turned(table.rotation[rows], group.vertices * sign[:, None]) + table.translation[rows][:, None]
+            placed = (
+                turn_points(table.rotation[rows], group.vertices * sign[:, None]) + table.translation[rows][:, None]
+            )
             link = tree.first[table.owner[rows]] + table.link[rows]
-            placed = turned(turn[link], placed) + shift[link][:, None]
+            placed = turn_points(turn[link], placed) + shift[link][:, None]
             faces = np.concatenate([np.full((len(group.faces), 1), 3), group.faces], axis=1).flatten()
             for points, k in zip(placed, link.tolist(), strict=True):
                 hull = fcl.CollisionObject(fcl.Convex(points, len(group.faces), faces), fcl.Transform())
@@ -195,7 +197,7 @@ def test_an_exact_checker_agrees_on_microwaves(microwave: Sampler) -> None:
     wide = tree.low + 1.3 * (random_states(batch, 0) - tree.low)  # past its end, some links do meet
     seen = 0
     for states in (batch.rest(), wide, *(random_states(batch, k) for k in range(1, 20))):
-        first, second = next(posed(tree, body, states[None]))
+        first, second = next(find_meetings_in_states(tree, body, states[None]))
         ours = {(int(min(a, b)), int(max(a, b))) for a, b in zip(first, second, strict=True)}
         assert ours == exact_pairs(batch, states)
         seen += len(ours)
@@ -220,9 +222,9 @@ def test_a_screw_advances_into_what_lies_ahead() -> None:
 
 
 def nearer(body: str, n: int = 1) -> list[str]:
-    from artipg_dsl.validity.faults import faults
+    from artipg_dsl.validity.faults import find_faults
 
-    return [fault.words for fault in faults(program(body).batch(np.arange(n), 0)).others]
+    return [fault.words for fault in find_faults(program(body).batch(np.arange(n), 0)).others]
 
 
 @pytest.mark.parametrize(("gap", "near"), [("+ 0.9mm", True), ("+ 1mm", False), ("+ 1.1mm", False)])
@@ -292,7 +294,7 @@ CRANE = """
 
 
 def test_a_collision_names_parts_place_and_value() -> None:
-    pairs = {pair.joint: pair for pair in evidence(program(CRANE).batch(np.arange(2), 0), 0).pairs}
+    pairs = {pair.joint: pair for pair in find_evidence(program(CRANE).batch(np.arange(2), 0), 0).pairs}
     bar, crate = pairs["swing"].example, pairs["slide"].example
     assert bar.parts == ("bar", "post") and crate.parts == ("wall", "crate") and bar.object == crate.object == 0
     assert 0.6 < bar.value < 1.05 and bar.at[:2] == pytest.approx((0.1, 0.12), abs=0.02)
@@ -310,12 +312,12 @@ def test_what_cannot_be_made_names_the_parts() -> None:
 
 
 def test_points_common_to_bodies() -> None:
-    from artipg_dsl.geometry.collide import Corners, common
+    from artipg_dsl.geometry.collide import Corners, common_point
 
     cube = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)], dtype=float)
     first = np.stack([cube, cube, cube])
     second = np.stack([cube + (0.9, 0.9, 0.2), cube * 0.1 + 0.4, cube + (3, 0, 0)])
-    at = common(Corners(first), Corners(second))
+    at = common_point(Corners(first), Corners(second))
     for k in range(2):
         for body in (first, second):
             assert ((at[k] >= body[k].min(axis=0) - 1e-9) & (at[k] <= body[k].max(axis=0) + 1e-9)).all()

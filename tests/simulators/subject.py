@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from artipg_dsl.export.mjcf import mjcf_files
-from artipg_dsl.export.pose import follow, link_poses, rest_values
+from artipg_dsl.export.pose import follow_leaders, link_poses, rest_values
 from artipg_dsl.export.robot import Robot, RobotJoint
 from artipg_dsl.export.substitute import simple_joints
 from artipg_dsl.export.urdf import urdf_files
@@ -58,7 +58,7 @@ class Subject:
 
     def values(self, given: dict[str, float]) -> dict[str, float]:
         """All joint values with the followers' set."""
-        return follow(self.robot, self.rest | given)
+        return follow_leaders(self.robot, self.rest | given)
 
     def carried(self, joint: RobotJoint) -> list[int]:
         """The links that a joint moves."""

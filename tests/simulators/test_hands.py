@@ -12,7 +12,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from artipg_dsl.annotate.annotation import describe
+from artipg_dsl.annotate.annotation import annotate
 from artipg_dsl.runtime.batch import Batch
 from artipg_dsl.session import Session
 
@@ -46,7 +46,7 @@ def test_what_a_hand_grips_has_grasps_that_hold(category: str) -> None:
     from .fingers import verdicts
 
     made = batch(category)
-    held, links = verdicts(made, describe(made))
+    held, links = verdicts(made, annotate(made))
     loose = [verdict for verdict in held if verdict.fault]
     lacking = [name for name, grasped in links if not grasped]
     assert len(loose) <= 0.05 * len(held), loose

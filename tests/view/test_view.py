@@ -15,18 +15,18 @@ from artipg_dsl.export.write import ExportError
 from artipg_dsl.session import Session
 from artipg_dsl.view import regions
 from artipg_dsl.view import sheet as sheets
-from artipg_dsl.view.camera import lights, look_at
+from artipg_dsl.view.camera import look_at, place_lights
 from artipg_dsl.view.deferred import camera_rays
 from artipg_dsl.view.png import png_bytes, srgb, write_number
 from artipg_dsl.view.raster_cpu import barycentric, rasterise
-from artipg_dsl.view.scene import Scene, hex_colour, opened, scene
+from artipg_dsl.view.scene import Scene, hex_colour, make_scene, open_values
 
 BACKDROP = hex_colour(sheets.BACKDROP)
 
 
 def available(name: str):  # type: ignore[no-untyped-def]
     try:
-        return sheets.renderer(name, 64)
+        return sheets.make_renderer(name, 64)
     except ExportError as error:
         pytest.skip(error.message)
 
@@ -68,7 +68,7 @@ def two_squares() -> Scene:
 def test_what_is_in_front_covers_what_is_behind(name: str) -> None:
     draw, seen = available(name), two_squares()
     camera = look_at(seen.vertices, azimuth=0.0, elevation=0.5)
-    image = draw.render(seen, camera, lights(camera, *draw.light_counts), 0.0)
+    image = draw.render(seen, camera, place_lights(camera, *draw.light_counts), 0.0)
     assert image.shape == (64, 64, 3) and np.isfinite(image).all()
 
     def at(point: list[float]) -> np.ndarray:
@@ -84,7 +84,7 @@ def test_what_is_in_front_covers_what_is_behind(name: str) -> None:
 @pytest.mark.parametrize("name", sheets.RENDERERS)
 def test_a_sheet_shows_objects_on_a_plain_backdrop(name: str) -> None:
     available(name)
-    image = sheets.sheet(FakeBatch(3), tile=64, columns=2, which=name)
+    image = sheets.draw_sheet(FakeBatch(3), tile=64, columns=2, which=name)
     assert image.shape == (128, 128, 3) and image.dtype == np.uint8
     plain = srgb(BACKDROP)
     assert (image[64:, 64:] == plain).all(), "the fourth tile is empty"
@@ -96,21 +96,21 @@ def test_a_sheet_shows_objects_on_a_plain_backdrop(name: str) -> None:
 
 
 def test_one_may_look_from_any_side() -> None:
-    seen = {view: sheets.sheet(FakeBatch(1), tile=48, which="numpy", view=view) for view in sheets.VIEWS}
+    seen = {view: sheets.draw_sheet(FakeBatch(1), tile=48, which="numpy", view=view) for view in sheets.VIEWS}
     pictures = list(seen.values())
     for k, picture in enumerate(pictures):
         assert all((picture != other).any() for other in pictures[:k]), list(seen)[k]
-    assert (sheets.sheet(FakeBatch(1), tile=48, which="numpy", view="180,0") == seen["back"]).all()
-    assert (sheets.sheet(FakeBatch(1), tile=48, which="numpy", view=(0.0, 90.0)) == seen["top"]).all()
+    assert (sheets.draw_sheet(FakeBatch(1), tile=48, which="numpy", view="180,0") == seen["back"]).all()
+    assert (sheets.draw_sheet(FakeBatch(1), tile=48, which="numpy", view=(0.0, 90.0)) == seen["top"]).all()
     for wrong in ("sideways", "10", "10,200", "nan,0", (1.0,)):
         with pytest.raises(ExportError) as caught:
-            sheets.sheet(FakeBatch(1), view=wrong)  # type: ignore[arg-type]
+            sheets.draw_sheet(FakeBatch(1), view=wrong)  # type: ignore[arg-type]
         assert "back" in caught.value.args[0]
 
 
 def test_renderers_agree() -> None:
     images = [
-        sheets.sheet(FakeBatch(1), tile=64, which=name).astype(int) for name in sheets.RENDERERS if available(name)
+        sheets.draw_sheet(FakeBatch(1), tile=64, which=name).astype(int) for name in sheets.RENDERERS if available(name)
     ]
     for image in images[1:]:
         assert np.abs(image - images[0]).mean() < 6
@@ -119,7 +119,7 @@ def test_renderers_agree() -> None:
 def test_colour_by_part_and_by_material_differ() -> None:
     batch = FakeBatch(1)
     robots = Robots(batch, physics=False)
-    part, material = (scene(robots, 0, batch.pose(), colouring) for colouring in ("part", "material"))
+    part, material = (make_scene(robots, 0, batch.pose(), colouring) for colouring in ("part", "material"))
     assert (part.vertices == material.vertices).all() and np.abs(part.colour - material.colour).max() > 0.1
     assert sorted(set(material.colour[:, 3].tolist())) == pytest.approx([0.4, 1.0])
 
@@ -127,14 +127,14 @@ def test_colour_by_part_and_by_material_differ() -> None:
 def test_regions_lie_where_labels_say() -> None:
     batch = Session.of("Microwave").sampler.batch(np.arange(2), 0)
     robots = Robots(batch, physics=False)
-    shown, said = regions.regions(batch, robots, 1, batch.pose(), "affordance")
-    assert {"press", "turn", "contain", "support"} <= said <= set(regions.words(batch, "affordance"))
+    shown, said = regions.find_regions(batch, robots, 1, batch.pose(), "affordance")
+    assert {"press", "turn", "contain", "support"} <= said <= set(regions.words_said(batch, "affordance"))
     whole = np.linalg.norm(np.cross(*np.diff(shown.vertices[shown.faces], axis=1).transpose(1, 0, 2)), axis=1).sum() / 2
-    plain = scene(robots, 1, batch.pose(), "material")
+    plain = make_scene(robots, 1, batch.pose(), "material")
     every = np.linalg.norm(np.cross(*np.diff(plain.vertices[plain.faces], axis=1).transpose(1, 0, 2)), axis=1).sum() / 2
     assert whole == pytest.approx(every, rel=0.005), "cutting and joining leaves the surface whole"
     assert np.linalg.norm(shown.normals, axis=1) == pytest.approx(1.0)
-    yellow = regions.colours(batch, "affordance")["press"]
+    yellow = regions.colours_of(batch, "affordance")["press"]
     at = np.flatnonzero((np.abs(shown.colour[:, :3] - yellow) < 1e-9).all(axis=1))
     front = shown.vertices[:, 0].max()
     assert shown.vertices[at, 0].min() > front - 0.06 and shown.normals[at, 0].min() > 0.0, (
@@ -159,25 +159,25 @@ def test_stripes_share_out_what_several_words_say() -> None:
 
 def test_a_triangle_is_cut_into_squares_of_a_number() -> None:
     for n in (1, 2, 8):
-        made = regions.pattern(n)
+        made = regions.subdivide(n)
         area = np.linalg.det(made)
         assert made.shape == (n * n, 3, 3) and area == pytest.approx(np.full(n * n, 1 / n**2))
 
 
 def test_a_legend_names_what_is_shown() -> None:
-    strip = sheets.legend({"pull": np.array([255, 0, 0]), "press": np.array([0, 0, 255])}, 200)
+    strip = sheets.draw_legend({"pull": np.array([255, 0, 0]), "press": np.array([0, 0, 255])}, 200)
     assert (strip == (255, 0, 0)).all(axis=2).sum() == (strip == (0, 0, 255)).all(axis=2).sum() == 18 * 18
     assert (strip[:, :, 0] == 60).any()
 
 
 def test_opened_goes_most_of_the_way() -> None:
-    assert opened(FakeBatch(1)) == pytest.approx([1.9 * 0.8, 0.005 * 0.8])
+    assert open_values(FakeBatch(1)) == pytest.approx([1.9 * 0.8, 0.005 * 0.8])
 
 
 def test_an_opened_door_is_elsewhere() -> None:
     batch = FakeBatch(1)
     robots = Robots(batch, physics=False)
-    rest, swung = (scene(robots, 0, batch.pose(states)).vertices for states in (None, opened(batch)))
+    rest, swung = (make_scene(robots, 0, batch.pose(states)).vertices for states in (None, open_values(batch)))
     assert rest.shape == swung.shape and swung[:, 0].max() > rest[:, 0].max() + 0.2
 
 
@@ -244,10 +244,10 @@ def test_a_sheet_is_written_whole_and_not_over_another(tmp_path: Path) -> None:
 def test_wrong_options_are_answered_in_words() -> None:
     for options, words in (({"which": "opengl"}, "moderngl"), ({"colour": "mass"}, "material")):
         with pytest.raises(ExportError) as caught:
-            sheets.sheet(FakeBatch(1), **options)  # type: ignore[arg-type]
+            sheets.draw_sheet(FakeBatch(1), **options)  # type: ignore[arg-type]
         assert words in caught.value.hint
     with pytest.raises(ExportError):
-        sheets.sheet(FakeBatch(0))
+        sheets.draw_sheet(FakeBatch(0))
 
 
 def test_without_graphics_libraries_numpy_draws(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -255,9 +255,9 @@ def test_without_graphics_libraries_numpy_draws(monkeypatch: pytest.MonkeyPatch)
 
     for missing in ("moderngl", "embreex", "embreex.mesh_construction", "embreex.rtcore_scene"):
         monkeypatch.setitem(sys.modules, missing, None)
-    assert sheets.renderer("auto", 16).name == "numpy"
+    assert sheets.make_renderer("auto", 16).name == "numpy"
     with pytest.raises(ExportError) as caught:
-        sheets.renderer("moderngl", 16)
+        sheets.make_renderer("moderngl", 16)
     assert "moderngl" in caught.value.message
 
 

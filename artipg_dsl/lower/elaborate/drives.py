@@ -17,7 +17,7 @@ from ...graph import expr as E
 from ...graph.expr import Expr, Scope
 from ...graph.primitive import Triple, triple
 from ...graph.program import Joint, Pose
-from ...graph.reference import definitions
+from ...graph.reference import definitions_of
 from ...language import Form
 from ...syntax import ast
 from ..expressions.context import Context, text_of
@@ -89,13 +89,13 @@ class Drive:
             for number, joint in enumerate(joints):
                 if joint.child == link:
                     carried.add(number)
-                    todo.extend(definitions(joint.parent))
+                    todo.extend(definitions_of(joint.parent))
         return carried
 
     def links_of(self, part: Part) -> list[tuple[int, ...]]:
         """The links of a part and of all parts in it."""
         inner = [p for instance in part.instances for p in instance.parts()]
-        return [definitions(self.links.of(part)), *(link for p in inner for link in self.links_of(p))]
+        return [definitions_of(self.links.of(part)), *(link for p in inner for link in self.links_of(p))]
 
     def lifted(self, joint: Joint) -> tuple[Expr, Joint]:
         """A joint in the table of the target, and where it exists there."""

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from ...graph import expr as E
 from ...graph.defined import Defined, Sharp
 from ...graph.expr import Expr, Scope
-from ...graph.feasible import certain
+from ...graph.feasible import is_certain
 from ...graph.formula import free_variables, row_values
 from ...graph.interval import Intervals
 from ...graph.linear import tidy
@@ -98,7 +98,7 @@ def holds(quantity: Quantity, intervals: Intervals, defined: Defined) -> bool:
 def never(quantity: Quantity, intervals: Intervals) -> bool:
     """Whether a number is never legal, in what every object has."""
     value, legal = quantity.value, quantity.legal
-    if quantity.guard is not E.TRUE or not certain(quantity.scope, intervals) and value.constant is None:
+    if quantity.guard is not E.TRUE or not is_certain(quantity.scope, intervals) and value.constant is None:
         return False
     low, high = intervals.of(value)
     return value.constant is not None or high < legal.low or low > legal.high

@@ -15,7 +15,7 @@ from typing import Any
 from ...graph import expr as E
 from ...graph.expr import Column, Expr, Scope
 from ...graph.program import Draw
-from ...graph.reference import Elsewhere, Onward, Reference, Under, definitions
+from ...graph.reference import Elsewhere, Onward, Reference, Under, definitions_of
 from ...source import Span
 from ..solve.cases import TooManyCases, combinations
 from ..values.kinds import part_of
@@ -90,7 +90,7 @@ class Chains:
         found: set[int] = set()
         stack = [start]
         while stack:
-            for k in definitions(self.above.get(stack.pop(), ())):
+            for k in definitions_of(self.above.get(stack.pop(), ())):
                 if k not in found:
                     found.add(k)
                     stack.append(k)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ...graph.program import Site
-from ...graph.unlabelled import Bare, unlabelled
+from ...graph.unlabelled import Bare, find_unlabelled
 from ...source import Span
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ _NAMED = 6  # primitives that a warning names
 def warn_unlabelled(lowering: Lowering, category: Span) -> None:
     """One warning for each part of the category, or a single one where nothing at all is labelled."""
     program, report = lowering.program, lowering.context.report
-    bare = unlabelled(program)
+    bare = find_unlabelled(program)
     if not bare:
         return
     if len(bare) == len(program.sites) and not any(b.partly for b in bare):

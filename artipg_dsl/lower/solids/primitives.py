@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from ...graph import expr as E
 from ...graph.expr import Expr, Scope
-from ...graph.interval import Interval, Intervals, always
+from ...graph.interval import Interval, Intervals, holds_always
 from ...graph.primitive import Patch, Piece, Primitive, Triple, triple
 from ...graph.program import Requirement
 from ...semantics.symbols import Symbol
@@ -106,7 +106,7 @@ class Lowered:
         program = context.program
         for condition in self.conditions:
             here = E.substitute(condition.holds, mapping)
-            if here is E.TRUE or always(here, context.draws):
+            if here is E.TRUE or holds_always(here, context.draws):
                 continue
             sides, bend = (
                 None if pair is None else (E.substitute(pair[0], mapping), E.substitute(pair[1], mapping))

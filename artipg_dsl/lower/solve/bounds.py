@@ -11,11 +11,11 @@ import math
 from collections.abc import Iterator
 
 from ...graph import expr as E
-from ...graph.depend import needed
+from ...graph.depend import columns_behind
 from ...graph.expr import Column, Expr, Scope
 from ...graph.inequality import Half, bounds_of, least_of
 from ...graph.interval import Intervals
-from ...graph.linear import Form, Linear
+from ...graph.linear import Linear, LinearForm
 from ...graph.program import Bound, Draw, Limit, Program
 from .inline import inline
 from .unions import unite
@@ -99,7 +99,7 @@ def attach_bounds(program: Program) -> list[tuple[Scope, tuple[int, ...]]]:
     return hollow
 
 
-def weaker(form: Form, scope: Scope, guard: Expr, last: Column, told: dict[object, float]) -> bool:
+def weaker(form: LinearForm, scope: Scope, guard: Expr, last: Column, told: dict[object, float]) -> bool:
     """Whether ``form <= 0`` says no more than a multiple of it that was told before; else it is noted.
 
     Elimination comes to the same sum on many ways: without this their number would grow with the power of the variables.
@@ -223,7 +223,7 @@ def open_ended(root: Expr) -> bool:
 
 def late(program: Program, order: dict[Column, int], column: Column, roots: list[Expr]) -> bool:
     """Whether expressions need the column itself or what is drawn after it, be it to count the rows they stand in."""
-    return any(order.get(c, -1) >= order[column] for c in needed(program, roots))
+    return any(order.get(c, -1) >= order[column] for c in columns_behind(program, roots))
 
 
 def reader_of(column: Column, program: Program) -> Linear:

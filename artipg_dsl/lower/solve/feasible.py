@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from ...graph.expr import Scope
-from ...graph.feasible import Conflict, certain, conflicts, idle
+from ...graph.feasible import Conflict, find_conflicts, find_idle, is_certain
 from ...graph.interval import Intervals
 from ...graph.program import Program
 from ...source import Span
@@ -20,15 +20,15 @@ def judge(context: Context, hollow: list[tuple[Scope, tuple[int, ...]]], own: st
     program = context.program
     intervals = Intervals(program.draws, program.definitions)
     for scope, reasons in hollow[:1]:
-        tell(context, Conflict(None, reasons[0], reasons, (), math.nan, math.nan, scope, certain(scope, intervals)))
+        tell(context, Conflict(None, reasons[0], reasons, (), math.nan, math.nan, scope, is_certain(scope, intervals)))
     told: set[frozenset[int]] = set()
-    for conflict in conflicts(program):
+    for conflict in find_conflicts(program):
         if frozenset(conflict.reasons) not in told:  # one contradiction empties several ranges: the first tells it
             told.add(frozenset(conflict.reasons))
             tell(context, conflict)
     if context.report.failed:
         return
-    for number in idle(program):
+    for number in find_idle(program):
         span, root = context.stated.get(number, (None, False))
         if span is not None and root and span.source.name == own:
             context.report.warning(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from ...graph import expr as E
 from ...graph.expr import Column, Expr
 from ...graph.program import Draw
-from ...graph.reference import Reference, definitions
+from ...graph.reference import Reference, definitions_of
 from ..expressions.context import Equation, Settled, Unknown
 from ..values.kinds import part_of
 
@@ -74,7 +74,7 @@ def carriage(links: Links, part: Part) -> Iterator[Line]:
 
 def named(links: Links, reference: Reference) -> str:
     """Links by the paths of the parts that they are named after: those of several alternatives with `or`."""
-    paths = dict.fromkeys(links.context.program.links[number].path for number in definitions(reference))
+    paths = dict.fromkeys(links.context.program.links[number].path for number in definitions_of(reference))
     return " or ".join(f"`{path}`" for path in paths)
 
 

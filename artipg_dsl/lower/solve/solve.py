@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 
 from ...graph import expr as E
 from ...graph.expr import Column, Expr, Scope
-from ...graph.linear import Circle, Form, Linear
+from ...graph.linear import Circle, Linear, LinearForm
 from ...graph.matching import Matching, match
 from ..expressions.context import Abort, Equation, Settled, Unknown
 from ..expressions.env import Env
@@ -92,7 +92,7 @@ class Block:
     env: Env
     unknowns: list[Unknown]
     equations: list[Equation]
-    forms: list[Form | None]
+    forms: list[LinearForm | None]
     incidence: list[set[Column]]
     number: dict[Column, int]  # place of each unknown in the order of the text
     guards: dict[Column, Expr]  # where each unknown exists
@@ -124,7 +124,7 @@ def blocks(env: Env, homes: list[tuple[Env, Expr]]) -> Iterator[Block]:
     unknowns, equations, guards = gathered(env, homes)
     number = {u.column: k for k, u in enumerate(unknowns)}
     linear = Linear(lambda c: c in number, env.context.program.definitions)
-    forms: list[Form | None] = []
+    forms: list[LinearForm | None] = []
     incidence: list[set[Column]] = []
     for equation in equations:
         form = linear.form(E.sub(equation.left, equation.right))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...graph import expr as E
 from ...graph.expr import Column, Expr
-from ...graph.linear import Form, Linear, Parts, combine, isolate, solve_block, tidy
+from ...graph.linear import Linear, LinearForm, Parts, combine, isolate, solve_block, tidy
 from ...graph.matching import Matching, components
 from ..expressions.context import Abort, Equation, Settled, Unknown
 from ..expressions.env import Env
@@ -16,7 +16,7 @@ def solve_system(
     env: Env,
     unknowns: list[Unknown],
     equations: list[Equation],
-    forms: list[Form | None],
+    forms: list[LinearForm | None],
     matching: Matching,
     guard: Expr,
 ) -> tuple[dict[Column, Expr], dict[Column, Settled]]:
@@ -64,7 +64,7 @@ def solve_system(
     return values, told
 
 
-def unsolved(env: Env, unknowns: list[Unknown], equations: list[Equation], forms: list[Form | None]) -> Abort:
+def unsolved(env: Env, unknowns: list[Unknown], equations: list[Equation], forms: list[LinearForm | None]) -> Abort:
     """Report equations that have no solution in closed form: linear ones that hang on one another alone, or others."""
     equations = sorted(equations, key=lambda q: q.span.start)
     listed = " and ".join(u.name for u in unknowns)
@@ -91,7 +91,7 @@ def unsolved(env: Env, unknowns: list[Unknown], equations: list[Equation], forms
     return env.context.error("not-solvable", equations[0].span, message, hint=hint, notes=notes)
 
 
-def remainder(forms: list[Form], columns: list[Column]) -> Expr | None:
+def remainder(forms: list[LinearForm], columns: list[Column]) -> Expr | None:
     """What is left of linear equations that depend on one another, once the columns are eliminated; None if that is open."""
     rows: list[Parts] = list(forms)
     for column in columns:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...graph import expr as E
-from ...graph.depend import needed
+from ...graph.depend import columns_behind
 from ...graph.expr import Column, Expr, Scope
 from ...graph.interval import Intervals
 from ...graph.program import Draw, Program, Union
@@ -34,7 +34,7 @@ def unite(
     ends = [end for pair in region for end in pair]
     if not all(column.scope.within(end.scope) for end in ends):
         return None
-    if any(order.get(c, -1) >= order[column] for c in needed(program, ends)):
+    if any(order.get(c, -1) >= order[column] for c in columns_behind(program, ends)):
         return None
     draw.unions.append(Union(region, E.TRUE, number, also))
     rooms = [room(pair, draw.low, draw.high) for pair in region]
