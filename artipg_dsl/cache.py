@@ -36,12 +36,18 @@ def folder() -> Path | None:
         return None
     if chosen:
         return Path(chosen)
+    base = home()
+    return None if base is None else base / "kept"
+
+
+def home() -> Path | None:
+    """The folder of this package among the user's own caches; None where no home is known."""
     home = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA")
     try:
         base = Path(home) if home else Path.home() / ("Library/Caches" if sys.platform == "darwin" else ".cache")
     except RuntimeError:
         return None
-    return base / "artipg_dsl" / "kept"
+    return base / "artipg_dsl"
 
 
 @cache

@@ -80,6 +80,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except SystemExit as stop:  # help was asked for, or the parser has said what is wrong
         return int(stop.code or 0)
     try:
+        if getattr(options, "backend", None):
+            from ..native import backend
+
+            backend.choose(options.backend)
         code = importlib.import_module(f".{options.command}", __package__).run(options)
         sys.stdout.flush()
         return code

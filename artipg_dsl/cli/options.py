@@ -219,6 +219,7 @@ def add_mutate(to: argparse.ArgumentParser) -> None:
     to.add_argument("--format", metavar="LIST", help="formats, separated by commas (default: those of the originals)")
     _checking(to)
     to.add_argument("--force", action="store_true", help="replace mutants that were made with other options")
+    _backend(to)
     _dividing(to)
 
 
@@ -342,6 +343,15 @@ def _drawing(to: argparse.ArgumentParser, n: int) -> None:
         help="fix a parameter, such as width=45cm or handle=BarHandle",
     )
     to.set_defaults(default_number=n)
+    _backend(to)
+
+
+def _backend(to: argparse.ArgumentParser) -> None:
+    to.add_argument(
+        "--backend",
+        choices=("numpy", "c"),
+        help="what evaluates formulas: the same bytes either way (default: c where there is a compiler, NumPy until it is done)",
+    )
 
 
 def _source(to: argparse.ArgumentParser) -> None:

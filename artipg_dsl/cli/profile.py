@@ -30,6 +30,7 @@ def _examine(options: argparse.Namespace, stage: Callable[[str], None] = lambda 
     """Stages with their CPU seconds, in all, and parts with their costs per object."""
     from ..export.content import Content
     from ..export.registry import choose_formats
+    from ..native.backend import told
     from ..quality.cost import measure_costs
     from ..run.job import open_job
     from ..validity.faults import find_faults
@@ -55,6 +56,7 @@ def _examine(options: argparse.Namespace, stage: Callable[[str], None] = lambda 
     return {
         "category": job.program.name,
         "objects": len(batch),
+        "backend": told(),
         "stages": spent,
         "parts": [asdict(cost) for cost in found],
     }
@@ -63,7 +65,7 @@ def _examine(options: argparse.Namespace, stage: Callable[[str], None] = lambda 
 def _text(found: dict[str, Any]) -> str:
     """The profile in lines."""
     number = found["objects"]
-    lines = [f"{found['category']}: {number} objects as they are drawn, CPU time", ""]
+    lines = [f"{found['category']}: {number} objects as they are drawn, CPU time, backend {found['backend']}", ""]
     for name, seconds in found["stages"].items():
         each = f"{1e3 * seconds / number:10.1f} ms an object" if name != "compiling" else ""
         lines.append(f"{name:24}{seconds:8.2f} s{each}")

@@ -1,7 +1,8 @@
-"""Formulas over free variables turned into NumPy functions: patches, inside functions, label fields.
+"""Formulas over free variables turned into functions of arrays: patches, inside functions, label fields.
 
-The generated function takes arrays that broadcast with one another and returns one array per expression. Equal
-subexpressions are computed once.
+A formula takes arrays that broadcast with one another and returns one array per expression. Equal subexpressions are
+computed once. It is run as a tape by the compiled backend where there is one, else as generated NumPy code: the bits are
+the same.
 """
 
 from __future__ import annotations
@@ -12,6 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from ..native import backend
+from ..native.tape import Tape
 from .expr import Expr, show
 
 NUMPY = {
@@ -117,21 +120,64 @@ def _steps(exprs: Sequence[Expr]) -> tuple[list[Expr], dict[int, int]]:
     return order, uses
 
 
-@lru_cache(maxsize=4096)
-def _compile(exprs: tuple[Expr, ...], names: tuple[str, ...]) -> Callable[..., tuple[Any, ...]]:
-    namespace: dict[str, Any] = {"np": np}
-    exec(compile(source(exprs, names), "<formula>", "exec"), namespace)  # noqa: S102 - no text of a program reaches it
-    formula: Callable[..., tuple[Any, ...]] = namespace["formula"]
-    return _quiet(formula)
-
-
 # Formulas are computed everywhere and taken where they hold (the branches of `a if c else b`, points outside a `where`):
 # NumPy's warnings of values that are not taken say nothing. Those that are taken are asked for as numbers
 # (``lower.elaborate.legal``, ``annotate.points``).
-_quiet = np.errstate(divide="ignore", invalid="ignore", over="ignore")
+quiet = np.errstate(divide="ignore", invalid="ignore", over="ignore")
 
 
-def compile_formula(exprs: Sequence[Expr], names: Sequence[str]) -> Callable[..., tuple[Any, ...]]:
+class Formula:
+    """A function of arrays or numbers that returns a tuple of values, one per expression."""
+
+    __slots__ = ("_exprs", "_names", "_tape", "_code")
+
+    def __init__(self, exprs: tuple[Expr, ...], names: tuple[str, ...]):
+        self._exprs, self._names = exprs, names
+        self._tape = tape(exprs, names)
+        self._code: Callable[..., tuple[Any, ...]] | None = None
+
+    def __call__(self, *values: Any) -> tuple[Any, ...]:
+        machine = backend.machine()
+        if machine is not None:
+            found = self._tape.run(machine, values)
+            if found is not None:
+                return found
+        return self.numpy(*values)
+
+    @property
+    def numpy(self) -> Callable[..., tuple[Any, ...]]:
+        """The same by NumPy."""
+        if self._code is None:
+            namespace: dict[str, Any] = {"np": np}
+            exec(compile(source(self._exprs, self._names), "<formula>", "exec"), namespace)  # noqa: S102 - no text of a program reaches it
+            self._code = quiet(namespace["formula"])
+        return self._code
+
+
+_compile = lru_cache(maxsize=4096)(Formula)
+
+
+def tape(exprs: Sequence[Expr], names: Sequence[str]) -> Tape:
+    """The expressions as operations on columns, which ``names`` are, in this order."""
+    known = {variable: place for place, variable in enumerate(names)}
+    order = _steps(exprs)[0]
+    constants = [node for node in order if node.op == "const"]
+    number = {id(node): len(known) + place for place, node in enumerate(constants)}
+    steps: list[tuple[str, tuple[int, ...]]] = []
+    for node in order:
+        if node.op == "var":
+            if node.value not in known:
+                raise ValueError(f"a formula reads {node.value}, which is not among its variables {sorted(known)}")
+            number[id(node)] = known[node.value]
+        elif node.op in NUMPY:
+            number[id(node)] = len(known) + len(constants) + len(steps)
+            steps.append((node.op, tuple([number[id(a)] for a in node.args])))
+        elif node.op != "const":
+            raise ValueError(f"{show(node)} is not a formula over variables")
+    return Tape(len(known), tuple(node.value for node in constants), tuple(steps), tuple(number[id(e)] for e in exprs))
+
+
+def compile_formula(exprs: Sequence[Expr], names: Sequence[str]) -> Formula:
     """A function of the variables ``names`` (arrays or scalars) that returns a tuple of values, one per expression."""
     return _compile(tuple(exprs), tuple(names))
 

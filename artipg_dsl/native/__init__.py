@@ -1,0 +1,11 @@
+"""The compiled backend: formulas run as tapes, a block of rows at a time, by a small machine written in C.
+
+In: a formula as a tape (``graph.formula`` makes it) and arrays. Out: the arrays that NumPy would have made, bit for bit, since every
+operation on numbers is an inner loop of NumPy itself. Knows neither expressions nor geometry. Begin with ``tape`` and ``backend``.
+
+    machine.c       what runs a tape: moves blocks of numbers and calls loops, nothing more
+    loops           the inner loops of NumPy's functions, and how an array lies in memory
+    compiler        the machine compiled, kept and loaded
+    tape, plan      straight-line programs of operations; registers and phases for the shapes that are given
+    backend         which backend is used
+"""

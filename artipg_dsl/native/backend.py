@@ -1,0 +1,169 @@
+"""Which backend evaluates formulas: NumPy, or the compiled machine once it is there. The bytes that come out are the same.
+
+``APGC_BACKEND`` says which: ``numpy``, ``c`` (an error where it cannot be had), or nothing for the machine if it can be had without
+waiting. Where none was compiled before, a compiler is started beside the run, which goes on with NumPy until it is done.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import threading
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import UserError
+from . import compiler, loops
+from .compiler import NoMachine
+from .plan import Plan
+from .tape import Tape
+
+VARIABLE = "APGC_BACKEND"
+BACKENDS = ("numpy", "c")
+
+
+class Machine:
+    """The compiled machine in this process. Raises NoMachine where it does not fit this NumPy."""
+
+    def __init__(self, library: ctypes.CDLL):
+        try:
+            self._run, self._within, look = library.run, library.within, library.look
+            self._moves = {
+                kinds: ctypes.cast(getattr(library, name), ctypes.c_void_p).value or 0
+                for kinds, name in (("???->?", "choose1"), ("?dd->d", "choose8"), ("?->d", "number"), ("id->d", "take"))
+            }
+        except AttributeError as wrong:
+            raise NoMachine(f"the compiled backend is not whole: {wrong}") from None
+        long, address = ctypes.c_int64, ctypes.c_void_p
+        self._run.argtypes = [address] * 5 + [long] * 4
+        self._within.argtypes = [long] * 4
+        look.argtypes, look.restype = [long, long, address], None
+        found = np.zeros(5, dtype=np.int64)
+        shown = np.zeros((7, 3))[::2, 1]
+        look(id(shown), loops.HEADER, found.ctypes.data)
+        expected = [shown.ctypes.data, 1, 4, 48]
+        if found[:4].tolist() != expected or bool(found[4] & 1) or not found[4] & 0x100:
+            raise NoMachine("the arrays of this NumPy are laid out in another way")
+
+    def locate(self, op: str, kinds: str) -> tuple[int, int]:
+        """Addresses of a loop and of what it is given. Raises Unreadable."""
+        if op in loops.FUNCTIONS:
+            return loops.loop(loops.FUNCTIONS[op], kinds)
+        return self._moves[kinds], 0
+
+    def run(self, plan: Plan, objects: Any, outer: int, inner: int) -> int:
+        """Run a plan over arrays, told by their identities; 0 where that was done."""
+        return self._run(*plan.places, ctypes.addressof(objects), loops.HEADER, outer, inner, plan.block)
+
+    def within(self, index: np.ndarray, size: int) -> bool:
+        """Whether all of an index (n,) are numbers of rows of a table."""
+        return bool(self._within(id(index), loops.HEADER, len(index), size))
+
+
+class _State:
+    """What is known of the backend since one was chosen."""
+
+    def __init__(self) -> None:
+        self.machine: Machine | None = None
+        self.begun = False
+        self.why = ""  # there is no machine
+        self.beside: threading.Thread | None = None  # compiles one
+
+    def begin(self) -> None:
+        """Find the machine, or begin to make it. Raises UserError where one is asked for and cannot be had."""
+        asked = chosen()
+        self.begun = True
+        if asked == "numpy":
+            self.why = "as asked"
+            return
+        try:
+            path = compiler.kept()
+            if path is not None:
+                self.machine = fit(path)
+            elif asked:
+                self.machine = fit(compiler.compile_machine())
+            elif compiler.folder() is None:
+                self.why = "nothing is kept, so nothing is compiled"
+            else:
+                self.why = "the machine is being compiled"
+                self.beside = threading.Thread(target=self.compile, daemon=True)
+                self.beside.start()
+        except NoMachine as wrong:
+            self.why = str(wrong)
+            if asked:
+                self.begun = False
+                raise UserError(f"there is no backend c: {wrong}", "--backend numpy writes the same bytes") from None
+
+    def compile(self) -> None:
+        try:
+            self.machine = fit(compiler.compile_machine())
+        except (NoMachine, OSError) as wrong:
+            self.why = str(wrong)
+
+
+_state = _State()
+
+
+def chosen() -> str:
+    """``numpy``, ``c`` or, where nothing is asked for, an empty text. Raises UserError."""
+    asked = os.environ.get(VARIABLE, "").strip().lower()
+    if asked and asked not in BACKENDS:
+        raise UserError(f"{VARIABLE} names no backend: `{asked}`", f"there are {' and '.join(BACKENDS)}")
+    return asked
+
+
+def machine() -> Machine | None:
+    """The machine, if formulas are to be run by it now. Raises UserError where ``APGC_BACKEND`` cannot be had."""
+    if not _state.begun:
+        _state.begin()
+    return _state.machine
+
+
+def choose(name: str | None) -> None:
+    """Use a backend from here on, in this process and those it starts; the usual one for None. Raises UserError where it cannot be had."""
+    global _state
+    if name is None:
+        os.environ.pop(VARIABLE, None)
+    else:
+        os.environ[VARIABLE] = name
+    _state = _State()
+    machine()
+
+
+def told() -> str:
+    """The backend that is used, and why no other, in words."""
+    if machine() is not None:
+        return "c"
+    return f"numpy ({_state.why})" if _state.why else "numpy"
+
+
+def fit(path: Path) -> Machine:
+    """The machine in a file, tried on this NumPy. Raises NoMachine."""
+    made = Machine(compiler.load(path))
+    try:
+        different = trial(made)
+    except loops.Unreadable as wrong:
+        raise NoMachine(f"the functions of this NumPy are laid out in another way: {wrong}") from None
+    if different:
+        raise NoMachine(f"this NumPy computes {', '.join(different)} of a block in another way than of an array")
+    return made
+
+
+def trial(made: Machine) -> list[str]:
+    """The operations of which a block has other bits than NumPy gives for the whole: none, as far as we know."""
+    lots = np.random.Generator(np.random.PCG64(0))
+    a = np.concatenate(
+        [lots.normal(size=500), 10.0 ** lots.uniform(-9, 9, 400), lots.uniform(-1, 1, 400), [0.0, -0.0, np.inf, np.nan]]
+    )
+    b = a[lots.permutation(len(a))]
+    found = []
+    for op, function in loops.FUNCTIONS.items():
+        tape = Tape(function.nin, (), ((op, tuple(range(function.nin))),), (function.nin,))
+        with np.errstate(all="ignore"):
+            expected = function(*(a, b)[: function.nin])
+        result = tape.run(made, (a, b)[: function.nin])
+        if result is None or result[0].tobytes() != expected.tobytes():
+            found.append(op)
+    return found

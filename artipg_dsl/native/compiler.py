@@ -1,0 +1,153 @@
+"""The machine compiled by the system's compiler or by the one that the package ``ziglang`` brings, kept, and loaded.
+
+What is compiled is a file of this package, never text that follows from a program. It is kept beside what else is kept, but is not
+shared as that may be: a file of code counts only in a folder and under a name that nobody but its owner can write, and only if its
+bytes have the hash that its name says. All else is compiled anew.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import platform
+import shutil
+import sys
+from hashlib import blake2b
+from importlib.util import find_spec
+from pathlib import Path
+
+from .. import cache
+
+SOURCE = Path(__file__).with_name("machine.c")
+FLAGS = ("-O2", "-std=c11", "-shared", "-fPIC", "-fvisibility=hidden")
+SECONDS = 120.0  # until a compiler is given up
+KIND = "machine"
+
+_passing: set[Path] = set()  # folders for what is not kept, until it is loaded
+
+
+class NoMachine(Exception):
+    """Why there is no compiled backend."""
+
+
+def compilers() -> list[list[str]]:
+    """The commands of compilers that are there, the one to be tried first first: ``CC``, the system's, that of ``ziglang``."""
+    asked = os.environ.get("CC", "").split()
+    found = [[path, *asked[1:]] for path in [shutil.which(asked[0])] if path] if asked else []
+    found += [[path] for name in ("cc", "gcc", "clang") if (path := shutil.which(name))]
+    if find_spec("ziglang") is not None:
+        found.append([sys.executable, "-m", "ziglang", "cc"])
+    return found
+
+
+def folder() -> Path | None:
+    """Where compiled code is kept: in the user's own folder, wherever else entries are kept; None where nothing is to be."""
+    if cache.folder() is None:
+        return None
+    home = cache.home()
+    return None if home is None else home / "compiled"
+
+
+def kept() -> Path | None:
+    """The compiled machine, if it was kept and can be trusted."""
+    place = folder()
+    if place is None or not _own(place):
+        return None
+    start = f"{KIND}-{_key()}-"
+    try:
+        names = sorted(name for name in os.listdir(place) if name.startswith(start))
+    except OSError:
+        return None
+    for name in names:
+        path = place / name
+        try:
+            if _own(path) and name == start + _seal(path.read_bytes()):
+                return path
+        except OSError:
+            continue
+    return None
+
+
+def compile_machine() -> Path:
+    """Compile the machine and keep it; where it lies. Raises NoMachine."""
+    import subprocess  # start-up: most runs compile nothing
+    import tempfile  # start-up
+
+    place = folder()
+    if place is not None:
+        try:
+            place.mkdir(parents=True, exist_ok=True)
+            os.chmod(place, 0o700)
+        except OSError:
+            place = None
+    if place is None or not _own(place):
+        place = Path(tempfile.mkdtemp(prefix="apgc-"))
+        _passing.add(place)
+    found = compilers()
+    if not found:
+        raise NoMachine("there is no C compiler: install one, or `pip install artipg_dsl[fast]`")
+    said = ""
+    for command in found:
+        number, made = tempfile.mkstemp(prefix=".", suffix=".partial", dir=place)
+        os.close(number)
+        try:
+            done = subprocess.run(
+                [*command, *FLAGS, str(SOURCE), "-o", made],
+                stdin=subprocess.DEVNULL,
+                capture_output=True,
+                text=True,
+                errors="replace",
+                timeout=SECONDS,
+            )
+            if done.returncode == 0:
+                os.chmod(made, 0o600)
+                path = place / f"{KIND}-{_key()}-{_seal(Path(made).read_bytes())}"
+                os.replace(made, path)
+                return path
+            said = said or f"{' '.join(command)} failed: {done.stderr.strip()[:400] or done.returncode}"
+        except subprocess.TimeoutExpired:
+            said = said or f"{' '.join(command)} was not done after {SECONDS:.0f} s"
+        except OSError as error:
+            said = said or f"{' '.join(command)} cannot be run: {error.strerror}"
+        finally:
+            Path(made).unlink(missing_ok=True)
+    if place in _passing:
+        _passing.remove(place)
+        shutil.rmtree(place, ignore_errors=True)
+    raise NoMachine(said)
+
+
+def load(path: Path) -> ctypes.CDLL:
+    """The library in a file; one that cannot be loaded, or is not to be kept, is removed. Raises NoMachine."""
+    try:
+        return ctypes.CDLL(str(path))
+    except OSError as error:
+        path.unlink(missing_ok=True)
+        raise NoMachine(f"the compiled backend cannot be loaded: {error}") from None
+    finally:
+        if path.parent in _passing:
+            _passing.remove(path.parent)
+            shutil.rmtree(path.parent, ignore_errors=True)
+
+
+def _own(path: Path) -> bool:
+    """Whether nobody but the user can have written a file or folder."""
+    if not hasattr(os, "getuid"):
+        return True  # Windows: folders of users are theirs alone
+    try:
+        seen = path.lstat()
+    except OSError:
+        return False
+    return seen.st_uid == os.getuid() and not seen.st_mode & 0o022 and not path.is_symlink()
+
+
+def _key() -> str:
+    found = blake2b(digest_size=12)
+    for part in (SOURCE.read_bytes(), " ".join(FLAGS).encode(), sys.platform.encode(), platform.machine().encode()):
+        found.update(b"%d\n" % len(part))
+        found.update(part)
+    return found.hexdigest()
+
+
+def _seal(data: bytes) -> str:
+    return blake2b(data, digest_size=20).hexdigest()

@@ -1,0 +1,124 @@
+"""Tapes: straight-line programs of operations on columns, and how the machine runs one over arrays.
+
+Values are numbered: the variables, then the constants, then what each step makes. The arrays that come out are those that NumPy would
+make of the same operations, bit for bit: each value is made by the loop that NumPy would call, of rows that lie as they would there.
+Where that cannot be promised (types other than float64 and bool, three patterns of broadcasting, a power whose exponents are
+broadcast), ``run`` leaves the work to NumPy.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from math import prod
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .plan import COLUMN, EVERY, ROW, NotPlanned, Plan, make_plan
+
+if TYPE_CHECKING:
+    from .backend import Machine
+
+NARROWEST = 32  # columns of a row that are worth a round of their own
+_FLOAT, _BOOL, _INDEX = np.dtype(np.float64), np.dtype(np.bool_), np.dtype(np.int64)
+_LETTERS = {_FLOAT: "d", _BOOL: "?", _INDEX: "i"}
+
+
+@dataclass(slots=True, eq=False)
+class Tape:
+    """``steps`` are (operation, numbers of its arguments). ``take`` (index, table) gathers: the table is a variable that is no
+    column. ``outputs`` are numbers of values."""
+
+    variables: int
+    constants: tuple[float | bool, ...]
+    steps: tuple[tuple[str, tuple[int, ...]], ...]
+    outputs: tuple[int, ...]
+    tables: frozenset[int] = field(init=False)
+    plans: dict[tuple[str, tuple[int, ...]], Plan | None] = field(init=False, default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.tables = frozenset(args[1] for op, args in self.steps if op == "take")
+
+    def run(self, machine: Machine, values: Sequence[Any]) -> tuple[Any, ...] | None:
+        """The outputs for arrays or numbers ``values``; None where NumPy has to do it."""
+        arrays: list[np.ndarray] = []
+        letters, shapes = "", []
+        for number, value in enumerate(values):
+            array = value if type(value) is np.ndarray else np.asarray(value)
+            letter = _LETTERS.get(array.dtype)
+            if letter is None:
+                return None
+            arrays.append(array)
+            letters += letter
+            shapes.append(() if number in self.tables else array.shape)
+        found = layout(shapes)
+        if found is None:
+            return None
+        along, outer, inner, shape, split = found
+        key = letters, along
+        try:
+            plan = self.plans[key]
+        except KeyError:
+            try:
+                plan = make_plan(self, letters, along, machine.locate)
+            except NotPlanned:
+                plan = None
+            self.plans[key] = plan
+        if plan is None or not inner or not outer or plan.wary and (outer != 1 or inner == 1):
+            return None
+        for index, table in plan.taken:
+            if (
+                arrays[index].ndim != 1
+                or arrays[table].ndim != 1
+                or not machine.within(arrays[index], len(arrays[table]))
+            ):
+                return None
+        kinds = (1,) * len(shape), shape[:split] + (1,) * (len(shape) - split), (1,) * split + shape[split:], shape
+        made = [np.empty(kinds[o.along], _BOOL if o.size == 1 else _FLOAT) for o in plan.made]
+        if plan.steps:
+            every = (*arrays, *made)
+            objects = (ctypes.c_int64 * len(every))(*map(id, every))
+            if machine.run(plan, objects, outer, inner):
+                return None
+        return tuple(
+            made[place] if kind == "made" else arrays[place] if kind == "given" else place
+            for kind, place in plan.results
+        )
+
+
+Layout = tuple[tuple[int, ...], int, int, tuple[int, ...], int]
+
+
+def layout(shapes: Sequence[tuple[int, ...]]) -> Layout | None:
+    """Along what each of some shapes varies, the rows and columns there are, the common shape, and how many of its axes the rows are.
+    None where rows and columns do not say it. Raises ValueError for shapes that do not go together."""
+    shape: tuple[int, ...] = ()
+    for other in shapes:
+        if other and other != shape:
+            if shape:
+                return _mixed(shapes)
+            shape = other
+    return tuple([EVERY if s else 0 for s in shapes]), 1, prod(shape), shape, 0
+
+
+def _mixed(shapes: Sequence[tuple[int, ...]]) -> Layout | None:
+    shape = np.broadcast_shapes(*shapes)
+    padded = [(1,) * (len(shape) - len(s)) + tuple(s) for s in shapes]
+    groups: list[tuple[tuple[bool, ...], int]] = []  # what varies along it, and the axis it begins with
+    for axis, size in enumerate(shape):
+        pattern = tuple([s[axis] != 1 for s in padded])
+        if size != 1 and (not groups or groups[-1][0] != pattern):
+            groups.append((pattern, axis))
+    if len(groups) <= 1:
+        varies = groups[0][0] if groups else (False,) * len(shapes)
+        return tuple([EVERY if v else 0 for v in varies]), 1, prod(shape), shape, 0
+    if len(groups) > 2:
+        return None
+    split = groups[1][1]
+    outer, inner = prod(shape[:split]), prod(shape[split:])
+    if inner < NARROWEST:
+        return None
+    along = tuple([ROW * a | COLUMN * b for a, b in zip(groups[0][0], groups[1][0], strict=True)])
+    return along, outer, inner, shape, split

@@ -1,0 +1,137 @@
+"""The compiled machine gives the bits that NumPy gives, whatever the formula and however its arguments lie."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from artipg_dsl.graph.expr import raw, var
+from artipg_dsl.graph.formula import compile_formula
+from artipg_dsl.native import backend, tape
+
+from .machine import bits, machine, needs_compiler  # noqa: F401
+
+pytestmark = needs_compiler
+NAMES = ("a", "b", "c", "d")
+TRUTHS = ("lt", "le", "eq", "and", "or", "not")
+PLAIN = ("add", "sub", "mul", "div", "min", "max", "atan2", "hypot", "mod", "pow")
+CONSTANTS = (0.0, -0.0, 1.0, 2.0, 0.5, -1.0, np.pi, 1e-300, 1e300)
+SINGLE = ("neg", "abs", "sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "exp", "log", "floor", "ceil", "sign")
+
+
+def column(size: int, seed: int) -> np.ndarray:
+    """Numbers of all kinds: ordinary ones, huge and tiny ones, noughts of both signs, infinities, no numbers."""
+    lots = np.random.Generator(np.random.PCG64(seed))
+    many = np.concatenate([lots.normal(size=size), 10.0 ** lots.uniform(-300, 300, size), lots.uniform(-1, 1, size)])
+    many[lots.random(len(many)) < 0.02] = 0.0
+    for odd in (-0.0, np.inf, -np.inf, np.nan, 2.0):
+        many[lots.random(len(many)) < 0.01] = odd
+    return lots.permutation(many)[:size]
+
+
+@st.composite
+def expressions(draw):
+    """A few expressions over four variables that share what is in them."""
+    made = [var(name) for name in NAMES] + [raw("const", (), draw(st.sampled_from(CONSTANTS)))]
+    truths = [raw("lt", (made[0], made[1]))]
+
+    def number():
+        return draw(st.sampled_from(made))
+
+    for _ in range(draw(st.integers(1, 30))):
+        op = draw(st.sampled_from(("plain", "single", "truth", "where")))
+        if op == "plain":
+            made.append(raw(draw(st.sampled_from(PLAIN)), (number(), number())))
+        elif op == "single":
+            made.append(raw(draw(st.sampled_from(SINGLE)), (number(),)))
+        elif op == "where":
+            made.append(raw("where", (draw(st.sampled_from(truths)), number(), number())))
+        else:
+            name = draw(st.sampled_from(TRUTHS))
+            arguments = (draw(st.sampled_from(truths)), draw(st.sampled_from(truths)))
+            some = (number(), number()) if name in ("lt", "le", "eq") else arguments
+            truths.append(raw(name, some[: 1 if name == "not" else 2]))
+    return [made[-1], truths[-1], number(), draw(st.sampled_from(truths)), made[-1]]
+
+
+SHAPES = [
+    ((1500,),) * 4,
+    ((129,), (), (129,), (1,)),
+    ((1,),) * 4,
+    ((7, 1), (300,), (7, 300), ()),
+    ((40, 1), (1, 40), (), (40, 1)),
+    ((3, 1, 1), (16, 16), (3, 16, 16), ()),
+    ((5, 1), (3,), (5, 3), ()),
+    ((0,),) * 4,
+]
+
+
+@settings(max_examples=150, deadline=None)
+@given(expressions(), st.sampled_from(SHAPES), st.integers(0, 99))
+def test_the_bits_are_those_of_numpy(machine, exprs, shapes, seed):  # noqa: F811
+    values = [column(int(np.prod(shape)), seed + 9 * k).reshape(shape) for k, shape in enumerate(shapes)]
+    formula = compile_formula(exprs, NAMES)
+    expected = formula.numpy(*values)
+    found = formula._tape.run(machine, values)
+    shape = np.broadcast_shapes(*shapes)
+    for one, other in zip(expected, found or expected, strict=True):
+        assert bits(np.broadcast_to(one, shape)) == bits(np.broadcast_to(other, shape))
+
+
+def test_most_of_that_is_run_by_the_machine(machine):  # noqa: F811
+    a, b = var("a"), var("b")
+    formula = compile_formula([raw("sin", (raw("add", (a, b)),)), raw("lt", (a, b)), a], ("a", "b"))
+    for shapes in (((1000,), (1000,)), ((1000,), ()), ((4, 1), (100,)), ((), ())):
+        one, two = (column(int(np.prod(shape)), k).reshape(shape) for k, shape in enumerate(shapes))
+        assert formula._tape.run(machine, (one, two)) is not None
+
+
+def test_rows_that_lie_apart_are_read_where_they_are(machine):  # noqa: F811
+    points = column(3000, 1).reshape(-1, 3)
+    formula = compile_formula([raw("hypot", (var("x"), var("y")))], ("x", "y"))
+    found = formula._tape.run(machine, (points[:, 0], points[:, 1]))
+    assert found is not None and bits(found[0]) == bits(formula.numpy(points[:, 0], points[:, 1])[0])
+
+
+@pytest.mark.parametrize(
+    "values", [(np.arange(5), np.arange(5)), (np.ones(5, np.float32),) * 2, (np.ones((2, 1, 2)),) * 2]
+)
+def test_what_numpy_would_do_otherwise_is_left_to_it(machine, values):  # noqa: F811
+    formula = compile_formula([raw("add", (var("a"), var("b")))], ("a", "b"))
+    found = formula._tape.run(machine, values)
+    if found is not None:
+        assert bits(found[0]) == bits(formula.numpy(*values)[0])
+    else:
+        assert values[0].dtype != np.float64
+
+
+def test_a_power_with_exponents_that_are_broadcast_is_left_to_numpy(machine):  # noqa: F811
+    formula = compile_formula([raw("pow", (var("a"), var("b")))], ("a", "b"))
+    assert formula._tape.run(machine, (np.ones((3, 1)), np.ones(50))) is None
+    assert formula._tape.run(machine, (np.ones(50), 2.0)) is None
+    assert formula._tape.run(machine, (np.ones(50), np.ones(50))) is not None
+
+
+def test_rows_of_a_table_are_taken_by_an_index(machine):  # noqa: F811
+    gather = tape.Tape(3, (), (("take", (0, 1)), ("mul", (3, 2))), (4,))
+    table, x = column(20, 1), column(700, 2)
+    index = np.random.Generator(np.random.PCG64(3)).integers(0, 20, 700)
+    found = gather.run(machine, (index, table, x))
+    with np.errstate(over="ignore"):
+        assert found is not None and bits(found[0]) == bits(table[index] * x)
+    for wrong in (20, -1):
+        index[650] = wrong
+        assert gather.run(machine, (index, table, x)) is None, "an index that names no row is for NumPy to refuse"
+
+
+def test_every_operation_is_tried_before_it_is_used(machine, monkeypatch):  # noqa: F811
+    assert backend.trial(machine) == []
+    monkeypatch.setattr(
+        machine, "locate", lambda op, kinds: backend.Machine.locate(machine, "cos" if op == "tan" else op, kinds)
+    )
+    assert backend.trial(machine) == ["tan"]
+
+
+def test_a_formula_that_reads_an_unknown_name_is_refused():
+    with pytest.raises(ValueError, match="reads b"):
+        compile_formula([var("b")], ("a",))
