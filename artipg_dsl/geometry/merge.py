@@ -21,7 +21,8 @@ _SECTORS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 40, 48, 60)
 _WAYS = np.array(
     [(x, y, z) for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1) if (x, y, z) != (0, 0, 0)], float
 )
-_SKEW = np.array([0.011, 0.007, 0.003])  # so that no two corners of a box tie
+_MANY, _FIRST = 64, 4  # pieces from which on points are asked about by and by, and how many at first
+_TURNED = _WAYS + np.array([0.011, 0.007, 0.003])  # so that no two corners of a box tie
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,20 +62,55 @@ def _hollow(pieces: Sequence[Convex]) -> tuple[np.ndarray, float]:
 
 @lru_cache(maxsize=4096)  # several tolerances ask for the same
 def _deepest(pieces: Cluster) -> tuple[float, int]:
-    """How far the hull reaches from its pieces where it does most, and the nearest face there, counted over all pieces."""
+    """How far the hull reaches from its pieces where it does most, and the nearest face there, counted over all pieces.
+
+    Of many pieces, the one with the nearest middle tells how far a point lies at most: all are asked about the farthest alone.
+    """
     points = _extreme(np.concatenate([piece.points for piece in pieces]))
     i, j = _pairs(len(points))
-    x, y, z = ((points[i] + points[j]) / 2).T
+    middles = (points[i] + points[j]) / 2
     normals = np.concatenate([piece.normals for piece in pieces])
     offsets = np.concatenate([piece.offsets for piece in pieces])
-    away = normals[:, 0, None] * x + normals[:, 1, None] * y + normals[:, 2, None] * z - offsets[:, None]
     start = np.cumsum([0, *(len(piece.offsets) for piece in pieces)])
-    apart = np.maximum.reduceat(away, start[:-1], axis=0)
-    depth = apart.min(axis=0)
-    point = int(depth.argmax())
-    nearest = int(apart[:, point].argmin())
-    face = start[nearest] + away[start[nearest] : start[nearest + 1], point].argmax()
-    return float(depth[point]), int(face)
+    numbers = np.arange(len(middles))
+    at_most, block = None, len(middles)
+    if len(pieces) > _MANY:
+        at_most = _from_nearest(pieces, middles)
+        numbers, block = np.argsort(-at_most, kind="stable"), _FIRST
+    depth, first, face = -np.inf, 0, 0
+    while len(numbers):
+        now, numbers = numbers[:block], numbers[block:]
+        away = _beyond(normals, offsets, middles[now])
+        apart = np.maximum.reduceat(away, start[:-1], axis=0)
+        found = apart.min(axis=0)
+        k = int(found.argmax()) if at_most is None else min(np.flatnonzero(found == found.max()), key=now.item)
+        if found[k] > depth or found[k] == depth and now[k] < first:  # of equals the first
+            nearest = int(apart[:, k].argmin())
+            depth, first = float(found[k]), int(now[k])
+            face = int(start[nearest] + away[start[nearest] : start[nearest + 1], k].argmax())
+        if at_most is not None:
+            numbers = numbers[at_most[numbers] >= depth]
+        block *= 2
+    return depth, face
+
+
+def _from_nearest(pieces: Cluster, points: np.ndarray) -> np.ndarray:
+    """How far points (n, 3) lie from the piece whose middle is nearest."""
+    counts = np.array([len(piece.points) for piece in pieces])
+    middles = np.add.reduceat(np.concatenate([piece.points for piece in pieces]), np.cumsum(counts) - counts, axis=0)
+    x, y, z = (points[:, n, None] - middles[:, n] / counts for n in range(3))
+    nearest = (x * x + y * y + z * z).argmin(axis=1)
+    found = np.zeros(len(points))
+    for k in set(nearest.tolist()):
+        mine = nearest == k
+        found[mine] = _beyond(pieces[k].normals, pieces[k].offsets, points[mine]).max(axis=0)
+    return found
+
+
+def _beyond(normals: np.ndarray, offsets: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """How far points (n, 3) lie beyond planes (F,): (F, n)."""
+    x, y, z = points.T
+    return normals[:, 0, None] * x + normals[:, 1, None] * y + normals[:, 2, None] * z - offsets[:, None]
 
 
 @lru_cache(maxsize=64)
@@ -88,9 +124,9 @@ def _extreme(points: np.ndarray) -> np.ndarray:
     """The points (n, 3) that reach farthest in some direction, by the extents of all of them."""
     low = points.min(axis=0)
     scaled = (points - low) / np.maximum(points.max(axis=0) - low, 1e-12)
-    ways = _WAYS + _SKEW
-    reach = scaled[:, 0, None] * ways[:, 0] + scaled[:, 1, None] * ways[:, 1] + scaled[:, 2, None] * ways[:, 2]
-    return points[np.unique(np.argmax(reach, axis=0))]
+    x, y, z = scaled.T
+    reach = _TURNED[:, 0, None] * x + _TURNED[:, 1, None] * y + _TURNED[:, 2, None] * z
+    return points[sorted(set(reach.argmax(axis=1).tolist()))]
 
 
 def clusters(pieces: Sequence[Convex], tolerance: float) -> list[Cluster]:

@@ -13,6 +13,7 @@ from artipg_dsl.export.robot import Robot, Robots
 from artipg_dsl.export.solids import match_round, planes_of
 from artipg_dsl.export.urdf import urdf_files
 from artipg_dsl.export.usd import usd_files
+from artipg_dsl.geometry import merge
 from artipg_dsl.geometry.merge import Convex, clusters, cut, gap, gather_clusters, halves
 from artipg_dsl.session import Session
 
@@ -51,6 +52,18 @@ def test_a_ring_becomes_staves_and_keeps_its_hole() -> None:
     for stave in staves:  # the chord of a stave of 1 / n turn bulges into the bore by 1 - cos(pi / n)
         assert gap(stave) == pytest.approx(0.9 * (1 - np.cos(np.pi / len(staves))), abs=0.02)
     assert gap(pieces) > 0.5  # one hull would fill the hole
+
+
+def test_of_many_pieces_few_points_are_asked_about_and_the_gap_is_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    tube = tuple(piece for k in range(5) for piece in ring(16, 1.0 + 0.05 * k, 0.9, level=0.3 * k, name=k))
+    asked = []
+    beyond = merge._beyond
+    monkeypatch.setattr(merge, "_beyond", lambda n, o, p: asked.append(len(n) * len(p)) or beyond(n, o, p))
+    pruned = merge._deepest.__wrapped__(tube)
+    few = sum(asked)
+    asked.clear()
+    monkeypatch.setattr(merge, "_MANY", len(tube))
+    assert merge._deepest.__wrapped__(tube) == pruned and few < sum(asked) / 5
 
 
 def test_rings_one_above_the_other_become_long_staves() -> None:
