@@ -292,7 +292,7 @@ def _acts(batch: Batch, acting: Interactions, states: np.ndarray | None) -> dict
     """Where interactions act, which way and how fast their links move, and how far the joint can go each way."""
     turn, shift = batch.pose(states)
     joints = batch.joints()
-    values = batch.settled(rest_values(batch) if states is None else states)
+    values = batch.settle(rest_values(batch) if states is None else states)
     point = rotate(turn[acting.link], acting.point) + shift[acting.link]
     direction, speed = directions_of(joint_twist(batch, states), acting.joint, point)
     left = np.stack([joints.low - values, joints.high - values], axis=-1)[acting.joint]

@@ -46,7 +46,7 @@ class Jacobian:
 def find_jacobian(batch: Batch, states: np.ndarray | None = None) -> Jacobian:
     """The motion of each link by every joint that drives it, with the joints at ``states`` (J,), at rest by default."""
     links, joints = batch.links(), batch.joints()
-    values = batch.settled(batch.rest() if states is None else np.asarray(states, dtype=np.float64))
+    values = batch.settle(batch.rest() if states is None else np.asarray(states, dtype=np.float64))
     rotation, translation = batch.pose(values)
     first = np.searchsorted(links.owner, joints.owner)
     parent, child = first + joints.parent, first + joints.child

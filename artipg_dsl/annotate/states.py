@@ -83,7 +83,7 @@ def joint_values(batch: Batch, states: States) -> np.ndarray:
                 if name == "open"
                 else _parse_state(batch, name)
             )
-    return np.stack([batch.settled(values) for values in found])
+    return np.stack([batch.settle(values) for values in found])
 
 
 def rest_values(batch: Batch) -> np.ndarray:

@@ -23,7 +23,7 @@ def find_mechanisms(batch: Batch) -> tuple[np.ndarray, np.ndarray]:
         return leader, ratio
     leader = batch.loops.driven(leader)
     rest = batch.rest()
-    low, high = (batch.settled(np.where(np.isnan(end), rest, end)) for end in (joints.low, joints.high))
+    low, high = (batch.settle(np.where(np.isnan(end), rest, end)) for end in (joints.low, joints.high))
     way = (high - low)[leader]
     mean = (high - low) / np.where(way == 0.0, 1.0, way)
     return leader, np.where((leader == np.arange(len(leader))) | (way == 0.0), 1.0, mean)

@@ -200,7 +200,7 @@ class Robots:
         """Friction, damping, effort and velocity of all joints, as given or as their kind and what they move ask for."""
         if not self.physics:
             return Dynamics(*(np.zeros(len(self.joints.owner)) for _ in fields(Dynamics)))
-        first, rest = self.link_start[self.joints.owner], self.batch.settled(self.joints.rest)
+        first, rest = self.link_start[self.joints.owner], self.batch.settle(self.joints.rest)
         center = self.mass.center + self.origins
         together = find_mechanisms(self.batch)
         return complete_dynamics(

@@ -171,7 +171,7 @@ class _Solids:
         tree, body = self.tree, self.boxes
         joints, owner = tree.joints, int(body.owner[a])
         mine = np.flatnonzero(joints.owner == owner)
-        stand = self.batch.settled(values)
+        stand = self.batch.settle(values)
         moved = mine[np.abs(stand - joints.rest)[mine] > 1e-9]
         (one, part), (two, other) = sorted((tree.links.name[body.link[k]], self.names[body.source[k]]) for k in (a, b))
         return Touch(

@@ -58,7 +58,7 @@ def simple_joints(robot: Robot) -> Robot:
             joints.append(joint)
     if not joints:
         links.append(_mark(links[0]))
-        joints.append(_held(links[0].name + MARK))
+        joints.append(_fixed_joint(links[0].name + MARK))
     return replace(robot, links=tuple(links), joints=tuple(joints))
 
 
@@ -68,7 +68,7 @@ def _mark(root: RobotLink) -> RobotLink:
     return RobotLink(root.name + MARK, root.origin, SMALLEST_MASS, np.zeros(3), inertia, (), ())
 
 
-def _held(name: str) -> RobotJoint:
+def _fixed_joint(name: str) -> RobotJoint:
     """A fixed joint from the first link to the second."""
     axis = np.array([0.0, 0.0, 1.0])
     return RobotJoint(name, "fixed", 0, 1, np.zeros(3), axis, None, None, 0.0, 0.0, 0.0, 0.0, 0.0, None)

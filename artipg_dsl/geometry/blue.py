@@ -34,7 +34,7 @@ def thin(position: np.ndarray, normal: np.ndarray, area: np.ndarray, n: int) -> 
     step = max(1, _PAIRS // (_FEW * m))
     for first in range(0, pools, step):
         part = slice(first, min(first + step, pools))
-        kept = _chosen(position[part], normal[part], area[part], n)
+        kept = _choose(position[part], normal[part], area[part], n)
         out[part] = np.nonzero(kept.reshape(-1, m))[1].reshape(-1, n)
     return out
 
@@ -44,7 +44,7 @@ def disc_radius(area: np.ndarray, n: int) -> np.ndarray:
     return np.sqrt(area / (2.0 * np.sqrt(3.0) * n))
 
 
-def _chosen(position: np.ndarray, normal: np.ndarray, area: np.ndarray, n: int) -> np.ndarray:
+def _choose(position: np.ndarray, normal: np.ndarray, area: np.ndarray, n: int) -> np.ndarray:
     """(P m,) bool: which points stay, n of each pool."""
     pools, m = position.shape[:2]
     owner = np.repeat(np.arange(pools), m)

@@ -336,9 +336,9 @@ class Batch:
     def pose(self, states: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
         """Rotation (..., L, 3, 3), translation (..., L, 3) that move each link from joint values 0 to ``states`` (..., J), rest by
         default."""
-        return motion.link_motion(self.links(), self.joints(), self.settled(self.rest() if states is None else states))
+        return motion.link_motion(self.links(), self.joints(), self.settle(self.rest() if states is None else states))
 
-    def settled(self, states: np.ndarray) -> np.ndarray:
+    def settle(self, states: np.ndarray) -> np.ndarray:
         """Joint values (..., J) as mimics and closed loops have them, the driving joints as in ``states``."""
         if self.loops is None:
             return motion.follow(self.joints(), states)

@@ -111,10 +111,10 @@ class Loops:
         found = np.array(states, dtype=np.float64).reshape(-1, states.shape[-1])
         size = max(1, _BLOCK // max(self.chains.count, 1))
         for start in range(0, len(found), size):
-            found[start : start + size] = self._settled(found[start : start + size])
+            found[start : start + size] = self._settle_states(found[start : start + size])
         return found.reshape(states.shape)
 
-    def _settled(self, states: np.ndarray) -> np.ndarray:
+    def _settle_states(self, states: np.ndarray) -> np.ndarray:
         joints = self.batch.joints()
         rest, wanted = follow(joints, self.batch.rest()), follow(joints, states)
         driven = np.zeros(len(rest), dtype=bool)

@@ -378,10 +378,10 @@ class _Step:
             old.seed, old.objects[objects], attempt[objects], dict(old.given), salt=self.salt, lane=self.lane[objects]
         )
         for number in range(len(self.batch.program.draws)):
-            state.kept[number] = self.held(number, objects, how(number, attempt))
+            state.kept[number] = self.keep_values(number, objects, how(number, attempt))
         return make_batch(self.batch.program, self.batch.plan, state, self.batch.numbers[objects])
 
-    def held(self, number: int, objects: np.ndarray, reach: np.ndarray) -> Kept:
+    def keep_values(self, number: int, objects: np.ndarray, reach: np.ndarray) -> Kept:
         return keep_draw(self.batch, number, objects, reach, self.swaps[number])
 
     def giving(self, number: int, attempt: np.ndarray) -> np.ndarray:

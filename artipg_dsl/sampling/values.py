@@ -115,12 +115,12 @@ class Values:
             kept = {
                 k: found
                 for k in range(len(sampler.program.draws))
-                if (found := self.held(batch, k, released)) is not None
+                if (found := self.keep_given(batch, k, released)) is not None
             }
         self.refuse(batch)
         return batch
 
-    def held(self, batch: Batch, number: int, released: Sequence[set[int]] | None) -> Kept | None:
+    def keep_given(self, batch: Batch, number: int, released: Sequence[set[int]] | None) -> Kept | None:
         """The values given of a draw, for the rows that there are."""
         rows = rows_of_draw(batch, number, np.arange(len(batch)))
         value, said = self.given(batch, number)

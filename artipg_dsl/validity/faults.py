@@ -50,7 +50,7 @@ def find_faults(batch: Batch, soon: bool = False) -> Faults:
             *solids.missing(),
             *solids.degenerate(),
             *solids.floating(),
-            *solids.unheld(),
+            *solids.find_unheld(),
             *find_inverted(tree),
             *find_weightless(batch),
             *find_crossed(batch),

@@ -121,7 +121,7 @@ class Solids:
 
     # ------------------------------------------------------------ between links
 
-    def unheld(self) -> Wrong:
+    def find_unheld(self) -> Wrong:
         """Links that nothing of what holds them comes near."""
         tree, body = self.tree, self.body
         count = len(tree.links.owner)

@@ -45,7 +45,7 @@ def test_velocities_are_differences_of_places(category: str) -> None:
     base = np.searchsorted(batch.joints().owner, np.arange(len(batch)))
     for k, state in enumerate(states):
         assert np.abs(at(state) - points.position[:, k]).max() < 1e-9
-        drivers, _, _ = find_rates(batch, batch.settled(state))
+        drivers, _, _ = find_rates(batch, batch.settle(state))
         for slot in range(drivers.shape[1]):
             moving = drivers[:, slot][drivers[:, slot] >= 0]
             step = np.zeros(len(state))
@@ -61,7 +61,7 @@ def test_what_follows_is_no_driver_and_moves_along() -> None:
     batch = batch_of("Foldingrack")
     assert batch.loops is not None
     state = draw_values(batch, 0)
-    drivers, rate, depends = find_rates(batch, batch.settled(state))
+    drivers, rate, depends = find_rates(batch, batch.settle(state))
     followers = batch.loops.variable[batch.loops.follows]
     assert len(followers) and not np.isin(followers, drivers).any()
     assert depends[followers].any(axis=1).all() and (np.abs(rate[followers]).max(axis=1) > 1e-6).all()

@@ -288,7 +288,7 @@ class FakeBatch:
             holder=np.full(8 * n, -1),
         )
 
-    def settled(self, states: np.ndarray) -> np.ndarray:
+    def settle(self, states: np.ndarray) -> np.ndarray:
         return follow(self.joints(), states)
 
     def pose(self, states: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:

@@ -45,7 +45,7 @@ def test_the_points_of_a_closure_meet_at_rest_and_in_settled_states(robots: Robo
     (closure,) = robot.closures
     joints = batch.joints()
     states = np.where([name == "turn" for name in joints.name], ANGLE, batch.rest())
-    settled = dict(zip(joints.name[3:], batch.settled(states)[3:].tolist(), strict=True))
+    settled = dict(zip(joints.name[3:], batch.settle(states)[3:].tolist(), strict=True))
     assert settled["turn"] == ANGLE and abs(settled["slide"]) > 0.01
     for values in (rest_values(robot), settled):
         poses = link_poses(robot, values)

@@ -39,7 +39,7 @@ def test_a_slider_crank_moves_as_its_formula_says() -> None:
     for angle in np.linspace(0.0, 5.0, 11):
         states = batch.rest().copy()
         states[turn] = angle
-        values = batch.settled(states)
+        values = batch.settle(states)
         assert values[turn].tolist() == [angle] * 4  # the first declared drives
         x = 0.03 * np.cos(angle) + np.sqrt(0.10**2 - (0.03 * np.sin(angle)) ** 2)
         np.testing.assert_allclose(values[slide], x - 0.13, atol=1e-9)
@@ -54,17 +54,17 @@ def test_a_rack_stays_together_as_it_folds() -> None:
         states = batch.rest().copy()
         states[slide] = joints.low[slide] + share * (joints.high[slide] - joints.low[slide])
         assert not len(loops.apart(*batch.pose(states))[0])
-        gap, _ = loops.slopes(batch.settled(states))
+        gap, _ = loops.slopes(batch.settle(states))
         assert np.abs(gap).max() < APART
-        values = batch.settled(states)
+        values = batch.settle(states)
         assert (values >= joints.low - 1e-6).all() and (values <= joints.high + 1e-6).all()
 
 
 def test_the_same_in_any_batch() -> None:
     sampler = Session.of("Foldingrack").sampler
     whole, one = sampler.batch(np.arange(6), seed=1), sampler.batch(np.array([4]), seed=1)
-    halfway = [b.settled(b.rest() + 0.5 * (np.nan_to_num(b.joints().high) - b.rest())) for b in (whole, one)]
+    halfway = [b.settle(b.rest() + 0.5 * (np.nan_to_num(b.joints().high) - b.rest())) for b in (whole, one)]
     assert halfway[0][whole.joints().owner == 4].tobytes() == halfway[1].tobytes()
     for number in range(6):  # an object stops where it has arrived, whatever others still have to do
-        anywhere = [b.settled(random_states(b, number)) for b in (whole, one)]
+        anywhere = [b.settle(random_states(b, number)) for b in (whole, one)]
         assert anywhere[0][whole.joints().owner == 4].tobytes() == anywhere[1].tobytes()

@@ -81,7 +81,7 @@ class Bench:
 
     def states(self, name: str, chain: list[int]) -> list[np.ndarray]:
         """All joint values (J,) to begin with: at rest, or with one of the joints half way to the farther end."""
-        rest = self.batch.settled(self.batch.rest())
+        rest = self.batch.settle(self.batch.rest())
         if name == "rest":
             return [rest]
         joints, found = self.batch.joints(), []
@@ -92,7 +92,7 @@ class Bench:
             end = high if high - rest[row] >= rest[row] - low else low
             state = rest.copy()
             state[row] = (rest[row] + end) / 2
-            found.append(self.batch.settled(state))
+            found.append(self.batch.settle(state))
         return found
 
     def place(self, values: np.ndarray) -> None:
@@ -185,7 +185,7 @@ def trials(batch: Batch, points: int = 400, each: int = 3, others: bool = True) 
 def on_link(
     bench: Bench, i: int, cloud: Points, row: int, link: int, motion: Twist, each: int, others: bool
 ) -> list[Trial]:
-    rest = bench.batch.settled(bench.batch.rest())
+    rest = bench.batch.settle(bench.batch.rest())
     turn, shift = bench.frame(rest, link)
     found = []
     for word in WORDS:

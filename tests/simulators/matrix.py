@@ -51,7 +51,7 @@ def objects(category: str, count: int, seed: int) -> list[Object]:
 def _loops(batch: Batch, i: int) -> tuple[dict[tuple[str, float], list[dict[str, float]]], frozenset[str]]:
     if batch.loops is None:
         return {}, frozenset()
-    joints, rest = batch.joints(), batch.settled(batch.rest())
+    joints, rest = batch.joints(), batch.settle(batch.rest())
     rows = np.flatnonzero(joints.owner == i)
     led = batch.loops.driven(np.arange(len(joints.owner)))
     bound = {joints.name[k] for k in rows if led[k] != k}
@@ -63,6 +63,6 @@ def _loops(batch: Batch, i: int) -> tuple[dict[tuple[str, float], list[dict[str,
                 for share in np.linspace(0, 1, STAGES + 1)[1:]:
                     states = rest.copy()
                     states[k] = rest[k] + share * (end - rest[k])
-                    settled = batch.settled(states)
+                    settled = batch.settle(states)
                     ways[joints.name[k], end].append({joints.name[m]: float(settled[m]) for m in rows if led[m] == k})
     return ways, frozenset(bound)
