@@ -8,6 +8,7 @@ tells how many metres its unit is. The root part has the last id and is fixed to
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
@@ -321,22 +322,28 @@ def _samples(robots: Robots, i: int, members: list[FolderLink], frame: DatasetFr
     """``point_sample/``: points of the visible surface with normal, colour and leaf."""
     points = _points(robots)
     ids = {(m.number, instance): leaf.id for m in members for instance, leaf in m.leaves.items()}
-    pairs, where = np.unique(np.stack([points.link[i], points.instance[i]]), axis=1, return_inverse=True)
-    labels = np.array([ids[pair] for pair in zip(*pairs.tolist(), strict=True)])[where.ravel()]
-    colours = np.array([look[i].colour for look in robots.looks])[points.material[i] + 1]
-    place = "%.6f %.6f %.6f\n" * _POINTS
-    position = frame.points(points.position[i])
-    columns = [position, _to_dataset_axes(points.normal[i]), np.round(255 * colours), np.ones((_POINTS, 1))]
-    rows = "%.6f %.6f %.6f %.6f %.6f %.6f %d %d %d %d\n" * _POINTS
-    label = ("%d\n" * _POINTS % tuple(labels.tolist())).encode()
+    labels = [ids[pair] for pair in zip(points.link[i].tolist(), points.instance[i].tolist(), strict=True)]
+    colours, material = np.array([look[i].colour for look in robots.looks]), points.material[i] + 1
+    positions = _places(frame.points(points.position[i]))
+    normals = _places(_to_dataset_axes(points.normal[i]))
+    seen = [f"{r:.0f} {g:.0f} {b:.0f} 1" for r, g, b in np.round(255 * colours).tolist()]
+    whole = map(" ".join, zip(positions, normals, map(seen.__getitem__, material.tolist()), strict=True))
+    label = ("%d\n" * _POINTS % tuple(labels)).encode()
     return {
-        "point_sample/pts-10000.txt": (place % tuple((position + 0.0).ravel().tolist())).encode(),
+        "point_sample/pts-10000.txt": _lines(positions),
         "point_sample/label-10000.txt": label,
-        "point_sample/sample-points-all-pts-nor-rgba-10000.txt": (
-            rows % tuple((np.concatenate(columns, axis=1) + 0.0).ravel().tolist())
-        ).encode(),
+        "point_sample/sample-points-all-pts-nor-rgba-10000.txt": _lines(whole),
         "point_sample/sample-points-all-label-10000.txt": label,
     }
+
+
+def _places(points: np.ndarray) -> list[str]:
+    """Each of some points (n, 3) as text."""
+    return ("%.6f %.6f %.6f\n" * len(points) % tuple((points + 0.0).ravel().tolist())).split("\n")[:-1]
+
+
+def _lines(texts: Iterable[str]) -> bytes:
+    return "".join(f"{text}\n" for text in texts).encode()
 
 
 _drawn: WeakKeyDictionary[Robots, Points] = WeakKeyDictionary()

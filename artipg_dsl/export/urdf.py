@@ -37,18 +37,26 @@ def urdf_files(robot: Robot) -> dict[str, bytes]:
     links = [_link(link, files, looks, pieces) | {"group": groups.get(link.name)} for link in robot.links]
     joints = [_joint(joint, robot) for joint in robot.joints]
     materials = [{"name": name, "rgba": rgba} for name, rgba in looks.items()]
-    context = {"name": robot.name, "materials": materials, "links": links, "joints": joints}
-    texts: dict[str, dict[str, Any]] = {
-        "object": {"linked": True, "world": "", "seen": True},
-        "object_fixed": {"linked": True, "world": _unused("world", robot), "seen": True},
-        "object_physics": {"linked": True, "world": "", "seen": False},
+    known = _template("robot.srdf.j2").render(name=robot.name, pairs=pairs) + "\n"
+    write: Any = _template("robot.urdf.j2").module
+    looks_of, solid = [], []
+    for link in links:
+        inertial, collisions = write.inertial(link), write.collisions(link)
+        solid.append(write.link(link["name"], inertial + collisions))
+        looks_of.append(write.link(link["name"], inertial + write.visuals(link) + collisions))
+    seen = [*map(write.material, materials)]
+    fixed = [write.fixed(_unused("world", robot), links[0]["name"])]
+    linked = [write.joint(joint, True) for joint in joints]
+    texts = {
+        "object": [*seen, *looks_of, *linked],
+        "object_fixed": [*seen, *fixed, *looks_of, *linked],
+        "object_physics": [*solid, *linked],
     }
     if any(joint["mimic"] for joint in joints):
-        texts["object_independent"] = {"linked": False, "world": "", "seen": True}
-    for file, variant in texts.items():
-        files[f"{file}.urdf"] = (_template("robot.urdf.j2").render(context, **variant) + "\n").encode("utf-8")
-        text = _template("robot.srdf.j2").render(name=robot.name, pairs=pairs)
-        files[f"{file}.srdf"] = (text + "\n").encode("utf-8")
+        texts["object_independent"] = [*seen, *looks_of, *(write.joint(joint, False) for joint in joints)]
+    for file, pieces_of in texts.items():
+        files[f"{file}.urdf"] = f"{write.robot(robot.name, pieces_of)}\n".encode()
+        files[f"{file}.srdf"] = known.encode()
     return files
 
 
