@@ -62,13 +62,15 @@ def overlaps(rows: Block, body: np.ndarray, order: np.ndarray, worth: np.ndarray
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Regions:
-    """Boxes (n,) that hold what rows ``row`` share with others: volume m3, centre (n, 3) m in the object's frame, and how far
-    a corner is from it, metres."""
+    """Boxes (n,) that hold what rows ``row`` share with rows ``first``: volume m3, centre (n, 3) m in the object's frame, and how
+    far a corner is from it: metres, and along each axis (n, 3)."""
 
     row: np.ndarray
+    first: np.ndarray
     volume: np.ndarray
     center: np.ndarray
     radius: np.ndarray
+    half: np.ndarray
 
 
 class Touching:
@@ -99,7 +101,10 @@ class Touching:
         size = pairs.high - pairs.low
         center = np.stack(placed_points(self.rows.poses, pairs.frame, (pairs.low + pairs.high) / 2), axis=-1)
         radius = np.sqrt(size[0] * size[0] + size[1] * size[1] + size[2] * size[2]) / 2
-        return Regions(pairs.row, size[0] * size[1] * size[2], center, radius)
+        turn = np.abs(self.rows.rows.rotation[:, pairs.frame])
+        reach = [turn[3 * k] * size[0] + turn[3 * k + 1] * size[1] + turn[3 * k + 2] * size[2] for k in range(3)]
+        half = np.stack(reach, axis=-1) / 2
+        return Regions(pairs.row, pairs.first, size[0] * size[1] * size[2], center, radius, half)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

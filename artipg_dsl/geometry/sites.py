@@ -58,3 +58,18 @@ class SiteTable:
     @cached_property
     def _weights(self) -> tuple[np.ndarray, np.ndarray]:
         return volume_inertia(self.primitive, self.params, inertia=False)[:2]
+
+
+def weigh(tables: list[SiteTable], inertia: bool = True) -> None:
+    """Work out the moments of tables that lack them, or volumes and centres alone: all rows of one primitive together."""
+    name, alike = "moments" if inertia else "_weights", dict[int, list[SiteTable]]()
+    for table in tables:
+        if len(table) and not {"moments", name} & table.__dict__.keys():
+            alike.setdefault(id(table.primitive), []).append(table)
+    for group in alike.values():
+        params = {key: np.concatenate([table.params[key] for table in group]) for key in group[0].params}
+        found, start = volume_inertia(group[0].primitive, params, inertia), 0
+        for table in group:
+            part = slice(start, start + len(table))
+            start = part.stop
+            table.__dict__[name] = tuple(column[part] for column in found[: 3 if inertia else 2])

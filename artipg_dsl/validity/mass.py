@@ -11,6 +11,7 @@ from ..geometry.block import block_of
 from ..geometry.box import bounds
 from ..geometry.errors import PrimitiveError
 from ..geometry.overlap import Touching
+from ..geometry.sites import weigh
 from ..runtime.motion import apply, multiply
 from .materials import draw_property, list_materials, material_rows
 
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 
 _INVERTED = 1e-6  # of the box: more than rounding
 _ROUNDING = 1e-9  # of the moments of a primitive
+SAMPLED = 0.02  # of a box: more than points in it are wrong by
 _LEAST = 1e-9  # kg: what weighs less is no body
 
 
@@ -73,17 +75,25 @@ def find_crossed(batch: Batch) -> list[tuple[str, np.ndarray]]:
     Within the ranges that a primitive is tested for it is sound; those beyond them are asked one by one, and all of a
     program that anyone may have edited.
     """
-    found = []
+    asked = []
     for table in batch.sites():
         rows = np.arange(len(table)) if batch.program.foreign else np.flatnonzero(_untested(table))
-        if not len(rows):
-            continue
-        volume, _, inertia = (moment[rows] for moment in table.moments)  # of all rows: annotations need them, too
-        trace = np.trace(inertia, axis1=1, axis2=2)
-        second = trace[:, None, None] / 2 * np.eye(3) - inertia  # of a body: no less than none along any direction
-        wrong = ~(_definite(inertia, 0.0) & _definite(second, _ROUNDING * trace))
-        path = batch.program.parts[batch.program.sites[table.number].part].path
-        for which, what in ((wrong & (volume < 0.0), "are inside out"), (wrong & ~(volume < 0.0), "cross one another")):
+        if len(rows):
+            asked.append((table, rows))
+    if not asked:
+        return []
+    weigh([table for table, _ in asked])  # all rows: annotations need them, too
+    volume = np.concatenate([table.moments[0][rows] for table, rows in asked])
+    inertia = np.concatenate([table.moments[2][rows] for table, rows in asked])
+    trace = inertia[:, 0, 0] + inertia[:, 1, 1] + inertia[:, 2, 2]
+    second = trace[:, None, None] / 2 * np.eye(3) - inertia  # of a body: no less than none along any direction
+    wrong = ~(_definite(inertia, 0.0) & _definite(second, _ROUNDING * trace))
+    found, start = [], 0
+    for table, rows in asked if wrong.any() else ():
+        part = slice(start, start + len(rows))
+        start = part.stop
+        path, inverted = batch.program.parts[batch.program.sites[table.number].part].path, volume[part] < 0.0
+        for which, what in ((wrong[part] & inverted, "are inside out"), (wrong[part] & ~inverted, "cross one another")):
             if which.any():
                 found.append((f"the surfaces of `{path}` {what}", np.unique(table.owner[rows[which]])))
     return found
@@ -138,7 +148,8 @@ _Portion = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]  # link, mass, 
 @dataclass(frozen=True, slots=True)
 class Rough:
     """Per link its mass (L,) kg and centre (L, 3) as if no primitives overlapped; and what overlaps may take away: at most
-    ``most`` (n,) kg of the link ``link`` (n,), no farther than ``radius`` (n,) from ``place`` (n, 3). Axes of the object."""
+    ``most`` (n,) kg of the link ``link`` (n,), no farther than ``radius`` (n,) from ``place`` (n, 3), in boxes that reach
+    ``half`` (n, 3) and would hold ``full`` (n,) kg. Axes of the object."""
 
     mass: np.ndarray
     center: np.ndarray
@@ -146,6 +157,8 @@ class Rough:
     most: np.ndarray
     place: np.ndarray
     radius: np.ndarray
+    half: np.ndarray
+    full: np.ndarray
 
 
 class Weighing:
@@ -161,6 +174,7 @@ class Weighing:
         inertia: bool = False,
     ):
         self.count, self.inertia = n_links, inertia
+        weigh(tables, inertia)
         self.own = [_whole(*what, link_start, inertia) for what in zip(tables, densities, strict=True) if len(what[0])]
         rows = block_of(tables, 0, len(link_start))
         self.owner = rows.owner
@@ -193,10 +207,15 @@ class Weighing:
         mass, center = _summed(self.own, self.count)
         if not len(self.owner):
             none = np.zeros(0)
-            return Rough(mass, center, none.astype(np.int64), none, np.zeros((0, 3)), none)
+            return Rough(mass, center, none.astype(np.int64), none, np.zeros((0, 3)), none, np.zeros((0, 3)), none)
         found = self.touching.regions()
-        most = np.minimum(found.volume * self.density[found.row], self.mass[found.row])
-        return Rough(mass, center, self.link[found.row], most, found.center, found.radius)
+        volume = self.mass / self.density
+        # a shell shares no more than it has, though its box is large; what is measured in points may err by a little
+        most = np.minimum(found.volume, volume[found.first] + SAMPLED * found.volume)
+        density = self.density[found.row]
+        most = np.minimum(most * density, self.mass[found.row])
+        full = found.volume * density
+        return Rough(mass, center, self.link[found.row], most, found.center, found.radius, found.half, full)
 
     def _shared(self, asked: np.ndarray | None) -> list[_Portion]:
         """What primitives lose to denser ones that they overlap: portions of negative mass."""
@@ -223,11 +242,12 @@ def _summed(rows: list[_Portion], n_links: int) -> tuple[np.ndarray, np.ndarray]
 def _whole(table: SiteTable, density: np.ndarray, link_start: np.ndarray, inertia: bool) -> _Portion:
     """The primitives of a site."""
     volume, center = table.weights if not inertia else table.moments[:2]
-    low, high = bounds(table.primitive, table.params)
-    if (
-        volume < -_INVERTED * np.prod(high - low, axis=1)
-    ).any():  # one that was edited: the check of a program finds it
-        raise PrimitiveError(table.primitive, None, "its surfaces are inside out")
+    if (volume < 0.0).any():
+        low, high = bounds(table.primitive, table.params)
+        if (
+            volume < -_INVERTED * np.prod(high - low, axis=1)
+        ).any():  # one that was edited: the check of a program finds it
+            raise PrimitiveError(table.primitive, None, "its surfaces are inside out")
     center = center * np.stack([np.ones_like(table.mirror), table.mirror, np.ones_like(table.mirror)], axis=-1)
     center = apply(table.rotation, center) + table.translation
     about = np.zeros((len(table), 3, 3))

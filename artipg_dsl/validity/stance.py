@@ -15,7 +15,7 @@ from ..geometry.vectors import dot
 from ..runtime.motion import apply, multiply, rotation_about
 from .bodies import Pieces
 from .hull import NEAR, depth, hulls
-from .mass import Mass, Rough, Weighing, masses, weighing_of
+from .mass import SAMPLED, Mass, Rough, Weighing, masses, weighing_of
 from .tree import Tree, lead_states
 
 _FLOOR = 1e-3  # metres: what is higher does not stand on it
@@ -86,64 +86,97 @@ class Stance:
     def decided(self, known: Rough, whatever: bool) -> tuple[np.ndarray, np.ndarray]:
         """Which objects (B,) do not stand, and which do, ``whatever`` their joints do, by bounds of their masses alone."""
         tree = self.tree
-        least = self.total - np.bincount(self.owner[known.link], known.most, self.count)
+        whose = self.owner[known.link]
+        least = self.total - np.bincount(whose, known.most, self.count)
         least = np.where(least > self.total / 10, least, 1e-30)  # what may be so light is not known
         place = apply(tree.turn[known.link], known.place) + tree.shift[known.link]
         center = self.centers(tree.turn, tree.shift)
-        off = place - center[self.owner[known.link]]
+        off = place - center[whose]
         spare = known.most * (np.sqrt(dot(off, off)) + known.radius)
-        slack = _STEEP * np.bincount(self.owner[known.link], spare, self.count) / least + _ROUNDING
-        margin = self.margin(tree.turn, tree.shift)
-        if not whatever:
-            return margin < -slack, margin > slack
-        lowest, spare = self.lowest(center, known, place, least)
-        return margin < -slack, lowest > slack + spare
+        slack = _STEEP * np.bincount(whose, spare, self.count) / least + _ROUNDING
+        return self.margin(tree.turn, tree.shift) < -slack, self._standing(center, known, place, whatever)
 
-    def lowest(
-        self, center: np.ndarray, known: Rough, place: np.ndarray, least: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """A bound of the margin (B,) that is left with each joint where it takes the most, edge by edge of the feet, and how far
-        it may be wrong: for what overlaps take away, and as joints within have moved what others carry."""
-        tree, joints, values = self.tree, self.tree.joints, self._alone()[1]
-        count = len(joints.owner)
-        carried, spare = np.zeros(count), np.zeros(count)
-        for level in range(tree.chain.shape[1]):
-            joint, on = _above(tree, np.arange(len(self.owner)), level)
-            carried += np.bincount(joint, self.mass[on], count)
-            joint, on = _above(tree, known.link, level)
-            off = place[on] - tree.origin[joint]
-            spare += np.bincount(joint, known.most[on] * (np.sqrt(dot(off, off)) + known.radius[on]), count)
-        way = np.maximum(np.abs(tree.low - joints.rest), np.abs(tree.high - joints.rest))
-        chord = np.where(tree.turns, 2.0 * np.sin(np.minimum(way, np.pi) / 2), 0.0)
-        moved = np.sqrt(dot(values, values)).max(axis=1) * self.total[joints.owner]  # of the object's mass
-        wrong, within = np.zeros(count), np.zeros(count)
-        depth_of = (tree.chain[tree.child] >= 0).sum(axis=1)
-        for level in np.unique(depth_of)[::-1].tolist():  # the innermost first
-            at = np.flatnonzero(depth_of == level)
-            wrong[at] = chord[at] * (spare[at] + within[at])
-            chain = tree.chain[tree.child[at]]
-            for column in range(1, chain.shape[1]):
-                above, on = _above(tree, tree.child[at], column)
-                within += np.bincount(above, (moved + wrong)[at[on]], count)
-        # a share of the true mass, not of what was weighed
-        wrong += moved * (self.total / least - 1.0)[joints.owner]
-        wrong[~tree.alone] = np.inf
+    def _standing(self, center: np.ndarray, known: Rough, place: np.ndarray, whatever: bool) -> np.ndarray:
+        """Which objects (B,) stand for certain, ``whatever`` their joints do.
+
+        Over an edge of the feet an object tips where the sum of its masses times how far inside they lie, less their height by
+        the tangent of the tilt, is negative. Overlaps take away at most what they have and where they have most of it; each
+        joint takes as much as it can by itself, and a little more for joints within that have moved what it carries. Below the
+        floor a height counts as none, so that the sums without heights are asked, too.
+        """
+        tree, joints, whose = self.tree, self.tree.joints, self.owner[known.link]
+        turn = np.abs(tree.turn[known.link])
+        half, spare = apply(turn, known.half), np.zeros(self.count)
+        ball, radius = place, known.radius
+        values = np.zeros((len(joints.owner), 1, 3))
+        if whatever:
+            values = self._alone()[1]
+            ball, radius = self._travel(known.link, place, known.radius)
+            spare = self._nested(np.sqrt(dot(values, values)).max(axis=1) * self.total[joints.owner])
+        rests = radius == known.radius
         edge = np.roll(self.base, -1, axis=1) - self.base
         length = np.sqrt(edge[..., 0] ** 2 + edge[..., 1] ** 2)
         real = length > NEAR
         inward = np.stack([-edge[..., 1], edge[..., 0]], axis=-1) / np.where(real, length, 1.0)[..., None]
-        lowest = np.full(self.count, np.inf)
+        stands = real.any(axis=1)
+        stands[self.owner[self.link[~self.still.all(axis=1)]]] &= not whatever  # feet that move along
         for number in range(self.base.shape[1]):
-            normal = inward[:, number]
-            off = center[:, :2] - self.base[:, number]
-            left = off[:, 0] * normal[:, 0] + off[:, 1] * normal[:, 1] - TILT * (center[:, 2] - self.floor)
-            own = normal[joints.owner][:, None]
-            gain = values[..., 0] * own[..., 0] + values[..., 1] * own[..., 1] - TILT * values[..., 2]
-            left += np.bincount(joints.owner, gain.min(axis=1, initial=0.0), self.count)
-            lowest = np.where(real[:, number], np.minimum(lowest, left), lowest)
-        lowest[~real.any(axis=1) | (center[:, 2] < self.floor)] = -np.inf
-        lowest[self.owner[self.link[~self.still.all(axis=1)]]] = -np.inf  # feet that move along
-        return lowest, _STEEP * np.bincount(joints.owner, wrong, self.count) / least
+            foot, normal = self.base[:, number], inward[:, number]
+            for tilt in (TILT, 0.0):
+                own = normal[joints.owner][:, None]
+                gain = values[..., 0] * own[..., 0] + values[..., 1] * own[..., 1] - tilt * values[..., 2]
+                left = _beyond(center, foot, normal, self.floor, tilt)
+                left += np.bincount(joints.owner, gain.min(axis=1, initial=0.0), self.count)
+                # of what rests in a box, no more than the box has; of what moves, all where it counts most
+                of = foot[whose], normal[whose], self.floor[whose]
+                middle = _beyond(place, *of, tilt)
+                wide = np.abs(of[1][:, 0]) * half[:, 0] + np.abs(of[1][:, 1]) * half[:, 1] + tilt * half[:, 2]
+                most = np.where(rests, middle + wide, _beyond(ball, *of, tilt) + _STEEP * radius)
+                lost = known.most * np.maximum(most, 0.0)
+                whole = np.where(middle >= wide, middle, (middle + wide) ** 2 / np.maximum(4 * wide, 1e-300))
+                lost = np.where(rests & (most > 0.0), np.minimum(lost, known.full * (whole + SAMPLED * wide)), lost)
+                lost = np.bincount(whose, lost, self.count)
+                left = left * self.total - lost - _STEEP * spare
+                stands &= ~real[:, number] | (left > _ROUNDING * self.total)
+        return stands
+
+    def _chord(self) -> np.ndarray:
+        """How far (J,) a point that is one metre from the axis of a joint is turned at most."""
+        way = np.maximum(np.abs(self.tree.low - self.tree.joints.rest), np.abs(self.tree.high - self.tree.joints.rest))
+        return np.where(self.tree.turns, 2.0 * np.sin(np.minimum(way, np.pi) / 2), 0.0)
+
+    def _travel(self, link: np.ndarray, place: np.ndarray, radius: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Balls (n, 3), (n,) that hold balls on links wherever their joints put them, from rest.
+
+        What turns stays within its chord from where it was, and within its distance from the axis.
+        """
+        tree, chord, place, radius = self.tree, self._chord(), place.copy(), radius.copy()
+        way = np.maximum(np.abs(tree.low - tree.joints.rest), np.abs(tree.high - tree.joints.rest))
+        along = np.where(tree.slides, 1.0, np.abs(tree.advance)) * np.where(tree.slides | tree.turns, way, 0.0)
+        for level in range(tree.chain.shape[1]):
+            joint, on = _above(tree, link, level)
+            off = place[on] - tree.origin[joint]
+            off -= tree.axis[joint] * dot(off, tree.axis[joint])[:, None]
+            arm = np.sqrt(dot(off, off))
+            near, about = radius[on] + chord[joint] * (arm + radius[on]), arm + radius[on]
+            place[on] -= np.where((about < near)[:, None], off, 0.0)
+            radius[on] = np.minimum(near, about) + along[joint]
+        return place, radius
+
+    def _nested(self, moved: np.ndarray) -> np.ndarray:
+        """How much farther (B,), in kg m, joints may take what joints within, each by ``moved`` (J,), have moved; infinite for
+        objects with joints that move others."""
+        tree, joints, chord = self.tree, self.tree.joints, self._chord()
+        wrong, within = np.zeros(len(chord)), np.zeros(len(chord))
+        depth_of = (tree.chain[tree.child] >= 0).sum(axis=1)
+        for level in np.unique(depth_of)[::-1].tolist():  # the innermost first
+            at = np.flatnonzero(depth_of == level)
+            wrong[at] = chord[at] * within[at]
+            for column in range(1, tree.chain.shape[1]):
+                above, on = _above(tree, tree.child[at], column)
+                within += np.bincount(above, (moved + wrong)[at[on]], len(chord))
+        wrong[~tree.alone] = np.inf
+        return np.bincount(joints.owner, wrong, self.count)
 
     def _feet(self, body: Pieces) -> tuple[np.ndarray, np.ndarray]:
         """Links (n,) and corners (n, 3), at rest, of all that is near the floor."""
@@ -234,6 +267,12 @@ class Stance:
             slid = tree.axis * (by * (tree.slides + tree.advance))[:, None]
             moved[:, number] = np.where(tree.alone[:, None], (turned + slid) * share[:, None], 0.0)
         return values, moved
+
+
+def _beyond(point: np.ndarray, foot: np.ndarray, normal: np.ndarray, floor: np.ndarray, tilt: float) -> np.ndarray:
+    """How far (k,) points (k, 3) lie beyond edges through ``foot`` (k, 2) along ``normal`` (k, 2), less their height by ``tilt``."""
+    off = point[:, :2] - foot
+    return off[:, 0] * normal[:, 0] + off[:, 1] * normal[:, 1] - tilt * (point[:, 2] - floor)
 
 
 def _above(tree: Tree, link: np.ndarray, level: int) -> tuple[np.ndarray, np.ndarray]:

@@ -157,7 +157,7 @@ def test_the_same_whatever_else_is_in_the_batch() -> None:
     assert alone == whole.objects.tolist()
 
 
-@pytest.mark.parametrize("name", ["Laptop", "Kettle", "Chair", "Microwave"])
+@pytest.mark.parametrize("name", ["Laptop", "Kettle", "Chair", "Microwave", "WashingMachine"])
 def test_bounds_of_masses_decide_as_masses_do(name: str) -> None:
     """Of objects of which some parts are out of place: many tip over, at rest or as their joints move."""
     sampler, lot = Session.of(name).sampler, np.random.default_rng(6)
@@ -176,8 +176,7 @@ def test_bounds_of_masses_decide_as_masses_do(name: str) -> None:
     exact = tipped if open_too else still
     assert found.tolist() == np.flatnonzero(exact).tolist() and 0 < exact.sum() < 24
     assert not (falls & ~exact).any() and not (stands & exact).any()
-    if name != "Microwave":  # boxes within boxes tell little
-        assert (falls | stands).mean() > 0.7
+    assert (falls | stands).mean() > 0.7
 
 
 def test_points_within_the_outline_change_no_hull() -> None:
