@@ -12,6 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
+from ..native import backend, narrow
 from .vectors import cross, dot
 
 _MOST_STEPS = 40
@@ -33,6 +34,10 @@ class Bodies(Protocol):
         """The points (m, 3) of the bodies ``rows`` (m,) that lie farthest along ``direction`` (m, 3)."""
         ...
 
+    def side(self) -> narrow.Side:
+        """The same bodies for the compiled backend."""
+        ...
+
 
 class Corners:
     """Bodies given by their corners (k, P, 3)."""
@@ -49,6 +54,10 @@ class Corners:
     def support(self, rows: np.ndarray, direction: np.ndarray) -> np.ndarray:
         points = self.vertices[rows]
         return points[np.arange(len(rows)), np.argmax(dot(points, direction[:, None]), axis=1)]
+
+    def side(self) -> narrow.Side:
+        every = np.arange(len(self))
+        return narrow.Side([self.vertices], np.zeros_like(every), every)
 
 
 def inset(vertices: np.ndarray, faces: np.ndarray, margin: float = DEPTH / 2) -> np.ndarray:
@@ -112,6 +121,9 @@ def separate(first: Bodies, second: Bodies, near: float = 0.5) -> tuple[np.ndarr
     active = np.arange(count)
     nearest = first.center() - second.center()
     nearest[dot(nearest, nearest) < 1e-24] = (1.0, 0.0, 0.0)
+    machine = backend.machine()
+    if machine is not None and count:
+        return narrow.separate(machine, first.side(), second.side(), near, _MOST_STEPS, nearest)
     start = first.support(active, -nearest) - second.support(active, nearest)
     size = np.sqrt(dot(start, start)) + np.sqrt(dot(nearest, nearest))
     simplex = np.repeat(start[:, None], 4, axis=1)
@@ -177,6 +189,9 @@ def find_near(first: Bodies, second: Bodies, distance: np.ndarray, near: float =
 
 def _closest(simplex: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The point of tetrahedra (k, 4, 3) nearest the origin, and its weights (k, 4); all positive: the origin lies within."""
+    machine = backend.machine()
+    if machine is not None:
+        return narrow.closest(machine, simplex)
     best = np.full(len(simplex), np.inf)
     weights = np.zeros((len(simplex), 4))
     corners = [np.ascontiguousarray(simplex[:, k]) for k in range(4)]

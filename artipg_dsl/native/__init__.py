@@ -4,8 +4,10 @@ In: a formula as a tape (``graph.formula`` makes it) and arrays. Out: the arrays
 operation on numbers is an inner loop of NumPy itself. Knows neither expressions nor geometry. Begin with ``tape`` and ``backend``.
 
     machine.c       what runs a tape: moves blocks of numbers and calls loops, nothing more
+    narrow.c        pairs of convex bodies, as ``geometry.collide`` has it
     loops           the inner loops of NumPy's functions, and how an array lies in memory
     compiler        the machine compiled, kept and loaded
     tape, plan      straight-line programs of operations; registers and phases for the shapes that are given
+    narrow          bodies told to narrow.c
     backend         which backend is used
 """

@@ -28,7 +28,9 @@ class Machine:
     """The compiled machine in this process. Raises NoMachine where it does not fit this NumPy."""
 
     def __init__(self, library: ctypes.CDLL):
+        self.library = library
         try:
+            library.closest.restype = library.separate.restype = None
             self._run, self._within, look = library.run, library.within, library.look
             self._moves = {
                 kinds: ctypes.cast(getattr(library, name), ctypes.c_void_p).value or 0

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Mapping
+from functools import cache
 
 import numpy as np
 
@@ -69,6 +70,7 @@ FUNCTIONS: Mapping[str, np.ufunc] = {
 }
 
 
+@cache
 def loop(function: np.ufunc, kinds: str) -> tuple[int, int]:
     """The addresses of the loop of a function for the types ``kinds``, such as ``dd->d``, and of what it is given.
     Raises Unreadable."""

@@ -13,6 +13,7 @@ import numpy as np
 from ..geometry.collide import DEPTH, inset
 from ..geometry.pieces import Cloud
 from ..geometry.vectors import cross, dot
+from ..native.narrow import Side
 from ..runtime.batch import Batch
 from ..runtime.motion import apply
 
@@ -182,6 +183,10 @@ class Placed:
         if self.turn is None or self.shift is None:
             return found
         return apply(self.turn[rows], found) + self.shift[rows]
+
+    def side(self) -> Side:
+        kind, slot = self.pieces.kind[self.piece], self.pieces.slot[self.piece]
+        return Side(self.pieces.corners, kind, slot, self.turn, self.shift, self.ends)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

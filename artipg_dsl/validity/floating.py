@@ -11,6 +11,7 @@ import numpy as np
 
 from ..geometry.collide import find_near
 from ..geometry.vectors import dot
+from ..native.narrow import Side
 from ..runtime.batch import Batch
 from .bodies import Pieces, Placed, enumerate_ranges
 from .meant import find_meant, sites_of
@@ -243,6 +244,10 @@ class _Segments:
     def support(self, rows: np.ndarray, direction: np.ndarray) -> np.ndarray:
         one, two = self.ends[0][rows], self.ends[1][rows]
         return np.where((dot(one, direction) >= dot(two, direction))[:, None], one, two)
+
+    def side(self) -> Side:
+        every = np.arange(len(self))
+        return Side([np.stack(self.ends, axis=1)], np.zeros_like(every), every)
 
 
 def _best(group: np.ndarray, value: np.ndarray) -> np.ndarray:

@@ -13,7 +13,7 @@ from artipg_dsl.random import key
 from artipg_dsl.session import Session, categories
 from artipg_dsl.validity.faults import find_faults
 
-from .machine import bits, needs_compiler, using  # noqa: F401
+from .machine import bits, needs_compiler
 
 EVERY = os.environ.get("ARTIPG_EVERY") == "1"
 
@@ -37,7 +37,7 @@ def made(name: str) -> dict[str, bytes]:
 
 @needs_compiler
 @pytest.mark.parametrize("name", sorted(categories()) if EVERY else ["Faucet", "Globe", "Microwave"])
-def test_either_backend_gives_the_same_bytes(name, using):  # noqa: F811
+def test_either_backend_gives_the_same_bytes(name, using):
     using("numpy")
     expected = made(name)
     using("c")

@@ -9,7 +9,7 @@ import pytest
 from artipg_dsl.errors import UserError
 from artipg_dsl.native import backend, compiler
 
-from .machine import needs_compiler, using  # noqa: F401
+from .machine import needs_compiler
 
 
 @pytest.fixture
@@ -79,7 +79,7 @@ def test_a_machine_is_kept_for_its_user_whatever_folder_is_shared(home, tmp_path
     assert compiler.compile_machine().parent == home
 
 
-def test_nothing_is_compiled_where_nothing_is_kept(using):  # noqa: F811
+def test_nothing_is_compiled_where_nothing_is_kept(using):
     using(None)
     assert backend.machine() is None and "nothing is kept" in backend.told()
 
@@ -92,7 +92,7 @@ def test_nothing_is_compiled_where_nothing_is_kept(using):  # noqa: F811
         ("exit 0", "cannot be loaded"),
     ],
 )
-def test_a_compiler_that_does_not_work_is_named(text, said, only, using, monkeypatch):  # noqa: F811
+def test_a_compiler_that_does_not_work_is_named(text, said, only, using, monkeypatch):
     only(text)
     monkeypatch.setattr(compiler, "SECONDS", 0.5)
     with pytest.raises(UserError, match="there is no backend c") as wrong:
@@ -100,7 +100,7 @@ def test_a_compiler_that_does_not_work_is_named(text, said, only, using, monkeyp
     assert said in wrong.value.message
 
 
-def test_no_compiler_is_an_error_only_where_it_is_asked_for(home, using, monkeypatch):  # noqa: F811
+def test_no_compiler_is_an_error_only_where_it_is_asked_for(home, using, monkeypatch):
     monkeypatch.setattr(compiler, "compilers", lambda: [])
     with pytest.raises(UserError, match="there is no C compiler"):
         using("c")
@@ -110,7 +110,7 @@ def test_no_compiler_is_an_error_only_where_it_is_asked_for(home, using, monkeyp
 
 
 @needs_compiler
-def test_numpy_works_until_the_compiler_is_done(home, using):  # noqa: F811
+def test_numpy_works_until_the_compiler_is_done(home, using):
     using(None)
     backend._state.beside.join()
     assert backend.told() == "c"
@@ -118,7 +118,7 @@ def test_numpy_works_until_the_compiler_is_done(home, using):  # noqa: F811
     assert backend.machine() is None and backend.told() == "numpy (as asked)"
 
 
-def test_a_backend_that_does_not_exist_is_refused(using):  # noqa: F811
+def test_a_backend_that_does_not_exist_is_refused(using):
     with pytest.raises(UserError, match="names no backend: `cuda`"):
         using("cuda")
 

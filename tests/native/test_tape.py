@@ -9,7 +9,7 @@ from artipg_dsl.graph.expr import raw, var
 from artipg_dsl.graph.formula import compile_formula
 from artipg_dsl.native import backend, tape
 
-from .machine import bits, machine, needs_compiler  # noqa: F401
+from .machine import bits, needs_compiler
 
 pytestmark = needs_compiler
 NAMES = ("a", "b", "c", "d")
@@ -68,7 +68,7 @@ SHAPES = [
 
 @settings(max_examples=150, deadline=None)
 @given(expressions(), st.sampled_from(SHAPES), st.integers(0, 99))
-def test_the_bits_are_those_of_numpy(machine, exprs, shapes, seed):  # noqa: F811
+def test_the_bits_are_those_of_numpy(machine, exprs, shapes, seed):
     values = [column(int(np.prod(shape)), seed + 9 * k).reshape(shape) for k, shape in enumerate(shapes)]
     formula = compile_formula(exprs, NAMES)
     expected = formula.numpy(*values)
@@ -78,7 +78,7 @@ def test_the_bits_are_those_of_numpy(machine, exprs, shapes, seed):  # noqa: F81
         assert bits(np.broadcast_to(one, shape)) == bits(np.broadcast_to(other, shape))
 
 
-def test_most_of_that_is_run_by_the_machine(machine):  # noqa: F811
+def test_most_of_that_is_run_by_the_machine(machine):
     a, b = var("a"), var("b")
     formula = compile_formula([raw("sin", (raw("add", (a, b)),)), raw("lt", (a, b)), a], ("a", "b"))
     for shapes in (((1000,), (1000,)), ((1000,), ()), ((4, 1), (100,)), ((), ())):
@@ -86,7 +86,7 @@ def test_most_of_that_is_run_by_the_machine(machine):  # noqa: F811
         assert formula._tape.run(machine, (one, two)) is not None
 
 
-def test_rows_that_lie_apart_are_read_where_they_are(machine):  # noqa: F811
+def test_rows_that_lie_apart_are_read_where_they_are(machine):
     points = column(3000, 1).reshape(-1, 3)
     formula = compile_formula([raw("hypot", (var("x"), var("y")))], ("x", "y"))
     found = formula._tape.run(machine, (points[:, 0], points[:, 1]))
@@ -96,7 +96,7 @@ def test_rows_that_lie_apart_are_read_where_they_are(machine):  # noqa: F811
 @pytest.mark.parametrize(
     "values", [(np.arange(5), np.arange(5)), (np.ones(5, np.float32),) * 2, (np.ones((2, 1, 2)),) * 2]
 )
-def test_what_numpy_would_do_otherwise_is_left_to_it(machine, values):  # noqa: F811
+def test_what_numpy_would_do_otherwise_is_left_to_it(machine, values):
     formula = compile_formula([raw("add", (var("a"), var("b")))], ("a", "b"))
     found = formula._tape.run(machine, values)
     if found is not None:
@@ -105,14 +105,14 @@ def test_what_numpy_would_do_otherwise_is_left_to_it(machine, values):  # noqa: 
         assert values[0].dtype != np.float64
 
 
-def test_a_power_with_exponents_that_are_broadcast_is_left_to_numpy(machine):  # noqa: F811
+def test_a_power_with_exponents_that_are_broadcast_is_left_to_numpy(machine):
     formula = compile_formula([raw("pow", (var("a"), var("b")))], ("a", "b"))
     assert formula._tape.run(machine, (np.ones((3, 1)), np.ones(50))) is None
     assert formula._tape.run(machine, (np.ones(50), 2.0)) is None
     assert formula._tape.run(machine, (np.ones(50), np.ones(50))) is not None
 
 
-def test_rows_of_a_table_are_taken_by_an_index(machine):  # noqa: F811
+def test_rows_of_a_table_are_taken_by_an_index(machine):
     gather = tape.Tape(3, (), (("take", (0, 1)), ("mul", (3, 2))), (4,))
     table, x = column(20, 1), column(700, 2)
     index = np.random.Generator(np.random.PCG64(3)).integers(0, 20, 700)
@@ -124,7 +124,7 @@ def test_rows_of_a_table_are_taken_by_an_index(machine):  # noqa: F811
         assert gather.run(machine, (index, table, x)) is None, "an index that names no row is for NumPy to refuse"
 
 
-def test_every_operation_is_tried_before_it_is_used(machine, monkeypatch):  # noqa: F811
+def test_every_operation_is_tried_before_it_is_used(machine, monkeypatch):
     assert backend.trial(machine) == []
     monkeypatch.setattr(
         machine, "locate", lambda op, kinds: backend.Machine.locate(machine, "cos" if op == "tan" else op, kinds)

@@ -1,0 +1,175 @@
+/* Which convex bodies overlap: the steps of ``geometry.collide``, pair by pair in place of all pairs at once. Each sum and product
+   stands in the order in which it stands there, so that the bits are the same; compiled without contraction of products and sums. */
+
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#if defined(_WIN32)
+#define OUT __declspec(dllexport)
+#else
+#define OUT __attribute__((visibility("default")))
+#endif
+
+/* a side of all pairs: where the corners of each body lie and how many they are; its turn and shift from rest, or the shifts between
+   which it is swept; null where there is none */
+typedef struct {
+    const double *const *corners;
+    const int64_t *count;
+    const double *turn, *shift, *first, *last;
+} side;
+
+static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+static void cross(const double *a, const double *b, double *out) {
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* ------------------------------------------------------------ the point of a tetrahedron nearest the origin */
+
+static void offer(const double s[4][3], int n, const int *which, const double *share, int valid, double *best, double *weight) {
+    double point[3], square;
+    int i, k;
+    if (!valid) return;
+    for (i = 0; i < 3; i++) {
+        point[i] = share[0] * s[which[0]][i];
+        for (k = 1; k < n; k++) point[i] += share[k] * s[which[k]][i];
+    }
+    square = dot(point, point);
+    if (!(square < *best * (1.0 - 1e-12))) return;
+    *best = square;
+    for (i = 0; i < 4; i++) weight[i] = 0.0;
+    for (k = 0; k < n; k++) weight[which[k]] = share[k];
+}
+
+static const int PAIRS[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+static const int TRIPLES[4][3] = {{0, 1, 2}, {0, 1, 3}, {0, 2, 3}, {1, 2, 3}};
+
+static void nearest_of(const double s[4][3], double *value, double *weight) {
+    double best = INFINITY, a[3], b[3], c[3], o[3], p[3], q[3], r[3], share[4];
+    int i, k;
+    for (i = 0; i < 4; i++) weight[i] = 0.0;
+    for (i = 0; i < 4; i++) {
+        share[0] = 1.0;
+        offer(s, 1, &i, share, 1, &best, weight);
+    }
+    for (k = 0; k < 6; k++) {
+        const double *from = s[PAIRS[k][0]], *to = s[PAIRS[k][1]];
+        double square, t;
+        for (i = 0; i < 3; i++) a[i] = to[i] - from[i];
+        square = dot(a, a);
+        t = -dot(from, a) / (square > 0 ? square : 1.0);
+        share[0] = 1.0 - t;
+        share[1] = t;
+        offer(s, 2, PAIRS[k], share, square > 1e-30 && t > 0 && t < 1, &best, weight);
+    }
+    for (k = 0; k < 4; k++) {
+        const double *from = s[TRIPLES[k][0]], *one = s[TRIPLES[k][1]], *two = s[TRIPLES[k][2]];
+        double aa, ab, bb, pa, pb, det, safe, u, v;
+        for (i = 0; i < 3; i++) {
+            a[i] = one[i] - from[i];
+            b[i] = two[i] - from[i];
+        }
+        aa = dot(a, a), ab = dot(a, b), bb = dot(b, b);
+        pa = -dot(from, a), pb = -dot(from, b);
+        det = aa * bb - ab * ab;
+        safe = det > 0 ? det : 1.0;
+        u = (bb * pa - ab * pb) / safe;
+        v = (aa * pb - ab * pa) / safe;
+        share[0] = 1.0 - u - v;
+        share[1] = u;
+        share[2] = v;
+        offer(s, 3, TRIPLES[k], share, det > 1e-14 * aa * bb && u > 0 && v > 0 && u + v < 1, &best, weight);
+    }
+    for (i = 0; i < 3; i++) {
+        a[i] = s[1][i] - s[0][i];
+        b[i] = s[2][i] - s[0][i];
+        c[i] = s[3][i] - s[0][i];
+        o[i] = -s[0][i];
+    }
+    cross(b, c, p);
+    cross(o, c, q);
+    cross(b, o, r);
+    {
+        double volume = dot(a, p), scale = sqrt(dot(a, a) * dot(b, b) * dot(c, c));
+        int solid = fabs(volume) > 1e-12 * scale;
+        double safe = solid ? volume : 1.0;
+        double u = dot(o, p) / safe, v = dot(a, q) / safe, w = dot(a, r) / safe, rest = 1.0 - u - v - w;
+        if (solid && rest > 0 && u > 0 && v > 0 && w > 0) weight[0] = rest, weight[1] = u, weight[2] = v, weight[3] = w;
+    }
+    for (i = 0; i < 3; i++) {
+        value[i] = weight[0] * s[0][i];
+        for (k = 1; k < 4; k++) value[i] += weight[k] * s[k][i];
+    }
+}
+
+/* Tetrahedra (n, 4, 3): the points (n, 3) nearest the origin and their weights (n, 4). */
+OUT void closest(int64_t n, const double *simplex, double *value, double *weight) {
+    for (int64_t k = 0; k < n; k++) nearest_of((const double(*)[3])(simplex + 12 * k), value + 3 * k, weight + 4 * k);
+}
+
+/* ------------------------------------------------------------ pairs of bodies */
+
+static void support(const side *body, int64_t k, const double *direction, double *out) {
+    const double *corners = body->corners[k], *turn = body->turn ? body->turn + 9 * k : NULL;
+    double own[3], best, value;
+    int64_t i, n = body->count[k], at = 0;
+    for (i = 0; i < 3; i++)
+        own[i] = turn ? turn[i] * direction[0] + turn[3 + i] * direction[1] + turn[6 + i] * direction[2] : direction[i];
+    best = dot(corners, own);
+    for (i = 1; i < n; i++) {
+        value = dot(corners + 3 * i, own);
+        if (value > best) best = value, at = i;
+    }
+    corners += 3 * at;
+    if (body->first) {
+        const double *first = body->first + 3 * k, *last = body->last + 3 * k;
+        const double *end = dot(first, own) >= dot(last, own) ? first : last;
+        for (i = 0; i < 3; i++) out[i] = corners[i] + end[i];
+    } else if (turn && body->shift) {
+        for (i = 0; i < 3; i++)
+            out[i] = turn[3 * i] * corners[0] + turn[3 * i + 1] * corners[1] + turn[3 * i + 2] * corners[2] + body->shift[3 * k + i];
+    } else
+        memcpy(out, corners, sizeof own);
+}
+
+static void between(const side *first, const side *second, int64_t k, const double *v, double *out) {
+    double back[3] = {-v[0], -v[1], -v[2]}, one[3], two[3];
+    support(first, k, back, one);
+    support(second, k, v, two);
+    for (int i = 0; i < 3; i++) out[i] = one[i] - two[i];
+}
+
+/* Pairs of bodies: whether they overlap (n,), and in ``nearest`` (n, 3), at first from body to body, the direction in which the first
+   lies beyond the second. */
+OUT void separate(int64_t n, const side *first, const side *second, double near, int64_t steps, double *nearest, unsigned char *hit) {
+    for (int64_t k = 0; k < n; k++) {
+        double *v = nearest + 3 * k, s[4][3], weight[4] = {1.0, 0.0, 0.0, 0.0}, point[3], size, least;
+        int i, inside = 0, apart = 0;
+        between(first, second, k, v, point);
+        size = sqrt(dot(point, point)) + sqrt(dot(v, v));
+        least = size * size;
+        least = 1e-22 * (least < 1e-12 ? 1e-12 : least);
+        for (i = 0; i < 4; i++) memcpy(s[i], point, sizeof point);
+        memcpy(v, point, sizeof point);
+        for (int64_t step = 0; step < steps; step++) {
+            double away, length;
+            int slot = 0;
+            between(first, second, k, v, point);
+            away = dot(v, point);
+            length = dot(v, v);
+            apart |= away > 1e-12 * size * sqrt(length);
+            if ((apart && away >= near * length) || length - away <= 1e-10 * length) break;
+            for (i = 1; i < 4; i++)
+                if (weight[i] < weight[slot]) slot = i;
+            memcpy(s[slot], point, sizeof point);
+            nearest_of((const double(*)[3])s, v, weight);
+            inside = dot(v, v) <= least || (weight[0] > 0 && weight[1] > 0 && weight[2] > 0 && weight[3] > 0);
+            if (inside) break;
+        }
+        hit[k] = inside && !apart;
+    }
+}

@@ -1,0 +1,74 @@
+"""Pairs of convex bodies, looked at by compiled code: what ``geometry.collide`` computes, with the same bits."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from .backend import Machine
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Side:
+    """One body of each of k pairs, as the compiled code reads it: the array ``kind`` (k,) of ``corners`` (n, P, 3) that its own lie in,
+    and its ``slot`` (k,) there; turn (k, 3, 3) and shift (k, 3) from rest, or two shifts between which it is swept."""
+
+    corners: Sequence[np.ndarray]
+    kind: np.ndarray
+    slot: np.ndarray
+    turn: np.ndarray | None = None
+    shift: np.ndarray | None = None
+    ends: tuple[np.ndarray, np.ndarray] | None = None
+
+
+class _Side(ctypes.Structure):
+    _fields_ = [(name, ctypes.c_void_p) for name in ("corners", "count", "turn", "shift", "first", "last")]
+
+
+def separate(
+    machine: Machine, first: Side, second: Side, near: float, steps: int, direction: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Which pairs overlap (k,), and directions (k, 3) that separate the others; ``direction`` (k, 3) leads from body to body."""
+    nearest = np.array(direction, dtype=np.float64, order="C")
+    hit = np.empty(len(nearest), dtype=np.bool_)
+    (one, held), (two, kept) = (_told(side) for side in (first, second))
+    machine.library.separate(
+        ctypes.c_int64(len(nearest)),
+        ctypes.byref(one),
+        ctypes.byref(two),
+        ctypes.c_double(near),
+        ctypes.c_int64(steps),
+        ctypes.c_void_p(nearest.ctypes.data),
+        ctypes.c_void_p(hit.ctypes.data),
+    )
+    del held, kept  # were to live until here
+    return hit, nearest
+
+
+def closest(machine: Machine, simplex: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The points (k, 3) of tetrahedra (k, 4, 3) nearest the origin, and their weights (k, 4)."""
+    simplex = np.ascontiguousarray(simplex, dtype=np.float64)
+    value, weight = np.empty((len(simplex), 3)), np.empty((len(simplex), 4))
+    given = [ctypes.c_void_p(array.ctypes.data) for array in (simplex, value, weight)]
+    machine.library.closest(ctypes.c_int64(len(simplex)), *given)
+    return value, weight
+
+
+def _told(side: Side) -> tuple[_Side, list[np.ndarray]]:
+    """A side by the addresses of its arrays, and these arrays."""
+    corners = [np.ascontiguousarray(array, dtype=np.float64) for array in side.corners]
+    many = np.array([array.shape[1] for array in corners], dtype=np.int64)
+    start = np.array([array.ctypes.data for array in corners], dtype=np.int64)
+    count = many[side.kind]
+    place = start[side.kind] + side.slot * (24 * count)
+    ends = (None, None) if side.ends is None else side.ends
+    columns = [
+        None if array is None else np.ascontiguousarray(array, dtype=np.float64)
+        for array in (side.turn, side.shift, *ends)
+    ]
+    every = [place, count, *columns]
+    told = _Side(*[None if array is None else array.ctypes.data for array in every])
+    return told, [*corners, *(array for array in every if array is not None)]
