@@ -6,6 +6,7 @@ Arrows between rooms, and between files of which none imports inside a function,
 from __future__ import annotations
 
 import ast
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
@@ -130,3 +131,58 @@ def test_lowering_asks_no_value_for_an_attribute_by_its_name() -> None:
     for path in (ROOT / "lower").rglob("*.py"):
         tree = ast.parse(path.read_text(encoding="utf-8"))
         assert not asked & {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}, path
+
+
+CALLED_BY_TEXT = ("runtime/kernels", "runtime/draws")  # what generated code calls
+FRONT = ("language", "lower", "semantics", "syntax")  # not looked through yet
+
+
+def defined(tree: ast.Module) -> set[str]:
+    """The functions, classes and constants of a file that have no underscore in front."""
+    names = {node.name for node in tree.body if isinstance(node, ast.FunctionDef | ast.ClassDef)}
+    for node in tree.body:
+        targets = (
+            node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) else []
+        )
+        names |= {target.id for target in targets if isinstance(target, ast.Name)}
+    return {name for name in names if not name.startswith("_")}
+
+
+def asked_for(tree: ast.Module) -> set[str]:
+    """Names that a file may take from others: what it imports, attributes, and what follows a colon in its texts."""
+    names: set[str] = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.Attribute):
+            names.add(node.attr)
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            names.add(node.value.rpartition(":")[2])
+    return names
+
+
+def annotated(tree: ast.Module) -> set[str]:
+    """Names in the annotations and bases of a file: what a signature speaks of does not stay inside."""
+    places: list[ast.expr | None] = []
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef):
+            places.append(node.returns)
+        elif isinstance(node, ast.arg | ast.AnnAssign):
+            places.append(node.annotation)
+        elif isinstance(node, ast.ClassDef):
+            places += node.bases
+    return {name.id for place in places if place for name in ast.walk(place) if isinstance(name, ast.Name)}
+
+
+def test_what_stays_inside_a_file_has_an_underscore() -> None:
+    folders = (ROOT, ROOT.parent / "tests", ROOT.parent / "benchmarks")
+    trees = {path: ast.parse(path.read_text(encoding="utf-8")) for top in folders for path in top.rglob("*.py")}
+    asked = {path: asked_for(tree) for path, tree in trees.items()}
+    often = Counter(name for names in asked.values() for name in names)
+    wrong = []
+    for path in sorted(ROOT.rglob("*.py")):
+        module = path.relative_to(ROOT).with_suffix("").as_posix()
+        if module not in CALLED_BY_TEXT and not module.startswith(FRONT):
+            inside = {name for name in defined(trees[path]) if often[name] == (name in asked[path])}
+            wrong += [f"{module}: {name}" for name in inside - annotated(trees[path])]
+    assert not wrong

@@ -17,14 +17,14 @@ EMITS = {
 }
 
 
-def add_check(to: argparse.ArgumentParser) -> None:
+def _add_check(to: argparse.ArgumentParser) -> None:
     to.add_argument("files", nargs="+", metavar="NAME|FILE", help="shipped categories or .apg files")
     shape = to.add_mutually_exclusive_group()
     shape.add_argument("--json", action="store_true", help="print the findings as JSON")
     shape.add_argument("--sarif", action="store_true", help="print the findings as SARIF, for editors and code hosts")
 
 
-def add_fmt(to: argparse.ArgumentParser) -> None:
+def _add_fmt(to: argparse.ArgumentParser) -> None:
     to.add_argument("files", nargs="+", metavar="FILE", help="an .apg file, or - to read stdin and write stdout")
     to.add_argument(
         "--check",
@@ -34,7 +34,7 @@ def add_fmt(to: argparse.ArgumentParser) -> None:
     to.add_argument("--diff", action="store_true", help="write nothing; show what would change")
 
 
-def add_new(to: argparse.ArgumentParser) -> None:
+def _add_new(to: argparse.ArgumentParser) -> None:
     to.add_argument("name", metavar="NAME", help="name of the category, such as DeskLamp")
     to.add_argument(
         "-o",
@@ -46,14 +46,14 @@ def add_new(to: argparse.ArgumentParser) -> None:
     to.add_argument("--force", action="store_true", help="overwrite an existing file")
 
 
-def add_compile(to: argparse.ArgumentParser) -> None:
+def _add_compile(to: argparse.ArgumentParser) -> None:
     _program(to)
     to.add_argument("-o", "--out", type=place, metavar="FILE", help="output file, or - for stdout (default: stdout)")
     stages = "; ".join(f"{name}: {text}" for name, text in EMITS.items())
     to.add_argument("--emit", choices=list(EMITS), default="graph", help=stages)
 
 
-def add_sample(to: argparse.ArgumentParser) -> None:
+def _add_sample(to: argparse.ArgumentParser) -> None:
     _source(to)
     _drawing(to, 10)
     to.add_argument("-o", "--out", type=folder, default="out", metavar="DIR", help="output folder (default: out)")
@@ -155,7 +155,7 @@ def add_sample(to: argparse.ArgumentParser) -> None:
     _dividing(to)
 
 
-def add_export(to: argparse.ArgumentParser) -> None:
+def _add_export(to: argparse.ArgumentParser) -> None:
     _source(to)
     _drawing(to, 10)
     to.add_argument(
@@ -169,7 +169,7 @@ def add_export(to: argparse.ArgumentParser) -> None:
     _sharing(to)
 
 
-def add_mutate(to: argparse.ArgumentParser) -> None:
+def _add_mutate(to: argparse.ArgumentParser) -> None:
     to.add_argument(
         "folder",
         nargs="?",
@@ -223,7 +223,7 @@ def add_mutate(to: argparse.ArgumentParser) -> None:
     _dividing(to)
 
 
-def add_render(to: argparse.ArgumentParser) -> None:
+def _add_render(to: argparse.ArgumentParser) -> None:
     _source(to)
     _drawing(to, 30)
     to.add_argument(
@@ -246,11 +246,11 @@ def add_render(to: argparse.ArgumentParser) -> None:
     _meshes(to, steps=64)
 
 
-def add_explain(to: argparse.ArgumentParser) -> None:
+def _add_explain(to: argparse.ArgumentParser) -> None:
     to.add_argument("code", nargs="?", metavar="CODE", help="such as missing-unit (default: list all codes)")
 
 
-def add_validate(to: argparse.ArgumentParser) -> None:
+def _add_validate(to: argparse.ArgumentParser) -> None:
     _source(to)
     _drawing(to, 200)
     to.add_argument(
@@ -266,7 +266,7 @@ def add_validate(to: argparse.ArgumentParser) -> None:
     to.add_argument("--json", action="store_true", help="print the evidence as JSON")
 
 
-def add_report(to: argparse.ArgumentParser) -> None:
+def _add_report(to: argparse.ArgumentParser) -> None:
     to.add_argument("programs", nargs="*", metavar="NAME|FILE", help="shipped categories or .apg files")
     to.add_argument("--all", action="store_true", help="all shipped categories")
     _drawing(to, 1000)
@@ -293,7 +293,7 @@ def add_report(to: argparse.ArgumentParser) -> None:
     _sharing(to)
 
 
-def add_ledger(to: argparse.ArgumentParser) -> None:
+def _add_ledger(to: argparse.ArgumentParser) -> None:
     _program(to)
     to.add_argument("part", nargs="?", metavar="PART", help="such as door (default: all parts)")
 
@@ -372,31 +372,31 @@ def _checking(to: argparse.ArgumentParser) -> None:
     )
 
 
-def add_profile(to: argparse.ArgumentParser) -> None:
+def _add_profile(to: argparse.ArgumentParser) -> None:
     _program(to)
     _drawing(to, 16)
     to.add_argument("--json", action="store_true", help="print the figures as JSON")
 
 
-def add_cache(to: argparse.ArgumentParser) -> None:
+def _add_cache(to: argparse.ArgumentParser) -> None:
     to.add_argument("action", nargs="?", choices=("show", "clear"), default="show", help="show (default), or clear")
 
 
 COMMANDS = {
-    "check": ("check programs for errors", add_check),
-    "fmt": ("format programs", add_fmt),
-    "new": ("create a category to start from", add_new),
-    "compile": ("compile a program, and show one of its stages", add_compile),
-    "sample": ("generate annotated objects", add_sample),
-    "export": ("write objects in other formats", add_export),
-    "mutate": ("make mutants of the objects in a folder", add_mutate),
-    "render": ("draw a contact sheet of samples", add_render),
-    "explain": ("explain an error code", add_explain),
+    "check": ("check programs for errors", _add_check),
+    "fmt": ("format programs", _add_fmt),
+    "new": ("create a category to start from", _add_new),
+    "compile": ("compile a program, and show one of its stages", _add_compile),
+    "sample": ("generate annotated objects", _add_sample),
+    "export": ("write objects in other formats", _add_export),
+    "mutate": ("make mutants of the objects in a folder", _add_mutate),
+    "render": ("draw a contact sheet of samples", _add_render),
+    "explain": ("explain an error code", _add_explain),
     "categories": ("list the shipped categories", None),
-    "validate": ("report which links collide or block one another", add_validate),
-    "report": ("measure the quality of a category over many samples", add_report),
-    "ledger": ("show what determines each value of a part", add_ledger),
-    "profile": ("show what the parts of a category cost", add_profile),
-    "cache": ("show or clear what is kept between runs", add_cache),
+    "validate": ("report which links collide or block one another", _add_validate),
+    "report": ("measure the quality of a category over many samples", _add_report),
+    "ledger": ("show what determines each value of a part", _add_ledger),
+    "profile": ("show what the parts of a category cost", _add_profile),
+    "cache": ("show or clear what is kept between runs", _add_cache),
 }
 """What each command does, and what adds its options; the module of its name runs it."""

@@ -31,7 +31,7 @@ class Container:
     needs: tuple[str, str, str] | None = None
 
 
-NPZ = Container("NumPy", ".npz", "containers:npz_bytes")
+_NPZ = Container("NumPy", ".npz", "containers:npz_bytes")
 OTHERS = {
     "hdf5": Container("HDF5", ".h5", "containers:hdf5_bytes", ("h5py", "h5py", "hdf5")),
     "zarr": Container("Zarr", ".zarr.zip", "containers:zarr_bytes", ("zarr", "Zarr", "zarr")),
@@ -121,14 +121,14 @@ FORMATS: dict[str, Format] = {
     entry.name: entry
     for plain in (
         Format(
-            "points", "labelled points with their binding, NumPy", ".npz", shard="shards:points_shard", container=NPZ
+            "points", "labelled points with their binding, NumPy", ".npz", shard="shards:points_shard", container=_NPZ
         ),
         Format(
             "tables",
             "the values alone that all else is made of, NumPy",
             ".npz",
             shard="shards:tables_shard",
-            container=NPZ,
+            container=_NPZ,
         ),
         Format(
             "annotation", "joints, parts, grasps, parameters as JSON lines", ".jsonl", shard="shards:annotation_shard"
@@ -138,7 +138,7 @@ FORMATS: dict[str, Format] = {
             "images and partial clouds from cameras, NumPy",
             ".npz",
             shard="shards:views_shard",
-            container=NPZ,
+            container=_NPZ,
             pack=True,
         ),
         Format("trace", "how each object was made from another, JSON lines", ".jsonl", shard="mutants:trace_shard"),
@@ -147,7 +147,7 @@ FORMATS: dict[str, Format] = {
             "which primitive became which, NumPy",
             ".npz",
             shard="mutants:correspondence_shard",
-            container=NPZ,
+            container=_NPZ,
         ),
         Format("urdf", "robot description with OBJ meshes", robot="urdf:urdf_files", file="object.urdf"),
         Format("mjcf", "MuJoCo's own, with a scene to look at", robot="mjcf:mjcf_files", file="object.xml"),

@@ -51,15 +51,6 @@ class Overlaps:
         return cls(*(np.concatenate([getattr(one, f.name) for one in some]) for f in fields(cls)))
 
 
-def overlaps(rows: Block, body: np.ndarray, order: np.ndarray, worth: np.ndarray) -> Overlaps:
-    """What each row shares with rows of the same ``body`` (R,) that come before it by ``order`` (R,), all different.
-
-    ``worth`` (R,), per m3: boxes that weigh little by it are measured with fewer points. Sorted by body and row, and
-    the same whatever the block holds besides.
-    """
-    return Touching(rows, body, order, worth).measured()
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Regions:
     """Boxes (n,) that hold what rows ``row`` share with rows ``first``: volume m3, centre (n, 3) m in the object's frame, and how
@@ -74,7 +65,11 @@ class Regions:
 
 
 class Touching:
-    """The pairs of which ``overlaps`` tells what they share, for some of the rows or all."""
+    """What each row shares with rows of the same ``body`` (R,) that come before it by ``order`` (R,), all different.
+
+    ``worth`` (R,), per m3: boxes that weigh little by it are measured with fewer points. Sorted by body and row, and
+    the same whatever the block holds besides.
+    """
 
     def __init__(self, rows: Block, body: np.ndarray, order: np.ndarray, worth: np.ndarray):
         self.rows = _Rows(rows)

@@ -123,7 +123,7 @@ def _steps(exprs: Sequence[Expr]) -> tuple[list[Expr], dict[int, int]]:
 # Formulas are computed everywhere and taken where they hold (the branches of `a if c else b`, points outside a `where`):
 # NumPy's warnings of values that are not taken say nothing. Those that are taken are asked for as numbers
 # (``lower.elaborate.legal``, ``annotate.points``).
-quiet = np.errstate(divide="ignore", invalid="ignore", over="ignore")
+_quiet = np.errstate(divide="ignore", invalid="ignore", over="ignore")
 
 
 class Formula:
@@ -150,7 +150,7 @@ class Formula:
         if self._code is None:
             namespace: dict[str, Any] = {"np": np}
             exec(compile(source(self._exprs, self._names), "<formula>", "exec"), namespace)  # noqa: S102 - no text of a program reaches it
-            self._code = quiet(namespace["formula"])
+            self._code = _quiet(namespace["formula"])
         return self._code
 
 

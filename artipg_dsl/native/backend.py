@@ -21,7 +21,7 @@ from .plan import Plan
 from .tape import Tape
 
 VARIABLE = "APGC_BACKEND"
-BACKENDS = ("numpy", "c")
+_BACKENDS = ("numpy", "c")
 
 
 class Machine:
@@ -75,7 +75,7 @@ class _State:
 
     def begin(self) -> None:
         """Find the machine, or begin to make it. Raises UserError where one is asked for and cannot be had."""
-        asked = chosen()
+        asked = _choose()
         self.begun = True
         if asked == "numpy":
             self.why = "as asked"
@@ -108,11 +108,11 @@ class _State:
 _state = _State()
 
 
-def chosen() -> str:
+def _choose() -> str:
     """``numpy``, ``c`` or, where nothing is asked for, an empty text. Raises UserError."""
     asked = os.environ.get(VARIABLE, "").strip().lower()
-    if asked and asked not in BACKENDS:
-        raise UserError(f"{VARIABLE} names no backend: `{asked}`", f"there are {' and '.join(BACKENDS)}")
+    if asked and asked not in _BACKENDS:
+        raise UserError(f"{VARIABLE} names no backend: `{asked}`", f"there are {' and '.join(_BACKENDS)}")
     return asked
 
 

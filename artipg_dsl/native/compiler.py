@@ -18,12 +18,12 @@ from pathlib import Path
 
 from .. import cache
 
-SOURCES = [Path(__file__).with_name(name) for name in ("machine.c", "narrow.c")]
+_SOURCES = [Path(__file__).with_name(name) for name in ("machine.c", "narrow.c")]
 # products and sums stay apart: one instruction for both would round once, not twice as NumPy does
-FLAGS = ("-O2", "-std=c11", "-ffp-contract=off", "-fno-math-errno", "-shared", "-fPIC", "-fvisibility=hidden")
-LIBRARIES = ("-lm",)
+_FLAGS = ("-O2", "-std=c11", "-ffp-contract=off", "-fno-math-errno", "-shared", "-fPIC", "-fvisibility=hidden")
+_LIBRARIES = ("-lm",)
 SECONDS = 120.0  # until a compiler is given up
-KIND = "machine"
+_KIND = "machine"
 
 _passing: set[Path] = set()  # folders for what is not kept, until it is loaded
 
@@ -55,7 +55,7 @@ def kept() -> Path | None:
     place = folder()
     if place is None or not _own(place):
         return None
-    start = f"{KIND}-{_key()}-"
+    start = f"{_KIND}-{_key()}-"
     try:
         names = sorted(name for name in os.listdir(place) if name.startswith(start))
     except OSError:
@@ -94,7 +94,7 @@ def compile_machine() -> Path:
         os.close(number)
         try:
             done = subprocess.run(
-                [*command, *FLAGS, *map(str, SOURCES), "-o", made, *LIBRARIES],
+                [*command, *_FLAGS, *map(str, _SOURCES), "-o", made, *_LIBRARIES],
                 stdin=subprocess.DEVNULL,
                 capture_output=True,
                 text=True,
@@ -103,7 +103,7 @@ def compile_machine() -> Path:
             )
             if done.returncode == 0:
                 os.chmod(made, 0o600)
-                path = place / f"{KIND}-{_key()}-{_seal(Path(made).read_bytes())}"
+                path = place / f"{_KIND}-{_key()}-{_seal(Path(made).read_bytes())}"
                 os.replace(made, path)
                 return path
             said = said or f"{' '.join(command)} failed: {done.stderr.strip()[:400] or done.returncode}"
@@ -145,8 +145,8 @@ def _own(path: Path) -> bool:
 
 def _key() -> str:
     found = blake2b(digest_size=12)
-    texts = [source.read_bytes() for source in SOURCES]
-    names = [" ".join((*FLAGS, *LIBRARIES)), sys.platform, platform.machine()]
+    texts = [source.read_bytes() for source in _SOURCES]
+    names = [" ".join((*_FLAGS, *_LIBRARIES)), sys.platform, platform.machine()]
     for part in (*texts, *(name.encode() for name in names)):
         found.update(b"%d\n" % len(part))
         found.update(part)

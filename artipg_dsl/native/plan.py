@@ -18,11 +18,11 @@ if TYPE_CHECKING:
 
 ONE, ROW, COLUMN, EVERY = range(4)  # as in machine.c; what two vary along together is ``a | b``
 CONSTANT, INPUT, OUTPUT, SPARE, TABLE = range(5)
-PHASES = (ONE, ROW, COLUMN, EVERY)
-CACHE = 24 << 10  # bytes of the first cache that blocks may take
+_PHASES = (ONE, ROW, COLUMN, EVERY)
+_CACHE = 24 << 10  # bytes of the first cache that blocks may take
 LEAST, MOST = 128, 1024  # rows in a block
 
-TRUTHS = frozenset({"lt", "le", "eq", "ne", "and", "or", "not"})
+_TRUTHS = frozenset({"lt", "le", "eq", "ne", "and", "or", "not"})
 Locate = Callable[
     [str, str], tuple[int, int]
 ]  # addresses of the loop of an operation on types, and of what it is given
@@ -117,7 +117,7 @@ class _Planner:
             if kinds[1:] == ["?", "?"]:
                 return self.add(op, "???->?", arguments)
             return self.add(op, "?dd->d", [arguments[0], *map(self.number, arguments[1:])])
-        if op in TRUTHS and "d" not in kinds:
+        if op in _TRUTHS and "d" not in kinds:
             return self.add(op, "?" * len(kinds) + "->?", arguments)
         if "d" not in kinds:
             raise NotPlanned(op)  # NumPy's sums of truth values are truth values
@@ -126,7 +126,7 @@ class _Planner:
             if any(self.values[a].along != EVERY and self.values[a].constant is None for a in arguments):
                 raise NotPlanned(op)
         arguments = [self.number(a) for a in arguments]
-        return self.add(op, "d" * len(kinds) + ("->?" if op in TRUTHS else "->d"), arguments)
+        return self.add(op, "d" * len(kinds) + ("->?" if op in _TRUTHS else "->d"), arguments)
 
 
 def _constant(op: str, values: list[Any]) -> Any:
@@ -180,7 +180,7 @@ def _laid_out(
                 regs.append((OUTPUT, value.along, made[-1].size, arrays + placed[output]))
             results.append(("made", placed[output]))
 
-    free: dict[int, list[int]] = {phase: [] for phase in PHASES}
+    free: dict[int, list[int]] = {phase: [] for phase in _PHASES}
     spare = [0] * 4
     ops: list[tuple[int, ...]] = []
     counts = [0] * 4
@@ -199,7 +199,7 @@ def _laid_out(
                 regs.append((shape, value.along, 1 if value.kind == "?" else 8, number))
         return value.register
 
-    for phase in PHASES:
+    for phase in _PHASES:
         for op, kinds, arguments, number in steps:
             value = values[number]
             if value.along != phase:
@@ -223,7 +223,7 @@ def _laid_out(
             address, data = locate(op, kinds)
             ops.append((address, data, len(given), *given, *[0] * (3 - len(given)), value.register, phase))
             counts[phase] += 1
-    block = max(LEAST, min(MOST, CACHE // (8 * max(1, spare[EVERY] + len(made))) // 64 * 64))
+    block = max(LEAST, min(MOST, _CACHE // (8 * max(1, spare[EVERY] + len(made))) // 64 * 64))
     taken = {(a[0], a[1]) for op, _, a, _ in steps if op == "take"}
     held = (
         np.array([len(ops), len(regs), *spare, *counts], dtype=np.int64),

@@ -21,7 +21,7 @@ from .plan import COLUMN, EVERY, ROW, NotPlanned, Plan, make_plan
 if TYPE_CHECKING:
     from .backend import Machine
 
-NARROWEST = 32  # columns of a row that are worth a round of their own
+_NARROWEST = 32  # columns of a row that are worth a round of their own
 _FLOAT, _BOOL, _INDEX = np.dtype(np.float64), np.dtype(np.bool_), np.dtype(np.int64)
 _LETTERS = {_FLOAT: "d", _BOOL: "?", _INDEX: "i"}
 
@@ -53,7 +53,7 @@ class Tape:
             arrays.append(array)
             letters += letter
             shapes.append(() if number in self.tables else array.shape)
-        found = layout(shapes)
+        found = _layout(shapes)
         if found is None:
             return None
         along, outer, inner, shape, split = found
@@ -91,7 +91,7 @@ class Tape:
 Layout = tuple[tuple[int, ...], int, int, tuple[int, ...], int]
 
 
-def layout(shapes: Sequence[tuple[int, ...]]) -> Layout | None:
+def _layout(shapes: Sequence[tuple[int, ...]]) -> Layout | None:
     """Along what each of some shapes varies, the rows and columns there are, the common shape, and how many of its axes the rows are.
     None where rows and columns do not say it. Raises ValueError for shapes that do not go together."""
     shape: tuple[int, ...] = ()
@@ -118,7 +118,7 @@ def _mixed(shapes: Sequence[tuple[int, ...]]) -> Layout | None:
         return None
     split = groups[1][1]
     outer, inner = prod(shape[:split]), prod(shape[split:])
-    if inner < NARROWEST:
+    if inner < _NARROWEST:
         return None
     along = tuple([ROW * a | COLUMN * b for a, b in zip(groups[0][0], groups[1][0], strict=True)])
     return along, outer, inner, shape, split
