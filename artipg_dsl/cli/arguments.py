@@ -6,6 +6,8 @@ import os
 import re
 from argparse import ArgumentTypeError
 
+from ..errors import UsageError
+
 _MOST = 100_000_000
 STREAM = "-"  # standard output, where one file of text is written
 _CROWD = 512  # processes
@@ -116,3 +118,13 @@ def workers(text: str) -> int:
     if not 0 < number <= _CROWD:
         raise ArgumentTypeError(f"{text} is neither a number from 1 to {_CROWD} nor `auto`")
     return number
+
+
+def memory(text: str) -> int:
+    """``2GB``: how much memory a run may take, in bytes."""
+    from ..run.memory import read_memory
+
+    try:
+        return read_memory(text)
+    except UsageError as wrong:
+        raise ArgumentTypeError(f"{wrong.message} ({wrong.hint})") from None

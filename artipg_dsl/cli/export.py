@@ -44,10 +44,13 @@ def run(options: argparse.Namespace) -> int:
                 force=options.force,
                 progress=progress,
                 workers=options.workers,
+                memory=options.memory,
             )
         else:
             output = Output.of(formats, Content(resolution=read_resolution(options) or STANDARD))
-            write_dataset(job, out, output, force=options.force, progress=progress, workers=options.workers)
+            write_dataset(
+                job, out, output, force=options.force, progress=progress, workers=options.workers, memory=options.memory
+            )
     done = plural(len(job.request.objects), "object")
     names = ", ".join(entry.name for entry in formats)
     say(f"{done} as {names} in {out} ({time.monotonic() - begun:.1f} s)")

@@ -59,7 +59,7 @@ def _write(options: argparse.Namespace) -> int:
     if options.points is not None:
         content = replace(content, points=replace(content.points, count=options.points))
     job = _open_mutants(options, job)
-    made, number = write_folder(job, out, Output.of(formats, content), options)
+    made, number = write_folder(job, out, Output.of(formats, content, options.memory), options)
     if options.stats:
         print(show_statistics(job, made))
     say(f"{plural(number, 'object')} in {out} ({time.monotonic() - begun:.1f} s)")

@@ -5,7 +5,20 @@ from __future__ import annotations
 import argparse
 
 from ..export.registry import FORMATS, OTHERS, object_formats
-from .arguments import amount, folder, fraction, numbers, part, picture, place, positive, tolerance, whole, workers
+from .arguments import (
+    amount,
+    folder,
+    fraction,
+    memory,
+    numbers,
+    part,
+    picture,
+    place,
+    positive,
+    tolerance,
+    whole,
+    workers,
+)
 
 _MESHES = 60  # objects of a report whose meshes are looked at
 EMITS = {
@@ -167,6 +180,7 @@ def _add_export(to: argparse.ArgumentParser) -> None:
     _meshes(to)
     to.add_argument("--force", action="store_true", help="overwrite existing files")
     _sharing(to)
+    _bounding(to)
 
 
 def _add_mutate(to: argparse.ArgumentParser) -> None:
@@ -330,6 +344,16 @@ def _sharing(to: argparse.ArgumentParser) -> None:
     )
 
 
+def _bounding(to: argparse.ArgumentParser) -> None:
+    to.add_argument(
+        "--memory",
+        type=memory,
+        default="2GB",
+        metavar="SIZE",
+        help="memory that all processes together may take, such as 512MB (default: 2GB)",
+    )
+
+
 def _drawing(to: argparse.ArgumentParser, n: int) -> None:
     which = to.add_mutually_exclusive_group()
     which.add_argument("-n", "--number", type=positive, metavar="N", help=f"number of objects (default: {n})")
@@ -360,6 +384,7 @@ def _source(to: argparse.ArgumentParser) -> None:
 
 def _dividing(to: argparse.ArgumentParser) -> None:
     _sharing(to)
+    _bounding(to)
     to.add_argument(
         "--shard", type=part, default=(1, 1), metavar="K/N", help="write only the K-th of N parts, to divide the work"
     )

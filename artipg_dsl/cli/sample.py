@@ -40,7 +40,7 @@ def run(options: argparse.Namespace) -> int:
         formats = choose_formats(named, views=options.views is not None)
     except ExportError as wrong:
         raise UsageError(wrong.message, wrong.hint) from None
-    output = Output.of(formats, _read_content(options))
+    output = Output.of(formats, _read_content(options), options.memory)
     for name, usual in _ABOUT_POINTS.items():
         if getattr(options, name) != usual and "points" not in output.kinds:
             raise UsageError(f"--{name} applies to points, which are not among the formats", "add points to --format")
@@ -73,7 +73,14 @@ def write(job: Job, out: Path, output: Output, options: argparse.Namespace) -> t
         progress(0, number)
         progress.stage("drawing, checking and writing")
         manifest = write_dataset(
-            job, out, output, force=options.force, part=options.shard, progress=progress, workers=options.workers
+            job,
+            out,
+            output,
+            force=options.force,
+            part=options.shard,
+            progress=progress,
+            workers=options.workers,
+            memory=options.memory,
         )
     return manifest, number
 

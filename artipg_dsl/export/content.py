@@ -30,12 +30,13 @@ class Content:
     gripper: Gripper | None = STANDARD_GRIPPER
     resolution: Resolution = STANDARD_RESOLUTION
 
-    def shard_size(self) -> int:
-        """How many objects go into one shard: less than usual where points or images would make it unwieldy."""
+    def shard_size(self, largest: int = _LARGEST) -> int:
+        """How many objects go into one shard: less than usual where points or images would make it larger
+        than so many bytes."""
         size, pixels = SHARD, 0
         points = self.points.count * self.states.count * _PER[self.points.per]
         if self.cameras is not None:
             pixels = self.cameras.count * self.cameras.width * self.cameras.height * self.states.count
-        while size > 1 and size * max(pixels * PIXEL_BYTES, points * POINT_BYTES) > _LARGEST:
+        while size > 1 and size * max(pixels * PIXEL_BYTES, points * POINT_BYTES) > largest:
             size //= 2
         return size

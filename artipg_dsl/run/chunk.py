@@ -1,26 +1,31 @@
 """Objects that are made together: the files of a shard, a folder for each object, or both.
 
 Every file of a shard and every object's folder exists whole or not at all. A chunk writes what is missing, so that it can be
-repeated, and holds nothing but plain data, so that it can be done by another process.
+repeated, and holds nothing but plain data, so that it can be done by another process. What is counted on the way is a file, too, so that
+a run that goes on where another ended makes no object twice.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import json
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..export.content import Content
 from ..export.objects import find_lacking, object_folder, write_objects
 from ..export.registry import Format
-from ..export.write import write_bytes
+from ..export.write import ExportError, write_bytes
 from ..geometry import facts
+from ..sampling.statistics import Statistics
+from .memory import Room
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
+    from .job import Job
 
 _FEW = 32  # objects in a chunk without shards, where several processes share the work
 
@@ -31,8 +36,8 @@ ReportProgress = Callable[[int, int], None]
 class Chunk:
     """``formats`` of some objects; those of shards only where ``shard`` numbers one.
 
-    ``always``: the objects are made even where no file is missing, because they are counted. ``force``: what is there is
-    written again.
+    ``counts`` names the file of what was counted on the way, which is there until the run has come to its end; "" where no one
+    asks, or another chunk has the same objects and speaks for them. ``force``: what is there is written again.
     """
 
     out: Path
@@ -40,36 +45,54 @@ class Chunk:
     formats: tuple[Format, ...]
     content: Content
     shard: int = 0
-    always: bool = False
+    counts: str = ""
     force: bool = False
-    counted: bool = True  # no other chunk has the same objects, or this is the one that speaks for them
 
     @property
     def each(self) -> list[Format]:
         """The formats that write files per object."""
         return [entry for entry in self.formats if entry.per_object]
 
-    def write(self, sample: Callable[[np.ndarray], Batch], progress: ReportProgress | None = None) -> None:
-        """Write what is missing; ``sample(numbers)`` makes the batch, ``progress(done, of)`` hears of objects with files."""
+    @property
+    def shared(self) -> bool:
+        """Whether objects share a file."""
+        return len(self.each) < len(self.formats)
+
+    def write(self, job: Job, room: Room, progress: ReportProgress | None = None) -> None:
+        """Write what is missing, as many objects at a time as there is room for; ``progress(done, of)`` hears of objects with files."""
         missing = [e for e in self.formats if e.shard and not shard_path(self.out, e, self.shard).exists()]
         absent = self.numbers if self.force and self.each else self.absent()
-        if not (self.always or missing or len(absent)):
-            return
-        batch = sample(self.numbers if self.always or missing else absent)
+        uncounted = self.counts and not (self.out / self.counts).exists()
+        numbers = self.numbers if uncounted or missing else absent
+        parts: dict[str, list[Any]] = {entry.name: [] for entry in missing}
+        job, done = job.fresh(), 0
+        while done < len(numbers):
+            size = room.begin(len(numbers) - done)
+            batch = job.batch(numbers[done : done + size])
+            for entry in missing:
+                parts[entry.name].append(entry.part(batch, self.content))
+            self._write_objects(batch, np.intersect1d(batch.numbers, absent), _offset(progress, done, len(numbers)))
+            room.end(size)
+            done += size
         for entry in missing:
-            write_bytes(shard_path(self.out, entry, self.shard), entry.shard_bytes(batch, self.content))
-        if len(absent):
+            write_bytes(shard_path(self.out, entry, self.shard), entry.joined(parts.pop(entry.name)))
+        if uncounted:
+            write_bytes(self.out / self.counts, json.dumps(job.statistics.plain(), separators=(",", ":")).encode())
+        if len(numbers):
+            facts.flush()
+
+    def _write_objects(self, batch: Batch, only: np.ndarray, progress: ReportProgress | None) -> None:
+        if len(only):
             write_objects(
                 batch,
                 self.out,
                 self.each,
-                only=absent,
+                only=only,
                 force=self.force,
                 add=not self.force,
                 progress=progress,
                 resolution=self.content.resolution,
             )
-        facts.flush()
 
     def absent(self) -> np.ndarray:
         """The objects whose folders lack some of their files."""
@@ -78,12 +101,34 @@ class Chunk:
 
     def split(self) -> list[Chunk]:
         """The same work in smaller pieces: the shard, and few objects at a time."""
-        shared, each = tuple(entry for entry in self.formats if entry.shard), tuple(self.each)
-        parts = [replace(self, formats=shared)] if shared else []
-        whole = replace(self, formats=each, always=self.always and not shared, counted=not shared)
-        for first in range(0, len(self.numbers) if each else 0, _FEW):
-            parts.append(replace(whole, numbers=self.numbers[first : first + _FEW]))
+        parts = []
+        if self.shared:
+            parts = [replace(self, formats=tuple(entry for entry in self.formats if entry.shard))]
+        for first in range(0, len(self.numbers) if self.each else 0, _FEW):
+            counts = "" if self.shared or not self.counts else counts_name(self.shard, first)
+            some = self.numbers[first : first + _FEW]
+            parts.append(replace(self, formats=tuple(self.each), numbers=some, counts=counts))
         return parts
+
+
+def counts_name(shard: int, first: int | None = None) -> str:
+    """The file of what was counted while a shard was made, or some of its objects."""
+    return f"counts-{shard:05d}{'' if first is None else f'-{first:05d}'}.json"
+
+
+def read_counts(out: Path, chunks: Iterable[Chunk]) -> Statistics:
+    """What was counted while chunks were made. Raises ExportError."""
+    found = Statistics()
+    for path in (out / chunk.counts for chunk in chunks if chunk.counts):
+        try:
+            found.take(Statistics.of(json.loads(path.read_bytes())))
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            raise ExportError(f"cannot read {path}: {error}", "remove it, and give the same command again") from None
+    return found
+
+
+def _offset(progress: ReportProgress | None, done: int, total: int) -> ReportProgress | None:
+    return (lambda finished, _: progress(done + finished, total)) if progress else None
 
 
 def shard_path(out: Path, entry: Format, index: int) -> Path:

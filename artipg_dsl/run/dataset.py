@@ -6,7 +6,7 @@ missing and touches nothing else; with other options it refuses, or starts anew 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from ..export.content import SHARD, Content
@@ -15,11 +15,12 @@ from ..export.registry import FORMATS, Format
 from ..export.write import ExportError, write_bytes
 from ..geometry.resolution import Resolution
 from . import manifest as manifests
-from .chunk import Chunk, ReportProgress
+from .chunk import Chunk, ReportProgress, counts_name, read_counts
 from .job import Job
 from .manifest import Manifest
+from .memory import USUAL, Room
 from .output import Output
-from .resume import make_ready, sweep_all
+from .resume import drop_counts, make_ready, sweep_all
 from .schema import expand
 from .workers import write_shared
 
@@ -33,44 +34,63 @@ def write_dataset(
     force: bool = False,
     progress: ReportProgress | None = None,
     workers: int = 1,
+    memory: int = USUAL,
 ) -> Manifest:
     """Write the objects of a job to the folder ``out`` and return the manifest. Raises ExportError, NoObject.
 
-    Objects are made only for shards where something is missing (all of them until a run has come to its end and its counts
-    are known). ``part`` (k, n) writes every n-th shard from the k-th on, so that n runs share the work; the counts are then
-    left out. ``progress(done, total)`` hears of objects as they are finished; ``workers``: how many processes share the work.
+    Objects are made only for shards where something is missing, or which nobody has counted yet. ``part`` (k, n) writes every
+    n-th shard from the k-th on, so that n runs share the work; the manifest then gets no counts.
+    ``progress(done, total)`` hears of objects as they are finished; ``workers``: how many processes share the work, ``memory``
+    bytes of them all.
     """
     out, numbers, shard = Path(out), job.request.objects, output.shard
     manifest = make_ready(out, manifests.build_manifest(job.program, job.request, output, out=out), force)
-    counting = "counts" not in manifest and part[1] == 1
-    remade = job.tables is not None  # what was counted then is known, or it is not
     first, step = (part[0] - 1) * shard, part[1] * shard
-    chunks = [
-        Chunk(
-            out, numbers[at : at + shard], output.writers, output.content, at // shard, always=counting and not remade
-        )
-        for at in range(first, len(numbers), step)
-    ]
-    _carry_out(job, chunks, progress, workers)
+    counting = "counts" not in manifest and job.tables is None  # what is made from tables was counted when these were
+    pieces = _pieces(
+        [
+            Chunk(
+                out,
+                numbers[at : at + shard],
+                output.writers,
+                output.content,
+                at // shard,
+                _counts(at // shard, counting),
+            )
+            for at in range(first, len(numbers), step)
+        ],
+        workers,
+    )
+    _carry_out(job, pieces, progress, workers, memory)
+    job.statistics.take(read_counts(out, pieces))
     counts = job.counts()
-    if counting and counts is not None:
+    if "counts" not in manifest and part[1] == 1 and counts is not None:
         manifest = manifests.build_manifest(job.program, job.request, output, out=out, counts=counts)
         write_bytes(out / manifests.NAME, manifests.to_text(manifest), force=True)
+    if "counts" in manifest:
+        drop_counts(out)
     return manifest
 
 
-def _carry_out(job: Job, chunks: list[Chunk], progress: ReportProgress | None, workers: int) -> None:
-    """Write all chunks, here or by other processes in smaller pieces."""
-    total, done = sum(len(chunk.numbers) for chunk in chunks), 0
-    if workers > 1:
-        for piece in write_shared(job, workers, [piece for chunk in chunks for piece in chunk.split()]):
-            done += len(piece.numbers) if piece.each or not chunks[0].each else 0
-            if progress:
-                progress(done, total)
-        return
-    for chunk in chunks:
-        chunk.write(job.batch, _offset(progress, done, total))
-        done += len(chunk.numbers)
+def _counts(shard: int, counting: bool) -> str:
+    return counts_name(shard) if counting else ""
+
+
+def _pieces(chunks: list[Chunk], workers: int) -> list[Chunk]:
+    """Work for one process or several; what is counted is so in the same pieces, by however many."""
+    return [p for chunk in chunks for p in (chunk.split() if workers > 1 or not chunk.shared else [chunk])]
+
+
+def _carry_out(job: Job, pieces: list[Chunk], progress: ReportProgress | None, workers: int, memory: int) -> None:
+    """Write all pieces, here or by other processes."""
+    each = any(piece.each for piece in pieces)
+    total, done = sum(len(piece.numbers) for piece in pieces if piece.each or not each), 0
+    room = Room(memory // workers)
+    made: Iterable[Chunk] = write_shared(job, workers, pieces, room) if workers > 1 else pieces
+    for piece in made:
+        if workers == 1:
+            piece.write(job, room, _offset(progress, done, total))
+        done += len(piece.numbers) if piece.each or not each else 0
         if progress:
             progress(done, total)
 
@@ -88,6 +108,7 @@ def add_formats(
     force: bool = False,
     progress: ReportProgress | None = None,
     workers: int = 1,
+    memory: int = USUAL,
 ) -> None:
     """Further files for the objects of a job in their folder; formats that it has are refused, or written again by ``force``.
 
@@ -110,7 +131,7 @@ def add_formats(
         Chunk(out, numbers[first : first + SHARD], tuple(formats), content, force=force)
         for first in range(0, len(numbers), SHARD)
     ]
-    _carry_out(job, chunks, progress, workers)
+    _carry_out(job, _pieces(chunks, workers), progress, workers, memory)
     new = [entry.name for entry in formats if entry.name not in listed]
     if new and not any(find_lacking(object_folder(out, n), formats) for n in expand(identity["numbers"]).tolist()):
         identity["formats"] = [name for name in FORMATS if name in {*listed, *new}]

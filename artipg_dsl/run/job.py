@@ -86,6 +86,10 @@ class Job:
         """The job of the same request but for some fields, with nothing counted yet. Raises as ``prepare`` does."""
         return prepare(self.sampler, replace(self.request, **changes))
 
+    def fresh(self) -> Job:
+        """The same job with nothing counted yet."""
+        return replace(self, statistics=Statistics())
+
     def of(self, numbers: Sequence[int] | np.ndarray) -> Job:
         """The job of other objects of the same request, with nothing counted yet."""
         return replace(self, request=replace(self.request, numbers=to_runs(numbers)), statistics=Statistics())

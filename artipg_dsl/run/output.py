@@ -20,6 +20,7 @@ from ..geometry.rays import best_engine
 from ..geometry.resolution import COARSEST, FINEST, Resolution
 from ..graph.program import MEASURES
 from ..shapes import Rule
+from .memory import USUAL, shard_bytes
 from .schema import MOST, Title, at_entry, one_of, within
 
 
@@ -80,9 +81,10 @@ class Output:
         object.__setattr__(self, "shard", self.shard or self.content.shard_size())
 
     @classmethod
-    def of(cls, formats: Iterable[Format], content: Content) -> Output:
-        """The output in formats that ``choose_formats`` or ``find_formats`` has found."""
-        return cls(tuple(entry.name for entry in formats), content)
+    def of(cls, formats: Iterable[Format], content: Content, memory: int = USUAL) -> Output:
+        """The output in formats that ``choose_formats`` or ``find_formats`` has found, in shards that go into the memory."""
+        made = cls(tuple(entry.name for entry in formats), content)
+        return replace(made, shard=made.content.shard_size(shard_bytes(memory)))
 
     @property
     def kinds(self) -> list[str]:

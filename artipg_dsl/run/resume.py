@@ -87,6 +87,13 @@ def _clear(out: Path, old: Manifest) -> None:
             for path in out.glob(f"*-{shard}.*"):
                 if path.name.endswith(suffixes):
                     path.unlink()
+        drop_counts(out)
         shutil.rmtree(out / OBJECTS, ignore_errors=True)
     except OSError as error:
         raise explain(error, out) from error
+
+
+def drop_counts(out: Path) -> None:
+    """Remove what was counted shard by shard, once the manifest has it."""
+    for path in out.glob("counts-*.json"):
+        path.unlink(missing_ok=True)

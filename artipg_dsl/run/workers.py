@@ -10,32 +10,31 @@ import multiprocessing as mp
 import os
 import signal
 import threading
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from dataclasses import replace
+from itertools import islice
 from typing import Any, TypeVar
 
 from ..errors import UserError
-from ..sampling.statistics import Statistics
 from .chunk import Chunk
 from .job import Job
+from .memory import Room
 
+_AHEAD = 8  # calls for each process that wait, so that none is idle
 T = TypeVar("T")
 R = TypeVar("R")
-_job: Job | None = None  # what this worker works for
+_given: tuple[Job, Room] | None = None  # what this worker works for, and the memory that it may take
 
 
-def write_shared(job: Job, count: int, chunks: list[Chunk]) -> Iterator[Chunk]:
-    """Write the chunks with ``count`` processes and give each back, in their order; the job's statistics take what was counted.
+def write_shared(job: Job, count: int, chunks: list[Chunk], room: Room) -> Iterator[Chunk]:
+    """Write the chunks with ``count`` processes, which have ``room`` each, and give each back, in their order.
 
     Raises what the first chunk that fails raises, and UserError where a process dies.
     """
-    for chunk, counted in zip(
-        chunks, map_each(_write, chunks, count, _take, replace(job, statistics=Statistics())), strict=True
-    ):
-        job.statistics.take(counted)
+    for chunk, _ in zip(chunks, map_each(_write, chunks, count, _take, job.fresh(), room), strict=True):
         yield chunk
 
 
@@ -51,12 +50,15 @@ def map_each(
     pool = ProcessPoolExecutor(
         max(1, min(count, len(items))), mp_context=mp.get_context("spawn"), initializer=_begin, initargs=(begin, given)
     )
-    with _undisturbed():
-        calls = [pool.submit(function, item) for item in items]
+    left = iter(items)
+    with _undisturbed():  # all processes are started with the first call
+        calls = deque(pool.submit(function, item) for item in islice(left, _AHEAD * count))
     done = False
     try:
-        for call in calls:
-            yield call.result()
+        while calls:
+            made = calls.popleft().result()
+            calls.extend(pool.submit(function, item) for item in islice(left, 1))
+            yield made
         done = True
     except BrokenProcessPool:
         raise UserError(
@@ -96,13 +98,11 @@ def _begin(begin: Callable[..., None] | None, given: tuple[Any, ...]) -> None:
         begin(*given)
 
 
-def _take(job: Job) -> None:
-    global _job
-    _job = job
+def _take(job: Job, room: Room) -> None:
+    global _given
+    _given = job, room
 
 
-def _write(chunk: Chunk) -> Statistics:
-    assert _job is not None
-    job = replace(_job, statistics=Statistics())
-    chunk.write(job.batch)
-    return job.statistics if chunk.counted else Statistics()
+def _write(chunk: Chunk) -> None:
+    assert _given is not None
+    chunk.write(*_given)

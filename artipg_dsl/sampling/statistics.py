@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
@@ -84,6 +84,24 @@ class Statistics:
         _sum(self.unkept, other.unkept)
         _sum(self.repaired, other.repaired)
         self.examples = other.examples | self.examples
+
+    def plain(self) -> dict[str, Any]:
+        """As JSON knows it: a mapping is a list of its entries."""
+        found = {entry.name: getattr(self, entry.name) for entry in fields(self)}
+        return {name: list(value.items()) if isinstance(value, dict) else value for name, value in found.items()}
+
+    @classmethod
+    def of(cls, plain: Mapping[str, Any]) -> Statistics:
+        """What ``plain`` has told. Raises KeyError, TypeError, ValueError."""
+        made = cls()
+        for entry in fields(cls):
+            value = plain[entry.name]
+            setattr(made, entry.name, {_key(k): v for k, v in value} if isinstance(value, list) else value)
+        return made
+
+
+def _key(value: Any) -> Any:
+    return tuple(_key(item) for item in value) if isinstance(value, list) else value
 
 
 def _sum(total: dict[Any, int], new: Mapping[Any, int]) -> None:

@@ -22,6 +22,7 @@ from artipg_dsl.run.dataset import write_dataset
 from artipg_dsl.run.output import Output
 from artipg_dsl.run.request import Request
 from artipg_dsl.run.schema import expand, to_runs
+from artipg_dsl.sampling.statistics import Statistics
 
 from .fake_batch import FakeBatch
 
@@ -58,6 +59,7 @@ def write(  # type: ignore[no-untyped-def]
     request = Request("Cupboard", seed, to_runs(only or range(n)), program=program.hash)
     output = Output(tuple(entry.name for entry in choose_formats(formats)), Content(Sampling(points)), shard)
     job = SimpleNamespace(program=program, request=request, batch=sample, counts=lambda: counts)
+    job.statistics, job.tables, job.fresh = Statistics(), None, lambda: job
     return write_dataset(job, out, output, **options)  # type: ignore[arg-type]
 
 

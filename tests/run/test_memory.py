@@ -1,0 +1,151 @@
+"""Runs of any length in bounded memory: blocks of objects, no object made twice, and the same bytes in any case."""
+
+from __future__ import annotations
+
+import gc
+import json
+import tracemalloc
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from artipg_dsl.annotate.sampling import Sampling
+from artipg_dsl.errors import UsageError
+from artipg_dsl.export.content import Content
+from artipg_dsl.run import memory as memories
+from artipg_dsl.run.chunk import Chunk
+from artipg_dsl.run.dataset import write_dataset
+from artipg_dsl.run.job import Job, open_job
+from artipg_dsl.run.memory import Room, read_memory
+from artipg_dsl.run.output import Output
+from artipg_dsl.run.request import read_request
+from artipg_dsl.sampling.statistics import Statistics
+
+CHEST = Path(__file__).parents[1] / "cli" / "programs" / "chest.apg"
+OUTPUT = Output(("points", "annotation", "glb"), Content(Sampling(16)), 8)
+
+
+def tree(folder: Path) -> dict[str, bytes]:
+    return {str(p.relative_to(folder)): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}
+
+
+def job(n: int, **more: Any) -> Job:
+    return open_job(read_request(CHEST, n=n, **more))
+
+
+@pytest.fixture
+def made(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """The numbers of the objects that are made, as often as they are."""
+    found: list[int] = []
+    plain = Job.batch
+
+    def batch(self: Job, numbers: Any = None) -> Any:
+        found.extend(np.asarray(self.request.objects if numbers is None else numbers).tolist())
+        return plain(self, numbers)
+
+    monkeypatch.setattr(Job, "batch", batch)
+    return found
+
+
+@pytest.mark.parametrize(("text", "size"), [("2GB", 2 * 10**9), (" 512 mb", 512 * 10**6), ("1.5GB", 15 * 10**8)])
+def test_sizes_are_read(text: str, size: int) -> None:
+    assert read_memory(text) == size
+
+
+@pytest.mark.parametrize("text", ["", "2", "GB", "-1GB", "0GB", "5MB", "nanGB", "1e3GB", "9999999TB", "2 gigs"])
+def test_nonsense_is_refused(text: str) -> None:
+    with pytest.raises(UsageError, match=r"is not a size|too little|more than there is") as caught:
+        read_memory(text)
+    assert "MB" in caught.value.hint
+
+
+def test_blocks_follow_what_objects_have_taken(monkeypatch: pytest.MonkeyPatch) -> None:
+    state = {"peak": 150, "now": 100}
+    monkeypatch.setattr(memories, "_resident", lambda: state["now"])
+    monkeypatch.setattr(memories, "_peak", lambda: state["peak"])
+    room = Room(300)
+    assert room.begin(1000) == 16  # nothing is known
+    state["peak"] = 180
+    room.end(16)
+    assert room.begin(1000) == 40  # 5 each
+    room.end(40)
+    assert room.begin(1000) == 100  # at most 2 each: the 40 have not taken more than was taken before
+    state["peak"] = 500
+    room.end(100)
+    assert room.begin(1000) == 50
+    state["now"] = 400
+    assert room.begin(1000) == 1  # one at a time, whatever there is
+    assert room.begin(0) == 0
+
+
+@pytest.mark.parametrize("block", [1, 3])
+def test_the_bytes_do_not_depend_on_the_blocks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, block: int) -> None:
+    write_dataset(job(20), tmp_path / "whole", OUTPUT)
+    monkeypatch.setattr(Room, "begin", lambda self, left: min(left, block))
+    write_dataset(job(20), tmp_path / "blocks", OUTPUT)
+    assert tree(tmp_path / "blocks") == tree(tmp_path / "whole")
+
+
+class Killed(BaseException):
+    pass
+
+
+@pytest.mark.parametrize("formats", [OUTPUT.formats, ("urdf",)])
+def test_a_run_goes_on_where_it_was_killed(tmp_path: Path, made: list[int], formats: tuple[str, ...]) -> None:
+    output = Output(formats, OUTPUT.content, 8)
+    write_dataset(job(40), tmp_path / "whole", output)
+    made.clear()
+    plain = Chunk.write
+
+    def dying(self: Chunk, *given: Any) -> None:
+        if self.numbers[0] >= 16:
+            raise Killed
+        plain(self, *given)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Chunk, "write", dying)
+        with pytest.raises(Killed):
+            write_dataset(job(40), tmp_path / "o", output)
+    assert sorted(made) == list(range(16))
+    write_dataset(job(40), tmp_path / "o", output)
+    assert sorted(made) == list(range(40))  # each once
+    assert tree(tmp_path / "o") == tree(tmp_path / "whole")
+    write_dataset(job(40), tmp_path / "o", output)
+    assert len(made) == 40
+
+
+def test_parts_leave_nothing_to_make(tmp_path: Path, made: list[int]) -> None:
+    write_dataset(job(40), tmp_path / "whole", OUTPUT)
+    made.clear()
+    for k in (1, 2):
+        write_dataset(job(40), tmp_path / "o", OUTPUT, part=(k, 2))
+    write_dataset(job(40), tmp_path / "o", OUTPUT)
+    assert sorted(made) == list(range(40))
+    assert tree(tmp_path / "o") == tree(tmp_path / "whole")
+
+
+def test_counts_come_back_as_they_were() -> None:
+    counted = Statistics(3, 2, 7, {1: 2}, {0: 4}, {("a", "b", "j"): 1}, {"it tips over": 2}, 1, {0: 1}, 32, 9, 1.5)
+    counted.repaired = {("draw", 1): 2, ("collision", ("a", "b", "")): 1, ("solid", "it tips over"): 3}
+    counted.examples = {("a", "b", "j"): "at 3cm"}
+    assert Statistics.of(json.loads(json.dumps(counted.plain()))) == counted
+
+
+def test_memory_does_not_grow_with_the_run(tmp_path: Path) -> None:
+    """What is held after 25 shards is what was held after 5: no object, and nothing of any."""
+    held: list[int] = []
+
+    def heard(done: int, total: int) -> None:
+        if done in (40, 200):
+            gc.collect()
+            held.append(tracemalloc.get_traced_memory()[0])
+
+    output, asked = Output(("points", "annotation"), Content(Sampling(8)), 8), job(200, checked=False)
+    tracemalloc.start()
+    try:
+        write_dataset(asked, tmp_path / "o", output, progress=heard)
+    finally:
+        tracemalloc.stop()
+    assert held[1] - held[0] < 100_000, held
