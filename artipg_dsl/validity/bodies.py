@@ -90,18 +90,36 @@ class Pieces:
         """The boxes of the pieces at rest in place of the pieces; with the turns (L, 3, 3) of the links from joint values 0
         to rest, boxes along the axes that the links had there, right for the pieces ``chosen`` alone."""
         ends = np.stack([self.low, self.high], axis=1)  # (N, 2, 3)
-        if turn is not None and chosen is not None:
-            back = turn[self.link[chosen]].transpose(0, 2, 1)
-            for at, corners in self.classes(chosen):
-                straight = turn_points(back[at], corners)
-                half = 0.0 if self.gap is None else self.gap[chosen[at], None] / 2
-                ends[chosen[at]] = np.stack([straight.min(axis=1) - half, straight.max(axis=1) + half], axis=1)
-        pick = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
-        corners = np.stack([ends[:, pick[:, axis], axis] for axis in range(3)], axis=-1)
-        if turn is not None and chosen is not None:
-            corners[chosen] = turn_points(back.transpose(0, 2, 1), corners[chosen])
-        count = np.arange(len(self))
-        return replace(self, corners=[corners], kind=np.zeros(len(self), dtype=np.int64), slot=count, gap=None)
+        if turn is None or chosen is None:
+            return self._boxed(_corners_of(ends))
+        ends[chosen] = self._ends(turn, chosen)
+        corners = _corners_of(ends)
+        corners[chosen] = turn_points(turn[self.link[chosen]], corners[chosen])
+        return self._boxed(corners)
+
+    def boxes_of_groups(self, turn: np.ndarray, chosen: np.ndarray, members: np.ndarray, begin: np.ndarray) -> Pieces:
+        """The same boxes of the pieces ``chosen``, and after all pieces one about each group of ``members``, pieces of one link;
+        ``begin`` tells where in ``members`` each group begins."""
+        alone, link = self.boxes(turn, chosen), self.link[members[begin]]
+        ends = self._ends(turn, members)
+        ends = np.stack([np.minimum.reduceat(ends[:, 0], begin), np.maximum.reduceat(ends[:, 1], begin)], axis=1)
+        corners = np.concatenate([alone.corners[0], turn_points(turn[link], _corners_of(ends))])
+        found = self._boxed(corners)
+        found.low, found.high, found.link = corners.min(axis=1), corners.max(axis=1), np.append(self.link, link)
+        return found
+
+    def _ends(self, turn: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+        """Low and high ends (k, 2, 3) of pieces along the axes that their links had at joint values 0."""
+        back, ends = turn[self.link[chosen]].transpose(0, 2, 1), np.empty((len(chosen), 2, 3))
+        for at, corners in self.classes(chosen):
+            straight = turn_points(back[at], corners)
+            half = 0.0 if self.gap is None else self.gap[chosen[at], None] / 2
+            ends[at] = np.stack([straight.min(axis=1) - half, straight.max(axis=1) + half], axis=1)
+        return ends
+
+    def _boxed(self, corners: np.ndarray) -> Pieces:
+        count = len(corners)
+        return replace(self, corners=[corners], kind=np.zeros(count, dtype=np.int64), slot=np.arange(count), gap=None)
 
     def ready(self, *chosen: np.ndarray) -> None:
         """Inset the pieces of some numbers (repeated ones too)."""
@@ -301,6 +319,12 @@ def pack_pieces(groups: list[Alike]) -> Pieces:
     done = [np.zeros(len(points), dtype=bool) for points in corners]
     faces = list({id(group.faces): group.faces for group in groups}.values())  # in the order of ``alike``
     return Pieces(corners, faces, done, *(column[order] for column in columns))
+
+
+def _corners_of(ends: np.ndarray) -> np.ndarray:
+    """The corners (k, 8, 3) of boxes with ends (k, 2, 3)."""
+    pick = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+    return np.stack([ends[:, pick[:, axis], axis] for axis in range(3)], axis=-1)
 
 
 def enumerate_ranges(first: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -26,6 +26,7 @@ _BLOCK = 20_000  # pieces at a time
 HALVINGS = 16  # of an interval of angles; what is not decided then is nearer than a turn by 0.005 degrees
 EXACT = 1 - 1e-6  # of the distance: how well it is known where a gap is asked for
 COARSE = 12  # halvings for which boxes stand for the pieces
+_MANY = 6  # pairs with one piece for which a box about the others stands first
 _TILTED = 8  # and for which the boxes of tilted links do
 LinkPairs = tuple[np.ndarray, np.ndarray]
 
@@ -311,6 +312,7 @@ class Turns:
 
 def _decide(tree: Tree, body: Pieces, turns: Turns) -> tuple[np.ndarray, np.ndarray]:
     """Rows that meet while they turn, and an angle at which they do."""
+    turns = turns.at(_possible_by_groups(tree, body, turns))
     turns = turns.at(_possible(tree, body, turns))
     boxes, open_ones = body.boxes(), []
     for _ in range(COARSE):  # the boxes alone tell most pairs apart
@@ -330,6 +332,33 @@ def _decide(tree: Tree, body: Pieces, turns: Turns) -> tuple[np.ndarray, np.ndar
         values.append(((turns.start + turns.stop) / 2)[hit])
         turns = turns.at(np.flatnonzero(~hit & ~apart)).halved()
     return np.concatenate(hits), np.concatenate(values)
+
+
+def _possible_by_groups(tree: Tree, body: Pieces, turns: Turns) -> np.ndarray:
+    """The turns that no box about many of the others rules out: about those of one site and link, as the keys of a keyboard."""
+    before = np.cumsum([len(table) for table in tree.batch.sites()])
+    kind = np.searchsorted(before, body.solid[turns.other], side="right") + body.link[turns.other] * (len(before) + 1)
+    _, group, count = np.unique(np.stack([turns.piece, kind]), axis=1, return_inverse=True, return_counts=True)
+    group = group.reshape(-1)
+    order = np.flatnonzero(count[group] >= _MANY)
+    if not len(order):
+        return np.arange(len(turns.row))
+    order = order[np.argsort(group[order], kind="stable")]
+    begin = np.flatnonzero(np.diff(group[order], prepend=-1))
+    whole = turns.at(order[begin])
+    whole.start = np.minimum.reduceat(turns.start[order], begin)
+    whole.stop = np.maximum.reduceat(turns.stop[order], begin)
+    boxes = body.boxes_of_groups(tree.turn, np.unique(whole.piece), turns.other[order], begin)
+    whole.other, whole.row = len(body) + np.arange(len(begin)), np.arange(len(begin))
+    met = np.zeros(len(begin), dtype=bool)
+    for _ in range(_TILTED):
+        hit, apart = whole.examined(boxes)
+        met[whole.row[hit]] = True
+        whole = whole.at(np.flatnonzero(~apart & ~met[whole.row])).halved()
+    met[whole.row] = True
+    possible = np.ones(len(turns.row), dtype=bool)
+    possible[order] = met[np.repeat(np.arange(len(begin)), np.diff(begin, append=len(order)))]
+    return np.flatnonzero(possible)
 
 
 def _possible(tree: Tree, body: Pieces, turns: Turns) -> np.ndarray:

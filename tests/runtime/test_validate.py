@@ -7,6 +7,7 @@ from artipg_dsl.geometry import pieces
 from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.sampling.statistics import Exhausted, Statistics
 from artipg_dsl.session import Session
+from artipg_dsl.validity import validate
 from artipg_dsl.validity.bodies import turn_points
 from artipg_dsl.validity.evidence import find_evidence, random_states
 from artipg_dsl.validity.tree import Tree
@@ -322,3 +323,18 @@ def test_points_common_to_bodies() -> None:
         for body in (first, second):
             assert ((at[k] >= body[k].min(axis=0) - 1e-9) & (at[k] <= body[k].max(axis=0) + 1e-9)).all()
     assert at[2, 0] == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize("name", ["Laptop", "Microwave", "WashingMachine"])
+def test_boxes_about_many_pieces_rule_out_none_that_meet(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Joints that go farther than they may; with the pieces asked one by one the same meet."""
+    batch = Session.of(name).sampler.batch(np.arange(6), 5)
+    joint, table = np.random.default_rng(2), []
+    tree = Tree(batch)
+    width = tree.high - tree.low
+    tree.low, tree.high = tree.low - 0.5 * joint.random(len(width)) * width, tree.high + 0.5 * width
+    for many in (validate._MANY, 1, 10**9):
+        monkeypatch.setattr(validate, "_MANY", many)
+        hits = find_collisions(batch, tree)
+        table.append(np.stack([hits.owner, hits.first, hits.second, hits.joint, hits.value], axis=1).tolist())
+    assert table[0] == table[1] == table[2] and len(table[0]) > 0
