@@ -39,6 +39,20 @@ def test_two_alternatives_of_one_template_round_trip():
     assert '"Cuboid#2"' in told and to_text(from_text(told)) == told
 
 
+def test_a_switch_that_is_left_at_its_default_round_trips():
+    text = """apg 1
+use primitives { Cuboid }
+template Post {
+  param tall : bool = true
+  part rod : Cuboid(size = [2cm, 2cm, 9cm])
+  when tall { part cap : Cuboid(size = [3cm, 3cm, 1cm])  align cap.bottom = rod.top }
+}
+category A { root part post : Post }
+"""
+    text = to_text(Session.of_text(text).sampler.program)
+    assert '= bool @0 "post.tall"' in text and to_text(from_text(text)) == text
+
+
 def test_a_program_read_back_samples_the_same(program):
     numbers = np.arange(40)
     first = Sampler(program).batch(numbers, 3)

@@ -199,7 +199,8 @@ def open_scalar(
         else:
             part.context.draws.append(draw)
     else:
-        column: Column = part.context.column(local.scope, path, "real", part.span)
+        kind = "bool" if declaration.type.name == "bool" else "real"
+        column: Column = part.context.column(local.scope, path, kind, part.span)
         unknown = Unknown(column, "size", part.span, shown, part, positive=declaration.positive)
         if declaration.default is not None:
             unknown.kind = "default"
