@@ -7,11 +7,12 @@ told of without asking again; whether its objects are any good is for the requir
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Any
 
 from .. import shapes
+from ..language import DISTRIBUTIONS, JOINTS
 from . import program as P
 from .expr import Column, Expr, Scope, choices
 from .nodes import KINDS, NAME, NodeFault, Nodes, require
@@ -21,13 +22,6 @@ from .reference import Elsewhere, Onward, Reference, Under, definitions_of
 _WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _OPTION = re.compile(NAME.pattern + r"(#[0-9]{1,4})?")  # the second of one template is told apart
 UNITS = frozenset({"", "m", "rad", "kg", "kg/m3", "s", "m/s", "N", "Nm"})
-_LAWS: dict[str, Callable[[int], bool]] = {  # how many arguments each takes
-    "uniform": lambda n: n in (0, 2),
-    "normal": lambda n: n == 2,
-    "lognormal": lambda n: n == 2,
-    "values": lambda n: n > 0,
-}
-_JOINTS = ("revolute", "prismatic", "continuous", "screw", "ball", "fixed")
 _MOST_PATCHES = 100  # of one indexed surface; the language allows 64
 _NAMED = {  # fields that hold names, which flow into files and paths
     P.Draw: ("options",),
@@ -175,9 +169,9 @@ class Verifier:
         else:
             require(draw.kind in ("real", "count"), f"there is no kind of draw {shapes.show_value(draw.kind)}")
             require(draw.low is not None and draw.high is not None, "a number is drawn between low and high")
-            require(draw.distribution in _LAWS, f"there is no distribution {shapes.show_value(draw.distribution)}")
+            require(draw.distribution in DISTRIBUTIONS, f"there is no distribution {shapes.show_value(draw.distribution)}")
             require(
-                _LAWS[draw.distribution](len(draw.arguments)),
+                len(draw.arguments) in DISTRIBUTIONS[draw.distribution].arguments,
                 f"{draw.distribution} is given the wrong number of arguments",
             )
         for limit in draw.limits:
@@ -234,7 +228,7 @@ class Verifier:
         self.index(link.part, self.program.parts, "part", -1)
 
     def _joint(self, joint: P.Joint, number: int) -> None:
-        require(joint.kind in _JOINTS, f"there is no kind of joint {shapes.show_value(joint.kind)}")
+        require(joint.kind in JOINTS, f"there is no kind of joint {shapes.show_value(joint.kind)}")
         self.index(joint.child, self.program.links, "link")
         self.reference(joint.parent, self.program.links, "link")
         joints = self.program.joints

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from functools import partial
 from itertools import groupby
 
 from .functions import FORMS
+from .kinds import DISTRIBUTIONS, JOINTS, OPERATORS, Kind
 from .members import MEMBERS
 from .words import TYPES, WORDS
 
@@ -35,7 +37,20 @@ def members() -> str:
     )
 
 
-TABLES = {"types": types, "words": words, "functions": functions, "members": members}
+def kinds(head: tuple[str, ...], table: Mapping[str, Kind]) -> str:
+    """One row or more for each kind of a statement."""
+    return _table(head, (tuple(row.split(" | ")) for kind in table.values() for row in kind.about.split("\n")))
+
+
+TABLES = {
+    "types": types,
+    "words": words,
+    "functions": functions,
+    "members": members,
+    "distributions": partial(kinds, ("distribution", "meaning"), DISTRIBUTIONS),
+    "operators": partial(kinds, ("operator", "clauses", "makes"), OPERATORS),
+    "joints": partial(kinds, ("kind", "axis", "range"), JOINTS),
+}
 """By the mark that stands before a table in the reference."""
 
 

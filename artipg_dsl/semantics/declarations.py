@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..diagnostics.suggest import did_you_mean, given
-from ..language import DIRECTIONS, FACES, FUNCTIONS, OWN, TYPES, WORDS
+from ..language import DIRECTIONS, DISTRIBUTIONS, FACES, FUNCTIONS, OWN, TYPES, WORDS
 from ..syntax import ast
 from .entries import of_reference
 from .fold import components, constant
@@ -196,16 +196,14 @@ def _inside(ck: Checker, ctx: Context, default: ast.Expr, domain: ast.RangeExpr 
             return
 
 
-_DISTRIBUTIONS = ("uniform", "normal", "lognormal", "values")
-
-
 def _distribution(ck: Checker, ctx: Context, node: ast.Distribution, kind: Type, domain: ast.RangeExpr | None) -> None:
-    if node.name not in _DISTRIBUTIONS:
+    law = DISTRIBUTIONS.get(node.name)
+    if law is None:
         ck.error(
             "unknown-distribution",
             node.span,
             f"there is no distribution `{node.name}`",
-            hint=did_you_mean(node.name, _DISTRIBUTIONS) or "there are " + ", ".join(_DISTRIBUTIONS),
+            hint=did_you_mean(node.name, DISTRIBUTIONS) or "there are " + ", ".join(DISTRIBUTIONS),
         )
         return
     for argument in node.arguments:
@@ -214,21 +212,14 @@ def _distribution(ck: Checker, ctx: Context, node: ast.Distribution, kind: Type,
     if isinstance(kind, Choice):
         _options(ck, ctx, node, kind)
         return
-    count = len(node.arguments)
-    texts = {"normal": "a mean and a deviation", "lognormal": "a median and a relative deviation"}
-    if node.name in texts and count != 2:
-        ck.error("wrong-arguments", node.span, f"`{node.name}` takes {texts[node.name]}, {given(count)}")
+    if len(node.arguments) not in law.arguments:
+        ck.error("wrong-arguments", node.span, f"`{node.name}` takes {law.example}, {given(len(node.arguments))}")
         return
-    if node.name == "uniform" and count not in (0, 2):
-        ck.error("wrong-arguments", node.span, f"`uniform` takes no arguments, or two ends; {given(count)}")
-        return
-    if node.name == "values" and not count:
-        ck.error("wrong-arguments", node.span, "`values` needs at least one value")
     for position, argument in enumerate(node.arguments):
         wanted = RATIO if node.name == "lognormal" and position == 1 else kind
         ck.expect(ctx, argument.value, wanted, f"an argument of `{node.name}`")
         value = constant(argument.value, ctx.module)
-        if node.name in texts and position == 1 and value is not None and value <= 0:
+        if position == 1 and position in law.positive and value is not None and value <= 0:
             ck.error("wrong-arguments", argument.span, "a deviation must be greater than 0")
         if node.name == "values":
             _inside(ck, ctx, argument.value, domain, "a value of the distribution")
@@ -243,7 +234,7 @@ def _options(ck: Checker, ctx: Context, node: ast.Distribution, kind: Choice) ->
         )
         return
     if not node.arguments:
-        ck.error("wrong-arguments", node.span, "`values` needs at least one value")
+        ck.error("wrong-arguments", node.span, f"`values` takes {DISTRIBUTIONS['values'].example}, {given(0)}")
     for argument in node.arguments:
         if isinstance(argument.value, ast.NameExpr):
             check_default(ck, ctx, argument.value, kind, "a value of the distribution")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..diagnostics.suggest import any_of, did_you_mean, suggest
-from ..language import DIRECTIONS, FACES
+from ..language import DIRECTIONS, FACES, JOINTS, TURNING
 from ..syntax import ast
 from ..syntax.walk import walk
 from ..units import UNITS
@@ -38,17 +38,6 @@ from .types import (
 if TYPE_CHECKING:
     from .checker import Checker, Context
 
-KINDS = ("revolute", "prismatic", "continuous", "screw", "ball", "fixed")
-
-_PHYSICS = ("damping", "friction", "effort", "velocity", "rest", "mimic")
-_TAKES: dict[str, tuple[str, ...]] = {
-    "revolute": ("about", "range", *_PHYSICS),
-    "continuous": ("about", *_PHYSICS),
-    "screw": ("about", "range", "pitch", *_PHYSICS),
-    "prismatic": ("along", "range", *_PHYSICS),
-    "ball": ("range", *_PHYSICS),
-    "fixed": (),
-}
 _UNITS = {  # of what turns, and of what slides
     "damping": (("Nms/rad", "Nms"), ("Ns/m",)),
     "friction": (("Nm",), ("N",)),
@@ -56,7 +45,6 @@ _UNITS = {  # of what turns, and of what slides
     "velocity": (("rad/s",), ("m/s",)),
 }
 Given = TypeVar("Given", bound="ast.Clause[Any] | None")
-_TURNS = ("revolute", "continuous", "screw")
 
 
 def subject(ck: Checker, ctx: Context, expr: ast.Expr) -> tuple[Type, Context]:
@@ -224,14 +212,14 @@ def check_joint(ck: Checker, ctx: Context, node: ast.JointDecl) -> None:
     """A joint of a template or category; one of a role has no kind."""
     if node.kind is None or node.parent is None or node.child is None:
         return
-    if node.kind not in KINDS:
+    if node.kind not in JOINTS:
         assert node.kind_span is not None
-        meant = foreign.JOINTS.get(node.kind) or suggest(node.kind, KINDS)
+        meant = foreign.JOINTS.get(node.kind) or suggest(node.kind, JOINTS)
         ck.error(
             "unknown-joint-kind",
             node.kind_span,
             f"there is no kind of joint `{node.kind}`",
-            hint=f"did you mean `{meant}`?" if meant else f"there are {', '.join(KINDS)}",
+            hint=f"did you mean `{meant}`?" if meant else f"there are {', '.join(JOINTS)}",
         )
     child, ctx = subject(ck, ctx, node.child)
     _end(ck, node.child, child, "what a joint moves")
@@ -252,20 +240,23 @@ def check_joint(ck: Checker, ctx: Context, node: ast.JointDecl) -> None:
     ported = isinstance(node.child, ast.MemberExpr | ast.IndexExpr) and (not named or node.to is not None)
     _idle(ck, node, None if UNKNOWN in (child, parent) else ported)
     _motion(ck, ctx, node, node.kind)
-    if node.kind in KINDS:
+    if (kind := JOINTS.get(node.kind)) is not None:
         _axis(ck, node, parent, child)
+        if "range" in kind.needs and node.range is None:
+            message = f"the {node.kind} joint `{node.name}` has no range"
+            ck.error("missing-clause", node.span, message, hint=kind.example)
 
 
 def _taken(ck: Checker, kind: str, clause: Given) -> Given:
     """The clause, if there is one and a joint of this kind takes it; that it takes none is an error."""
-    if clause is None or kind not in KINDS or clause.word in _TAKES[kind]:
+    if clause is None or kind not in JOINTS or clause.word in JOINTS[kind].clauses:
         return clause
     hint = None
     if kind == "continuous" and clause.word == "range":
         hint = "a joint with limits is `revolute`"
     elif clause.word == "about" and kind == "prismatic":
         hint = "a prismatic joint slides `along` a direction"
-    elif clause.word == "along" and kind in _TURNS:
+    elif clause.word == "along" and kind in TURNING:
         hint = "it turns `about` an edge or a line"
     code = "bad-axis" if clause.word in ("about", "along") else "unknown-clause"
     ck.error(code, clause.span, f"a {kind} joint takes no `{clause.word}`", hint=hint)
@@ -276,7 +267,7 @@ def _motion(ck: Checker, ctx: Context, node: ast.JointDecl, kind: str) -> None:
     """The clauses that say how a joint moves, each if its kind takes it."""
     wanted = LENGTH if kind == "prismatic" else ANGLE
     if (interval := _taken(ck, kind, node.range)) is not None:
-        motion_range(ck, ctx, interval.value, wanted if kind in KINDS else UNKNOWN)
+        motion_range(ck, ctx, interval.value, wanted if kind in JOINTS else UNKNOWN)
         if kind == "ball" and next(iter(components(interval.value.low, ctx.module)), None) != 0.0:
             ck.error(
                 "illegal-value",
@@ -392,7 +383,7 @@ def axis_value(ck: Checker, word: str, value: ast.Expr, kind: Type) -> None:
 
 def _axis(ck: Checker, node: ast.JointDecl, parent: Type, child: Type) -> None:
     """A joint that turns or slides has an axis: a clause, or the ``out`` of the port it stands on."""
-    word = "about" if node.kind in _TURNS else "along" if node.kind == "prismatic" else None
+    word = "about" if node.kind in TURNING else "along" if node.kind == "prismatic" else None
     if word is None or UNKNOWN in (parent, child):
         return
     clause = node.about if word == "about" else node.along

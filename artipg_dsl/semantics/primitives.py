@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..diagnostics.suggest import any_of, did_you_mean
+from ..language import OPERATORS, Kind
 from ..syntax import ast
 from .calls import range_type
 from .conditions import truth
@@ -15,13 +16,6 @@ from .types import COUNT, CURVE, DIRECTION, LENGTH, LENGTH_DIM, POINT, SIZE, UNK
 
 if TYPE_CHECKING:
     from .checker import Checker, Context
-
-_OPERATORS = {
-    "lathe": ("about",),
-    "extrude": ("along", "from", "to"),
-    "sweep": ("along", "up"),
-    "loft": ("along", "up", "from", "to", "at", "smooth"),
-}
 
 
 def check(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
@@ -82,26 +76,20 @@ def _piece(ck: Checker, ctx: Context, stmt: ast.PieceDecl) -> None:
 
 
 def _solid(ck: Checker, ctx: Context, stmt: ast.SolidDecl) -> None:
-    if stmt.operator not in _OPERATORS:
+    operator = OPERATORS.get(stmt.operator)
+    if operator is None:
         ck.error(
             "unknown-function",
             stmt.span,
             f"there is no operator `{stmt.operator}`",
-            hint=did_you_mean(stmt.operator, _OPERATORS) or "there are " + ", ".join(_OPERATORS),
+            hint=did_you_mean(stmt.operator, OPERATORS) or "there are " + ", ".join(OPERATORS),
         )
     for argument in stmt.arguments:
         chain = argument.value.items if isinstance(argument.value, ast.VectorExpr) else (argument.value,)
         for curve in chain:  # one curve, or a chain of them in brackets
             ck.expect(ctx.but(making=curve), curve, CURVE, f"an argument of `{stmt.operator}`")
-    known = _OPERATORS.get(stmt.operator, ())
-    for given in ast.clauses(stmt) if known else ():
-        if given.word not in known:
-            ck.error(
-                "unknown-clause",
-                given.span,
-                f"`{stmt.operator}` takes no `{given.word}`",
-                hint="it takes " + ", ".join(f"`{w}`" for w in known),
-            )
+    if operator is not None:
+        _whole(ck, stmt, operator)
     for end in (stmt.from_, stmt.to):
         if end is not None:
             ck.expect(ctx, end.value, LENGTH, f"`{end.word}`")
@@ -115,6 +103,24 @@ def _solid(ck: Checker, ctx: Context, stmt: ast.SolidDecl) -> None:
             kind = ck.infer(ctx, clause.value)
             if kind != CURVE and not fits(kind, DIRECTION):
                 ck.mismatch(clause.value, kind, DIRECTION, f"what follows `{clause.word}`")
+
+
+def _whole(ck: Checker, stmt: ast.SolidDecl, operator: Kind) -> None:
+    """An operator has its arguments, the clauses that it needs, and none that it would not read."""
+    given = {clause.word: clause for clause in ast.clauses(stmt)}
+    for word, clause in given.items():
+        if word not in operator.clauses:
+            hint = "it takes " + ", ".join(f"`{w}`" for w in operator.clauses)
+            ck.error("unknown-clause", clause.span, f"`{operator.name}` takes no `{word}`", hint=hint)
+    lacking = [word for word in operator.needs if word not in given]
+    if len(stmt.arguments) not in operator.arguments:
+        few = "needs at least two sections" if stmt.arguments else "needs a curve"
+        what = "takes one chain of curves, or an outer and an inner one" if len(stmt.arguments) > 1 else few
+        hint = f"for example `{operator.example}`"
+        ck.error("wrong-arguments", stmt.span, f"`{operator.name}` {what}", hint=hint)
+    if lacking:
+        hint = f"for example `{operator.example}`"
+        ck.error("missing-clause", stmt.span, f"`{operator.name}` needs {any_of(lacking, 'and')}", hint=hint)
 
 
 def check_whole(ck: Checker, symbol: Symbol, scope: Scope) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..diagnostics.suggest import any_of, did_you_mean
+from ..language import REPEATS
 from ..syntax import ast
 from . import alternatives, conditions, declarations, labels, placing, primitives
 from .entries import of_reference, port_context
@@ -118,7 +119,7 @@ def _statement(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
         case ast.CloseStmt(subject=subject, other=other):
             kind, inside = placing.subject(ck, ctx, subject)
             for expr, found in ((subject, kind), (other, ck.infer(inside, other))):
-                if found not in (UNKNOWN, POINT, FRAME, LINE, EDGE) and not isinstance(found, Part):
+                if found not in (UNKNOWN, POINT, FRAME, LINE, EDGE):
                     ck.error("wrong-type", expr.span, f"`close` joins points, lines or frames, but this is {found}")
         case _ if isinstance(stmt, _SHAPE):
             primitives.check(ck, ctx, stmt)
@@ -276,30 +277,21 @@ def _parts(ck: Checker, ctx: Context, subject: ast.Expr, other: ast.Expr | None,
 # ---------------------------------------------------------------- repeats
 
 
-_FORMS: dict[str, tuple[str, tuple[str, ...]]] = {  # what a form needs, and what else it takes
-    "": ("", ()),
-    "split": ("along", ("weight", "gap", "each")),
-    "spread": ("along", ("margin",)),
-    "pitch": ("along", ("margin",)),
-    "fill": ("along every", ("margin",)),
-    "ring": ("about", ()),
-    "mirror": ("across", ()),
-}
 _EXAMPLES = {"along": "along z", "every": "every 2cm", "about": "about table.axis", "across": "across y"}
 
 
 def _form(ck: Checker, stmt: ast.RepeatStmt) -> None:
     """A form has what it needs, and nothing that it would not read."""
-    needed, more = _FORMS[stmt.form][0].split(), _FORMS[stmt.form][1]
+    form = REPEATS[stmt.form]
     given = {clause.word: clause for clause in ast.clauses(stmt)}
-    for word in needed:
+    for word in form.needs:
         if word not in given:
             message = f"`{stmt.form}` needs `{word}`, for example `{_EXAMPLES[word]}`"
             ck.error("missing-clause", given[stmt.form].span, message)
     for word, clause in given.items():
-        if word not in (*needed, *more, *_FORMS):
+        if word not in (*form.clauses, *REPEATS):
             what = f"`{stmt.form}`" if stmt.form else "a repeat without a form"
-            takers = any_of([form for form, (first, rest) in _FORMS.items() if word in (*first.split(), *rest)])
+            takers = any_of([name for name, other in REPEATS.items() if word in other.clauses])
             ck.error("unknown-clause", clause.span, f"{what} takes no `{word}`", hint=f"`{word}` goes with {takers}")
 
 

@@ -7,13 +7,12 @@ from typing import Any
 
 from lark import Token
 
+from ..language import REPEATS
 from . import ast
 from .build import Piece, body_of, exprs, split_number, tokens, unquote
 from .build_expressions import ExpressionBuilder
 
 Children = list[Any]
-
-FORMS = ("pitch", "spread", "fill", "split", "ring", "mirror")
 
 
 class StatementBuilder(ExpressionBuilder):
@@ -277,7 +276,7 @@ class StatementBuilder(ExpressionBuilder):
     def repeat(self, c: Children) -> ast.Stmt:
         found = self.pieces(c)
         clauses = self.clauses(c)
-        forms = [word for word in clauses if word in FORMS]
+        forms = [word for word in clauses if word in REPEATS]
         form = forms[0] if forms else ""
         if len(forms) > 1:
             self.problem(

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from artipg_dsl.diagnostics import CompileError
+from artipg_dsl.language import JOINTS
 from artipg_dsl.language.tables import TABLES
 from artipg_dsl.semantics import types
 from artipg_dsl.syntax.grammar import keywords, machine, reserved_words
@@ -99,6 +100,4 @@ def test_tables(update_golden: bool) -> None:
 
 
 def test_joint_kinds() -> None:
-    from artipg_dsl.semantics.placing import KINDS
-
-    assert re.findall(r"^\| `(\w+)` \| [^|]+ \| [^|]+ \|$", section("Kinematics"), re.MULTILINE) == list(KINDS)
+    assert re.findall(r"^\| `(\w+)` \| [^|]+ \| [^|]+ \|$", section("Kinematics"), re.MULTILINE) == list(JOINTS)

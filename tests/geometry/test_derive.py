@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from artipg_dsl.graph.derive import RULES, derive
-from artipg_dsl.graph.expr import FUNCTIONS, ONE, PREDICATES, ZERO, Column, Scope, call, col, const, reduce, var
+from artipg_dsl.graph.expr import ONE, ZERO, Column, Scope, call, col, const, reduce, var
 from artipg_dsl.graph.formula import evaluate
+from artipg_dsl.graph.functions import FUNCTIONS, PREDICATES
 
 X, Y = var("x"), var("y")
 

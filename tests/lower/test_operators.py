@@ -321,7 +321,6 @@ def test_a_circle_between_rectangles_is_cut_into_arcs_that_close():
 @pytest.mark.parametrize(
     ("old", "new", "code", "words"),
     [
-        ("sweep(rectangle(a, b))", "loft(rectangle(a, b))", "wrong-arguments", "at least two sections"),
         (
             "sweep(rectangle(a, b)) along way up y",
             "loft(circle(a), circle(b)) along z",

@@ -85,13 +85,10 @@ def make_inputs(part: Part, interface: Symbol, arguments: tuple[ast.Argument, ..
     declared = parameters_of(interface)
     for argument, (_, _, name, _) in zip([a for a in arguments if a.name is None], declared, strict=False):
         given[name] = argument
-    names = {name for _, _, name, _ in declared}
     counts = {s.name for s in interface.body if isinstance(s, ast.CountDecl)}
     for name, argument in given.items():
         if name in counts:
             part.inputs[name] = Evaluator(env).scalar(argument.value)
-        elif name not in names and part.role is None:
-            raise part.context.error("unknown-argument", argument.span, f"`{interface.name}` has no parameter `{name}`")
     local = Env(env.context, interface.module, interface, env.scope, part.path + ".", names=dict())
     for symbol, declaration, name, span in declared:
         if declaration.keyword == "out":

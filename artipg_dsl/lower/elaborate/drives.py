@@ -18,14 +18,14 @@ from ...graph.expr import Expr, Scope
 from ...graph.primitive import Triple, triple
 from ...graph.program import Joint, Pose
 from ...graph.reference import definitions_of
-from ...language import Form
+from ...language import TURNING, Form
 from ...syntax import ast
 from ..expressions.context import Context, text_of
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..solve.solve import lifted
 from ..values.vectors import cross, dot, inverse, minus, norm, place, plus, times
-from .joints import MOVING_ABOUT, carried_axis
+from .joints import carried_axis
 from .links import Links
 from .part import Part
 from .paths import elements_named, joints
@@ -122,7 +122,7 @@ class Drive:
             enough = E.call("le", E.mul(LEVER, self.reach(at, None)), norm(arm))
             return E.both(enough, E.call("le", E.mul(NEAR, norm(arm)), norm(cross(arm, n))))
         enough, motion = E.TRUE, axis
-        if joint.kind in MOVING_ABOUT:
+        if joint.kind in TURNING:
             motion = cross(axis, minus(p, at))
             enough = E.call("le", E.mul(LEVER, self.reach(at, axis)), norm(motion))
             if joint.pitch is not None:

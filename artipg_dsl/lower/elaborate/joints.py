@@ -9,6 +9,7 @@ from ...graph import expr as E
 from ...graph.expr import Expr
 from ...graph.primitive import Triple, triple
 from ...graph.program import Joint, Pose
+from ...language import TURNING
 from ...semantics.meanings import Clearance
 from ...syntax import ast
 from ..expressions.context import where
@@ -23,9 +24,6 @@ from .place import bare
 if TYPE_CHECKING:
     from .links import Links
 
-KINDS = ("revolute", "prismatic", "continuous", "screw", "ball", "fixed")
-MOVING_ABOUT = ("revolute", "continuous", "screw")
-
 
 def build_joint(links: Links, part: Part, attachment: Attachment) -> None:
     """The joint by which an attachment moves a part, put among those of the program."""
@@ -34,29 +32,13 @@ def build_joint(links: Links, part: Part, attachment: Attachment) -> None:
     env, program = attachment.env, links.context.program
     ev = Evaluator(env)
     kind = statement.kind or "fixed"
-    if kind not in KINDS:
-        raise links.context.error(
-            "wrong-kind",
-            statement.kind_span or statement.span,
-            f"there is no joint kind `{kind}`",
-            hint=f"one of {', '.join(KINDS)}",
-        )
     child = links.own_link(part, attachment)
     parents = links.base(env) if attachment.base else links.carried(attachment.to, statement.span)
     origin, axis = axis_of(ev, part, statement, kind)
     outer = links.world(env)
     low = high = None
-    if statement.range is not None and kind != "continuous":
+    if statement.range is not None:
         low, high = ends(ev, statement.range.value, kind, len(program.joints))
-    elif kind in ("revolute", "prismatic", "screw"):
-        raise links.context.error(
-            "missing-clause",
-            statement.span,
-            f"the {kind} joint `{statement.name}` has no range",
-            hint="add `range 0cm .. 30cm`"
-            if kind == "prismatic"
-            else "add `range 0deg .. 90deg`, or make it continuous",
-        )
     rest = rest_of(ev, statement, low, high)
     if statement.mimic is not None:
         links.mimics[len(program.joints)] = (env, statement.mimic.value)
@@ -135,15 +117,6 @@ def axis_of(ev: Evaluator, part: Part, statement: ast.JointDecl, kind: str) -> t
             hint="write `about` and an edge or a line (door.left.back), or for a prismatic joint `along` and a direction",
         )
     value = ev.value(clause.value)
-    wrong = kind == "prismatic" if clause is statement.about else kind in MOVING_ABOUT and isinstance(value, Vec)
-    if wrong:
-        right = "along x" if kind == "prismatic" else "about door.left.back"
-        raise ev.env.context.error(
-            "bad-axis",
-            clause.span,
-            f"a {kind} joint does not move {clause.word} this",
-            hint=f"write for example `{right}`",
-        )
     if isinstance(value, Edge | Line):
         return value.point, value.direction
     if isinstance(value, Frame):
@@ -166,7 +139,7 @@ def clears(ev: Evaluator, node: ast.Expr) -> bool:
 def carried_axis(outer: Pose, axis: Triple, kind: str) -> Triple:
     """An axis in the object's frame; an axis of rotation is a pseudo-vector, which a mirror turns round once more."""
     carried = normalized(direct(outer, axis))
-    return triple(E.mul(outer.mirror, c) for c in carried) if kind in MOVING_ABOUT else carried
+    return triple(E.mul(outer.mirror, c) for c in carried) if kind in TURNING else carried
 
 
 def joint_name(env: Env, statement: ast.JointDecl) -> str:

@@ -86,7 +86,7 @@ def aims(links: Links, env: Env, node: ast.Expr) -> list[Aim]:
             for part in value.env.all_parts():
                 found.append(aim_at(links, part, part, ()))
         else:
-            raise env.context.error("wrong-kind", node.span, "a part, a slot or a surface is needed here")
+            raise Evaluator(env).impossible(node.span, "a part, a slot or a surface", value)
         for aim in found[reached:]:
             bound = has_row(home.scope, aim.scope) if home.root is not env.root else E.TRUE
             aim.there = E.both(bound, named)

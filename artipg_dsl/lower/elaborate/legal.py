@@ -18,6 +18,7 @@ from ...graph.linear import tidy
 from ...graph.primitive import triple
 from ...graph.program import Draw, Grasp, Joint, Label, Pose, Program, Requirement, Where
 from ...graph.program import Part as PartNode
+from ...language import DISTRIBUTIONS
 from ...source import Source, Span
 from ..expressions.context import Context, Fetched, text_of, where
 from ..expressions.env import Env
@@ -126,12 +127,8 @@ def refuse(context: Context, quantity: Quantity, intervals: Intervals, sources: 
     if quantity.legal is ELEMENT:
         context.report.error("illegal-value", span, f"{quantity.name}: {ELEMENT.words}", hint="they are counted from 0")
         return
-    context.report.error(
-        "illegal-value",
-        span,
-        f"{quantity.name} is {amount}, but {quantity.legal.words}",
-        hint="lengths are in metres, angles in radians",
-    )
+    hint = "lengths are in metres, angles in radians" if quantity.legal.measured else None
+    context.report.error("illegal-value", span, f"{quantity.name} is {amount}, but {quantity.legal.words}", hint=hint)
 
 
 def line_of(source: Source, place: Where) -> Span:
@@ -235,7 +232,7 @@ def of_draw(draw: Draw) -> Iterator[Quantity]:
         total = E.maximum(*draw.weights)
         yield Quantity(f"the largest weight of {name}", scope, total, OPTION, place)
     for number, argument in enumerate(draw.arguments):
-        spread = draw.distribution in ("normal", "lognormal") and number == 1 or draw.distribution == "lognormal"
+        spread = number in DISTRIBUTIONS[draw.distribution].positive
         yield Quantity(
             f"an argument of the distribution of {name}", scope, argument, SPREAD if spread else NUMBER, place
         )
@@ -264,13 +261,13 @@ def of_joint(joint: Joint) -> Iterator[Quantity]:
         if value is not None:
             yield Quantity(f"the {end} of {name}", scope, value, MOTION, place)
     if joint.low is not None and joint.high is not None:
-        ordered = Legal(-1e-9, 2e4, "its low end lies below its high end")
+        ordered = Legal(-1e-9, 2e4, "its low end lies below its high end", True)
         yield Quantity(f"the extent of the range of {name}", scope, E.sub(joint.high, joint.low), ordered, place)
         if joint.rest is not E.minimum(E.maximum(E.ZERO, joint.low), joint.high):
             inside = E.minimum(E.sub(joint.rest, joint.low), E.sub(joint.high, joint.rest))
             words = "it has to lie in the range of the joint"
             yield Quantity(
-                f"how far the rest value of {name} lies inside", scope, inside, Legal(-1e-9, 2e4, words), place
+                f"how far the rest value of {name} lies inside", scope, inside, Legal(-1e-9, 2e4, words, True), place
             )
     held = (("damping", joint.damping, HELD), ("friction", joint.friction, HELD))
     driven = (("effort", joint.effort, DRIVEN), ("velocity", joint.velocity, DRIVEN))

@@ -13,7 +13,7 @@ from ...syntax import ast
 from ..expressions.context import Context
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
-from ..values.kinds import Choice, Look, Vec
+from ..values.kinds import Choice, Look
 from .draws import draw_choice
 from .ranges import MATERIAL, plain
 
@@ -60,15 +60,8 @@ def lower_material(context: Context, symbol: Symbol) -> Material:
     declaration = symbol.decl
     assert isinstance(declaration, ast.MaterialDecl)
     if declaration.colour is not None:
-        colours = []
-        for node in ends(declaration.colour):
-            value = ev.value(node)
-            if not isinstance(value, Vec):
-                raise context.error(
-                    "wrong-kind", node.span, "a colour must be a vector [red, green, blue] of numbers in 0 .. 1"
-                )
-            colours.append(tuple(read_number(context, "colour", node, c) for c in value.items))
-        values["colour"] = tuple(colours)
+        colours = ((node, ev.vector(node)) for node in ends(declaration.colour))
+        values["colour"] = tuple(tuple(read_number(context, "colour", n, c) for c in colour) for n, colour in colours)
     properties = {
         "density": declaration.density,
         "friction_static": declaration.static_friction or declaration.friction,
@@ -103,9 +96,7 @@ def span_of(ev: Evaluator, name: str, clause: ast.Clause[ast.RangeExpr]) -> tupl
 def read_number(context: Context, name: str, node: ast.Expr, value: Expr) -> float:
     """A property's number, which is known beforehand and lies in the range that is legal for it."""
     if value.constant is None:
-        raise context.error(
-            "wrong-kind", node.span, "the properties of a material must be numbers or ranges of numbers"
-        )
+        raise context.internal(node.span, "this depends on what is drawn")
     number, legal = float(value.constant), MATERIAL[name]
     if not legal.holds(number):
         raise context.error("illegal-value", node.span, f"`{name}` is {plain(number)}, but {legal.words}")

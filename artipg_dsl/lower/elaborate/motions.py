@@ -62,7 +62,7 @@ def close(links: Links, env: Env, statement: ast.CloseStmt) -> None:
         elif isinstance(value, Vec) and value.point:
             point = triple(value.items)
         else:
-            raise Evaluator(env).wrong(node.span, "a port or a point", value)
+            raise Evaluator(env).impossible(node.span, "a port or a point", value)
         on = carriers(value, env.scope)
         sides.append((links.carried(on, node.span) if on else links.base(env), place(links.world(env), point)))
     (first, a), (second, b) = sides

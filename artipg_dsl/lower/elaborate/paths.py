@@ -64,7 +64,7 @@ def element_named(env: Env, at: Reached, node: ast.IndexExpr) -> Expr:
     """Whether a row of a repeat is the element that an index names."""
     element = at.value
     if not isinstance(element, Element):
-        raise env.context.error("wrong-kind", node.span, "only the name of a repeat takes an index")
+        raise Evaluator(env).impossible(node.obj.span, "a repeat", element)
     index = Evaluator(env).position(element, node.index)
     if index.scope is not None and not element.scope.within(index.scope):
         raise env.context.error(

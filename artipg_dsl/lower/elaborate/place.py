@@ -15,6 +15,7 @@ from ...syntax import ast
 from ..expressions.context import Abort, Equation, text_of
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
+from ..expressions.members import describe
 from ..solve.cases import TooManyCases, combinations
 from ..solve.recurrent import closed
 from ..values.carry import mapped_pose
@@ -181,14 +182,11 @@ def sought(part: Part) -> Pose:
         return partly(part, [(m, pose) for m, (_, pose) in zip(found, poses, strict=True)])
     if len(poses) == 1:
         return poses[0][1]
-    context = part.context
     lists = [flat(pose) for _, pose in poses]
     order = iter(range(len(lists[0])))
 
     def pick(_: E.Expr) -> E.Expr:
         k = next(order)
-        if all(scope is part.env.scope for scope, _ in poses):
-            raise context.error("over-determined", found[1].statement.span, f"`{part.name}` is mounted twice")
         return E.phi(part.env.scope, [(scope, values[k]) for (scope, _), values in zip(poses, lists, strict=True)])
 
     return mapped_pose(poses[0][1], pick)
@@ -246,15 +244,7 @@ def mount_pose(part: Part, mount: Mount) -> Pose:
     own = own_value(part, mount.subject, mount.env, inner)
     if inner != IDENTITY and not isinstance(own, Face):
         turned_in_vain(part, mount)
-    if isinstance(own, Line):
-        own = Frame(own.point, axes_from(own.direction), own.on)
-    if not isinstance(own, Frame):
-        raise ev.wrong(mount.subject.span, "a frame of the part (a port or a face)", own)
-    value = ev.value(mount.target)
-    if isinstance(value, Line):
-        value = Frame(value.point, axes_from(times(value.direction, MINUS)), value.on)
-    if not isinstance(value, Frame):
-        raise ev.wrong(mount.target.span, "a frame (a port or a face)", value)
+    own, value = mounted(ev, own, mount.subject, ONE), mounted(ev, ev.value(mount.target), mount.target, MINUS)
     origin = locate_mount(value, mount, ev)
     out, up = value.out, value.up
     side = triple(row[1] for row in value.rotation)
@@ -265,6 +255,17 @@ def mount_pose(part: Part, mount: Mount) -> Pose:
     origin = plus(origin, times(out, offset))
     shift = minus(origin, turn(rotation, own.origin))
     return Pose(rotation if inner == IDENTITY else product(rotation, inner), shift, ONE)
+
+
+def mounted(ev: Evaluator, value: Value, node: ast.Expr, way: E.Expr) -> Frame:
+    """One end of a mount as a frame; a line counts as one whose ``out`` runs along it, or against it."""
+    match value:
+        case Frame():
+            return value
+        case Line(point=point, direction=direction, on=on):
+            return Frame(point, axes_from(times(direction, way)), on)
+    message = f"this is {describe(value)}, but a frame (a port or a face) is needed here"
+    raise ev.env.context.error("wrong-kind", node.span, message)
 
 
 def turned_in_vain(part: Part, mount: Mount) -> None:

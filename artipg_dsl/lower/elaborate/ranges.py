@@ -20,11 +20,13 @@ MOST_ROWS = 20_000  # the runtime makes no more (``runtime.kernels``)
 
 @dataclass(frozen=True, slots=True)
 class Legal:
-    """A closed range, in ``words`` that stand behind the value ("..., but a size lies between ...")."""
+    """A closed range, in ``words`` that stand behind the value ("..., but a size lies between ..."); ``measured``: of lengths or
+    angles, so that a message says in which unit it shows them."""
 
     low: float
     high: float
     words: str
+    measured: bool = False
 
     def holds(self, value: float) -> bool:
         """Whether a number is legal; nan is not."""
@@ -44,20 +46,20 @@ class Quantity:
 
 
 NUMBER = Legal(-1e12, 1e12, "every value of an object must be a finite number")
-PLACE = Legal(-FAR, FAR, "places must lie within 1 km of the origin")
-SIZE = Legal(0.0, FAR, "sizes must not be negative and are at most 1 km")
+PLACE = Legal(-FAR, FAR, "places must lie within 1 km of the origin", True)
+SIZE = Legal(0.0, FAR, "sizes must not be negative and are at most 1 km", True)
 TURN = Legal(-1.0 - NEAR, 1.0 + NEAR, "a direction must not be [0, 0, 0]")
 AXIS = Legal(1.0 - NEAR, 1.0 + NEAR, "an axis must not be [0, 0, 0]")
 DIRECTION = Legal(NEAR, FAR, "a direction must not be [0, 0, 0]")
 APART = Legal(NEAR, FAR, "a gripper must close across its approach")
-MOTION = Legal(-1e4, 1e4, "the range of a joint must be finite")
-PITCH = Legal(NEAR, FAR, "the pitch of a screw must not be 0 and is at most 1 km")
+MOTION = Legal(-1e4, 1e4, "the range of a joint must be finite", True)
+PITCH = Legal(NEAR, FAR, "the pitch of a screw must not be 0 and is at most 1 km", True)
 HELD = Legal(0.0, 1e9, "it must be finite and not negative")
 DRIVEN = Legal(1e-9, 1e9, "it must be finite and above 0")
-OPENING = Legal(NEAR, FAR, "an opening must be above 0")
+OPENING = Legal(NEAR, FAR, "an opening must be above 0", True)
 SHARE = Legal(0.0, 1.0, "it must lie in 0 .. 1")
-DISTANCE = Legal(0.0, FAR, "a distance must not be negative and is at most 1 km")
-EVERY = Legal(NEAR, FAR, "the spacing of elements must be above 0")
+DISTANCE = Legal(0.0, FAR, "a distance must not be negative and is at most 1 km", True)
+EVERY = Legal(NEAR, FAR, "the spacing of elements must be above 0", True)
 OPTION = Legal(1e-12, 1e12, "at least one alternative needs a weight above 0")
 ELEMENTS = Legal(0.0, MOST_ELEMENTS, f"a repeat must have 0 to {MOST_ELEMENTS:,} elements")
 ELEMENT = Legal(0.0, MOST_ELEMENTS, "the repeat has no such element")

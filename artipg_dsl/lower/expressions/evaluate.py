@@ -100,9 +100,6 @@ class Evaluator:
         """What the checker has ruled out."""
         return self.env.context.internal(span, f"this is {describe(value)}, but {expected} is needed here")
 
-    def wrong(self, span: Span, expected: str, value: Value) -> Exception:
-        return self.env.context.error("wrong-kind", span, f"this is {describe(value)}, but {expected} is needed here")
-
     # ------------------------------------------------------------ dispatch
 
     def value(self, node: ast.Expr) -> Value:

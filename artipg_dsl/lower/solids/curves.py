@@ -19,7 +19,6 @@ from ...syntax import ast
 from ..expressions.builtins import bound
 from ..expressions.env import Env, Function, Thunk
 from ..expressions.evaluate import Evaluator
-from ..expressions.members import describe
 from ..values.handed import Handed
 from ..values.kinds import Value, Vec
 from .profiles import Point, Span, V, between, right_of
@@ -50,15 +49,11 @@ class Curve(Function):
 
     def point(self, ev: Evaluator | None = None) -> tuple[Expr, ...]:
         """The place at the parameter ``v``, of two or three coordinates."""
-        value = Evaluator(self.env, {p: V for p in self.parameters}).value(self.value)
-        if isinstance(value, Vec) and len(value.items) in (2, 3):
+        ev = Evaluator(self.env, {p: V for p in self.parameters})
+        value = ev.value(self.value)
+        if isinstance(value, Vec):
             return value.items
-        raise self.env.context.error(
-            "wrong-kind",
-            self.value.span,
-            f"this is {describe(value)}, not a point of the curve `{self.name}`",
-            hint="write [a, b] for a curve in a plane, [x, y, z] for a path in space",
-        )
+        raise ev.impossible(self.value.span, "a point", value)
 
 
 def let(env: Env, statement: ast.LetDecl | ast.CurveDecl) -> Function | Thunk:
@@ -88,10 +83,7 @@ def offset(ev: Evaluator, node: ast.CallExpr, form: Form) -> Vec:
             "`offset` needs a curve at a value of its parameter",
             hint="for example `offset(skin(v), -2mm)`",
         )
-    point = curve.point()
-    if len(point) != 2:
-        message = f"`offset` needs a curve in a plane; `{curve.name}` lies in space"
-        raise ev.env.context.error("wrong-kind", call.span, message)
+    point = plane(ev, curve.point(), call.span)
     normal = right_of((derive(point[0], "v"), derive(point[1], "v")), ONE)
     moved = (E.add(p, E.mul(distance, n)) for p, n in zip(point, normal, strict=True))
     return Vec(tuple(E.substitute(c, {V: at}) for c in moved))

@@ -47,13 +47,6 @@ BLENDS = (0.0, 0.25, 0.5, 0.75, 1.0)
 
 def loft(env: Env, solid: ast.SolidDecl) -> Made:
     """A solid through several sections."""
-    if len(solid.arguments) < 2:
-        raise env.context.error(
-            "wrong-arguments",
-            solid.span,
-            "`loft` needs at least two sections",
-            hint="loft(base, top) along z from 0 to h",
-        )
     probe = Probe(env, solid.span)
     node = ast.value_of(solid.along)
     flowing = solid.smooth

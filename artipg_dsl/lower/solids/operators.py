@@ -215,13 +215,9 @@ def extrude(env: Env, solid: ast.SolidDecl) -> Made:
     """A prism over a region of the plane; curves give the two coordinates across the axis, in cyclic order."""
     probe = Probe(env, solid.span)
     axis = axis_of(env, solid, solid.along)
-    start, end = ast.value_of(solid.from_), ast.value_of(solid.to)
-    if start is None or end is None:
-        raise env.context.error(
-            "wrong-arguments", solid.span, "`extrude` needs both ends", hint="extrude(edge) along z from 0 to thick"
-        )
-    low, high = (Evaluator(env).scalar(node) for node in (start, end))
-    chains = chains_of(env, probe, solid, most=len(solid.arguments))
+    assert solid.from_ is not None and solid.to is not None
+    low, high = (Evaluator(env).scalar(end.value) for end in (solid.from_, solid.to))
+    chains = chains_of(env, probe, solid)
     region = holed(env, probe, solid, chains) if several(probe, chains) else None
     if region is None:
         loops, strips = outline(env, probe, solid, chains)

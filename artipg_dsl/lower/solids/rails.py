@@ -33,16 +33,12 @@ MOST_TURNS = 64  # of a path: each is searched for how far it reaches
 
 def path_of(env: Env, solid: ast.SolidDecl) -> Curve | Handed:
     """The path that follows ``along``; raises Abort after a diagnostic where there is none."""
-    node = ast.value_of(solid.along)
-    path = named_curve(Evaluator(env), node)
-    if node is not None and isinstance(path, Curve | Handed):
+    assert solid.along is not None
+    path = named_curve(Evaluator(env), solid.along.value)
+    if isinstance(path, Curve | Handed):
         return path
-    raise env.context.error(
-        "wrong-kind",
-        solid.span if node is None else node.span,
-        f"`{solid.operator}` needs a path",
-        hint="sweep(circle(r)) along path up y",
-    )
+    hint = "sweep(circle(r)) along path up y"
+    raise env.context.error("wrong-kind", solid.along.value.span, f"`{solid.operator}` needs a path", hint=hint)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -16,12 +16,8 @@ from .probe import Probe
 from .profiles import Loop, Point, Side, Span, V, between, samples, straight
 
 
-def chains_of(env: Env, probe: Probe, solid: ast.SolidDecl, most: int = 2) -> list[list[Span]]:
-    """One chain or two, or up to ``most``; the curves of each meet end to end."""
-    if not 1 <= len(solid.arguments) <= most:
-        raise env.context.error(
-            "wrong-arguments", solid.span, f"`{solid.operator}` takes one chain of curves, or an outer and an inner one"
-        )
+def chains_of(env: Env, probe: Probe, solid: ast.SolidDecl) -> list[list[Span]]:
+    """The chains of curves that are given; the curves of each meet end to end."""
     chains = [spans_of(Evaluator(env), a.value) for a in solid.arguments]
     for chain, argument in zip(chains, solid.arguments, strict=True):
         for a, b in zip(chain, chain[1:], strict=False):

@@ -35,8 +35,6 @@ def sweep(env: Env, solid: ast.SolidDecl) -> Made:
     path = path_of(env, solid)
     ev = Evaluator(env)
     radii = [section_radius(ev, a) for a in solid.arguments]
-    if len(radii) not in (1, 2):
-        raise env.context.error("wrong-arguments", solid.span, "`sweep` takes a section, or an outer and an inner one")
     upwards = ast.value_of(solid.up)
     pieces = stretches(path.steps if isinstance(path, Handed) else steps_of(path))
     probe = Probe(env, solid.span)

@@ -1,0 +1,155 @@
+"""Words that say of which kind a statement is: kinds of joints, forms of a repeat, operators on curves, distributions."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Container
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """One kind of a statement: the clauses that it ``needs`` and those that it ``takes`` as well.
+
+    An operator and a distribution have as many ``arguments``, of which the ``positive`` ones are above 0. A joint ``moves``: it turns,
+    slides or tilts. ``example`` is what messages suggest, ``about`` its rows in the reference.
+    """
+
+    name: str
+    about: str = ""
+    example: str = ""
+    needs: tuple[str, ...] = ()
+    takes: tuple[str, ...] = ()
+    arguments: Container[int] = ()
+    positive: tuple[int, ...] = ()
+    moves: str = ""
+
+    @property
+    def clauses(self) -> tuple[str, ...]:
+        return (*self.needs, *self.takes)
+
+
+def _by_name(*kinds: Kind) -> dict[str, Kind]:
+    return {kind.name: kind for kind in kinds}
+
+
+_SOME, _SEVERAL = range(1, sys.maxsize), range(2, sys.maxsize)
+_PHYSICS = ("damping", "friction", "effort", "velocity", "rest", "mimic")
+
+JOINTS = _by_name(
+    Kind(
+        "revolute",
+        "`revolute` | `about` an edge, line or port | `range low .. high`, angles",
+        "add `range 0deg .. 90deg`, or make it continuous",
+        needs=("range",),
+        takes=("about", *_PHYSICS),
+        moves="turns",
+    ),
+    Kind(
+        "prismatic",
+        "`prismatic` | `along` a direction | `range low .. high`, lengths",
+        "add `range 0cm .. 30cm`",
+        needs=("range",),
+        takes=("along", *_PHYSICS),
+        moves="slides",
+    ),
+    Kind("continuous", "`continuous` | `about` | none", takes=("about", *_PHYSICS), moves="turns"),
+    Kind(
+        "screw",
+        "`screw` | `about` | `range`, angles; `pitch` length per turn",
+        "add `range 0deg .. 90deg`, or make it continuous",
+        needs=("range",),
+        takes=("about", "pitch", *_PHYSICS),
+        moves="turns",
+    ),
+    Kind(
+        "ball",
+        "`ball` | at the port or point | `range 0deg .. limit` or none: how far it tilts to any side",
+        takes=("range", *_PHYSICS),
+        moves="tilts",
+    ),
+    Kind("fixed", "`fixed` | - | -"),
+)
+"""By name: how a joint moves."""
+
+TURNING = tuple(name for name, kind in JOINTS.items() if kind.moves == "turns")
+"""The joints that turn about an axis."""
+
+REPEATS = _by_name(
+    Kind(""),
+    Kind("split", needs=("along",), takes=("weight", "gap", "each")),
+    Kind("spread", needs=("along",), takes=("margin",)),
+    Kind("pitch", needs=("along",), takes=("margin",)),
+    Kind("fill", needs=("along", "every"), takes=("margin",)),
+    Kind("ring", needs=("about",)),
+    Kind("mirror", needs=("across",)),
+)
+"""By name, which is a clause itself: how the elements of a repeat lie."""
+
+OPERATORS = _by_name(
+    Kind(
+        "lathe",
+        "`lathe(profile)` | `about z` | a solid of revolution; the profile gives [radius, height]",
+        "lathe(skin) about z",
+        takes=("about",),
+        arguments=(1, 2),
+    ),
+    Kind(
+        "extrude",
+        "`extrude(outline)` | `along z from a to b` | a prism over a plane outline\n"
+        "`extrude(outline, hole, ...)` | `along z from a to b` | the same with holes in it",
+        "extrude(edge) along z from 0 to thick",
+        needs=("from", "to"),
+        takes=("along",),
+        arguments=_SOME,
+    ),
+    Kind(
+        "sweep",
+        "`sweep(section)` | `along path up y` | a bar along any path; `start` and `end` are ports that point away from it",
+        "sweep(circle(r)) along path up y",
+        needs=("along",),
+        takes=("up",),
+        arguments=(1, 2),
+    ),
+    Kind(
+        "loft",
+        "`loft(first, ..., last)` | `along z from a to b` | a solid through sections at equal steps, or at levels of any distance: "
+        "`along z at [a, b, c, d]`; without kinks: `smooth`\n"
+        "`loft(first, last)` | `along path up y` | a bar whose section changes along any path; `start` and `end` as in `sweep`",
+        "loft(base, top) along z from 0 to h",
+        takes=("along", "up", "from", "to", "at", "smooth"),
+        arguments=_SEVERAL,
+    ),
+)
+"""By name: what makes a solid of curves."""
+
+DISTRIBUTIONS = _by_name(
+    Kind(
+        "uniform",
+        "none, or `uniform` | uniform over the domain\n"
+        "`uniform(a, b)` | uniform over the part of the domain between a and b",
+        "no arguments or two ends",
+        arguments=(0, 2),
+    ),
+    Kind(
+        "normal",
+        "`normal(mean, deviation)` | normal, cut to the domain",
+        "a mean and a deviation",
+        arguments=(2,),
+        positive=(1,),
+    ),
+    Kind(
+        "lognormal",
+        "`lognormal(median, relative deviation)` | lognormal, cut to the domain",
+        "a median and a relative deviation",
+        arguments=(2,),
+        positive=(0, 1),
+    ),
+    Kind(
+        "values",
+        "`values(a, b, ...)` | one of the values, or of the words of a choice, equally likely; repeat one to make it more likely",
+        "at least one value",
+        arguments=_SOME,
+    ),
+)
+"""By name: how a parameter is drawn."""
