@@ -139,6 +139,11 @@ def _use(ck: Checker, ctx: Context, entries: list[Entry], span: Span) -> Type:
     if len(live) > 1 and consistent(*(ck.entry_condition(e) for e in live)):
         live = live[:1]  # declared twice, which is reported where it is declared
     entry = live[0]
+    if all(e.kind == "slot" for e in live):
+        hint = "name what the slot binds"
+        return ck.error(
+            "wrong-type", span, f"`{entry.name}` is a slot of this template: it is read from outside only", hint=hint
+        )
     kind = ck.entry_type(entry)
     if entry.kind == "repeat":
         return _repeat(ck, ctx, entry, span)

@@ -80,3 +80,18 @@ category Stand {
     round_legs = next(site for site in batch.sites() if site.primitive.name == "Cylinder").owner
     assert 0 < len(round_legs) < 16
     assert set(np.flatnonzero(found.params["size.x"] > 0.015)) == set(round_legs)
+
+
+def test_a_port_of_a_primitive_is_a_value_in_it() -> None:
+    text = """apg 1
+primitive Post {
+  param h : length > 0  test 1cm .. 2cm
+  curve edge (v in 0 .. 1) = [tip.origin.z / 4, h * v]
+  solid = lathe(edge) about z
+  port tip : frame = frame(at = [0, 0, h], out = z, up = x)
+}
+category Stand { root part post : Post(h = 2cm) }
+"""
+    program = Session.of_text(text).sampler.program
+    (site,) = program.sites
+    assert [program.parts[site.part].high[k].constant for k in range(3)] == [0.005, 0.005, 0.02]

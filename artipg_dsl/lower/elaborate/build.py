@@ -134,7 +134,7 @@ def instantiate(part: Part, option: Option, lower_body: LowerBody) -> Instance:
     guard = part.guard(option)
     scope = context.guard(part.env.scope, guard, f"{part.path}={option.name}")
     instance = Instance(part, option.symbol, scope, part.path + ".")
-    if len(context.trace) > 40:
+    if len(context.trace) > 40 and option.symbol.kind == "template":
         raise context.error("circular-definition", part.span, f"`{option.name}` contains itself")
     context.trace.append((part.span, f"in `{part.path}` ({option.name})"))
     try:

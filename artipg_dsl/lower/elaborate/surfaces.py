@@ -61,7 +61,7 @@ def frame_on(ev: Evaluator, node: ast.CallExpr, form: Form) -> Frame:
             pose = mapped_pose(outer, lambda e: lifted(e, scope))
             found.append((has_row(instance.scope, scope), moved(frame, pose)))
     if not found:
-        raise ev.env.context.error("unknown-member", node.span, "none of the alternatives has this surface")
+        raise ev.env.context.internal(node.span, "none of the alternatives has this surface")
     value = found[-1][1]
     for guard, other in reversed(found[:-1]):
         value = mapped(value, partial(chosen, guard, iter(scalars(other))))

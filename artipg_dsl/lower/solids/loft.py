@@ -20,6 +20,7 @@ from ...graph import expr as E
 from ...graph.expr import ONE, ZERO, Expr
 from ...graph.primitive import Patch, Triple, pair, triple
 from ...syntax import ast
+from ..expressions.context import Abort
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..values.handed import Handed
@@ -62,9 +63,7 @@ def loft(env: Env, solid: ast.SolidDecl) -> Made:
             )
         ends = zip(section, [*section[1:], section[0]], strict=True)
         if not all(probe.same(a.end, b.start) for a, b in ends):
-            raise env.context.error(
-                "broken-chain", argument.span, "a section must be a closed curve, but this one is open"
-            )
+            raise open_section(env, argument)
     if isinstance(path, Curve | Handed):
         if len(sections) != 2:
             raise env.context.error("wrong-arguments", solid.span, "along a path `loft` takes two sections")
@@ -100,6 +99,10 @@ def loft(env: Env, solid: ast.SolidDecl) -> Made:
         Demand(a, b, "the levels of the sections must rise") for a, b in zip(levels, levels[1:], strict=False)
     )
     return made_of(env, probe, solid, bays, low, high, {}, rises)
+
+
+def open_section(env: Env, node: ast.Node) -> Abort:
+    return env.context.error("broken-chain", node.span, "a section must be a closed curve, but this one is open")
 
 
 def alike(probe: Probe, sections: Chains) -> Chains:
@@ -260,9 +263,7 @@ def made_of(
         seen = probe if bay.even else probe.spread(str(BLEND.value), BLENDS)
         loops, fill = outline(env, seen, solid, chains)
         if any(side.span.closing for loop, _ in loops for side in loop):
-            raise env.context.error(
-                "broken-chain", solid.span, "a section must be a closed curve, but this one is open"
-            )
+            raise open_section(env, solid)
         for chain in chains:
             for span in chain:
                 across = swapped(span.position, {V: U, BLEND: V})

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING
 
 from ...graph import expr as E
@@ -15,7 +16,7 @@ from ...semantics.symbols import Symbol
 from ...source import Span
 from ...syntax import ast
 from ..expressions.context import Bend, Context, where
-from ..expressions.env import Env, Function
+from ..expressions.env import Env, Function, Thunk
 from ..expressions.evaluate import Evaluator
 from ..values.carry import mapped
 from ..values.faces import FACES
@@ -220,11 +221,15 @@ def make(context: Context, symbol: Symbol, title: str, paths: dict[str, Handed])
                     tests.extend(paths[name].tests)
                     continue
                 declare_parameter(env, statement, name, names, parameters, tests, conditions)
+    stated: list[str] = []
     for statement in symbol.body:
         if isinstance(statement, ast.LetDecl | ast.CurveDecl):
             env.names[statement.name] = let(env, statement)
         elif isinstance(statement, ast.SurfaceDecl):
             env.names[statement.name] = Function(statement.name, (statement.u, statement.v), statement.value, env)
+        elif isinstance(statement, ast.PortDecl) and statement.value is not None:
+            stated.append(statement.name)
+            env.names[statement.name] = Thunk(partial(Evaluator(env).value, statement.value), statement.name_span)
     for statement in symbol.body:
         if isinstance(statement, ast.RequireStmt) and statement.condition is not None:
             conditions.append(condition_of(Evaluator(env), statement))
@@ -248,8 +253,6 @@ def make(context: Context, symbol: Symbol, title: str, paths: dict[str, Handed])
                 low, high = box_of(Evaluator(env), statement)
             case ast.SolidDecl():
                 solid = statement
-            case ast.PortDecl(value=ast.Expr() as value) if solid is None:
-                ports[statement.name] = Evaluator(env).value(value)
             case _:
                 pass
     if solid is not None:
@@ -261,8 +264,7 @@ def make(context: Context, symbol: Symbol, title: str, paths: dict[str, Handed])
             if within is not E.TRUE:
                 conditions.append(Condition(within, pair, demand.message, "requirement of the operator", demand.bend))
         low, high = (low, high) if low is not None else (made.low, made.high)
-        stated = [(s.name, s.value) for s in symbol.body if isinstance(s, ast.PortDecl) and s.value is not None]
-        ports = {**made.ports, **{name: Evaluator(env).value(value) for name, value in stated}}
+        ports = made.ports
     if inside is None or low is None or high is None or not patches:
         raise context.error(
             "incomplete-primitive",
@@ -283,6 +285,7 @@ def make(context: Context, symbol: Symbol, title: str, paths: dict[str, Handed])
         tuple(dict.fromkeys(p.name for p in patches)),
         tuple(whole),
     )
+    ports = {**ports, **{name: env.force(name) for name in stated}}
     lowered = Lowered(primitive, tuple(names), ports, conditions)
     size = [E.var(f"size.{a}") for a in "xyz"]
     half = [E.mul(s, E.const(0.5)) for s in size]

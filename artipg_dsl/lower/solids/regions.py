@@ -131,6 +131,8 @@ def fan(probe: Probe, spans: list[Span]) -> Strips | None:
     lines = [samples(probe, span, 12) for span in spans]
     twice = sum((_cross(line[:, :-1], line[:, 1:]).sum(axis=1) for line in lines), np.zeros(len(lines[0])))
     size = np.sqrt(np.abs(twice))[:, None]
+    if not size.all():
+        return None
 
     def sees(middle: Point, skipped: tuple[int, ...] = ()) -> bool:
         at = np.stack([probe(c)[0] for c in middle], axis=-1)[:, None] / size[..., None]
@@ -159,8 +161,10 @@ def triangles(probe: Probe, loop: Loop) -> Strips | None:
         return None
     corners = [span.start for span in spans]
     points = np.stack([np.stack([probe(c)[0] for c in corner], axis=-1) for corner in corners], axis=1)
-    points = points / np.sqrt(np.abs(_cross(points, np.roll(points, -1, axis=1)).sum(axis=1)))[:, None, None]
-    sign = np.sign(_cross(points, np.roll(points, -1, axis=1)).sum(axis=1))
+    twice = _cross(points, np.roll(points, -1, axis=1)).sum(axis=1)
+    if not twice.all():
+        return None
+    points, sign = points / np.sqrt(np.abs(twice))[:, None, None], np.sign(twice)
     left = list(range(len(corners)))
     found: Strips = []
 
