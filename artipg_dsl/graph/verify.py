@@ -169,7 +169,9 @@ class Verifier:
         else:
             require(draw.kind in ("real", "count"), f"there is no kind of draw {shapes.show_value(draw.kind)}")
             require(draw.low is not None and draw.high is not None, "a number is drawn between low and high")
-            require(draw.distribution in DISTRIBUTIONS, f"there is no distribution {shapes.show_value(draw.distribution)}")
+            require(
+                draw.distribution in DISTRIBUTIONS, f"there is no distribution {shapes.show_value(draw.distribution)}"
+            )
             require(
                 len(draw.arguments) in DISTRIBUTIONS[draw.distribution].arguments,
                 f"{draw.distribution} is given the wrong number of arguments",
