@@ -6,11 +6,14 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from artipg_dsl import cache, solids
 from artipg_dsl.cli.main import main
-from artipg_dsl.geometry import facts, pieces
+from artipg_dsl.geometry import density, facts, flat, pieces, topology
+from artipg_dsl.geometry.patches import surfaces
+from artipg_dsl.geometry.trial import variants
 from artipg_dsl.graph.text import to_text
 from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.session import Session
@@ -242,3 +245,78 @@ def test_a_false_fact_about_a_solid_counts_for_nothing(kept, stool, data):
         cache.write(path.name, json.dumps(data).encode())
     facts._facts.cache_clear()
     assert found(stool) == (first[0], True)
+
+
+def known(program, monkeypatch):
+    """What is known of the surfaces, with nothing found in this process, and how much of it was found anew."""
+    found = []
+    for module, name in (
+        (topology, "_found"),
+        (topology, "_angles"),
+        (topology, "_outwards"),
+        (density, "_found"),
+        (flat, "_shape"),
+    ):
+        do = getattr(module, name)
+        monkeypatch.setattr(module, name, lambda *given, do=do: found.append(1) or do(*given))
+    for held in (
+        facts._facts,
+        topology.topology,
+        topology.turns,
+        topology.orientation,
+        density.kind,
+        flat.shapes,
+        flat.convex,
+    ):
+        held.cache_clear()
+    said = []
+    for primitive in program.primitives.values():
+        count = len(surfaces(primitive))
+        variant = next(iter(variants(primitive)))
+        shape = topology.topology(primitive, variant)
+        said.append(
+            [
+                repr(value.tolist() if isinstance(value, np.ndarray) else value)
+                for value in map(
+                    shape.__getattribute__,
+                    ("patches", "orientation", "matches", "collapsed", "step_class", "turn", "closed"),
+                )
+            ]
+        )
+        said.append([topology.turns(primitive, patch) for patch in range(count)])
+        said.append([topology.orientation(primitive).tolist(), flat.shapes(primitive).tolist(), flat.convex(primitive)])
+        for kind in (density.kind(primitive, patch) for patch in range(count)):
+            profile = None if kind.profile is None else kind.profile.tobytes()
+            said.append((kind.nodes, profile, kind.factor, kind.reference, kind.order))
+    facts.flush()
+    monkeypatch.undo()
+    return said, len(found)
+
+
+def test_what_surfaces_are_like_is_kept_and_verified(kept, monkeypatch):
+    place = str(kept)
+
+    def again():
+        monkeypatch.setenv("APGC_CACHE", place)
+        return known(program, monkeypatch)
+
+    program = Session.of("Kettle").sampler.program
+    first = again()
+    assert first[1] > 100 and again() == (first[0], 0)
+    monkeypatch.setenv("APGC_CACHE", place)
+    for change in (
+        lambda held: None,
+        lambda held: "x",
+        lambda held: held[:-1] if isinstance(held, list) else {},
+        lambda held: held | {"matches": held["matches"][1:], "nodes": [0, 0]} if "matches" in held else [7] * 50,
+    ):
+        for path in kept.glob("facts-*"):
+            entry = json.loads(cache.read(path.name))
+            names = ("topology", "turns", "orientation", "kind", "flat", "convex")
+            spoilt = {
+                name: change(held) if name.startswith(names) and not isinstance(held, bool) else held
+                for name, held in entry.items()
+            }
+            cache.write(path.name, json.dumps(spoilt).encode())
+        assert again()[0] == first[0]
+        monkeypatch.setenv("APGC_CACHE", place)

@@ -9,11 +9,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
 from ..graph.expr import Expr, call
 from ..graph.primitive import Primitive, Triple
+from ..shapes import fit
+from . import facts
 from .patches import Params, Split, find_existing, grid, surfaces
 from .topology import shown_rows, turns
 
@@ -56,6 +59,34 @@ class Kind:
 @lru_cache(maxsize=4096)
 def kind(primitive: Primitive, patch: int) -> Kind:
     """How the area element of a patch varies, from the test values."""
+    return facts.recall_fact(primitive, f"kind {patch}", lambda: _found(primitive, patch), _to_data, _read)
+
+
+def _to_data(found: Kind) -> dict[str, Any]:
+    profile = None if found.profile is None else found.profile.ravel().tolist()
+    return {
+        "nodes": found.nodes,
+        "profile": profile,
+        "factor": found.factor,
+        "at": found.reference,
+        "order": found.order,
+    }
+
+
+def _read(held: Any) -> Kind:
+    """Raises ValueError, TypeError or KeyError where data is no kind."""
+    fit(held["nodes"], list[int])
+    fit(held["profile"], list[float] | None)
+    fit([held["factor"], *held["at"]], list[float])
+    fit(held["order"], int)
+    (u, v), (along_u, along_v), profile = held["nodes"], held["at"], held["profile"]
+    if min(u, v) < 1 or not 2 <= held["order"] <= _ORDER or not all(0.0 <= at <= 1.0 for at in held["at"]):
+        raise ValueError("no kind")
+    table = None if profile is None else np.array(profile, dtype=np.float64).reshape(u, v)
+    return Kind((u, v), table, float(held["factor"]), (float(along_u), float(along_v)), held["order"])
+
+
+def _found(primitive: Primitive, patch: int) -> Kind:
     params = shown_rows(primitive, patch)
     u, v = np.meshgrid(_SAMPLES, _SAMPLES, indexing="ij")
     element = grid(element_split(primitive, patch), params, u, v)[..., 0]

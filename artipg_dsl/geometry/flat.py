@@ -6,12 +6,15 @@ A flat patch is the quad ``origin + u a + v b + u v c`` in one plane; where ``c`
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import Any, Literal
 
 import numpy as np
 
 from ..graph.derive import derive
 from ..graph.expr import ONE, ZERO, Expr, substitute
 from ..graph.primitive import Primitive
+from ..shapes import fit
+from . import facts
 from .patches import (
     Params,
     U,
@@ -37,7 +40,16 @@ _PAIRS = 512  # pairs of surface points whose middles are asked, per test value
 @lru_cache(maxsize=512)
 def shapes(primitive: Primitive) -> np.ndarray:
     """(patches,) int8: PARALLEL, PLANAR or BENT."""
-    return np.array([_shape(primitive, patch) for patch in range(len(surfaces(primitive)))], dtype=np.int8)
+    count = len(surfaces(primitive))
+
+    def read(held: Any) -> np.ndarray:
+        fit(held, list[Literal[0, 1, 2]])
+        if len(held) != count:
+            raise ValueError("a shape for each patch")
+        return np.array(held, dtype=np.int8)
+
+    find = lambda: np.array([_shape(primitive, patch) for patch in range(count)], dtype=np.int8)  # noqa: E731
+    return facts.recall_fact(primitive, "flat", find, np.ndarray.tolist, read)
 
 
 def _shape(primitive: Primitive, patch: int) -> int:
@@ -91,6 +103,15 @@ def convex(primitive: Primitive) -> bool:
     """Whether the solid is convex: it declares no pieces, and points between its surface points never lie outside."""
     if primitive.pieces:
         return False
+
+    def read(held: Any) -> bool:
+        fit(held, bool)
+        return bool(held)
+
+    return facts.recall_fact(primitive, "convex", lambda: _found_convex(primitive), bool, read)
+
+
+def _found_convex(primitive: Primitive) -> bool:
     params = draw_trial(primitive)
     there = find_existing(primitive, params)
     u, v = (a.ravel() for a in np.meshgrid(_INNER, _INNER, indexing="ij"))

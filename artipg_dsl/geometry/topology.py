@@ -8,11 +8,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any, Literal
 
 import numpy as np
 
 from ..graph.formula import compile_formula
 from ..graph.primitive import Primitive
+from ..shapes import fit
+from . import facts
 from .errors import PrimitiveError
 from .patches import Params, grid, position_split, surfaces, tangent_split
 from .trial import draw_trial, variants
@@ -85,6 +88,13 @@ def seams(primitive: Primitive, variant: tuple[bool, ...]) -> Seams:
 @lru_cache(maxsize=512)
 def topology(primitive: Primitive, variant: tuple[bool, ...]) -> Topology:
     """The topology of the variant with these patches; raises PrimitiveError where an edge meets no other."""
+    name = f"topology {''.join(str(int(there)) for there in variant)}"
+    return facts.recall_fact(
+        primitive, name, lambda: _found(primitive, variant), _to_data, lambda held: _read(primitive, variant, held)
+    )
+
+
+def _found(primitive: Primitive, variant: tuple[bool, ...]) -> Topology:
     found = seams(primitive, variant)
     patches, pairs, points = found.patches, found.pairs, found.points
     classes = _classes(len(patches), pairs)
@@ -108,6 +118,51 @@ def topology(primitive: Primitive, variant: tuple[bool, ...]) -> Topology:
         classes.reshape(-1, 2),
         class_turn,
         class_closed,
+    )
+
+
+def _to_data(found: Topology) -> dict[str, Any]:
+    return {
+        "orientation": found.orientation,
+        "matches": found.matches,
+        "collapsed": found.collapsed,
+        "step_class": found.step_class.ravel().tolist(),
+        "turn": found.turn.tolist(),
+        "closed": found.closed.tolist(),
+    }
+
+
+def _read(primitive: Primitive, variant: tuple[bool, ...], held: Any) -> Topology:
+    """Raises ValueError, TypeError or KeyError where data is no topology of these patches."""
+    patches = tuple(int(i) for i in np.flatnonzero(variant))
+    fit(held["orientation"], list[Literal[-1, 1]])
+    fit(held["matches"], list[list[int | bool]])
+    fit(held["collapsed"], list[list[int]])
+    fit(held["step_class"], list[int])
+    fit(held["turn"], list[float])
+    fit(held["closed"], list[bool])
+    edges = [pair for a, b, c, d, _ in held["matches"] for pair in ((a, b), (c, d))] + [
+        (a, b) for a, b in held["collapsed"]
+    ]
+    classes, total = held["step_class"], len(held["turn"])
+    if (
+        sorted(edges) != [(patch, edge) for patch in patches for edge in range(4)]
+        or len(held["orientation"]) != len(patches)
+        or len(classes) != 2 * len(patches)
+        or len(held["closed"]) != total
+        or set(classes) != set(range(total))
+        or min(held["turn"]) < 0
+    ):
+        raise ValueError("another shape")
+    return Topology(
+        primitive,
+        patches,
+        tuple(held["orientation"]),
+        tuple((a, b, c, d, bool(reverse)) for a, b, c, d, reverse in held["matches"]),
+        tuple((a, b) for a, b in held["collapsed"]),
+        np.array(classes, dtype=np.int64).reshape(-1, 2),
+        np.array(held["turn"], dtype=np.float64),
+        np.array(held["closed"], dtype=bool),
     )
 
 
@@ -226,6 +281,18 @@ def shown_rows(primitive: Primitive, patch: int) -> Params:
 @lru_cache(maxsize=4096)
 def turns(primitive: Primitive, patch: int) -> tuple[float, float]:
     """The greatest angles that lines along u and along v turn through, over all test values of all variants."""
+    return facts.recall_fact(primitive, f"turns {patch}", lambda: _angles(primitive, patch), list, _read_angles)
+
+
+def _read_angles(held: Any) -> tuple[float, float]:
+    fit(held, list[float])
+    one, other = held
+    if min(one, other) < 0:
+        raise ValueError("an angle of turns is not negative")
+    return float(one), float(other)
+
+
+def _angles(primitive: Primitive, patch: int) -> tuple[float, float]:
     u, v = np.meshgrid(_FINE, np.array([0.0, 0.5, 1.0]), indexing="ij")
     params = shown_rows(primitive, patch)
     along_u = grid(tangent_split(primitive, patch), params, u, v)[..., :3]
@@ -249,6 +316,17 @@ _AWAY = 100.0 * np.array([[0.9, 0.5, 0.7], [-0.8, 0.6, -0.9], [0.6, -0.7, 0.8], 
 @lru_cache(maxsize=512)
 def orientation(primitive: Primitive) -> np.ndarray:
     """(patches,) +1 where du x dv points outwards, -1 where inwards, told by the inside function."""
+
+    def read(held: Any) -> np.ndarray:
+        fit(held, list[Literal[-1, 1]])
+        if len(held) != len(surfaces(primitive)):
+            raise ValueError("a way for each patch")
+        return np.array(held, dtype=np.int64)
+
+    return facts.recall_fact(primitive, "orientation", lambda: _outwards(primitive), np.ndarray.tolist, read)
+
+
+def _outwards(primitive: Primitive) -> np.ndarray:
     inside = compile_formula((primitive.inside,), (*primitive.parameters, "p.x", "p.y", "p.z"))
     out = np.zeros(len(surfaces(primitive)), dtype=np.int64)
     u, v = (a.ravel() for a in np.meshgrid(_ACROSS, _ACROSS, indexing="ij"))
