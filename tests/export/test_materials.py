@@ -121,6 +121,7 @@ def test_shipped_materials_have_real_values() -> None:
 MASSES = {
     "Bottle": (0.02, 0.7),
     "Chair": (3, 45),
+    "Display": (2.5, 40),
     "Faucet": (0.7, 4.5),
     "Foldingrack": (1.5, 10),
     "Kettle": (0.3, 4.5),
