@@ -115,7 +115,7 @@ class Files:
                 raise UsageError(f"{entry.name} is written by `to`", f"`export` writes {', '.join(object_formats())}")
         fine = Resolution(tolerance=tolerance, triangles=triangles)
         write_objects(self.batch, Path(folder), chosen, force=force, resolution=fine)
-        return [object_folder(Path(folder), n) for n in self.numbers.tolist()]
+        return [Path(str(object_folder(Path(folder), n))) for n in self.numbers.tolist()]
 
     def to_urdf(self, folder: str | Path, *, force: bool = False) -> list[Path]:
         """A robot description with its meshes per object; returns the paths of ``object.urdf``."""

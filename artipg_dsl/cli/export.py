@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import argparse
 import time
-from pathlib import Path
 
 from ..errors import UsageError
+from ..export.remote import is_same, place_of
 from .messages import plural, say
 from .progress import Progress
 from .sample import read_resolution, refuse_file
@@ -30,12 +30,12 @@ def run(options: argparse.Namespace) -> int:
         if not entry.per_object:
             known = ", ".join(object_formats())
             raise UsageError(f"{entry.name} is written by `apgc sample`", f"export writes {known}")
-    folder = Path(options.program)
-    out = Path(options.out or (folder if folder.is_dir() else "out"))
+    folder = place_of(options.program)
+    out = place_of(options.out or (options.program if folder.is_dir() else "out"))
     refuse_file(out)
     job = open_wanted(options, every=True)
     with Progress(job.program.name) as progress:
-        if folder.is_dir() and out.resolve() == folder.resolve():
+        if folder.is_dir() and is_same(out, folder):
             add_formats(
                 job,
                 out,

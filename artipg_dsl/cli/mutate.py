@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import UsageError, UserError
+from ..export.remote import is_same, place_of
 from ..run.settings import show_value
 from .messages import plural, say
 from .sample import refuse_file, show_statistics
@@ -46,9 +47,9 @@ def _write(options: argparse.Namespace) -> int:
 
     begun = time.monotonic()
     job, output = _open_originals(options)
-    out = Path(options.out)
+    out = place_of(options.out)
     refuse_file(out)
-    if Path(options.folder).is_dir() and out.resolve() == Path(options.folder).resolve():
+    if is_same(out, place_of(options.folder)):
         raise UsageError(f"the mutants cannot go into {out}, where their originals are", "name another folder with -o")
     named = output.formats if options.format is None else [n.strip() for n in options.format.split(",")]
     try:
@@ -77,7 +78,7 @@ def _open_originals(options: argparse.Namespace) -> tuple[Job, Output]:
     if options.params is not None:
         request = read_request(options.folder, checked=not options.unchecked, values=options.params)
         job, output = open_job(request, values=options.params), Output(DEFAULT)
-    elif Path(options.folder).is_dir():
+    elif place_of(options.folder).is_dir():
         manifest = read_folder_manifest(options.folder)
         job, output = remake(options.folder, manifest), Output.from_manifest(manifest["identity"])
         job = job.but(checked=False) if options.unchecked else job

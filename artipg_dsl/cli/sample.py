@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import argparse
 import time
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import UsageError, UserError
+from ..export.remote import Place, Remote, is_same, place_of
 from .messages import plural, say
 from .progress import Progress
 from .wanted import is_folder, open_wanted, read_request
@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 _ABOUT_POINTS = {"motion": False, "surface": "boundary", "spread": "random", "per": "object", "balance": None}
 
 
-def refuse_file(folder: Path) -> None:
+def refuse_file(folder: Place) -> None:
     """Refuse a folder whose name, or that of one above it, is a file's: before the work, not after."""
-    for place in (folder, *folder.parents):
+    for place in () if isinstance(folder, Remote) else (folder, *folder.parents):
         if place.exists() and not place.is_dir():
             raise UserError(f"{place} is a file: a folder is needed there", "choose another output folder")
 
@@ -50,13 +50,13 @@ def run(options: argparse.Namespace) -> int:
         )
     if options.variant is not None and not options.mutate:
         raise UsageError("--variant applies to mutants, and none are asked for", "add --mutate apa,dpa,cpa")
-    refuse_file(Path(options.out))
+    refuse_file(place_of(options.out))
     if options.views is not None:
         _warn_of_engine()
     with Progress(options.program) as progress:
         progress.stage("compiling")
         job = _open_job(options)
-    manifest, number = write(job, Path(options.out), output, options)
+    manifest, number = write(job, place_of(options.out), output, options)
     if options.stats:
         print(show_statistics(job, manifest))
     share = "" if options.shard[1] == 1 else f", part {options.shard[0]} of {options.shard[1]}"
@@ -64,7 +64,7 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def write(job: Job, out: Path, output: Output, options: argparse.Namespace) -> tuple[Manifest, int]:
+def write(job: Job, out: Place, output: Output, options: argparse.Namespace) -> tuple[Manifest, int]:
     """Write the objects of a job, with progress; the manifest, and how many they are. Raises ExportError."""
     from ..run.dataset import write_dataset
 
@@ -131,7 +131,7 @@ def _open_folder(options: argparse.Namespace) -> Job:
             raise UsageError(f"the samples in {options.program} are there already: --{name} does not apply", hint)
     if options.sampling != "sequential":
         raise UsageError(f"the samples in {options.program} are there already", "leave out --sampling")
-    if Path(options.out).resolve() == Path(options.program).resolve():
+    if is_same(place_of(options.out), place_of(options.program)):
         raise UsageError(f"{options.out} holds the samples themselves", "name another folder with -o")
     return open_wanted(options, every=True)
 

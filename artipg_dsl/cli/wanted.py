@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import UsageError, UserError
@@ -32,10 +31,11 @@ def read_request(options: argparse.Namespace, program: str | None = None, **more
 
 def open_wanted(options: argparse.Namespace, *, every: bool = False) -> Job:
     """The job to take objects from; of a folder the first ones, or ``every`` one."""
+    from ..export.remote import place_of
     from ..run.job import open_job
     from ..run.resume import reopen
 
-    if not Path(options.program).is_dir():
+    if not place_of(options.program).is_dir():
         return open_job(read_request(options))
     if options.set or options.seed is not None:
         raise UsageError(
@@ -56,9 +56,10 @@ def open_wanted(options: argparse.Namespace, *, every: bool = False) -> Job:
 
 def is_folder(program: str) -> bool:
     """Whether this is a folder of samples, and not a category, which a folder may be called by: ``./Chair`` is the folder."""
+    from ..export.remote import place_of
     from ..run.manifest import NAME
 
-    if not (Path(program) / NAME).is_file():
+    if not (place_of(program) / NAME).is_file():
         return False
     from ..session import categories  # start-up: what is sampled from a compiled program needs no parser
 

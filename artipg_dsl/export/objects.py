@@ -13,8 +13,9 @@ import numpy as np
 from ..geometry.resolution import STANDARD as STANDARD_RESOLUTION
 from ..geometry.resolution import Resolution
 from .registry import Format
+from .remote import Place, Remote
 from .robot import Robots
-from .write import refuse_existing, replacing_folder
+from .write import refuse_existing, replacing_folder, write_remote
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
@@ -22,18 +23,18 @@ if TYPE_CHECKING:
 OBJECTS = "objects"
 
 
-def object_folder(out: Path, number: int) -> Path:
+def object_folder(out: Place, number: int) -> Place:
     return out / OBJECTS / f"{number:06d}"
 
 
-def find_lacking(folder: Path, formats: Sequence[Format]) -> list[Format]:
+def find_lacking(folder: Place, formats: Sequence[Format]) -> list[Format]:
     """Those of the formats whose files an object's folder does not hold. Folders appear whole, so one file tells."""
     return [entry for entry in formats if not (folder / entry.file).exists()]
 
 
 def write_objects(
     batch: Batch,
-    out: Path,
+    out: Place,
     formats: Sequence[Format],
     *,
     only: np.ndarray | None = None,
@@ -56,11 +57,14 @@ def write_objects(
             progress(i + 1, len(batch))
 
 
-def _write_object(robots: Robots, i: int, folder: Path, formats: Sequence[Format], *, force: bool = False) -> None:
+def _write_object(robots: Robots, i: int, folder: Place, formats: Sequence[Format], *, force: bool = False) -> None:
     """The files of all formats into the folder of object ``i``, all at once or not at all. Its other files stay."""
     for entry in formats:
         refuse_existing(folder / entry.file, force)
     files = {name: data for entry in formats for name, data in entry.files(robots, i).items()}
+    if isinstance(folder, Remote):
+        _write_elsewhere(folder, files, [entry.file for entry in formats])
+        return
     with replacing_folder(folder, force=True) as partial:
         known = folder.is_dir()
         if known:
@@ -71,6 +75,14 @@ def _write_object(robots: Robots, i: int, folder: Path, formats: Sequence[Format
             if known:  # never write into a file that the old folder shares
                 (partial / name).unlink(missing_ok=True)
             (partial / name).write_bytes(data)
+
+
+def _write_elsewhere(folder: Remote, files: dict[str, bytes], tell: Sequence[str]) -> None:
+    """Files where no folder can be renamed: those that ``tell`` that a format is there come last, and go first."""
+    for name in tell:
+        (folder / name).unlink(missing_ok=True)
+    for name in sorted(files, key=lambda name: name in tell):
+        write_remote(folder / name, files[name], force=True)
 
 
 def _link_or_copy(old: str, new: str) -> None:

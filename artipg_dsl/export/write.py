@@ -11,20 +11,20 @@ from pathlib import Path
 from typing import BinaryIO
 
 from ..errors import UserError
-
-_MARK = ".partial-"
+from .remote import MARK, Place, Remote
 
 
 class ExportError(UserError):
     """Something about the output that the user can put right."""
 
 
-def explain(error: OSError, path: Path) -> ExportError:
+def explain(error: OSError, path: Place) -> ExportError:
     """An operating system's refusal in words."""
-    place = error.filename if isinstance(error.filename, str) else path
-    place = Path(place)
-    if _MARK in place.name:  # the user knows the file by its final name
-        place = place.with_name(place.name.split(_MARK)[0].removeprefix("."))
+    if isinstance(path, Remote):
+        return ExportError(f"cannot write {path}: {error}", "the same command goes on where it was")
+    place = Path(error.filename if isinstance(error.filename, str) else path)
+    if MARK in place.name:  # the user knows the file by its final name
+        place = place.with_name(place.name.split(MARK)[0].removeprefix("."))
     if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS):
         return ExportError(f"no permission to write {place}", "choose another output folder or change its permissions")
     if error.errno in (errno.ENOTDIR, errno.EEXIST):
@@ -44,11 +44,13 @@ def explain(error: OSError, path: Path) -> ExportError:
 
 def _beside(path: Path) -> Path:
     """A hidden sibling that marks itself as unfinished and as belonging to this process."""
-    return path.with_name(f".{path.name}{_MARK}{os.getpid()}")
+    return path.with_name(f".{path.name}{MARK}{os.getpid()}")
 
 
-def ensure_folder(path: Path) -> Path:
-    """The folder ``path``, made with its parents if need be."""
+def ensure_folder(path: Place) -> Place:
+    """The folder ``path``, made with its parents if need be; elsewhere folders come with their files."""
+    if isinstance(path, Remote):
+        return path
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -56,7 +58,7 @@ def ensure_folder(path: Path) -> Path:
     return path
 
 
-def refuse_existing(path: Path, force: bool) -> None:
+def refuse_existing(path: Place, force: bool) -> None:
     if not force and (path.exists() or path.is_symlink()):
         raise ExportError(f"{path} exists", "remove it, choose another name, or use --force to replace it")
 
@@ -121,16 +123,30 @@ def replacing_folder(path: Path | str, *, force: bool = False) -> Iterator[Path]
         shutil.rmtree(old, ignore_errors=True)
 
 
-def write_bytes(path: Path | str, data: bytes, *, force: bool = False) -> None:
+def write_bytes(path: Place | str, data: bytes, *, force: bool = False) -> None:
     """The file ``path`` with the contents ``data``, whole or not at all."""
+    if isinstance(path, Remote):
+        write_remote(path, data, force=force)
+        return
     with replacing_file(path, force=force) as stream:
         stream.write(data)
 
 
-def sweep_unfinished(folder: Path) -> None:
+def write_remote(path: Remote, data: bytes, *, force: bool = False) -> None:
+    """The same elsewhere."""
+    refuse_existing(path, force)
+    try:
+        path.write_bytes(data)
+    except (OSError, ValueError, RuntimeError) as error:
+        raise explain(OSError(str(error)), path) from error
+
+
+def sweep_unfinished(folder: Place) -> None:
     """Remove what a killed process left unfinished in ``folder`` (what a running one still writes stays)."""
-    for left in folder.glob(f".*{_MARK}*"):
-        owner = left.name.split(_MARK)[1].removesuffix("-old")
+    if isinstance(folder, Remote):  # who writes there is not known here
+        return
+    for left in folder.glob(f".*{MARK}*"):
+        owner = left.name.split(MARK)[1].removesuffix("-old")
         if owner.isdigit() and not _alive(int(owner)):
             shutil.rmtree(left) if left.is_dir() else left.unlink(missing_ok=True)
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,6 +17,7 @@ import numpy as np
 from ..export.content import Content
 from ..export.objects import find_lacking, object_folder, write_objects
 from ..export.registry import Format
+from ..export.remote import Place
 from ..export.write import ExportError, write_bytes
 from ..geometry import facts
 from ..sampling.statistics import Statistics
@@ -40,7 +40,7 @@ class Chunk:
     asks, or another chunk has the same objects and speaks for them. ``force``: what is there is written again.
     """
 
-    out: Path
+    out: Place
     numbers: np.ndarray
     formats: tuple[Format, ...]
     content: Content
@@ -116,7 +116,7 @@ def counts_name(shard: int, first: int | None = None) -> str:
     return f"counts-{shard:05d}{'' if first is None else f'-{first:05d}'}.json"
 
 
-def read_counts(out: Path, chunks: Iterable[Chunk]) -> Statistics:
+def read_counts(out: Place, chunks: Iterable[Chunk]) -> Statistics:
     """What was counted while chunks were made. Raises ExportError."""
     found = Statistics()
     for path in (out / chunk.counts for chunk in chunks if chunk.counts):
@@ -131,5 +131,5 @@ def _offset(progress: ReportProgress | None, done: int, total: int) -> ReportPro
     return (lambda finished, _: progress(done + finished, total)) if progress else None
 
 
-def shard_path(out: Path, entry: Format, index: int) -> Path:
+def shard_path(out: Place, entry: Format, index: int) -> Place:
     return out / f"{entry.kind}-{index:05d}{entry.suffix}"

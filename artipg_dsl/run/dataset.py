@@ -7,11 +7,12 @@ missing and touches nothing else; with other options it refuses, or starts anew 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from pathlib import Path
 
+from ..errors import UsageError
 from ..export.content import SHARD, Content
 from ..export.objects import find_lacking, object_folder
 from ..export.registry import FORMATS, Format
+from ..export.remote import Place, Remote, place_of
 from ..export.write import ExportError, write_bytes
 from ..geometry.resolution import Resolution
 from . import manifest as manifests
@@ -27,7 +28,7 @@ from .workers import write_shared
 
 def write_dataset(
     job: Job,
-    out: Path | str,
+    out: Place | str,
     output: Output,
     *,
     part: tuple[int, int] = (1, 1),
@@ -43,8 +44,10 @@ def write_dataset(
     ``progress(done, total)`` hears of objects as they are finished; ``workers``: how many processes share the work, ``memory``
     bytes of them all.
     """
-    out, numbers, shard = Path(out), job.request.objects, output.shard
+    out, numbers, shard = place_of(out), job.request.objects, output.shard
     manifest = make_ready(out, manifests.build_manifest(job.program, job.request, output, out=out), force)
+    if isinstance(out, Remote) and out.private and workers > 1:
+        raise UsageError(f"{out} is seen by one process alone", "leave out --workers, or choose another place")
     first, step = (part[0] - 1) * shard, part[1] * shard
     counting = "counts" not in manifest and job.tables is None  # what is made from tables was counted when these were
     pieces = _pieces(
@@ -101,7 +104,7 @@ def _offset(progress: ReportProgress | None, done: int, total: int) -> ReportPro
 
 def add_formats(
     job: Job,
-    out: Path,
+    out: Place,
     formats: Sequence[Format],
     *,
     resolution: Resolution | None = None,

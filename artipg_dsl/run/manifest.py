@@ -13,6 +13,7 @@ import numpy as np
 from ..export.meanings import list_vocabularies, point_arrays, table_arrays, view_arrays
 from ..export.mutants import MEANINGS
 from ..export.registry import TABLES, kinds
+from ..export.remote import Place, Remote, place_of
 from ..export.write import ExportError
 from ..shapes import Misfit, Rule, fit, hints, show_value
 from ..version import __version__
@@ -73,7 +74,7 @@ class Manifest(TypedDict):
 
 
 def build_manifest(
-    program: Program, request: Request, output: Output, *, out: Path | str = ".", counts: Counts | None = None
+    program: Program, request: Request, output: Output, *, out: Place | str = ".", counts: Counts | None = None
 ) -> Manifest:
     """The manifest of a folder ``out``; ``counts`` is what the run has counted, once it is over."""
     size, content = count_numbers(request.numbers), output.content
@@ -111,11 +112,13 @@ def _name_shards(size: int, each: int) -> list[str]:
     return [f"{at // each:05d}" for at in range(0, size, each)]
 
 
-def _make_relative(source: str, out: Path | str) -> str:
+def _make_relative(source: str, out: Place | str) -> str:
     """A file as seen from the folder of samples, so that both can be moved together; a name stays as it is."""
     if not is_file(source):
         return source
-    return Path(os.path.relpath(Path(source).resolve(), Path(out).resolve())).as_posix()
+    if isinstance(place_of(out), Remote):
+        return str(Path(source).resolve())
+    return Path(os.path.relpath(Path(source).resolve(), Path(str(out)).resolve())).as_posix()
 
 
 def _find_cpu_class() -> str:
@@ -130,9 +133,9 @@ def to_text(manifest: Manifest) -> bytes:
     return (json.dumps(manifest, indent=1, ensure_ascii=False) + "\n").encode("utf-8")
 
 
-def read_manifest(folder: Path | str) -> Manifest | None:
+def read_manifest(folder: Place | str) -> Manifest | None:
     """The manifest in a folder, None where there is none. Raises ExportError."""
-    path = Path(folder) / NAME
+    path = place_of(folder) / NAME
     try:
         found = json.loads(path.read_bytes())
     except FileNotFoundError:

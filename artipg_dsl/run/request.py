@@ -12,6 +12,7 @@ from typing import Annotated, Any, TypedDict
 import numpy as np
 
 from ..errors import UsageError
+from ..export.remote import Place, Remote
 from ..sampling.mutate import OPERATIONS, Mutation
 from ..sampling.prior import CANDIDATES, MOST_CANDIDATES
 from ..sampling.trace import Replay
@@ -133,11 +134,11 @@ class Request:
         }
 
     @classmethod
-    def from_manifest(cls, drawn: Drawn, source: str, folder: Path) -> Request:
+    def from_manifest(cls, drawn: Drawn, source: str, folder: Place) -> Request:
         """The request that made a folder, with what its manifest calls the program. Raises UserError."""
-        made = drawn["made"]
+        made, beside = drawn["made"], None if isinstance(folder, Remote) else folder / source
         return cls(
-            source=str(folder / source) if (folder / source).is_file() else source,  # a program of the user's
+            source=str(beside) if beside is not None and beside.is_file() else source,  # a program of the user's
             seed=drawn["seed"],
             numbers=tuple((first, last) for first, last in drawn["numbers"]),
             settings=drawn["settings"],

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import shutil
 from dataclasses import replace
-from pathlib import Path
 
 from ..errors import UsageError, UserError
 from ..export.objects import OBJECTS
 from ..export.registry import FORMATS, TABLES
+from ..export.remote import Place, Remote, place_of
 from ..export.write import ExportError, ensure_folder, explain, sweep_unfinished, write_bytes
 from . import manifest as manifests
 from .job import Job, open_job
@@ -17,12 +17,12 @@ from .request import Request
 from .tables import Tables
 
 
-def reopen(folder: Path | str) -> Job:
+def reopen(folder: Place | str) -> Job:
     """The job that a folder of samples was made by. Raises ExportError, UserError."""
     return remake(folder, read_folder_manifest(folder))
 
 
-def read_folder_manifest(folder: Path | str) -> Manifest:
+def read_folder_manifest(folder: Place | str) -> Manifest:
     """The manifest of a folder of samples. Raises ExportError, UserError."""
     manifest = manifests.read_manifest(folder)
     if manifest is None:
@@ -30,20 +30,20 @@ def read_folder_manifest(folder: Path | str) -> Manifest:
     return manifest
 
 
-def remake(folder: Path | str, manifest: Manifest) -> Job:
+def remake(folder: Place | str, manifest: Manifest) -> Job:
     """The job that the manifest of a folder tells of; where it has tables, objects are made from these. Raises UserError."""
     identity = manifest["identity"]
     try:
-        job = open_job(Request.from_manifest(identity, manifest["source"], Path(folder)))
+        job = open_job(Request.from_manifest(identity, manifest["source"], place_of(folder)))
     except UsageError as error:  # what the manifest says, nobody has typed
-        raise UserError(f"{Path(folder) / manifests.NAME}: {error.message}", error.hint) from None
+        raise UserError(f"{place_of(folder) / manifests.NAME}: {error.message}", error.hint) from None
     if TABLES not in identity["formats"] or job.request.mutations:  # mutants are told by what made them, too
         return job
-    tables = Tables(Path(folder), job.request.numbers, identity["shard"], manifest.get("counts"))
+    tables = Tables(place_of(folder), job.request.numbers, identity["shard"], manifest.get("counts"))
     return replace(job, tables=tables)
 
 
-def make_ready(out: Path, manifest: Manifest, force: bool) -> Manifest:
+def make_ready(out: Place, manifest: Manifest, force: bool) -> Manifest:
     """Make the folder ready: keep what belongs to the same options, refuse (or with ``force`` remove) anything else.
 
     Returns the manifest that holds: the old one where its files are kept.
@@ -71,14 +71,14 @@ def make_ready(out: Path, manifest: Manifest, force: bool) -> Manifest:
     return manifest
 
 
-def sweep_all(out: Path) -> None:
+def sweep_all(out: Place) -> None:
     """Remove what killed processes left unfinished in a folder of samples."""
     for place in (out, out / OBJECTS):
         if place.is_dir():
             sweep_unfinished(place)
 
 
-def _clear(out: Path, old: Manifest) -> None:
+def _clear(out: Place, old: Manifest) -> None:
     """Remove what an earlier run with the manifest ``old`` wrote, and nothing else."""
     try:
         (out / manifests.NAME).unlink()  # first, so that a half-cleared folder does not pass for a whole one
@@ -88,12 +88,16 @@ def _clear(out: Path, old: Manifest) -> None:
                 if path.name.endswith(suffixes):
                     path.unlink()
         drop_counts(out)
-        shutil.rmtree(out / OBJECTS, ignore_errors=True)
+        objects = out / OBJECTS
+        if isinstance(objects, Remote):
+            objects.remove()
+        else:
+            shutil.rmtree(objects, ignore_errors=True)
     except OSError as error:
         raise explain(error, out) from error
 
 
-def drop_counts(out: Path) -> None:
+def drop_counts(out: Place) -> None:
     """Remove what was counted shard by shard, once the manifest has it."""
     for path in out.glob("counts-*.json"):
         path.unlink(missing_ok=True)

@@ -5,13 +5,13 @@ from __future__ import annotations
 import io
 import zipfile
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import UserError
 from ..export.registry import FORMATS, TABLES
+from ..export.remote import Place
 from ..sampling.columns import TYPES, from_columns, take
 from .chunk import shard_path
 from .counts import Counts
@@ -29,7 +29,7 @@ class Tables:
     """The shards of values in ``folder``, ``shard`` objects each, of the ``numbers`` of objects; ``counts`` of the run that
     wrote them all."""
 
-    folder: Path
+    folder: Place
     numbers: Runs
     shard: int
     counts: Counts | None = None
@@ -41,7 +41,7 @@ class Tables:
         absent = stock[place] != numbers
         if absent.any():
             raise UserError(f"{self.folder} has no object {numbers[absent][0]}", "see `numbers` in its manifest.json")
-        parts, path = [], Path()
+        parts, path = [], self.folder
         for shard in np.unique(place // self.shard).tolist():
             path = shard_path(self.folder, FORMATS[TABLES], shard)
             held, wanted = _read(path), place[place // self.shard == shard] - shard * self.shard
@@ -52,7 +52,7 @@ class Tables:
         return from_columns(job.sampler, columns, job.request.seed, job.given, str(path))
 
 
-def _read(path: Path) -> dict[str, np.ndarray]:
+def _read(path: Place) -> dict[str, np.ndarray]:
     """The arrays of a shard. Raises UserError."""
     try:
         with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as held:
