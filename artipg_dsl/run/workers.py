@@ -8,14 +8,16 @@ from __future__ import annotations
 
 import multiprocessing as mp
 import os
+import pickle
 import signal
 import threading
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from itertools import islice
+from tempfile import mkstemp
 from typing import Any, TypeVar
 
 from ..errors import UserError
@@ -46,29 +48,50 @@ def map_each(
     Raises what the first call that fails raises, and UserError where a process dies.
     """
     before = set(mp.active_children())
-    # spawned, not forked: libraries that run threads do not outlive a fork, and it is the same on all systems
-    pool = ProcessPoolExecutor(
-        max(1, min(count, len(items))), mp_context=mp.get_context("spawn"), initializer=_begin, initargs=(begin, given)
-    )
-    left = iter(items)
-    with _undisturbed():  # all processes are started with the first call
-        calls = deque(pool.submit(function, item) for item in islice(left, _AHEAD * count))
-    done = False
+    with _task_file(begin, given) as task:
+        # spawned, not forked: libraries that run threads do not outlive a fork, and it is the same on all systems
+        pool = ProcessPoolExecutor(
+            max(1, min(count, len(items))), mp_context=mp.get_context("spawn"), initializer=_begin, initargs=(task,)
+        )
+        left = iter(items)
+        done = False
+        try:
+            with _undisturbed():  # all processes are started with the first call
+                calls = deque(_submit(pool, function, item) for item in islice(left, _AHEAD * count))
+            while calls:
+                made = calls.popleft().result()
+                calls.extend(_submit(pool, function, item) for item in islice(left, 1))
+                yield made
+            done = True
+        except BrokenProcessPool:
+            raise UserError(
+                "a worker process died, perhaps for lack of memory",
+                "use fewer --workers, or smaller shards; the same command completes what is missing",
+            ) from None
+        finally:
+            for child in set() if done else set(mp.active_children()) - before:  # nobody is to go on
+                child.terminate()
+            pool.shutdown()
+
+
+def _submit(pool: ProcessPoolExecutor, function: Callable[[T], R], item: T) -> Future[R]:
     try:
-        while calls:
-            made = calls.popleft().result()
-            calls.extend(pool.submit(function, item) for item in islice(left, 1))
-            yield made
-        done = True
-    except BrokenProcessPool:
-        raise UserError(
-            "a worker process died, perhaps for lack of memory",
-            "use fewer --workers, or smaller shards; the same command completes what is missing",
-        ) from None
+        return pool.submit(function, item)
+    except OSError as error:  # a process died, so that the pool closed what another one was about to be given
+        raise BrokenProcessPool from error
+
+
+@contextmanager
+def _task_file(begin: Callable[..., None] | None, given: tuple[Any, ...]) -> Iterator[str]:
+    """A file of what every worker begins with. What a process is started with goes through a pipe instead: to write more
+    than the pipe holds to a process that has died takes for ever."""
+    handle, path = mkstemp(prefix="apgc-", suffix=".task")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            pickle.dump((begin, given), file)
+        yield path
     finally:
-        for child in set() if done else set(mp.active_children()) - before:  # nobody is to go on
-            child.terminate()
-        pool.shutdown()
+        os.unlink(path)
 
 
 @contextmanager
@@ -84,16 +107,20 @@ def _undisturbed() -> Iterator[None]:
         signal.signal(signal.SIGINT, before)
 
 
-def _begin(begin: Callable[..., None] | None, given: tuple[Any, ...]) -> None:
+def _begin(task: str) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches all of them: who started the run decides
     parent = mp.parent_process()
     assert parent is not None
 
     def outlive_nobody() -> None:
         parent.join()
+        with suppress(OSError):  # another worker was sooner
+            os.unlink(task)
         os._exit(1)
 
     threading.Thread(target=outlive_nobody, daemon=True).start()
+    with open(task, "rb") as file:
+        begin, given = pickle.load(file)
     if begin is not None:
         begin(*given)
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import multiprocessing.spawn
 import os
 import pickle
 import signal
 import subprocess
+import sys
+import threading
 import time
 from pathlib import Path
 
@@ -13,6 +16,7 @@ import pytest
 
 from artipg_dsl.errors import NoObject, SettingError, UserError
 from artipg_dsl.export.write import ExportError
+from artipg_dsl.run.workers import map_each
 
 from .helpers import CHEST, Apgc, command, environment, tree
 
@@ -92,3 +96,25 @@ def alive(process: int) -> bool:
     except ProcessLookupError:
         return False
     return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+
+
+def test_workers_that_die_before_they_read_their_task_end_the_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What they are given is larger than a pipe holds, so that to write it to nobody would take for ever."""
+    dying = tmp_path / "python"
+    dying.write_text(f'#!/bin/sh\ncase "$*" in *spawn_main*) kill -9 $$;; esac\nexec {sys.executable} "$@"\n')
+    dying.chmod(0o700)
+    monkeypatch.setattr(multiprocessing.spawn, "_python_exe", os.fsencode(dying))
+    told: list[str] = []
+
+    def share() -> None:
+        try:
+            list(map_each(len, ["one", "two"], 2, print, "x" * 1_000_000))
+        except UserError as error:
+            told.append(error.message)
+
+    run = threading.Thread(target=share, daemon=True)
+    run.start()
+    run.join(60)
+    assert told == ["a worker process died, perhaps for lack of memory"]
