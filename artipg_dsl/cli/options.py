@@ -407,6 +407,42 @@ def _add_cache(to: argparse.ArgumentParser) -> None:
     to.add_argument("action", nargs="?", choices=("show", "clear"), default="show", help="show (default), or clear")
 
 
+def _add_fit(to: argparse.ArgumentParser) -> None:
+    _program(to)
+    to.add_argument(
+        "files", nargs="+", metavar="FILE|DIR", help="meshes, point clouds or URDF files, or folders of them"
+    )
+    to.add_argument("-o", "--out", type=folder, default="fitted", metavar="DIR", help="output folder (default: fitted)")
+    axes = ("x", "-x", "y", "-y", "z", "-z")
+    to.add_argument(
+        "--up", choices=("auto", *axes), default="auto", help="upward axis of the files (default: y of glb, else z)"
+    )
+    to.add_argument(
+        "--front",
+        choices=("auto", *axes),
+        default="auto",
+        help="axis that the front faces, such as --front=-y (default: all are tried)",
+    )
+    to.add_argument(
+        "--unit",
+        choices=("auto", "m", "cm", "mm", "in"),
+        default="auto",
+        help="unit of the files (default: m, or what the category's sizes suggest)",
+    )
+    to.add_argument("--normalised", action="store_true", help="the files have no scale: find it")
+    to.add_argument(
+        "--map",
+        metavar="FILE",
+        help="a JSON file of names of labels and the words that they mean, to compare labels by",
+    )
+    to.add_argument("--seed", type=whole, metavar="N", help="random seed (default: 0)")
+    to.add_argument("--unchecked", action="store_true", help="accept objects whose links collide")
+    to.add_argument("--plain", action="store_true", help="draw no pictures")
+    to.add_argument("--json", action="store_true", help="print the summary as JSON")
+    to.add_argument("--force", action="store_true", help="fit again what is there already")
+    _sharing(to)
+
+
 COMMANDS = {
     "check": ("check programs for errors", _add_check),
     "fmt": ("format programs", _add_fmt),
@@ -414,6 +450,7 @@ COMMANDS = {
     "compile": ("compile a program, and show one of its stages", _add_compile),
     "sample": ("generate annotated objects", _add_sample),
     "export": ("write objects in other formats", _add_export),
+    "fit": ("find the objects that come nearest to real ones", _add_fit),
     "mutate": ("make mutants of the objects in a folder", _add_mutate),
     "render": ("draw a contact sheet of samples", _add_render),
     "explain": ("explain an error code", _add_explain),

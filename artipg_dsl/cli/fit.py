@@ -1,0 +1,71 @@
+"""``apgc fit``: objects of a category that come nearest to real ones, meshes or point clouds."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from pathlib import Path
+from typing import Any
+
+from ..errors import UsageError, UserError
+from .messages import plural, say
+from .progress import Progress
+
+
+def run(options: argparse.Namespace) -> int:
+    from ..fit.pose import Frame
+    from ..fit.reading import find_files
+    from ..run.fits import Asked, write_fits
+    from ..run.job import open_program
+    from .sample import refuse_file
+
+    begun = time.monotonic()
+    out = Path(options.out)
+    refuse_file(out)
+    frame = Frame(options.up, options.front, options.unit, options.normalised)
+    paths = find_files(options.files)
+    with Progress(options.program) as progress:
+        progress.stage("compiling")
+        sampler, source = open_program(options.program)
+        words = _read_words(options.map, sampler.program.vocabularies.get("semantic", ()))
+        progress.stage("fitting")
+        asked = Asked(source, out, frame, options.seed or 0, not options.unchecked, words, not options.plain)
+        summary = write_fits(sampler, asked, paths, force=options.force, workers=options.workers, progress=progress)
+    print(json.dumps(summary, indent=1, ensure_ascii=False) if options.json else _table(summary))
+    found, failed = summary["objects"], summary["failed"]
+    lost = f", {plural(len(failed), 'file')} could not be read" if failed else ""
+    say(f"{plural(len(found), 'object')} in {out}{lost} ({time.monotonic() - begun:.1f} s)")
+    return 0 if found else 1
+
+
+def _table(summary: dict[str, Any]) -> str:
+    """A line per file: what is said of it, and how far it is off."""
+    lines = [
+        f"{one['distance']:6.2f}%  {one['verdict']:<12}  {one['name']}" + ("" if one["valid"] else "  (not valid)")
+        for one in summary["objects"]
+    ]
+    lines += [f"     -   {'not read':<12}  {one['name']}: {one['reason']}" for one in summary["failed"]]
+    return "\n".join(lines)
+
+
+def _read_words(name: str | None, known: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
+    """The pairs of a map file: their name, our word. Raises UserError, UsageError."""
+    from ..diagnostics.suggest import did_you_mean
+
+    if name is None:
+        return ()
+    try:
+        found = json.loads(Path(name).read_text(encoding="utf-8-sig"))
+    except OSError as wrong:
+        raise UserError(f"{name} cannot be read: {wrong.strerror or wrong}") from None
+    except (ValueError, RecursionError):
+        raise UserError(f"{name} is not JSON", 'write {"their_name": "our_word"}') from None
+    if not isinstance(found, dict) or not all(isinstance(word, str) for word in found.values()):
+        raise UserError(f"{name} maps no names to words", 'write {"their_name": "our_word"}')
+    for theirs, word in found.items():
+        if word not in known:
+            raise UsageError(
+                f"{name}: `{theirs}` is to be `{word}`, which is no word of `semantic`", did_you_mean(word, known)
+            )
+    return tuple(found.items())

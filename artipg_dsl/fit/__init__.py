@@ -1,0 +1,11 @@
+"""Real objects as objects of a program: from a mesh or a cloud to the values of its draws, by analysis through synthesis.
+
+In: a sampler and clouds. Out: for each cloud the values of the object that comes nearest, how far the two are apart, and how they lie to
+one another. Begin with ``fitting``.
+
+    reading, pose, outer      files as clouds; their axes, unit, normals; what of them can be seen from without
+    model                     the draws that shape a surface, and candidates as rows of a batch with changed values
+    match, compare, refine    pairs of nearest points both ways; gaps; numbers moved by damped least squares
+    search                    candidates drawn, chosen, refined, and tried with other structures
+    fitting, measure          all of it for a few clouds; distances, labels and verdict
+"""

@@ -1,0 +1,138 @@
+"""Candidates beside what they are fitted to: points of both, matched both ways, and one figure of how far apart they are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from .. import random
+from ..geometry import points as geometry
+from ..geometry.pointset import PointSet
+from ..geometry.sites import SiteTable
+from ..runtime.batch import Batch
+from .match import Gaps, features, gaps, nearest
+from .model import Placed
+from .outer import outer, spacing
+
+_FARTHEST = 0.08  # diagonals: what lies farther off counts as lying so far
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Targets:
+    """Clouds of the outer surface of T objects, each in one pose: ``points``, ``normals`` (T, M, 3), ``diagonal`` (T,) of the box
+    ``low`` .. ``high`` (T, 3), ``apart`` (T,) their spacing. ``of`` (T,): which object it is; ``known`` (T,): whether its
+    scale is. The first points of a cloud are a sample of it."""
+
+    points: np.ndarray
+    normals: np.ndarray
+    diagonal: np.ndarray
+    apart: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    of: np.ndarray
+    known: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.of)
+
+    @property
+    def size(self) -> np.ndarray:
+        return self.high - self.low
+
+    def first(self, count: int) -> Targets:
+        """With ``count`` points at most."""
+        apart = self.apart * np.sqrt(self.points.shape[1] / min(count, self.points.shape[1]))
+        return Targets(
+            self.points[:, :count],
+            self.normals[:, :count],
+            self.diagonal,
+            apart,
+            self.low,
+            self.high,
+            self.of,
+            self.known,
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Candidates:
+    """K objects of a program, each for the target of number ``target``, placed in its frame; ``score`` is how far apart they are."""
+
+    batch: Batch
+    target: np.ndarray
+    placed: Placed
+    score: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.target)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Compared:
+    """Points of candidates (K, n), each bound to (site, ``element`` of the candidate's primitives of that site, patch, u, v), and their
+    ``position`` in the frames of the targets, with ``gaps`` from the targets' points (K, m) and
+    their own (K, n), ``hidden`` (K, n) those inside; the pairs: ``there`` (K, m) and ``here`` (K, n); how much normals of
+    pairs agree."""
+
+    points: PointSet
+    element: np.ndarray
+    position: np.ndarray
+    hidden: np.ndarray
+    there: np.ndarray
+    here: np.ndarray
+    to_surface: Gaps
+    to_cloud: Gaps
+    agree: tuple[np.ndarray, np.ndarray]
+    score: np.ndarray
+
+
+def starts(tables: list[SiteTable]) -> np.ndarray:
+    """Where the rows of each site begin, by its number, in the tables put together."""
+    found = np.zeros(max((table.number for table in tables), default=0) + 2, dtype=np.int64)
+    found[[table.number + 1 for table in tables]] = [len(table) for table in tables]
+    return np.cumsum(found)
+
+
+def chosen(better: np.ndarray, new: Compared, old: Compared) -> Compared:
+    """The new ones where they are better."""
+
+    def one(a: Any, b: Any) -> Any:
+        if isinstance(a, np.ndarray):
+            return np.where(better.reshape(-1, *[1] * (a.ndim - 1)), a, b)
+        if isinstance(a, tuple):
+            return tuple(one(*pair) for pair in zip(a, b, strict=True))
+        return type(a)(*(one(getattr(a, field.name), getattr(b, field.name)) for field in fields(a)))
+
+    made: Compared = one(new, old)
+    return made
+
+
+def clouds(batch: Batch, n: int, seed: int = 0) -> PointSet:
+    """n points of the surfaces of candidates; those of one number fall on the same places of the same surface."""
+    return geometry.sample(batch.sites(), len(batch), n, random.key(seed, "fit"), batch.state.objects.astype(np.uint64))
+
+
+def compare(batch: Batch, target: np.ndarray, placed: Placed, targets: Targets, n: int) -> Compared:
+    """Candidates beside their targets, by n points of theirs."""
+    points = clouds(batch, n)
+    position = placed.of(points.position)
+    apart = spacing(position)
+    hidden = ~outer(position, apart)
+    diagonal = targets.diagonal[target]
+    cloud, facing = targets.points[target], targets.normals[target]
+    there, here = nearest(features(position, points.normal, diagonal, hidden), features(cloud, facing, diagonal))
+    every = np.arange(len(target))[:, None]
+    near, outward = position[every, there], points.normal[every, there]
+    found, back = cloud[every, here], facing[every, here]
+    to_surface = gaps(near, cloud, outward, apart, diagonal)
+    to_cloud = gaps(position, found, back, targets.apart[target], diagonal)
+    agree = (outward * facing).sum(axis=2), (points.normal * back).sum(axis=2)
+    own = np.where(hidden, 0.0, np.minimum(np.abs(to_cloud.value), _FARTHEST)).sum(axis=1)
+    own /= np.maximum((~hidden).sum(axis=1), 1)
+    score = 0.5 * (np.minimum(np.abs(to_surface.value), _FARTHEST).mean(axis=1) + own)
+    tables = batch.sites()
+    rank = np.concatenate([table.rank for table in tables])
+    element = rank[starts(tables)[points.site] + points.row]
+    return Compared(points, element, position, hidden, there, here, to_surface, to_cloud, agree, score)

@@ -1,0 +1,96 @@
+"""Objects fitted: from clouds to values, a few objects at a time as one batch."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..runtime.batch import Batch
+from ..sampling.known import evaluate_again
+from ..sampling.repair import repair
+from .measure import agreement, distances, surfaces, verdict
+from .model import Model, bounds
+from .pose import UNITS, Posed, targets, turn
+from .search import Effort, search
+
+TOGETHER = 6  # objects that are searched as one batch
+_USUAL = 256  # drawn objects that tell how large those of a category are
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fitted:
+    """What is known of one object: ``values`` as a file of parameters has them, ``told`` beside them; its ``cloud`` in the frame of the
+    object, for pictures. ``row``: which of the ``batch`` it is."""
+
+    values: dict[str, Any]
+    told: dict[str, Any]
+    cloud: np.ndarray
+    batch: Batch
+    row: int
+
+
+def usual_size(model: Model) -> float:
+    """The diagonal of common objects of a category, in metres."""
+    drawn = model.drawn(np.arange(_USUAL), 0)
+    low, high = bounds(drawn.sites(), len(drawn))
+    across = np.sqrt(((high - low) ** 2).sum(axis=1))
+    return float(np.median(across[~drawn.state.failed & np.isfinite(across)]))
+
+
+def fit(
+    model: Model,
+    several: Sequence[Posed],
+    *,
+    seed: int = 0,
+    checked: bool = True,
+    effort: Effort | None = None,
+    words: Mapping[str, str] | None = None,
+) -> list[Fitted]:
+    """The objects of a program that come nearest to some clouds, in their order. ``checked``: without links that collide.
+    ``words``: which word of the vocabulary ``semantic`` a name of a cloud's labels means."""
+    asked = targets(several)
+    found = search(model, asked, effort or Effort(), seed)
+    start = evaluate_again(found.batch, np.arange(len(found)), plan=model.sampler.plan)
+    outcome = repair(model.sampler, start, checked=checked)
+    batch = outcome.batch
+    failed = set(outcome.failed.tolist())
+    low, high = bounds(batch.sites(), len(batch))
+    whole, outside = surfaces(batch, found.placed.scale, found.placed.shift)
+    semantic = batch.program.vocabularies.get("semantic", ())
+    made = []
+    for row, posed in enumerate(several):
+        mine = found.target[row] - int(np.searchsorted(asked.of, row))
+        up, front = posed.turns[mine]
+        matrix = turn(up, front)
+        points, normals = posed.points @ matrix.T, posed.normals @ matrix.T
+        scale, shift = float(found.placed.scale[row]), found.placed.shift[row]
+        apart = distances(points, normals, whole[row], outside[row])
+        told: dict[str, Any] = {
+            "verdict": verdict(apart["both"]),
+            "distance": apart,
+            "frame": {"up": up, "front": front, "unit": posed.unit if posed.known else None},
+            "to_object": _matrix(matrix * UNITS[posed.unit] / scale, -shift / scale),
+            "size": [round(float(x), 6) for x in high[row] - low[row]],
+            "valid": row not in failed,
+        }
+        agreed = agreement(points, _words(posed, words or {}, semantic), whole[row], semantic)
+        told |= {"iou": agreed} if agreed else {}
+        made.append(Fitted(batch.drawn(row), told, (points - shift) / scale, batch, row))
+    return made
+
+
+def _words(posed: Posed, words: Mapping[str, str], semantic: tuple[str, ...]) -> np.ndarray:
+    """The word of each point of a cloud as a place in the vocabulary, 0 where nothing is said of it."""
+    meant = [words.get(name, "") for name in posed.names]
+    places = [semantic.index(word) if word in semantic else 0 for word in meant]
+    return np.array([*places, 0], dtype=np.int64)[posed.label]
+
+
+def _matrix(turned: np.ndarray, shift: np.ndarray) -> list[list[float]]:
+    """Rows of the matrix (4, 4) that carries points of the file into the frame of the object."""
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = turned, shift
+    return [[round(float(x), 9) for x in row] for row in matrix]

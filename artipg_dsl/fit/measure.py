@@ -1,0 +1,95 @@
+"""How far a fitted object and its cloud are apart, both ways, as shares of the diagonal; and which labels agree."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from .. import random
+from ..annotate.points import label_points
+from ..geometry import points as geometry
+from ..runtime.batch import Batch
+from .outer import spacing
+
+_POINTS = 16384  # of a structure: its whole boundary
+_OUTSIDE = 4096  # what of it can be seen from without
+NEAR, FAR = 0.025, 0.05  # of the diagonal: up to here a category fits, beyond it does not
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Surface:
+    """Points (n, 3) on the surface of one object, in the frame of its cloud; ``word`` (n,) of ``semantic``."""
+
+    points: np.ndarray
+    normals: np.ndarray
+    word: np.ndarray
+
+
+def surfaces(batch: Batch, scale: np.ndarray, shift: np.ndarray) -> tuple[list[Surface], list[Surface]]:
+    """Of each object the whole boundary, and what can be seen from outside."""
+    found = []
+    address = batch.state.objects.astype(np.uint64)
+    for count, outside in ((_POINTS, False), (_OUTSIDE, True)):
+        made = geometry.sample(batch.sites(), len(batch), count, random.key(0, "fitted"), address, outside=outside)
+        labels = [label for label in batch.program.labels if label.vocabulary == "semantic"]
+        word = label_points(batch, batch.sites(), made, labels).semantic
+        at = made.position * scale[:, None, None] + shift[:, None, :]
+        found.append([Surface(*columns) for columns in zip(at, made.normal, word, strict=True)])
+    return found[0], found[1]
+
+
+def distances(cloud: np.ndarray, normals: np.ndarray, whole: Surface, outside: Surface) -> dict[str, Any]:
+    """Of each point of the cloud from the surface, and of the surface seen from outside from the cloud: mean, median and 95th
+    percentile in percent of the cloud's diagonal. ``both`` is the mean of the two means."""
+    diagonal = float(np.sqrt((np.ptp(cloud, axis=0) ** 2).sum()))
+    forth = apart(cloud, whole.points, whole.normals) / diagonal
+    back = apart(outside.points, cloud, normals) / diagonal
+    found: dict[str, Any] = {
+        name: {
+            "mean": _percent(way.mean()),
+            "median": _percent(np.median(way)),
+            "p95": _percent(np.quantile(way, 0.95)),
+        }
+        for name, way in (("cloud_to_structure", forth), ("structure_to_cloud", back))
+    }
+    return found | {"both": _percent((forth.mean() + back.mean()) / 2)}
+
+
+def apart(points: np.ndarray, others: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """(n,) how far points lie from a surface of which others are known: along the normal of the nearest one, and aside as far as they
+    lie beyond the distance between these."""
+    spaced = float(spacing(others[None])[0])
+    whole, at = cKDTree(others).query(points)
+    way = points - others[at]
+    along = np.abs((way * normals[at]).sum(axis=1))
+    aside = np.maximum(np.sqrt(np.maximum(whole**2 - along**2, 0.0)) - spaced, 0.0)
+    found: np.ndarray = np.sqrt(along**2 + aside**2)
+    return found
+
+
+def agreement(cloud: np.ndarray, words: np.ndarray, whole: Surface, names: tuple[str, ...]) -> dict[str, float]:
+    """For each word that the cloud or its nearest surface bears (``words`` (n,), 0 for none, as places in ``names``): the intersection
+    over the union of both."""
+    said = np.flatnonzero(words > 0)
+    if not len(said):
+        return {}
+    ours = whole.word[cKDTree(whole.points).query(cloud[said])[1]]
+    theirs = words[said]
+    present = np.unique(np.concatenate([ours, theirs]))
+    return {
+        names[k]: round(float(((ours == k) & (theirs == k)).sum() / ((ours == k) | (theirs == k)).sum()), 4)
+        for k in present.tolist()
+        if k > 0
+    }
+
+
+def verdict(both: float) -> str:
+    """What a distance (in percent) says of the category."""
+    return "fits" if both <= 100 * NEAR else "rough" if both <= 100 * FAR else "does not fit"
+
+
+def _percent(share: float) -> float:
+    return round(100.0 * float(share), 4)

@@ -1,0 +1,216 @@
+"""A program as fitting sees it: which draws shape its surface, candidates as rows of a batch, and the same with other values."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ..geometry import box
+from ..geometry.sites import SiteTable
+from ..graph.depend import draws_behind
+from ..graph.expr import Expr
+from ..graph.reference import ranks_of
+from ..random import mix
+from ..runtime.batch import Batch
+from ..runtime.kernels import Kept, State
+from ..runtime.laws import TOLERANCE
+from ..runtime.needs import narrowing_of, pose_cells
+from ..runtime.plan import Plan, make_plan
+from ..sampling.known import evaluate_again, make_batch, rows_of_draw
+from ..sampling.sample import Sampler
+from ..sampling.search import domain_ends
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Freedoms:
+    """The numbers of each candidate that can be moved: one row per number, sorted by ``owner`` (candidate).
+
+    ``draw`` and ``row`` say which number it is, ``place`` counts within the candidate; ``value``, and the range ``low`` ..
+    ``high`` that the requirements leave it; ``width`` is that of its domain.
+    """
+
+    owner: np.ndarray
+    draw: np.ndarray
+    row: np.ndarray
+    place: np.ndarray
+    value: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    width: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.owner)
+
+    @property
+    def most(self) -> int:
+        """The largest number of them in one candidate."""
+        return int(self.place.max(initial=-1)) + 1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Changes:
+    """Values that rows of draws are to take: in the copy ``copy`` (its place among the copies), ``draw``, ``row`` (of the batch that
+    is copied), ``value``."""
+
+    copy: np.ndarray
+    draw: np.ndarray
+    row: np.ndarray
+    value: np.ndarray
+
+
+class Model:
+    """The draws on which the surface depends: ``discrete`` (choices, counts, values of a list) and ``smooth``."""
+
+    def __init__(self, sampler: Sampler):
+        self.sampler, self.program = sampler, sampler.program
+        behind = draws_behind(self.program, self._surface())
+        draws = self.program.draws
+        listed = [k for k in behind if draws[k].kind != "real" or draws[k].distribution == "values"]
+        self.discrete = listed
+        self.smooth = [k for k in behind if k not in set(listed)]
+
+    @cached_property
+    def plan(self) -> Plan:
+        """What candidates are evaluated by: their primitives, and the ranges of their draws."""
+        program = self.program
+        wanted = list(narrowing_of(program))
+        for site in program.sites:
+            wanted += [(expr, site.scope) for expr in (*site.parameters, *pose_cells(site.pose))]
+        for part in program.parts:
+            wanted += [(holds, part.scope) for _, holds in part.semantic]
+            wanted += ranks_of(part.link)
+        return make_plan(program, wanted)
+
+    def _surface(self) -> Iterable[Expr]:
+        for site in self.program.sites:
+            yield from (*site.parameters, *pose_cells(site.pose))
+            yield from (scope.count for scope in site.scope.ancestors() if scope.count is not None)
+
+    # ------------------------------------------------------------ candidates
+
+    def assembled(self, parts: Sequence[tuple[Batch, np.ndarray]], places: Sequence[np.ndarray] | None = None) -> Batch:
+        """Candidates of several batches in one, those at the given rows of each, with all the values they have; one after the
+        other, or at the given ``places``."""
+        ends = np.cumsum([0, *(len(at) for _, at in parts)])
+        if places is None:
+            places = [np.arange(first, last) for first, last in zip(ends[:-1], ends[1:], strict=True)]
+        objects, lane = np.zeros(ends[-1], dtype=np.int64), np.zeros(ends[-1], dtype=np.int64)
+        for (batch, at), place in zip(parts, places, strict=True):
+            objects[place], lane[place] = batch.state.objects[at], batch.state.lanes()[at]
+        state = State(parts[0][0].seed, objects, np.zeros(len(objects), dtype=np.int64), lane=lane)
+        for number in range(len(self.program.draws)):
+            keys, values = [], []
+            for (batch, at), place in zip(parts, places, strict=True):
+                chosen = rows_of_draw(batch, number, at)
+                rows = batch.rowmap.rows(self.program.draws[number].column.scope)
+                keys.append(mix(rows.address[chosen.row], place[chosen.owner]))
+                values.append(batch.state.values[number][chosen.row])
+            state.kept[number] = _kept(np.concatenate(keys), np.concatenate(values))
+        return make_batch(self.program, self.plan, state)
+
+    def drawn(self, numbers: np.ndarray, seed: int) -> Batch:
+        """First attempts of the objects of some numbers; which are valid their state tells."""
+        state = State(seed, numbers, np.zeros(len(numbers), dtype=np.int64))
+        return make_batch(self.program, self.plan, state)
+
+    def structures(self, batch: Batch) -> np.ndarray:
+        """(B,) uint64: a number for the discrete values of each candidate, equal where all of them are."""
+        found = np.zeros(len(batch), dtype=np.uint64)
+        for number in self.discrete:
+            scope = self.program.draws[number].column.scope
+            value = batch.state.values[number]
+            if self.program.draws[number].kind == "real":
+                value = np.round(value / TOLERANCE)
+            said = mix(np.full(len(value), number + 1, dtype=np.uint64), value.astype(np.int64))
+            for _, rank in batch.rowmap.ranks(scope):
+                said = mix(said, rank)
+            np.add.at(found, batch.owner(scope), said)
+        return found
+
+    def altered(self, batch: Batch, copies: np.ndarray, changes: Changes, lane: np.ndarray | None = None) -> Batch:
+        """Copies of candidates, each with the changed values; what no longer fits moves to where it does.
+
+        ``copies``: the place in the batch of what each copy is of. ``lane``: what the rows that are new are drawn by.
+        """
+        values = []
+        for number in range(len(self.program.draws)):
+            chosen = rows_of_draw(batch, number, copies)
+            value = batch.state.values[number][chosen.row]
+            mine = np.flatnonzero(changes.draw == number)
+            if len(mine):
+                size = int(chosen.row.max(initial=0)) + 1
+                where = chosen.owner * size + chosen.row  # ascending
+                at = np.searchsorted(where, changes.copy[mine] * size + changes.row[mine])
+                value = value.copy()
+                value[at] = changes.value[mine]
+            values.append(_kept(chosen.key, value))
+        return evaluate_again(batch, copies, values=values, lane=lane, plan=self.plan)
+
+    def freedoms(self, batch: Batch) -> Freedoms:
+        """The numbers of all candidates of a batch that can be moved."""
+        columns: list[list[np.ndarray]] = [[] for _ in range(7)]
+        for number in self.smooth:
+            draw = self.program.draws[number]
+            owner = batch.owner(draw.column.scope)
+            first, last = domain_ends(batch, number)
+            low, high = first.copy(), last.copy()
+            for bound in draw.bounds:
+                end, guard = batch.read([bound.value, bound.guard], draw.column.scope)
+                if bound.side == "low":
+                    np.maximum(low, np.where(guard, end, -np.inf), out=low)
+                else:
+                    np.minimum(high, np.where(guard, end, np.inf), out=high)
+            width = last - first
+            rows = np.flatnonzero(width > 0.0)
+            value = batch.state.values[number]
+            told = owner, np.full(len(owner), number), np.arange(len(owner)), value, low, high, width
+            for column, one in zip(columns, told, strict=True):
+                column.append(one[rows])
+        owner, draws, row, value, low, high, width = (
+            np.concatenate([np.zeros(0, dtype=kind), *column])
+            for column, kind in zip(columns, (int, int, int, float, float, float, float), strict=True)
+        )
+        order = np.argsort(owner, kind="stable")
+        owner = owner[order]
+        place = np.arange(len(owner)) - np.searchsorted(owner, owner)
+        return Freedoms(owner, draws[order], row[order], place, value[order], low[order], high[order], width[order])
+
+
+def _kept(key: np.ndarray, value: np.ndarray) -> Kept:
+    order = np.argsort(key, kind="stable")
+    still = np.zeros(len(order))
+    return Kept(key[order], value[order], still, still.astype(bool))
+
+
+def bounds(tables: list[SiteTable], count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Low and high corners (count, 3) of the boxes around candidates, of those of their primitives."""
+    low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
+    for table in tables:
+        if not len(table):
+            continue
+        first, last = box.bounds(table.primitive, table.params)
+        middle, half = (first + last) / 2, (last - first) / 2
+        middle[:, 1] *= table.mirror
+        turned = np.abs(table.rotation)
+        at = (table.rotation * middle[:, None, :]).sum(axis=2) + table.translation
+        reach = (turned * half[:, None, :]).sum(axis=2)
+        np.minimum.at(low, table.owner, at - reach)
+        np.maximum.at(high, table.owner, at + reach)
+    return low, high
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Placed:
+    """How candidates lie in the frame of what they are fitted to: points are ``scale`` times theirs plus ``shift``."""
+
+    scale: np.ndarray
+    shift: np.ndarray
+
+    def take(self, at: np.ndarray) -> Placed:
+        return Placed(self.scale[at], self.shift[at])
+
+    def of(self, points: np.ndarray) -> np.ndarray:
+        return self.scale[:, None, None] * points + self.shift[:, None, :]

@@ -1,0 +1,126 @@
+"""Clouds in the frame of programs: unit, upward axis and front as given, or as the file and the category suggest; outer surface, normals."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ..errors import UsageError
+from .compare import Targets
+from .outer import outer, spacing, towards
+from .reading import Cloud
+
+AXES = ("x", "-x", "y", "-y", "z", "-z")
+UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
+_COMPARED = 2048  # points of a target
+_NEIGHBOURS = 12  # that tell a normal
+_ODD = 2.5  # times larger or smaller than usual objects: then the unit is looked for
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """How files stand: ``up`` and ``front`` axes and ``unit``, or "auto"; ``normalised``: the scale says nothing."""
+
+    up: str = "auto"
+    front: str = "auto"
+    unit: str = "auto"
+    normalised: bool = False
+
+    def __post_init__(self) -> None:
+        if self.up != "auto" and self.front != "auto" and self.up[-1] == self.front[-1]:
+            raise UsageError(
+                f"--up {self.up} and --front {self.front} lie on one axis", "they are square to each other"
+            )
+        if self.normalised and self.unit != "auto":
+            raise UsageError("clouds without a scale have no unit", "leave out --unit, or --normalised")
+
+    def turns(self, suffix: str) -> list[tuple[str, str]]:
+        """The pairs of upward axis and front that are possible."""
+        up = ("y" if suffix in (".glb", ".gltf") else "z") if self.up == "auto" else self.up
+        if up[-1] == self.front[-1]:
+            up = "z" if up[-1] != "z" else "y"
+        fronts = [axis for axis in AXES if axis[-1] != up[-1]] if self.front == "auto" else [self.front]
+        return [(up, front) for front in fronts]
+
+
+def axis(name: str) -> np.ndarray:
+    return np.eye(3)["xyz".index(name[-1])] * (-1.0 if name.startswith("-") else 1.0)
+
+
+def turn(up: str, front: str) -> np.ndarray:
+    """(3, 3) the rotation that brings ``front`` to x and ``up`` to z."""
+    x, z = axis(front), axis(up)
+    return np.stack([x, np.cross(z, x), z])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Posed:
+    """A cloud's outer surface in metres, in the frame of its file: ``points``, ``normals`` (n, 3), ``label`` (n,); its ``unit`` in metres,
+    and which ``turns`` are tried."""
+
+    points: np.ndarray
+    normals: np.ndarray
+    label: np.ndarray
+    names: tuple[str, ...]
+    unit: str
+    turns: list[tuple[str, str]]
+    known: bool
+
+
+def pose(cloud: Cloud, frame: Frame, suffix: str, usual: float) -> Posed:
+    """The outer surface of a cloud; ``usual`` is the diagonal of common objects of the category, in metres."""
+    across = float(np.sqrt((np.ptp(cloud.points, axis=0) ** 2).sum()))
+    unit = frame.unit
+    if unit == "auto":
+        odd = abs(np.log(across / usual)) > np.log(_ODD)
+        unit = (
+            min(UNITS, key=lambda name: abs(np.log(across * UNITS[name] / usual)))
+            if odd and not frame.normalised
+            else "m"
+        )
+    points = cloud.points * UNITS[unit]
+    apart = _apart(points)
+    seen = outer(points[None], np.array([apart]))[0]
+    points, label = points[seen], cloud.label[seen]
+    normals = _estimated(points) if cloud.normals is None else cloud.normals[seen]
+    facing = (towards(points, apart) * normals).sum(axis=1)
+    if cloud.normals is not None:  # a group of a mesh may be inside out, as a whole
+        facing = np.bincount(label + 1, facing)[label + 1]
+    normals = np.where((facing < 0.0)[:, None], -normals, normals)
+    return Posed(points, normals, label, cloud.names, unit, frame.turns(suffix), not frame.normalised)
+
+
+def _apart(points: np.ndarray) -> float:
+    """How far points lie apart: of uniform ones the nearest is half as far on average."""
+    some = points[:2000]
+    return max(2.0 * float(np.median(cKDTree(points).query(some, k=2)[0][:, 1])), float(spacing(points[None])[0]) * 0.7)
+
+
+def _estimated(points: np.ndarray) -> np.ndarray:
+    """Normals, but for their sign: across the plane of the nearest points."""
+    near = points[cKDTree(points).query(points, k=_NEIGHBOURS)[1]]
+    near = near - near.mean(axis=1, keepdims=True)
+    found: np.ndarray = np.linalg.eigh(np.einsum("kni,knj->kij", near, near))[1][:, :, 0]
+    return found
+
+
+def targets(several: Sequence[Posed]) -> Targets:
+    """The targets of some objects, one for each way in which each may stand."""
+    columns: list[list[np.ndarray]] = [[] for _ in range(4)]
+    of, known = [], []
+    for number, one in enumerate(several):
+        taken = np.resize(np.arange(len(one.points)), _COMPARED)
+        for up, front in one.turns:
+            matrix = turn(up, front)
+            points = one.points @ matrix.T
+            told = points[taken], (one.normals @ matrix.T)[taken], points.min(axis=0), points.max(axis=0)
+            for column, value in zip(columns, told, strict=True):
+                column.append(value)
+            of.append(number)
+            known.append(one.known)
+    points, normals, low, high = (np.stack(column) for column in columns)
+    diagonal = np.sqrt(((high - low) ** 2).sum(axis=1))
+    return Targets(points, normals, diagonal, spacing(points), low, high, np.array(of), np.array(known))

@@ -1,0 +1,262 @@
+"""Files of real objects: meshes, point clouds and robots (URDF), each as one cloud of its surface in the file's own frame and unit."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+
+from ..errors import UserError
+
+_MESHES = (".obj", ".ply", ".glb", ".gltf", ".stl", ".off")
+_CLOUDS = (".npz", ".xyz")
+_SUFFIXES = (*_MESHES, *_CLOUDS, ".urdf")
+_POINTS = 30_000  # taken of a surface
+_LEAST = 200  # points that a cloud has at least
+_MOST_BYTES = 2 << 30
+_SEED = 1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cloud:
+    """``points`` (n, 3) of a surface, in random order; ``normals`` (n, 3) as the file has them, None where it has none; ``label`` (n,)
+    indexes ``names``, those of groups, links or classes that the file tells apart, -1 for none."""
+
+    points: np.ndarray
+    normals: np.ndarray | None
+    label: np.ndarray
+    names: tuple[str, ...]
+
+
+def find_files(places: list[str]) -> list[Path]:
+    """The files that are named, and those in folders that are, in the order of their names. Raises UserError."""
+    found: list[Path] = []
+    for name in places:
+        place = Path(name)
+        if place.is_dir():
+            inside = sorted(p for p in place.rglob("*") if p.suffix.lower() in _SUFFIXES and p.is_file())
+            robots = {p.parent for p in inside if p.suffix.lower() == ".urdf"}
+            inside = [p for p in inside if p.suffix.lower() == ".urdf" or not robots & {*p.parents}]
+            inside = [p for p in inside if p.suffix.lower() not in _CLOUDS or not _doubled(p, inside)]
+            if not inside:
+                raise UserError(f"{place} has no file that can be fitted", f"the kinds are {', '.join(_SUFFIXES)}")
+            found += inside
+        elif place.exists():
+            found.append(place)
+        else:
+            raise UserError(f"there is no file or folder {place}")
+    return list(dict.fromkeys(found))
+
+
+def _doubled(cloud: Path, others: list[Path]) -> bool:
+    """Whether a cloud stands beside one mesh, alone with it: then both are of one object."""
+    beside = [p for p in others if p.parent == cloud.parent and p != cloud]
+    return len(beside) == 1 and beside[0].suffix.lower() in _MESHES
+
+
+def read_cloud(path: Path) -> Cloud:
+    """The surface of a file as points. Raises UserError with what is wrong with it."""
+    suffix = path.suffix.lower()
+    if suffix not in _SUFFIXES:
+        raise UserError(
+            f"{path.name}: {suffix or 'a file without a suffix'} is no kind that can be read",
+            f"the kinds are {', '.join(_SUFFIXES)}",
+        )
+    try:
+        if path.stat().st_size > _MOST_BYTES:
+            raise UserError(f"{path.name} is larger than 2 GB", "simplify it first")
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            cloud = _read_points(path) if suffix in _CLOUDS else _read_solids(path)
+    except UserError:
+        raise
+    except FileNotFoundError as missing:
+        raise UserError(f"{path.name}: there is no file {missing.filename or path}") from None
+    except OSError as wrong:
+        raise UserError(f"{path.name} cannot be read: {wrong.strerror or wrong}") from None
+    except Exception as wrong:  # noqa: BLE001 - libraries that read formats raise whatever they please
+        raise UserError(
+            f"{path.name} cannot be read as {suffix[1:]}: {str(wrong)[:120] or type(wrong).__name__}"
+        ) from None
+    return _checked(cloud, path.name)
+
+
+def _checked(cloud: Cloud, name: str) -> Cloud:
+    good = np.isfinite(cloud.points).all(axis=1)
+    if cloud.normals is not None:
+        length = np.sqrt((cloud.normals**2).sum(axis=1))
+        good &= np.isfinite(length)
+    lost = len(good) - int(good.sum())
+    if lost > 0.5 * len(good):
+        raise UserError(f"{name}: {lost} of {len(good)} points are no numbers", "export it again")
+    at = np.flatnonzero(good)
+    if len(at) < _LEAST:
+        raise UserError(f"{name} has {len(at)} points, too few to see a shape", f"at least {_LEAST} are needed")
+    at = at[np.random.Generator(np.random.Philox(_SEED)).permutation(len(at))[:_POINTS]]
+    points = cloud.points[at].astype(np.float64)
+    size = np.ptp(points, axis=0)
+    if not 1e-9 < size.max() < 1e9:
+        raise UserError(f"{name} is {size.max():g} long: there is no shape in it")
+    if np.sort(size)[1] < 1e-4 * size.max():
+        raise UserError(f"{name} is a line, not a surface")
+    normals = None if cloud.normals is None else cloud.normals[at].astype(np.float64)
+    if normals is not None:
+        length = np.sqrt((normals**2).sum(axis=1, keepdims=True))
+        normals = None if (length < 1e-9).mean() > 0.01 else normals / np.maximum(length, 1e-12)
+    return Cloud(points, normals, cloud.label[at], cloud.names)
+
+
+# ---------------------------------------------------------------- points
+
+
+def _read_points(path: Path) -> Cloud:
+    if path.suffix.lower() == ".xyz":
+        table = np.loadtxt(path, ndmin=2)
+        if table.shape[1] < 3:
+            raise UserError(f"{path.name} has {table.shape[1]} numbers a line", "three are needed, or six with normals")
+        normals = table[:, 3:6] if table.shape[1] >= 6 else None
+        return Cloud(table[:, :3], normals, np.full(len(table), -1), ())
+    with np.load(path, allow_pickle=False) as held:
+        if "points" not in held:
+            raise UserError(f"{path.name} has no array `points`", f"it has {', '.join(held) or 'none'}")
+        points = np.asarray(held["points"], dtype=np.float64)
+        if points.ndim != 2 or points.shape[1] != 3:
+            raise UserError(f"{path.name}: `points` is of shape {points.shape}", "one of (n, 3) is needed")
+        normals = np.asarray(held["normals"], dtype=np.float64) if "normals" in held else None
+        if normals is not None and normals.shape != points.shape:
+            raise UserError(f"{path.name}: `normals` is of shape {normals.shape}, not that of the points")
+        for ids, words in (("label", "label_names"), ("link_id", "link_names")):
+            if ids in held and words in held:
+                label, names = np.asarray(held[ids]).astype(np.int64), tuple(map(str, held[words]))
+                if label.shape == (len(points),):
+                    return Cloud(points, normals, np.where(label < len(names), label, -1), names)
+        return Cloud(points, normals, np.full(len(points), -1), ())
+
+
+# ---------------------------------------------------------------- solids
+
+
+def _read_solids(path: Path) -> Cloud:
+    pieces = _robot(path) if path.suffix.lower() == ".urdf" else _load(path)
+    if not any(len(mesh.faces) for _, mesh in pieces if hasattr(mesh, "faces")):
+        vertices = [np.asarray(mesh.vertices) for _, mesh in pieces]
+        if not vertices or not sum(map(len, vertices)):
+            raise UserError(f"{path.name} has no surface")
+        points = np.concatenate(vertices)
+        return Cloud(points, None, np.full(len(points), -1), ())
+    pieces = [(name, mesh) for name, mesh in pieces if len(getattr(mesh, "faces", ()))]
+    names = tuple(dict.fromkeys(name for name, _ in pieces))
+    corners = np.concatenate([np.asarray(mesh.triangles, dtype=np.float64) for _, mesh in pieces])
+    label = np.concatenate([np.full(len(mesh.faces), names.index(name)) for name, mesh in pieces])
+    return _sampled(corners, label, names, path.name)
+
+
+def _sampled(corners: np.ndarray, label: np.ndarray, names: tuple[str, ...], name: str) -> Cloud:
+    """Points uniform by area on triangles (f, 3, 3)."""
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    twice = np.sqrt((across**2).sum(axis=1))
+    twice = np.where(np.isfinite(twice), twice, 0.0)
+    if not twice.sum() > 0.0:
+        raise UserError(f"{name} has triangles, but no surface: they are all without area, or no numbers")
+    chance = np.random.Generator(np.random.Philox(_SEED))
+    count = 2 * _POINTS  # what lies inside goes
+    face = np.searchsorted(np.cumsum(twice), (np.arange(count) + chance.random()) * twice.sum() / count, side="right")
+    face = np.minimum(face, len(twice) - 1)
+    first, second = np.sqrt(chance.random(count)), chance.random(count)
+    weights = np.stack([1.0 - first, first * (1.0 - second), first * second], axis=1)
+    points = (corners[face] * weights[:, :, None]).sum(axis=1)
+    return Cloud(points, across[face] / np.maximum(twice[face], 1e-300)[:, None], label[face], names)
+
+
+def _load(path: Path) -> list[tuple[str, Any]]:
+    """The meshes (or clouds) of a file, each by its name, in the frame of the file."""
+    import trimesh  # start-up: what reads no meshes starts without it
+
+    options: dict[str, Any] = {"process": False}
+    if path.suffix.lower() == ".obj":
+        options |= {"split_object": True, "group_material": False, "skip_materials": True}
+    held: Any = trimesh.load(path, **options)
+    if not hasattr(held, "geometry"):
+        return [(path.stem, held)]
+    pieces = []
+    for node in held.graph.nodes_geometry:
+        matrix, name = held.graph[node]
+        mesh = held.geometry[name].copy()
+        mesh.apply_transform(matrix)
+        pieces.append((str(name), mesh))
+    if not pieces:
+        raise UserError(f"{path.name} has no surface")
+    return pieces
+
+
+def _robot(path: Path) -> list[tuple[str, Any]]:
+    """The visible meshes of a URDF with its joints at 0, each by the name of its link."""
+    import trimesh  # start-up: as above
+
+    root = ElementTree.parse(path).getroot()
+    above: dict[str, ElementTree.Element] = {}
+    for joint in root.iter("joint"):
+        child = joint.find("child")
+        if child is not None:
+            above[child.get("link", "")] = joint
+    pieces = []
+    for link in root.iter("link"):
+        name, matrix = link.get("name", ""), np.eye(4)
+        seen: set[str] = set()
+        at: str | None = name
+        while at is not None and at in above and at not in seen:
+            seen.add(at)
+            matrix = _origin(above[at]) @ matrix
+            parent = above[at].find("parent")
+            at = None if parent is None else parent.get("link")
+        for visual in link.iter("visual"):
+            for mesh in _shapes(visual, path, trimesh):
+                mesh.apply_transform(matrix @ _origin(visual))
+                pieces.append((name, mesh))
+    if not pieces:
+        raise UserError(
+            f"{path.name} has no visible shapes", "a <visual> with a mesh, box, cylinder or sphere is needed"
+        )
+    return pieces
+
+
+def _shapes(visual: ElementTree.Element, path: Path, trimesh: Any) -> list[Any]:
+    shape = visual.find("geometry")
+    found = []
+    for one in [] if shape is None else list(shape):
+        if one.tag == "mesh":
+            name = one.get("filename", "").split("://")[-1]
+            file = next(
+                (p for p in (path.parent / name, *(a / name for a in path.parents)) if p.is_file()), path.parent / name
+            )
+            scale = np.array([float(x) for x in one.get("scale", "1 1 1").split()])
+            for _, mesh in _load(file):
+                mesh.apply_transform(np.diag([*scale, 1.0]))
+                found.append(mesh)
+        elif one.tag == "box":
+            found.append(trimesh.creation.box([float(x) for x in one.get("size", "1 1 1").split()]))
+        elif one.tag == "cylinder":
+            found.append(trimesh.creation.cylinder(float(one.get("radius", 1)), float(one.get("length", 1))))
+        elif one.tag == "sphere":
+            found.append(trimesh.creation.icosphere(radius=float(one.get("radius", 1))))
+    return found
+
+
+def _origin(of: ElementTree.Element) -> np.ndarray:
+    origin, matrix = of.find("origin"), np.eye(4)
+    if origin is None:
+        return matrix
+    r, p, y = (float(x) for x in origin.get("rpy", "0 0 0").split())
+    (cr, sr), (cp, sp), (cy, sy) = ((math.cos(a), math.sin(a)) for a in (r, p, y))
+    matrix[:3, :3] = [
+        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+        [-sp, cp * sr, cp * cr],
+    ]
+    matrix[:3, 3] = [float(x) for x in origin.get("xyz", "0 0 0").split()]
+    return matrix

@@ -1,0 +1,210 @@
+"""The numbers of all candidates moved together: damped least squares on the gaps both ways (Levenberg and Marquardt).
+
+Derivatives are forward differences: each candidate stands once more in a batch for each of its numbers, moved a little
+towards the side where there is room. A point's place is asked again only where its primitive has changed. What a requirement
+leaves no room for is clipped by the evaluation itself, so that every step ends at an object that the text allows.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..geometry import points as geometry
+from ..geometry.hidden import runs
+from ..geometry.sites import SiteTable
+from ..runtime.batch import Batch
+from .compare import Candidates, Compared, Targets, chosen, compare, starts
+from .match import Gaps
+from .model import Changes, Freedoms, Model, Placed
+
+_STEP = 2e-3  # of a difference, in ranges
+_LEAST_ROOM = 1e-7  # in ranges: a number with less on both sides stays
+_LONGEST = 0.35  # a number moves so far at a time, in ranges
+_WEAK = 1e-6  # what holds numbers that nothing depends on where they are
+_DAMPING = 1e-2
+_OPPOSED = 0.1  # what a pair counts whose normals disagree
+_SHIFTS = 3
+
+
+@dataclass(frozen=True, slots=True)
+class Schedule:
+    """``steps`` with ``points`` of each candidate; gaps count little beyond ``width`` (diagonals), the first and the last."""
+
+    steps: int
+    points: int
+    width: tuple[float, float]
+
+
+def refine(model: Model, targets: Targets, found: Candidates, schedule: Schedule) -> Candidates:
+    """The candidates after some steps; none is worse than it was."""
+    damping = np.full(len(found), _DAMPING)
+    batch, target, placed = found.batch, found.target, found.placed
+    now = compare(batch, target, placed, targets, schedule.points)
+    first, last = schedule.width
+    for step in range(schedule.steps):
+        width = first * (last / first) ** (step / max(schedule.steps - 1, 1))
+        moved, there = _step(model, targets, batch, target, placed, now, damping, width)
+        then = compare(moved, target, there, targets, schedule.points)
+        better = (then.score < now.score) & ~moved.state.failed
+        damping = np.where(better, np.maximum(damping * 0.3, 1e-5), np.minimum(damping * 6.0, 1e3))
+        if better.any():
+            batch, placed, now = _chosen(model, better, (batch, placed, now), (moved, there, then))
+    return Candidates(batch, target, placed, now.score)
+
+
+def _chosen(
+    model: Model, better: np.ndarray, old: tuple[Batch, Placed, Compared], new: tuple[Batch, Placed, Compared]
+) -> tuple[Batch, Placed, Compared]:
+    """The new ones where they are better."""
+    if better.all():
+        return new
+    rest, some = np.flatnonzero(~better), np.flatnonzero(better)
+    batch = model.assembled([(old[0], rest), (new[0], some)], [rest, some])
+    placed = Placed(np.where(better, new[1].scale, old[1].scale), np.where(better[:, None], new[1].shift, old[1].shift))
+    return batch, placed, chosen(better, new[2], old[2])
+
+
+def _step(
+    model: Model,
+    targets: Targets,
+    batch: Batch,
+    target: np.ndarray,
+    placed: Placed,
+    now: Compared,
+    damping: np.ndarray,
+    width: float,
+) -> tuple[Batch, Placed]:
+    """Each candidate after one damped step towards smaller gaps."""
+    free = model.freedoms(batch)
+    moved = _derivatives(model, batch, now, free) * placed.scale[:, None, None, None]
+    diagonal, every = targets.diagonal[target], np.arange(len(target))[:, None]
+    matrix = np.zeros((len(target), moved.shape[1] + _SHIFTS + 1, moved.shape[1] + _SHIFTS + 1))
+    slope = np.zeros(matrix.shape[:2])
+    local = now.position - placed.shift[:, None, :]  # what a scale carries outwards
+    grown = targets.known[target]
+    seen = [np.ones(now.there.shape), np.where(now.hidden, 0.0, 1.0)]
+    index = [now.there, None]
+    for gap, agree, weight, at in zip((now.to_surface, now.to_cloud), now.agree, seen, index, strict=True):
+        carried = moved if at is None else np.take_along_axis(moved, at[:, None, :, None], axis=2)
+        out = local if at is None else local[every, at]
+        columns = (
+            np.concatenate(
+                [
+                    (carried * gap.way[:, None]).sum(axis=3),
+                    gap.way.transpose(0, 2, 1),
+                    np.where(grown[:, None], 0.0, (out * gap.way).sum(axis=2))[:, None],
+                ],
+                axis=1,
+            )
+            / diagonal[:, None, None]
+        )
+        weight = weight * _trust(gap, width) * np.maximum(agree, _OPPOSED)
+        weight = weight / np.maximum(_count(weight), 1.0)[:, None]
+        leaned = columns * weight[:, None, :]
+        matrix += leaned @ columns.transpose(0, 2, 1)
+        slope += (leaned * gap.value[:, None, :]).sum(axis=2)
+    return _solved(model, batch, placed, free, matrix, slope, damping, diagonal)
+
+
+def _count(weight: np.ndarray) -> np.ndarray:
+    return np.asarray((weight > 0.0).sum(axis=1))
+
+
+def _trust(gap: Gaps, width: float) -> np.ndarray:
+    """What gaps count: whole ones within ``width``, little beyond (Geman and McClure)."""
+    return 1.0 / (1.0 + (gap.value / width) ** 2) ** 2
+
+
+def _solved(
+    model: Model,
+    batch: Batch,
+    placed: Placed,
+    free: Freedoms,
+    matrix: np.ndarray,
+    slope: np.ndarray,
+    damping: np.ndarray,
+    diagonal: np.ndarray,
+) -> tuple[Batch, Placed]:
+    """The damped equations solved; numbers that would leave their range stay where they are."""
+    most = free.most
+    room = _LEAST_ROOM * free.width
+    pressed = np.zeros(slope.shape, dtype=bool)
+    downhill = -slope[free.owner, free.place]
+    pressed[free.owner, free.place] = np.where(
+        downhill > 0, free.high - free.value < room, free.value - free.low < room
+    )
+    matrix = np.where(pressed[:, :, None] | pressed[:, None, :], 0.0, matrix)
+    slope = np.where(pressed, 0.0, slope)
+    own = np.einsum("kii->ki", matrix)
+    total = matrix + np.eye(matrix.shape[1]) * (own * damping[:, None] + _WEAK)[:, :, None]
+    way = -np.linalg.solve(total, slope[:, :, None])[:, :, 0]
+    numbers = np.clip(way[free.owner, free.place], -_LONGEST, _LONGEST)
+    value = np.clip(free.value + numbers * free.width, free.low, free.high)
+    copies = np.arange(len(batch))
+    moved = model.altered(batch, copies, Changes(free.owner, free.draw, free.row, value))
+    shift = np.clip(way[:, most : most + _SHIFTS], -_LONGEST * diagonal[:, None], _LONGEST * diagonal[:, None])
+    grown = np.clip(way[:, most + _SHIFTS], -_LONGEST, _LONGEST)
+    return moved, Placed(placed.scale * np.exp(grown), placed.shift + shift)
+
+
+# ---------------------------------------------------------------- derivatives
+
+
+def _derivatives(model: Model, batch: Batch, now: Compared, free: Freedoms) -> np.ndarray:
+    """(K, P, n, 3): how the points of each candidate move as each of its numbers grows by the width of its range."""
+    count, n = now.position.shape[:2]
+    out = np.zeros((count, free.most, n, 3))
+    if not len(free):
+        return out
+    upward = free.high - free.value >= free.value - free.low
+    reach = np.minimum(_STEP * free.width, np.maximum(free.high - free.value, free.value - free.low))
+    reach = np.where(upward, reach, -reach)
+    value = free.value + reach
+    moved = model.altered(batch, free.owner, Changes(np.arange(len(free)), free.draw, free.row, value))
+    tables, others = batch.sites(), moved.sites()
+    begin = starts(tables)
+    copy, there, base = _changed(tables, others, free.owner, begin)
+    first = np.zeros((len(begin), count), dtype=np.int64)
+    for table in tables:
+        first[table.number] = begin[table.number] + np.searchsorted(table.owner, np.arange(count))
+    stands = first[now.points.site, np.arange(count)[:, None]] + now.element  # of each point, among all rows
+    stands = stands.ravel()
+    order = np.argsort(stands, kind="stable")
+    count_of = np.bincount(stands, minlength=begin[-1])
+    low = np.cumsum(count_of) - count_of
+    many = count_of[base]
+    point = order[runs(low[base], many)]
+    copy, there = np.repeat(copy, many), np.repeat(there, many)
+    own, point = point // n, point % n
+    site, patch, u, v = (getattr(now.points, name)[own, point] for name in ("site", "patch", "u", "v"))
+    place, _, exists = geometry.evaluate_flat(others, copy, site, there, patch, u, v)
+    way = (place - now.points.position[own, point]) * (free.width / np.where(reach == 0.0, np.inf, reach))[copy, None]
+    out[own, free.place[copy], point] = np.where(exists[:, None], way, 0.0)
+    return out
+
+
+def _changed(
+    tables: list[SiteTable], moved: list[SiteTable], owner: np.ndarray, begin: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Rows of the primitives of copies that are not what they are in the candidate ``owner`` (copies,) they were made from: the copy,
+    the row of its table, and that of the candidate among all rows; ordered by copy."""
+    found: list[list[np.ndarray]] = [[], [], []]
+    for table, other in zip(tables, moved, strict=True):
+        if not len(table) or not len(other):
+            continue
+        candidate = owner[other.owner]
+        first, last = (np.searchsorted(table.owner, candidate, side=side) for side in ("left", "right"))
+        there = np.flatnonzero(first + other.rank < last)
+        base = (first + other.rank)[there]
+        differs = (table.rotation[base] != other.rotation[there]).any(axis=(1, 2))
+        differs |= (table.translation[base] != other.translation[there]).any(axis=1)
+        for name, value in table.params.items():
+            differs |= value[base] != other.params[name][there]
+        told = other.owner[there], there, begin[table.number] + base
+        for column, one in zip(found, told, strict=True):
+            column.append(one[differs])
+    copy, row, base = (np.concatenate([np.zeros(0, dtype=np.int64), *column]) for column in found)
+    order = np.argsort(copy, kind="stable")
+    return copy[order], row[order], base[order]

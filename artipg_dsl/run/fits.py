@@ -1,0 +1,252 @@
+"""A folder of fitted objects: a record and a picture for each file, all values in one file, and the objects as samples.
+
+Files are fitted in groups of a fixed order, so that a group gives the same whoever works on it. A group all of whose records are there
+and tell of the same files, program and options is left alone.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import UserError
+from ..export.content import Content
+from ..export.registry import choose_formats
+from ..export.write import ensure_folder, sweep_unfinished, write_bytes
+from ..fit.fitting import TOGETHER, fit, usual_size
+from ..fit.model import Model
+from ..fit.pose import Frame, Posed, pose
+from ..fit.reading import read_cloud
+from ..sampling.sample import Sampler
+from ..view.overlay import overlay
+from ..view.png import png_bytes
+from ..view.sheet import make_renderer
+from .dataset import write_dataset
+from .job import prepare
+from .output import Output
+from .request import read_request
+from .workers import map_each
+
+FITS, PICTURES, VALUES, SUMMARY = "fits", "pictures", "values.jsonl", "fit.json"
+_VERSION = 1
+_TILE = 320
+_NO_MATCH = "does not fit"
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What is fitted: ``source`` names the program; ``words`` maps names of labels to words of ``semantic``."""
+
+    source: str
+    out: Path
+    frame: Frame
+    seed: int = 0
+    checked: bool = True
+    words: tuple[tuple[str, str], ...] = ()
+    pictures: bool = True
+
+    def plain(self, program: str) -> dict[str, Any]:
+        return {
+            "version": _VERSION,
+            "program": program,
+            "frame": asdict(self.frame),
+            "seed": self.seed,
+            "checked": self.checked,
+            "words": [list(pair) for pair in self.words],
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """A file to fit, and what its results are called."""
+
+    path: Path
+    name: str
+
+
+def _name_files(paths: Sequence[Path]) -> list[Item]:
+    """Names of files that are their own: as short as their folders allow."""
+    parts = [[*path.resolve().parts[1:-1], path.stem] for path in paths]
+    shared = 0
+    while all(len(p) > shared + 1 and p[shared] == parts[0][shared] for p in parts) and len(paths) > 1:
+        shared += 1
+    shared = min(shared, min(map(len, parts)) - 1) if len(paths) > 1 else len(parts[0]) - 1
+    found: list[Item] = []
+    taken: set[str] = set()
+    for path, part in zip(paths, parts, strict=True):
+        name = plain = "-".join(part[shared:])
+        number = 1
+        while name in taken:
+            number += 1
+            name = f"{plain}-{number}"
+        taken.add(name)
+        found.append(Item(path, name))
+    return found
+
+
+def write_fits(
+    sampler: Sampler,
+    asked: Asked,
+    paths: Sequence[Path],
+    *,
+    force: bool = False,
+    workers: int = 1,
+    progress: Callable[[int, int], None] | None = None,
+) -> dict[str, Any]:
+    """Fit the files and write the folder; what the summary says. Raises UserError."""
+    items = _name_files(paths)
+    for folder in (FITS, PICTURES):
+        sweep_unfinished(ensure_folder(asked.out / folder))
+    groups = [items[at : at + TOGETHER] for at in range(0, len(items), TOGETHER)]
+    options = asked.plain(sampler.program.hash)
+    left = [group for group in groups if force or not all(_done(asked, options, item) for item in group)]
+    done = len(items) - sum(map(len, left))
+    if progress:
+        progress(done, len(items))
+    for group in _each(sampler, asked, left, workers):
+        done += len(group)
+        if progress:
+            progress(done, len(items))
+    return _summarize(sampler, asked, options, items)
+
+
+def _each(sampler: Sampler, asked: Asked, groups: list[list[Item]], workers: int) -> Iterator[list[Item]]:
+    if workers > 1 and len(groups) > 1:
+        yield from map_each(_fit_theirs, groups, workers, _take, sampler, asked)
+        return
+    for group in groups:
+        yield _fit_group(_Work.of(sampler, asked), group)
+
+
+# ---------------------------------------------------------------- one group
+
+
+@dataclass(slots=True, eq=False)
+class _Work:
+    model: Model
+    asked: Asked
+    usual: float
+    draw: Any
+
+    @staticmethod
+    def of(sampler: Sampler, asked: Asked) -> _Work:
+        model = Model(sampler)
+        return _Work(model, asked, usual_size(model), make_renderer("auto", _TILE) if asked.pictures else None)
+
+
+_theirs: _Work | None = None  # what this worker works for
+
+
+def _take(sampler: Sampler, asked: Asked) -> None:
+    global _theirs
+    _theirs = _Work.of(sampler, asked)
+
+
+def _fit_theirs(group: list[Item]) -> list[Item]:
+    assert _theirs is not None
+    return _fit_group(_theirs, group)
+
+
+def _fit_group(work: _Work, group: list[Item]) -> list[Item]:
+    asked = work.asked
+    options = asked.plain(work.model.program.hash)
+    read: list[tuple[Item, Posed]] = []
+    for item in group:
+        try:
+            cloud = read_cloud(item.path)
+            read.append((item, pose(cloud, asked.frame, item.path.suffix.lower(), work.usual)))
+        except UserError as wrong:
+            reason = wrong.message + (f" ({wrong.hint})" if wrong.hint else "")
+            _write(asked, item, {"failed": reason}, options)
+    if not read:
+        return group
+    found = fit(
+        work.model, [posed for _, posed in read], seed=asked.seed, checked=asked.checked, words=dict(asked.words)
+    )
+    for (item, _), one in zip(read, found, strict=True):
+        if asked.pictures:
+            image = overlay(one.batch, one.row, one.cloud, tile=_TILE, draw=work.draw)
+            write_bytes(asked.out / PICTURES / f"{item.name}.png", png_bytes(image), force=True)
+        _write(asked, item, {**one.told, "drawn": one.values}, options)
+    return group
+
+
+# ---------------------------------------------------------------- records
+
+
+def _mark(path: Path) -> str:
+    """What a file holds, in short; nothing for one that cannot be read."""
+    digest = blake2b(digest_size=16)
+    try:
+        with open(path, "rb") as stream:
+            while block := stream.read(1 << 20):
+                digest.update(block)
+    except OSError:
+        return ""
+    return digest.hexdigest()
+
+
+def _write(asked: Asked, item: Item, told: Mapping[str, Any], options: Mapping[str, Any]) -> None:
+    record = {"name": item.name, "source": str(item.path), **told, "file": _mark(item.path), "options": options}
+    write_bytes(asked.out / FITS / f"{item.name}.json", _to_text(record), force=True)
+
+
+def _to_text(record: Mapping[str, Any]) -> bytes:
+    return (json.dumps(record, indent=1, ensure_ascii=False) + "\n").encode()
+
+
+def _record(asked: Asked, item: Item) -> dict[str, Any] | None:
+    try:
+        found = json.loads((asked.out / FITS / f"{item.name}.json").read_bytes())
+    except (OSError, ValueError):
+        return None
+    return found if isinstance(found, dict) else None
+
+
+def _done(asked: Asked, options: Mapping[str, Any], item: Item) -> bool:
+    found = _record(asked, item)
+    return found is not None and found.get("options") == options and found.get("file") == _mark(item.path)
+
+
+def _summarize(sampler: Sampler, asked: Asked, options: Mapping[str, Any], items: Sequence[Item]) -> dict[str, Any]:
+    """Write what was found of all files: the summary, the values, and the objects as samples."""
+    records = [found for item in items if (found := _record(asked, item)) is not None]
+    good = [r for r in records if "drawn" in r and r["verdict"] != _NO_MATCH]
+    number = {r["name"]: k for k, r in enumerate(good)}
+    objects = [
+        {
+            "object": number.get(r["name"]),
+            "name": r["name"],
+            "source": r["source"],
+            "verdict": r["verdict"],
+            "distance": r["distance"]["both"],
+            "valid": r["valid"],
+        }
+        for r in records
+        if "drawn" in r
+    ]
+    failed = [{"name": r["name"], "source": r["source"], "reason": r["failed"]} for r in records if "failed" in r]
+    shares = [one["distance"] for one in objects]
+    summary = {
+        "category": sampler.program.name,
+        "options": options,
+        "median": None if not shares else round(float(np.median(shares)), 4),
+        "objects": objects,
+        "failed": failed,
+    }
+    lines = [
+        json.dumps({"name": r["name"], "source": r["source"], "drawn": r["drawn"]}, ensure_ascii=False) for r in good
+    ]
+    write_bytes(asked.out / VALUES, "".join(line + "\n" for line in lines).encode(), force=True)
+    if good:
+        request = read_request(asked.source, seed=asked.seed, checked=asked.checked, values=[r["drawn"] for r in good])
+        written = Output.of(choose_formats("annotation"), Content())
+        write_dataset(prepare(sampler, request), asked.out, written, force=True)
+    write_bytes(asked.out / SUMMARY, _to_text(summary), force=True)
+    return summary

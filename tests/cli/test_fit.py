@@ -1,0 +1,80 @@
+"""``apgc fit``: files into a folder that sample and mutate accept."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import artipg_dsl as apg
+
+from .helpers import CHEST, Apgc, tree
+
+
+@pytest.fixture(scope="module")
+def real(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with two chests as clouds, and a file that is none."""
+    folder = tmp_path_factory.mktemp("real")
+    points = apg.sample(CHEST, n=2, seed=4).points(6000)
+    for k in range(2):
+        label = (points.semantic[k] == points.semantic[k].max()).astype(int)
+        np.savez(
+            folder / f"chest{k}.npz",
+            points=points.position[k],
+            normals=points.normal[k],
+            label=label,
+            label_names=["Box", "Knob"],
+        )
+    (folder / "broken.obj").write_text("f 1 2 3\n")
+    return folder
+
+
+def test_a_folder_of_files(apgc: Apgc, real: Path, tmp_path: Path) -> None:
+    out = tmp_path / "fitted"
+    (tmp_path / "map.json").write_text('{"Knob": "handle"}')
+    asked = ("fit", CHEST, real, "-o", out, "--front", "x", "--map", tmp_path / "map.json")
+    code, said, err = apgc(*asked)
+    assert code == 0 and "2 objects" in err and "1 file could not be read" in err
+    assert said.count("fits") == 2 and "broken" in said and "not read" in said
+    summary = json.loads((out / "fit.json").read_text())
+    assert [one["object"] for one in summary["objects"]] == [0, 1] and len(summary["failed"]) == 1
+    record = json.loads((out / "fits" / "chest0.json").read_text())
+    assert record["iou"].keys() == {"handle"} and record["distance"]["both"] < 0.5
+    assert (out / "pictures" / "chest1.png").read_bytes().startswith(b"\x89PNG")
+
+    before = tree(out)  # a second run leaves all as it is, and works on nothing
+    code, _, _ = apgc(*asked)
+    assert code == 0 and tree(out) == before
+
+    code, _, err = apgc("sample", CHEST, "--params", out / "values.jsonl", "-o", tmp_path / "again", "--points", 64)
+    assert code == 0 and "2 objects" in err
+    code, _, err = apgc("mutate", out, "-o", tmp_path / "mutants", "-n", 2)
+    assert code == 0 and "4 objects" in err
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["nowhere"], "there is no file or folder nowhere"),
+        (["--front", "z", "--up", "z", "."], "lie on one axis"),
+        (["--normalised", "--unit", "cm", "."], "have no unit"),
+        (["--map", "nowhere.json", "{real}"], "nowhere.json cannot be read"),
+    ],
+)
+def test_what_is_refused(apgc: Apgc, real: Path, tmp_path: Path, words: list[str], told: str) -> None:
+    code, _, err = apgc("fit", CHEST, *[word.format(real=real) for word in words], "-o", tmp_path / "out")
+    assert code in (1, 2) and told in err
+
+
+def test_a_word_that_is_none(apgc: Apgc, real: Path, tmp_path: Path) -> None:
+    (tmp_path / "map.json").write_text('{"Knob": "handel"}')
+    code, _, err = apgc("fit", CHEST, real, "-o", tmp_path / "out", "--map", tmp_path / "map.json")
+    assert code == 2 and "no word of `semantic`" in err and "did you mean `handle`?" in err
+
+
+def test_a_folder_of_nothing_but_bad_files(apgc: Apgc, tmp_path: Path) -> None:
+    (tmp_path / "a.obj").write_text("")
+    code, said, err = apgc("fit", CHEST, tmp_path / "a.obj", "-o", tmp_path / "out")
+    assert code == 1 and "not read" in said

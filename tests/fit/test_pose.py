@@ -1,0 +1,51 @@
+"""Clouds brought into the frame of programs: outer surface, normals, axes, unit."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+
+from artipg_dsl.errors import UsageError
+from artipg_dsl.fit.outer import outer
+from artipg_dsl.fit.pose import Frame, pose, targets, turn
+from artipg_dsl.fit.reading import Cloud
+
+
+def box(size: list[float], count: int = 6000) -> tuple[np.ndarray, np.ndarray]:
+    mesh = trimesh.creation.box(size)
+    points, face = trimesh.sample.sample_surface(mesh, count, seed=1)
+    return np.asarray(points), mesh.face_normals[face]
+
+
+def test_what_lies_inside_is_left_out() -> None:
+    (outside, _), (inside, _) = box([1.0, 1.0, 1.0]), box([0.5, 0.5, 0.5])
+    seen = outer(np.concatenate([outside, inside])[None])[0]
+    assert seen[: len(outside)].all() and seen[len(outside) :].mean() < 0.01
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_normals_face_outwards(known: bool) -> None:
+    points, normals = box([0.3, 0.4, 0.5])
+    cloud = Cloud(points, -normals if known else None, np.full(len(points), -1), ())  # a mesh that is inside out
+    posed = pose(cloud, Frame(front="x"), ".obj", 0.7)
+    outward = (posed.points * posed.normals).sum(axis=1) > 0
+    assert outward.mean() > (0.999 if known else 0.97)  # at edges they are uncertain
+
+
+def test_axes_come_to_stand_where_programs_have_them() -> None:
+    assert (turn("y", "z") @ [0, 1, 0] == [0, 0, 1]).all() and (turn("y", "z") @ [0, 0, 1] == [1, 0, 0]).all()
+    assert np.linalg.det(turn("-y", "x")) == 1.0
+    assert Frame().turns(".glb") == [("y", front) for front in ("x", "-x", "z", "-z")]
+    assert Frame(front="-y").turns(".obj") == [("z", "-y")]
+    with pytest.raises(UsageError):
+        Frame(up="z", front="-z")
+
+
+def test_the_unit_is_what_the_sizes_of_the_category_suggest() -> None:
+    points, normals = box([300.0, 400.0, 500.0])
+    cloud = Cloud(points, normals, np.full(len(points), -1), ())
+    posed = pose(cloud, Frame(front="x"), ".stl", 0.7)
+    assert posed.unit == "mm" and np.allclose(targets([posed]).size[0], [0.3, 0.4, 0.5], atol=1e-3)
+    assert pose(cloud, Frame(front="x", unit="cm"), ".stl", 0.7).unit == "cm"
+    assert pose(cloud, Frame(front="x", normalised=True), ".stl", 0.7).unit == "m"

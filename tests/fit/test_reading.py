@@ -1,0 +1,83 @@
+"""Files of real objects: every kind gives the same cloud, and what is wrong with a file is said."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from artipg_dsl.errors import UserError
+from artipg_dsl.fit.reading import find_files, read_cloud
+
+SIZE = np.array([0.2, 0.4, 0.6])
+ROBOT = """<robot name="r"><link name="base"><visual><geometry><box size="0.2 0.4 0.3"/></geometry></visual></link>
+<link name="lid"><visual><origin xyz="0 0 0.15"/><geometry><mesh filename="lid.stl" scale="0.001 0.001 0.001"/></geometry></visual></link>
+<joint name="j" type="fixed"><parent link="base"/><child link="lid"/><origin xyz="0 0 0.15"/></joint></robot>"""
+
+
+@pytest.mark.parametrize("suffix", ["obj", "ply", "glb", "stl", "off"])
+def test_kinds_of_meshes(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"box.{suffix}"
+    trimesh.creation.box(SIZE).export(path)
+    cloud = read_cloud(path)
+    assert np.allclose(np.ptp(cloud.points, axis=0), SIZE, atol=2e-3)
+    assert cloud.normals is not None and ((cloud.points * cloud.normals).sum(axis=1) > 0).all()
+
+
+def test_points_with_and_without_normals(tmp_path: Path) -> None:
+    points, face = trimesh.sample.sample_surface(trimesh.creation.box(SIZE), 500, seed=1)
+    normals = trimesh.creation.box(SIZE).face_normals[face]
+    np.savetxt(tmp_path / "a.xyz", points)
+    np.savez(
+        tmp_path / "b.npz", points=points, normals=normals, link_id=np.arange(500) % 2, link_names=["door", "body"]
+    )
+    trimesh.PointCloud(points).export(tmp_path / "c.ply")
+    plain, told, cloud = (read_cloud(path) for path in find_files([str(tmp_path)]))
+    assert plain.normals is None and cloud.normals is None and told.normals is not None
+    assert told.names == ("door", "body") and set(told.label) == {0, 1}
+    (tmp_path / "one").mkdir()
+    trimesh.creation.box(SIZE).export(tmp_path / "one" / "object.obj")
+    np.savez(tmp_path / "one" / "cloud.npz", points=points)
+    assert find_files([str(tmp_path / "one")]) == [tmp_path / "one" / "object.obj"]  # both are of one object
+    for one in (plain, told, cloud):
+        assert np.allclose(np.sort(one.points[:, 0]), np.sort(points[:, 0]), atol=1e-6)
+
+
+def test_a_robot_stands_with_its_joints_at_zero(tmp_path: Path) -> None:
+    trimesh.creation.box([200, 400, 300]).export(tmp_path / "lid.stl")
+    (tmp_path / "robot.urdf").write_text(ROBOT)
+    assert find_files([str(tmp_path)]) == [tmp_path / "robot.urdf"]  # and not the mesh that belongs to it
+    cloud = read_cloud(tmp_path / "robot.urdf")
+    assert np.allclose(np.ptp(cloud.points, axis=0), SIZE, atol=2e-3) and cloud.names == ("base", "lid")
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "told"),
+    [
+        ("a.obj", b"", "a.obj"),
+        ("a.stl", b"solid\x00nonsense", "a.stl"),
+        ("a.glb", b"glTF", "a.glb cannot be read as glb"),
+        ("a.xyz", b"1 2\n3 4\n", "2 numbers a line"),
+        ("a.xyz", b"1 2 3\n", "too few to see a shape"),
+        ("a.xyz", b"nan nan nan\n" * 300, "are no numbers"),
+        ("a.xyz", b"".join(b"%d 0 0\n" % k for k in range(300)), "is a line, not a surface"),
+        ("a.xyz", b"1 2 3\n" * 300, "there is no shape in it"),
+        ("a.npz", b"PK", "cannot be read as npz"),
+        ("a.obj", b"v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n", "without area"),
+        ("a.urdf", b"<robot", "cannot be read as urdf"),
+        ("a.urdf", b'<robot name="r"><link name="a"/></robot>', "has no visible shapes"),
+        ("a.blend", b"", "is no kind that can be read"),
+    ],
+)
+def test_what_is_wrong_with_a_file(tmp_path: Path, name: str, content: bytes, told: str) -> None:
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(UserError) as wrong:
+        read_cloud(tmp_path / name)
+    assert told in wrong.value.message
+
+
+def test_a_file_that_went_away(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="there is no file"):
+        read_cloud(tmp_path / "gone.obj")
