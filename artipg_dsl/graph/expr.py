@@ -403,8 +403,8 @@ def substitute_all(roots: Iterable[Expr], mapping: dict[Expr, Expr]) -> list[Exp
             return node
         done = memo.get(id(node))
         if done is None:
-            args = tuple(visit(a) for a in node.args)
-            done = node if all(x is y for x, y in zip(args, node.args, strict=True)) else rebuild(node, args)
+            args = tuple([visit(a) for a in node.args])
+            done = node if args == node.args else rebuild(node, args)
             memo[id(node)] = done
         return done
 

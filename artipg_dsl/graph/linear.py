@@ -62,7 +62,12 @@ class Linear:
             elif node.op == "previous" and not self.through:
                 known = False
             else:
-                known = any(self.reads(a) for a in node.args)
+                known = False
+                for a in node.args:  # most of them have been asked about: no call for those
+                    found = self.reads_memo.get(a)
+                    if self.reads(a) if found is None else found:
+                        known = True
+                        break
             self.reads_memo[node] = known
         return known
 

@@ -39,13 +39,15 @@ class Nodes:
 
     def make(self, op: str, value: Any, args: tuple[Any, ...]) -> Expr:
         """The node. Raises Fault."""
-        require(
-            all(isinstance(a, Expr) and a in self.free for a in args), f"the arguments of {op} are expressions (%n)"
-        )
+        # the words of faults are put together where there are some: a program has tens of thousands of nodes
+        if not all([isinstance(a, Expr) and a in self.free for a in args]):
+            raise NodeFault(f"the arguments of {op} are expressions (%n)")
         build = getattr(self, f"_{op}", None) if op in _SPECIAL else None
-        require(build or op in FUNCTIONS, f"there is no operator {op[:40]!r}")
-        free = _NONE.union(*(self.free[a] for a in args)) if args else _NONE
-        require(not free or op in FUNCTIONS or op == "solve", f"a variable of a formula is inside {op}")
+        if not build and op not in FUNCTIONS:
+            raise NodeFault(f"there is no operator {op[:40]!r}")
+        free = _NONE.union(*[self.free[a] for a in args]) if args else _NONE
+        if free and op not in FUNCTIONS and op != "solve":
+            raise NodeFault(f"a variable of a formula is inside {op}")
         try:
             node, truth = build(value, args) if build else self._plain(op, args)
         except ScopeError as error:
@@ -54,7 +56,7 @@ class Nodes:
             free = frozenset((value,))
         self.free[node] = _NONE if op == "solve" else free
         self.truth[node] = truth
-        self.formula[node] = op in ("const", "var") or op in FUNCTIONS and all(self.formula[a] for a in args)
+        self.formula[node] = op in ("const", "var") or op in FUNCTIONS and all([self.formula[a] for a in args])
         return node
 
     def stands(self, expr: Expr, scope: Scope | None) -> bool:
@@ -85,9 +87,10 @@ class Nodes:
 
     def _plain(self, op: str, args: tuple[Expr, ...]) -> tuple[Expr, bool]:
         arity = FUNCTIONS[op][0]
-        require(len(args) == arity, f"{op} takes {arity} arguments, not {len(args)}")
-        if op not in PREDICATES and op != "where":
-            require(not any(self.truth[a] for a in args), f"{op} calculates with numbers, not with true and false")
+        if len(args) != arity:
+            raise NodeFault(f"{op} takes {arity} arguments, not {len(args)}")
+        if op not in PREDICATES and op != "where" and any([self.truth[a] for a in args]):
+            raise NodeFault(f"{op} calculates with numbers, not with true and false")
         return raw(op, args), op in PREDICATES or op == "where" and all(self.truth[a] for a in args[1:])
 
     def _const(self, value: Any, args: tuple[Expr, ...]) -> tuple[Expr, bool]:

@@ -219,8 +219,15 @@ def digest(program: P.Program) -> str:
 
 _TOKEN = re.compile(r'\s*(?:(#[^\n]*)|("(?:[^"\\]|\\.)*")|([()\[\]])|([^\s()\[\]#]+))')
 
+_JOINED = re.compile(r'["#()\[\]]')  # what ends a word without a blank
+_REFERENCE = re.compile(r"[%@$][0-9]{1,9}")
+_WHOLE = re.compile(r"-?[0-9]{1,18}")
+
 
 def _tokens(line: str) -> Iterator[str]:
+    if _JOINED.search(line) is None:  # most lines are an operation on expressions before
+        yield from line.split()
+        return
     at = 0
     while at < len(line):
         match = _TOKEN.match(line, at)
@@ -254,14 +261,16 @@ class _Reader:
 
     def ends(self, mark: str) -> bool:
         """Whether the next word is ``mark``, which is then read."""
-        require(self.at < len(self.words), f"the line ends before {mark}")
+        if self.at >= len(self.words):
+            raise NodeFault(f"the line ends before {mark}")
         found = self.words[self.at] == mark
         self.at += found
         return found
 
     def expect(self, mark: str) -> None:
         word = self.next()
-        require(word == mark, f"expected {mark}, found {word[:40]!r}")
+        if word != mark:
+            raise NodeFault(f"expected {mark}, found {word[:40]!r}")
 
     def value(self, depth: int = 0) -> Any:
         require(depth < _DEEPEST, "the line is nested too deeply")
@@ -294,10 +303,11 @@ class _Reader:
         return cls(**found)
 
     def atom(self, word: str) -> Any:
-        if word[0] in "%@$" and re.fullmatch(r"[%@$][0-9]{1,9}", word):
-            among = self.known[word[0]]
-            require(int(word[1:]) < len(among), f"{word} is not known before this line")
-            return among[int(word[1:])]
+        if _REFERENCE.fullmatch(word):
+            among, number = self.known[word[0]], int(word[1:])
+            if number >= len(among):
+                raise NodeFault(f"{word} is not known before this line")
+            return among[number]
         if word[0] == '"':
             try:
                 text = json.loads(word)
@@ -308,7 +318,7 @@ class _Reader:
         if word in ("none", "true", "false"):
             return {"none": None, "true": True, "false": False}[word]
         try:
-            return int(word) if re.fullmatch(r"-?[0-9]{1,18}", word) else float(word)
+            return int(word) if _WHOLE.fullmatch(word) else float(word)
         except ValueError:
             raise NodeFault(f"{word[:40]!r} is not a value") from None
 
@@ -331,7 +341,8 @@ class _Reader:
         word, program = self.next(), self.program
         if word[0] in "@$%":
             among = self.known[word[0]]
-            require(word[1:] == str(len(among)), f"expected {word[0]}{len(among)}, found {word[:40]}")
+            if word[1:] != str(len(among)):
+                raise NodeFault(f"expected {word[0]}{len(among)}, found {word[:40]}")
             self.expect("=")
             among.append(self.expression() if word[0] == "%" else self.column() if word[0] == "$" else self.scope())
         elif word in ("program", "doc"):
@@ -358,7 +369,8 @@ class _Reader:
             program.vocabularies[name] = words
         else:
             raise NodeFault(f"there is no item {word[:40]!r}")
-        require(self.at == len(self.words), f"there is more after the end of the line: {self.words[self.at :][:1]}")
+        if self.at != len(self.words):
+            raise NodeFault(f"there is more after the end of the line: {self.words[self.at :][:1]}")
 
     def column(self) -> Column:
         kind, scope, name = self.next(), self.value(), self.value()
