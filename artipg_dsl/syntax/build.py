@@ -1,12 +1,15 @@
 """The parser's actions: each rule of the grammar to a node of the tree, with its span taken from its own children.
 
 A method bears the name of a rule and gets its children, tokens included. Rules that are not nodes of their own give
-a ``Piece`` (a value with its place) or a ``Clause``.
+a ``Piece`` (a value with its place) or a ``Clause``. A statement whose rule is called like its node needs no method.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import fields
+from functools import partial
+from keyword import iskeyword
 from typing import Any, NamedTuple
 
 from lark import Token
@@ -120,6 +123,60 @@ class BuilderBase:
                 found[child.kind] = child.value
         return found
 
+    def clauses(self, c: Sequence[Any]) -> dict[str, Any]:
+        """The clauses among the children by the field of the tree that holds each; one that is given twice is a problem."""
+        found: dict[str, ast.Clause[Any]] = {}
+        for clause in c:
+            if isinstance(clause, ast.Clause):
+                field = clause.word + "_" * iskeyword(clause.word)
+                if field in found:
+                    self.problem(clause, f"`{clause.word}` is given twice", "keep only one")
+                found.setdefault(field, clause)
+        return found
+
+    def __getattr__(self, rule: str) -> Callable[[Sequence[Any]], ast.Stmt]:
+        """The action of a rule without a method: it makes the statement of that name as its fields say."""
+        if rule not in KINDS:
+            raise AttributeError(rule)
+        return partial(self._made, KINDS[rule])
+
+    def _made(self, kind: type[ast.Stmt], c: Sequence[Any]) -> ast.Stmt:
+        """A statement from its children: what is named like a field, or else names, ranges and expressions in the order of the text."""
+        found = {**self.stmt(c), **self.pieces(c), **self.clauses(c)}
+        names, values = iter(tokens(c, "NAME")), iter(exprs(c))
+        ranges = iter([x for x in c if isinstance(x, ast.RangeExpr)])
+        for field in fields(kind):
+            match field.type:
+                case _ if field.name in found:
+                    pass
+                case "str":
+                    token = next(names)
+                    found |= {field.name: token.value, f"{field.name}_span": self.at(token)}
+                case "bool":
+                    found[field.name] = bool(tokens(c, _MARKS.get(field.name, field.name.upper())))
+                case "RangeExpr":
+                    found[field.name] = next(ranges)
+                case "Expr" | "Expr | None":
+                    found[field.name] = next(values, None)
+                case "tuple[Expr, ...]":
+                    found[field.name] = tuple(values)
+                case "tuple[str, ...]":
+                    found[field.name] = ()
+        return kind(**{name: found[name] for name in kind.__dataclass_fields__ if name in found})
+
+
+def _kinds(kind: type[ast.Stmt]) -> Iterator[type[ast.Stmt]]:
+    for inner in kind.__subclasses__():
+        yield inner
+        yield from _kinds(inner)
+
+
+KINDS: dict[str, type[ast.Stmt]] = {
+    kind.__name__.removesuffix("Stmt").removesuffix("Decl").lower(): kind for kind in _kinds(ast.Stmt)
+}
+"""By the names of their rules: the statements that are built as their fields say."""
+_MARKS = {"optional": "QUESTION"}
+
 
 def exprs(children: Sequence[Any]) -> tuple[ast.Expr, ...]:
     return tuple(c for c in children if isinstance(c, ast.Expr))
@@ -130,4 +187,4 @@ def tokens(children: Sequence[Any], kind: str) -> list[Token]:
 
 
 def body_of(children: Sequence[Any]) -> tuple[ast.Stmt, ...]:
-    return next((c.value for c in children if isinstance(c, Piece) and c.kind == "block"), ())
+    return next((c.value for c in children if isinstance(c, Piece) and c.kind == "body"), ())

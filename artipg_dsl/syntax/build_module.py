@@ -46,9 +46,6 @@ class TreeBuilder(StatementBuilder):
             index_count=number,
         )
 
-    def curve(self, c: Children) -> ast.Stmt:
-        return ast.CurveDecl(**self.stmt(c), **self.named(c[1]), parameter=c[3].value, parameter_range=c[5], value=c[8])
-
     def piece_of_chain(self, c: Children) -> ast.CallExpr:
         return ast.CallExpr(span=self.span(c), function=self.name(c[:1]), arguments=c[1].value)
 
@@ -60,9 +57,6 @@ class TreeBuilder(StatementBuilder):
         elif rest or first and value.function.name == "from":
             value = ast.ChainExpr(span=self.span(c[3:]), pieces=(value, *rest))
         return ast.LetDecl(**self.stmt(c), keyword="curve", **self.named(c[1]), parameters=(), value=value)
-
-    def inside(self, c: Children) -> ast.Stmt:
-        return ast.InsideDecl(**self.stmt(c), parameter=c[2].value, value=c[5])
 
     def box(self, c: Children) -> ast.Stmt:
         if isinstance(c[2], ast.RangeExpr):
@@ -88,11 +82,6 @@ class TreeBuilder(StatementBuilder):
             guard=found.get("when"),
         )
 
-    def solid(self, c: Children) -> ast.Stmt:
-        return ast.SolidDecl(
-            **self.stmt(c), operator=c[2].value, arguments=self.pieces(c)["arguments"], **self.clauses(c)
-        )
-
     # ---------------------------------------------------------------- top level
 
     def refines(self, c: Children) -> Piece:
@@ -109,12 +98,6 @@ class TreeBuilder(StatementBuilder):
     def template(self, c: Children) -> ast.Decl:
         role, role_span = self._role(c)
         return ast.TemplateDecl(**self.stmt(c), **self.named(c[1]), role=role, role_span=role_span, body=body_of(c))
-
-    def primitive(self, c: Children) -> ast.Decl:
-        return ast.PrimitiveDecl(**self.stmt(c), **self.named(c[1]), body=body_of(c))
-
-    def category(self, c: Children) -> ast.Decl:
-        return ast.CategoryDecl(**self.stmt(c), **self.named(c[1]), body=body_of(c))
 
     def material(self, c: Children) -> ast.Decl:
         properties = [self.ranged(p) for p in self.pieces(c)["properties"]]
@@ -139,11 +122,6 @@ class TreeBuilder(StatementBuilder):
             words=tuple(t.value for t in words),
             word_spans=tuple(self.at(t) for t in words),
             motions=tuple(motions.get(t.value, "") for t in words),
-        )
-
-    def function(self, c: Children) -> ast.Decl:
-        return ast.FunctionDecl(
-            **self.stmt(c), **self.named(c[1]), parameters=self.pieces(c).get("parameters", ()), value=c[-1]
         )
 
     def use(self, c: Children) -> ast.UseDecl:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from keyword import iskeyword
 from typing import Any
 
 from lark import Token
@@ -155,9 +154,6 @@ class StatementBuilder(ExpressionBuilder):
             was=found.get("was"),
         )
 
-    def slot(self, c: Children) -> ast.Stmt:
-        return ast.SlotDecl(**self.stmt(c), **self.named(c[1]), optional=bool(tokens(c, "QUESTION")), targets=exprs(c))
-
     def port_index(self, c: Children) -> Piece:
         return self.piece("index", c[1], c)
 
@@ -193,28 +189,11 @@ class StatementBuilder(ExpressionBuilder):
             **self.clauses(c),
         )
 
-    def clauses(self, c: Children) -> dict[str, Any]:
-        """The clauses among the children by the field of the tree that holds each; one that is given twice is a problem."""
-        found: dict[str, ast.Clause[Any]] = {}
-        for clause in c:
-            if isinstance(clause, ast.Clause):
-                field = clause.word + "_" * iskeyword(clause.word)
-                if field in found:
-                    self.problem(clause, f"`{clause.word}` is given twice", "keep only one")
-                found.setdefault(field, clause)
-        return found
-
     def known(self, kind: type[ast.Stmt], clauses: list[ast.Clause[Any]]) -> dict[str, Any]:
         """The clauses of a block in which any word may stand: those that the statement has, and the others."""
         words = ast.clause_words(kind)
         unknown = tuple(c for c in clauses if c.word not in words)
         return {**self.clauses([c for c in clauses if c.word in words]), "unknown": unknown}
-
-    def connect(self, c: Children) -> ast.Stmt:
-        return ast.ConnectStmt(**self.stmt(c), subject=c[1], **self.clauses(c))
-
-    def align(self, c: Children) -> ast.Stmt:
-        return ast.AlignStmt(**self.stmt(c), left=c[1], right=c[3], near=c[4] if len(c) > 4 else None)
 
     def stable(self, c: Children) -> Piece:
         return self.piece("stable", "open" if len(c) > 1 else "rest", c)
@@ -235,12 +214,6 @@ class StatementBuilder(ExpressionBuilder):
             repair=found.get("repair"),
         )
 
-    def prefer(self, c: Children) -> ast.Stmt:
-        return ast.PreferStmt(**self.stmt(c), condition=c[1], weight=self.pieces(c).get("weight"))
-
-    def clear(self, c: Children) -> ast.Stmt:
-        return ast.ClearStmt(**self.stmt(c), subject=c[1], other=c[3], distance=c[5], all=len(c) > 6)
-
     def allow(self, c: Children) -> ast.Stmt:
         word, reason = c[1].value, unquote(c[-1].value)
         return ast.AllowStmt(
@@ -251,16 +224,10 @@ class StatementBuilder(ExpressionBuilder):
         reason = unquote(c[5].value) if len(c) > 4 else None
         return ast.AllowStmt(**self.stmt(c), kind="free", subject=c[1], other=c[3], reason=reason)
 
-    def limit(self, c: Children) -> ast.Stmt:
-        return ast.LimitStmt(**self.stmt(c), joint=c[1], range=c[2])
-
-    def close(self, c: Children) -> ast.Stmt:
-        return ast.CloseStmt(**self.stmt(c), subject=c[1], other=c[3])
-
     # ---------------------------------------------------------------- control
 
     def block(self, c: Children) -> Piece:
-        return self.piece("block", tuple(x for x in c if isinstance(x, ast.Stmt)), c)
+        return self.piece("body", tuple(x for x in c if isinstance(x, ast.Stmt)), c)
 
     def index_name(self, c: Children) -> Piece:
         return self.piece("index", c[1].value, c)
@@ -354,9 +321,6 @@ class StatementBuilder(ExpressionBuilder):
         return ast.GraspStmt(
             **self.stmt(c), **self.named(c[1]), target=c[3], parameter=parameter, range=range_, **clauses
         )
-
-    def keypoint(self, c: Children) -> ast.Stmt:
-        return ast.KeypointStmt(**self.stmt(c), **self.named(c[1]), target=c[3], at=c[5] if len(c) > 4 else None)
 
     def symmetry(self, c: Children) -> ast.Stmt:
         turn = c[4] if c[3].type == "TURN" else None

@@ -19,7 +19,7 @@ from .foreign import CHARACTERS, CLAUSES_ELSEWHERE, STATEMENTS_ELSEWHERE
 from .grammar import Machine, keywords
 from .mistakes import key, table
 from .recover import opening_brace
-from .words import OPERATORS, STATEMENTS, TOP
+from .words import OPERATORS, file_words, statement_words
 
 Notes = tuple[tuple[Span, str], ...]
 Maker = Callable[..., "Found"]
@@ -175,7 +175,16 @@ def _never_closed(bracket: Token, source: Source) -> Found:
 def _unclosed(token: Token, history: list[Token], source: Source) -> Found | None:
     """A statement begins, or a block ends, within brackets."""
     bracket = _open_bracket(history)
-    begins = token.type in (STATEMENTS | TOP) - {"OUT", "BOX", "INSIDE", "CLOSE", "FREE", "CLEAR", "FIELD", "LIMIT"}
+    begins = token.type in (statement_words() | file_words()) - {
+        "OUT",
+        "BOX",
+        "INSIDE",
+        "CLOSE",
+        "FREE",
+        "CLEAR",
+        "FIELD",
+        "LIMIT",
+    }
     if bracket is not None and token.type == "LBRACE" and history[-1].type in ("EQUAL", "COMMA", "LPAR", "LSQB"):
         start = token.start_pos or 0
         return Found(
@@ -209,13 +218,13 @@ def _by_history(
     def found(message: str, hint: str | None = None, code: str = "syntax", notes: Notes = ()) -> Found:
         return Found(code, span, message, span.start, hint, notes)
 
-    if token.type == "RBRACE" and accepted & TOP and "RBRACE" not in accepted:
+    if token.type == "RBRACE" and accepted & file_words() and "RBRACE" not in accepted:
         return found("this brace has no matching `{`", "remove it, or add the missing `{` above")
     if last is None or last.type in ("_NL", "LBRACE", "RBRACE"):
         beginning = _at_beginning(token, last, accepted, tools, found, source, text)
         return beginning._replace(line_alone=True) if beginning is not None else None
     values = accepted >= VALUE
-    if values and token.type in STATEMENTS | TOP and _first_on_line(token, source):
+    if values and token.type in statement_words() | file_words() and _first_on_line(token, source):
         at = last.start_pos or 0
         where = Span(source, at, last.end_pos or at)
         return Found(
@@ -233,7 +242,9 @@ def _by_history(
     doubled = last.type == token.type == "SLASH" and last.end_pos == token.start_pos
     if doubled:
         return found("a comment begins with `#`", "for integer division, write `floor(a / b)`")
-    statement = next((t for t in reversed(history) if t.type in STATEMENTS | TOP | {"WHERE", "IF"}), None)
+    statement = next(
+        (t for t in reversed(history) if t.type in statement_words() | file_words() | {"WHERE", "IF"}), None
+    )
     arrow = last.type == "MINUS" and token.type == "MORE" and last.end_pos == token.start_pos
     if arrow and statement is not None and statement.type == "JOINT":
         return found(
@@ -260,7 +271,7 @@ def _at_beginning(
 ) -> Found | None:
     """The token stands where a statement begins."""
     top = "CATEGORY" in accepted
-    beginners = (TOP if top else STATEMENTS) & accepted
+    beginners = (file_words() if top else statement_words()) & accepted
     if not beginners:
         return None
     if token.type == "SLASH" and text[(token.end_pos or 0) : (token.end_pos or 0) + 1] in ("/", "*"):
@@ -274,7 +285,7 @@ def _at_beginning(
         return found(f"no statement begins with `{token.value}`", STATEMENTS_ELSEWHERE[token.value])
     if not re.fullmatch(r"[A-Za-z_]\w*", token.value):
         return found(f"no statement begins with {_quoted(token)}")
-    if top and token.type in STATEMENTS or not top and token.type in TOP:
+    if top and token.type in statement_words() or not top and token.type in file_words():
         return _misplaced(token, last, top, source, text)
     words = keywords(tools.lark)
     if token.type in words and last is not None and last.type == "_NL":
@@ -325,7 +336,7 @@ def _two_values(token: Token, last: Token, history: list[Token], accepted: set[s
         return found(
             f"a comma or an operator is missing before `{token.value}`", "values in brackets are separated by commas"
         )
-    words = [t for t in history if t.type in STATEMENTS or t.type in ("IN", "RANGE", "EACH", "TEST")]
+    words = [t for t in history if t.type in statement_words() or t.type in ("IN", "RANGE", "EACH", "TEST")]
     if words and words[-1].type in ("IN", "RANGE", "EACH", "TEST") and token.type in ("NUMBER", "QUANTITY", "FRACTION"):
         return found("`..` is missing between the ends of this range", "a range is written `low .. high`")
     if words and words[-1].type == "JOINT" and "ARROW" not in {t.type for t in history[history.index(words[-1]) :]}:
@@ -360,10 +371,10 @@ def _by_accepts(error: UnexpectedToken, history: list[Token], tools: Machine, sp
         )
     if accepted <= {"LBRACE"}:
         return found(f"`{{` is missing before {shown}")
-    statement = next((t for t in reversed(history) if t.type in STATEMENTS | TOP), None)
+    statement = next((t for t in reversed(history) if t.type in statement_words() | file_words()), None)
     leading = {"ON", "IN"} if statement is not None and statement.type in ("CONNECT", "JOINT") else set()
     placing = leading | {"TURNED"} if leading else set()  # `turned` is read there only to be refused
-    follow = (accepted - STATEMENTS - TOP - OPERATORS - placing) | accepted & leading
+    follow = (accepted - statement_words() - file_words() - OPERATORS - placing) | accepted & leading
     clauses = sorted(words[a] for a in follow if a in words and a not in ("AND", "OR"))
     if "UNTIL" in accepted and len(accepted) <= 4:
         return found(f"`..` is missing before {shown}", "a range is written `low .. high`")

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import re
+from functools import cache
 
-from .words import STATEMENTS, TOP
+from .words import file_words, statement_words
 
 _QUIET = re.compile(r'"(?:[^"\\\n]|\\[^\n])*"?|#[^\n]*')
-_WORDS = "|".join(sorted(name.lower() for name in STATEMENTS | TOP))
-_BEGINS = re.compile(rf"(?m)^[ \t]*(?:{_WORDS})(?![A-Za-z0-9_])|^[ \t]*\}}")
 _TOP = re.compile(r"(?m)^(?:use|role|template|primitive|category|vocabulary)(?![A-Za-z0-9_])")
+
+
+@cache
+def _begins() -> re.Pattern[str]:
+    """A line that begins a statement or ends a block."""
+    words = "|".join(sorted(name.lower() for name in statement_words() | file_words()))
+    return re.compile(rf"(?m)^[ \t]*(?:{words})(?![A-Za-z0-9_])|^[ \t]*\}}")
 
 
 def quiet(text: str) -> str:
@@ -25,13 +31,13 @@ def without_statement(text: str, place: int, line_alone: bool = False) -> str | 
     """
     plain = quiet(text)
     start = plain.rfind("\n", 0, place) + 1
-    for match in _BEGINS.finditer(plain):
+    for match in _begins().finditer(plain):
         if match.start() > place or line_alone:
             break
         if match.group().strip() != "}":
             start = match.start()
     line_end = plain.find("\n", place)
-    following = _BEGINS.search(plain, line_end) if line_end >= 0 else None
+    following = _begins().search(plain, line_end) if line_end >= 0 else None
     stop = following.start() if following is not None else len(text)
     if line_alone and line_end >= 0:
         stop = line_end
