@@ -12,8 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry.collide import separate
+from ..geometry.collide import overlap, separate
 from ..geometry.vectors import dot
+from ..native.backend import machine as compiled
 from ..runtime.motion import apply
 from .bodies import Pieces, Placed, boxes_meet, enumerate_ranges, link_boxes
 from .tree import Tree
@@ -55,7 +56,10 @@ def meet_in_states(
         first, second = (
             Placed(body, piece, turn[state, body.link[piece]], shift[state, body.link[piece]]) for piece in (i, j)
         )
-        hit = ways.meeting(first, second, i * len(body) + j) if meeting is None else meeting(first, second)
+        if meeting is None and compiled() is None:
+            hit = ways.meeting(first, second, i * len(body) + j)
+        else:  # compiled code asks a pair as fast as a direction is tried here
+            hit = (meeting or overlap)(first, second)
         state, i, j = state[hit], i[hit], j[hit]
         edge = np.searchsorted(state, np.arange(len(turn) + 1))
         for k in range(len(turn)):

@@ -68,21 +68,21 @@ def test_loops_are_settled_for_all_states_at_once(shaken: Batch) -> None:
     assert loops is not None
     states = Tree(shaken).following[1]
     assert loops.settle(states).tobytes() == np.stack([loops.settle(state) for state in states]).tobytes()
-    with mock.patch("artipg_dsl.runtime.loops.BLOCK", 1):  # whatever fits into memory at a time
+    with mock.patch("artipg_dsl.runtime.loops._BLOCK", 1):  # whatever fits into memory at a time
         assert loops.settle(states).tobytes() == loops.settle(states[::-1])[::-1].tobytes()
 
 
 def test_a_check_settles_loops_a_few_times(shaken: Batch) -> None:
     """At rest, and in all states together, not state by state."""
     kind = type(shaken.loops)
-    with mock.patch.object(kind, "_settled", autospec=True, side_effect=kind._settled) as calls:
+    with mock.patch.object(kind, "_settle_states", autospec=True, side_effect=kind._settle_states) as calls:
         find_collisions(shaken)
     assert calls.call_count <= 3
 
 
 def test_poses_of_more_states_than_fit_are_worked_out_anew(shaken: Batch) -> None:
     one = find_collisions(shaken)
-    with mock.patch.object(trees, "KEPT", 1), mock.patch("artipg_dsl.validity.following.BLOCK", 1):
+    with mock.patch.object(trees, "_KEPT", 1), mock.patch("artipg_dsl.validity.following._BLOCK", 1):
         two = find_collisions(shaken)
     assert one.value.tobytes() == two.value.tobytes() and one.pieces.tobytes() == two.pieces.tobytes()
 
