@@ -97,9 +97,9 @@ class Cloud:
         piece = self.primitive.pieces[self.number]
         return piece.name if piece.count is None else f"{piece.name}[{index}]"
 
-    def at(self, chosen: np.ndarray) -> Cloud:
-        """Some of the pieces, in their order."""
-        return replace(self, rows=self.rows[chosen], index=self.index[chosen], points=self.points[chosen])
+    def at(self, chosen: np.ndarray, first: int = 0) -> Cloud:
+        """Some of the pieces, in their order, of instances counted from ``first`` on."""
+        return replace(self, rows=self.rows[chosen] - first, index=self.index[chosen], points=self.points[chosen])
 
     def ranges(self) -> list[tuple[int, int, int]]:
         """(index, where its rows begin, where they end): rows are sorted by index."""

@@ -62,14 +62,34 @@ class SiteTable:
 
 def weigh(tables: list[SiteTable], inertia: bool = True) -> None:
     """Work out the moments of tables that lack them, or volumes and centres alone: all rows of one primitive together."""
-    name, alike = "moments" if inertia else "_weights", dict[int, list[SiteTable]]()
-    for table in tables:
-        if len(table) and not {"moments", name} & table.__dict__.keys():
-            alike.setdefault(id(table.primitive), []).append(table)
-    for group in alike.values():
-        params = {key: np.concatenate([table.params[key] for table in group]) for key in group[0].params}
+    name = "moments" if inertia else "_weights"
+    for group, params in _of_one_primitive(
+        [table for table in tables if not {"moments", name} & table.__dict__.keys()]
+    ):
         found, start = volume_inertia(group[0].primitive, params, inertia), 0
         for table in group:
             part = slice(start, start + len(table))
             start = part.stop
             table.__dict__[name] = tuple(column[part] for column in found[: 3 if inertia else 2])
+
+
+def scatter(tables: list[SiteTable]) -> None:
+    """Work out the clouds of tables that lack them, likewise."""
+    for group, params in _of_one_primitive([table for table in tables if "clouds" not in table.__dict__]):
+        found, start = convex.clouds(group[0].primitive, params), 0
+        for table in group:
+            own = [np.flatnonzero((cloud.rows >= start) & (cloud.rows < start + len(table))) for cloud in found]
+            table.__dict__["clouds"] = [cloud.at(at, start) for cloud, at in zip(found, own, strict=True) if len(at)]
+            start += len(table)
+
+
+def _of_one_primitive(tables: list[SiteTable]) -> list[tuple[list[SiteTable], dict[str, np.ndarray]]]:
+    """The tables with rows, in groups, and the parameters of each group, one table after the other."""
+    alike: dict[int, list[SiteTable]] = {}
+    for table in tables:
+        if len(table):
+            alike.setdefault(id(table.primitive), []).append(table)
+    return [
+        (group, {name: np.concatenate([table.params[name] for table in group]) for name in group[0].params})
+        for group in alike.values()
+    ]

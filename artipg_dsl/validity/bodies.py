@@ -12,6 +12,7 @@ import numpy as np
 
 from ..geometry.collide import DEPTH, inset
 from ..geometry.pieces import Cloud
+from ..geometry.sites import scatter
 from ..geometry.vectors import cross, dot
 from ..native.narrow import Side
 from ..runtime.batch import Batch
@@ -237,6 +238,7 @@ def gather(batch: Batch, first: np.ndarray, turn: np.ndarray, shift: np.ndarray)
 
 def _gathered(batch: Batch, first: np.ndarray, turn: np.ndarray, shift: np.ndarray) -> Pieces:
     tables = batch.sites()
+    scatter(tables)
     offset = np.cumsum([0, *(len(table) for table in tables)]).tolist()
     groups = [
         (points, faces, rows + start, place)
