@@ -7,6 +7,7 @@ In: the words after ``apgc``. Out: text, files and an exit code. Begin with ``ma
     check, fmt, new, explain      programs as text
     compile, ledger               a program at one of its stages; what determines each part
     sample, export, mutate        folders of objects
+    layout                        a folder in a layout of the field, checked against the model
     render, report, validate      pictures and figures
     categories                    what is shipped
 """

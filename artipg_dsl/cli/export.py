@@ -1,9 +1,12 @@
-"""``apgc export``: files per object, of a folder of samples or of fresh objects of a category."""
+"""``apgc export``: files per object, or a folder in a layout of the field, of samples or of fresh objects of a category."""
 
 from __future__ import annotations
 
 import argparse
 import time
+from difflib import get_close_matches
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ..errors import UsageError
 from ..export.remote import is_same, place_of
@@ -11,6 +14,9 @@ from .messages import plural, say
 from .progress import Progress
 from .sample import read_resolution, refuse_file
 from .wanted import open_wanted
+
+if TYPE_CHECKING:
+    from ..layouts.registry import Layout
 
 
 def run(options: argparse.Namespace) -> int:
@@ -22,6 +28,9 @@ def run(options: argparse.Namespace) -> int:
     from ..run.output import Output
 
     begun = time.monotonic()
+    layout = _layout(options)
+    if layout is not None:
+        return _lay_out(options, layout, begun)
     try:
         formats = find_formats(options.format)
     except ExportError as wrong:
@@ -54,4 +63,51 @@ def run(options: argparse.Namespace) -> int:
     done = plural(len(job.request.objects), "object")
     names = ", ".join(entry.name for entry in formats)
     say(f"{done} as {names} in {out} ({time.monotonic() - begun:.1f} s)")
+    return 0
+
+
+def _layout(options: argparse.Namespace) -> Layout | None:
+    """The layout asked for, None where formats are. Raises UsageError."""
+    from ..export.registry import FORMATS
+    from ..layouts.registry import LAYOUTS
+
+    names = [name.strip() for name in options.format.split(",")]
+    found = [LAYOUTS[name] for name in names if name in LAYOUTS]
+    for name in names:
+        close = None if name in FORMATS else get_close_matches(name, (*FORMATS, *LAYOUTS), n=1)
+        if close and close[0] in LAYOUTS and name not in LAYOUTS:
+            raise UsageError(
+                f"unknown format {name!r}", f"did you mean {close[0]}? the layouts are {', '.join(LAYOUTS)}"
+            )
+    if not found:
+        if options.split is not None or options.map is not None:
+            option = "--split" if options.split is not None else "--map"
+            raise UsageError(f"{option} is for layouts", f"the layouts are {', '.join(LAYOUTS)}")
+        return None
+    if len(names) > 1:
+        raise UsageError(f"{found[0].name} is a layout of its own folder", "export it without other formats")
+    if options.tolerance is not None or options.triangles is not None:
+        raise UsageError(f"{found[0].name} has no meshes to choose for", "leave out --tolerance and --triangles")
+    return found[0]
+
+
+def _lay_out(options: argparse.Namespace, layout: Layout, begun: float) -> int:
+    from ..layouts.entry import USUAL, read_shares
+    from ..layouts.words import read_map
+    from ..run.laying import write_layout
+
+    shares = USUAL if options.split is None else read_shares(options.split)
+    own = None if options.map is None else read_map(options.map)
+    if Path(options.program).is_dir() and options.out is None:
+        raise UsageError(f"{layout.name} is a folder of its own", "name one with -o")
+    out = Path(options.out or "out")
+    refuse_file(out)
+    job = open_wanted(options, every=True)
+    with Progress(job.program.name) as progress:
+        entry = write_layout(
+            job, out, layout, shares=shares, own=own, force=options.force, progress=progress, workers=options.workers
+        )
+    counts = ", ".join(f"{len(at)} {split}" for split, at in entry.splits().items())
+    done = plural(len(entry.numbers), "object")
+    say(f"{done} of {entry.category} as {layout.name} in {out}: {counts} ({time.monotonic() - begun:.1f} s)")
     return 0

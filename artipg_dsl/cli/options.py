@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 
 from ..export.registry import FORMATS, OTHERS, object_formats
+from ..layouts.registry import LAYOUTS
 from .arguments import (
     amount,
     folder,
@@ -175,7 +176,18 @@ def _add_export(to: argparse.ArgumentParser) -> None:
         "-o", "--out", type=folder, metavar="DIR", help="output folder (default: the folder of samples, or out)"
     )
     to.add_argument(
-        "--format", metavar="LIST", required=True, help=f"formats, separated by commas: {', '.join(object_formats())}"
+        "--format",
+        metavar="LIST",
+        required=True,
+        help=f"formats, separated by commas: {', '.join(object_formats())}; or one layout: {', '.join(LAYOUTS)}",
+    )
+    to.add_argument(
+        "--split",
+        metavar="N,N,N",
+        help="with a layout: how many of every few objects go into train, val and test (default: 8,1,1)",
+    )
+    to.add_argument(
+        "--map", metavar="FILE", help="with a layout: a JSON file of what its vocabulary calls a category and its words"
     )
     _meshes(to)
     to.add_argument("--force", action="store_true", help="overwrite existing files")
@@ -443,6 +455,10 @@ def _add_fit(to: argparse.ArgumentParser) -> None:
     _sharing(to)
 
 
+def _add_layout(to: argparse.ArgumentParser) -> None:
+    to.add_argument("folder", type=place, metavar="DIR", help="a folder that `apgc export` has written in a layout")
+
+
 COMMANDS = {
     "check": ("check programs for errors", _add_check),
     "fmt": ("format programs", _add_fmt),
@@ -451,6 +467,7 @@ COMMANDS = {
     "sample": ("generate annotated objects", _add_sample),
     "export": ("write objects in other formats", _add_export),
     "fit": ("find the objects that come nearest to real ones", _add_fit),
+    "layout": ("check a folder in a layout against the model", _add_layout),
     "mutate": ("make mutants of the objects in a folder", _add_mutate),
     "render": ("draw a contact sheet of samples", _add_render),
     "explain": ("explain an error code", _add_explain),

@@ -83,7 +83,7 @@ def build_manifest(
     manifest: Manifest = {
         "manifest": _VERSION,
         "category": program.name,
-        "source": _make_relative(request.source, out),
+        "source": make_relative(request.source, out),
         "about": program.doc,
         "identity": cast(Identity, {key: found[key] for key in hints(Identity) if key in found}),
         "objects": size,
@@ -112,7 +112,7 @@ def _name_shards(size: int, each: int) -> list[str]:
     return [f"{at // each:05d}" for at in range(0, size, each)]
 
 
-def _make_relative(source: str, out: Place | str) -> str:
+def make_relative(source: str, out: Place | str) -> str:
     """A file as seen from the folder of samples, so that both can be moved together; a name stays as it is."""
     if not is_file(source):
         return source

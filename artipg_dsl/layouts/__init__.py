@@ -1,0 +1,12 @@
+"""Folders as the field's training code reads them, unchanged: points, poses and joints under the names and numbers of others.
+
+In: batches, and what they are called in another vocabulary. Out: bytes by path for objects that are made together, indices of
+the whole folder, and what a folder read back does not hold as it should. Begin with ``registry``, which lists the layouts.
+
+    registry, entry                     the layouts; what a folder holds of one category
+    words                               what others call a category and its parts, and whether they have it at all
+    clouds, partnet_parts               points in the axes, sizes and classes of others; the trees of PartNet
+    shapenetpart, partnet_seg           layouts for part segmentation
+    hdf5, pcd                           files
+    findings                            faults that a reader finds
+"""

@@ -1,0 +1,78 @@
+"""Points as the field's data sets hold them: their axes, their size, and the classes of points in other vocabularies."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..annotate.cloud import Points, sample_points
+from ..annotate.sampling import Sampling
+
+if TYPE_CHECKING:
+    from ..runtime.batch import Batch
+
+
+def shapenet_axes(vectors: np.ndarray) -> np.ndarray:
+    """Ours (..., 3), x front, y left, z up, in the axes of ShapeNet: x to the object's right, y up, z to its back."""
+    return vectors[..., [1, 2, 0]] * np.array([-1.0, 1.0, -1.0])
+
+
+def partnet_axes(vectors: np.ndarray) -> np.ndarray:
+    """Ours (..., 3) in the axes of PartNet: x to the object's left, y up, z to its front."""
+    return vectors[..., [1, 2, 0]]
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """Where objects are put and how they are scaled: ``center`` (B, 3), ``unit`` (B,) in metres, a length of 1."""
+
+    center: np.ndarray
+    unit: np.ndarray
+
+    def apply(self, points: np.ndarray) -> np.ndarray:
+        """Points (B, ..., 3) of the objects."""
+        lead = (len(self.unit), *(1,) * (points.ndim - 2))
+        return (points - self.center.reshape(*lead, 3)) / self.unit.reshape(*lead, 1)
+
+
+def fit_diagonal(points: np.ndarray) -> Fit:
+    """Boxes of points (B, n, 3) are centred, their diagonals 1: as ShapeNet has it."""
+    low, high = points.min(axis=1), points.max(axis=1)
+    return Fit((low + high) / 2, norms(high - low))
+
+
+def fit_radius(points: np.ndarray) -> Fit:
+    """Boxes of points (B, n, 3) are centred, the farthest point is at 1."""
+    center = (points.min(axis=1) + points.max(axis=1)) / 2
+    return Fit(center, norms(points - center[:, None]).max(axis=1))
+
+
+def norms(vectors: np.ndarray) -> np.ndarray:
+    """Lengths of vectors (..., 3)."""
+    x, y, z = np.moveaxis(vectors, -1, 0)
+    return np.sqrt(x * x + y * y + z * z)
+
+
+def draw(batch: Batch, count: int) -> Points:
+    """Points of all objects at rest."""
+    return sample_points(batch, Sampling(count))
+
+
+def classify(batch: Batch, points: Points, number: Callable[[str, str], int]) -> np.ndarray:
+    """``number(word, link)`` of every point (B, n): its own word, and that of the part that its link is."""
+    words = batch.program.vocabularies.get("semantic", ("",))
+    links = batch.links()
+    row = np.searchsorted(links.owner, points.object)[:, None] + points.link
+    key = np.asarray(links.definition)[row] * len(words) + points.semantic
+    found, place = np.unique(key, return_inverse=True)
+    numbers = [number(words[k % len(words)], link_word(batch, k // len(words))) for k in found.tolist()]
+    return np.array(numbers, dtype=np.int64)[place].reshape(key.shape)
+
+
+def link_word(batch: Batch, definition: int) -> str:
+    """The word of the part that a link of the program is, "" where it has none."""
+    link = batch.program.links[definition]
+    return batch.program.parts[link.part].word if link.part >= 0 else ""

@@ -1,0 +1,40 @@
+"""What a folder does not hold as it should: collected, not raised, so that all of it is reported at once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+
+@dataclass(slots=True)
+class Findings:
+    """``faults``: (file, what is wrong with it); ``checked``: how many things were looked at."""
+
+    faults: list[tuple[str, str]] = field(default_factory=list)
+    checked: int = 0
+
+    def of(self, place: str, holds: bool, otherwise: str) -> bool:
+        """Whether something holds; if not, ``otherwise`` is reported."""
+        self.checked += 1
+        if not holds:
+            self.faults.append((place, otherwise))
+        return bool(holds)
+
+    def near(self, place: str, what: str, read: np.ndarray, model: np.ndarray, tolerance: float) -> bool:
+        """Whether numbers are those of the model."""
+        if not self.of(
+            place, np.shape(read) == np.shape(model), f"{what}: {np.shape(read)} instead of {np.shape(model)}"
+        ):
+            return False
+        off = float(np.abs(np.asarray(read, dtype=np.float64) - model).max()) if np.size(model) else 0.0
+        return self.of(place, off <= tolerance, f"{what} differ from the model by up to {off:.3g}")
+
+    def same(self, place: str, what: str, read: np.ndarray, model: np.ndarray) -> bool:
+        """Whether whole numbers are those of the model."""
+        if not self.of(
+            place, np.shape(read) == np.shape(model), f"{what}: {np.shape(read)} instead of {np.shape(model)}"
+        ):
+            return False
+        wrong = int((np.asarray(read) != model).sum())
+        return self.of(place, not wrong, f"{wrong} {what} differ from the model")

@@ -1,0 +1,129 @@
+"""The layouts that objects can be written in. A new one is one entry here and one file beside it.
+
+The entries name functions as ``module:function``, so that a list of layouts costs no import.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..errors import UserError
+from .words import Term, vocabulary
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from ..graph.program import Program
+    from ..runtime.batch import Batch
+    from .entry import Entry, Shares
+    from .findings import Findings
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """``files(batch, entry, shard)`` yields the files of objects that are made together; ``index(entries)`` gives those that
+    tell of all categories in the folder (a name that ends in ``/`` is a folder); ``check(folder, entry, batch, shard,
+    findings)`` reads the files of a chunk as the field's loaders do and compares them with the model.
+
+    ``vocabulary``: a closed one, which has to have a class for the category; ``judge(term)`` says what is wrong with a map
+    to it. ``words(program)``: what the index needs of a program beside that. ``needs``: (module, package, extra).
+    ``chunk``: objects that are made together.
+    """
+
+    name: str
+    title: str
+    files_by: str
+    index_by: str
+    check_by: str
+    vocabulary: str = ""
+    judge_by: str = ""
+    words_by: str = ""
+    needs: tuple[str, str, str] | None = None
+    chunk: int = 64
+
+    def entry(
+        self, program: Program, seed: int, numbers: np.ndarray, shares: Shares, own: Mapping[str, Any] | None = None
+    ) -> Entry:
+        """What a folder holds of the objects of a program, ``own`` words first. Raises UserError."""
+        from .entry import Entry  # start-up: a list of layouts needs no arrays
+
+        term = self.term(program.name, own)
+        words = _function(self.words_by)(program) if self.words_by else {}
+        return Entry(program.name, seed, numbers, shares, term, words, self.chunk)
+
+    def term(self, category: str, own: Mapping[str, Any] | None = None) -> Term | None:
+        """The category in the layout's vocabulary, None where it has none. Raises UserError."""
+        if not self.vocabulary:
+            if own:
+                raise UserError(f"{self.name} takes any category as it is", "leave --map out")
+            return None
+        term = vocabulary(self.vocabulary).term(category, own)
+        wrong = _function(self.judge_by)(term) if self.judge_by else None
+        if wrong:
+            raise UserError(f"{category} in {self.name}: {wrong}", "correct the file of --map")
+        return term
+
+    def files(self, batch: Batch, entry: Entry, shard: int) -> Iterator[tuple[str, bytes]]:
+        return _function(self.files_by)(batch, entry, shard)
+
+    def index(self, entries: Sequence[Entry]) -> dict[str, bytes]:
+        return _function(self.index_by)(entries)
+
+    def check(self, folder: Path, entry: Entry, batch: Batch, shard: int, found: Findings) -> None:
+        _function(self.check_by)(folder, entry, batch, shard, found)
+
+
+def _function(place: str) -> Any:
+    module, function = place.split(":")
+    return getattr(import_module(f".{module}", __package__), function)
+
+
+_H5 = ("h5py", "h5py", "hdf5")
+LAYOUTS: dict[str, Layout] = {
+    entry.name: entry
+    for entry in (
+        Layout(
+            "shapenetpart",
+            "part segmentation as ShapeNetPart has it, text",
+            "shapenetpart:text_files",
+            "shapenetpart:text_index",
+            "shapenetpart:check_text",
+            "shapenetpart",
+            "shapenetpart:check_term",
+        ),
+        Layout(
+            "shapenetpart-h5",
+            "the same, HDF5",
+            "shapenetpart:h5_files",
+            "shapenetpart:h5_index",
+            "shapenetpart:check_h5",
+            "shapenetpart",
+            "shapenetpart:check_term",
+            needs=_H5,
+        ),
+        Layout(
+            "partnet-seg",
+            "part segmentation as PartNet has it, by level and by instance, HDF5",
+            "partnet_seg:files",
+            "partnet_seg:index",
+            "partnet_seg:check",
+            words_by="partnet_seg:words",
+            needs=_H5,
+            chunk=32,
+        ),
+    )
+}
+
+
+def require(layout: Layout) -> None:
+    """Raise UserError where a layout's package is not installed."""
+    if layout.needs is not None and find_spec(layout.needs[0]) is None:
+        _, package, extra = layout.needs
+        raise UserError(
+            f"{layout.name} needs {package}, which is not installed", f"pip install 'artipg_dsl[{extra}]' installs it"
+        )

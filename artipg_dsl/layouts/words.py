@@ -1,0 +1,109 @@
+"""What another vocabulary calls a category and its parts: maps declared in ``words/*.json``, or in a file of the user's.
+
+A vocabulary has ``classes``, each with what the layout needs of it (a synset, numbers of parts). A category is mapped to
+one of them, and its words to the parts that the class has: ``"leg": "leg"``, ``"drawer/handle": ...`` for a handle on a link
+that is a drawer, ``"*"`` for every other word.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from ..diagnostics.suggest import did_you_mean
+from ..errors import UsageError, UserError
+
+REST = "*"  # every word that is not named
+
+
+@dataclass(frozen=True, slots=True)
+class Term:
+    """A category in the words of a vocabulary: ``name`` of its class, what the vocabulary says of that ``data``, and the
+    part that each of our words is."""
+
+    category: str
+    vocabulary: str
+    name: str
+    data: Mapping[str, Any]
+    parts: Mapping[str, Any]
+
+    def part(self, word: str, link: str = "") -> Any:
+        """The part that a word is, on a link of that word. Raises UserError."""
+        for key in (f"{link}/{word}", word, REST):
+            if key in self.parts:
+                return self.parts[key]
+        raise UserError(
+            f"{self.vocabulary} is not told what `{word}` of {self.category} is",
+            f'--map FILE says it: {{"{self.category}": {{"class": "{self.name}", "parts": {{"{word}": ...}}}}}}',
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Vocabulary:
+    """``title`` for messages; ``near``: what would serve for a category that has no class."""
+
+    title: str
+    classes: Mapping[str, Mapping[str, Any]]
+    categories: Mapping[str, Mapping[str, Any]]
+    near: Mapping[str, str]
+    instead: str
+
+    def term(self, category: str, own: Mapping[str, Mapping[str, Any]] | None = None) -> Term:
+        """A category in these words, ``own`` map before the shipped one. Raises UserError for one that has no class."""
+        entry = {**self.categories, **(own or {})}.get(category)
+        if entry is None:
+            raise UserError(f"{self.title} has no class for {category}", self._serves(category))
+        name = entry["class"]
+        if name not in self.classes:
+            known = did_you_mean(name, self.classes) or f"its classes are {', '.join(self.classes)}"
+            raise UserError(f"{self.title} has no class `{name}`", known)
+        return Term(category, self.title, name, self.classes[name], entry.get("parts", {}))
+
+    def _serves(self, category: str) -> str:
+        have = f"of the shipped categories {', '.join(self.categories)} have one"
+        close = self.near.get(category) or next((name for name in self.classes if name.lower() == category.lower()), "")
+        class_of = close or next(iter(self.classes))
+        nearest = f"the nearest is {close}: " if close else ""
+        form = f'{nearest}--map FILE with {{"{category}": {{"class": "{class_of}", "parts": ...}}}} makes it one'
+        return "; ".join(filter(None, (have, form, self.instead)))
+
+
+@lru_cache
+def vocabulary(name: str) -> Vocabulary:
+    """A shipped vocabulary, by the name of its file."""
+    found = json.loads(
+        resources.files("artipg_dsl.layouts").joinpath("words", f"{name}.json").read_text(encoding="utf-8")
+    )
+    return Vocabulary(
+        found["title"], found["classes"], found["categories"], found.get("near", {}), found.get("instead", "")
+    )
+
+
+def read_map(path: str | Path) -> dict[str, dict[str, Any]]:
+    """A map of the user's own: ``{"Kettle": {"class": "jar", "parts": {"lid": ..., "*": ...}}}``. Raises UsageError."""
+    try:
+        found = json.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as wrong:
+        raise UsageError(f"cannot read {path}: {wrong.strerror}", "--map takes a JSON file") from None
+    except ValueError as wrong:
+        raise UsageError(
+            f"{path} is not JSON: {wrong}", '{"Kettle": {"class": "jar", "parts": {"*": "jar"}}}'
+        ) from None
+    fits = isinstance(found, dict) and all(
+        isinstance(entry, dict)
+        and isinstance(entry.get("class"), str)
+        and isinstance(entry.get("parts", {}), dict)
+        and entry.keys() <= {"class", "parts"}
+        for entry in found.values()
+    )
+    if not fits:
+        raise UsageError(
+            f"{path} is not a map of words",
+            'a map is {"Kettle": {"class": "jar", "parts": {"lid": "lid", "*": "jar"}}}',
+        )
+    return found

@@ -1,0 +1,198 @@
+"""A folder in a layout of the field: written category by category, and read back against the model.
+
+``.layout/<category>.json`` keeps how the objects of a category were made, so that others can be added, lists written anew and
+the folder checked. It is written last: a folder without it holds nothing of the category that counts. ``<category>.files`` are
+the names of its own files, which go when it is replaced.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import UserError
+from ..export.write import ExportError, ensure_folder, write_bytes
+from ..layouts.entry import USUAL, Entry, Shares
+from ..layouts.findings import Findings
+from ..layouts.registry import LAYOUTS, Layout, require
+from ..sampling.statistics import Statistics
+from ..shapes import Misfit, fit
+from .job import Job, open_job
+from .manifest import make_relative
+from .request import Drawn, Request
+from .schema import expand
+from .workers import map_each
+
+Progress = Callable[[int, int], None]
+_RECORDS = ".layout"
+
+
+def write_layout(
+    job: Job,
+    out: Path | str,
+    layout: Layout,
+    *,
+    shares: Shares = USUAL,
+    own: Mapping[str, Any] | None = None,
+    force: bool = False,
+    progress: Progress | None = None,
+    workers: int = 1,
+) -> Entry:
+    """Write the objects of a job into the folder ``out``, beside other categories in the same layout.
+
+    ``shares``: how many of every few objects go into train, val and test; ``own``: words of the user's. What the folder has of
+    the category is refused, or replaced by ``force``. Raises ExportError, UserError.
+    """
+    out = Path(out)
+    require(layout)
+    entry = layout.entry(job.program, job.request.seed, job.request.objects, shares, own)
+    place = out / _RECORDS / f"{entry.category}.json"
+    others = [known for known in entries(out, layout, refuse=True) if known.category != entry.category]
+    if place.exists() and not force:
+        raise ExportError(f"{out} already has {entry.category}", "use --force to write it again, or another folder")
+    _clear(out, entry.category)
+    _carry_out(job, layout, entry, out, progress, workers)
+    record = {
+        "layout": layout.name,
+        "category": entry.category,
+        "source": make_relative(job.request.source, out),
+        "request": job.request.to_manifest(),
+        "shares": list(shares),
+        "map": dict(own or {}),
+        "words": dict(entry.words),
+    }
+    for name, data in layout.index([*others, entry]).items():
+        if name.endswith("/"):
+            ensure_folder(out / name)
+        else:
+            write_bytes(out / name, data, force=True)
+    write_bytes(place, (json.dumps(record, indent=1) + "\n").encode(), force=True)
+    return entry
+
+
+def entries(folder: Path, layout: Layout | None = None, *, refuse: bool = False) -> list[Entry]:
+    """What a folder holds, by category. ``refuse``: in another layout than this. Raises ExportError."""
+    found = []
+    for record in _records(folder):
+        own = LAYOUTS[record["layout"]]
+        if refuse and layout is not None and own is not layout:
+            raise ExportError(f"{folder} is laid out as {own.name}", f"choose another folder for {layout.name}")
+        found.append(_entry(record))
+    return found
+
+
+def check_layout(folder: Path | str, progress: Progress | None = None) -> Findings:
+    """Read a folder as the field's loaders do, and compare it with its objects, made again. Raises UserError."""
+    folder, found = Path(folder), Findings()
+    records = _records(folder)
+    if not records:
+        raise UserError(f"{folder} is no folder in a layout", "give a folder that `apgc export --format` has laid out")
+    known = [_entry(record) for record in records]
+    total, done = sum(len(entry.numbers) for entry in known), 0
+    for record, entry in zip(records, known, strict=True):
+        layout = LAYOUTS[record["layout"]]
+        require(layout)
+        job = open_job(Request.from_manifest(record["request"], record["source"], folder))
+        for shard, numbers in enumerate(entry.chunks()):
+            try:
+                layout.check(folder, entry, job.batch(numbers), shard, found)
+            except (OSError, ValueError, KeyError, UserError) as wrong:
+                found.of(entry.category, False, f"cannot be read: {wrong}".replace(f"{folder}/", ""))
+            done += len(numbers)
+            if progress:
+                progress(done, total)
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """Objects that are made together, and where their files go."""
+
+    out: Path
+    layout: str
+    entry: Entry
+    shard: int
+    numbers: np.ndarray
+
+    def write(self, job: Job) -> list[str]:
+        """The names of what is written."""
+        names = []
+        for name, data in LAYOUTS[self.layout].files(job.batch(self.numbers), self.entry, self.shard):
+            write_bytes(self.out / name, data, force=True)
+            names.append(name)
+        return names
+
+
+def _clear(out: Path, category: str) -> None:
+    """Remove what the folder has of a category, but for the lists of all."""
+    (out / _RECORDS / f"{category}.json").unlink(missing_ok=True)
+    listed = out / _RECORDS / f"{category}.files"
+    names = listed.read_text(encoding="utf-8").splitlines() if listed.exists() else []
+    for name in names:
+        if (out / name).resolve().is_relative_to(out.resolve()):
+            (out / name).unlink(missing_ok=True)
+    listed.unlink(missing_ok=True)
+
+
+def _carry_out(job: Job, layout: Layout, entry: Entry, out: Path, progress: Progress | None, workers: int) -> None:
+    pieces = [Piece(out, layout.name, entry, k, numbers) for k, numbers in enumerate(entry.chunks())]
+    done, names = 0, []
+    for piece, written in zip(pieces, _written(job, pieces, workers), strict=True):
+        names += written
+        done += len(piece.numbers)
+        if progress:
+            progress(done, len(entry.numbers))
+    write_bytes(out / _RECORDS / f"{entry.category}.files", "".join(f"{name}\n" for name in names).encode(), force=True)
+
+
+def _written(job: Job, pieces: list[Piece], workers: int) -> Iterator[list[str]]:
+    if workers > 1:
+        return map_each(_write, pieces, workers, _take, replace(job, statistics=Statistics()))
+    return (piece.write(job) for piece in pieces)
+
+
+_job: Job | None = None  # what this worker works for
+
+
+def _take(job: Job) -> None:
+    global _job
+    _job = job
+
+
+def _write(piece: Piece) -> list[str]:
+    assert _job is not None
+    return piece.write(_job)
+
+
+# ---------------------------------------------------------------- records
+
+
+def _records(folder: Path) -> list[dict[str, Any]]:
+    """The records of a folder, by category. Raises ExportError."""
+    return [_read(path) for path in sorted((folder / _RECORDS).glob("*.json"))]
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        record = json.loads(path.read_bytes())
+        fits = record["layout"] in LAYOUTS and isinstance(record["source"], str) and isinstance(record["map"], dict)
+        fits = fits and len(record["shares"]) == 3 and isinstance(record["words"], dict)
+        fit(record["request"], Drawn)
+    except (OSError, ValueError, KeyError, TypeError, Misfit) as wrong:
+        raise ExportError(f"cannot read {path}: {wrong}", "write the category again with --force") from None
+    if not fits:
+        raise ExportError(f"{path} is not the record of a layout", "write the category again with --force")
+    return record
+
+
+def _entry(record: Mapping[str, Any]) -> Entry:
+    layout, request = LAYOUTS[record["layout"]], record["request"]
+    term = layout.term(record["category"], record["map"])
+    numbers = expand(tuple((first, last) for first, last in request["numbers"]))
+    train, val, test = record["shares"]
+    return Entry(record["category"], request["seed"], numbers, (train, val, test), term, record["words"], layout.chunk)

@@ -1,0 +1,72 @@
+"""``apgc export --format LAYOUT`` and ``apgc layout``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from .helpers import Apgc, tree
+
+
+def test_laid_out_and_checked(apgc: Apgc, tmp_path: Path) -> None:
+    out = tmp_path / "parts"
+    code, _, said = apgc("export", "Laptop", "-n", 4, "--format", "shapenetpart", "--split", "2,1,1", "-o", out)
+    assert code == 0 and "4 objects of Laptop as shapenetpart" in said and "2 train, 1 val, 1 test" in said
+    assert apgc("layout", out)[0] == 0
+    path = out / "03642806/Laptop0n000002.txt"
+    path.write_text(path.read_text().replace("28.000000", "29.000000", 1))
+    code, shown, said = apgc("layout", out)
+    assert code == 1 and "1 numbers of parts differ from the model" in shown and "1 fault" in said
+
+
+def test_workers_write_the_same(apgc: Apgc, tmp_path: Path) -> None:
+    for name, more in (("one", ()), ("two", ("--workers", 2))):
+        assert apgc("export", "Laptop", "-n", 70, "--format", "shapenetpart", "-o", tmp_path / name, *more)[0] == 0
+    assert tree(tmp_path / "one") == tree(tmp_path / "two")
+
+
+def test_samples_are_laid_out_as_they_are(apgc: Apgc, tmp_path: Path) -> None:
+    apgc("sample", "Laptop", "-n", 3, "--seed", 5, "-o", tmp_path / "data")
+    assert apgc("export", tmp_path / "data", "--format", "shapenetpart", "-o", tmp_path / "parts")[0] == 0
+    assert (tmp_path / "parts/03642806/Laptop5n000002.txt").exists()
+    assert apgc("layout", tmp_path / "parts")[0] == 0
+    code, _, said = apgc("export", tmp_path / "data", "--format", "shapenetpart")
+    assert code == 2 and "is a folder of its own" in said
+
+
+@pytest.mark.parametrize(
+    ("arguments", "wrong"),
+    [
+        (("Kettle", "--format", "shapenetpart"), "ShapeNetPart has no class for Kettle"),
+        (("Laptop", "--format", "shapenetprt"), "unknown format 'shapenetprt'"),
+        (("Laptop", "--format", "shapenetpart,urdf"), "shapenetpart is a layout of its own folder"),
+        (("Laptop", "--format", "shapenetpart", "--split", "8,1"), "'8,1' is not a split"),
+        (("Laptop", "--format", "shapenetpart", "--split", "0,0,0"), "'0,0,0' is not a split"),
+        (("Laptop", "--format", "urdf", "--split", "8,1,1"), "--split is for layouts"),
+        (("Laptop", "--format", "shapenetpart", "--tolerance", "1mm"), "shapenetpart has no meshes to choose for"),
+        (("Laptop", "--format", "shapenetpart", "--map", "none.json"), "cannot read none.json"),
+    ],
+)
+def test_what_is_refused(apgc: Apgc, tmp_path: Path, arguments: tuple[str, ...], wrong: str) -> None:
+    code, _, said = apgc("export", *arguments, "-o", tmp_path / "out")
+    assert code in (1, 2) and wrong in said and "help: " in said
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("text", ["[]", '{"Kettle": "Mug"}', '{"Kettle": {"class": "Mug", "part": {}}}', "{"])
+def test_a_map_that_is_none(apgc: Apgc, tmp_path: Path, text: str) -> None:
+    (tmp_path / "map.json").write_text(text)
+    code, _, said = apgc(
+        "export", "Kettle", "--format", "shapenetpart", "--map", tmp_path / "map.json", "-o", tmp_path / "o"
+    )
+    assert code == 2 and "is not" in said and '"class"' in said
+
+
+def test_a_folder_that_is_no_layout(apgc: Apgc, tmp_path: Path) -> None:
+    assert "is no folder in a layout" in apgc("layout", tmp_path)[2]
+    assert "there is no folder" in apgc("layout", tmp_path / "none")[2]
+    (tmp_path / ".layout").mkdir()
+    (tmp_path / ".layout/Laptop.json").write_text("{}")
+    code, _, said = apgc("layout", tmp_path)
+    assert code == 1 and "Laptop.json" in said and "--force" in said

@@ -1,0 +1,180 @@
+"""Part segmentation: files read back without our own reader, faults that it finds, and what is refused."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from artipg_dsl import sample
+from artipg_dsl.errors import UserError
+from artipg_dsl.export.write import ExportError
+from artipg_dsl.layouts.registry import LAYOUTS
+from artipg_dsl.layouts.words import vocabulary
+
+from .conftest import Lay, faults
+
+h5py = pytest.importorskip("h5py", reason="h5py, of the extra hdf5, is not installed")
+
+
+@pytest.fixture(scope="module")
+def text(lay: Lay) -> Path:
+    return lay("shapenetpart", "Chair", "Laptop", n=4, shares=(2, 1, 1))
+
+
+@pytest.fixture(scope="module")
+def partnet(lay: Lay) -> Path:
+    return lay("partnet-seg", "StorageFurniture", "Kettle", n=4, shares=(2, 1, 1))
+
+
+def rows(folder: Path, name: str) -> np.ndarray:
+    return np.loadtxt(folder / f"{name}.txt")
+
+
+def test_parts_of_chairs_lie_where_a_chair_has_them(text: Path) -> None:
+    listed = json.loads((text / "train_test_split/shuffled_train_file_list.json").read_text())
+    assert len(listed) == len(set(listed)) == 4
+    chairs = [rows(text, name.removeprefix("shape_data/")) for name in listed if "03001627" in name]
+    for chair in chairs:
+        assert chair.shape == (2500, 7) and set(chair[:, 6]) <= {12.0, 13.0, 14.0, 15.0}
+        back, seat, leg = (chair[chair[:, 6] == k] for k in (12, 13, 14))
+        assert seat[:, 1].mean() > leg[:, 1].mean(), "y is up: the seat above the legs"
+        if len(back):
+            assert back[:, 1].mean() > seat[:, 1].mean(), "and the back above the seat"
+            assert back[:, 2].mean() > seat[:, 2].mean(), "the front is -z: a back is behind its seat"
+        assert np.abs(np.linalg.norm(chair[:, 3:6], axis=1) - 1).max() < 1e-5
+        assert np.linalg.norm(np.ptp(chair[:, :3], axis=0)) == pytest.approx(1, abs=1e-5)
+    assert any((chair[:, 6] == 12).any() for chair in chairs)
+
+
+def test_every_class_has_its_folder_and_every_object_its_list(text: Path) -> None:
+    table = [line.split("\t") for line in (text / "synsetoffset2category.txt").read_text().splitlines()]
+    assert [name for name, _ in table] == sorted(name for name, _ in table) and len(table) == 16
+    assert all((text / synset).is_dir() for _, synset in table)
+    counts = [
+        len(json.loads((text / f"train_test_split/shuffled_{split}_file_list.json").read_text()))
+        for split in ("train", "val", "test")
+    ]
+    assert counts == [4, 2, 2]
+    assert not faults(text)
+
+
+def test_numbers_of_parts_are_those_of_all_loaders() -> None:
+    classes = vocabulary("shapenetpart").classes
+    ends = [(data["first"], data["first"] + len(data["parts"])) for data in classes.values()]
+    assert ends[0][0] == 0 and ends[-1][1] == 50
+    assert all(end == first for (_, end), (first, _) in zip(ends, ends[1:], strict=False))
+
+
+def test_the_text_and_hdf5_say_the_same(text: Path, lay: Lay) -> None:
+    folder = lay("shapenetpart-h5", "Chair", n=4, shares=(4, 0, 0))
+    assert not faults(folder)
+    listed = (folder / "hdf5_data/train_hdf5_file_list.txt").read_text().split()
+    with h5py.File(folder / "hdf5_data" / listed[0]) as file:
+        assert file["data"].shape == (4, 2048, 3) and file["data"].dtype == np.float32
+        assert set(np.unique(file["label"])) == {4} and set(np.unique(file["pid"])) <= {12, 13, 14, 15}
+        back = [(file["pid"][k] == 12).mean() for k in range(4)]
+    ours = [(rows(text, f"03001627/Chair7n{k:06d}")[:, 6] == 12).mean() for k in range(4)]
+    assert back == pytest.approx(ours, abs=0.06)
+
+
+def test_a_folder_that_was_spoilt_is_found_out(lay: Lay) -> None:
+    folder = lay("shapenetpart", "Laptop", n=2)
+    path = folder / "03642806/Laptop7n000001.txt"
+    table = np.loadtxt(path)
+    spoilt = {
+        "numbers of parts of another class": table.copy(),
+        "points differ": table.copy(),
+        "not (2500, 7)": table[1:],
+    }
+    spoilt["numbers of parts of another class"][0, 6] = 3
+    spoilt["points differ"][:, 1] *= -1  # upside down
+    for fault, rows_ in spoilt.items():
+        np.savetxt(path, rows_, fmt="%.6f")
+        assert any("Laptop7n000001" in found and fault in found for found in faults(folder)), fault
+    path.unlink()
+    assert any("cannot be read: 03642806/Laptop7n000001.txt" in found for found in faults(folder))
+
+
+def test_partnet_classes_are_those_of_its_levels(partnet: Path) -> None:
+    assert not faults(partnet)
+    storage = sample("StorageFurniture", n=2, seed=7, checked=False)
+    for level, count in (("1", 6), ("2", 18), ("3", 23)):
+        place = partnet / f"sem_seg_h5/StorageFurniture-{level}"
+        with h5py.File(place / (place / "train_files.txt").read_text().split()[0]) as file:
+            data, label, number = file["data"][()], file["label_seg"][()], file["data_num"][()]
+        assert data.shape == (2, 10000, 3) and data.dtype == np.float32 and label.dtype == np.uint8
+        assert number.tolist() == [10000, 10000] and label.max() <= count
+        assert np.linalg.norm(data, axis=-1).max(axis=-1) == pytest.approx([1, 1], abs=1e-5)
+        names = (partnet / f"stats/after_merging_label_ids/StorageFurniture-level-{level}.txt").read_text().splitlines()
+        assert len(names) == count
+    words = storage.batch.program.vocabularies["semantic"]
+    ours = [words[k] for k in storage.points(10000).semantic[0]]
+    level1 = [
+        name.split()[1].rpartition("/")[2]
+        for name in open(partnet / "stats/after_merging_label_ids/StorageFurniture-level-1.txt")
+    ]
+    with h5py.File(partnet / "sem_seg_h5/StorageFurniture-1/train-00.h5") as file:
+        theirs = [level1[k - 1] for k in file["label_seg"][0]]
+    for our, their in (("body", "cabinet_frame"), ("shelf", "shelf"), ("drawer", "drawer"), ("door", "cabinet_door")):
+        assert {t for o, t in zip(ours, theirs, strict=True) if o == our} <= {their}
+
+
+def test_instances_are_leaves_of_a_tree(partnet: Path) -> None:
+    told = json.loads((partnet / "ins_seg_h5/StorageFurniture/train-00.json").read_text())
+    with h5py.File(partnet / "ins_seg_h5/StorageFurniture/train-00.h5") as file:
+        label, points = file["label"][()], file["pts"][()]
+        assert file["rgb"].dtype == np.uint8 and file["nor"].shape == file["pts"].shape
+    storage = sample("StorageFurniture", n=2, seed=7, checked=False)
+    for i, shape in enumerate(told):
+        parts = shape["ins_seg"]
+        drawers = [part for part in parts if part["part_name"] == "storage_furniture/cabinet/drawer"]
+        joints = storage.joints()
+        slides = sum(kind == "prismatic" for kind, owner in zip(joints.kind, joints.owner, strict=True) if owner == i)
+        assert len(drawers) == slides
+        bottom = next(part for part in parts if part["part_name"].endswith("cabinet_frame/bottom_panel"))
+        top = next(part for part in parts if part["part_name"].endswith("cabinet_frame/top_panel"))
+        low, high = (points[i][np.isin(label[i], part["leaf_id_list"]), 1].mean() for part in (bottom, top))
+        assert low < high
+
+
+def test_a_category_that_partnet_lacks_has_a_level_of_its_own_words(partnet: Path) -> None:
+    names = (partnet / "stats/after_merging_label_ids/Kettle-level-1.txt").read_text().splitlines()
+    assert names[0] == "1 kettle/body leaf" and len(names) == len(set(names)) > 3
+    with h5py.File(partnet / "sem_seg_h5/Kettle-1/train-00.h5") as file:
+        assert file["label_seg"][()].min() >= 1
+
+
+def test_a_closed_vocabulary_refuses_and_says_what_would_serve() -> None:
+    with pytest.raises(UserError, match="no class for Kettle") as refused:
+        LAYOUTS["shapenetpart"].term("Kettle")
+    hint = refused.value.hint or ""
+    assert "Chair, Laptop have one" in hint and "nearest is Mug" in hint and "partnet-seg takes any" in hint
+    own = {"Kettle": {"class": "Mug", "parts": {"handle": "handle", "*": "cup"}}}
+    term = LAYOUTS["shapenetpart"].term("Kettle", own)
+    assert term is not None and term.data["synset"] == "03797390"
+    with pytest.raises(UserError, match="no class `Mugg`"):
+        LAYOUTS["shapenetpart"].term("Kettle", {"Kettle": {"class": "Mugg"}})
+    with pytest.raises(UserError, match="no part `saucer`: its parts are handle, cup"):
+        LAYOUTS["shapenetpart"].term("Kettle", {"Kettle": {"class": "Mug", "parts": {"*": "saucer"}}})
+    with pytest.raises(UserError, match="takes any category"):
+        LAYOUTS["partnet-seg"].term("Kettle", own)
+
+
+def test_a_word_without_a_part_is_refused(lay: Lay) -> None:
+    own = {"Kettle": {"class": "Mug", "parts": {"body": "cup"}}}
+    with pytest.raises(UserError, match="not told what .* of Kettle is"):
+        lay("shapenetpart", "Kettle", n=1, own=own)
+
+
+def test_one_folder_one_layout_and_a_category_once(lay: Lay) -> None:
+    folder = lay("shapenetpart", "Laptop", n=3)
+    with pytest.raises(ExportError, match="laid out as shapenetpart"):
+        lay("partnet-seg", "Laptop", folder=folder)
+    with pytest.raises(ExportError, match="already has Laptop"):
+        lay("shapenetpart", "Laptop", folder=folder)
+    lay("shapenetpart", "Laptop", n=1, folder=folder, force=True)
+    assert [path.name for path in (folder / "03642806").iterdir()] == ["Laptop7n000000.txt"]
+    assert not faults(folder)
