@@ -116,6 +116,24 @@ LAYOUTS: dict[str, Layout] = {
             needs=_H5,
             chunk=32,
         ),
+        Layout(
+            "pcn",
+            "completion as PCN has it: whole clouds, and what a depth camera sees of them",
+            "completion:pcn_files",
+            "completion:pcn_index",
+            "completion:check_pcn",
+            "shapenet",
+            chunk=16,
+        ),
+        Layout(
+            "shapenet55",
+            "completion as ShapeNet-55 has it: whole clouds, of which loaders take parts away",
+            "completion:shapenet_files",
+            "completion:shapenet_index",
+            "completion:check_55",
+            "shapenet",
+            chunk=32,
+        ),
     )
 }
 
