@@ -7,7 +7,8 @@ the whole folder, and what a folder read back does not hold as it should. Begin 
     words                               what others call a category and its parts, and whether they have it at all
     clouds, partnet_parts               points in the axes, sizes and classes of others; the trees of PartNet
     shapenetpart, partnet_seg           layouts for part segmentation
+    gapartnet, gaparts                  a layout for part poses; parts that a hand can use, and their boxes
     completion                          layouts for completion
-    hdf5, pcd                           files
+    hdf5, pcd, pth                      files
     findings                            faults that a reader finds
 """

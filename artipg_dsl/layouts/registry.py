@@ -117,6 +117,16 @@ LAYOUTS: dict[str, Layout] = {
             chunk=32,
         ),
         Layout(
+            "gapartnet",
+            "part poses as GAPartNet has them: views with parts and normalised coordinates",
+            "gapartnet:files",
+            "gapartnet:index",
+            "gapartnet:check",
+            "gapartnet",
+            "gaparts:check_term",
+            chunk=4,
+        ),
+        Layout(
             "pcn",
             "completion as PCN has it: whole clouds, and what a depth camera sees of them",
             "completion:pcn_files",

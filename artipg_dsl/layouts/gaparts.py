@@ -1,0 +1,189 @@
+"""Parts that a hand can use, as GAPartNet has them: which there are, and the oriented box of each.
+
+A part is a link that moves in a way that has a class, without what lies on it that is a part of its own (a fixed handle).
+Its axes are those of the data set: z out of the surface, for a door x along the hinge and y from the hinge to the free edge,
+else x along the longer edge.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..annotate.poses import part_poses
+from ..export.robot import Robots
+from ..geometry.resolution import Resolution
+from .clouds import norms
+from .words import Term
+
+if TYPE_CHECKING:
+    from ..runtime.batch import Batch
+
+CLASSES = (
+    "others",
+    "line_fixed_handle",
+    "round_fixed_handle",
+    "slider_button",
+    "hinge_door",
+    "slider_drawer",
+    "slider_lid",
+    "hinge_lid",
+    "hinge_knob",
+    "revolute_handle",
+)
+FINE = Resolution(tolerance=2e-4)
+_LONG = 1.5  # a fixed handle this many times as long as wide is a line
+_HINGED = ("hinge_door", "hinge_lid")
+_TURNED = ("hinge_knob", "revolute_handle")
+_PRESSED = ("slider_button",)
+_FIXED = ("line_fixed_handle", "round_fixed_handle")
+
+
+@dataclass(frozen=True, slots=True)
+class GAPart:
+    """``kind``: the number of its class; the ``link`` that it moves with, and the part ``instance`` that it is, -1 for the whole
+    link; rows of ``axes`` (3, 3) are its own at joint values 0, ``center`` (3,) and ``size`` (3,) its box."""
+
+    kind: int
+    link: int
+    instance: int
+    axes: np.ndarray
+    center: np.ndarray
+    size: np.ndarray
+
+    def npcs(self, points: np.ndarray) -> np.ndarray:
+        """Points (n, 3) at joint values 0 in the part's coordinates: the diagonal of its box is 1."""
+        local = (points - self.center) @ self.axes.T
+        return np.clip(local, -self.size / 2, self.size / 2) / norms(self.size)
+
+
+def gaparts(batch: Batch, term: Term) -> list[list[GAPart]]:
+    """The parts of each object of a batch."""
+    robots = Robots(batch, resolution=FINE, physics=False)
+    return [list(_Object(robots, i, term).parts()) for i in range(len(batch))]
+
+
+class _Object:
+    """What is asked of one object."""
+
+    def __init__(self, robots: Robots, i: int, term: Term):
+        self.robots, self.i, self.term = robots, i, term
+        self.robot = robots.robot(i)
+        self.first = int(robots.part_start[i])
+        self.semantic = robots.batch.program.vocabularies.get("semantic", ("",))
+        self.poses = part_poses(robots.batch, np.zeros(len(robots.joints.owner)))
+        everything = np.concatenate(
+            [corners for link in range(len(self.robot.links)) for _, corners in self.visuals(link)]
+        )
+        self.middle = (everything.min(axis=0) + everything.max(axis=0)) / 2
+
+    def visuals(self, link: int) -> Iterator[tuple[int, np.ndarray]]:
+        """Part instance and vertices (n, 3), at joint values 0, of what is seen of a link."""
+        own = self.robot.links[link]
+        for visual in own.visuals:
+            yield int(visual.item.group.table.instance[visual.item.row]), visual.shape.vertices + own.origin
+
+    def word(self, instance: int) -> str:
+        """The word of a part."""
+        k = int(self.robots.parts.semantic[self.first + instance])
+        return self.semantic[k] if k else ""
+
+    def link_word(self, link: int) -> str:
+        """The word of the part that a link is, else the first that something on it bears."""
+        robots = self.robots
+        own = robots.batch.program.links[int(robots.links.definition[int(robots.link_start[self.i]) + link])]
+        said = robots.batch.program.parts[own.part].word if own.part >= 0 else ""
+        return said or next((self.word(instance) for instance, _ in self.visuals(link) if self.word(instance)), "")
+
+    def parts(self) -> Iterator[GAPart]:
+        """Links that move in a way that has a class, then what is a part by its word. A handle that turns is one with its rose,
+        which stays with what carries it."""
+        named = {
+            joint.child: self.term.parts.get(f"{self.link_word(joint.child)}/{joint.kind}")
+            for joint in self.robot.joints
+        }
+        turned = {k for link, name in named.items() if name in _TURNED for k, _ in self.visuals(link)}
+        for link in range(len(self.robot.links)):
+            moving, seen, carrier = named.get(link), list(self.visuals(link)), None
+            apart = [k for k, _ in seen if k not in turned and self.word(k) in self.term.parts]
+            own = [corners for k, corners in seen if k not in apart]
+            if moving and own:
+                carrier = self._moving(link, moving, np.concatenate(own))
+                yield carrier
+            for k in dict.fromkeys(apart):
+                corners = np.concatenate([held for number, held in seen if number == k])
+                yield self._fixed(link, k, self.term.parts[self.word(k)], corners, carrier)
+
+    def _moving(self, link: int, name: str, corners: np.ndarray) -> GAPart:
+        joint = next(joint for joint in self.robot.joints if joint.child == link)
+        ends = joint.high or 0.0, -(joint.low or 0.0)  # how far it goes from where it is shut
+        axis = joint.axis * (1.0 if ends[0] >= ends[1] else -1.0)
+        frame = self._frame(link)
+        center = (corners.min(axis=0) + corners.max(axis=0)) / 2
+        if name in _HINGED:
+            x = nearest(frame, axis)
+            arm = center - self.robot.links[link].origin
+            y = nearest(frame, arm - (arm @ x) * x, x)
+            return _boxed(name, link, -1, np.stack([x, y, np.cross(x, y)]), corners)
+        out = -axis if name in _PRESSED else axis
+        if name in _TURNED:
+            out = axis if axis @ (center - self.middle) >= 0 else -axis
+        return _boxed(name, link, -1, facing(frame, nearest(frame, out), corners), corners)
+
+    def _fixed(self, link: int, instance: int, name: str, corners: np.ndarray, carrier: GAPart | None) -> GAPart:
+        frame = self.poses.rotation[self.first + instance]
+        center = (corners.min(axis=0) + corners.max(axis=0)) / 2
+        extent = np.ptp(corners @ frame, axis=0)
+        out = center - self.middle
+        if carrier is not None:
+            side = (center - carrier.center) @ carrier.axes[2]
+            out = carrier.axes[2] * (1.0 if side >= 0 else -1.0)
+        z = nearest(frame, out, frame[:, int(extent.argmax())])
+        axes = facing(frame, z, corners)
+        size = np.ptp(corners @ axes.T, axis=0)
+        if name in _FIXED:
+            name = _FIXED[0] if size[0] > _LONG * size[1] else _FIXED[1]
+        return _boxed(name, link, instance, axes, corners)
+
+    def _frame(self, link: int) -> np.ndarray:
+        """Axes (3, 3), as columns, of the part that a link is; the object's where it is none."""
+        table = self.robots.parts
+        part = self.robots.batch.program.links[
+            int(self.robots.links.definition[int(self.robots.link_start[self.i]) + link])
+        ].part
+        rows = slice(self.first, int(self.robots.part_start[self.i + 1]))
+        at = np.flatnonzero((np.asarray(table.definition[rows]) == part) & (np.asarray(table.link[rows]) == link))
+        return self.poses.rotation[self.first + int(at[0])] if part >= 0 and len(at) else np.eye(3)
+
+
+def nearest(frame: np.ndarray, direction: np.ndarray, but: np.ndarray | None = None) -> np.ndarray:
+    """Of the columns of a frame and their opposites the one nearest to a direction, not along ``but``."""
+    along = direction @ frame
+    if but is not None:
+        along = np.where(np.abs(but @ frame) > 0.9, 0.0, along)
+    k = int(np.abs(along).argmax())
+    return frame[:, k] * (1.0 if along[k] >= 0 else -1.0)
+
+
+def facing(frame: np.ndarray, z: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """Axes as rows: z as given, x along the longer edge of the other two."""
+    others = [frame[:, k] for k in range(3) if abs(frame[:, k] @ z) < 0.9]
+    x = max(others, key=lambda axis: float(np.ptp(corners @ axis)))
+    return np.stack([x, np.cross(z, x), z])
+
+
+def _boxed(name: str, link: int, instance: int, axes: np.ndarray, corners: np.ndarray) -> GAPart:
+    local = corners @ axes.T
+    low, high = local.min(axis=0), local.max(axis=0)
+    return GAPart(CLASSES.index(name), link, instance, axes, (low + high) / 2 @ axes, high - low)
+
+
+def check_term(term: Term) -> str | None:
+    """What is wrong with a map, if anything: it names a part that there is not."""
+    unknown = [part for part in term.parts.values() if part not in CLASSES[1:]]
+    if not term.parts:
+        return "no word of it is a part"
+    return f"there is no part `{unknown[0]}`: the parts are {', '.join(CLASSES[1:])}" if unknown else None
