@@ -117,6 +117,34 @@ class Files:
         write_objects(self.batch, Path(folder), chosen, force=force, resolution=fine)
         return [Path(str(object_folder(Path(folder), n))) for n in self.numbers.tolist()]
 
+    def lay_out(
+        self,
+        folder: str | Path,
+        layout: str,
+        *,
+        split: str = "8,1,1",
+        map: Mapping[str, Mapping[str, Any]] | None = None,
+        force: bool = False,
+    ) -> Path:
+        """A folder as the field's training code reads it, ``batch.lay_out("parts", "shapenetpart")``; others join in it.
+
+        The layouts are those of ``apgc export``; ``split``: how many of every few objects go into train, val and test. ``map``
+        says what the layout's vocabulary calls the category and its words, ``{"Kettle": {"class": "Mug", "parts": {"*": "cup"}}}``.
+        Raises UsageError, ExportError, UserError.
+        """
+        from ..diagnostics.suggest import did_you_mean
+        from ..layouts.entry import read_shares
+        from ..layouts.registry import LAYOUTS
+        from ..run.laying import write_layout
+
+        if layout not in LAYOUTS:
+            raise UsageError(
+                f"there is no layout {layout!r}",
+                did_you_mean(layout, LAYOUTS) or f"the layouts are {', '.join(LAYOUTS)}",
+            )
+        write_layout(self.job, folder, LAYOUTS[layout], shares=read_shares(split), own=map, force=force)
+        return Path(folder)
+
     def to_urdf(self, folder: str | Path, *, force: bool = False) -> list[Path]:
         """A robot description with its meshes per object; returns the paths of ``object.urdf``."""
         return self._objects(folder, "urdf", force)

@@ -17,6 +17,7 @@ from ..annotate.poses import part_poses
 from ..export.robot import Robots
 from ..geometry.resolution import Resolution
 from .clouds import norms
+from .pieces import Pieces
 from .words import Term
 
 if TYPE_CHECKING:
@@ -70,62 +71,37 @@ class _Object:
     """What is asked of one object."""
 
     def __init__(self, robots: Robots, i: int, term: Term):
-        self.robots, self.i, self.term = robots, i, term
-        self.robot = robots.robot(i)
-        self.first = int(robots.part_start[i])
-        self.semantic = robots.batch.program.vocabularies.get("semantic", ("",))
+        self.pieces = Pieces(robots, i, term)
         self.poses = part_poses(robots.batch, np.zeros(len(robots.joints.owner)))
-        everything = np.concatenate(
-            [corners for link in range(len(self.robot.links)) for _, corners in self.visuals(link)]
-        )
+        everything = self.pieces.corners()
         self.middle = (everything.min(axis=0) + everything.max(axis=0)) / 2
-
-    def visuals(self, link: int) -> Iterator[tuple[int, np.ndarray]]:
-        """Part instance and vertices (n, 3), at joint values 0, of what is seen of a link."""
-        own = self.robot.links[link]
-        for visual in own.visuals:
-            yield int(visual.item.group.table.instance[visual.item.row]), visual.shape.vertices + own.origin
-
-    def word(self, instance: int) -> str:
-        """The word of a part."""
-        k = int(self.robots.parts.semantic[self.first + instance])
-        return self.semantic[k] if k else ""
-
-    def link_word(self, link: int) -> str:
-        """The word of the part that a link is, else the first that something on it bears."""
-        robots = self.robots
-        own = robots.batch.program.links[int(robots.links.definition[int(robots.link_start[self.i]) + link])]
-        said = robots.batch.program.parts[own.part].word if own.part >= 0 else ""
-        return said or next((self.word(instance) for instance, _ in self.visuals(link) if self.word(instance)), "")
 
     def parts(self) -> Iterator[GAPart]:
         """Links that move in a way that has a class, then what is a part by its word. A handle that turns is one with its rose,
         which stays with what carries it."""
-        named = {
-            joint.child: self.term.parts.get(f"{self.link_word(joint.child)}/{joint.kind}")
-            for joint in self.robot.joints
-        }
-        turned = {k for link, name in named.items() if name in _TURNED for k, _ in self.visuals(link)}
-        for link in range(len(self.robot.links)):
-            moving, seen, carrier = named.get(link), list(self.visuals(link)), None
-            apart = [k for k, _ in seen if k not in turned and self.word(k) in self.term.parts]
+        pieces = self.pieces
+        moving = pieces.moving()
+        turned = {k for link, name in moving.items() if name in _TURNED for k, _ in pieces.of(link)}
+        for link in range(len(pieces.robot.links)):
+            carrier, seen = None, [(k, shape.vertices) for k, shape in pieces.of(link)]
+            apart = [k for k in pieces.apart(link) if k not in turned]
             own = [corners for k, corners in seen if k not in apart]
-            if moving and own:
-                carrier = self._moving(link, moving, np.concatenate(own))
+            if link in moving and own:
+                carrier = self._moving(link, moving[link], np.concatenate(own))
                 yield carrier
-            for k in dict.fromkeys(apart):
+            for k in apart:
                 corners = np.concatenate([held for number, held in seen if number == k])
-                yield self._fixed(link, k, self.term.parts[self.word(k)], corners, carrier)
+                yield self._fixed(link, k, pieces.term.parts[pieces.word(k)], corners, carrier)
 
     def _moving(self, link: int, name: str, corners: np.ndarray) -> GAPart:
-        joint = next(joint for joint in self.robot.joints if joint.child == link)
+        joint = next(joint for joint in self.pieces.robot.joints if joint.child == link)
         ends = joint.high or 0.0, -(joint.low or 0.0)  # how far it goes from where it is shut
         axis = joint.axis * (1.0 if ends[0] >= ends[1] else -1.0)
         frame = self._frame(link)
         center = (corners.min(axis=0) + corners.max(axis=0)) / 2
         if name in _HINGED:
             x = nearest(frame, axis)
-            arm = center - self.robot.links[link].origin
+            arm = center - self.pieces.robot.links[link].origin
             y = nearest(frame, arm - (arm @ x) * x, x)
             return _boxed(name, link, -1, np.stack([x, y, np.cross(x, y)]), corners)
         out = -axis if name in _PRESSED else axis
@@ -134,7 +110,7 @@ class _Object:
         return _boxed(name, link, -1, facing(frame, nearest(frame, out), corners), corners)
 
     def _fixed(self, link: int, instance: int, name: str, corners: np.ndarray, carrier: GAPart | None) -> GAPart:
-        frame = self.poses.rotation[self.first + instance]
+        frame = self.poses.rotation[self.pieces.first + instance]
         center = (corners.min(axis=0) + corners.max(axis=0)) / 2
         extent = np.ptp(corners @ frame, axis=0)
         out = center - self.middle
@@ -150,13 +126,9 @@ class _Object:
 
     def _frame(self, link: int) -> np.ndarray:
         """Axes (3, 3), as columns, of the part that a link is; the object's where it is none."""
-        table = self.robots.parts
-        part = self.robots.batch.program.links[
-            int(self.robots.links.definition[int(self.robots.link_start[self.i]) + link])
-        ].part
-        rows = slice(self.first, int(self.robots.part_start[self.i + 1]))
+        table, part, rows = self.pieces.robots.parts, self.pieces.part(link), self.pieces.rows
         at = np.flatnonzero((np.asarray(table.definition[rows]) == part) & (np.asarray(table.link[rows]) == link))
-        return self.poses.rotation[self.first + int(at[0])] if part >= 0 and len(at) else np.eye(3)
+        return self.poses.rotation[self.pieces.first + int(at[0])] if part >= 0 and len(at) else np.eye(3)
 
 
 def nearest(frame: np.ndarray, direction: np.ndarray, but: np.ndarray | None = None) -> np.ndarray:

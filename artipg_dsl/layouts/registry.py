@@ -127,6 +127,15 @@ LAYOUTS: dict[str, Layout] = {
             chunk=4,
         ),
         Layout(
+            "cage",
+            "trees of joints and boxes as CAGE and SINGAPO have them",
+            "cage:files",
+            "cage:index",
+            "cage:check",
+            "cage",
+            "cage:check_term",
+        ),
+        Layout(
             "pcn",
             "completion as PCN has it: whole clouds, and what a depth camera sees of them",
             "completion:pcn_files",

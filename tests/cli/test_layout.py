@@ -6,6 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from artipg_dsl import sample
+from artipg_dsl.errors import UsageError
+
 from .helpers import Apgc, tree
 
 
@@ -33,6 +36,14 @@ def test_samples_are_laid_out_as_they_are(apgc: Apgc, tmp_path: Path) -> None:
     assert apgc("layout", tmp_path / "parts")[0] == 0
     code, _, said = apgc("export", tmp_path / "data", "--format", "shapenetpart")
     assert code == 2 and "is a folder of its own" in said
+
+
+def test_python_writes_the_same(apgc: Apgc, tmp_path: Path) -> None:
+    apgc("export", "Laptop", "-n", 3, "--format", "shapenetpart", "--split", "1,1,1", "-o", tmp_path / "typed")
+    sample("Laptop", n=3).lay_out(tmp_path / "called", "shapenetpart", split="1,1,1")
+    assert tree(tmp_path / "called") == tree(tmp_path / "typed")
+    with pytest.raises(UsageError, match="no layout 'shapenetparts'"):
+        sample("Laptop").lay_out(tmp_path / "none", "shapenetparts")
 
 
 @pytest.mark.parametrize(

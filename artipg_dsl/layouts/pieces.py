@@ -1,0 +1,58 @@
+"""What is seen of an object's links, and the words that these and their parts bear."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..export.mesh_obj import Shape
+from ..export.robot import Robots
+from .words import Term
+
+
+class Pieces:
+    """The meshes of object ``i`` at joint values 0, by link."""
+
+    def __init__(self, robots: Robots, i: int, term: Term):
+        self.robots, self.i, self.term = robots, i, term
+        self.robot = robots.robot(i)
+        self.first = int(robots.part_start[i])
+        self.rows = slice(self.first, int(robots.part_start[i + 1]))  # of the table of parts
+        self._words = robots.batch.program.vocabularies.get("semantic", ("",))
+
+    def of(self, link: int) -> Iterator[tuple[int, Shape]]:
+        """Part instance and mesh, in the object's frame, of what is seen of a link."""
+        own = self.robot.links[link]
+        for visual in own.visuals:
+            shape = Shape(visual.name, visual.shape.vertices + own.origin, visual.shape.faces)
+            yield int(visual.item.group.table.instance[visual.item.row]), shape
+
+    def word(self, instance: int) -> str:
+        """The word of a part."""
+        k = int(self.robots.parts.semantic[self.first + instance])
+        return self._words[k] if k else ""
+
+    def part(self, link: int) -> int:
+        """The part of the program that a link is, -1 for none."""
+        row = int(self.robots.link_start[self.i]) + link
+        return self.robots.batch.program.links[int(self.robots.links.definition[row])].part
+
+    def link_word(self, link: int) -> str:
+        """The word of the part that a link is, else the first that something on it bears."""
+        part = self.part(link)
+        said = self.robots.batch.program.parts[part].word if part >= 0 else ""
+        return said or next((self.word(instance) for instance, _ in self.of(link) if self.word(instance)), "")
+
+    def moving(self) -> dict[int, str]:
+        """The links that move in a way that has a class, and that class."""
+        named = {j.child: self.term.parts.get(f"{self.link_word(j.child)}/{j.kind}") for j in self.robot.joints}
+        return {link: name for link, name in named.items() if name}
+
+    def apart(self, link: int) -> list[int]:
+        """The part instances on a link that have a class by their word alone."""
+        return [k for k in dict.fromkeys(k for k, _ in self.of(link)) if self.word(k) in self.term.parts]
+
+    def corners(self) -> np.ndarray:
+        """All vertices (n, 3)."""
+        return np.concatenate([shape.vertices for link in range(len(self.robot.links)) for _, shape in self.of(link)])

@@ -1,0 +1,121 @@
+"""Trees of joints and boxes, read as CAGE's loader does, and moved to where the model has its links."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from artipg_dsl import sample
+from artipg_dsl.errors import UserError
+from artipg_dsl.layouts.cage import tree_hash
+from artipg_dsl.layouts.registry import LAYOUTS
+
+from .conftest import Lay, faults
+
+
+@pytest.fixture(scope="module")
+def cage(lay: Lay) -> Path:
+    return lay("cage", "StorageFurniture", "Microwave", n=3)
+
+
+def trees(folder: Path, category: str) -> list[dict]:
+    return [json.loads(path.read_text()) for path in sorted(folder.glob(f"{category}/*/train.json"))]
+
+
+@pytest.mark.parametrize("category", ["StorageFurniture", "Microwave"])
+def test_trees_are_what_the_loader_takes(cage: Path, category: str) -> None:
+    listed = json.loads((cage / "data_split.json").read_text())
+    assert sum(name.startswith(category) for names in listed.values() for name in names) == 3
+    for file in trees(cage, category):
+        tree = file["diffuse_tree"]
+        assert file["meta"]["obj_cat"] == category
+        assert [node["id"] for node in tree] == list(range(len(tree)))
+        assert [node["name"] for node in tree if node["parent"] == -1] == ["base"]
+        for node in tree:
+            assert node["children"] == [other["id"] for other in tree if other["parent"] == node["id"]]
+            assert node["name"] in ("door", "drawer", "base", "handle", "wheel", "knob", "shelf", "tray")
+            assert node["joint"]["type"] in ("fixed", "revolute", "prismatic", "screw", "continuous")
+            assert node["joint"]["range"][0] == 0 and (node["joint"]["range"][1] > 0) == (
+                node["joint"]["type"] not in ("fixed", "continuous")
+            )
+            assert np.abs(node["aabb"]["center"]).max() <= 1 and min(node["aabb"]["size"]) > 0
+        low = np.min([np.array(n["aabb"]["center"]) - np.array(n["aabb"]["size"]) / 2 for n in tree], axis=0)
+        high = np.max([np.array(n["aabb"]["center"]) + np.array(n["aabb"]["size"]) / 2 for n in tree], axis=0)
+        assert np.linalg.norm(high - low) == pytest.approx(2, abs=1e-6), "the half diagonal is 1"
+
+
+def test_joints_are_those_of_the_model(cage: Path) -> None:
+    """As many doors and drawers as joints move them; a drawer comes out to the front, z, as far as the model's."""
+    ours = sample("StorageFurniture", n=3, seed=7, checked=False)
+    joints = ours.joints()
+    for i, file in enumerate(trees(cage, "StorageFurniture")):
+        tree = file["diffuse_tree"]
+        own = [j for j in range(len(joints.owner)) if joints.owner[j] == i]
+        for kind, name in (("prismatic", "drawer"), ("revolute", "door")):
+            rows = [j for j in own if joints.kind[j] == kind]
+            nodes = [node for node in tree if node["joint"]["type"] == kind]
+            assert len(nodes) == len(rows)
+            for node, j in zip(nodes, rows, strict=True):
+                assert node["name"] == name
+                axis, reach = np.array(node["joint"]["axis"]["direction"]), node["joint"]["range"][1]
+                if kind == "revolute":
+                    assert reach == pytest.approx(np.degrees(joints.high[j] - joints.low[j]))
+                    assert abs(axis[1]) == pytest.approx(1) or abs(axis[0]) == pytest.approx(1)
+                else:
+                    assert axis == pytest.approx([0, 0, 1], abs=1e-9)
+                    assert reach / node["aabb"]["size"][2] == pytest.approx(
+                        (joints.high[j] - joints.low[j]) / depth(ours, i, j), rel=1e-3
+                    )
+        handles = [node for node in tree if node["name"] == "handle"]
+        assert all(tree[node["parent"]]["name"] in ("door", "drawer") for node in handles)
+
+
+def depth(objects, i: int, j: int) -> float:
+    """How deep the link of a drawer is without its handle, in metres."""
+    from artipg_dsl.export.robot import Robots
+    from artipg_dsl.layouts.pieces import Pieces
+
+    term = LAYOUTS["cage"].term("StorageFurniture")
+    assert term is not None
+    pieces = Pieces(Robots(objects.batch, physics=False), i, term)
+    link = int(objects.joints().child[j])
+    apart = pieces.apart(link)
+    return float(np.ptp(np.concatenate([shape.vertices for k, shape in pieces.of(link) if k not in apart])[:, 0]))
+
+
+def test_the_folder_is_read_back(cage: Path) -> None:
+    assert not faults(cage)
+
+
+def test_trees_of_one_form_have_one_hash() -> None:
+    assert tree_hash([-1, 0, 0, 1]) == tree_hash([-1, 0, 0, 2]) != tree_hash([-1, 0, 1, 2])
+    assert len({tree_hash(parents) for parents in ([-1], [-1, 0], [-1, 0, 0], [-1, 0, 1])}) == 4
+
+
+def test_faults_are_found(lay: Lay) -> None:
+    folder = lay("cage", "Microwave", n=1)
+    path = next(folder.glob("Microwave/*/train.json"))
+    good = json.loads(path.read_text())
+    door = next(node["id"] for node in good["diffuse_tree"] if node["name"] == "door")
+
+    def broken(change) -> list[str]:
+        file = json.loads(json.dumps(good))
+        change(file["diffuse_tree"][door])
+        path.write_text(json.dumps(file))
+        return faults(folder)
+
+    assert any("origin differ" in fault for fault in broken(lambda n: n["joint"]["axis"].update(origin=[0, 0, 0])))
+    assert any("does not begin at 0" in fault for fault in broken(lambda n: n["joint"].update(range=[-5, 100])))
+    assert any("gate instead of door" in fault for fault in broken(lambda n: n.update(name="gate")))
+    assert any("box of its mesh" in fault for fault in broken(lambda n: n["aabb"].update(center=[0, 0, 0])))
+
+
+def test_what_cage_lacks_is_refused() -> None:
+    with pytest.raises(UserError, match="CAGE has no class for Door") as refused:
+        LAYOUTS["cage"].term("Door")
+    assert "the nearest is StorageFurniture" in (refused.value.hint or "")
+    with pytest.raises(UserError, match="there is no part `leaf`"):
+        LAYOUTS["cage"].term("Door", {"Door": {"class": "StorageFurniture", "parts": {"leaf/revolute": "leaf"}}})
