@@ -98,9 +98,13 @@ def _lay_out(options: argparse.Namespace, layout: Layout, begun: float) -> int:
 
     shares = USUAL if options.split is None else read_shares(options.split)
     own = None if options.map is None else read_map(options.map)
-    if Path(options.program).is_dir() and options.out is None:
+    if place_of(options.program).is_dir() and options.out is None:
         raise UsageError(f"{layout.name} is a folder of its own", "name one with -o")
-    out = Path(options.out or "out")
+    out = place_of(options.out or "out")
+    if not isinstance(out, Path):
+        raise UsageError(
+            f"{out} is not on this machine, where layouts are written", "lay it out in a folder, and copy that"
+        )
     refuse_file(out)
     job = open_wanted(options, every=True)
     with Progress(job.program.name) as progress:

@@ -65,6 +65,11 @@ def test_what_is_refused(apgc: Apgc, tmp_path: Path, arguments: tuple[str, ...],
     assert not (tmp_path / "out").exists()
 
 
+def test_a_folder_elsewhere_is_refused(apgc: Apgc) -> None:
+    code, _, said = apgc("export", "Laptop", "--format", "shapenetpart", "-o", "memory://parts")
+    assert code == 2 and "memory://parts is not on this machine" in said
+
+
 @pytest.mark.parametrize("text", ["[]", '{"Kettle": "Mug"}', '{"Kettle": {"class": "Mug", "part": {}}}', "{"])
 def test_a_map_that_is_none(apgc: Apgc, tmp_path: Path, text: str) -> None:
     (tmp_path / "map.json").write_text(text)
