@@ -28,6 +28,14 @@ def whole(text: str) -> int:
         raise ArgumentTypeError(f"{text!r} is not a whole number") from None
 
 
+def random_states(text: str) -> int:
+    """``random:K``, as other commands call K random joint states."""
+    name, _, count = text.partition(":")
+    if name != "random" or not count:
+        raise ArgumentTypeError(f"{text!r} is not a number of random joint states: write random:64")
+    return positive(count)
+
+
 def amount(text: str) -> float:
     """A number above 0."""
     try:

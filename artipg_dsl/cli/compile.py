@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..diagnostics import CompileError
 from ..errors import UsageError
+from ..export.write import write_bytes
 from ..resources import COMPILED
 from ..session import Session
 from ..source import Span
@@ -92,9 +93,7 @@ def run(options: argparse.Namespace) -> int:
     if options.out in (None, STREAM):
         print(text, end="")
     else:
-        from ..export.write import write_bytes
-
-        write_bytes(options.out, text.encode("utf-8"), force=True)
+        write_bytes(options.out, text.encode("utf-8"), force=options.force)
         say(f"wrote {options.out}")
     return 0
 

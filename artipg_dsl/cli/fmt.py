@@ -17,12 +17,13 @@ from .messages import findings, plural, say
 
 def run(options: argparse.Namespace) -> int:
     report = Report()
-    changed = 0
+    changed = read = 0
     for name in options.files:
         source = Source("<stdin>", sys.stdin.read()) if name == "-" else load(Path(name), report)
         text = format_source(source, report) if source is not None else None
         if source is None or text is None:
             continue
+        read += 1
         if name == "-" and not (options.check or options.diff):
             sys.stdout.write(text)
         elif text != source.text:
@@ -30,9 +31,9 @@ def run(options: argparse.Namespace) -> int:
             _differs(name, source.text, text, options)
     findings(report.diagnostics, sys.stdout)
     if "-" not in options.files:
-        say(
-            f"{plural(len(options.files), 'file')}: {changed} {'would change' if options.check or options.diff else 'changed'}"
-        )
+        done = "would change" if options.check or options.diff else "changed"
+        skipped = f", {len(options.files) - read} skipped" if read < len(options.files) else ""
+        say(f"{plural(read, 'file')}: {changed} {done}{skipped}")
     return 1 if report.failed or (changed and options.check) else 0
 
 

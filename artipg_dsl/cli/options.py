@@ -16,6 +16,7 @@ from .arguments import (
     picture,
     place,
     positive,
+    random_states,
     tolerance,
     whole,
     workers,
@@ -65,6 +66,7 @@ def _add_compile(to: argparse.ArgumentParser) -> None:
     to.add_argument("-o", "--out", type=place, metavar="FILE", help="output file, or - for stdout (default: stdout)")
     stages = "; ".join(f"{name}: {text}" for name, text in EMITS.items())
     to.add_argument("--emit", choices=list(EMITS), default="graph", help=stages)
+    to.add_argument("--force", action="store_true", help="overwrite an existing file")
 
 
 def _add_sample(to: argparse.ArgumentParser) -> None:
@@ -270,6 +272,7 @@ def _add_render(to: argparse.ArgumentParser) -> None:
     )
     to.add_argument("--tile", type=positive, default=256, metavar="PIXELS", help="width of each object (default: 256)")
     _meshes(to, steps=64)
+    to.add_argument("--force", action="store_true", help="overwrite an existing file")
 
 
 def _add_explain(to: argparse.ArgumentParser) -> None:
@@ -281,10 +284,10 @@ def _add_validate(to: argparse.ArgumentParser) -> None:
     _drawing(to, 200)
     to.add_argument(
         "--states",
-        type=positive,
+        type=random_states,
         default=64,
-        metavar="N",
-        help="number of random joint states per object (default: 64)",
+        metavar="random:K",
+        help="random joint states in which to look at each object, besides rest and each joint alone (default: random:64)",
     )
     to.add_argument(
         "--meshes", action="store_true", help="check the visible meshes as well, in as many states (needs manifold3d)"

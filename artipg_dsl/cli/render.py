@@ -13,6 +13,7 @@ from .wanted import open_wanted
 
 
 def run(options: argparse.Namespace) -> int:
+    from ..export.write import refuse_existing
     from ..geometry.resolution import SMOOTH
     from ..view.sheet import read_direction, write_sheet
 
@@ -20,13 +21,14 @@ def run(options: argparse.Namespace) -> int:
         raise UsageError(
             f"the picture is a PNG, and {options.out} is not the name of one", "choose a name that ends in .png"
         )
+    refuse_existing(Path(options.out), options.force)
     read_direction(options.view)
     job = open_wanted(options)
     with Progress("drawing") as progress:
         write_sheet(
             job.batch(),
             options.out,
-            force=True,
+            force=options.force,
             colour=options.colour,
             tile=options.tile,
             progress=progress,

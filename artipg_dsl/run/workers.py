@@ -77,7 +77,10 @@ def map_each(
 def _submit(pool: ProcessPoolExecutor, function: Callable[[T], R], item: T) -> Future[R]:
     try:
         return pool.submit(function, item)
-    except OSError as error:  # a process died, so that the pool closed what another one was about to be given
+    except (
+        OSError,
+        ValueError,
+    ) as error:  # a process died, so that the pool closed what another one was about to be given
         raise BrokenProcessPool from error
 
 

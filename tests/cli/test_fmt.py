@@ -23,10 +23,11 @@ def test_files(apgc: Apgc, tmp_path: Path) -> None:
     assert code == 0 and "-param w:length = 1cm" in out and "+  param w : length = 1cm" in out
     assert rough.read_text(encoding="utf-8") == ROUGH
     code, out, err = apgc("fmt", rough, smooth, broken, tmp_path / "absent.apg")
-    assert code == 1 and "broken.apg:2" in out and "there is no file" in out and "4 files: 1 changed" in err
+    assert code == 1 and "broken.apg:2" in out and "there is no file" in out and "2 files: 1 changed, 2 skipped" in err
     assert rough.read_text(encoding="utf-8") == SMOOTH
     assert broken.read_text(encoding="utf-8") == "apg 1\ncategory {"
     assert apgc("fmt", "--check", rough, smooth)[0] == 0
+    assert apgc("fmt", "--check", tmp_path / "absent.apg")[2] == "0 files: 0 would change, 1 skipped\n"
 
 
 def test_stdin(apgc: Apgc, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -91,6 +91,10 @@ def test_compile_writes_to_a_file(apgc: Apgc, tmp_path: Path) -> None:
     code, out, _ = apgc("compile", CHEST, "--emit", "typed", "-o", tmp_path / "chest.txt")
     assert (code, out) == (0, "")
     assert "category Chest" in (tmp_path / "chest.txt").read_text()
+    code, _, err = apgc("compile", CHEST, "-o", tmp_path / "chest.txt")
+    assert code == 1 and "chest.txt exists" in err and "--force" in err
+    assert apgc("compile", CHEST, "-o", tmp_path / "chest.txt", "--force")[0] == 0
+    assert "category Chest" not in (tmp_path / "chest.txt").read_text()
 
 
 def test_a_compiled_program_samples_the_same_without_the_parser(apgc: Apgc, tmp_path: Path) -> None:

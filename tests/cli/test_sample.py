@@ -180,6 +180,10 @@ def test_render_draws_a_folder_again(apgc: Apgc, tmp_path: Path) -> None:
     code, out, err = apgc("render", tmp_path / "o", "-o", tmp_path / "a.png", "--tile", 48)
     assert (code, out) == (0, "") and "drew 4 of Chest" in err
     assert size(tmp_path / "a.png")[0] % 48 == 0
+    drawn = (tmp_path / "a.png").read_bytes()
+    code, _, err = apgc("render", CHEST, "-n", 1, "-o", tmp_path / "a.png", "--tile", 48)
+    assert code == 1 and "a.png exists" in err and (tmp_path / "a.png").read_bytes() == drawn
+    assert apgc("render", tmp_path / "o", "-o", tmp_path / "a.png", "--tile", 48, "--force")[0] == 0
     same = ["render", CHEST, "--seed", 3, "--set", "width=40cm", "-n", 4, "--tile", 48]
     assert apgc(*same, "-o", tmp_path / "b.png")[0] == 0
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
