@@ -54,6 +54,7 @@ def run(options: argparse.Namespace) -> int:
                 progress=progress,
                 workers=options.workers,
                 memory=options.memory,
+                cluster=options.cluster,
             )
         else:
             output = Output.of(formats, Content(resolution=read_resolution(options) or STANDARD))

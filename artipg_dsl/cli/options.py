@@ -367,6 +367,12 @@ def _bounding(to: argparse.ArgumentParser) -> None:
         metavar="SIZE",
         help="memory that all processes together may take, such as 512MB (default: 2GB)",
     )
+    to.add_argument(
+        "--cluster",
+        default="",
+        metavar="ADDRESS",
+        help="share the work among the workers of a Dask scheduler, such as tcp://host:8786, or among --workers of a cluster here: local",
+    )
 
 
 def _drawing(to: argparse.ArgumentParser, n: int) -> None:

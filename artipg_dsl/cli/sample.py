@@ -81,6 +81,7 @@ def write(job: Job, out: Place, output: Output, options: argparse.Namespace) -> 
             progress=progress,
             workers=options.workers,
             memory=options.memory,
+            cluster=options.cluster,
         )
     return manifest, number
 

@@ -17,6 +17,7 @@ from ..export.write import ExportError, write_bytes
 from ..geometry.resolution import Resolution
 from . import manifest as manifests
 from .chunk import Chunk, ReportProgress, counts_name, read_counts
+from .cluster import write_on_cluster
 from .job import Job
 from .manifest import Manifest
 from .memory import USUAL, Room
@@ -36,18 +37,21 @@ def write_dataset(
     progress: ReportProgress | None = None,
     workers: int = 1,
     memory: int = USUAL,
+    cluster: str = "",
 ) -> Manifest:
     """Write the objects of a job to the folder ``out`` and return the manifest. Raises ExportError, NoObject.
 
     Objects are made only for shards where something is missing, or which nobody has counted yet. ``part`` (k, n) writes every
     n-th shard from the k-th on, so that n runs share the work; the manifest then gets no counts.
     ``progress(done, total)`` hears of objects as they are finished; ``workers``: how many processes share the work, ``memory``
-    bytes of them all.
+    bytes of them all. ``cluster``: the workers of a Dask scheduler do it, by its address; ``memory`` is then what each may take.
     """
     out, numbers, shard = place_of(out), job.request.objects, output.shard
     manifest = make_ready(out, manifests.build_manifest(job.program, job.request, output, out=out), force)
-    if isinstance(out, Remote) and out.private and workers > 1:
-        raise UsageError(f"{out} is seen by one process alone", "leave out --workers, or choose another place")
+    if isinstance(out, Remote) and out.private and (workers > 1 or cluster):
+        raise UsageError(
+            f"{out} is seen by one process alone", "leave out --workers and --cluster, or choose another place"
+        )
     first, step = (part[0] - 1) * shard, part[1] * shard
     counting = "counts" not in manifest and job.tables is None  # what is made from tables was counted when these were
     pieces = _pieces(
@@ -62,9 +66,9 @@ def write_dataset(
             )
             for at in range(first, len(numbers), step)
         ],
-        workers,
+        workers > 1 or cluster != "",
     )
-    _carry_out(job, pieces, progress, workers, memory)
+    _carry_out(job, pieces, progress, workers, memory, cluster)
     job.statistics.take(read_counts(out, pieces))
     counts = job.counts()
     if "counts" not in manifest and part[1] == 1 and counts is not None:
@@ -79,19 +83,26 @@ def _counts(shard: int, counting: bool) -> str:
     return counts_name(shard) if counting else ""
 
 
-def _pieces(chunks: list[Chunk], workers: int) -> list[Chunk]:
+def _pieces(chunks: list[Chunk], several: bool) -> list[Chunk]:
     """Work for one process or several; what is counted is so in the same pieces, by however many."""
-    return [p for chunk in chunks for p in (chunk.split() if workers > 1 or not chunk.shared else [chunk])]
+    return [p for chunk in chunks for p in (chunk.split() if several or not chunk.shared else [chunk])]
 
 
-def _carry_out(job: Job, pieces: list[Chunk], progress: ReportProgress | None, workers: int, memory: int) -> None:
-    """Write all pieces, here or by other processes."""
+def _carry_out(
+    job: Job, pieces: list[Chunk], progress: ReportProgress | None, workers: int, memory: int, cluster: str
+) -> None:
+    """Write all pieces, here, by other processes, or on a cluster."""
     each = any(piece.each for piece in pieces)
     total, done = sum(len(piece.numbers) for piece in pieces if piece.each or not each), 0
-    room = Room(memory // workers)
-    made: Iterable[Chunk] = write_shared(job, workers, pieces, room) if workers > 1 else pieces
+    room = Room(memory if cluster else memory // workers)
+    made: Iterable[Chunk] = pieces
+    alone = workers == 1 and not cluster
+    if cluster:
+        made = write_on_cluster(job, cluster, workers, pieces, room)
+    elif not alone:
+        made = write_shared(job, workers, pieces, room)
     for piece in made:
-        if workers == 1:
+        if alone:
             piece.write(job, room, _offset(progress, done, total))
         done += len(piece.numbers) if piece.each or not each else 0
         if progress:
@@ -112,6 +123,7 @@ def add_formats(
     progress: ReportProgress | None = None,
     workers: int = 1,
     memory: int = USUAL,
+    cluster: str = "",
 ) -> None:
     """Further files for the objects of a job in their folder; formats that it has are refused, or written again by ``force``.
 
@@ -134,7 +146,7 @@ def add_formats(
         Chunk(out, numbers[first : first + SHARD], tuple(formats), content, force=force)
         for first in range(0, len(numbers), SHARD)
     ]
-    _carry_out(job, _pieces(chunks, workers), progress, workers, memory)
+    _carry_out(job, _pieces(chunks, workers > 1 or cluster != ""), progress, workers, memory, cluster)
     new = [entry.name for entry in formats if entry.name not in listed]
     if new and not any(find_lacking(object_folder(out, n), formats) for n in expand(identity["numbers"]).tolist()):
         identity["formats"] = [name for name in FORMATS if name in {*listed, *new}]
