@@ -126,6 +126,9 @@ def _steps(exprs: Sequence[Expr]) -> tuple[list[Expr], dict[int, int]]:
 _quiet = np.errstate(divide="ignore", invalid="ignore", over="ignore")
 
 
+SHORT = 16  # steps below which calling NumPy for each is faster than telling the machine of all
+
+
 class Formula:
     """A function of arrays or numbers that returns a tuple of values, one per expression."""
 
@@ -137,7 +140,7 @@ class Formula:
         self._code: Callable[..., tuple[Any, ...]] | None = None
 
     def __call__(self, *values: Any) -> tuple[Any, ...]:
-        machine = backend.machine()
+        machine = backend.machine() if len(self._tape.steps) >= SHORT else None
         if machine is not None:
             found = self._tape.run(machine, values)
             if found is not None:

@@ -31,16 +31,15 @@ class Machine:
         self.library = library
         try:
             library.closest.restype = library.separate.restype = None
-            self._run, self._within, look = library.run, library.within, library.look
+            self._run, look = library.run, library.look
             self._moves = {
                 kinds: ctypes.cast(getattr(library, name), ctypes.c_void_p).value or 0
-                for kinds, name in (("???->?", "choose1"), ("?dd->d", "choose8"), ("?->d", "number"), ("id->d", "take"))
+                for kinds, name in (("???->?", "choose1"), ("?dd->d", "choose8"), ("?->d", "number"))
             }
         except AttributeError as wrong:
             raise NoMachine(f"the compiled backend is not whole: {wrong}") from None
         long, address = ctypes.c_int64, ctypes.c_void_p
         self._run.argtypes = [address] * 5 + [long] * 4
-        self._within.argtypes = [long] * 4
         look.argtypes, look.restype = [long, long, address], None
         found = np.zeros(5, dtype=np.int64)
         shown = np.zeros((7, 3))[::2, 1]
@@ -58,10 +57,6 @@ class Machine:
     def run(self, plan: Plan, objects: Any, outer: int, inner: int) -> int:
         """Run a plan over arrays, told by their identities; 0 where that was done."""
         return self._run(*plan.places, ctypes.addressof(objects), loops.HEADER, outer, inner, plan.block)
-
-    def within(self, index: np.ndarray, size: int) -> bool:
-        """Whether all of an index (n,) are numbers of rows of a table."""
-        return bool(self._within(id(index), loops.HEADER, len(index), size))
 
 
 class _State:

@@ -24,6 +24,8 @@ _FLAGS = ("-O2", "-std=c11", "-ffp-contract=off", "-fno-math-errno", "-shared", 
 _LIBRARIES = ("-lm",)
 SECONDS = 120.0  # until a compiler is given up
 _KIND = "machine"
+_SUFFIX = ".so"  # on Windows too: what has none gets another
+_MOST = 1 << 20  # bytes of machines of other versions, and of what killed processes left
 
 _passing: set[Path] = set()  # folders for what is not kept, until it is loaded
 
@@ -63,7 +65,7 @@ def kept() -> Path | None:
     for name in names:
         path = place / name
         try:
-            if _own(path) and name == start + _seal(path.read_bytes()):
+            if _own(path) and name == start + _seal(path.read_bytes()) + _SUFFIX:
                 return path
         except OSError:
             continue
@@ -103,8 +105,9 @@ def compile_machine() -> Path:
             )
             if done.returncode == 0:
                 os.chmod(made, 0o600)
-                path = place / f"{_KIND}-{_key()}-{_seal(Path(made).read_bytes())}"
+                path = place / f"{_KIND}-{_key()}-{_seal(Path(made).read_bytes())}{_SUFFIX}"
                 os.replace(made, path)
+                cache.prune(place, _MOST)
                 return path
             said = said or f"{' '.join(command)} failed: {done.stderr.strip()[:400] or done.returncode}"
         except subprocess.TimeoutExpired:

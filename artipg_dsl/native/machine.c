@@ -17,7 +17,7 @@
 typedef void loop(char **, const ptrdiff_t *, const ptrdiff_t *, void *);
 
 /* of a register: what it stands for, and along what it varies */
-enum { CONSTANT, INPUT, OUTPUT, SPARE, TABLE };
+enum { CONSTANT, INPUT, OUTPUT, SPARE };
 enum { ONE, ROW, COLUMN, EVERY };
 
 typedef struct {
@@ -69,16 +69,6 @@ OUT void number(char **args, const ptrdiff_t *n, const ptrdiff_t *steps, void *d
         *(double *)out = *a ? 1.0 : 0.0;
 }
 
-/* the numbers of a table that an index names; the index has been looked at before */
-OUT void take(char **args, const ptrdiff_t *n, const ptrdiff_t *steps, void *data) {
-    const char *index = args[0];
-    const double *table = (const double *)args[1];
-    double *out = (double *)args[2];
-    (void)data;
-    for (ptrdiff_t i = 0; i < *n; i++, index += steps[0])
-        out[i] = table[*(const int64_t *)index];
-}
-
 /* ------------------------------------------------------------ arrays of NumPy */
 
 typedef struct {
@@ -121,7 +111,7 @@ static void play(const op *from, const op *to, char **place, const ptrdiff_t *st
 }
 
 /* Runs a tape over ``outer`` rows of ``inner`` columns. ``objects`` are the arrays: inputs, then outputs.
-   0: done; 1: an array is not as it must be; 2: an index is out of bounds; 3: no memory. */
+   0: done; 1: an array is not as it must be; 2: no memory. */
 OUT int run(const head *tape, const op *ops, const reg *regs, const char *pool, const int64_t *objects, int64_t header,
             int64_t outer, int64_t inner, int64_t block) {
     int64_t count = tape->regs, i, r, start;
@@ -131,7 +121,7 @@ OUT int run(const head *tape, const op *ops, const reg *regs, const char *pool, 
     const op *edge[5];
 
     for (i = 0; i < count; i++)
-        if (regs[i].kind == INPUT || regs[i].kind == OUTPUT || regs[i].kind == TABLE) {
+        if (regs[i].kind == INPUT || regs[i].kind == OUTPUT) {
             const array *a = array_of(objects[regs[i].at], header);
             if (!(a->flags & ALIGNED)) return 1;
             if (!(a->flags & CONTIGUOUS) && (a->nd != 1 || a->strides[0] <= 0 || outer != 1 || regs[i].kind != INPUT)) return 1;
@@ -140,7 +130,7 @@ OUT int run(const head *tape, const op *ops, const reg *regs, const char *pool, 
     room += (size_t)(tape->spare[ONE] + tape->spare[ROW]) * 64 + (size_t)tape->spare[COLUMN] * wide;
     room += (size_t)tape->spare[EVERY] * slot + 64;
     work = malloc(room);
-    if (!work) return 3;
+    if (!work) return 2;
     place = (char **)work;
     base = place + count;
     step = (ptrdiff_t *)(base + count);
@@ -166,7 +156,7 @@ OUT int run(const head *tape, const op *ops, const reg *regs, const char *pool, 
         } else {
             const array *a = array_of(objects[g->at], header);
             base[i] = a->data;
-            if (g->kind == TABLE || g->along < COLUMN) step[i] = 0;
+            if (g->along < COLUMN) step[i] = 0;
             else {
                 if (a->nd == 1 && outer == 1) step[i] = one[i] = a->strides[0];
                 onward[i] = step[i];
@@ -194,14 +184,4 @@ OUT int run(const head *tape, const op *ops, const reg *regs, const char *pool, 
     free(work);
     feclearexcept(FE_ALL_EXCEPT);
     return 0;
-}
-
-/* Whether all of n whole numbers lie in 0 .. size - 1. */
-OUT int within(int64_t object, int64_t header, int64_t n, int64_t size) {
-    const array *a = array_of(object, header);
-    ptrdiff_t step = a->strides[0];
-    const char *at = a->data;
-    int bad = 0;
-    for (int64_t i = 0; i < n; i++, at += step) bad |= (uint64_t) * (const int64_t *)at >= (uint64_t)size;
-    return !bad;
 }

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from .tape import Tape
 
 ONE, ROW, COLUMN, EVERY = range(4)  # as in machine.c; what two vary along together is ``a | b``
-CONSTANT, INPUT, OUTPUT, SPARE, TABLE = range(5)
+CONSTANT, INPUT, OUTPUT, SPARE = range(4)
 _PHASES = (ONE, ROW, COLUMN, EVERY)
 _CACHE = 24 << 10  # bytes of the first cache that blocks may take
 LEAST, MOST = 128, 1024  # rows in a block
@@ -42,8 +42,8 @@ class Made:
 
 @dataclass(slots=True, eq=False)
 class Plan:
-    """``results``: for each output ("made", number), ("given", variable) or ("constant", value). ``taken`` are pairs of an index and
-    the table it names rows of. ``wary``: there is a power of columns, which NumPy computes in another way where they are broadcast."""
+    """``results``: for each output ("made", number), ("given", variable) or ("constant", value). ``wary``: there is a power of
+    columns, which NumPy computes in another way where they are broadcast."""
 
     head: np.ndarray
     ops: np.ndarray
@@ -53,14 +53,13 @@ class Plan:
     block: int
     made: tuple[Made, ...]
     results: tuple[tuple[str, Any], ...]
-    taken: tuple[tuple[int, int], ...]
     wary: bool
     places: tuple[int, int, int, int]  # addresses of the arrays above
 
 
 @dataclass(slots=True, eq=False)
 class _Value:
-    kind: str  # d, ? or i
+    kind: str  # d or ?
     along: int
     constant: float | bool | None = None
     register: int = -1
@@ -104,12 +103,6 @@ class _Planner:
     def step(self, op: str, asked: Sequence[int]) -> int:
         arguments = list(asked)
         kinds = [self.values[a].kind for a in arguments]
-        if op == "take":
-            if kinds != ["i", "d"]:
-                raise NotPlanned(op)
-            return self.add(op, "id->d", arguments)
-        if "i" in kinds:
-            raise NotPlanned(op)
         if op == "where":
             if kinds[0] == "d":
                 self.values.append(_Value("d", ONE, 0.0))
@@ -195,8 +188,7 @@ def _laid_out(
                 pool.append(kind(value.constant).tobytes().ljust(8, b"\0"))
             else:
                 assert number < arrays
-                shape = TABLE if number in tape.tables else INPUT
-                regs.append((shape, value.along, 1 if value.kind == "?" else 8, number))
+                regs.append((INPUT, value.along, 1 if value.kind == "?" else 8, number))
         return value.register
 
     for phase in _PHASES:
@@ -224,7 +216,6 @@ def _laid_out(
             ops.append((address, data, len(given), *given, *[0] * (3 - len(given)), value.register, phase))
             counts[phase] += 1
     block = max(LEAST, min(MOST, _CACHE // (8 * max(1, spare[EVERY] + len(made))) // 64 * 64))
-    taken = {(a[0], a[1]) for op, _, a, _ in steps if op == "take"}
     held = (
         np.array([len(ops), len(regs), *spare, *counts], dtype=np.int64),
         np.array(ops, dtype=np.int64).reshape(-1, 8),
@@ -232,13 +223,4 @@ def _laid_out(
         np.frombuffer(b"".join(pool) or bytes(8), dtype=np.uint8).copy(),
     )
     head, lines, rows, numbers = (a.ctypes.data for a in held)
-    return Plan(
-        *held,
-        len(ops),
-        block,
-        tuple(made),
-        tuple(results),
-        tuple(sorted(taken)),
-        planner.wary,
-        (head, lines, rows, numbers),
-    )
+    return Plan(*held, len(ops), block, tuple(made), tuple(results), planner.wary, (head, lines, rows, numbers))

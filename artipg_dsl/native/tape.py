@@ -22,37 +22,32 @@ if TYPE_CHECKING:
     from .backend import Machine
 
 _NARROWEST = 32  # columns of a row that are worth a round of their own
-_FLOAT, _BOOL, _INDEX = np.dtype(np.float64), np.dtype(np.bool_), np.dtype(np.int64)
-_LETTERS = {_FLOAT: "d", _BOOL: "?", _INDEX: "i"}
+_FLOAT, _BOOL = np.dtype(np.float64), np.dtype(np.bool_)
+_LETTERS = {_FLOAT: "d", _BOOL: "?"}
 
 
 @dataclass(slots=True, eq=False)
 class Tape:
-    """``steps`` are (operation, numbers of its arguments). ``take`` (index, table) gathers: the table is a variable that is no
-    column. ``outputs`` are numbers of values."""
+    """``steps`` are (operation, numbers of its arguments), ``outputs`` numbers of values."""
 
     variables: int
     constants: tuple[float | bool, ...]
     steps: tuple[tuple[str, tuple[int, ...]], ...]
     outputs: tuple[int, ...]
-    tables: frozenset[int] = field(init=False)
     plans: dict[tuple[str, tuple[int, ...]], Plan | None] = field(init=False, default_factory=dict)
-
-    def __post_init__(self) -> None:
-        self.tables = frozenset(args[1] for op, args in self.steps if op == "take")
 
     def run(self, machine: Machine, values: Sequence[Any]) -> tuple[Any, ...] | None:
         """The outputs for arrays or numbers ``values``; None where NumPy has to do it."""
         arrays: list[np.ndarray] = []
         letters, shapes = "", []
-        for number, value in enumerate(values):
+        for value in values:
             array = value if type(value) is np.ndarray else np.asarray(value)
             letter = _LETTERS.get(array.dtype)
             if letter is None:
                 return None
             arrays.append(array)
             letters += letter
-            shapes.append(() if number in self.tables else array.shape)
+            shapes.append(array.shape)
         found = _layout(shapes)
         if found is None:
             return None
@@ -66,18 +61,14 @@ class Tape:
             except NotPlanned:
                 plan = None
             self.plans[key] = plan
-        if plan is None or not inner or not outer or plan.wary and (outer != 1 or inner == 1):
+        if plan is None or plan.wary and (outer != 1 or inner == 1):
             return None
-        for index, table in plan.taken:
-            if (
-                arrays[index].ndim != 1
-                or arrays[table].ndim != 1
-                or not machine.within(arrays[index], len(arrays[table]))
-            ):
-                return None
+        some = outer > 0 and inner > 0
+        if not some and any(o.along != EVERY for o in plan.made):
+            return None
         kinds = (1,) * len(shape), shape[:split] + (1,) * (len(shape) - split), (1,) * split + shape[split:], shape
         made = [np.empty(kinds[o.along], _BOOL if o.size == 1 else _FLOAT) for o in plan.made]
-        if plan.steps:
+        if plan.steps and some:
             every = (*arrays, *made)
             objects = (ctypes.c_int64 * len(every))(*map(id, every))
             if machine.run(plan, objects, outer, inner):

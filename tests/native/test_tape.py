@@ -6,8 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from artipg_dsl.graph.expr import raw, var
-from artipg_dsl.graph.formula import compile_formula
-from artipg_dsl.native import backend, tape
+from artipg_dsl.graph.formula import SHORT, compile_formula
+from artipg_dsl.native import backend
+from artipg_dsl.native.tape import Tape
 
 from .machine import bits, needs_compiler
 
@@ -112,16 +113,14 @@ def test_a_power_with_exponents_that_are_broadcast_is_left_to_numpy(machine):
     assert formula._tape.run(machine, (np.ones(50), np.ones(50))) is not None
 
 
-def test_rows_of_a_table_are_taken_by_an_index(machine):
-    gather = tape.Tape(3, (), (("take", (0, 1)), ("mul", (3, 2))), (4,))
-    table, x = column(20, 1), column(700, 2)
-    index = np.random.Generator(np.random.PCG64(3)).integers(0, 20, 700)
-    found = gather.run(machine, (index, table, x))
-    with np.errstate(over="ignore"):
-        assert found is not None and bits(found[0]) == bits(table[index] * x)
-    for wrong in (20, -1):
-        index[650] = wrong
-        assert gather.run(machine, (index, table, x)) is None, "an index that names no row is for NumPy to refuse"
+def test_a_short_formula_is_left_to_numpy(using, monkeypatch):
+    using("c")
+    short, long = var("a"), var("b")
+    for _ in range(SHORT):
+        long = raw("sin", (long,))
+    monkeypatch.setattr(Tape, "run", lambda self, *_: ("run",) if len(self.steps) >= SHORT else 1 / 0)
+    assert compile_formula([raw("sin", (short,))], ("a",))(0.0) == (0.0,)
+    assert compile_formula([long], ("b",))(0.0) == ("run",)
 
 
 def test_every_operation_is_tried_before_it_is_used(machine, monkeypatch):
