@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..annotate.poses import part_poses
+from ..annotate.poses import PartPoses, part_poses
 from ..export.robot import Robots
 from ..geometry.resolution import Resolution
 from .clouds import norms
@@ -64,15 +64,15 @@ class GAPart:
 def gaparts(batch: Batch, term: Term) -> list[list[GAPart]]:
     """The parts of each object of a batch."""
     robots = Robots(batch, resolution=FINE, physics=False)
-    return [list(_Object(robots, i, term).parts()) for i in range(len(batch))]
+    poses = part_poses(batch, np.zeros(len(robots.joints.owner)))
+    return [list(_Object(Pieces(robots, i, term), poses).parts()) for i in range(len(batch))]
 
 
 class _Object:
     """What is asked of one object."""
 
-    def __init__(self, robots: Robots, i: int, term: Term):
-        self.pieces = Pieces(robots, i, term)
-        self.poses = part_poses(robots.batch, np.zeros(len(robots.joints.owner)))
+    def __init__(self, pieces: Pieces, poses: PartPoses):
+        self.pieces, self.poses = pieces, poses
         everything = self.pieces.corners()
         self.middle = (everything.min(axis=0) + everything.max(axis=0)) / 2
 

@@ -67,9 +67,8 @@ class Vocabulary:
     def _serves(self, category: str) -> str:
         have = f"of the shipped categories {', '.join(self.categories)} have one"
         close = self.near.get(category) or next((name for name in self.classes if name.lower() == category.lower()), "")
-        class_of = close or next(iter(self.classes))
         nearest = f"the nearest is {close}: " if close else ""
-        form = f'{nearest}--map FILE with {{"{category}": {{"class": "{class_of}", "parts": ...}}}} makes it one'
+        form = f'{nearest}--map FILE with {{"{category}": {{"class": "{close or "..."}", "parts": ...}}}} makes it one'
         return "; ".join(filter(None, (have, form, self.instead)))
 
 

@@ -152,6 +152,9 @@ def test_a_closed_vocabulary_refuses_and_says_what_would_serve() -> None:
         LAYOUTS["shapenetpart"].term("Kettle")
     hint = refused.value.hint or ""
     assert "Chair, Laptop have one" in hint and "nearest is Mug" in hint and "partnet-seg takes any" in hint
+    with pytest.raises(UserError, match="no class for Globe") as refused:
+        LAYOUTS["shapenetpart"].term("Globe")
+    assert "nearest" not in (refused.value.hint or "") and '"class": "..."' in (refused.value.hint or "")
     own = {"Kettle": {"class": "Mug", "parts": {"handle": "handle", "*": "cup"}}}
     term = LAYOUTS["shapenetpart"].term("Kettle", own)
     assert term is not None and term.data["synset"] == "03797390"
