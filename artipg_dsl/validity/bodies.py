@@ -119,7 +119,7 @@ class Pieces:
         return ends
 
     def _boxed(self, corners: np.ndarray) -> Pieces:
-        count = len(corners)
+        count, corners = len(corners), np.ascontiguousarray(corners)  # once, for all who ask for pairs of them
         return replace(self, corners=[corners], kind=np.zeros(count, dtype=np.int64), slot=np.arange(count), gap=None)
 
     def ready(self, *chosen: np.ndarray) -> None:
