@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import os
 import sys
-import tempfile
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -113,6 +112,8 @@ def drop(name: str) -> None:
 
 def write(name: str, body: bytes) -> None:
     """Keep an entry, whole or not at all. Where that cannot be, nothing is kept: it is never needed."""
+    import tempfile  # start-up: most processes read alone
+
     global _pruned
     place = folder()
     if place is None:

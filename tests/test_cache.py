@@ -320,3 +320,14 @@ def test_what_surfaces_are_like_is_kept_and_verified(kept, monkeypatch):
             cache.write(path.name, json.dumps(spoilt).encode())
         assert again()[0] == first[0]
         monkeypatch.setenv("APGC_CACHE", place)
+
+
+def test_a_kept_program_is_sampled_without_what_it_does_not_need(kept, stool):
+    code = "import sys; from artipg_dsl.cli.main import main; main(sys.argv[1:]); print(sorted({held} & set(sys.modules)))".format(
+        held={"lark", "multiprocessing", "numpy.random", "trimesh", "jinja2", "artipg_dsl.semantics"}
+    )
+    for out in ("first", "second"):
+        command = [sys.executable, "-c", code, "sample", str(stool), "-n", "1", "-o", str(stool.parent / out)]
+        env = {**os.environ, "PYTHONPATH": str(Path(cache.__file__).parents[1])}
+        done = subprocess.run(command, env=env, capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "[]"

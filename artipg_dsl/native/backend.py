@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from .. import random
 from ..errors import UserError
 from . import compiler, loops
 from .compiler import NoMachine
@@ -22,6 +23,7 @@ from .tape import Tape
 
 VARIABLE = "APGC_BACKEND"
 _BACKENDS = ("numpy", "c")
+_PLACES = np.arange(400, dtype=np.uint64)
 
 
 class Machine:
@@ -150,11 +152,9 @@ def fit(path: Path) -> Machine:
 
 def trial(made: Machine) -> list[str]:
     """The operations of which a block has other bits than NumPy gives for the whole: none, as far as we know."""
-    lots = np.random.Generator(np.random.PCG64(0))
-    a = np.concatenate(
-        [lots.normal(size=500), 10.0 ** lots.uniform(-9, 9, 400), lots.uniform(-1, 1, 400), [0.0, -0.0, np.inf, np.nan]]
-    )
-    b = a[lots.permutation(len(a))]
+    wide, powers, near, order = (random.uniform(random.key(0, "machine", of), _PLACES) for of in "wpno")
+    a = np.concatenate([8 * wide - 4, 10.0 ** (18 * powers - 9), 2 * near - 1, order, [0.0, -0.0, np.inf, np.nan]])
+    b = a[np.argsort(np.concatenate([order, near, powers, wide, [0.1, 0.9, 0.4, 0.6]]))]
     found = []
     for op, function in loops.FUNCTIONS.items():
         tape = Tape(function.nin, (), ((op, tuple(range(function.nin))),), (function.nin,))

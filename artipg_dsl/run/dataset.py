@@ -17,14 +17,12 @@ from ..export.write import ExportError, write_bytes
 from ..geometry.resolution import Resolution
 from . import manifest as manifests
 from .chunk import Chunk, ReportProgress, counts_name, read_counts
-from .cluster import write_on_cluster
 from .job import Job
 from .manifest import Manifest
 from .memory import USUAL, Room
 from .output import Output
 from .resume import drop_counts, make_ready, sweep_all
 from .schema import expand
-from .workers import write_shared
 
 
 def write_dataset(
@@ -98,8 +96,12 @@ def _carry_out(
     made: Iterable[Chunk] = pieces
     alone = workers == 1 and not cluster
     if cluster:
+        from .cluster import write_on_cluster  # start-up
+
         made = write_on_cluster(job, cluster, workers, pieces, room)
     elif not alone:
+        from .workers import write_shared  # start-up: one process needs no others
+
         made = write_shared(job, workers, pieces, room)
     for piece in made:
         if alone:
