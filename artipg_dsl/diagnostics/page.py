@@ -8,12 +8,13 @@ from .codes.base import Code
 from .codes.equations import EQUATIONS
 from .codes.reading import READING
 from .codes.resolving import RESOLVING
+from .codes.stating import STATING
 from .codes.structure import STRUCTURE
 from .codes.values import VALUES
 
 _FAMILIES = {
     "Files, modules, syntax": READING,
-    "Names": RESOLVING,
+    "Names": (*RESOLVING, *STATING),
     "Values": VALUES,
     "Structure": STRUCTURE,
     "Equations and repeats": EQUATIONS,

@@ -4,6 +4,7 @@ Out: ``CODES`` by name, and ``explain`` for a terminal. Begin with ``base``.
 
     base                  what a code has
     reading, resolving    syntax and files; names and what they lead to
+    stating               what a statement lacks, and what cannot stand in it
     values, structure     types, units and ranges; parts, roles, joints and labels
     equations             what determines what, and what can never hold
 """
@@ -16,10 +17,11 @@ from .base import Code
 from .equations import EQUATIONS
 from .reading import READING
 from .resolving import RESOLVING
+from .stating import STATING
 from .structure import STRUCTURE
 from .values import VALUES
 
-CODES: dict[str, Code] = {code.name: code for code in (*READING, *RESOLVING, *VALUES, *STRUCTURE, *EQUATIONS)}
+CODES: dict[str, Code] = {code.name: code for code in (*READING, *RESOLVING, *STATING, *VALUES, *STRUCTURE, *EQUATIONS)}
 """All codes by name."""
 
 
