@@ -75,11 +75,6 @@ def is_a(symbol: Symbol, other: Symbol) -> bool:
     return other in lineage(symbol)
 
 
-def role_of(symbol: Symbol) -> Symbol | None:
-    """The role of a template (its own, most refined one); a role itself; None for what plays no role."""
-    return symbol if symbol.kind == "role" else parent_of(symbol) if symbol.kind == "template" else None
-
-
 def members(symbol: Symbol) -> tuple[ast.Stmt, ...]:
     """The effective declarations, outermost role first.
 

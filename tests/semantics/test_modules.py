@@ -1,6 +1,6 @@
 """Modules: where `use` looks, what it brings in, and what it refuses."""
 
-from artipg_dsl.semantics.symbols import is_a, members, role_of
+from artipg_dsl.semantics.symbols import is_a, members, parent_of
 
 from .helpers import check_text, codes
 
@@ -24,7 +24,7 @@ def test_a_symbol_is_the_same_object_in_every_scope(tmp_path):
     a = "apg 1\nuse b { R }\ntemplate T : R { }\n"
     report, typed = check_text(tmp_path, "apg 1\nuse a { T }\nuse b { R }\n", a=a, b="apg 1\nrole R { }\n")
     assert codes(report) == []
-    assert role_of(typed.main.find("T")) is typed.main.find("R")
+    assert parent_of(typed.main.find("T")) is typed.main.find("R")
 
 
 def test_a_cycle_is_reported_once_and_named_whole(tmp_path):

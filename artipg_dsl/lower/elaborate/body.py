@@ -17,8 +17,8 @@ from ..expressions.evaluate import Evaluator
 from ..expressions.ports import Binding, PortArray
 from ..solids.curves import let
 from ..solve.solve import settle
-from ..values.kinds import Box, Ref, Value, reference
-from ..values.vectors import times
+from ..values.faces import centred
+from ..values.kinds import Ref, Value, reference
 from . import connect
 from .behind import said_inside
 from .build import build_part
@@ -30,8 +30,6 @@ from .style import Style, build_style
 
 if TYPE_CHECKING:
     from .part import Instance, Option
-
-HALF = E.const(0.5)
 
 
 def lower_body(instance: Instance, option: Option, scope: Scope, given: dict[str, Value]) -> Env:
@@ -52,8 +50,7 @@ def lower_body(instance: Instance, option: Option, scope: Scope, given: dict[str
         share_counts(env, symbol, part.style, option.name)
     instance.values.update({k: v for k, v in given.items() if k not in instance.values})
     if instance.size is not None:
-        half = times(instance.size, HALF)
-        env.box = Box(times(half, E.const(-1.0)), half)
+        env.box = centred(instance.size)
     lower_statements(env, tuple(s for s in symbol.body if not isinstance(s, ast.ParamDecl)))
     return env
 

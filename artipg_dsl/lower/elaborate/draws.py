@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import reduce
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ...graph import expr as E
 from ...graph.expr import Column, Expr
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 LETTERS = ("x", "y", "z")
 SMALL = 1e-9
+Drawn: TypeAlias = ast.ParamDecl | ast.CountDecl | ast.PartDecl | ast.StyleDecl
 
 
 def address(env: Env, path: str, was: str | None) -> str:
@@ -30,6 +31,12 @@ def address(env: Env, path: str, was: str | None) -> str:
         path = ".".join([*path.split(".")[:-1], was])
     alternatives = [s.name for s in env.scope.ancestors() if s.kind == "guard"]
     return "/".join([*reversed(alternatives), path])
+
+
+def new_draw(env: Env, declaration: Drawn, path: str, column: Column, span: Span, **more: Any) -> Draw:
+    """What is drawn for a declaration, under its address."""
+    at = address(env, path, declaration.was)
+    return Draw(column, at, column.kind, where=where(span), doc=declaration.doc, **more)
 
 
 def component_of(env: Env, node: ast.Expr, component: int | None) -> Expr:
@@ -55,16 +62,7 @@ def make_draw(env: Env, declaration: ast.ParamDecl | ast.CountDecl, path: str, c
     if low.constant is not None and high.constant is not None and low.constant > high.constant:
         raise env.context.error("empty-range", domain.span, "the range is empty: its low end lies above its high end")
     unit = SI_UNITS.get(declaration.type.name, "") if isinstance(declaration, ast.ParamDecl) else ""
-    draw = Draw(
-        column,
-        address(env, path, declaration.was),
-        "count" if counted else "real",
-        low,
-        high,
-        unit=unit,
-        where=where(declaration.span),
-        doc=declaration.doc,
-    )
+    draw = new_draw(env, declaration, path, column, declaration.span, low=low, high=high, unit=unit)
     if declaration.default is not None:
         draw.default = component_of(env, declaration.default, component)
         first, value, last = low.constant, draw.default.constant, high.constant
@@ -103,16 +101,8 @@ def draw_choice(
     """
     weights = [reduce(E.add, [weight_of(env, alternative) for alternative in same]) for same in alternatives]
     column = env.context.column(env.scope, path, "choice", span)
-    draw = Draw(
-        column,
-        address(env, path, declaration.was),
-        "choice",
-        options=told_apart(names),
-        weights=tuple(weights),
-        where=where(span),
-        doc=declaration.doc,
-    )
-    env.context.draws.append(draw)
+    made = new_draw(env, declaration, path, column, span, options=told_apart(names), weights=tuple(weights))
+    env.context.draws.append(made)
     return Choice(E.col(column), names)
 
 
@@ -146,17 +136,9 @@ def draw_option(env: Env, declaration: ast.ParamDecl, path: str) -> Choice:
     default = (
         E.const(float(options.index(usual.name))) if isinstance(usual, ast.NameExpr) and usual.name in options else None
     )
-    draw = Draw(
-        column,
-        address(env, path, declaration.was),
-        "choice",
-        default=default,
-        options=options,
-        weights=weights,
-        where=where(declaration.span),
-        doc=declaration.doc,
-    )
-    env.context.draws.append(draw)
+    span = declaration.span
+    made = new_draw(env, declaration, path, column, span, default=default, options=options, weights=weights)
+    env.context.draws.append(made)
     return Choice(E.col(column), options)
 
 

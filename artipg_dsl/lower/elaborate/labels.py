@@ -167,28 +167,22 @@ def label(links: Links, env: Env, statement: ast.LabelStmt) -> None:
             guard, there = shown(condition(ev, statement.where), aim.scope), standing(env, aim)
             if statement.joint is not None:
                 there = E.both(there, elements_named(env, statement.joint))
-            if statement.value is None:  # what holds or does not is its condition
-                made = Label(
-                    statement.vocabulary,
-                    statement.label,
-                    targets(links, aim),
-                    guard,
-                    where(statement.span),
-                    guard=there,
-                )
-            else:
-                degree = shown(ev.scalar(statement.value), aim.scope)
-                made = Label(
-                    statement.vocabulary,
-                    statement.label,
-                    targets(links, aim),
-                    degree,
-                    where(statement.span),
-                    guard=E.both(there, guard),
-                )
-            made = replace(made, joints=acted(links, ev, statement), motion=motion(env, statement))
-            links.context.labels.append((aim.depth, made))
             holds = E.both(there, guard)
+            if statement.value is None:  # what holds or does not is its condition
+                degree, present_if = guard, there
+            else:
+                degree, present_if = shown(ev.scalar(statement.value), aim.scope), holds
+            made = Label(
+                statement.vocabulary,
+                statement.label,
+                targets(links, aim),
+                degree,
+                where(statement.span),
+                guard=present_if,
+                joints=acted(links, ev, statement),
+                motion=motion(env, statement),
+            )
+            links.context.labels.append((aim.depth, made))
             whole = statement.vocabulary == "semantic" and statement.value is None and not aim.surfaces
             if whole and not free_variables([holds]):  # it holds for a part as a whole, or does not
                 for part in aim.parts:

@@ -19,8 +19,9 @@ from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..expressions.extents import frame_in, union_of
 from ..values.carry import merged, moved
+from ..values.faces import centred
 from ..values.kinds import Box, Branch, Choice, Lying, Ports, Ref, Surface, Value, Vec, alike
-from ..values.vectors import IDENTITY, Matrix, compose, matrix, times
+from ..values.vectors import IDENTITY, Matrix, compose, matrix
 from .guards import has_row
 from .paths import Reached, walk
 from .style import Style
@@ -28,8 +29,6 @@ from .turns import apply_placements
 
 if TYPE_CHECKING:
     from ..solids.primitives import Lowered
-
-HALF = E.const(0.5)
 
 
 @dataclass(slots=True, eq=False)
@@ -163,15 +162,15 @@ class Part:
         if self._box is None:
             size = self.inputs.get("size")
             if isinstance(size, Vec) and len(size.items) == 3 and all(i.takes_size for i in self.instances):
-                half = times(size.items, HALF)
-                self._box = Box(times(half, E.const(-1.0)), half, on=(self,))
-            elif len(self.instances) == 1 and self.instances[0].scope is self.env.scope:
-                box = self.instances[0].box()
-                self._box = Box(box.low, box.high, on=(self,))
+                self._box = centred(size.items, (self,))
             elif not self.instances:
                 raise Abort(f"`{self.name}` could not be built")
             else:
-                box = merged(self.env.scope, [(i.scope, i.box()) for i in self.instances])
+                own, *others = self.instances
+                if others or own.scope is not self.env.scope:
+                    box = merged(self.env.scope, [(i.scope, i.box()) for i in self.instances])
+                else:
+                    box = own.box()
                 self._box = Box(box.low, box.high, on=(self,))
         return self._box
 
@@ -262,8 +261,7 @@ class Instance:
             if self.solid is not None:
                 self._box = self.solid.box(self)
             elif self.size is not None:
-                half = times(self.size, HALF)
-                self._box = Box(times(half, E.const(-1.0)), half)
+                self._box = centred(self.size)
             else:
                 assert self.env is not None
                 self._box = union_of(self.env, self.env.scope)

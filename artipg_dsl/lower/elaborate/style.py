@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from ...graph import expr as E
@@ -53,31 +54,23 @@ class Style(Alternatives):
         local: Env,
     ) -> Expr:
         """The style's own draw of a parameter: of the role (``option`` None) or of one alternative."""
-        key = (option or "", name)
-        if key not in self.drawn:
-            scope = self.env.scope if option is None else self.scope(option)
-            home = Env(local.context, local.module, local.symbol, scope, f"{self.env.path}{self.declaration.name}.")
-            home.names = dict(local.names)
-            value = draw_scalar(home, declaration, f"{self.env.path}{self.declaration.name}.{name}", component)
-            if scope is not self.env.scope:
-                value = E.phi(self.env.scope, [(scope, value)])
-            self.drawn[key] = value
-        return self.drawn[key]
+        return self._once(option, name, local, lambda home, path: draw_scalar(home, declaration, path, component))
 
     def shared_option(self, option: str, name: str, declaration: ast.ParamDecl, local: Env) -> Choice:
         """The style's own draw of a parameter that is one of some words, of one alternative."""
-        key = (option, name)
+        code = self._once(option, name, local, lambda home, path: draw_option(home, declaration, path).code)
+        return Choice(code, declaration.type.values)
+
+    def _once(self, option: str | None, name: str, local: Env, draw: Callable[[Env, str], Expr]) -> Expr:
+        """What is drawn at the first question, in the table of the alternative."""
+        key = (option or "", name)
         if key not in self.drawn:
-            home = Env(
-                local.context,
-                local.module,
-                local.symbol,
-                self.scope(option),
-                f"{self.env.path}{self.declaration.name}.",
-            )
-            code = draw_option(home, declaration, f"{self.env.path}{self.declaration.name}.{name}").code
-            self.drawn[key] = code if home.scope is self.env.scope else E.phi(self.env.scope, [(home.scope, code)])
-        return Choice(self.drawn[key], declaration.type.values)
+            scope = self.env.scope if option is None else self.scope(option)
+            path = f"{self.env.path}{self.declaration.name}."
+            home = Env(local.context, local.module, local.symbol, scope, path, names=dict(local.names))
+            value = draw(home, path + name)
+            self.drawn[key] = value if scope is self.env.scope else E.phi(self.env.scope, [(scope, value)])
+        return self.drawn[key]
 
 
 def build_style(env: Env, declaration: ast.StyleDecl) -> Style:

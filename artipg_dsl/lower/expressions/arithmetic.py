@@ -140,9 +140,9 @@ def binary(ev: Evaluator, node: ast.BinaryExpr) -> Value:
         if node.op in (">", ">="):
             a, b = b, a
         return E.call("lt" if node.op in ("<", ">") else "le", a, b)
-    if isinstance(left, Frame | Plane) and not (isinstance(left, Frame) and not left.face):
+    if isinstance(left, Plane) or isinstance(left, Frame) and left.face:
         left = plane(ev, left, node.left.span)
-    if isinstance(right, Frame | Plane) and not (isinstance(right, Frame) and not right.face):
+    if isinstance(right, Plane) or isinstance(right, Frame) and right.face:
         right = plane(ev, right, node.right.span)
     if isinstance(left, Plane) or isinstance(right, Plane):
         return plane_arithmetic(ev, node, left, right)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...graph import expr as E
 from ...graph.expr import ZERO
 from ...graph.primitive import Triple, triple
-from .kinds import Box, Edge, Face, Vec
+from .kinds import Box, Carrier, Edge, Face, Vec
 from .vectors import (
     HERE,
     Matrix,
@@ -106,3 +106,9 @@ def extent(box: Box) -> Box:
     center = place(box.pose, box.center)
     reach = triple(dot((E.call("abs", c) for c in row), half) for row in box.pose.rotation)
     return Box(minus(center, reach), plus(center, reach), HERE, box.on, box.exists)
+
+
+def centred(size: Triple, on: tuple[Carrier, ...] = ()) -> Box:
+    """The box of a size around the origin."""
+    half = times(size, E.const(0.5))
+    return Box(times(half, E.const(-1.0)), half, on=on)

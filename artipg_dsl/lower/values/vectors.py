@@ -126,10 +126,6 @@ def unplace(pose: Pose, point: Triple) -> Triple:
     return flip(turn(transpose(pose.rotation), minus(point, pose.translation)), pose.mirror)
 
 
-def undirect(pose: Pose, direction: Triple) -> Triple:
-    return flip(turn(transpose(pose.rotation), direction), pose.mirror)
-
-
 def compose(outer: Pose, inner: Pose) -> Pose:
     """The pose of something placed by ``inner`` in a frame that ``outer`` places.
 
