@@ -58,7 +58,7 @@ class Tree:
             self.leader = batch.loops.driven(self.leader)
         self._poses: dict[bytes, RestPoses] = {}
         self.alone = np.bincount(self.leader, minlength=len(base))[self.leader] == 1
-        self.alone &= self.turns | self.slides | (kinds == "fixed")  # a ball turns about what is no axis of the table
+        self.alone &= self.turns | self.slides | (kinds == "fixed")  # a ball turns about no axis of the table
 
     def named(self, found: Collisions) -> dict[tuple[str, str, str], np.ndarray]:
         """Per pair of paths of links and path of the joint ("" at rest): the rows of ``found``."""

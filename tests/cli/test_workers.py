@@ -1,4 +1,4 @@
-"""Several processes write what one does; what goes wrong in them is told as ever, and they end with the run."""
+"""Several processes write what one does; what goes wrong in them is reported as usual, and they end with the run."""
 
 from __future__ import annotations
 
