@@ -2,11 +2,13 @@
 """What users wait for, category by category: from text to a plan, the first object, samples by stage, every export, memory.
 
 CPU seconds of one thread. *Cold*, in a process of its own: `plan`, from the text of a category to what objects are evaluated
-with; `first`, from there to the first checked, labelled object, its points and its annotation; `second`, the next one. *Warm*,
+with; `first`, from there to the first checked, labelled object, its points and its annotation; `second`, the next one; the same again
+with what the first process has kept: `kept plan` and so on. *Warm*,
 milliseconds an object, with everything that is made once for a program there: `unchecked`, objects drawn with their joints;
 `check`, what objects that are also looked at take beyond that, those drawn again included; `points` and `annotation`, as
 files have them; `sample`, all four together, which is what `apgc sample` takes; then each format that has files per object, of
-objects that are there, each with a model of links and joints of its own. `memory`: the most that the process held, MB.
+objects that are there, each with a model of links and joints of its own; `render`, a tile of a contact sheet, 128 pixels wide.
+`memory`: the most that the process held, MB.
 `counts`, per category: plans made, sets of pieces built, hulls computed, pairs asked for a plane between them, rounds of loops.
 
 `--against PATH` measures another checkout beside this one, in processes that take turns, and prints ratios: its time by ours,
@@ -38,7 +40,8 @@ from typing import Any
 
 HERE = Path(__file__).resolve().parent.parent
 COLD, WARM = ("plan", "first", "second"), ("unchecked", "check", "points", "annotation", "sample")
-FEW = 4  # objects of which files are written
+FEW = 4  # objects of which files are written, and pictures drawn
+TILE = 128  # pixels
 COUNTED = {
     "plans": ("runtime.plan", "make_plan"),
     "pieces": ("geometry.pieces", "clouds"),
@@ -105,6 +108,11 @@ def warm(sampler: Any, count: int, seed: int, exports: bool) -> dict[str, float]
             some.joints()
             spent = clock(lambda entry=entry, some=some: written(Robots(some), entry))[0]
             row[name] = 1e3 * spent / FEW
+    if exports:
+        view = import_module("artipg_dsl.view.sheet")
+        draw = getattr(view, "draw_sheet", None) or view.sheet  # as older checkouts call it
+        some = sampler.batch(numbers(0, FEW), seed)
+        row["render"] = 1e3 * clock(lambda: draw(some, tile=TILE))[0] / FEW
     return row
 
 
@@ -177,9 +185,15 @@ class Side:
         return [sys.executable, str(Path(__file__).resolve()), *arguments]
 
     def cold(self, category: str) -> dict[str, float]:
+        """With nothing kept, and with what that has kept."""
+        with tempfile.TemporaryDirectory() as folder:
+            first, kept = (self._cold(category, folder) for _ in range(2))
+        return first | {f"kept {name}": value for name, value in kept.items()}
+
+    def _cold(self, category: str, folder: str) -> dict[str, float]:
         made = subprocess.run(
             self.command("--cold", category),
-            env=self.environment,
+            env=self.environment | {"APGC_CACHE": folder},
             cwd=self.root,
             check=True,
             capture_output=True,

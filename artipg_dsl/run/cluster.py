@@ -22,7 +22,7 @@ from .chunk import Chunk
 from .job import Job
 from .memory import Room
 
-LOCAL = "local"
+_LOCAL = "local"
 _AHEAD = 4  # tasks for each core that wait
 _SHARED = "write to a folder that all of them share, or to an address such as s3://bucket/out"
 
@@ -65,7 +65,7 @@ def _client(address: str, workers: int) -> Iterator[Any]:
     if find_spec("distributed") is None:
         raise UserError("--cluster needs Dask, which is not installed", "pip install 'artipg_dsl[cluster]' installs it")
     dask: Any = import_module("distributed")  # loosely typed
-    if address == LOCAL:
+    if address == _LOCAL:
         with (
             dask.LocalCluster(
                 n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=None, silence_logs=50
@@ -79,7 +79,7 @@ def _client(address: str, workers: int) -> Iterator[Any]:
     except (OSError, ValueError) as error:  # TimeoutError is one of them
         raise UserError(
             f"no Dask scheduler answers at {address}: {error}",
-            f"write tcp://host:8786, or `{LOCAL}` for a cluster here",
+            f"write tcp://host:8786, or `{_LOCAL}` for a cluster here",
         ) from None
     with client:
         yield client
