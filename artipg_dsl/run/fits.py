@@ -27,6 +27,7 @@ from ..sampling.sample import Sampler
 from ..view.overlay import overlay
 from ..view.png import png_bytes
 from ..view.sheet import make_renderer
+from . import manifest as manifests
 from .dataset import write_dataset
 from .job import prepare
 from .output import Output
@@ -100,6 +101,8 @@ def write_fits(
     progress: Callable[[int, int], None] | None = None,
 ) -> dict[str, Any]:
     """Fit the files and write the folder; what the summary says. Raises UserError."""
+    if (asked.out / manifests.NAME).exists() and not (asked.out / SUMMARY).exists():
+        raise UserError(f"{asked.out} holds samples that were not fitted", "choose another folder with -o")
     items = _name_files(paths)
     for folder in (FITS, PICTURES):
         sweep_unfinished(ensure_folder(asked.out / folder))
@@ -217,7 +220,7 @@ def _done(asked: Asked, options: Mapping[str, Any], item: Item) -> bool:
 def _summarize(sampler: Sampler, asked: Asked, options: Mapping[str, Any], items: Sequence[Item]) -> dict[str, Any]:
     """Write what was found of all files: the summary, the values, and the objects as samples."""
     records = [found for item in items if (found := _record(asked, item)) is not None]
-    good = [r for r in records if "drawn" in r and r["verdict"] != _NO_MATCH]
+    good = [r for r in records if "drawn" in r and r["verdict"] != _NO_MATCH and r["valid"]]
     number = {r["name"]: k for k, r in enumerate(good)}
     objects = [
         {
@@ -244,9 +247,9 @@ def _summarize(sampler: Sampler, asked: Asked, options: Mapping[str, Any], items
         json.dumps({"name": r["name"], "source": r["source"], "drawn": r["drawn"]}, ensure_ascii=False) for r in good
     ]
     write_bytes(asked.out / VALUES, "".join(line + "\n" for line in lines).encode(), force=True)
+    write_bytes(asked.out / SUMMARY, _to_text(summary), force=True)
     if good:
         request = read_request(asked.source, seed=asked.seed, checked=asked.checked, values=[r["drawn"] for r in good])
         written = Output.of(choose_formats("annotation"), Content())
         write_dataset(prepare(sampler, request), asked.out, written, force=True)
-    write_bytes(asked.out / SUMMARY, _to_text(summary), force=True)
     return summary

@@ -74,6 +74,13 @@ def test_a_word_that_is_none(apgc: Apgc, real: Path, tmp_path: Path) -> None:
     assert code == 2 and "no word of `semantic`" in err and "did you mean `handle`?" in err
 
 
+def test_samples_are_not_written_over(apgc: Apgc, real: Path, tmp_path: Path) -> None:
+    apgc("sample", CHEST, "-n", 1, "--points", 8, "-o", tmp_path)
+    before = tree(tmp_path)
+    code, _, err = apgc("fit", CHEST, real, "-o", tmp_path)
+    assert code == 1 and "holds samples that were not fitted" in err and tree(tmp_path) == before
+
+
 def test_a_folder_of_nothing_but_bad_files(apgc: Apgc, tmp_path: Path) -> None:
     (tmp_path / "a.obj").write_text("")
     code, said, err = apgc("fit", CHEST, tmp_path / "a.obj", "-o", tmp_path / "out")
