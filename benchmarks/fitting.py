@@ -76,8 +76,8 @@ def real(folder: Path, category: str, objects: str, frame: Frame) -> list[tuple[
 
 def round_trip(category: str, n: int, noise: float, missing: float) -> None:
     """Samples fitted again: which choices and counts are right, and how far numbers are off, in ranges."""
-    model = Model(Session.of(category).sampler)
     samples = apg.sample(category, n=n, seed=77)
+    model = Model(samples.job.sampler)
     points, chance, posed = samples.points(20_000), np.random.default_rng(0), []
     for place, normal in zip(points.position, points.normal, strict=True):
         across = np.sqrt((np.ptp(place, axis=0) ** 2).sum())
