@@ -32,7 +32,7 @@ def refuse(*_: Any, **__: Any) -> None:
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     """From here on nothing is drawn or checked."""
     monkeypatch.setattr(sampling.Sampler, "batch", refuse)
-    monkeypatch.setattr(sampling, "faults", refuse)
+    monkeypatch.setattr(sampling, "find_faults", refuse)
 
 
 @pytest.fixture(scope="module", params=CATEGORIES)

@@ -23,6 +23,7 @@ from artipg_dsl.export.registry import FORMATS
 from artipg_dsl.export.robot import Robots
 from artipg_dsl.graph import expr as E
 from artipg_dsl.graph.program import Pose
+from artipg_dsl.graph.show import is_short
 from artipg_dsl.resources import library_dir
 from artipg_dsl.runtime.batch import Batch
 from artipg_dsl.runtime.plan import make_plan
@@ -175,7 +176,7 @@ def _pose(pose: Pose) -> str:
 
 
 def _formula(node: E.Expr, nodes: int = NODES) -> str:
-    if not E.few(node, nodes):
+    if not is_short(node, nodes):
         return HIDDEN
     text = E.show(node)
     return text[1:-1] if re.fullmatch(r"\([^()]*\)", text) else text
