@@ -102,7 +102,7 @@ def statements(lowering: Lowering) -> None:
 def tree(lowering: Lowering) -> None:
     """Place the parts in the object's frame, in the order of the text, with their primitives, and say what moves them."""
     program = lowering.program
-    program.links.append(Link(root_path(lowering.root), program.scopes[0], -1))
+    program.links.append(Link(_root_path(lowering.root), program.scopes[0], -1))
     lowering.links.build(lowering.root, -1)
 
 
@@ -124,7 +124,7 @@ def motion(lowering: Lowering) -> None:
 
 def carried(lowering: Lowering) -> None:
     """Say of each link whose frame it takes, and of each part what carries it rigidly."""
-    number_links(lowering.links)
+    _number_links(lowering.links)
     lowering.links.hold()
 
 
@@ -133,8 +133,8 @@ def what_is_said(lowering: Lowering) -> None:
     context = lowering.context
     labels.statements(lowering.links, lowering.root)
     drives.report(context)
-    order_labels(context)
-    dress(context)
+    _order_labels(context)
+    _dress(context)
 
 
 def conditions(lowering: Lowering) -> None:
@@ -149,7 +149,7 @@ def counterparts(lowering: Lowering) -> None:
 
 def vocabularies(lowering: Lowering) -> None:
     """The words that labels may have, of all modules that are used."""
-    spoken(lowering.root)
+    _spoken(lowering.root)
 
 
 def idle_starts(lowering: Lowering) -> None:
@@ -237,11 +237,11 @@ def clearances(links: Links) -> None:
         program.joints[number] = replace(program.joints[number], clearance=True, whatever=whatever)
 
 
-def root_path(env: Env) -> str:
+def _root_path(env: Env) -> str:
     return next((p.path for p in env.parts if p.declaration.root), "base")
 
 
-def number_links(links: Links) -> None:
+def _number_links(links: Links) -> None:
     """Give each link the node of its part, whose frame it takes."""
     program = links.context.program
     owners = links.owners
@@ -251,13 +251,13 @@ def number_links(links: Links) -> None:
         program.links[number] = replace(link, part=node)
 
 
-def order_labels(context: Context) -> None:
+def _order_labels(context: Context) -> None:
     """Outer labels first, so that the innermost is said last; the order of the text among equals."""
     ordered = sorted(context.labels, key=lambda pair: pair[0])
     context.program.labels = [replace(label, depth=depth) for depth, label in ordered if label.targets]
 
 
-def dress(context: Context) -> None:
+def _dress(context: Context) -> None:
     """The materials of each site: outer ones first, the last that holds counts."""
     program = context.program
     for number, found in context.materials.items():
@@ -265,7 +265,7 @@ def dress(context: Context) -> None:
         program.sites[number] = replace(program.sites[number], materials=tuple(ordered))
 
 
-def spoken(env: Env) -> None:
+def _spoken(env: Env) -> None:
     """The vocabularies in sight of the category and of everything it uses.
 
     Words of vocabularies of one name add up, those of what a module uses before its own: numbers stay. The first is

@@ -24,9 +24,9 @@ def check_part(ck: Checker, ctx: Context, node: ast.PartDecl) -> None:
     """Role, alternatives, arguments and placements of a part."""
     role = _role(ck, ctx, node, node.role, node.role_span) if node.role is not None else None
     for placement in node.placements:
-        check_placement(ck, ctx, placement)
+        _check_placement(ck, ctx, placement)
     if role is not None:
-        check_arguments(ck, ctx, node.arguments, [role])
+        _check_arguments(ck, ctx, node.arguments, [role])
     _alternatives(ck, ctx, node.alternatives, role, node.role)
     if node.role is not None or len(node.alternatives) > 1:
         alone = f"write `part {node.name} : STYLE`; other alternatives, and `none`, go into the style"
@@ -101,7 +101,7 @@ def _alternatives(
         if alternative.guard is not None:
             conditions.truth(ck, ctx, alternative.guard)
         for placement in alternative.placements:
-            check_placement(ck, ctx, placement)
+            _check_placement(ck, ctx, placement)
         if alternative.name is None:
             continue
         styles = [e for e in ctx.scope.find(alternative.name) if isinstance(ck.entry_type(e), Style)]
@@ -121,7 +121,7 @@ def _alternatives(
                 f"`{wrong[0].name}` cannot be an alternative here: it does not have the role {role_name}",
                 notes=((wrong[0].decl.name_span, f"`{wrong[0].name}` is declared here"),),
             )
-        check_arguments(ck, ctx, alternative.arguments, symbols)
+        _check_arguments(ck, ctx, alternative.arguments, symbols)
 
 
 def _bad_alternative(ck: Checker, ctx: Context, alternative: ast.Alternative, symbol: Symbol | None) -> None:
@@ -169,13 +169,13 @@ def _unweighed(ck: Checker, alternatives: tuple[ast.Alternative, ...]) -> None:
         )
 
 
-def check_placement(ck: Checker, ctx: Context, placement: ast.Placement) -> None:
+def _check_placement(ck: Checker, ctx: Context, placement: ast.Placement) -> None:
     ck.expect(ctx, placement.direction, DIRECTION, f"the axis after `{'about' if placement.angle else 'along'}`")
     if placement.angle is not None:
         ck.expect(ctx, placement.angle, ANGLE, "the angle after `turned`")
 
 
-def check_arguments(ck: Checker, ctx: Context, given: tuple[ast.Argument, ...], symbols: list[Symbol]) -> None:
+def _check_arguments(ck: Checker, ctx: Context, given: tuple[ast.Argument, ...], symbols: list[Symbol]) -> None:
     """Arguments of a role or a template: each names a parameter and fits its type."""
     seen: set[str] = set()
     for argument in given:

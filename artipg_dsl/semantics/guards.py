@@ -11,7 +11,7 @@ from collections.abc import Callable, Hashable, Iterable, Iterator
 from dataclasses import dataclass
 from itertools import product
 
-MAX_ASSIGNMENTS = 20_000
+_MAX_ASSIGNMENTS = 20_000
 VERSUS = " <> "  # in the name of a variable that says how two values compare: -1, 0 or 1
 
 Assignment = dict[str, Hashable]
@@ -122,7 +122,7 @@ def assignments(given: Condition, *others: Condition) -> Iterator[Assignment] | 
     total = 1
     for values in tables.values():
         total *= max(1, len(values))
-    if total > MAX_ASSIGNMENTS:
+    if total > _MAX_ASSIGNMENTS:
         return None
     keys = tuple(tables)
     every = (dict(zip(keys, values, strict=True)) for values in product(*tables.values()))

@@ -47,10 +47,10 @@ if TYPE_CHECKING:
     from .checker import Checker, Context
 
 # u and v have the dimension of the surface that a point lies on
-FORMULA: Mapping[str, Type] = {"p": SIZE, "n": Vec(3, NONE), "u": UNKNOWN, "v": UNKNOWN, "size": SIZE}
+_FORMULA: Mapping[str, Type] = {"p": SIZE, "n": Vec(3, NONE), "u": UNKNOWN, "v": UNKNOWN, "size": SIZE}
 
 
-COMPARED = ("<", "<=", ">", ">=", "==", "!=")
+_COMPARED = ("<", "<=", ">", ">=", "==", "!=")
 
 
 def check(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
@@ -89,7 +89,7 @@ def check(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
 
 def formula(ctx: Context) -> Context:
     """The place of a formula on a surface: ``p``, ``n``, ``u``, ``v`` and ``size`` are the target's own."""
-    return ctx.but(extra={**ctx.extra, **FORMULA})
+    return ctx.but(extra={**ctx.extra, **_FORMULA})
 
 
 def _place(ck: Checker, ctx: Context, expr: ast.Expr) -> tuple[Type, Context]:
@@ -244,7 +244,7 @@ def _condition(ck: Checker, place: Context, where: ast.Expr | None) -> None:
 def _relative(ck: Checker, expr: ast.Expr) -> None:
     """Warns of lengths written into the comparisons of a formula: what holds for one size is wrong for another."""
     for compared in walk(expr):
-        if not isinstance(compared, ast.BinaryExpr) or compared.op not in COMPARED:
+        if not isinstance(compared, ast.BinaryExpr) or compared.op not in _COMPARED:
             continue
         for number in walk(compared):
             if isinstance(number, ast.NumberExpr) and number.value and _is_length(number.unit):

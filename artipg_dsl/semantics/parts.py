@@ -85,7 +85,7 @@ def part_member(ck: Checker, ctx: Context, part: Part, word: str, span: Span, pa
     for variant in part.variants:
         if variant.symbol is None:
             return UNKNOWN
-        kind = symbol_member(ck, variant.symbol, word)
+        kind = _symbol_member(ck, variant.symbol, word)
         if kind is None:
             lacking.append(variant)
         else:
@@ -190,7 +190,7 @@ def _lacking(
     if promised is not None:
         what = " or ".join(dict.fromkeys(v.name for v in part.variants))
         return ck.error("optional-outside-when", span, f"`{word}` is optional in the role, and {what} does not bind it")
-    offered = sorted({n for v in part.variants if v.symbol is not None for n in member_names(ck, v.symbol)})
+    offered = sorted({n for v in part.variants if v.symbol is not None for n in _member_names(ck, v.symbol)})
     what = " or ".join(dict.fromkeys(v.name for v in part.variants))
     code, missing = ("unknown-port", f"port or part `{word}`") if ctx.ends else ("unknown-member", f"`{word}`")
     return ck.error(
@@ -209,11 +209,11 @@ def _optional_in_role(ck: Checker, part: Part, word: str) -> Type | None:
     for variant in part.variants:
         role, decl = ck.interface_of(variant.symbol).get(word, (None, None)) if variant.symbol else (None, None)
         if role is not None and getattr(decl, "optional", False):
-            return symbol_member(ck, role, word)
+            return _symbol_member(ck, role, word)
     return None
 
 
-def member_names(ck: Checker, symbol: Symbol) -> list[str]:
+def _member_names(ck: Checker, symbol: Symbol) -> list[str]:
     """What a part of this template, primitive or role offers to others."""
     scope = ck.scope_of(symbol)
     own = [entry.name for entry in scope.entries if not entry.private]
@@ -221,7 +221,7 @@ def member_names(ck: Checker, symbol: Symbol) -> list[str]:
     return [*dict.fromkeys([*own, *role]), *BOX_MEMBERS]
 
 
-def symbol_member(ck: Checker, symbol: Symbol, word: str) -> Type | None:
+def _symbol_member(ck: Checker, symbol: Symbol, word: str) -> Type | None:
     """The type of a member of an instance of ``symbol``; None where it has none."""
     entries = [e for e in ck.scope_of(symbol).table.get(word, []) if not e.private]
     if entries:
@@ -243,7 +243,7 @@ def symbol_member(ck: Checker, symbol: Symbol, word: str) -> Type | None:
     if symbol.kind == "template" and word in ck.interface_of(symbol):
         role, decl = ck.interface_of(symbol)[word]
         if not getattr(decl, "optional", False) or word in _names_in_repeats(ck.scope_of(symbol)):
-            return symbol_member(ck, role, word)
+            return _symbol_member(ck, role, word)
     return box_member(word)
 
 

@@ -93,7 +93,7 @@ def name(ck: Checker, ctx: Context, expr: ast.NameExpr) -> Type:
         return _symbol(ck, ctx, symbol, expr.span)
     if word in FUNCTIONS:
         return ck.error("wrong-type", expr.span, f"`{word}` is a function: it needs arguments in parentheses")
-    return unknown_name(ck, ctx, word, expr.span)
+    return _unknown_name(ck, ctx, word, expr.span)
 
 
 def sole(ck: Checker, ctx: Context, entries: list[Entry], span: Span) -> Entry:
@@ -114,7 +114,7 @@ def _declared(ctx: Context, word: str, home: Scope) -> Meaning:
     return Declared(word, home.depth) if inside is None else Current(inside.depth)
 
 
-def unknown_name(ck: Checker, ctx: Context, word: str, span: Span) -> Type:
+def _unknown_name(ck: Checker, ctx: Context, word: str, span: Span) -> Type:
     """Reports a name that nothing declares."""
     hint = did_you_mean(
         word, [*ctx.names(), *(w.name for w in WORDS.values() if w.kind != "place")]
@@ -212,7 +212,7 @@ def _own_box(ck: Checker, ctx: Context, word: str, span: Span) -> Type:
             hint="name the face of a part, or declare `param size : length[3]` in the template",
         )
     if owner.kind == "primitive":
-        return unknown_name(ck, ctx, word, span)
+        return _unknown_name(ck, ctx, word, span)
     return PLANE if word in FACES else POINT if word == "center" else BOX if word == "box" else SIZE
 
 

@@ -19,17 +19,17 @@ if TYPE_CHECKING:
 Read = Callable[[Atom | Compare], Condition]
 
 
-def read_as(condition: Condition, read: Read) -> Condition:
+def _read_as(condition: Condition, read: Read) -> Condition:
     """A condition with every fact in it replaced."""
     match condition:
         case Atom() | Compare():
             return read(condition)
         case And(terms=terms):
-            return conjunction(read_as(t, read) for t in terms)
+            return conjunction(_read_as(t, read) for t in terms)
         case Or(terms=terms):
-            return Or(tuple(read_as(t, read) for t in terms))
+            return Or(tuple(_read_as(t, read) for t in terms))
         case Not(term=term):
-            return Not(read_as(term, read))
+            return Not(_read_as(term, read))
     raise TypeError(condition)
 
 
@@ -49,7 +49,7 @@ def renamed(condition: Condition, homes: Iterable[tuple[str, str]]) -> Condition
             return Atom(key, fact.allowed, fact.domain)
         return Compare(key, fact.op, fact.value, fact.low, fact.high)
 
-    return read_as(condition, read)
+    return _read_as(condition, read)
 
 
 def declared(ck: Checker, entries: Iterable[Entry]) -> Condition:
@@ -131,7 +131,7 @@ def of_element(element: Element, condition: Condition) -> Condition:
         chain.append(chain[-1].outer)
     homes = [(_body(e).path, e.key) for e in chain if e.key != e.entry.key]
     condition = renamed(condition, [*homes, *([chain[-1].home] if chain[-1].home is not None else [])])
-    return read_as(condition, lambda fact: _known(fact, chain))
+    return _read_as(condition, lambda fact: _known(fact, chain))
 
 
 def _body(element: Element) -> Scope:

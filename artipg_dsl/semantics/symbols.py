@@ -85,19 +85,19 @@ def members(symbol: Symbol) -> tuple[ast.Stmt, ...]:
     chain = lineage(symbol)
     if symbol.kind != "template":
         return tuple(stmt for at in reversed(chain) for stmt in at.body)
-    own = set(declared_names(symbol.body))
+    own = set(_declared_names(symbol.body))
     inherited = (stmt for at in reversed(chain[1:]) for stmt in at.body if isinstance(stmt, ast.ParamDecl))
     return tuple(stmt for stmt in inherited if not own.intersection(stmt.names)) + symbol.body
 
 
-def declared_names(body: tuple[ast.Stmt, ...]) -> Iterator[str]:
+def _declared_names(body: tuple[ast.Stmt, ...]) -> Iterator[str]:
     """The names that stand in a body, those under ``when`` included, those inside a ``repeat`` not."""
     for stmt in body:
         if isinstance(stmt, ast.ParamDecl):
             yield from stmt.names
         elif isinstance(stmt, ast.WhenStmt):
-            yield from declared_names(stmt.body)
-            yield from declared_names(stmt.otherwise)
+            yield from _declared_names(stmt.body)
+            yield from _declared_names(stmt.otherwise)
         elif isinstance(stmt, NAMED):
             yield stmt.name
 

@@ -15,13 +15,13 @@ if TYPE_CHECKING:
 
 NONE = Dimension(0, 0, 0, 0)
 LENGTH_DIM = Dimension(1, 0, 0, 0)
-ANGLE_DIM = Dimension(0, 1, 0, 0)
+_ANGLE_DIM = Dimension(0, 1, 0, 0)
 
 DIMENSIONS: dict[str, Dimension] = {
     "ratio": NONE,
     "count": NONE,
     "length": LENGTH_DIM,
-    "angle": ANGLE_DIM,
+    "angle": _ANGLE_DIM,
     "area": Dimension(2, 0, 0, 0),
     "volume": Dimension(3, 0, 0, 0),
     "mass": Dimension(0, 0, 1, 0),
@@ -209,7 +209,7 @@ UNKNOWN = Unknown()
 RATIO = Scalar(NONE)
 COUNT = Scalar(NONE, count=True)
 LENGTH = Scalar(LENGTH_DIM)
-ANGLE = Scalar(ANGLE_DIM)
+ANGLE = Scalar(_ANGLE_DIM)
 ZERO = Scalar(NONE, count=True, zero=True)
 SIZE = Vec(3, LENGTH_DIM)
 BOOL = Named("bool")

@@ -39,13 +39,13 @@ class Problem(NamedTuple):
     hint: str | None
 
 
-def start_of(child: Any) -> int:
+def _start_of(child: Any) -> int:
     if isinstance(child, ast.Node):
         return child.span.start
     return child.start_pos or 0 if isinstance(child, Token) else child.start
 
 
-def end_of(child: Any) -> int:
+def _end_of(child: Any) -> int:
     if isinstance(child, ast.Node):
         return child.span.end
     return child.end_pos or 0 if isinstance(child, Token) else child.end
@@ -90,21 +90,21 @@ class BuilderBase:
         self.problems = []
 
     def span(self, children: Sequence[Any]) -> Span:
-        return Span(self.source, start_of(children[0]), end_of(children[-1]))
+        return Span(self.source, _start_of(children[0]), _end_of(children[-1]))
 
     def at(self, child: Any) -> Span:
-        return Span(self.source, start_of(child), end_of(child))
+        return Span(self.source, _start_of(child), _end_of(child))
 
     def stmt(self, children: Sequence[Any]) -> dict[str, Any]:
         """``span`` and ``doc`` of a statement."""
-        start, end = start_of(children[0]), end_of(children[-1])
+        start, end = _start_of(children[0]), _end_of(children[-1])
         return {"span": Span(self.source, start, end), "doc": self.layout.doc(start, end)}
 
     def named(self, token: Token) -> dict[str, Any]:
         return {"name": token.value, "name_span": self.at(token)}
 
     def piece(self, kind: str, value: Any, children: Sequence[Any]) -> Piece:
-        return Piece(kind, value, start_of(children[0]), end_of(children[-1]))
+        return Piece(kind, value, _start_of(children[0]), _end_of(children[-1]))
 
     def problem(self, child: Any, message: str, hint: str | None = None) -> None:
         self.trouble(self.at(child), message, hint)

@@ -11,7 +11,7 @@ from .build_statements import StatementBuilder
 
 Children = list[Any]
 
-VERSION = 1
+_VERSION = 1
 """The version of the language that this parser reads."""
 
 
@@ -135,18 +135,18 @@ class TreeBuilder(StatementBuilder):
         )
 
     def version(self, c: Children) -> Piece:
-        if c[1].value != str(VERSION):
+        if c[1].value != str(_VERSION):
             self.problem(
                 c[1],
                 f"this file is written in version {c[1].value} of the language",
-                f"this compiler reads `apg {VERSION}`",
+                f"this compiler reads `apg {_VERSION}`",
             )
-        return self.piece("version", VERSION, c)
+        return self.piece("version", _VERSION, c)
 
     def module(self, c: Children) -> ast.Module:
         return ast.Module(
             span=Span(self.source, 0, len(self.source.text)),
-            version=VERSION,
+            version=_VERSION,
             uses=tuple(x for x in c if isinstance(x, ast.UseDecl)),
             declarations=tuple(x for x in c if isinstance(x, ast.Decl)),
         )

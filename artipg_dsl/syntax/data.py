@@ -22,7 +22,7 @@ KINDS: tuple[type[ast.Node], ...] = tuple(
 )
 
 
-class Spoilt(ValueError):
+class _Spoilt(ValueError):
     """Data that is no tree of the text."""
 
 
@@ -55,12 +55,12 @@ def from_data(rows: Any, source: Source) -> ast.Module:
 
     def span(start: Any, end: Any) -> Span:
         if type(start) is not int or type(end) is not int or not 0 <= start <= end <= most:
-            raise Spoilt
+            raise _Spoilt
         return Span(source, start, end)
 
     def node(number: Any) -> ast.Node:
         if type(number) is not int or number < 0:
-            raise Spoilt
+            raise _Spoilt
         return nodes[number]  # those before it alone
 
     for number, start, end, *held in rows:
@@ -69,32 +69,32 @@ def from_data(rows: Any, source: Source) -> ast.Module:
         for (name, what, several, allowed, optional, inner), value in zip(_shape(kind), held, strict=True):
             if value is None:
                 if not optional:
-                    raise Spoilt
+                    raise _Spoilt
             elif what == NODE:
                 if kind is ast.Clause:  # what it holds depends on where it stands
                     value = tuple(map(node, value)) if isinstance(value, list) else node(value)
                 elif several:
                     value = tuple(map(node, value))
                     if not all(isinstance(item, allowed) for item in value):
-                        raise Spoilt
+                        raise _Spoilt
                     if inner is not None and not all(map(inner, value)):
-                        raise Spoilt
+                        raise _Spoilt
                 else:
                     value = node(value)
                     if not isinstance(value, allowed) or inner is not None and not inner(value):
-                        raise Spoilt
+                        raise _Spoilt
             elif what == SPAN:
                 value = tuple(span(*pair) for pair in value) if several else span(*value)
             elif several:
                 value = tuple(value)
                 if not all(type(item) in allowed for item in value):
-                    raise Spoilt
+                    raise _Spoilt
             elif type(value) not in allowed:
-                raise Spoilt
+                raise _Spoilt
             found[name] = value
         nodes.append(kind(**found))
     if not nodes or not isinstance(nodes[-1], ast.Module):
-        raise Spoilt
+        raise _Spoilt
     return nodes[-1]
 
 

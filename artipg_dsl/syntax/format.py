@@ -20,11 +20,11 @@ APART = frozenset(
     "EQUAL ARROW UPTO UNTIL BAR TILDE EQUALS UNEQUAL LESS AT_MOST MORE AT_LEAST LBRACE RBRACE COLON".split()
 )
 """Tokens with a space on both sides."""
-COMMENTS = frozenset(("COMMENT", "DOC"))
-CLOSING = frozenset(("RPAR", "RSQB", "RBRACE"))
+_COMMENTS = frozenset(("COMMENT", "DOC"))
+_CLOSING = frozenset(("RPAR", "RSQB", "RBRACE"))
 
 
-class ChangedMeaning(AssertionError):
+class _ChangedMeaning(AssertionError):
     """The layout would have changed the program: a fault of this module, and nothing is written."""
 
 
@@ -49,7 +49,7 @@ def format_source(source: Source, report: Report) -> str | None:
     text = "".join(_lines(pieces))
     check = Report()
     if parse(Source(source.name, text), check) is None or _content(_pieces(text)) != _content(pieces):
-        raise ChangedMeaning(f"formatting {source.name} would change its tokens or comments")
+        raise _ChangedMeaning(f"formatting {source.name} would change its tokens or comments")
     return text
 
 
@@ -87,15 +87,15 @@ def _lines(pieces: list[_Piece]) -> list[str]:
             blank = piece.breaks > 1 and before.type != "LBRACE" and token.type != "RBRACE"
             wanted, old = STEP * len(open_), len(piece.gap.rpartition("\n")[2].expandtabs(STEP))
             if within or _continued(pieces, at):
-                wanted = max(old + shift, wanted + STEP * (token.type not in CLOSING))
-            elif token.type not in COMMENTS:
+                wanted = max(old + shift, wanted + STEP * (token.type not in _CLOSING))
+            elif token.type not in _COMMENTS:
                 shift = wanted - old
             out.append("\n" * (1 + blank) + " " * wanted)
         elif before is not None:
             out.append(_space(before, token, piece.gap))
         out.append(token.value.rstrip())
         if token.type == "LBRACE":
-            behind = next((p for p in pieces[at + 1 :] if p.breaks or p.token.type not in COMMENTS), piece)
+            behind = next((p for p in pieces[at + 1 :] if p.breaks or p.token.type not in _COMMENTS), piece)
             open_.append(behind.breaks > 0)
     return [*out, "\n"]
 
@@ -103,20 +103,20 @@ def _lines(pieces: list[_Piece]) -> list[str]:
 def _continued(pieces: list[_Piece], at: int) -> bool:
     """Whether a line goes on with the statement of the line before; a comment does what the token behind it does."""
     first = at
-    while first and pieces[first - 1].token.type in COMMENTS:
+    while first and pieces[first - 1].token.type in _COMMENTS:
         first -= 1
     last = pieces[first - 1].token.type if first else "LBRACE"
     for piece in pieces[first:]:
         if piece.ended:
             return False
-        if piece.token.type not in COMMENTS:
+        if piece.token.type not in _COMMENTS:
             return piece.token.type != "RBRACE" and last not in ("LBRACE", "RBRACE")
     return False
 
 
 def _space(left: Token, right: Token, gap: str) -> str:
     """What stands between two tokens of a line."""
-    if right.type in COMMENTS:
+    if right.type in _COMMENTS:
         return gap if len(gap) > 1 else "  "
     if left.type == "LBRACE" and right.type == "RBRACE":
         return " "

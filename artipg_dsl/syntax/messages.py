@@ -24,7 +24,7 @@ from .words import OPERATORS, file_words, statement_words
 Notes = tuple[tuple[Span, str], ...]
 Maker = Callable[..., "Found"]
 
-VALUE = frozenset({"NUMBER", "NAME", "LPAR"})
+_VALUE = frozenset({"NUMBER", "NAME", "LPAR"})
 _BEGINS_VALUE = frozenset("NUMBER QUANTITY FRACTION NAME STRING LPAR LSQB HOLE".split())
 _ENDS_VALUE = frozenset("NUMBER QUANTITY FRACTION NAME STRING RPAR RSQB HOLE".split())
 _CONDITIONS = frozenset("WHEN WHEN_BLOCK REQUIRE PREFER WHERE IF".split())
@@ -223,7 +223,7 @@ def _by_history(
     if last is None or last.type in ("_NL", "LBRACE", "RBRACE"):
         beginning = _at_beginning(token, last, accepted, tools, found, source, text)
         return beginning._replace(line_alone=True) if beginning is not None else None
-    values = accepted >= VALUE
+    values = accepted >= _VALUE
     if values and token.type in statement_words() | file_words() and _first_on_line(token, source):
         at = last.start_pos or 0
         where = Span(source, at, last.end_pos or at)
@@ -365,7 +365,7 @@ def _by_accepts(error: UnexpectedToken, history: list[Token], tools: Machine, sp
     def found(message: str, hint: str | None = None) -> Found:
         return Found("syntax", span, message, span.start, hint)
 
-    if accepted >= VALUE:
+    if accepted >= _VALUE:
         return found(
             f"a value is missing before {shown}", "for example a number with its unit, a name or a vector `[x, y, z]`"
         )

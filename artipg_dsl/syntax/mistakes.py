@@ -402,7 +402,7 @@ MISTAKES = (
 )
 
 
-def wrapped(sentence: str) -> str:
+def _wrapped(sentence: str) -> str:
     """A whole program that holds the sentence."""
     return sentence.removeprefix("top:") + "\n" if sentence.startswith("top:") else f"category C {{\n{sentence}\n}}\n"
 
@@ -421,7 +421,7 @@ def table(tools: Machine) -> dict[tuple[int, str], Mistake]:
 
 def stop(tools: Machine, sentence: str) -> tuple[int, str] | None:
     """The state and the type of the token at which the parser stops in a sentence; None where it goes through."""
-    text = wrapped(sentence)
+    text = _wrapped(sentence)
     try:
         tools.run(Source("", text), text)
     except UnexpectedToken as error:

@@ -18,7 +18,7 @@ def _begins() -> re.Pattern[str]:
     return re.compile(rf"(?m)^[ \t]*(?:{words})(?![A-Za-z0-9_])|^[ \t]*\}}")
 
 
-def quiet(text: str) -> str:
+def _quiet(text: str) -> str:
     """The text with comments and strings blanked, for looking at braces."""
     return _QUIET.sub(lambda m: " " * len(m.group()), text)
 
@@ -29,7 +29,7 @@ def without_statement(text: str, place: int, line_alone: bool = False) -> str | 
     A statement runs from the last line that begins like one to the next; with ``line_alone`` it is just its line.
     A block that it opens goes with it.
     """
-    plain = quiet(text)
+    plain = _quiet(text)
     start = plain.rfind("\n", 0, place) + 1
     for match in _begins().finditer(plain):
         if match.start() > place or line_alone:
@@ -67,7 +67,7 @@ def opening_brace(text: str) -> int | None:
     The braces alone only tell that one is missing. Where a block's closing brace stands further left than the line
     that opens it, or a declaration of the file begins at the left edge within a block, that block is the one.
     """
-    plain = quiet(text)
+    plain = _quiet(text)
     stack: list[int] = []
     culprit: int | None = None
     for match in re.finditer(r"[{}]|" + _TOP.pattern.removeprefix("(?m)"), plain, re.M):

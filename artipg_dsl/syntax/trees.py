@@ -11,7 +11,7 @@ from ..source import Source
 from . import ast
 from .data import from_data, to_data
 
-MOST_TREES = 64
+_MOST_TREES = 64
 """So many trees are held: a library is read once by a process, whatever programs use it."""
 
 _trees: dict[tuple[str, str], ast.Module] = {}
@@ -23,7 +23,7 @@ def tree_of(source: Source, report: Report) -> ast.Module | None:
     key = source.name, source.text
     tree = _trees.pop(key, None) or _recalled(source) or _parsed(source, report)
     if tree is not None:
-        while len(_trees) >= MOST_TREES:
+        while len(_trees) >= _MOST_TREES:
             _trees.pop(next(iter(_trees)), None)
         _trees[key] = tree  # the last to go
     return tree

@@ -23,17 +23,17 @@ def said_inside(env: Env, body: Body) -> Body:
     kept: list[ast.Stmt] = []
     for statement in body:
         if isinstance(statement, ast.WhenStmt):
-            taken, rest = under_another(env, body, statement)
+            taken, rest = _under_another(env, body, statement)
             moved += taken
             kept.append(rest)
-        elif (name := placed_in_branch(env, body, statement)) is not None:
+        elif (name := _placed_in_branch(env, body, statement)) is not None:
             moved.append((statement, name))
         else:
             kept.append(statement)
-    return tuple(taking(env, s, moved) if isinstance(s, ast.WhenStmt) else s for s in kept)
+    return tuple(_taking(env, s, moved) if isinstance(s, ast.WhenStmt) else s for s in kept)
 
 
-def under_another(env: Env, body: Body, when: ast.WhenStmt) -> tuple[list[tuple[ast.Stmt, str]], ast.WhenStmt]:
+def _under_another(env: Env, body: Body, when: ast.WhenStmt) -> tuple[list[tuple[ast.Stmt, str]], ast.WhenStmt]:
     """The statements in a ``when`` that place what another one declares, under a copy of its guard, and what is left of it.
 
     Branches of one guard are one body, however often the text says it.
@@ -42,12 +42,12 @@ def under_another(env: Env, body: Body, when: ast.WhenStmt) -> tuple[list[tuple[
         name
         for s in body
         if isinstance(s, ast.WhenStmt) and text_of(s.guard.span) == text_of(when.guard.span)
-        for name in declared_parts((s,))
+        for name in _declared_parts((s,))
     }
     names = {
         id(s): name
         for s in (*when.body, *when.otherwise)
-        if (name := placed_in_branch(env, body, s)) is not None and name not in said
+        if (name := _placed_in_branch(env, body, s)) is not None and name not in said
     }
     if not names:
         return [], when
@@ -59,13 +59,13 @@ def under_another(env: Env, body: Body, when: ast.WhenStmt) -> tuple[list[tuple[
     return taken, replace(when, body=yes, otherwise=no)
 
 
-def taking(env: Env, when: ast.WhenStmt, moved: list[tuple[ast.Stmt, str]]) -> ast.WhenStmt:
+def _taking(env: Env, when: ast.WhenStmt, moved: list[tuple[ast.Stmt, str]]) -> ast.WhenStmt:
     """A ``when`` with the statements of parts that its branches declare; itself where there are none."""
     branches = []
     for branch in (when.body, when.otherwise):
         more = [s for s, name in moved if name in parts(branch)]
         deeper = [(s, name) for s, name in moved if name not in parts(branch)]
-        inner = tuple(taking(env, s, deeper) if isinstance(s, ast.WhenStmt) else s for s in branch)
+        inner = tuple(_taking(env, s, deeper) if isinstance(s, ast.WhenStmt) else s for s in branch)
         branches.append(said_inside(env, (*inner, *more)))
     same = [[*map(id, new)] == [*map(id, old)] for new, old in zip(branches, (when.body, when.otherwise), strict=True)]
     if all(same):
@@ -73,7 +73,7 @@ def taking(env: Env, when: ast.WhenStmt, moved: list[tuple[ast.Stmt, str]]) -> a
     return replace(when, body=branches[0], otherwise=branches[1])
 
 
-def placed_in_branch(env: Env, body: Body, statement: ast.Stmt) -> str | None:
+def _placed_in_branch(env: Env, body: Body, statement: ast.Stmt) -> str | None:
     """The name of what a statement places, if only branches of a ``when`` of this body declare it."""
     match statement:
         case ast.ConnectStmt(subject=subject):
@@ -89,7 +89,7 @@ def placed_in_branch(env: Env, body: Body, statement: ast.Stmt) -> str | None:
             ]
         case _:
             return None
-    places = declared_parts(body)
+    places = _declared_parts(body)
     names = [m.name for m in named if m is not None and m.depth == env.depth and m.name in places]
     if not names:
         return None
@@ -102,13 +102,13 @@ def parts(body: Body) -> set[str]:
     return {s.name for s in body if isinstance(s, ast.PartDecl)}
 
 
-def declared_parts(body: Iterable[ast.Stmt]) -> dict[str, int]:
+def _declared_parts(body: Iterable[ast.Stmt]) -> dict[str, int]:
     """The parts that a body and the branches in it declare, and where they are first declared."""
     found: dict[str, int] = {}
     for statement in body:
         if isinstance(statement, ast.PartDecl):
             found.setdefault(statement.name, statement.name_span.start)
         elif isinstance(statement, ast.WhenStmt):
-            for name, place in declared_parts((*statement.body, *statement.otherwise)).items():
+            for name, place in _declared_parts((*statement.body, *statement.otherwise)).items():
                 found.setdefault(name, place)
     return found

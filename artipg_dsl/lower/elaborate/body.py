@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from .part import Instance, Option
 
 
-def lower_body(instance: Instance, option: Option, scope: Scope, given: dict[str, Value]) -> Env:
+def _lower_body(instance: Instance, option: Option, scope: Scope, given: dict[str, Value]) -> Env:
     """The body of a template instance, elaborated and solved in its own environment."""
     part = instance.part
     context = part.context
@@ -47,7 +47,7 @@ def lower_body(instance: Instance, option: Option, scope: Scope, given: dict[str
         env.names[name] = instance.values[name] = own_parameter(env, declaration, name, part.style, option.name)
     env.module = symbol.module
     if part.style is not None:
-        share_counts(env, symbol, part.style, option.name)
+        _share_counts(env, symbol, part.style, option.name)
     instance.values.update({k: v for k, v in given.items() if k not in instance.values})
     if instance.size is not None:
         env.box = centred(instance.size)
@@ -55,11 +55,11 @@ def lower_body(instance: Instance, option: Option, scope: Scope, given: dict[str
     return env
 
 
-def share_counts(env: Env, symbol: Symbol, style: Style, option: str) -> None:
+def _share_counts(env: Env, symbol: Symbol, style: Style, option: str) -> None:
     """Counts of a template that a style stands for are drawn once, as its parameters are; those whose range follows from
     measures of the part are each part's own."""
     for statement in symbol.body:
-        if isinstance(statement, ast.CountDecl) and statement.name not in env.names and has_fixed_range(statement):
+        if isinstance(statement, ast.CountDecl) and statement.name not in env.names and _has_fixed_range(statement):
 
             def make(statement: ast.CountDecl = statement) -> E.Expr:
                 return style.shared(option, statement.name, statement, None, env)
@@ -67,14 +67,14 @@ def share_counts(env: Env, symbol: Symbol, style: Style, option: str) -> None:
             env.names[statement.name] = Thunk(make, statement.name_span)
 
 
-def has_fixed_range(statement: ast.CountDecl) -> bool:
+def _has_fixed_range(statement: ast.CountDecl) -> bool:
     """Whether the range of a count is written out."""
     domain = statement.domain
     return all(isinstance(end, ast.NumberExpr) for end in (domain.low, domain.high))
 
 
 def lower_statements(env: Env, body: tuple[ast.Stmt, ...]) -> None:
-    declare(env, body)
+    _declare(env, body)
     connect.statements(env)
     settle(env)
 
@@ -82,14 +82,14 @@ def lower_statements(env: Env, body: tuple[ast.Stmt, ...]) -> None:
 # ---------------------------------------------------------------- declarations
 
 
-def declare(env: Env, body: tuple[ast.Stmt, ...]) -> None:
+def _declare(env: Env, body: tuple[ast.Stmt, ...]) -> None:
     """Register every name of a body, then lower the declarations in the order of the text."""
     body = said_inside(env, body)
-    announce(env, body)
+    _announce(env, body)
     lower(env, body)
 
 
-def announce(env: Env, body: tuple[ast.Stmt, ...]) -> None:
+def _announce(env: Env, body: tuple[ast.Stmt, ...]) -> None:
     env.statements.extend(body)
     for statement in body:
         register(env, statement)
@@ -99,11 +99,11 @@ def lower(env: Env, body: tuple[ast.Stmt, ...]) -> None:
     for statement in body:
         with env.context.attempt(statement.span):
             if isinstance(statement, ast.WhenStmt):
-                open_when(env, statement)
+                _open_when(env, statement)
             else:
                 for name in names_of(statement):
                     env.force(name)
-    bind_slots(env, body)
+    _bind_slots(env, body)
 
 
 def register(env: Env, statement: ast.Stmt) -> None:
@@ -122,22 +122,22 @@ def register(env: Env, statement: ast.Stmt) -> None:
         case ast.LetDecl() | ast.CurveDecl():
             env.names.setdefault(statement.name, let(env, statement))
         case ast.PartDecl():
-            thunk(statement.name, statement.name_span, lambda: reference(build_part(env, statement, lower_body)))
+            thunk(statement.name, statement.name_span, lambda: reference(build_part(env, statement, _lower_body)))
         case ast.StyleDecl() if statement.role == "material":
             thunk(statement.name, statement.name_span, lambda: build_look(env, statement))
         case ast.StyleDecl():
             thunk(statement.name, statement.name_span, lambda: build_style(env, statement))
         case ast.RepeatStmt():
-            thunk(statement.name, statement.name_span, lambda: build_repeat(env, statement, declare, register))
+            thunk(statement.name, statement.name_span, lambda: build_repeat(env, statement, _declare, register))
         case ast.JointDecl() if statement.kind is not None:
             env.names[statement.name] = Hinge(env, statement)
         case ast.PortDecl() if statement.value is not None:
-            register_port(env, statement)
+            _register_port(env, statement)
         case _:
             pass
 
 
-def register_port(env: Env, statement: ast.PortDecl) -> None:
+def _register_port(env: Env, statement: ast.PortDecl) -> None:
     value = statement.value
     assert value is not None
 
@@ -153,10 +153,10 @@ def register_port(env: Env, statement: ast.PortDecl) -> None:
     array = env.root.names.setdefault(statement.name, PortArray(statement.name, {}))
     assert isinstance(array, PortArray)
     array.pending.append(Binding(env, statement.index, value))
-    array.size = array.size or port_count(env, statement.name)
+    array.size = array.size or _port_count(env, statement.name)
 
 
-def port_count(env: Env, name: str) -> int:
+def _port_count(env: Env, name: str) -> int:
     """How many ports ``port name[n]`` of the template or its role promises; 0 where neither says."""
     for owner in lineage(env.symbol) if env.symbol is not None else ():
         for statement in owner.body:
@@ -170,7 +170,7 @@ def port_count(env: Env, name: str) -> int:
     return 0
 
 
-def open_when(env: Env, statement: ast.WhenStmt) -> None:
+def _open_when(env: Env, statement: ast.WhenStmt) -> None:
     """Lower the declarations in the branches of a ``when``."""
     for branch, body in enter_when(env, statement):
         lower(branch, body)
@@ -193,12 +193,12 @@ def enter_when(env: Env, statement: ast.WhenStmt) -> list[tuple[Env, tuple[ast.S
             if branch is None:
                 scope = env.context.guard(env.scope, guard, f"{env.path}when {E.show(guard)}")
                 branch = env.branches[guard] = env.nested(scope, env.path)
-            announce(branch, body)
+            _announce(branch, body)
             found.append((branch, body))
     return env.entered[statement]
 
 
-def bind_slots(env: Env, body: tuple[ast.Stmt, ...]) -> None:
+def _bind_slots(env: Env, body: tuple[ast.Stmt, ...]) -> None:
     """Slots of the instance: what ``slot x = ...`` lists; otherwise a part of the slot's name binds itself."""
     instance = env.instance
     if instance is None:

@@ -34,7 +34,7 @@ def build_part(env: Env, declaration: ast.PartDecl, lower_body: LowerBody) -> Pa
     if (
         declaration.role is None
         and len(alternatives) == 1
-        and isinstance(style := named_style(env, alternatives[0]), Style)
+        and isinstance(style := _named_style(env, alternatives[0]), Style)
     ):
         arguments, guard = alternatives[0].arguments, alternatives[0].guard
         part.style, part.role, alternatives = style, style.role, style.alternatives
@@ -48,24 +48,24 @@ def build_part(env: Env, declaration: ast.PartDecl, lower_body: LowerBody) -> Pa
     part.options = [
         Option(a.name, templates[a.name], a, code) for code, a in enumerate(alternatives) if a.name is not None
     ]
-    make_choice(part, alternatives)
+    _make_choice(part, alternatives)
     if part.role is None and len(part.options) == 1:
         arguments = arguments + part.options[0].source.arguments
     interface = part.role if part.role is not None else part.options[0].symbol if len(part.options) == 1 else None
     if interface is not None:
-        make_inputs(part, interface, arguments)
+        _make_inputs(part, interface, arguments)
     for option in part.options:
-        part.instances.append(instantiate(part, option, lower_body))
+        part.instances.append(_instantiate(part, option, lower_body))
     return part
 
 
-def named_style(env: Env, alternative: ast.Alternative) -> Value | None:
+def _named_style(env: Env, alternative: ast.Alternative) -> Value | None:
     """The style that an alternative names; None where it names a template or a primitive."""
     meaning = env.context.meaning(alternative)
     return env.find(meaning.name, meaning.depth) if isinstance(meaning, Declared) else None
 
 
-def make_choice(part: Part, alternatives: tuple[ast.Alternative, ...]) -> None:
+def _make_choice(part: Part, alternatives: tuple[ast.Alternative, ...]) -> None:
     if len(alternatives) == 1:
         return
     names = tuple(a.name or "none" for a in alternatives)
@@ -78,7 +78,7 @@ def make_choice(part: Part, alternatives: tuple[ast.Alternative, ...]) -> None:
         part.exists = E.both(part.exists, E.negate(E.call("eq", part.choice.code, E.const(float(code)))))
 
 
-def make_inputs(part: Part, interface: Symbol, arguments: tuple[ast.Argument, ...]) -> None:
+def _make_inputs(part: Part, interface: Symbol, arguments: tuple[ast.Argument, ...]) -> None:
     """Values of the interface's parameters: the arguments, and open columns for what is not given."""
     env = part.env
     given = {a.name: a for a in arguments if a.name is not None}
@@ -95,8 +95,8 @@ def make_inputs(part: Part, interface: Symbol, arguments: tuple[ast.Argument, ..
             continue
         local.module = symbol.module
         stated = given.get(name)
-        if stated is not None and not has_hole(stated.value):
-            value = handed_in(part, env, symbol, declaration, name, stated)
+        if stated is not None and not _has_hole(stated.value):
+            value = _handed_in(part, env, symbol, declaration, name, stated)
         elif declaration.type.name == "material" and declaration.default is not None:
             value = look_of(local, declaration.default)
         else:
@@ -105,11 +105,11 @@ def make_inputs(part: Part, interface: Symbol, arguments: tuple[ast.Argument, ..
         local.names[name] = value
 
 
-def has_hole(node: ast.Expr) -> bool:
+def _has_hole(node: ast.Expr) -> bool:
     return isinstance(node, ast.VectorExpr) and any(isinstance(i, ast.HoleExpr) for i in node.items)
 
 
-def handed_in(
+def _handed_in(
     part: Part, env: Env, owner: Symbol, declaration: ast.ParamDecl, name: str, argument: ast.Argument
 ) -> Value:
     """The value of an argument, which is written in ``env``, for the parameter ``name`` that ``owner`` declares: an option
@@ -128,7 +128,7 @@ def handed_in(
     return value
 
 
-def instantiate(part: Part, option: Option, lower_body: LowerBody) -> Instance:
+def _instantiate(part: Part, option: Option, lower_body: LowerBody) -> Instance:
     """The alternative in its own table (that of the environment when there is nothing to choose)."""
     context = part.context
     guard = part.guard(option)
@@ -143,7 +143,7 @@ def instantiate(part: Part, option: Option, lower_body: LowerBody) -> Instance:
         declared = {name: (owner, declaration) for owner, declaration, name, _ in parameters_of(option.symbol)}
         for argument in arguments:
             name = argument.name or ""
-            if has_hole(argument.value):
+            if _has_hole(argument.value):
                 raise context.error(
                     "misplaced-hole",
                     argument.value.span,
@@ -152,7 +152,7 @@ def instantiate(part: Part, option: Option, lower_body: LowerBody) -> Instance:
                     "`part lid : Lid(size = [_, _, 1cm]) = Flat | Domed`",
                 )
             if name in declared:
-                own[name] = handed_in(part, home, *declared[name], name, argument)
+                own[name] = _handed_in(part, home, *declared[name], name, argument)
             else:  # a count
                 own[name] = Evaluator(home).value(argument.value)
         instance.values = own

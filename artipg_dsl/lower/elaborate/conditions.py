@@ -1,4 +1,4 @@
-"""What objects have to fulfil: ``require``, ``prefer``, ``clear``; and what may touch: ``allow``, ``free``."""
+"""What objects have to fulfil: ``require``, ``prefer``, ``clear``; and what may touch: ``_allow``, ``free``."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ def require(links: Links, env: Env, statement: ast.RequireStmt) -> None:
         message = statement.message or ("it tips over when open" if statement.stable == "open" else "it tips over")
         env.context.program.stable.append(Stable(env.scope, statement.stable == "open", message, where(statement.span)))
         return
-    for node in conjuncts(statement.condition):
-        others, bounding = disjuncts(node)
+    for node in _conjuncts(statement.condition):
+        others, bounding = _disjuncts(node)
         condition, slack = comparison(ev, bounding)
-        guard = presence(env, node)
+        guard = _presence(env, node)
         for other in others:
             guard = E.both(guard, E.negate(ev.truth(ev.value(other), other.span)))
         message = statement.message or text_of(statement.span)
@@ -68,20 +68,20 @@ def prefer(links: Links, env: Env, statement: ast.PreferStmt) -> None:
             hint="to prefer the opposite, write the opposite condition",
         )
     condition, _ = comparison(ev, statement.condition)
-    guard = presence(env, statement.condition)
+    guard = _presence(env, statement.condition)
     env.context.program.preferences.append(
         Preference(env.scope, condition, guard, weight, where(statement.span), text_of(statement.condition.span))
     )
 
 
-def conjuncts(node: ast.Expr) -> list[ast.Expr]:
+def _conjuncts(node: ast.Expr) -> list[ast.Expr]:
     """``a and b`` is two requirements."""
     if isinstance(node, ast.BinaryExpr) and node.op == "and":
-        return conjuncts(node.left) + conjuncts(node.right)
+        return _conjuncts(node.left) + _conjuncts(node.right)
     return [node]
 
 
-def disjuncts(node: ast.Expr) -> tuple[list[ast.Expr], ast.Expr]:
+def _disjuncts(node: ast.Expr) -> tuple[list[ast.Expr], ast.Expr]:
     """``a or b``: where ``a`` does not hold, ``b`` is required; ``b`` is the last inequality, which can narrow a draw."""
     found: list[ast.Expr] = []
 
@@ -99,7 +99,7 @@ def disjuncts(node: ast.Expr) -> tuple[list[ast.Expr], ast.Expr]:
     return [e for e in found if e is not ordered[-1]], ordered[-1]
 
 
-def presence(env: Env, node: ast.Node) -> Expr:
+def _presence(env: Env, node: ast.Node) -> Expr:
     """A requirement on a member of an optional part holds trivially without it (the part's name alone asks for it)."""
     guard = E.TRUE
     for child in walk(node):
@@ -112,7 +112,7 @@ def presence(env: Env, node: ast.Node) -> Expr:
     return guard
 
 
-def allow(links: Links, env: Env, statement: ast.AllowStmt) -> None:
+def _allow(links: Links, env: Env, statement: ast.AllowStmt) -> None:
     sides = [statement.subject] if statement.other is None else [statement.subject, statement.other]
     first, second = (*(nodes(links, env, node) for node in sides), ())[:2]
     ranks = (*(tuple(indices(env, node)) for node in sides), ())[:2]
@@ -160,4 +160,4 @@ def nodes(links: Links, env: Env, node: ast.Expr) -> tuple[int, ...]:
     return tuple(sorted(number for (part, _), number in links.nodes.items() if part in parts))
 
 
-MEANINGS: Meanings = {ast.RequireStmt: require, ast.PreferStmt: prefer, ast.AllowStmt: allow, ast.ClearStmt: clear}
+MEANINGS: Meanings = {ast.RequireStmt: require, ast.PreferStmt: prefer, ast.AllowStmt: _allow, ast.ClearStmt: clear}

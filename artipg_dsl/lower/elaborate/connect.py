@@ -48,16 +48,16 @@ def statements(env: Env) -> None:
                 case ast.AlignStmt():
                     align(env, statement)
                 case ast.ConnectStmt():
-                    goes_with(connect(env, statement), env.equations[stated:])
+                    _goes_with(connect(env, statement), env.equations[stated:])
                 case ast.JointDecl() if statement.kind is not None:
-                    goes_with(joint(env, statement), env.equations[stated:])
+                    _goes_with(joint(env, statement), env.equations[stated:])
                 case _:
                     pass
     for inner in env.inner:
         statements(inner)
 
 
-def goes_with(part: Part, equations: list[Equation]) -> None:
+def _goes_with(part: Part, equations: list[Equation]) -> None:
     """A statement goes with its subject: its equations hold where the part exists."""
     for equation in equations:
         equation.guard = E.both(equation.guard, part.exists)
@@ -66,18 +66,18 @@ def goes_with(part: Part, equations: list[Equation]) -> None:
 def align(env: Env, statement: ast.AlignStmt) -> None:
     ev, stated = Evaluator(env), len(env.equations)
     for start in ast.value_of(statement.near) or ():
-        equate(ev, ev.value(start.left), ev.value(start.right), start.left.span, start.right.span, statement.span)
+        _equate(ev, ev.value(start.left), ev.value(start.right), start.left.span, start.right.span, statement.span)
     starts = tuple((q.left, q.right) for q in env.equations[stated:])
     del env.equations[stated:]
     left, right = statement.left, statement.right
-    equate(ev, ev.value(left), ev.value(right), left.span, right.span, statement.span)
+    _equate(ev, ev.value(left), ev.value(right), left.span, right.span, statement.span)
     for equation in env.equations[stated:]:
         equation.near = starts
     if statement.near is not None:
         env.context.near.setdefault(statement.span, False)
 
 
-def equate(ev: Evaluator, a: Value, b: Value, left: Span, right: Span, span: Span) -> None:
+def _equate(ev: Evaluator, a: Value, b: Value, left: Span, right: Span, span: Span) -> None:
     """One equation for planes and scalars, three for points."""
     if isinstance(a, Vec) and isinstance(b, Vec):
         for x, y in zip(a.items, b.items, strict=True):
@@ -104,23 +104,23 @@ def placing(env: Env, part: Part, subject: ast.Expr, statement: ast.Attaching) -
         target = ev.value(on.value)
         if statement.sink is not None:
             gap = E.sub(gap, ev.scalar(statement.sink.value))
-        on_plane(ev, subject, on.value, target, gap, on.span)
+        _on_plane(ev, subject, on.value, target, gap, on.span)
     elif within is not None:
         box = squared(ev.box(within.value))
         target = box
         own = named_box(ev, part, subject.span)
-        for name in FACES if fit is None else face_names(fit):
-            match_faces(ev, own, box, name, within.span, gap)
+        for name in FACES if fit is None else _face_names(fit):
+            _match_faces(ev, own, box, name, within.span, gap)
     if fit is not None and within is None:
         assert on is not None
-        owner = target_box(ev, on.value, fit.span)
+        owner = _target_box(ev, on.value, fit.span)
         own = named_box(ev, part, subject.span)
-        for name in face_names(fit):
-            match_faces(ev, own, owner, name, fit.span, E.ZERO)
+        for name in _face_names(fit):
+            _match_faces(ev, own, owner, name, fit.span, E.ZERO)
     mounted = statement.to is not None or statement.between is not None
     if statement.at is not None and not mounted and (on is not None or within is not None):
-        fitted = {FACES[name][0] for name in face_names(fit)} if fit is not None else set()
-        at_point(ev, subject, statement.at.value, target, fitted)
+        fitted = {FACES[name][0] for name in _face_names(fit)} if fit is not None else set()
+        _at_point(ev, subject, statement.at.value, target, fitted)
     return target
 
 
@@ -132,11 +132,11 @@ def named_box(ev: Evaluator, part: Part, span: Span) -> Box:
     return ev.box_of(found, span)
 
 
-def face_names(clause: ast.Clause[tuple[ast.Expr, ...]]) -> tuple[str, ...]:
+def _face_names(clause: ast.Clause[tuple[ast.Expr, ...]]) -> tuple[str, ...]:
     return tuple(v.name for v in clause.value if isinstance(v, ast.NameExpr) and v.name in FACES)
 
 
-def on_plane(ev: Evaluator, subject: ast.Expr, node: ast.Expr, target: Value, gap: E.Expr, span: Span) -> None:
+def _on_plane(ev: Evaluator, subject: ast.Expr, node: ast.Expr, target: Value, gap: E.Expr, span: Span) -> None:
     own = ev.value(subject)
     if not isinstance(target, Frame | Plane) or not isinstance(own, Frame | Plane):
         fine = isinstance(target, Frame | Plane)
@@ -148,7 +148,7 @@ def on_plane(ev: Evaluator, subject: ast.Expr, node: ast.Expr, target: Value, ga
     ev.env.equations.append(Equation(a.coordinate, E.add(b.coordinate, E.mul(gap, sign)), span, text_of(span)))
 
 
-def target_box(ev: Evaluator, node: ast.Expr, span: Span) -> Box:
+def _target_box(ev: Evaluator, node: ast.Expr, span: Span) -> Box:
     """The box whose face ``on`` names: ``body.bottom`` is a face of ``body``."""
     if isinstance(node, ast.MemberExpr) and node.name in FACES:
         return squared(ev.box(node.obj))
@@ -157,7 +157,7 @@ def target_box(ev: Evaluator, node: ast.Expr, span: Span) -> Box:
     raise ev.env.context.internal(span, "`fit` has no face to read a box from")
 
 
-def match_faces(ev: Evaluator, own: Box, other: Box, name: str, span: Span, gap: E.Expr) -> None:
+def _match_faces(ev: Evaluator, own: Box, other: Box, name: str, span: Span, gap: E.Expr) -> None:
     axis, sign = FACES[name]
     mine, theirs = squared(own), squared(other)
     a, b = (mine.high, theirs.high) if sign > 0 else (mine.low, theirs.low)
@@ -165,19 +165,19 @@ def match_faces(ev: Evaluator, own: Box, other: Box, name: str, span: Span, gap:
     ev.env.equations.append(Equation(a[axis], right, span, f"fit {name}"))
 
 
-def middle_of(box: Box) -> Triple:
+def _middle_of(box: Box) -> Triple:
     """The centre of a box in the frame of the statement."""
     return place(box.pose, box.center)
 
 
-def at_point(
+def _at_point(
     ev: Evaluator, subject: ast.Expr, places: tuple[ast.Argument, ...], target: Value | None, fitted: set[int]
 ) -> None:
     """``at center`` equates the two other coordinates of the centres, in a box those along which no face is ``fitted``;
     ``at y = ...`` one coordinate each.
     """
     own = ev.value(subject)
-    origin = own.origin if isinstance(own, Frame) else middle_of(ev.box(subject))
+    origin = own.origin if isinstance(own, Frame) else _middle_of(ev.box(subject))
     normal = sole_axis(own.out) if isinstance(own, Frame) else None
     for argument in places:
         name, node = argument.name, argument.value
@@ -188,7 +188,7 @@ def at_point(
             middle = isinstance(ev.env.context.meaning(node), Word)
             boxed = middle and isinstance(target, Box)
             if middle and isinstance(target, Box):
-                other = middle_of(target)
+                other = _middle_of(target)
             else:
                 other = target.origin if middle and isinstance(target, Frame) else ev.vector(node)
             for k in range(3):
@@ -209,7 +209,7 @@ def connect(env: Env, statement: ast.ConnectStmt) -> Part:
     else:
         target = placing(env, part, statement.subject, statement)
     carried = () if target is None else carriers(target, env.scope)
-    attach(part, Attachment(env, statement.span, carried, base=not carried))
+    _attach(part, Attachment(env, statement.span, carried, base=not carried))
     return part
 
 
@@ -218,10 +218,10 @@ def joint(env: Env, statement: ast.JointDecl) -> Part:
     part = part_of(env, statement.child)
     placing(env, part, statement.child, statement)
     if isinstance(env.context.meaning(statement.parent), Base):
-        attach(part, Attachment(env, statement.span, (), True, statement))
+        _attach(part, Attachment(env, statement.span, (), True, statement))
         return part
     carried = carriers(Evaluator(env).value(statement.parent), env.scope)
-    attach(part, Attachment(env, statement.span, carried, base=not carried, joint=statement))
+    _attach(part, Attachment(env, statement.span, carried, base=not carried, joint=statement))
     return part
 
 
@@ -245,7 +245,7 @@ def carriers(value: Value, scope: Scope) -> tuple[Carrier, ...]:
     return tuple(dict.fromkeys(carriers_of(value)))
 
 
-def attach(part: Part, attachment: Attachment) -> None:
+def _attach(part: Part, attachment: Attachment) -> None:
     found = part.attachment
     if isinstance(found, list):
         found.append(attachment)

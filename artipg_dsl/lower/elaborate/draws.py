@@ -20,7 +20,7 @@ from ..values.kinds import Choice, Value, Vec
 if TYPE_CHECKING:
     from .part import Part
 
-LETTERS = ("x", "y", "z")
+_LETTERS = ("x", "y", "z")
 SMALL = 1e-9
 Drawn: TypeAlias = ast.ParamDecl | ast.CountDecl | ast.PartDecl | ast.StyleDecl
 
@@ -33,7 +33,7 @@ def address(env: Env, path: str, was: str | None) -> str:
     return "/".join([*reversed(alternatives), path])
 
 
-def new_draw(env: Env, declaration: Drawn, path: str, column: Column, span: Span, **more: Any) -> Draw:
+def _new_draw(env: Env, declaration: Drawn, path: str, column: Column, span: Span, **more: Any) -> Draw:
     """What is drawn for a declaration, under its address."""
     at = address(env, path, declaration.was)
     return Draw(column, at, column.kind, where=where(span), doc=declaration.doc, **more)
@@ -62,7 +62,7 @@ def make_draw(env: Env, declaration: ast.ParamDecl | ast.CountDecl, path: str, c
     if low.constant is not None and high.constant is not None and low.constant > high.constant:
         raise env.context.error("empty-range", domain.span, "the range is empty: its low end lies above its high end")
     unit = SI_UNITS.get(declaration.type.name, "") if isinstance(declaration, ast.ParamDecl) else ""
-    draw = new_draw(env, declaration, path, column, declaration.span, low=low, high=high, unit=unit)
+    draw = _new_draw(env, declaration, path, column, declaration.span, low=low, high=high, unit=unit)
     if declaration.default is not None:
         draw.default = component_of(env, declaration.default, component)
         first, value, last = low.constant, draw.default.constant, high.constant
@@ -99,14 +99,14 @@ def draw_choice(
     A false ``when`` is weight 0. ``names`` may repeat, of templates with different arguments; what is drawn is told apart as
     ``BarHandle`` and ``BarHandle#2`` then.
     """
-    weights = [reduce(E.add, [weight_of(env, alternative) for alternative in same]) for same in alternatives]
+    weights = [reduce(E.add, [_weight_of(env, alternative) for alternative in same]) for same in alternatives]
     column = env.context.column(env.scope, path, "choice", span)
-    made = new_draw(env, declaration, path, column, span, options=told_apart(names), weights=tuple(weights))
+    made = _new_draw(env, declaration, path, column, span, options=_told_apart(names), weights=tuple(weights))
     env.context.draws.append(made)
     return Choice(E.col(column), names)
 
 
-def weight_of(env: Env, alternative: ast.Alternative) -> Expr:
+def _weight_of(env: Env, alternative: ast.Alternative) -> Expr:
     ev = Evaluator(env)
     weight = E.ONE if alternative.weight is None else ev.scalar(alternative.weight)
     if alternative.guard is None:
@@ -114,7 +114,7 @@ def weight_of(env: Env, alternative: ast.Alternative) -> Expr:
     return E.where(ev.truth(ev.value(alternative.guard), alternative.guard.span), weight, E.ZERO)
 
 
-def told_apart(names: Sequence[str]) -> tuple[str, ...]:
+def _told_apart(names: Sequence[str]) -> tuple[str, ...]:
     """Names with a number behind those that stand further up, too: a, b, a#2."""
     seen: dict[str, int] = {}
     found = []
@@ -137,7 +137,7 @@ def draw_option(env: Env, declaration: ast.ParamDecl, path: str) -> Choice:
         E.const(float(options.index(usual.name))) if isinstance(usual, ast.NameExpr) and usual.name in options else None
     )
     span = declaration.span
-    made = new_draw(env, declaration, path, column, span, default=default, options=options, weights=weights)
+    made = _new_draw(env, declaration, path, column, span, default=default, options=options, weights=weights)
     env.context.draws.append(made)
     return Choice(E.col(column), options)
 
@@ -154,7 +154,7 @@ def open_parameter(
     if kind.name == "count" and declaration.domain is not None:
         return draw_scalar(local, declaration, f"{part.path}.{name}")
     if kind.size is None:
-        return open_scalar(part, local, declaration, name, span, None)
+        return _open_scalar(part, local, declaration, name, span, None)
     stated: tuple[ast.Expr | None, ...] = (None,) * kind.size
     if argument is not None and isinstance(argument.value, ast.VectorExpr):
         stated = argument.value.items
@@ -163,11 +163,11 @@ def open_parameter(
         if item is not None and not isinstance(item, ast.HoleExpr):
             items.append(Evaluator(part.env).scalar(item))
         else:
-            items.append(open_scalar(part, local, declaration, f"{name}.{LETTERS[k]}", span, k))
+            items.append(_open_scalar(part, local, declaration, f"{name}.{_LETTERS[k]}", span, k))
     return Vec(tuple(items))
 
 
-def open_scalar(
+def _open_scalar(
     part: Part, local: Env, declaration: ast.ParamDecl, name: str, span: Span, component: int | None
 ) -> Expr:
     path = f"{part.path}.{name}"

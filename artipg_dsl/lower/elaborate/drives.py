@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 FORCES = {"pushes": (-1, 1), "pulls": (1, 1), "pushes_back": (-1, -1), "pulls_back": (1, -1)}
 """By name: the force along the normal, and whether it moves the joint from rest (1) or back to it (-1)."""
 NEAR = E.const(0.6)  # the cosine of the widest angle between force and motion: 53 degrees
-LEVER = E.const(0.5)  # of the longest lever arm of a target, the shortest that is enough
+_LEVER = E.const(0.5)  # of the longest lever arm of a target, the shortest that is enough
 ROOM = E.const(1e-3)  # of a range, what is no way to go
 
 
@@ -119,12 +119,12 @@ class Drive:
         n: Triple = triple(E.var(f"n.{a}") for a in "xyz")
         if joint.kind == "ball":  # it tilts towards any side
             arm = minus(p, at)
-            enough = E.call("le", E.mul(LEVER, self.reach(at, None)), norm(arm))
+            enough = E.call("le", E.mul(_LEVER, self.reach(at, None)), norm(arm))
             return E.both(enough, E.call("le", E.mul(NEAR, norm(arm)), norm(cross(arm, n))))
         enough, motion = E.TRUE, axis
         if joint.kind in TURNING:
             motion = cross(axis, minus(p, at))
-            enough = E.call("le", E.mul(LEVER, self.reach(at, axis)), norm(motion))
+            enough = E.call("le", E.mul(_LEVER, self.reach(at, axis)), norm(motion))
             if joint.pitch is not None:
                 motion = plus(motion, times(axis, E.div(joint.pitch, E.const(2 * math.pi))))
         turned = dot(n, motion)

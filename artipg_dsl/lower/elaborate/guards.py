@@ -34,10 +34,10 @@ def shown(value: Expr, to: Scope) -> Expr:
         carried[row] = lifted(row, to, E.FALSE if E.truth(row) else E.ZERO)
         table = carried[row].scope
         if table is not None and not to.within(table):
-            raise ScopeError(table, common(table, to))
+            raise ScopeError(table, _common(table, to))
     return E.substitute(value, carried) if carried else value
 
 
-def common(scope: Scope, other: Scope) -> Scope:
+def _common(scope: Scope, other: Scope) -> Scope:
     """The nearest table around both."""
     return next(table for table in other.ancestors() if scope.within(table))

@@ -40,12 +40,12 @@ def own_parameter(
     if kind.name == "material" and declaration.default is not None:
         return look_of(env, declaration.default)
     if kind.size is None:
-        return own_scalar(env, declaration, name, None, style, option)
-    items = (own_scalar(env, declaration, f"{name}.{'xyz'[k]}", k, style, option) for k in range(kind.size))
+        return _own_scalar(env, declaration, name, None, style, option)
+    items = (_own_scalar(env, declaration, f"{name}.{'xyz'[k]}", k, style, option) for k in range(kind.size))
     return Vec(tuple(items))
 
 
-def own_scalar(
+def _own_scalar(
     env: Env, declaration: ast.ParamDecl, name: str, component: int | None, style: Style | None, option: str
 ) -> E.Expr:
     path = env.path + name

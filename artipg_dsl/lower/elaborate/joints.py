@@ -39,14 +39,14 @@ def build_joint(links: Links, part: Part, attachment: Attachment) -> None:
     low = high = None
     if statement.range is not None:
         low, high = ends(ev, statement.range.value, kind, len(program.joints))
-    rest = rest_of(ev, statement, low, high)
+    rest = _rest_of(ev, statement, low, high)
     if statement.mimic is not None:
         links.mimics[len(program.joints)] = (env, statement.mimic.value)
     given = (statement.damping, statement.friction, statement.effort, statement.velocity, statement.pitch)
     physics: dict[str, Any] = {c.word: ev.scalar(c.value) for c in given if c is not None}
-    name = part.path if statement.name in ("motion", "") else joint_name(env, statement)
+    name = part.path if statement.name in ("motion", "") else _joint_name(env, statement)
     joint = Joint(
-        joint_name(env, statement),
+        _joint_name(env, statement),
         name,
         program.links[child].scope,
         kind,
@@ -84,7 +84,7 @@ def ends(ev: Evaluator, interval: ast.RangeExpr, kind: str, joint: int) -> tuple
     return limit(ev, low, kind), limit(ev, high, kind)
 
 
-def rest_of(ev: Evaluator, statement: ast.JointDecl, low: Expr | None, high: Expr | None) -> Expr:
+def _rest_of(ev: Evaluator, statement: ast.JointDecl, low: Expr | None, high: Expr | None) -> Expr:
     """The given rest value, else the value of the range nearest 0."""
     if statement.rest is not None:
         return ev.scalar(statement.rest.value)
@@ -142,5 +142,5 @@ def carried_axis(outer: Pose, axis: Triple, kind: str) -> Triple:
     return triple(E.mul(outer.mirror, c) for c in carried) if kind in TURNING else carried
 
 
-def joint_name(env: Env, statement: ast.JointDecl) -> str:
+def _joint_name(env: Env, statement: ast.JointDecl) -> str:
     return env.path + statement.name

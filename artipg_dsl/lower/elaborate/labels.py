@@ -55,7 +55,7 @@ def statements(links: Links, env: Env) -> None:
                     statements(links, instance.env)
     said = [(home, statement) for home in homes for statement in home.statements]
     symmetries = [(home, s) for home, s in said if isinstance(s, ast.SymmetryStmt)]
-    for home, symmetric in sorted(symmetries, key=lambda pair: one_element(pair[1])):  # one element last: it says more
+    for home, symmetric in sorted(symmetries, key=lambda pair: _one_element(pair[1])):  # one element last: it says more
         attempt(links, home, symmetric, MEANINGS)
     for home, statement in sorted(said, key=lambda pair: pair[1].span.start):
         if not isinstance(statement, ast.SymmetryStmt):
@@ -72,19 +72,19 @@ def nested(env: Env) -> Iterator[Env]:
 # ---------------------------------------------------------------- targets
 
 
-def aims(links: Links, env: Env, node: ast.Expr) -> list[Aim]:
+def _aims(links: Links, env: Env, node: ast.Expr) -> list[Aim]:
     """The things a target names; a path may run through repeats and slots."""
     found: list[Aim] = []
     for value, home, named in walk(env, node):
         reached = len(found)
         if isinstance(value, Surface):
-            found.extend(aim_at(links, part, part, (name,)) for _, part, _, name in value.branches)
+            found.extend(_aim_at(links, part, part, (name,)) for _, part, _, name in value.branches)
         elif isinstance(value, Ref):
             for branch in value.branches:
-                found.extend(aim_at(links, p, slot_owner(p, home, env), ()) for p, _ in branch.members)
+                found.extend(_aim_at(links, p, _slot_owner(p, home, env), ()) for p, _ in branch.members)
         elif isinstance(value, Element):
             for part in value.env.all_parts():
-                found.append(aim_at(links, part, part, ()))
+                found.append(_aim_at(links, part, part, ()))
         else:
             raise Evaluator(env).impossible(node.span, "a part, a slot or a surface", value)
         for aim in found[reached:]:
@@ -93,7 +93,7 @@ def aims(links: Links, env: Env, node: ast.Expr) -> list[Aim]:
     return found
 
 
-def slot_owner(part: Part, home: Env, env: Env) -> Part:
+def _slot_owner(part: Part, home: Env, env: Env) -> Part:
     """Whose axes a formula has: those of the instance whose role declares the slot, for a part reached through one."""
     instance = home.root.instance
     if instance is None or home.root is env.root:
@@ -106,16 +106,16 @@ def slot_owner(part: Part, home: Env, env: Env) -> Part:
     return instance.part if part.name in names or instance.bindings else part
 
 
-def aim_at(links: Links, part: Part, owner: Part, surfaces: tuple[str, ...]) -> Aim:
+def _aim_at(links: Links, part: Part, owner: Part, surfaces: tuple[str, ...]) -> Aim:
     """The formula's frame: axes of ``owner``, box of ``part`` in them."""
     if owner is part:
-        return Aim([part], surfaces, links.part_world(part), part.box(), part.env.scope, depth_of(part))
+        return Aim([part], surfaces, links.part_world(part), part.box(), part.env.scope, _depth_of(part))
     frame = links.part_world(owner)
     box = extent(moved(part.box(), compose(inverse(frame), links.part_world(part))))
-    return Aim([part], surfaces, frame, box, part.env.scope, depth_of(part))
+    return Aim([part], surfaces, frame, box, part.env.scope, _depth_of(part))
 
 
-def depth_of(part: Part) -> int:
+def _depth_of(part: Part) -> int:
     depth, instance = 1, part.env.root.instance
     while instance is not None:
         depth, instance = depth + 1, instance.part.env.root.instance
@@ -162,9 +162,9 @@ def formula(links: Links, env: Env, aim: Aim) -> Evaluator:
 def label(links: Links, env: Env, statement: ast.LabelStmt) -> None:
     program = env.context.program
     for node in statement.targets:
-        for aim in aims(links, env, node):
+        for aim in _aims(links, env, node):
             ev = formula(links, env, aim)
-            guard, there = shown(condition(ev, statement.where), aim.scope), standing(env, aim)
+            guard, there = shown(condition(ev, statement.where), aim.scope), _standing(env, aim)
             if statement.joint is not None:
                 there = E.both(there, elements_named(env, statement.joint))
             holds = E.both(there, guard)
@@ -179,7 +179,7 @@ def label(links: Links, env: Env, statement: ast.LabelStmt) -> None:
                 degree,
                 where(statement.span),
                 guard=present_if,
-                joints=acted(links, ev, statement),
+                joints=_acted(links, ev, statement),
                 motion=motion(env, statement),
             )
             links.context.labels.append((aim.depth, made))
@@ -194,16 +194,16 @@ def label(links: Links, env: Env, statement: ast.LabelStmt) -> None:
                             program.parts[number] = replace(made_of, semantic=said)
 
 
-def acted(links: Links, ev: Evaluator, statement: ast.LabelStmt) -> tuple[int, ...]:
+def _acted(links: Links, ev: Evaluator, statement: ast.LabelStmt) -> tuple[int, ...]:
     """The joints that a label is for: the one it names, else those that its formula asks about."""
     assert ev.drive is not None
     formulas = (statement.where, statement.value)
-    asked = [statement.joint] if statement.joint is not None else drives_in(ev.env.context, formulas)
+    asked = [statement.joint] if statement.joint is not None else _drives_in(ev.env.context, formulas)
     found = [joint for node in asked for joint in ev.drive.joints(node)]
     return tuple(k for k, joint in enumerate(links.context.program.joints) if any(joint is one for one in found))
 
 
-def drives_in(context: Context, formulas: tuple[ast.Expr | None, ...]) -> list[ast.Expr]:
+def _drives_in(context: Context, formulas: tuple[ast.Expr | None, ...]) -> list[ast.Expr]:
     """What `pushes(joint)` and the like in formulas name."""
     calls = ((one, context.form(one)) for one in nodes_in(formulas) if isinstance(one, ast.CallExpr))
     return [call.arguments[0].value for call, form in calls if form is not None and form.kind == "force"]
@@ -217,9 +217,9 @@ def motion(env: Env, statement: ast.LabelStmt) -> str:
     return symbol.decl.motions[symbol.decl.words.index(statement.label)]
 
 
-def field_label(links: Links, env: Env, statement: ast.FieldStmt) -> None:
+def _field_label(links: Links, env: Env, statement: ast.FieldStmt) -> None:
     for node in statement.targets:
-        for aim in aims(links, env, node):
+        for aim in _aims(links, env, node):
             ev = formula(links, env, aim)
             guard, value = shown(condition(ev, statement.where), aim.scope), ev.value(statement.value)
             vector: tuple[Expr, ...] = ()
@@ -235,20 +235,20 @@ def field_label(links: Links, env: Env, statement: ast.FieldStmt) -> None:
                 targets(links, aim),
                 shown(number, aim.scope),
                 where(statement.span),
-                guard=E.both(standing(env, aim), guard),
+                guard=E.both(_standing(env, aim), guard),
                 vector=vector,
             )
             links.context.labels.append((aim.depth, made))
 
 
-def standing(env: Env, aim: Aim) -> Expr:
+def _standing(env: Env, aim: Aim) -> Expr:
     """What the ``when`` around a statement says, as far as the target may be there without it."""
     return E.both(has_row(env.scope, aim.scope), aim.there)
 
 
 def present(env: Env, aim: Aim) -> Expr:
     """Where a statement about a part as a whole holds: where that part is, too, which may have `none` for an alternative."""
-    return E.both(standing(env, aim), aim.parts[0].exists)
+    return E.both(_standing(env, aim), aim.parts[0].exists)
 
 
 def condition(ev: Evaluator, node: ast.Expr | None) -> Expr:
@@ -261,8 +261,8 @@ def material(links: Links, env: Env, statement: ast.MaterialStmt) -> None:
     if not isinstance(look, Look):
         raise env.context.internal(statement.material_span, "this is not a material")
     for node in statement.targets:
-        for aim in aims(links, env, node):
-            there = standing(env, aim)
+        for aim in _aims(links, env, node):
+            there = _standing(env, aim)
             looks = tuple((name, E.both(there, shown(predicate, aim.scope))) for name, predicate in look.options)
             for part in aim.parts:
                 for site in sites_of(links, part):
@@ -272,7 +272,7 @@ def material(links: Links, env: Env, statement: ast.MaterialStmt) -> None:
 def grasp(links: Links, env: Env, statement: ast.GraspStmt) -> None:
     at, approach, close, opening = statement.at, statement.approach, statement.close, statement.opening
     assert at is not None and approach is not None and close is not None and opening is not None
-    for aim in aims(links, env, statement.target):
+    for aim in _aims(links, env, statement.target):
         ev = formula(links, env, aim)
         if statement.parameter is not None:
             ev.local[statement.parameter] = E.var("t")
@@ -318,7 +318,7 @@ def axes() -> dict[str, Value]:
 
 def keypoint(links: Links, env: Env, statement: ast.KeypointStmt) -> None:
     program = env.context.program
-    try_part = [a for a in aims(links, env, statement.target)] if is_part_path(env, statement.target) else []
+    try_part = [a for a in _aims(links, env, statement.target)] if _is_part_path(env, statement.target) else []
     if try_part:
         for aim in try_part:
             point = place(aim.frame, aim.box.center)
@@ -351,7 +351,7 @@ def keypoint(links: Links, env: Env, statement: ast.KeypointStmt) -> None:
     )
 
 
-def is_part_path(env: Env, node: ast.Expr) -> bool:
+def _is_part_path(env: Env, node: ast.Expr) -> bool:
     """Whether a target names parts: a slot may bind surfaces, and `previous` is a part of another element."""
     if not isinstance(env.context.typed.type_of(node), types.Part | types.Slot):
         return False
@@ -364,7 +364,7 @@ def symmetry(links: Links, env: Env, statement: ast.SymmetryStmt) -> None:
     axis = E.const(float(next((k for k in range(3) if direction[k].constant in (1.0, -1.0)), 2)))
     turns = E.ZERO if statement.turn is None else E.maximum(Evaluator(env).scalar(statement.turn), E.ONE)
     program = env.context.program
-    for aim in aims(links, env, statement.target):
+    for aim in _aims(links, env, statement.target):
         for part in aim.parts:
             for instance in part.instances:
                 number = links.nodes.get((part, instance.symbol.name))
@@ -377,7 +377,7 @@ def symmetry(links: Links, env: Env, statement: ast.SymmetryStmt) -> None:
                     program.parts[number] = replace(program.parts[number], symmetry=pair(told))
 
 
-def one_element(statement: ast.SymmetryStmt) -> bool:
+def _one_element(statement: ast.SymmetryStmt) -> bool:
     """Whether a statement is about one element of a repeat."""
     return any(isinstance(node, ast.IndexExpr) for node in nodes_in(statement.target))
 
@@ -385,7 +385,7 @@ def one_element(statement: ast.SymmetryStmt) -> bool:
 MEANINGS: Meanings = {
     ast.SymmetryStmt: symmetry,
     ast.LabelStmt: label,
-    ast.FieldStmt: field_label,
+    ast.FieldStmt: _field_label,
     ast.MaterialStmt: material,
     ast.GraspStmt: grasp,
     ast.KeypointStmt: keypoint,

@@ -51,8 +51,7 @@ from .ranges import (
     plain,
 )
 
-SHARES = 5  # values of a grasp's parameter at which its formulas are asked for
-ROUNDING = E.const(1e-9)
+_SHARES = 5  # values of a grasp's parameter at which its formulas are asked for
 
 
 def legalize(links: Links, env: Env) -> None:
@@ -64,13 +63,13 @@ def legalize(links: Links, env: Env) -> None:
     sources: dict[str, Source] | None = None
     refused: set[object] = set()
     seen: set[tuple[Scope, Expr, Legal, Expr]] = set()
-    for quantity in quantities(links):
+    for quantity in _quantities(links):
         key = (quantity.scope, quantity.value, quantity.legal, quantity.guard)
         if key in seen or holds(quantity, intervals, defined):
             continue
         seen.add(key)
-        if never(quantity, intervals):
-            sources = sources or sources_of(env)
+        if _never(quantity, intervals):
+            sources = sources or _sources_of(env)
             follows = SIZE in refused and quantity.legal is PLACE  # what is too large lies too far off
             if not follows and str(quantity.where) not in refused:  # of one statement, what is told first
                 refuse(context, quantity, intervals, sources)
@@ -96,7 +95,7 @@ def holds(quantity: Quantity, intervals: Intervals, defined: Defined) -> bool:
     return legal.low <= low and high <= legal.high and defined.certain(value)
 
 
-def never(quantity: Quantity, intervals: Intervals) -> bool:
+def _never(quantity: Quantity, intervals: Intervals) -> bool:
     """Whether a number is never legal, in what every object has."""
     value, legal = quantity.value, quantity.legal
     if quantity.guard is not E.TRUE or not is_certain(quantity.scope, intervals) and value.constant is None:
@@ -123,7 +122,7 @@ def refuse(context: Context, quantity: Quantity, intervals: Intervals, sources: 
     )
     span = None
     if place is not None and place.file in sources:
-        span = line_of(sources[place.file], place)
+        span = _line_of(sources[place.file], place)
     if quantity.legal is ELEMENT:
         context.report.error("illegal-value", span, f"{quantity.name}: {ELEMENT.words}", hint="they are counted from 0")
         return
@@ -131,7 +130,7 @@ def refuse(context: Context, quantity: Quantity, intervals: Intervals, sources: 
     context.report.error("illegal-value", span, f"{quantity.name} is {amount}, but {quantity.legal.words}", hint=hint)
 
 
-def line_of(source: Source, place: Where) -> Span:
+def _line_of(source: Source, place: Where) -> Span:
     """From a place to the end of its line."""
     text = source.line(place.line)
     start = sum(len(line) + 1 for line in source.text.split("\n")[: place.line - 1]) + place.column - 1
@@ -139,7 +138,7 @@ def line_of(source: Source, place: Where) -> Span:
     return Span(source, start, start + max(len(code), 1))
 
 
-def sources_of(env: Env) -> dict[str, Source]:
+def _sources_of(env: Env) -> dict[str, Source]:
     """The texts of the category's file and of all that it uses, by name."""
     found: dict[str, Source] = {}
     waiting = [env.module]
@@ -154,7 +153,7 @@ def sources_of(env: Env) -> dict[str, Source]:
 # ---------------------------------------------------------------- the numbers of each record
 
 
-def quantities(links: Links) -> Iterator[Quantity]:
+def _quantities(links: Links) -> Iterator[Quantity]:
     """All numbers of a program that have a legal range."""
     program, context = links.context.program, links.context
     yield from context.asked
@@ -163,21 +162,21 @@ def quantities(links: Links) -> Iterator[Quantity]:
     for scope, span in context.counted.items():
         yield from rows(scope, where(span))
     for draw in program.draws:
-        yield from of_draw(draw)
+        yield from _of_draw(draw)
     places = {number: where(part.span) for (part, _), number in links.nodes.items()}
     for number, part in enumerate(program.parts):
-        yield from of_box(part, places.get(number))
+        yield from _of_box(part, places.get(number))
     for number, part in enumerate(program.parts):
-        yield from of_pose(f"`{part.path}`", part.scope, part.pose, places.get(number))
+        yield from _of_pose(f"`{part.path}`", part.scope, part.pose, places.get(number))
     for site in program.sites:
         for name, value in zip(program.primitives[site.primitive].parameters, site.parameters, strict=True):
             yield Quantity(f"`{name}` of `{site.path}`", site.scope, value, NUMBER, places.get(site.part))
     for joint in program.joints:
-        yield from of_joint(joint)
+        yield from _of_joint(joint)
     for label in program.labels:
-        yield from of_label(label, program)
+        yield from _of_label(label, program)
     for grasp in program.grasps:
-        yield from of_grasp(grasp)
+        yield from _of_grasp(grasp)
     for keypoint in program.keypoints:
         yield from each(f"the keypoint `{keypoint.name}`", keypoint.scope, keypoint.point, PLACE, keypoint.where)
     for closure in program.closures:
@@ -221,7 +220,7 @@ def of_element(element: Fetched) -> Iterator[Quantity]:
         yield Quantity(f"`{text_of(element.span)}`", scope, value, ELEMENT, where(element.span), element.guard)
 
 
-def of_draw(draw: Draw) -> Iterator[Quantity]:
+def _of_draw(draw: Draw) -> Iterator[Quantity]:
     name, scope, place = f"`{draw.column.name}`", draw.column.scope, draw.where
     for end in (draw.low, draw.high):
         if end is not None:
@@ -240,19 +239,19 @@ def of_draw(draw: Draw) -> Iterator[Quantity]:
         yield Quantity(f"the step of {name}", scope, draw.vary[1], STEP, place)
 
 
-def of_pose(name: str, scope: Scope, pose: Pose, place: Where | None) -> Iterator[Quantity]:
+def _of_pose(name: str, scope: Scope, pose: Pose, place: Where | None) -> Iterator[Quantity]:
     yield from each(f"the place of {name}", scope, pose.translation, PLACE, place)
     yield from each(f"the direction of {name}", scope, (cell for row in pose.rotation for cell in row), TURN, place)
 
 
-def of_box(part: PartNode, place: Where | None) -> Iterator[Quantity]:
+def _of_box(part: PartNode, place: Where | None) -> Iterator[Quantity]:
     name = f"`{part.path}`"
     for axis, low, high in zip("xyz", part.low, part.high, strict=True):
         yield Quantity(f"the size of {name} along {axis}", part.scope, tidy(E.sub(high, low)), SIZE, place)
         yield from each(f"the box of {name}", part.scope, (low, high), PLACE, place)
 
 
-def of_joint(joint: Joint) -> Iterator[Quantity]:
+def _of_joint(joint: Joint) -> Iterator[Quantity]:
     name, scope, place = f"the joint `{joint.path}`", joint.scope, joint.where
     yield from each(f"the place of {name}", scope, joint.origin, PLACE, place)
     if joint.kind not in ("fixed", "ball"):
@@ -280,11 +279,11 @@ def of_joint(joint: Joint) -> Iterator[Quantity]:
         yield from each(f"the factor of {name}", scope, joint.mimic[1:], NUMBER, place)
 
 
-def of_label(label: Label, program: Program) -> Iterator[Quantity]:
+def _of_label(label: Label, program: Program) -> Iterator[Quantity]:
     """What a formula reads of each row; what it makes of points is asked where it is evaluated."""
     name = f"the {'field' if label.vocabulary == 'field' else 'label'} `{label.name}`"
     guard, *values = label.formulas
-    plain_guard = guard if not row_less(guard) else None
+    plain_guard = guard if not _row_less(guard) else None
     for scope in dict.fromkeys(program.sites[target.site].scope for target in label.targets):
         for value in values:
             degree = label.vocabulary != "field" and value.op not in E.PREDICATES and not isinstance(value.value, bool)
@@ -298,18 +297,18 @@ def of_label(label: Label, program: Program) -> Iterator[Quantity]:
                     yield Quantity(f"what {name} reads", scope, read, NUMBER, label.where, plain_guard)
 
 
-def row_less(node: Expr) -> bool:
+def _row_less(node: Expr) -> bool:
     """Whether a predicate reads more than the rows of a table: coordinates of points."""
     return node.op != "const" and row_values([node]) != [node]
 
 
-def of_grasp(grasp: Grasp) -> Iterator[Quantity]:
+def _of_grasp(grasp: Grasp) -> Iterator[Quantity]:
     """A grasp at the values of its parameter at which it is laid out, in boxes as large as they are."""
     name, scope, place = f"the grasp `{grasp.name}`", grasp.scope, grasp.where
     yield from each(f"the range of {name}", scope, (grasp.low, grasp.high), NUMBER, place)
     box = {E.var(f"size.{axis}"): size for axis, size in zip("xyz", grasp.size, strict=True)}
-    for k in range(SHARES):
-        share = E.const(k / (SHARES - 1))
+    for k in range(_SHARES):
+        share = E.const(k / (_SHARES - 1))
         t = E.add(grasp.low, E.mul(E.sub(grasp.high, grasp.low), share))
         formulas = [E.substitute(f, {**box, E.var("t"): t}) for f in grasp.formulas]
         at, approach, close = (triple(formulas[3 * i : 3 * i + 3]) for i in range(3))

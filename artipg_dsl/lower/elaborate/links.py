@@ -195,7 +195,7 @@ class Links:
             links = self.carrier(part)
             if links not in found:
                 found.append(links)
-        if len(found) > 1 and not exclusive(parts):
+        if len(found) > 1 and not _exclusive(parts):
             raise self.context.error(
                 "two-links",
                 span,
@@ -293,7 +293,7 @@ def first_part(instance: Instance) -> Part | None:
     return parts[0] if parts else None
 
 
-def exclusive(parts: tuple[Carrier, ...]) -> bool:
+def _exclusive(parts: tuple[Carrier, ...]) -> bool:
     """Whether parts live in tables whose rows exclude one another (alternatives), or belong to one another."""
     if len({part_of(p).env.root.instance for p in parts}) > 1:
         return True

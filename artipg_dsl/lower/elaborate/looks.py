@@ -29,14 +29,14 @@ def build_look(env: Env, statement: ast.StyleDecl) -> Look:
         symbol = env.context.symbol(alternative)
         if symbol is None:
             raise env.context.internal(alternative.name_span, "this is not a material")
-        lower_material(env.context, symbol)
+        _lower_material(env.context, symbol)
         options.append((symbol.name, E.call("eq", choice.code, E.const(float(code)))))
     return Look(tuple(options), choice)
 
 
 def sole_look(context: Context, symbol: Symbol) -> Look:
     """What a material's name stands for where a style of materials may be handed in: that material, always."""
-    return Look(((lower_material(context, symbol).name, E.TRUE),), Choice(E.ZERO, (symbol.name,)))
+    return Look(((_lower_material(context, symbol).name, E.TRUE),), Choice(E.ZERO, (symbol.name,)))
 
 
 def look_of(env: Env, node: ast.Expr) -> Look:
@@ -50,7 +50,7 @@ def look_of(env: Env, node: ast.Expr) -> Look:
     raise env.context.internal(node.span, "this is not a material")
 
 
-def lower_material(context: Context, symbol: Symbol) -> Material:
+def _lower_material(context: Context, symbol: Symbol) -> Material:
     found = context.program.materials.get(symbol.name)
     if found is not None:
         return found
@@ -61,7 +61,7 @@ def lower_material(context: Context, symbol: Symbol) -> Material:
     assert isinstance(declaration, ast.MaterialDecl)
     if declaration.colour is not None:
         colours = ((node, ev.vector(node)) for node in ends(declaration.colour))
-        values["colour"] = tuple(tuple(read_number(context, "colour", n, c) for c in colour) for n, colour in colours)
+        values["colour"] = tuple(tuple(_read_number(context, "colour", n, c) for c in colour) for n, colour in colours)
     properties = {
         "density": declaration.density,
         "friction_static": declaration.static_friction or declaration.friction,
@@ -71,7 +71,7 @@ def lower_material(context: Context, symbol: Symbol) -> Material:
         "roughness": declaration.roughness,
         "transparency": declaration.transparency,
     }
-    values |= {name: span_of(ev, name, clause) for name, clause in properties.items() if clause is not None}
+    values |= {name: _span_of(ev, name, clause) for name, clause in properties.items() if clause is not None}
     made = Material(**values)
     context.program.materials[symbol.name] = made
     return made
@@ -83,9 +83,9 @@ def ends(clause: ast.Clause[ast.RangeExpr]) -> tuple[ast.Expr, ...]:
     return (low,) if low is high else (low, high)
 
 
-def span_of(ev: Evaluator, name: str, clause: ast.Clause[ast.RangeExpr]) -> tuple[float, float]:
+def _span_of(ev: Evaluator, name: str, clause: ast.Clause[ast.RangeExpr]) -> tuple[float, float]:
     """The range of a property: one value, or the two ends."""
-    numbers = [read_number(ev.env.context, name, node, ev.scalar(node)) for node in ends(clause)]
+    numbers = [_read_number(ev.env.context, name, node, ev.scalar(node)) for node in ends(clause)]
     if numbers[0] > numbers[-1]:
         raise ev.env.context.error(
             "empty-range", clause.span, "the range is empty: its low end lies above its high end", hint="swap the ends"
@@ -93,7 +93,7 @@ def span_of(ev: Evaluator, name: str, clause: ast.Clause[ast.RangeExpr]) -> tupl
     return numbers[0], numbers[-1]
 
 
-def read_number(context: Context, name: str, node: ast.Expr, value: Expr) -> float:
+def _read_number(context: Context, name: str, node: ast.Expr, value: Expr) -> float:
     """A property's number, which is known beforehand and lies in the range that is legal for it."""
     if value.constant is None:
         raise context.internal(node.span, "this depends on what is drawn")

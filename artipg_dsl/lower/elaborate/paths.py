@@ -43,7 +43,7 @@ def walk(env: Env, node: ast.Expr) -> list[Reached]:
             return [Reached(value, env)]
         raise env.context.internal(node.span, f"`{node.name}` has no value here")
     if isinstance(node, ast.IndexExpr):
-        return [at._replace(named=E.both(at.named, element_named(env, at, node))) for at in walk(env, node.obj)]
+        return [at._replace(named=E.both(at.named, _element_named(env, at, node))) for at in walk(env, node.obj)]
     if not isinstance(node, ast.MemberExpr) or not isinstance(meaning, Inner):
         raise env.context.internal(node.span, "this is not a path of declared names")
     found: list[Reached] = []
@@ -54,13 +54,13 @@ def walk(env: Env, node: ast.Expr) -> list[Reached]:
             case Element(env=home):
                 found.extend(Reached(v, branch, named) for branch, v in home.branched(meaning.name))
             case Ref():
-                found.extend(r._replace(named=E.both(named, r.named)) for r in inner_values(value, meaning.name))
+                found.extend(r._replace(named=E.both(named, r.named)) for r in _inner_values(value, meaning.name))
     if not found:
         raise env.context.error("unknown-member", node.name_span, f"nothing here has `{node.name}`")
     return found
 
 
-def element_named(env: Env, at: Reached, node: ast.IndexExpr) -> Expr:
+def _element_named(env: Env, at: Reached, node: ast.IndexExpr) -> Expr:
     """Whether a row of a repeat is the element that an index names."""
     element = at.value
     if not isinstance(element, Element):
@@ -82,12 +82,12 @@ def elements_named(env: Env, node: ast.Expr) -> Expr:
     while isinstance(node, ast.MemberExpr | ast.IndexExpr):
         if isinstance(node, ast.IndexExpr):
             for reached in walk(env, node.obj):
-                found = E.both(found, element_named(env, reached, node))
+                found = E.both(found, _element_named(env, reached, node))
         node = node.obj
     return found
 
 
-def inner_values(ref: Ref, name: str) -> list[Reached]:
+def _inner_values(ref: Ref, name: str) -> list[Reached]:
     """A member of every alternative that has it."""
     found: list[Reached] = []
     for branch in ref.branches:
@@ -96,11 +96,11 @@ def inner_values(ref: Ref, name: str) -> list[Reached]:
                 if name in instance.bindings:
                     found.extend(instance.bound(name))
                     continue
-                found.extend(own_members(instance, name))
+                found.extend(_own_members(instance, name))
     return found
 
 
-def own_members(instance: Instance, name: str) -> list[Reached]:
+def _own_members(instance: Instance, name: str) -> list[Reached]:
     """What an instance declares under a name: one value, one in each branch that does, or what its repeats declare."""
     if instance.solid is not None:
         has = name in instance.solid.primitive.surfaces
@@ -109,15 +109,15 @@ def own_members(instance: Instance, name: str) -> list[Reached]:
     assert env is not None
     if name in env.names:
         return [Reached(env.force(name), env)]
-    return [Reached(value, env) for _, value in env.branched(name)] or in_repeats(env, name)
+    return [Reached(value, env) for _, value in env.branched(name)] or _in_repeats(env, name)
 
 
-def in_repeats(env: Env, name: str) -> list[Reached]:
+def _in_repeats(env: Env, name: str) -> list[Reached]:
     """What repeats of a body declare: a part or a joint in one binds the slot or the joint of its name."""
     found: list[Reached] = []
     for inner in env.inner:
         has = inner.depth > env.depth and name in inner.names
-        found += [Reached(inner.force(name), inner)] if has else in_repeats(inner, name)
+        found += [Reached(inner.force(name), inner)] if has else _in_repeats(inner, name)
     return found
 
 

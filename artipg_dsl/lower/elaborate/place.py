@@ -85,7 +85,7 @@ def bare(env: Env, node: ast.Expr | None) -> bool:
     return found is None or isinstance(found, Ref)
 
 
-def mount_of(env: Env, statement: ast.Stmt, part: Declared) -> Mount | None:
+def _mount_of(env: Env, statement: ast.Stmt, part: Declared) -> Mount | None:
     """The mount that a statement states for a part, if it is one."""
     if not isinstance(statement, ast.ConnectStmt | ast.JointDecl):
         return None
@@ -102,22 +102,22 @@ def mount_of(env: Env, statement: ast.Stmt, part: Declared) -> Mount | None:
     return None
 
 
-def mounts(env: Env, part: Declared) -> list[Mount]:
+def _mounts_of(env: Env, part: Declared) -> list[Mount]:
     """The mounts of a part in its environment, and under every ``when`` there, be it further down in the text."""
     for statement in env.statements:
-        if isinstance(statement, ast.WhenStmt) and mounting(env, statement, part):
+        if isinstance(statement, ast.WhenStmt) and _mounting(env, statement, part):
             env.context.makers.enter_when(env, statement)
-    found = [m for s in env.statements if (m := mount_of(env, s, part)) is not None]
+    found = [m for s in env.statements if (m := _mount_of(env, s, part)) is not None]
     for branch in env.branches.values():
-        found.extend(mounts(branch, part))
+        found.extend(_mounts_of(branch, part))
     return found
 
 
-def mounting(env: Env, statement: ast.WhenStmt, part: Declared) -> bool:
+def _mounting(env: Env, statement: ast.WhenStmt, part: Declared) -> bool:
     """Whether a ``when`` may hold a mount of a part."""
     for inner in (*statement.body, *statement.otherwise):
         if isinstance(inner, ast.WhenStmt):
-            if mounting(env, inner, part):
+            if _mounting(env, inner, part):
                 return True
         elif isinstance(inner, ast.ConnectStmt | ast.JointDecl):
             subject = inner.subject if isinstance(inner, ast.ConnectStmt) else inner.child
@@ -135,8 +135,8 @@ def pose_of(part: Part) -> Pose:
             raise Abort(f"`{part.name}` could not be placed")
         part.seeking = True
         try:
-            pose = sought(part)
-            part.found = pose if part.previous is None else chain_pose(part, pose, part.previous)
+            pose = _sought(part)
+            part.found = pose if part.previous is None else _chain_pose(part, pose, part.previous)
         except Abort:
             part.unplaced = True
             raise
@@ -148,7 +148,7 @@ def pose_of(part: Part) -> Pose:
 def before(part: Part) -> Pose:
     """The pose while it is being sought: of the element before, in a chain through ``previous``."""
     if part.env.scope.kind != "repeat":
-        raise circular_place(part)
+        raise _circular_place(part)
     if part.previous is None:
         names = [f"{part.path}.at.{letter}" for letter in "xyz"]
         found = [part.context.column(part.env.scope, name, "real", part.span) for name in names]
@@ -156,7 +156,7 @@ def before(part: Part) -> Pose:
     return part.previous
 
 
-def chain_pose(part: Part, pose: Pose, chain: Pose) -> Pose:
+def _chain_pose(part: Part, pose: Pose, chain: Pose) -> Pose:
     """Close the chain: each element stands on the one before, all turned alike."""
     if pose.rotation != chain.rotation or pose.mirror is not E.ONE:
         raise part.context.error(
@@ -170,14 +170,14 @@ def chain_pose(part: Part, pose: Pose, chain: Pose) -> Pose:
     return chain
 
 
-def sought(part: Part) -> Pose:
+def _sought(part: Part) -> Pose:
     """The pose of a part in its environment; registers unknown coordinates where equations shall find them."""
     if part.declaration.root:
         return Pose(part.rotation(), (ZERO, ZERO, ZERO), ONE)
-    found = mounts(part.env, declared(part))
+    found = _mounts_of(part.env, declared(part))
     if not found:
         return Pose(part.rotation(), part.position(), ONE)
-    poses = [(m.env.scope, mount_pose(part, m)) for m in found]
+    poses = [(m.env.scope, _mount_pose(part, m)) for m in found]
     if not everywhere(part, [scope for scope, _ in poses]):
         return partly(part, [(m, pose) for m, (_, pose) in zip(found, poses, strict=True)])
     if len(poses) == 1:
@@ -234,18 +234,18 @@ def flat(pose: Pose) -> list[E.Expr]:
     return found
 
 
-def mount_pose(part: Part, mount: Mount) -> Pose:
+def _mount_pose(part: Part, mount: Mount) -> Pose:
     ev = Evaluator(mount.env)
     statement = mount.statement
     if statement.between is not None:
-        return bridge_pose(part, mount, ev)
+        return _bridge_pose(part, mount, ev)
     assert mount.target is not None
     inner = part.rotation()
-    own = own_value(part, mount.subject, mount.env, inner)
+    own = _own_value(part, mount.subject, mount.env, inner)
     if inner != IDENTITY and not isinstance(own, Face):
-        turned_in_vain(part, mount)
-    own, value = mounted(ev, own, mount.subject, ONE), mounted(ev, ev.value(mount.target), mount.target, MINUS)
-    origin = locate_mount(value, mount, ev)
+        _turned_in_vain(part, mount)
+    own, value = _mounted(ev, own, mount.subject, ONE), _mounted(ev, ev.value(mount.target), mount.target, MINUS)
+    origin = _locate_mount(value, mount, ev)
     out, up = value.out, value.up
     side = triple(row[1] for row in value.rotation)
     rotation = product(columns(times(out, MINUS), times(side, MINUS), up), transpose(own.rotation))
@@ -257,18 +257,18 @@ def mount_pose(part: Part, mount: Mount) -> Pose:
     return Pose(rotation if inner == IDENTITY else product(rotation, inner), shift, ONE)
 
 
-def mounted(ev: Evaluator, value: Value, node: ast.Expr, way: E.Expr) -> Frame:
+def _mounted(ev: Evaluator, value: Value, node: ast.Expr, way: E.Expr) -> Frame:
     """One end of a mount as a frame; a line counts as one whose ``out`` runs along it, or against it."""
     match value:
         case Frame():
             return value
         case Line(point=point, direction=direction, on=on):
-            return Frame(point, axes_from(times(direction, way)), on)
+            return Frame(point, _axes_from(times(direction, way)), on)
     message = f"this is {describe(value)}, but a frame (a port or a face) is needed here"
     raise ev.env.context.error("wrong-kind", node.span, message)
 
 
-def turned_in_vain(part: Part, mount: Mount) -> None:
+def _turned_in_vain(part: Part, mount: Mount) -> None:
     """Refuse `along` and `turned` of a part that a port or two points place: turned or not, it would stand the same."""
     said = [*part.declaration.placements, *(p for o in part.options for p in o.source.placements)]
     said += part.declaration.alternatives[0].placements if part.style is not None else ()
@@ -281,19 +281,19 @@ def turned_in_vain(part: Part, mount: Mount) -> None:
     )
 
 
-def axes_from(direction: Triple) -> Matrix:
+def _axes_from(direction: Triple) -> Matrix:
     """Axes for a line used as a frame: out along it, up z (x for a vertical one)."""
     return frame_of(direction, unit(0 if abs(direction[2].constant or 0.0) == 1.0 else 2))
 
 
-def own_value(part: Part, subject: ast.Expr, env: Env, rotation: Matrix = IDENTITY) -> Value:
+def _own_value(part: Part, subject: ast.Expr, env: Env, rotation: Matrix = IDENTITY) -> Value:
     """The subject of a mount in the part's own frame (its pose is what is sought), turned as the part says."""
     frame = HERE if rotation == IDENTITY else Pose(rotation, (ZERO, ZERO, ZERO), ONE)
     own = Ref(part.name, (Branch(None, ((part, frame),)),), own=True)
     return Evaluator(env, instead={id(root(subject)): own}).value(subject)
 
 
-def locate_mount(frame: Frame, mount: Mount, ev: Evaluator) -> Triple:
+def _locate_mount(frame: Frame, mount: Mount, ev: Evaluator) -> Triple:
     """The origin of the target, moved by ``at y = ..., z = ...`` within its plane."""
     origin = list(frame.origin)
     for argument in ast.value_of(mount.statement.at) or ():
@@ -313,15 +313,15 @@ def locate_mount(frame: Frame, mount: Mount, ev: Evaluator) -> Triple:
     return triple(origin)
 
 
-def bridge_pose(part: Part, mount: Mount, ev: Evaluator) -> Pose:
+def _bridge_pose(part: Part, mount: Mount, ev: Evaluator) -> Pose:
     """``between A and B [facing d] [sink s]``: the pose and the one parameter on which the length of ``ends`` depends."""
     statement = mount.statement
     clause = statement.between
     assert clause is not None
     if part.rotation() != IDENTITY:
-        turned_in_vain(part, mount)
+        _turned_in_vain(part, mount)
     subject = mount.subject
-    line = part.own("ends", subject.span) if isinstance(subject, ast.NameExpr) else own_value(part, subject, mount.env)
+    line = part.own("ends", subject.span) if isinstance(subject, ast.NameExpr) else _own_value(part, subject, mount.env)
     if not isinstance(line, Line) or line.to is None:
         raise ev.env.context.error(
             "unknown-port",
@@ -332,35 +332,35 @@ def bridge_pose(part: Part, mount: Mount, ev: Evaluator) -> Pose:
     sink = ev.scalar(statement.sink.value) if statement.sink is not None else ZERO
     if statement.gap is not None:
         sink = E.sub(sink, ev.scalar(statement.gap.value))
-    a, b = sunk(ev, clause.value, sink)
+    a, b = _sunk(ev, clause.value, sink)
     x, y, z = map(tidy, minus(b, a))
     outer, inner = (x, y, z), minus(line.to, line.point)
     distance = norm(outer)
     reach = next((c for c in inner if c is not ZERO), ZERO) if sum(c is not ZERO for c in inner) == 1 else norm(inner)
     mount.env.equations.append(Equation(reach, distance, clause.span, "the distance of the two ends", part.exists))
     along = normalized(outer)
-    toward = ev.direction(statement.facing.value) if statement.facing is not None else perpendicular(along)
+    toward = ev.direction(statement.facing.value) if statement.facing is not None else _perpendicular(along)
     own_axis = next((k for k in range(3) if inner[k] is not ZERO), 2)
     own_along = unit(own_axis) if sum(c is not ZERO for c in inner) == 1 else normalized(inner)
     own_toward = unit(0 if own_axis != 0 else 2)
-    world, local = basis(along, toward), basis(own_along, own_toward)
+    world, local = _basis(along, toward), _basis(own_along, own_toward)
     rotation = product(world, transpose(local))
     return Pose(rotation, minus(a, turn(rotation, line.point)), ONE)
 
 
-def sunk(ev: Evaluator, places: tuple[ast.Expr, ...], sink: E.Expr) -> tuple[Triple, Triple]:
+def _sunk(ev: Evaluator, places: tuple[ast.Expr, ...], sink: E.Expr) -> tuple[Triple, Triple]:
     """The two places, each moved into what it lies on: against ``out`` of a frame, or of the frame whose centre it is; any other
     point lies on nothing, and moves along the line of both."""
     a, b = (ev.vector(node) for node in places)
     if sink is ZERO:
         return a, b
-    frames = [frame_at(ev, node) for node in places]
+    frames = [_frame_at(ev, node) for node in places]
     away = normalized(minus(b, a)) if None in frames else (ZERO, ZERO, ZERO)
     outs = [d if f is None else f.out for f, d in zip(frames, (away, times(away, MINUS)), strict=True)]
     return minus(a, times(outs[0], sink)), minus(b, times(outs[1], sink))
 
 
-def frame_at(ev: Evaluator, node: ast.Expr) -> Frame | None:
+def _frame_at(ev: Evaluator, node: ast.Expr) -> Frame | None:
     """The frame that an expression is, or is the centre of (``body.left.center``)."""
     value = ev.value(node)
     if not isinstance(value, Frame) and isinstance(node, ast.MemberExpr) and node.name in ("center", "origin"):
@@ -368,12 +368,12 @@ def frame_at(ev: Evaluator, node: ast.Expr) -> Frame | None:
     return value if isinstance(value, Frame) else None
 
 
-def perpendicular(direction: Triple) -> Triple:
+def _perpendicular(direction: Triple) -> Triple:
     """z, or x where the direction is vertical by construction."""
     return unit(0) if direction[0] is ZERO and direction[1] is ZERO else unit(2)
 
 
-def basis(along: Triple, toward: Triple) -> Matrix:
+def _basis(along: Triple, toward: Triple) -> Matrix:
     """Orthonormal columns: along, toward made square to it, and their cross product."""
     square = toward
     if dot(along, toward) is not ZERO:
@@ -382,12 +382,12 @@ def basis(along: Triple, toward: Triple) -> Matrix:
     return columns(along, square, cross(along, square))
 
 
-def circular_place(part: Part) -> Abort:
+def _circular_place(part: Part) -> Abort:
     """Report a part whose mount leads back to it, with the statements that lead there."""
     waiting = [p for p in part.env.parts if p.seeking]
     others = [p for p in waiting if p is not part]
     via = f", by way of {' and '.join(f'`{p.name}`' for p in others)}" if others else ""
-    notes = [(m.statement.span, f"places `{p.name}`") for p in waiting for m in mounts(part.env, declared(p))]
+    notes = [(m.statement.span, f"places `{p.name}`") for p in waiting for m in _mounts_of(part.env, declared(p))]
     return part.context.error(
         "circular-definition",
         part.span,

@@ -12,10 +12,10 @@ from ...graph import expr as E
 from ...graph.expr import Expr, Scope
 from ...graph.program import Where
 
-FAR = 1e3  # 1 km
+_FAR = 1e3  # 1 km
 NEAR = 1e-6  # 1 um
-MOST_ELEMENTS = 5000
-MOST_ROWS = 20_000  # the runtime makes no more (``runtime.kernels``)
+_MOST_ELEMENTS = 5000
+_MOST_ROWS = 20_000  # the runtime makes no more (``runtime.kernels``)
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,24 +46,24 @@ class Quantity:
 
 
 NUMBER = Legal(-1e12, 1e12, "every value of an object must be a finite number")
-PLACE = Legal(-FAR, FAR, "places must lie within 1 km of the origin", True)
-SIZE = Legal(0.0, FAR, "sizes must not be negative and are at most 1 km", True)
+PLACE = Legal(-_FAR, _FAR, "places must lie within 1 km of the origin", True)
+SIZE = Legal(0.0, _FAR, "sizes must not be negative and are at most 1 km", True)
 TURN = Legal(-1.0 - NEAR, 1.0 + NEAR, "a direction must not be [0, 0, 0]")
 AXIS = Legal(1.0 - NEAR, 1.0 + NEAR, "an axis must not be [0, 0, 0]")
-DIRECTION = Legal(NEAR, FAR, "a direction must not be [0, 0, 0]")
-APART = Legal(NEAR, FAR, "a gripper must close across its approach")
+DIRECTION = Legal(NEAR, _FAR, "a direction must not be [0, 0, 0]")
+APART = Legal(NEAR, _FAR, "a gripper must close across its approach")
 MOTION = Legal(-1e4, 1e4, "the range of a joint must be finite", True)
-PITCH = Legal(NEAR, FAR, "the pitch of a screw must not be 0 and is at most 1 km", True)
+PITCH = Legal(NEAR, _FAR, "the pitch of a screw must not be 0 and is at most 1 km", True)
 HELD = Legal(0.0, 1e9, "it must be finite and not negative")
 DRIVEN = Legal(1e-9, 1e9, "it must be finite and above 0")
-OPENING = Legal(NEAR, FAR, "an opening must be above 0", True)
+OPENING = Legal(NEAR, _FAR, "an opening must be above 0", True)
 SHARE = Legal(0.0, 1.0, "it must lie in 0 .. 1")
-DISTANCE = Legal(0.0, FAR, "a distance must not be negative and is at most 1 km", True)
-EVERY = Legal(NEAR, FAR, "the spacing of elements must be above 0", True)
+DISTANCE = Legal(0.0, _FAR, "a distance must not be negative and is at most 1 km", True)
+EVERY = Legal(NEAR, _FAR, "the spacing of elements must be above 0", True)
 OPTION = Legal(1e-12, 1e12, "at least one alternative needs a weight above 0")
-ELEMENTS = Legal(0.0, MOST_ELEMENTS, f"a repeat must have 0 to {MOST_ELEMENTS:,} elements")
-ELEMENT = Legal(0.0, MOST_ELEMENTS, "the repeat has no such element")
-ROWS = Legal(0.0, MOST_ROWS, f"an object must have 0 to {MOST_ROWS:,} elements of one kind")
+ELEMENTS = Legal(0.0, _MOST_ELEMENTS, f"a repeat must have 0 to {_MOST_ELEMENTS:,} elements")
+ELEMENT = Legal(0.0, _MOST_ELEMENTS, "the repeat has no such element")
+ROWS = Legal(0.0, _MOST_ROWS, f"an object must have 0 to {_MOST_ROWS:,} elements of one kind")
 WEIGHT = Legal(0.0, 1e12, "a weight must be finite and not negative")
 SPREAD = Legal(1e-12, 1e12, "a deviation must be finite and above 0")
 STEP = Legal(0.0, 1e12, "a step must be finite and not negative")

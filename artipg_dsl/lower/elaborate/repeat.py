@@ -18,8 +18,7 @@ from ..values.vectors import HERE, IDENTITY, ORIGIN, matrix, norm, rotation_abou
 from .ranges import EVERY, Quantity
 from .split import axis_of, scalar, split
 
-HALF = E.const(0.5)
-WATER_ROUNDS = 12
+_HALF = E.const(0.5)
 
 
 def build_repeat(
@@ -39,7 +38,7 @@ def build_repeat(
         count: Expr = E.const(2.0)
     elif statement.form == "fill" and statement.count is None:
         assert box is not None
-        count = count_filling(ev, statement, box)
+        count = _count_filling(ev, statement, box)
         if (every := statement.every) is not None:
             name, place = f"`every` of `{statement.name}`", where(every.span)
             context.asked.append(Quantity(name, env.scope, ev.scalar(every.value), EVERY, place))
@@ -59,11 +58,11 @@ def build_repeat(
             assert box is not None
             split(inner, element, statement, box, register)
         case "spread" | "fill" | "pitch":
-            element.box = space_elements(ev, inner_ev, statement, box, count, scope)
+            element.box = _space_elements(ev, inner_ev, statement, box, count, scope)
         case "ring":
             inner.frame = ring(ev, statement, count, scope)
         case "mirror":
-            inner.frame = mirror_pose(ev, statement, scope)
+            inner.frame = _mirror_pose(ev, statement, scope)
         case _:
             pass
     if element.box is None and env.root.box is not None and inner.frame is HERE:
@@ -72,7 +71,7 @@ def build_repeat(
     return element
 
 
-def count_filling(ev: Evaluator, statement: ast.RepeatStmt, box: Box) -> Expr:
+def _count_filling(ev: Evaluator, statement: ast.RepeatStmt, box: Box) -> Expr:
     """How many elements fit: ``fill A every d``."""
     axis = axis_of(ev, statement)
     length = E.sub(box.size[axis], E.mul(E.const(2.0), scalar(ev, statement.margin)))
@@ -80,7 +79,7 @@ def count_filling(ev: Evaluator, statement: ast.RepeatStmt, box: Box) -> Expr:
     return E.maximum(E.ONE, E.add(E.call("floor", E.add(E.div(length, step), E.const(1e-9))), E.ONE))
 
 
-def space_elements(
+def _space_elements(
     ev: Evaluator, inner: Evaluator, statement: ast.RepeatStmt, box: Box | None, count: Expr, scope: Scope
 ) -> Box:
     """Elements without extent along the axis: evenly spread, at a pitch, or as many as fit."""
@@ -95,13 +94,13 @@ def space_elements(
     elif statement.form == "fill":
         step = scalar(ev, statement.every)
         used = E.mul(E.sub(count, E.ONE), step)
-        start = E.mul(E.sub(length, used), HALF)
+        start = E.mul(E.sub(length, used), _HALF)
         center = E.add(E.add(box.low[axis], start), E.mul(rank, step))
     else:
         room = E.sub(length, E.mul(E.const(2.0), margin))
         step = E.div(room, E.maximum(E.ONE, E.sub(count, E.ONE)))
         several = E.add(E.add(box.low[axis], margin), E.mul(rank, step))
-        center = E.where(E.call("le", count, E.ONE), E.mul(E.add(box.low[axis], box.high[axis]), HALF), several)
+        center = E.where(E.call("le", count, E.ONE), E.mul(E.add(box.low[axis], box.high[axis]), _HALF), several)
     low, high = list(box.low), list(box.high)
     low[axis] = high[axis] = center
     return Box(triple(low), triple(high), on=box.on)
@@ -128,7 +127,7 @@ def ring(ev: Evaluator, statement: ast.RepeatStmt, count: Expr, scope: Scope) ->
     return Pose(rotation_about(direction, angle), point, E.ONE)
 
 
-def mirror_pose(ev: Evaluator, statement: ast.RepeatStmt, scope: Scope) -> Pose:
+def _mirror_pose(ev: Evaluator, statement: ast.RepeatStmt, scope: Scope) -> Pose:
     """``mirror across y``: element 0 as written, element 1 its mirror image in the plane through the scope's centre."""
     found = statement.across
     assert found is not None

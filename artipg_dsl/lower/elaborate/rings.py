@@ -21,11 +21,11 @@ from ..solve.cases import TooManyCases, combinations
 from ..values.kinds import part_of
 from .links import Links, first_part
 
-LONGEST = 12  # links of a chain that is followed from element to element of a repeat
-COUNTS = 5  # values of a count, and ranks, that are tried
-TRIALS = 5_000
-MOST_ROWS = 300
-MOST_NOTES = 6
+_LONGEST = 12  # links of a chain that is followed from element to element of a repeat
+_COUNTS = 5  # values of a count, and ranks, that are tried
+_TRIALS = 5_000
+_MOST_ROWS = 300
+_MOST_NOTES = 6
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +80,7 @@ class Chains:
             if start not in around:
                 continue
             # what leads to elements before alone never comes back: it is followed where something leads on from there
-            far = any(jumps(self.above[k]) for k in around)
+            far = any(_jumps(self.above[k]) for k in around)
             row = Row().within(self.scopes[start])
             if (found := self.back(start, start, row, [start], around, far, set())) is not None:
                 return found
@@ -106,7 +106,7 @@ class Chains:
             if to == start and self.possible(there, self.scopes[start]):
                 return chain
             place = (to, there.holds, *there.ranks.items())
-            if len(chain) < LONGEST and len(seen) < MOST_ROWS and place not in seen:
+            if len(chain) < _LONGEST and len(seen) < _MOST_ROWS and place not in seen:
                 seen.add(place)
                 if (found := self.back(start, to, there, [*chain, to], around, far, seen)) is not None:
                     return found
@@ -124,7 +124,7 @@ class Chains:
                     yield from self.steps(links, row.within(scope).at(repeat, rank), far)
                 case Onward(scope, _, links):
                     yield from self.steps(links, row, far)
-                    for _ in range(COUNTS if far else 0):
+                    for _ in range(_COUNTS if far else 0):
                         row = row.at(scope, None)
                         yield from self.steps(links, row, far)
 
@@ -133,7 +133,7 @@ class Chains:
         holds = row.holds
         for repeat in scope.ancestors():
             if repeat in row.ranks:
-                if descends(row.ranks[repeat], repeat):
+                if _descends(row.ranks[repeat], repeat):
                     return False
                 holds = E.both(holds, E.call("eq", row.ranks[repeat], E.rank(repeat)))
         return any(self.can_hold(case) for case in self.cases(holds))
@@ -154,12 +154,12 @@ class Chains:
             elif node.op == "col" and node not in counts and (values := some(node.value, known)):
                 counts[node] = values
         total = 1
-        for tried in (*counts.values(), *([0.0] * COUNTS for _ in ranks)):
+        for tried in (*counts.values(), *([0.0] * _COUNTS for _ in ranks)):
             total *= len(tried)
-        if total > TRIALS:
+        if total > _TRIALS:
             yield condition
             return
-        for picked in product(*counts.values(), *(range(COUNTS) for _ in ranks)):
+        for picked in product(*counts.values(), *(range(_COUNTS) for _ in ranks)):
             given = {node: E.const(value) for node, value in zip((*counts, *ranks), picked, strict=True)}
             case = E.substitute(condition, given)
             for node, repeat in ranks.items():
@@ -185,19 +185,19 @@ def some(column: Column, known: Mapping[Column, Draw]) -> list[float]:
     if draw.kind != "count":
         return []
     low = 0.0 if draw.low is None or draw.low.constant is None else float(draw.low.constant)
-    high = low + COUNTS if draw.high is None or draw.high.constant is None else float(draw.high.constant)
-    return [low + k for k in range(COUNTS) if low + k <= high]
+    high = low + _COUNTS if draw.high is None or draw.high.constant is None else float(draw.high.constant)
+    return [low + k for k in range(_COUNTS) if low + k <= high]
 
 
-def jumps(reference: Reference) -> bool:
+def _jumps(reference: Reference) -> bool:
     """Whether a reference leads to an element that it names by its rank."""
     return any(
-        isinstance(item, Elsewhere) and item.rank is not None or not isinstance(item, int) and jumps(item.links)
+        isinstance(item, Elsewhere) and item.rank is not None or not isinstance(item, int) and _jumps(item.links)
         for item in reference
     )
 
 
-def descends(rank: Expr, repeat: Scope) -> bool:
+def _descends(rank: Expr, repeat: Scope) -> bool:
     """Whether a rank is that of an element before the one of rank ``rank(repeat)``: what `previous` leads to."""
     steps = 0
     while rank.op == "sub" and rank.args[1] is E.ONE:
@@ -211,15 +211,15 @@ def refuse(links: Links) -> None:
     hung: dict[int, Reference] = {joint.child: joint.parent for joint in program.joints}
     ring = Chains([link.scope for link in program.links], hung, program.draws).ring()
     if ring is not None:
-        tell(links, [links.joints[link] for link in ring], "hangs on")
+        _tell(links, [links.joints[link] for link in ring], "hangs on")
         return
     follows: dict[int, Reference] = {k: j.mimic[0] for k, j in enumerate(program.joints) if j.mimic is not None}
     ring = Chains([joint.scope for joint in program.joints], follows, program.draws).ring()
     if ring is not None:
-        tell(links, ring, "follows")
+        _tell(links, ring, "follows")
 
 
-def tell(links: Links, ring: list[int], verb: str) -> None:
+def _tell(links: Links, ring: list[int], verb: str) -> None:
     joints = [links.context.program.joints[k] for k in ring]
     hangs = verb == "hangs on"
     names = [f"`{links.owners[j.child].path if hangs else j.path}`" for j in joints]
@@ -238,7 +238,7 @@ def tell(links: Links, ring: list[int], verb: str) -> None:
             notes.setdefault(span, text)
     span = links.stated[ring[0]]
     notes.pop(span)
-    links.context.error("circular-definition", span, message, hint=hint, notes=tuple(notes.items())[:MOST_NOTES])
+    links.context.error("circular-definition", span, message, hint=hint, notes=tuple(notes.items())[:_MOST_NOTES])
 
 
 def between(links: Links, number: int) -> Iterator[tuple[Span, str]]:

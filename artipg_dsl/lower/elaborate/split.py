@@ -15,7 +15,7 @@ from ..expressions.evaluate import Evaluator
 from ..values.kinds import Box
 from ..values.vectors import signed_axis
 
-ROUNDS = 8
+_ROUNDS = 8
 
 
 def split(
@@ -35,8 +35,8 @@ def split(
         size = E.div(E.mul(room, weight), total(scope, weight, element.count))
     else:
         low, high = outer.scalar(statement.each.value.low), outer.scalar(statement.each.value.high)
-        size = limit_shares(scope, room, weight, element.count, low, high)
-        bound_count(inner, element, statement, room, low, high)
+        size = _limit_shares(scope, room, weight, element.count, low, high)
+        _bound_count(inner, element, statement, room, low, high)
     if size.scope is scope:
         before = E.scan(scope, size)
     else:
@@ -51,7 +51,7 @@ def split(
     element.gap = Box(triple(gap_low), triple(gap_high), on=box.on, exists=present)
 
 
-def bound_count(inner: Env, element: Element, statement: ast.RepeatStmt, room: Expr, low: Expr, high: Expr) -> None:
+def _bound_count(inner: Env, element: Element, statement: ast.RepeatStmt, room: Expr, low: Expr, high: Expr) -> None:
     """So many elements that each has room for its least size and all together fill the box."""
     outer = inner.outer
     assert outer is not None
@@ -73,14 +73,14 @@ def total(scope: Scope, value: Expr, count: Expr) -> Expr:
     return E.reduce("sum", scope, value) if value.scope is scope else E.mul(count, value)
 
 
-def limit_shares(scope: Scope, room: Expr, weight: Expr, count: Expr, low: Expr, high: Expr) -> Expr:
+def _limit_shares(scope: Scope, room: Expr, weight: Expr, count: Expr, low: Expr, high: Expr) -> Expr:
     """Every element gets ``low``, the rest is shared by weight, and what exceeds ``high`` is shared again."""
     rest = E.sub(room, E.mul(count, low))
     span = E.sub(high, low)
     if weight.scope is not scope:
         return E.add(low, E.minimum(E.div(rest, count), span))
     share: Expr = E.ZERO
-    for _ in range(ROUNDS):
+    for _ in range(_ROUNDS):
         free = E.where(E.call("lt", share, span), weight, E.ZERO)
         left = E.sub(rest, E.reduce("sum", scope, share))
         step = E.div(E.mul(left, free), E.maximum(E.reduce("sum", scope, free), E.const(1e-12)))

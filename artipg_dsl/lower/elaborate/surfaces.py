@@ -53,7 +53,7 @@ def frame_on(ev: Evaluator, node: ast.CallExpr, form: Form) -> Frame:
             if patch is None or instance.solid is None:
                 continue
             mapping = {k: lifted(e, scope) for k, e in instance.solid.mapping(instance).items()}
-            v = ev.scalar(arguments["v"]) if "v" in arguments else solve_v(ev, node, arguments, patch, mapping, u)
+            v = ev.scalar(arguments["v"]) if "v" in arguments else _solve_v(ev, node, arguments, patch, mapping, u)
             values: dict[Expr, Expr] = {**mapping, E.var("u"): u, E.var("v"): v}
             position = triple(E.substitute(c, values) for c in patch.position)
             du, dv = (triple(E.substitute(derive(c, name), values) for c in patch.position) for name in ("u", "v"))
@@ -69,7 +69,7 @@ def frame_on(ev: Evaluator, node: ast.CallExpr, form: Form) -> Frame:
     return moved(replace(value, on=carriers), ev.pose)
 
 
-def solve_v(
+def _solve_v(
     ev: Evaluator, node: ast.CallExpr, arguments: dict[str, ast.Expr], patch: Patch, mapping: dict[Expr, Expr], u: Expr
 ) -> Expr:
     """The v at which a coordinate of the surface takes the given value."""

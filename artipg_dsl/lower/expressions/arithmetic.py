@@ -20,11 +20,11 @@ from .context import text_of
 if TYPE_CHECKING:
     from .evaluate import Evaluator
 
-ROUNDING = 1e-9  # so far may what is to lie in -1 .. 1 lie outside
+_ROUNDING = 1e-9  # so far may what is to lie in -1 .. 1 lie outside
 OPERATIONS = {"+": E.add, "-": E.sub, "*": E.mul, "/": E.div, "^": E.power, "and": E.both, "or": E.either}
 
 
-def operate(ev: Evaluator, node: ast.BinaryExpr, a: Expr, b: Expr) -> Expr:
+def _operate(ev: Evaluator, node: ast.BinaryExpr, a: Expr, b: Expr) -> Expr:
     """A binary operation on numbers; one that has no value whatever is drawn is refused."""
     if node.op == "/" and b.constant == 0:
         raise undefined(ev, node.span, f"`{text_of(node.span)}` divides by zero")
@@ -51,7 +51,7 @@ def applied(ev: Evaluator, node: ast.CallExpr, name: str, arguments: list[Expr])
     elif name == "sqrt" and value < 0:
         what = f"{value:g} has no square root: negative numbers have none"
     elif name in ("asin", "acos") and abs(value) > 1:
-        if abs(value) > 1 + ROUNDING:
+        if abs(value) > 1 + _ROUNDING:
             what = f"`{name}` takes numbers from -1 to 1, but this is {value:g}"
         arguments = [E.const(1.0 if value > 0 else -1.0)]
     if what is not None:
@@ -78,15 +78,15 @@ def plane(ev: Evaluator, value: Frame | Plane, span: Span) -> Plane:
     """The coordinate plane of a face, in this environment's frame."""
     if isinstance(value, Plane):
         if value.axis is None:
-            raise tilted(ev, span)
+            raise _tilted(ev, span)
         return value
     axis = sole_axis(value.out)
     if axis is None:
-        raise tilted(ev, span)
+        raise _tilted(ev, span)
     return Plane(axis, value.origin[axis], value.on)
 
 
-def tilted(ev: Evaluator, span: Span) -> Exception:
+def _tilted(ev: Evaluator, span: Span) -> Exception:
     return ev.env.context.error(
         "plane-across-axes",
         span,
@@ -145,16 +145,16 @@ def binary(ev: Evaluator, node: ast.BinaryExpr) -> Value:
     if isinstance(right, Plane) or isinstance(right, Frame) and right.face:
         right = plane(ev, right, node.right.span)
     if isinstance(left, Plane) or isinstance(right, Plane):
-        return plane_arithmetic(ev, node, left, right)
+        return _plane_arithmetic(ev, node, left, right)
     if isinstance(left, Frame) and isinstance(right, Vec):
         left = Vec(left.origin, left.on, point=True)
     if isinstance(left, Vec) or isinstance(right, Vec):
-        return vector_arithmetic(ev, node, left, right)
-    return operate(ev, node, number(ev, left, node.left.span), number(ev, right, node.right.span))
+        return _vector_arithmetic(ev, node, left, right)
+    return _operate(ev, node, number(ev, left, node.left.span), number(ev, right, node.right.span))
 
 
-def plane_arithmetic(ev: Evaluator, node: ast.BinaryExpr, left: Value, right: Value) -> Value:
-    result = operate(ev, node, number(ev, left, node.left.span), number(ev, right, node.right.span))
+def _plane_arithmetic(ev: Evaluator, node: ast.BinaryExpr, left: Value, right: Value) -> Value:
+    result = _operate(ev, node, number(ev, left, node.left.span), number(ev, right, node.right.span))
     match left, right:
         case Plane(), Plane():
             if left.axis != right.axis:
@@ -178,8 +178,8 @@ def across(ev: Evaluator, span: Span, left: Plane, right: Plane, a: Span, b: Spa
     )
 
 
-def vector_arithmetic(ev: Evaluator, node: ast.BinaryExpr, left: Value, right: Value) -> Value:
-    operation = partial(operate, ev, node)
+def _vector_arithmetic(ev: Evaluator, node: ast.BinaryExpr, left: Value, right: Value) -> Value:
+    operation = partial(_operate, ev, node)
     match left, right:
         case Vec(), Vec():
             if len(left.items) != len(right.items) or node.op not in "+-":

@@ -54,16 +54,16 @@ def chosen(here: Expr, others: Iterator[Expr], otherwise: Expr) -> Expr:
     return E.where(here, next(others), otherwise)
 
 
-def of_graph(ev: Evaluator, node: ast.CallExpr, form: Form) -> Expr:
+def _of_graph(ev: Evaluator, node: ast.CallExpr, form: Form) -> Expr:
     """A function of numbers that the graph has too, under the same name."""
     return applied(ev, node, form.name, numbers(ev, node))
 
 
-def rounded(ev: Evaluator, node: ast.CallExpr, form: Form) -> Expr:
+def _rounded(ev: Evaluator, node: ast.CallExpr, form: Form) -> Expr:
     return E.call("floor", E.add(ev.scalar(node.arguments[0].value), E.const(0.5)))
 
 
-def hypotenuse(ev: Evaluator, node: ast.CallExpr, form: Form) -> Expr:
+def _hypotenuse(ev: Evaluator, node: ast.CallExpr, form: Form) -> Expr:
     return functools.reduce(partial(E.call, "hypot"), numbers(ev, node))
 
 
@@ -138,14 +138,14 @@ def box(ev: Evaluator, node: ast.CallExpr, form: Form) -> Box:
 
 def count(ev: Evaluator, node: ast.CallExpr, form: Form) -> Expr:
     """How many elements a repeat has; of a repeat in a repeat, how many in all elements of that."""
-    element = repeat_of(ev, node.arguments[0].value)
+    element = _repeat_of(ev, node.arguments[0].value)
     return over(ev, "sum", element.scope.parent, element.count)
 
 
 def reduction(ev: Evaluator, node: ast.CallExpr, form: Form) -> Expr:
     """``sum(cell.size.z)``: over the elements of the repeat that the path goes through."""
     argument = node.arguments[0].value
-    element = repeat_of(ev, argument)
+    element = _repeat_of(ev, argument)
     value = type(ev)(element.env).scalar(argument)
     deeper = value.scope is not None and value.scope.within(element.scope)
     return over(ev, form.name, value.scope if deeper else element.scope, value)
@@ -164,31 +164,31 @@ def over(ev: Evaluator, kind: str, scope: Scope | None, value: Expr) -> Expr:
     return value
 
 
-def repeat_of(ev: Evaluator, argument: ast.Expr) -> Element:
+def _repeat_of(ev: Evaluator, argument: ast.Expr) -> Element:
     """The innermost repeat that a path in an argument runs through."""
-    found = (element_of(ev, node) for node in walk(argument))
+    found = (_element_of(ev, node) for node in walk(argument))
     element = next((e for e in found if e is not None and not ev.inside(e)), None)
     if element is None:
         raise ev.env.context.internal(argument.span, "no path here runs through a repeat")
     return element
 
 
-def element_of(ev: Evaluator, node: ast.Node) -> Element | None:
+def _element_of(ev: Evaluator, node: ast.Node) -> Element | None:
     """The repeat that a path of names stands for."""
     value: Value | None = None
     match node, ev.env.context.meaning(node):
         case ast.NameExpr(), Declared() as meaning:
             value = ev.meant(meaning)
         case ast.MemberExpr(obj=obj), Inner(name):
-            owner = element_of(ev, obj)
+            owner = _element_of(ev, obj)
             value = None if owner is None else owner.env.declared(name)
     return value if isinstance(value, Element) else None
 
 
 FUNCTIONS: dict[str, Makes] = {
-    "graph": of_graph,
-    "round": rounded,
-    "hypot": hypotenuse,
+    "graph": _of_graph,
+    "round": _rounded,
+    "hypot": _hypotenuse,
     "least": least,
     "greatest": greatest,
     "reduce": reduction,

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from ..elaborate.part import Instance, Part
 
 
-MERGED = (Expr, Vec, Frame, Plane, Line, Box, Choice, Ports, Ref)  # one value out of those of branches
+_MERGED = (Expr, Vec, Frame, Plane, Line, Box, Choice, Ports, Ref)  # one value out of those of branches
 
 
 @dataclass(slots=True, eq=False)
@@ -142,9 +142,9 @@ class Env:
         if name in self.names:
             return self.force(name)
         found = [(branch.scope, value) for branch, value in self.branched(name)]
-        if len(found) == 1 and not isinstance(found[0][1], MERGED):
+        if len(found) == 1 and not isinstance(found[0][1], _MERGED):
             return found[0][1]  # an element's values are fetched from its own table; styles and functions have a home
-        if not found or not all(isinstance(value, MERGED) for _, value in found):
+        if not found or not all(isinstance(value, _MERGED) for _, value in found):
             return None
         if (references := alike(Ref, found)) is not None:
             own = self.scope
@@ -155,7 +155,7 @@ class Env:
     def branched(self, name: str) -> list[tuple[Env, Value]]:
         """What branches of ``when`` declare under a name, be they further down in the text."""
         for statement in self.statements:
-            if isinstance(statement, ast.WhenStmt) and declares(statement, name):
+            if isinstance(statement, ast.WhenStmt) and _declares(statement, name):
                 self.context.makers.enter_when(self, statement)
         found: list[tuple[Env, Value]] = []
         for branch in self.branches.values():
@@ -210,10 +210,10 @@ def names_of(statement: ast.Stmt) -> Iterator[str]:
         yield statement.name
 
 
-def declares(statement: ast.WhenStmt, name: str) -> bool:
+def _declares(statement: ast.WhenStmt, name: str) -> bool:
     """Whether a branch of a ``when`` declares a name."""
     return any(
-        declares(inner, name)
+        _declares(inner, name)
         if isinstance(inner, ast.WhenStmt)
         else name in names_of(inner) or isinstance(inner, ast.PortDecl | ast.JointDecl) and inner.name == name
         for inner in (*statement.body, *statement.otherwise)

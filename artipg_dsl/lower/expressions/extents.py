@@ -49,12 +49,12 @@ def raised(box: Box, scope: Scope | None, to: Scope) -> Box:
     return box
 
 
-def boxes_in(env: Env) -> Iterator[tuple[Part, Box]]:
+def _boxes_in(env: Env) -> Iterator[tuple[Part, Box]]:
     """Every part of an environment and of those inside it with its box, in the environment's frame."""
     for part in env.parts:
         yield part, moved(part.box(), part.pose)
     for inner in env.inner:
-        for part, box in boxes_in(inner):
+        for part, box in _boxes_in(inner):
             yield part, moved(box, inner.frame)
 
 
@@ -62,7 +62,7 @@ def union_of(env: Env, scope: Scope) -> Box:
     """The axis-aligned box around all parts of an environment and of those inside it, in its frame and ``scope``."""
     lows: list[list[Expr]] = [[], [], []]
     highs: list[list[Expr]] = [[], [], []]
-    for part, found in boxes_in(env):
+    for part, found in _boxes_in(env):
         box = extent(found)
         if part.exists is not E.TRUE:
             box = Box(

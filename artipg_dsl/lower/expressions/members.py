@@ -123,7 +123,7 @@ def member(ev: Evaluator, value: Value, node: ast.MemberExpr) -> Value:
         case Inner(name):
             found = inner(ev, value, name, node.name_span)
         case Feature(name):
-            found = feature(ev, value, name, node.name_span)
+            found = _feature(ev, value, name, node.name_span)
         case _:
             found = None
     if found is None and isinstance(value, Face | Edge):
@@ -140,7 +140,7 @@ def inner(ev: Evaluator, value: Value, name: str, span: Span) -> Value | None:
             return declared(ev, value, name, span)
         case Element():
             found = within(ev, value, span).env.declared(name)
-            return None if found is None else from_env(ev, value.env, found)
+            return None if found is None else _from_env(ev, value.env, found)
         case At():
             home = type(ev)(value.element.env)
             found = inner(home, value.inner, name, span)
@@ -148,16 +148,16 @@ def inner(ev: Evaluator, value: Value, name: str, span: Span) -> Value | None:
     return None
 
 
-def feature(ev: Evaluator, value: Value, name: str, span: Span) -> Value | None:
+def _feature(ev: Evaluator, value: Value, name: str, span: Span) -> Value | None:
     """A member that the language gives: of a vector, a line, a frame, or of the box of what has one."""
     match value:
         case Vec():
             axis = AXES.index(name)
             return Plane(axis, value.items[axis], value.on) if value.point else value.items[axis]
         case Frame():
-            return frame_feature(value, name)
+            return _frame_feature(value, name)
         case Line():
-            return line_feature(value, name)
+            return _line_feature(value, name)
         case Element(gap=gap) if name == "gap":
             within(ev, value, span)
             return gap
@@ -172,7 +172,7 @@ def feature(ev: Evaluator, value: Value, name: str, span: Span) -> Value | None:
     return replace(found, on=box.on) if isinstance(value, Ref) and isinstance(found, Lying) else found
 
 
-def frame_feature(value: Frame, name: str) -> Value | None:
+def _frame_feature(value: Frame, name: str) -> Value | None:
     match name:
         case "origin" | "center":
             return Vec(value.origin, value.on, point=True)
@@ -183,7 +183,7 @@ def frame_feature(value: Frame, name: str) -> Value | None:
     return edge_of(value, name) if isinstance(value, Face) else None
 
 
-def line_feature(value: Line, name: str) -> Value | None:
+def _line_feature(value: Line, name: str) -> Value | None:
     match name:
         case "origin" | "center":
             return Vec(value.point, value.on, point=True)
@@ -201,14 +201,14 @@ def within(ev: Evaluator, element: Element, span: Span) -> Element:
 
 def here(ev: Evaluator, element: Element, box: Box) -> Box:
     """The box of an element around this environment, in this one's frame."""
-    return from_env(ev, element.env, box)
+    return _from_env(ev, element.env, box)
 
 
 @overload
-def from_env(ev: Evaluator, env: Env, value: Box) -> Box: ...
+def _from_env(ev: Evaluator, env: Env, value: Box) -> Box: ...
 @overload
-def from_env(ev: Evaluator, env: Env, value: Value) -> Value: ...
-def from_env(ev: Evaluator, env: Env, value: Value) -> Value:
+def _from_env(ev: Evaluator, env: Env, value: Value) -> Value: ...
+def _from_env(ev: Evaluator, env: Env, value: Value) -> Value:
     """A value of an environment around this one, in this one's frame."""
     chain = HERE
     at: Env | None = ev.env
@@ -306,15 +306,15 @@ def parted(values: Sequence[tuple[Scope | None, K]]) -> tuple[Scope, list[tuple[
 
 def ref_box(ev: Evaluator, ref: Ref, span: Span) -> Box:
     """The box of what a reference names, in the frame of the environment that names it."""
-    return moved(branch_box(ev, ref, span), ref.frame)
+    return moved(_branch_box(ev, ref, span), ref.frame)
 
 
-def branch_box(ev: Evaluator, ref: Ref, span: Span) -> Box:
+def _branch_box(ev: Evaluator, ref: Ref, span: Span) -> Box:
     """The box of what a reference names; for several parts, the axis-aligned box around them."""
     boxes: list[tuple[Scope | None, Box]] = []
     carriers: list[Part] = []
     for branch in ref.branches:
-        held = [member_box(ev, part, outer, ref.own, branch.scope) for part, outer in branch.members]
+        held = [_member_box(ev, part, outer, ref.own, branch.scope) for part, outer in branch.members]
         carriers += [part for part, _ in branch.members if part not in carriers]
         if len(held) > 1:
             held = [extent(b) for b in held]
@@ -329,7 +329,7 @@ def branch_box(ev: Evaluator, ref: Ref, span: Span) -> Box:
     return lift(ev, replace(merged(parent, values), on=on), parent)
 
 
-def member_box(ev: Evaluator, part: Part, outer: Pose, own: bool, scope: Scope | None) -> Box:
+def _member_box(ev: Evaluator, part: Part, outer: Pose, own: bool, scope: Scope | None) -> Box:
     """The box of one part of a reference; over all rows where the part stands in a repeat of its template."""
     box = moved(part.box(), outer if own else compose(outer, part.pose))
     target = scope if scope is not None else ev.env.scope

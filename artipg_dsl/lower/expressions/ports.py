@@ -13,7 +13,7 @@ from .env import Env
 from .evaluate import Evaluator
 from .members import At, fetch
 
-MOST_PORTS = 8  # of a port array bound in a repeat
+_MOST_PORTS = 8  # of a port array bound in a repeat
 
 
 class Binding(NamedTuple):
@@ -49,6 +49,6 @@ class PortArray(Ports):
             if element is None or home.outer is None:
                 raise home.context.internal(index.span, "this is not the index of a repeat")
             outer = Evaluator(home.outer)
-            for k in range(self.size or MOST_PORTS):
+            for k in range(self.size or _MOST_PORTS):
                 self.values[k] = fetch(outer, At(element, E.const(float(k)), element), value)
         return self.values

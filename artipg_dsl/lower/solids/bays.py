@@ -23,9 +23,9 @@ from .smooth import Course
 from .strips import parts
 
 BLEND = E.var("section")  # 0 at the first section of a bay, 1 at its last
-CUT = 0.2  # of the inradius of a section may be cut off by a step of a piece
-GAP = 0.06  # of that of a part of a section: the gaps lie within the solid
-INNER = (0.25, 0.5, 0.75)  # places of a step at which a smooth course is compared with a straight one
+_CUT = 0.2  # of the inradius of a section may be cut off by a step of a piece
+_GAP = 0.06  # of that of a part of a section: the gaps lie within the solid
+_INNER = (0.25, 0.5, 0.75)  # places of a step at which a smooth course is compared with a straight one
 MOST = 24  # steps of a bay, for each turn of a path that winds
 Chains = list[list[Span]]
 
@@ -99,7 +99,7 @@ def bay_pieces(seen: Probe, probe: Probe, bay: Bay, name: str, sections: list[li
     for number, corners in enumerate(sections):
         corners = [c for k, c in enumerate(corners) if not seen.same(c, corners[k - 1])]
         middle = pair(E.div(sum_of([c[k] for c in corners]), E.const(float(len(corners)))) for k in (0, 1))
-        narrow = inradius(corners, middle)
+        narrow = _inradius(corners, middle)
         ring = zip(corners, [*corners[1:], corners[0]], strict=True)
         sign = ONE if bay.course is None else orientation(seen, tuple(Side(between("", a, b)) for a, b in ring))
         turns = turned(probe, bay.rail) / TURN if bay.rail.length is ZERO else 1.0
@@ -108,18 +108,18 @@ def bay_pieces(seen: Probe, probe: Probe, bay: Bay, name: str, sections: list[li
             if bent and count < 3:
                 continue
             lost = [change(probe, corners, narrow, k / count, (k + 1) / count) for k in range(count)]
-            cuts = [sagitta(bay, ends, k / count, (k + 1) / count) if bent else ZERO for k in range(count)]
+            cuts = [_sagitta(bay, ends, k / count, (k + 1) / count) if bent else ZERO for k in range(count)]
             if twist is not ZERO:
-                cuts = [E.add(c, screwed(bay, wide, twist, k / count, (k + 1) / count)) for k, c in enumerate(cuts)]
+                cuts = [E.add(c, _screwed(bay, wide, twist, k / count, (k + 1) / count)) for k, c in enumerate(cuts)]
             least = [E.substitute(narrow, {BLEND: E.const((k + 0.5) / count)}) for k in range(count)]
             if bay.course is not None:
-                cuts = [hollow(corners, sign, k / count, (k + 1) / count) for k in range(count)]
+                cuts = [_hollow(corners, sign, k / count, (k + 1) / count) for k in range(count)]
                 least = [
-                    E.minimum(*(E.substitute(narrow, {BLEND: E.const((k + f) / count)}) for f in INNER))
+                    E.minimum(*(E.substitute(narrow, {BLEND: E.const((k + f) / count)}) for f in _INNER))
                     for k in range(count)
                 ]
             share = probe(*(E.div(a, b) for a, b in zip(cuts, least, strict=True)))
-            if ((share.max(axis=0) + max(lost)) <= (CUT if len(sections) == 1 else GAP)).mean() > 0.98:
+            if ((share.max(axis=0) + max(lost)) <= (_CUT if len(sections) == 1 else _GAP)).mean() > 0.98:
                 break
         for k in range(count):
             keep = E.maximum(E.sub(E.const(1.0 - lost[k]), E.div(cuts[k], least[k])), E.const(0.02))
@@ -141,7 +141,7 @@ def sum_of(values: Sequence[Expr]) -> Expr:
     return total
 
 
-def inradius(corners: list[Point], middle: Point) -> Expr:
+def _inradius(corners: list[Point], middle: Point) -> Expr:
     """How far the edges of a polygon lie from its middle, at least."""
     found = []
     for a, b in zip(corners, [*corners[1:], corners[0]], strict=True):
@@ -154,7 +154,7 @@ def inradius(corners: list[Point], middle: Point) -> Expr:
     return E.minimum(*found)
 
 
-def hollow(corners: list[Point], sign: Expr, low: float, high: float) -> Expr:
+def _hollow(corners: list[Point], sign: Expr, low: float, high: float) -> Expr:
     """How far a hull between two polygons reaches beyond the edges of what a smooth course leaves between them, at most.
 
     ``sign`` is +1 where they run anticlockwise. Three places of the step are asked: between them a cubic lies no more than
@@ -162,15 +162,15 @@ def hollow(corners: list[Point], sign: Expr, low: float, high: float) -> Expr:
     """
     ends = [[swapped(c, {BLEND: E.const(v)}) for c in corners] for v in (low, high)]
     found = []
-    for f in INNER:
+    for f in _INNER:
         ring = [swapped(c, {BLEND: E.const(low + f * (high - low))}) for c in corners]
-        away = [flat_minus(toward(a, b, f), c) for a, b, c in zip(*ends, ring, strict=True)]
+        away = [flat_minus(_toward(a, b, f), c) for a, b, c in zip(*ends, ring, strict=True)]
         edges = [right_of(flat_minus(b, a), sign) for a, b in zip(ring, [*ring[1:], ring[0]], strict=True)]
         found += [flat_dot(away[(k + d) % len(ring)], edge) for k, edge in enumerate(edges) for d in (0, 1)]
     return E.mul(E.maximum(ZERO, *found), E.const(1.1))
 
 
-def toward(a: Point, b: Point, share: float) -> Point:
+def _toward(a: Point, b: Point, share: float) -> Point:
     return pair(E.add(p, E.mul(E.const(share), E.sub(q, p))) for p, q in zip(a, b, strict=True))
 
 
@@ -180,7 +180,7 @@ def shown(probe: Probe, corners: Sequence[Point]) -> np.ndarray:
     return values.T.reshape(values.shape[1], len(corners), 2)
 
 
-def beyond(ring: np.ndarray, points: np.ndarray) -> np.ndarray:
+def _beyond(ring: np.ndarray, points: np.ndarray) -> np.ndarray:
     """(rows, points, edges): how far points (rows, points, 2) lie beyond each edge of a polygon (rows, edges, 2)."""
     following = np.roll(ring, -1, axis=1)
     edge = following - ring
@@ -199,11 +199,11 @@ def change(probe: Probe, corners: list[Point], narrow: Expr, low: float, high: f
     half = (first + last) / 2
     pairs = (first[:, :, None] + last[:, None]).reshape(len(half), -1, 2) / 2
     least = probe(E.substitute(narrow, {BLEND: E.const((low + high) / 2)}))[0]
-    share = float((beyond(half, pairs).max(axis=(1, 2)) / least).max())
+    share = float((_beyond(half, pairs).max(axis=(1, 2)) / least).max())
     return 0.0 if share < 1e-7 else min(1.05 * share, 0.9)
 
 
-def sagitta(bay: Bay, ends: list[Point], low: float, high: float) -> Expr:
+def _sagitta(bay: Bay, ends: list[Point], low: float, high: float) -> Expr:
     """How far a chord along the path cuts off a bend, at the sides of the section."""
     cuts = []
     for across in ends:
@@ -213,7 +213,7 @@ def sagitta(bay: Bay, ends: list[Point], low: float, high: float) -> Expr:
     return E.mul(E.maximum(*cuts), E.const(1.02 if bay.rail.center is not None else 1.2))
 
 
-def screwed(bay: Bay, wide: Expr, twist: Expr, low: float, high: float) -> Expr:
+def _screwed(bay: Bay, wide: Expr, twist: Expr, low: float, high: float) -> Expr:
     """What a hull between two sections reaches beyond what turns about the path from one to the other, at most."""
     way = minus(bay.rail.at(high), bay.rail.at(low))
     angle = E.mul(twist, E.call("sqrt", dot(way, way)))

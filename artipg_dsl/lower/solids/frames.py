@@ -46,7 +46,7 @@ def frames(probe: Probe, rails: list[Stretch], up: Triple | None) -> list[Frames
             break
     wanted = up or unit(2)
     if least(probe, rails, wanted) > ALONG and all(rail.center is None for rail in rails):
-        return [upright(rail, wanted) for rail in rails]
+        return [_upright(rail, wanted) for rail in rails]
     start = rails[0].towards(0.0)
     if sine(probe, start, wanted).min() <= ALONG:
         wanted = max((unit(k) for k in range(3)), key=lambda axis: float(sine(probe, start, axis).min()))
@@ -81,7 +81,7 @@ def least(probe: Probe, rails: list[Stretch], axis: Triple) -> float:
     return float(min(np.nan_to_num(np.sqrt((seen**2).sum(axis=1))).min() for seen in across))
 
 
-def upright(rail: Stretch, up: Triple) -> Frames:
+def _upright(rail: Stretch, up: Triple) -> Frames:
     side = normalized(cross(up, rail.direction))
     return Frames(at(side), at(cross(rail.direction, side)))
 
@@ -100,14 +100,14 @@ def carried(probe: Probe, rail: Stretch, side: Triple) -> Frames:
     count = steps(probe, rail)
     held = [side]
     for k in range(count - 1):
-        held.append(reflected(rail, E.const(k / count), E.const((k + 1) / count), held[-1]))
+        held.append(_reflected(rail, E.const(k / count), E.const((k + 1) / count), held[-1]))
     before = E.call("floor", E.mul(V, E.const(float(count))))
     before = E.minimum(E.maximum(before, ZERO), E.const(count - 1.0))
     last = held[-1]
     for k in range(count - 1, 0, -1):
         here = E.call("lt", before, E.const(float(k)))
         last = triple(E.where(here, a, b) for a, b in zip(held[k - 1], last, strict=True))
-    across = reflected(rail, E.mul(before, E.const(1.0 / count)), V, last)
+    across = _reflected(rail, E.mul(before, E.const(1.0 / count)), V, last)
     return Frames(at(across), at(cross(rail.direction, across)))
 
 
@@ -116,7 +116,7 @@ def steps(probe: Probe, rail: Stretch) -> int:
     return int(np.clip(np.ceil(turned(probe, rail) / BETWEEN), 1, 256))
 
 
-def reflected(rail: Stretch, low: Expr, high: Expr, side: Triple) -> Triple:
+def _reflected(rail: Stretch, low: Expr, high: Expr, side: Triple) -> Triple:
     """``side`` at the place ``low`` of a path brought to ``high``: by two reflections, which keep it square to the path."""
     (here, there), (start, end) = (tuple(at(vector)(v) for v in (low, high)) for vector in (rail.place, rail.direction))
     first = minus(there, here)
@@ -146,13 +146,13 @@ def turning(probe: Probe, rail: Stretch, made: Frames) -> Expr:
 
 def bend(rail: Stretch) -> Expr:
     """The greatest curvature of a formula's path, and a twentieth for what lies between the places it is taken at."""
-    return E.mul(E.const(1.05), E.maximum(*curvatures(rail)))
+    return E.mul(E.const(1.05), E.maximum(*_curvatures(rail)))
 
 
-def curvatures(rail: Stretch) -> list[Expr]:
+def _curvatures(rail: Stretch) -> list[Expr]:
     """The curvature of a formula's path at several places."""
     found = []
-    for here, beside in bending(rail):
+    for here, beside in _bending(rail):
         fast = E.call("sqrt", dot(here, here))
         found.append(E.div(E.call("sqrt", dot(beside, beside)), E.mul(fast, E.mul(fast, fast))))
     return found
@@ -160,19 +160,19 @@ def curvatures(rail: Stretch) -> list[Expr]:
 
 def tightest(rail: Stretch) -> Expr:
     """The least radius of curvature of a formula's path, at the places where it is taken."""
-    return E.div(ONE, E.maximum(E.const(1e-9), *curvatures(rail)))
+    return E.div(ONE, E.maximum(E.const(1e-9), *_curvatures(rail)))
 
 
 def inwards(rail: Stretch) -> list[Triple]:
     """The same as vectors towards the centre of curvature."""
     found = []
-    for here, beside in bending(rail):
+    for here, beside in _bending(rail):
         square = dot(here, here)
         found.append(times(cross(beside, here), E.div(ONE, E.mul(square, square))))
     return found
 
 
-def bending(rail: Stretch) -> list[tuple[Triple, Triple]]:
+def _bending(rail: Stretch) -> list[tuple[Triple, Triple]]:
     """Speed, and speed x change of speed, at several places of a formula's path."""
     speed = triple(derive(c, "v") for c in rail.place)
     change = triple(derive(c, "v") for c in speed)

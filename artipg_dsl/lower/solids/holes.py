@@ -23,9 +23,9 @@ from .profiles import Loop, Point, Side, Span, between, equal_steps, minus, samp
 from .regions import Strips, check_values, matched
 from .strips import parts
 
-BENDS = (46.0, 31.0, 16.0)  # degrees: how far an arc turns at most; finer ones come nearer to what is narrow
+_BENDS = (46.0, 31.0, 16.0)  # degrees: how far an arc turns at most; finer ones come nearer to what is narrow
 ARCS = 24
-CORNERS = 4  # of the convex piece between an arc and its chord
+_CORNERS = 4  # of the convex piece between an arc and its chord
 CLOSE = 1e-9  # of the size of the region
 
 
@@ -59,7 +59,7 @@ def holed(env: Env, probe: Probe, solid: ast.SolidDecl, chains: list[list[Span]]
                 hint="an outline with holes, and each hole, must end where it begins",
             )
     loops = [(tuple(map(Side, chain)), number > 0) for number, chain in enumerate(chains)]
-    for bend in BENDS:
+    for bend in _BENDS:
         region = Holed(loops)
         if fill(probe, region, chains, np.radians(bend)):
             return region
@@ -73,14 +73,14 @@ def holed(env: Env, probe: Probe, solid: ast.SolidDecl, chains: list[list[Span]]
 
 def fill(probe: Probe, region: Holed, chains: list[list[Span]], bend: float) -> bool:
     """Fill a region with arcs of at most ``bend``; whether that worked."""
-    net = Net(probe)
+    net = _Net(probe)
     ways: list[float] = []
     bent: list[
         tuple[Span, Span, float, float]
     ] = []  # an arc, its chord or tip, on which side the region lies, its bulge
     for number, chain in enumerate(chains):
         arcs = [arc for span in chain for arc in cut(probe, span, bend)]
-        way = round_way(probe, arcs)
+        way = _round_way(probe, arcs)
         if way == 0.0:
             return False
         ways.append(way)
@@ -90,7 +90,7 @@ def fill(probe: Probe, region: Holed, chains: list[list[Span]], bend: float) -> 
         for k, arc in enumerate(arcs):
             a, b = corners[k], corners[(k + 1) % len(arcs)]
             ring.append(a)
-            side = bulge(probe, arc, left)
+            side = _bulge(probe, arc, left)
             if side is None:
                 return False
             if side == 0.0:
@@ -111,7 +111,7 @@ def fill(probe: Probe, region: Holed, chains: list[list[Span]], bend: float) -> 
         pair = (arc, other) if left == ways[0] else (other, arc)
         region.strips.append(pair)
         if side > 0:
-            region.polygons.append([arc.fraction(s / (CORNERS - 1)) for s in range(CORNERS)])
+            region.polygons.append([arc.fraction(s / (_CORNERS - 1)) for s in range(_CORNERS)])
         else:
             region.polygons += parts(probe, [pair], E.const(ways[0]))
     filling: Strips = []
@@ -131,14 +131,14 @@ def cut(probe: Probe, span: Span, bend: float) -> list[Span]:
     return [Span(span.name, span.position, a, b) for a, b in zip(ends, ends[1:], strict=False)] if count > 1 else [span]
 
 
-def round_way(probe: Probe, arcs: list[Span]) -> float:
+def _round_way(probe: Probe, arcs: list[Span]) -> float:
     """+1 where a loop runs anticlockwise, -1 where clockwise, 0 where the test values differ."""
     lines = [samples(probe, arc, 4) for arc in arcs]
     signs = np.sign(sum(cross(line[:, :-1], line[:, 1:]).sum(axis=1) for line in lines))
     return float(signs[0]) if (signs == signs[0]).all() else 0.0
 
 
-def bulge(probe: Probe, arc: Span, left: float) -> float | None:
+def _bulge(probe: Probe, arc: Span, left: float) -> float | None:
     """+1 where an arc bulges out of the region, -1 where into it, 0 where it is straight; None where it does both."""
     turns = turning(samples(probe, arc, 12)) * left
     if np.abs(turns).max() < CLOSE:
@@ -150,12 +150,12 @@ def tangents(arc: Span) -> Point:
     """Where the tangents at both ends of an arc meet."""
     speed: Point = pair(derive(c, "v") for c in arc.position)
     first, last = substituted(speed, arc.low), substituted(speed, arc.high)
-    share = E.div(crossed(minus(arc.end, arc.start), last), crossed(first, last))
+    share = E.div(_crossed(minus(arc.end, arc.start), last), _crossed(first, last))
     x, y = scale(first, share)
     return E.add(arc.start[0], x), E.add(arc.start[1], y)
 
 
-def crossed(a: Point, b: Point) -> Expr:
+def _crossed(a: Point, b: Point) -> Expr:
     return E.sub(E.mul(a[0], b[1]), E.mul(a[1], b[0]))
 
 
@@ -163,7 +163,7 @@ def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
 
 
-class Net:
+class _Net:
     """Corners by number, and rings of them with the region to the left: the outer one first, then the holes."""
 
     def __init__(self, probe: Probe):
@@ -188,7 +188,7 @@ class Net:
         outer = at[:, self.rings[0]]
         at = at / np.sqrt(np.abs(cross(outer, np.roll(outer, -1, axis=1)).sum(axis=1)))[:, None, None]
         outline = self.joined(at)
-        return None if outline is None else ears(at, outline)
+        return None if outline is None else _ears(at, outline)
 
     def joined(self, at: np.ndarray) -> list[int] | None:
         """One ring of all, each hole tied to what is there by a bridge that nothing crosses."""
@@ -215,14 +215,14 @@ class Net:
         """Whether every hole lies within the outer ring and outside the other holes, at a corner of it."""
         for hole in self.rings[1:]:
             place = at[:, hole[0]]
-            if not contains(at[:, self.rings[0]], place).all():
+            if not _contains(at[:, self.rings[0]], place).all():
                 return False
-            if any(contains(at[:, other], place).any() for other in self.rings[1:] if other is not hole):
+            if any(_contains(at[:, other], place).any() for other in self.rings[1:] if other is not hole):
                 return False
         return True
 
 
-def contains(ring: np.ndarray, place: np.ndarray) -> np.ndarray:
+def _contains(ring: np.ndarray, place: np.ndarray) -> np.ndarray:
     """(rows,): whether places (rows, 2) lie in rings (rows, n, 2), by how often a ray to +x crosses them."""
     a, b, p = ring, np.roll(ring, -1, axis=1), place[:, None]
     passes = (a[..., 1] <= p[..., 1]) != (b[..., 1] <= p[..., 1])
@@ -251,7 +251,7 @@ def meets(at: np.ndarray, a: int, b: int, lines: np.ndarray) -> np.ndarray:
     return found.any(axis=0)
 
 
-def ears(at: np.ndarray, outline: list[int]) -> list[tuple[int, int, int]] | None:
+def _ears(at: np.ndarray, outline: list[int]) -> list[tuple[int, int, int]] | None:
     """Triangles that fill a ring, cut off corner by corner, the best shaped first; None where no corner can be."""
     left, found = list(outline), []
     while len(left) > 2:
@@ -263,7 +263,7 @@ def ears(at: np.ndarray, outline: list[int]) -> list[tuple[int, int, int]] | Non
             ear = int(a[k]), int(b[k]), int(c[k])
             if shape[k] <= 0:
                 return None
-            if not occupied(at, ear, left):
+            if not _occupied(at, ear, left):
                 break
         else:
             return None
@@ -272,7 +272,7 @@ def ears(at: np.ndarray, outline: list[int]) -> list[tuple[int, int, int]] | Non
     return found
 
 
-def occupied(at: np.ndarray, ear: tuple[int, int, int], left: list[int]) -> bool:
+def _occupied(at: np.ndarray, ear: tuple[int, int, int], left: list[int]) -> bool:
     """Whether another corner lies in the triangle, or on its edge, at some test value."""
     others = sorted(set(left) - set(ear))
     inside = np.ones((len(at), len(others)), dtype=bool)

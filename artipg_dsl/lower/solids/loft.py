@@ -43,7 +43,7 @@ from .summits import W
 from .summits import reached as summits
 
 X, Y = E.var("section.x"), E.var("section.y")
-BLENDS = (0.0, 0.25, 0.5, 0.75, 1.0)
+_BLENDS = (0.0, 0.25, 0.5, 0.75, 1.0)
 
 
 def loft(env: Env, solid: ast.SolidDecl) -> Made:
@@ -63,7 +63,7 @@ def loft(env: Env, solid: ast.SolidDecl) -> Made:
             )
         ends = zip(section, [*section[1:], section[0]], strict=True)
         if not all(probe.same(a.end, b.start) for a, b in ends):
-            raise open_section(env, argument)
+            raise _open_section(env, argument)
     if isinstance(path, Curve | Handed):
         if len(sections) != 2:
             raise env.context.error("wrong-arguments", solid.span, "along a path `loft` takes two sections")
@@ -74,9 +74,9 @@ def loft(env: Env, solid: ast.SolidDecl) -> Made:
                 "`smooth` has no effect along a path: there is no section between its two",
                 hint="drop `smooth`",
             )
-        return along_path(env, probe, solid, path, [sections[0]], [sections[1]])
+        return _along_path(env, probe, solid, path, [sections[0]], [sections[1]])
     axis = axis_of(env, solid, solid.along)
-    levels = levels_of(env, solid, len(sections))
+    levels = _levels_of(env, solid, len(sections))
     if flowing is not None and len(sections) < 3:
         raise env.context.error(
             "wrong-arguments",
@@ -98,10 +98,10 @@ def loft(env: Env, solid: ast.SolidDecl) -> Made:
     rises = tuple(
         Demand(a, b, "the levels of the sections must rise") for a, b in zip(levels, levels[1:], strict=False)
     )
-    return made_of(env, probe, solid, bays, low, high, {}, rises)
+    return _made_of(env, probe, solid, bays, low, high, {}, rises)
 
 
-def open_section(env: Env, node: ast.Node) -> Abort:
+def _open_section(env: Env, node: ast.Node) -> Abort:
     return env.context.error("broken-chain", node.span, "a section must be a closed curve, but this one is open")
 
 
@@ -131,7 +131,7 @@ def alike(probe: Probe, sections: Chains) -> Chains:
     return found
 
 
-def levels_of(env: Env, solid: ast.SolidDecl, count: int) -> list[Expr]:
+def _levels_of(env: Env, solid: ast.SolidDecl, count: int) -> list[Expr]:
     """Where the sections of a loft along an axis stand."""
     ev = Evaluator(env)
     at, ends = ast.value_of(solid.at), (ast.value_of(solid.from_), ast.value_of(solid.to))
@@ -156,10 +156,12 @@ def swept(env: Env, solid: ast.SolidDecl) -> Made:
     """``sweep`` of a section that is no circle."""
     probe, path = Probe(env, solid.span), path_of(env, solid)
     chains = chains_of(env, probe, solid)
-    return along_path(env, probe, solid, path, chains, chains)
+    return _along_path(env, probe, solid, path, chains, chains)
 
 
-def along_path(env: Env, probe: Probe, solid: ast.SolidDecl, path: Curve | Handed, first: Chains, last: Chains) -> Made:
+def _along_path(
+    env: Env, probe: Probe, solid: ast.SolidDecl, path: Curve | Handed, first: Chains, last: Chains
+) -> Made:
     node = ast.value_of(solid.up)
     rails = stretches(path.steps if isinstance(path, Handed) else steps_of(path))
     check_directions(env, probe, solid, rails)
@@ -180,13 +182,13 @@ def along_path(env: Env, probe: Probe, solid: ast.SolidDecl, path: Curve | Hande
     requires = [narrow(probe, bay) for bay in bays if bay.rail.center is not None or bay.rail.length is ZERO]
     low, high = (triple(far(probe, bays, axis, sign) for axis in range(3)) for sign in (-1, 1))
     ports = ports_of(rails, across[0].up, across[-1].up)
-    return made_of(env, probe, solid, bays, low, high, ports, tuple(requires))
+    return _made_of(env, probe, solid, bays, low, high, ports, tuple(requires))
 
 
 def narrow(probe: Probe, bay: Bay) -> Demand:
     """No section reaches as far towards the inside of a bend as the centre of curvature."""
     if bay.rail.center is not None:
-        wide = reaching(probe, bay)
+        wide = _reaching(probe, bay)
         return Demand(wide, bay.rail.radius, NARROW, (wide, bay.rail.radius))
     shares, sizes, radii = [], [], []
     for k, bent in enumerate(inwards(bay.rail)):
@@ -204,7 +206,7 @@ def narrow(probe: Probe, bay: Bay) -> Demand:
     return Demand(E.maximum(*shares), ROOM, NARROW, (E.maximum(*sizes), E.minimum(*radii)))
 
 
-def reaching(probe: Probe, bay: Bay) -> Expr:
+def _reaching(probe: Probe, bay: Bay) -> Expr:
     """How far the sections of an arc reach towards its axis."""
     assert bay.rail.out is not None
     x, y = (E.neg(dot(across(0.0), bay.rail.out)) for across in (bay.frames.side, bay.frames.up))
@@ -244,7 +246,7 @@ def moving(bay: Bay) -> list[Span]:
     return found
 
 
-def made_of(
+def _made_of(
     env: Env,
     probe: Probe,
     solid: ast.SolidDecl,
@@ -260,10 +262,10 @@ def made_of(
     steepest = E.maximum(*(lean(probe, bay) for bay in bays))
     for number, bay in enumerate(bays):
         chains = bay.section(BLEND)
-        seen = probe if bay.even else probe.spread(str(BLEND.value), BLENDS)
+        seen = probe if bay.even else probe.spread(str(BLEND.value), _BLENDS)
         loops, fill = outline(env, seen, solid, chains)
         if any(side.span.closing for loop, _ in loops for side in loop):
-            raise open_section(env, solid)
+            raise _open_section(env, solid)
         for chain in chains:
             for span in chain:
                 across = swapped(span.position, {V: U, BLEND: V})
@@ -273,7 +275,7 @@ def made_of(
                 within = [E.add(b, E.mul(U, E.sub(a, b))) for a, b in zip(one.position, other.position, strict=True)]
                 place = bay.place(swapped(within, {BLEND: E.const(end)}), end)
                 patches.append(Patch(name, place, (ZERO, ONE), (one.low, one.high)))
-        value = inside_bay(
+        value = _inside_bay(
             probe, bay, E.div(distance(seen, loops, (X, Y)), steepest), number == 0, number == len(bays) - 1
         )
         inside = value if inside is None else E.minimum(inside, value)
@@ -283,13 +285,13 @@ def made_of(
     return Made(tuple(patches), tuple(pieces), inside, low, high, ports, requires)
 
 
-def inside_bay(probe: Probe, bay: Bay, flat: Expr, begins: bool, closes: bool) -> Expr:
+def _inside_bay(probe: Probe, bay: Bay, flat: Expr, begins: bool, closes: bool) -> Expr:
     """``flat``, a length in the section, where the foot of p on the path lies; cut off at the ends of the whole path."""
-    wide = widest(probe, bay)
+    wide = _widest(probe, bay)
     at = foot(probe, bay.rail, bay.frames.side, bay.frames.up, wide)
     value = E.substitute(flat, {X: at.x, Y: at.y, BLEND: at.v})
     if bay.rail.length is ZERO:  # further out than the section reaches, the distance to the path counts
-        value = E.maximum(E.div(value, twisted(probe, bay, wide)), at.start, at.end)
+        value = E.maximum(E.div(value, _twisted(probe, bay, wide)), at.start, at.end)
         return E.mul(E.maximum(E.minimum(value, E.mul(wide, NEAR)), E.sub(at.gap, wide)), SLOPE)
     if not bay.even and bay.rail.center is not None:  # near the axis of an arc the section changes ever faster
         value = E.mul(value, E.minimum(ONE, E.div(at.away, clearance(probe, bay))))
@@ -300,14 +302,14 @@ def inside_bay(probe: Probe, bay: Bay, flat: Expr, begins: bool, closes: bool) -
     return E.maximum(value, *(cap for cap, cut in ((at.start, begins), (at.end, closes)) if cut))
 
 
-def widest(probe: Probe, bay: Bay) -> Expr:
+def _widest(probe: Probe, bay: Bay) -> Expr:
     """A circle about the path that no section reaches beyond."""
     spans = [span for side in (bay.first, bay.last) for span in side[0]]
     ends = [[E.call("abs", extreme(probe, spans, k, sign)) for sign in (-1, 1)] for k in (0, 1)]
     return E.call("hypot", E.maximum(*ends[0]), E.maximum(*ends[1]))
 
 
-def twisted(probe: Probe, bay: Bay, wide: Expr) -> Expr:
+def _twisted(probe: Probe, bay: Bay, wide: Expr) -> Expr:
     """The greatest slope in space of a distance in a section that turns about the path of a formula and changes along it."""
     outer = E.mul(wide, E.const(1.1))
     tight = E.maximum(E.sub(ONE, E.mul(outer, bend(bay.rail))), E.const(0.1))
@@ -319,7 +321,7 @@ def twisted(probe: Probe, bay: Bay, wide: Expr) -> Expr:
 
 def clearance(probe: Probe, bay: Bay) -> Expr:
     """How far the sections of an arc stay from its axis."""
-    return E.sub(bay.rail.radius, reaching(probe, bay))
+    return E.sub(bay.rail.radius, _reaching(probe, bay))
 
 
 def lean(probe: Probe, bay: Bay) -> Expr:

@@ -69,32 +69,32 @@ def lathe(env: Env, solid: ast.SolidDecl) -> Made:
     probe = Probe(env, solid.span)
     axis = axis_of(env, solid, solid.about)
     chains = chains_of(env, probe, solid)
-    loop = profile_loop(probe, chains)
+    loop = _profile_loop(probe, chains)
     for side in loop:
-        check_radius(env, probe, solid, side.span)
+        _check_radius(env, probe, solid, side.span)
     patches = []
     for side in loop:
         radius, height = side.span.position
         place = turned(axis, (E.mul(radius, E.call("cos", U)), E.mul(radius, E.call("sin", U))), height)
         patches.append(Patch(side.span.name, place, FULL, (side.span.low, side.span.high)))
-    point = turned_back(axis)
+    point = _turned_back(axis)
     flat = (E.call("hypot", point[0], point[1]), point[2])
     inside = signed(probe, [(loop, False)], flat) or distance(probe, [(loop, False)], flat)
     spans = [side.span for side in loop]
     wide = extreme(probe, spans, 0, 1)
     low = turned(axis, (E.neg(wide), E.neg(wide)), extreme(probe, spans, 1, -1))
     high = turned(axis, (wide, wide), extreme(probe, spans, 1, 1))
-    pieces = lathe_pieces(env, probe, solid, chains, loop, axis)
+    pieces = _lathe_pieces(env, probe, solid, chains, loop, axis)
     return Made(tuple(patches), pieces, inside, low, high)
 
 
-def lathe_pieces(
+def _lathe_pieces(
     env: Env, probe: Probe, solid: ast.SolidDecl, chains: list[list[Span]], loop: Loop, axis: int
 ) -> tuple[Piece, ...]:
     """None for a convex solid (the hull of its mesh); slices of one that is not; wedges of a hollow one."""
     sign = orientation(probe, loop)
     if len(chains) == 1:
-        return () if convex(probe, loop, mirrored=True) else slices(env, probe, solid, chains[0], sign, axis)
+        return () if convex(probe, loop, mirrored=True) else _slices(env, probe, solid, chains[0], sign, axis)
     if len(chains[0]) != len(chains[1]):
         raise env.context.error(
             "broken-chain",
@@ -109,7 +109,7 @@ def lathe_pieces(
         count = E.minimum(E.maximum(fit, E.const(12.0)), E.const(72.0))
         half = E.div(E.const(TURN / 2), count)
         tangent = E.sub(E.div(ONE, E.call("cos", half)), ONE)
-        inner = bored(quad, tangent)
+        inner = _bored(quad, tangent)
         corners = []
         for k in (0.0, 1.0):
             angle = E.mul(E.mul(E.const(2.0), half), E.add(E.var("i"), E.const(k)))
@@ -120,7 +120,7 @@ def lathe_pieces(
     return tuple(pieces)
 
 
-def bored(quad: Quad, tangent: Expr) -> list[Point]:
+def _bored(quad: Quad, tangent: Expr) -> list[Point]:
     """The inner corners moved out so that chords around the axis are tangents of the bore (by a share of the radius).
 
     They move along the lines that close the step, to where these meet the widened bore: so they stay on the ring that
@@ -140,7 +140,9 @@ def bored(quad: Quad, tangent: Expr) -> list[Point]:
     return found
 
 
-def slices(env: Env, probe: Probe, solid: ast.SolidDecl, chain: list[Span], sign: Expr, axis: int) -> tuple[Piece, ...]:
+def _slices(
+    env: Env, probe: Probe, solid: ast.SolidDecl, chain: list[Span], sign: Expr, axis: int
+) -> tuple[Piece, ...]:
     """Frusta between equal steps of a solid profile, whose height must rise or fall all the way."""
     pieces = []
     way = 0.0
@@ -170,13 +172,13 @@ def slices(env: Env, probe: Probe, solid: ast.SolidDecl, chain: list[Span], sign
     return tuple(pieces)
 
 
-def turned_back(axis: int) -> Triple:
+def _turned_back(axis: int) -> Triple:
     """p across (two coordinates) and along an axis."""
     p = (PX, PY, PZ)
     return p[(axis + 1) % 3], p[(axis + 2) % 3], p[axis]
 
 
-def profile_loop(probe: Probe, chains: list[list[Span]]) -> Loop:
+def _profile_loop(probe: Probe, chains: list[list[Span]]) -> Loop:
     """The boundary of a profile in the half plane (radius, height), without what runs along the axis."""
     outer = chains[0]
     first, last = outer[0].start, outer[-1].end
@@ -197,7 +199,7 @@ def profile_loop(probe: Probe, chains: list[list[Span]]) -> Loop:
     return tuple(sides)
 
 
-def check_radius(env: Env, probe: Probe, solid: ast.SolidDecl, span: Span) -> None:
+def _check_radius(env: Env, probe: Probe, solid: ast.SolidDecl, span: Span) -> None:
     check_values(env, probe, solid, span)
     if samples(probe, span, 16)[..., 0].min() < -1e-9:
         raise env.context.error(
@@ -236,7 +238,7 @@ def extrude(env: Env, solid: ast.SolidDecl) -> Made:
         for one, other in strips:
             across = pair(E.add(b, E.mul(U, E.sub(a, b))) for a, b in zip(one.position, other.position, strict=True))
             patches.append(Patch(name, turned(axis, across, height), (ZERO, ONE), (one.low, one.high)))
-    point = turned_back(axis)
+    point = _turned_back(axis)
     flat = signed(probe, loops, (point[0], point[1])) or distance(probe, loops, (point[0], point[1]))
     inside = E.maximum(flat, E.sub(low, point[2]), E.sub(point[2], high))
     spans = [side.span for loop, _ in loops for side in loop]
@@ -247,13 +249,13 @@ def extrude(env: Env, solid: ast.SolidDecl) -> Made:
     pieces: tuple[Piece, ...] = ()
     if len(loops) > 1 or not convex(probe, loops[0][0], mirrored=False):
         polygons = parts(probe, strips, orientation(probe, loops[0][0])) if region is None else region.polygons
-        pieces = prisms(polygons, axis, (low, high))
+        pieces = _prisms(polygons, axis, (low, high))
     return Made(
         tuple(patches), pieces, inside, bounds[0], bounds[1], {}, (Demand(low, high, "the prism has no height"),)
     )
 
 
-def prisms(polygons: list[list[Point]], axis: int, ends: tuple[Expr, Expr]) -> tuple[Piece, ...]:
+def _prisms(polygons: list[list[Point]], axis: int, ends: tuple[Expr, Expr]) -> tuple[Piece, ...]:
     """Prisms over the convex parts of a region."""
     return tuple(
         Piece(f"part_{number}", tuple(turned(axis, corner, end) for end in ends for corner in corners))

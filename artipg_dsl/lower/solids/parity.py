@@ -19,7 +19,7 @@ from ...graph.primitive import pair
 from .probe import Probe
 from .profiles import FINE, TINY, Loop, Point, Span, clamp, dot, minus, samples, scale, straight
 
-THIN = E.const(1e-12)  # metres: the least half axis
+_THIN = E.const(1e-12)  # metres: the least half axis
 EXACT = 1e-11  # relative: how well the test values must fit an ellipse
 
 
@@ -77,7 +77,7 @@ def fitted(probe: Probe, seen: np.ndarray, start: Point, end: Point) -> Quarter 
             E.const(float(s[0])) if (s == s[0]).all() else E.call("sign", r)
             for r, s in zip(reach, np.sign(half).T, strict=True)
         )
-        long = pair(E.maximum(E.mul(s, probe.tidy(r)), THIN) for r, s in zip(reach, sign, strict=True))
+        long = pair(E.maximum(E.mul(s, probe.tidy(r)), _THIN) for r, s in zip(reach, sign, strict=True))
         return Quarter(center, long, sign)
     return None
 

@@ -32,11 +32,11 @@ from .probe import Probe
 from .profiles import V
 
 # how the numbers of a path are tested where nothing is known of them: metres and radians
-TESTS = {"at": (-0.1, 0.1), "along": (0.4, 1.0), "length": (0.03, 0.2), "radius": (0.05, 0.12), "angle": (0.3, 2.6)}
-TESTS["formula"] = (0.05, 0.2)
+_TESTS = {"at": (-0.1, 0.1), "along": (0.4, 1.0), "length": (0.03, 0.2), "radius": (0.05, 0.12), "angle": (0.3, 2.6)}
+_TESTS["formula"] = (0.05, 0.2)
 MOST_STEPS = 1024  # at which the turning of a path is looked at
-GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
-POSITIVE = ("length", "radius", "angle")
+_GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
+_POSITIVE = ("length", "radius", "angle")
 KINDS = {
     "from": ("at",) * 3 + ("along",) * 3,
     "line": ("length",),
@@ -64,14 +64,14 @@ class Stretch:
         return triple(E.substitute_all(self.direction, {V: E.wrap(value)}))
 
 
-CLOSED = tuple(form for form in FORMS if form.meaning in OUTLINES)
+_CLOSED = tuple(form for form in FORMS if form.meaning in OUTLINES)
 
 
 def number(ev: Evaluator, node: ast.Expr) -> tuple[Expr, ...]:
     return (ev.scalar(node),)
 
 
-READ = {"point": Evaluator.vector, "direction": Evaluator.direction}  # what is not one number
+_READ = {"point": Evaluator.vector, "direction": Evaluator.direction}  # what is not one number
 
 
 def steps_of(curve: Curve) -> tuple[Step, ...]:
@@ -79,7 +79,7 @@ def steps_of(curve: Curve) -> tuple[Step, ...]:
     ev = Evaluator(curve.env)
     if not isinstance(curve.value, ast.ChainExpr):
         low, high = curve.ends()
-        point = () if ev.env.context.form(curve.value) in CLOSED else curve.point()
+        point = () if ev.env.context.form(curve.value) in _CLOSED else curve.point()
         if len(point) != 3:
             raise curve.env.context.error(
                 "bad-curve",
@@ -94,7 +94,7 @@ def steps_of(curve: Curve) -> tuple[Step, ...]:
         form = ev.env.context.form(piece)
         assert form is not None
         given = bound(piece, form)
-        numbers = (n for p in form.parameters for n in READ.get(p.type, number)(ev, given[p.name]))
+        numbers = (n for p in form.parameters for n in _READ.get(p.type, number)(ev, given[p.name]))
         found.append(Step(form.name, tuple(numbers)))
     if len(found) < 2:
         raise curve.env.context.error(
@@ -133,11 +133,11 @@ def angles(probe: Probe, rail: Stretch, steps: int) -> np.ndarray:
     return np.arccos(np.clip((seen[1:] * seen[:-1]).sum(axis=1), -1.0, 1.0))
 
 
-def speeds(probe: Probe, rail: Stretch, steps: int) -> np.ndarray:
+def _speeds(probe: Probe, rail: Stretch, steps: int) -> np.ndarray:
     """(steps, rows): how fast a path turns, radians by v, at a place within each step that no period of the path meets always."""
     k = np.arange(steps)
     speed = [derive(c, "v") for c in rail.place]
-    places = probe.spread("v", tuple((k + (0.5 + k * GOLDEN) % 1.0) / steps))
+    places = probe.spread("v", tuple((k + (0.5 + k * _GOLDEN) % 1.0) / steps))
     first, second = places(*speed, *(derive(c, "v") for c in speed)).reshape(2, 3, steps, -1)
     with np.errstate(all="ignore"):
         turning = np.sqrt((np.cross(first, second, axis=0) ** 2).sum(axis=0)) / (first**2).sum(axis=0)
@@ -152,7 +152,7 @@ def turned(probe: Probe, rail: Stretch) -> float:
     """
     steps = 256
     while True:
-        shown, meant = angles(probe, rail, steps).sum(axis=0), speeds(probe, rail, steps).mean(axis=0)
+        shown, meant = angles(probe, rail, steps).sum(axis=0), _speeds(probe, rail, steps).mean(axis=0)
         if (meant <= 1.05 * shown + 0.5).all():
             return float(shown.max())
         if steps >= MOST_STEPS:
@@ -177,11 +177,11 @@ def arc(at: Triple, along: Triple, radius: Expr, angle: Expr, towards: Triple) -
     return Stretch(place, direction, E.mul(radius, angle), center, times(inward, E.const(-1.0)), radius, angle)
 
 
-def test_range(kind: str, known: Interval) -> Interval:
+def _test_range(kind: str, known: Interval) -> Interval:
     """The values at which a number of a path is tested: those that the domains allow, else the usual ones of its kind."""
-    usual = TESTS[kind]
+    usual = _TESTS[kind]
     low, high = (k if math.isfinite(k) else u for k, u in zip(known, usual, strict=True))
-    if kind in POSITIVE and high > 0:  # where sizes depend on one another, bounds of a difference are too wide
+    if kind in _POSITIVE and high > 0:  # where sizes depend on one another, bounds of a difference are too wide
         low = max(low, min(usual[0], 0.1 * high))
     return (
         (low, high)
@@ -204,14 +204,14 @@ def _handed(curve: Curve, name: str) -> Handed:
     known = Intervals(context.draws, context.program.definitions)
     steps = steps_of(curve)
     numbers = {number: kind for step in steps for number, kind in zip(step.numbers, KINDS[step.word], strict=True)}
-    found = variables_of(numbers)
+    found = _variables_of(numbers)
     variables = {node: E.var(f"{name}.{k}") for k, node in enumerate(found)}
     moved = tuple(Step(s.word, tuple(E.substitute(e, variables) for e in s.numbers)) for s in steps)
     names = tuple(str(v.value) for v in variables.values())
-    return Handed(curve, moved, names, tuple(found), tuple(test_range(kind, known.of(e)) for e, kind in found.items()))
+    return Handed(curve, moved, names, tuple(found), tuple(_test_range(kind, known.of(e)) for e, kind in found.items()))
 
 
-def variables_of(numbers: dict[Expr, str]) -> dict[Expr, str]:
+def _variables_of(numbers: dict[Expr, str]) -> dict[Expr, str]:
     """What a path's numbers are made of, with their kinds: the greatest terms without v, or, where they are no more, the
     columns that these read, which depend on one another in no way.
     """
@@ -238,12 +238,12 @@ def variables_of(numbers: dict[Expr, str]) -> dict[Expr, str]:
     for number, kind in numbers.items():
         visit(number, kind)
     columns = dict.fromkeys(sorted({c for node in terms for c in E.leaves(node)}, key=lambda c: c.path))
-    plain = all(c.kind == "real" for c in columns) and not any(crosses(node) for node in terms)
+    plain = all(c.kind == "real" for c in columns) and not any(_crosses(node) for node in terms)
     shorter = len(columns) < len(terms) or len(columns) == len(terms) and "formula" in terms.values()
     return {E.col(c): "formula" for c in columns} if columns and plain and shorter else terms
 
 
-def crosses(root: Expr) -> bool:
+def _crosses(root: Expr) -> bool:
     """Whether a value reads other tables, or is no formula of columns alone."""
     seen: set[Expr] = set()
     stack = [root]

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from ..elaborate.part import Instance
 
 
-MOST_COPIES = 64  # of an indexed surface
+_MOST_COPIES = 64  # of an indexed surface
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -149,7 +149,7 @@ def lower_primitive(context: Context, symbol: Symbol, values: dict[str, Value] |
     if key not in context.solids and paths:
         plain = shaped(context, symbol, paths, {})
         if not plain.possible:
-            tested = beyond_tests(context, symbol, paths, values or {})
+            tested = _beyond_tests(context, symbol, paths, values or {})
             key = (symbol, *(path.key for path in paths.values()), *tested.items())
         if not tested:
             context.solids[key] = plain
@@ -175,7 +175,7 @@ def shaped(context: Context, symbol: Symbol, paths: dict[str, Handed], tested: d
     return found
 
 
-def beyond_tests(
+def _beyond_tests(
     context: Context, symbol: Symbol, paths: dict[str, Handed], values: dict[str, Value]
 ) -> dict[str, Interval]:
     """The ranges of what a use hands in beside a path where they lead out of the test ranges, none of which is possible along
@@ -220,7 +220,7 @@ def make(context: Context, symbol: Symbol, title: str, paths: dict[str, Handed])
                     parameters.extend(paths[name].names)
                     tests.extend(paths[name].tests)
                     continue
-                declare_parameter(env, statement, name, names, parameters, tests, conditions)
+                _declare_parameter(env, statement, name, names, parameters, tests, conditions)
     stated: list[str] = []
     for statement in symbol.body:
         if isinstance(statement, ast.LetDecl | ast.CurveDecl):
@@ -232,7 +232,7 @@ def make(context: Context, symbol: Symbol, title: str, paths: dict[str, Handed])
             env.names[statement.name] = Thunk(partial(Evaluator(env).value, statement.value), statement.name_span)
     for statement in symbol.body:
         if isinstance(statement, ast.RequireStmt) and statement.condition is not None:
-            conditions.append(condition_of(Evaluator(env), statement))
+            conditions.append(_condition_of(Evaluator(env), statement))
     limits = domains(env, symbol.body)
     whole = [n for s in symbol.body if isinstance(s, ast.ParamDecl) and s.type.name == "count" for n in s.names]
     patches, pieces = [], []
@@ -243,9 +243,9 @@ def make(context: Context, symbol: Symbol, title: str, paths: dict[str, Handed])
     for statement in symbol.body:
         match statement:
             case ast.SurfaceDecl():
-                patches.append(patch_of(env, statement, limits))
+                patches.append(_patch_of(env, statement, limits))
             case ast.PieceDecl():
-                pieces.append(piece_of(env, statement))
+                pieces.append(_piece_of(env, statement))
             case ast.InsideDecl():
                 point = Vec(tuple(E.var(f"p.{a}") for a in "xyz"))
                 inside = Evaluator(env, {statement.parameter: point}).scalar(statement.value)
@@ -294,7 +294,7 @@ def make(context: Context, symbol: Symbol, title: str, paths: dict[str, Handed])
     return lowered
 
 
-def declare_parameter(
+def _declare_parameter(
     env: Env,
     statement: ast.ParamDecl,
     name: str,
@@ -332,7 +332,7 @@ def declare_parameter(
                 conditions.append(Condition(E.call("le", *pair), pair, told, text))
 
 
-def condition_of(ev: Evaluator, statement: ast.RequireStmt) -> Condition:
+def _condition_of(ev: Evaluator, statement: ast.RequireStmt) -> Condition:
     assert statement.condition is not None
     condition, slack = comparison(ev, statement.condition)
     return Condition(condition, slack, statement.message or "a requirement of the primitive fails", "requirement")
@@ -382,24 +382,24 @@ def domains(env: Env, body: tuple[ast.Stmt, ...]) -> dict[Expr, Interval]:
     return found
 
 
-def copies(env: Env, number: Expr, node: ast.Expr, limits: dict[Expr, Interval]) -> tuple[int, Expr | None]:
+def _copies(env: Env, number: Expr, node: ast.Expr, limits: dict[Expr, Interval]) -> tuple[int, Expr | None]:
     """The greatest number of copies of an indexed surface, and where it varies, which of them exist."""
     if number.constant is not None:
         return int(number.constant), None
     known = Intervals((), {})
     known.memo.update(limits)
     _, most = known.of(number)
-    if not most <= MOST_COPIES:
+    if not most <= _MOST_COPIES:
         raise env.context.error(
             "open-count",
             node.span,
-            f"the number of copies of this surface has no known limit, or one above {MOST_COPIES}",
+            f"the number of copies of this surface has no known limit, or one above {_MOST_COPIES}",
             hint="use a count with a range: `param sides : count in 3 .. 12`",
         )
     return int(most + 1e-9), E.call("lt", E.var("i"), number)
 
 
-def patch_of(env: Env, statement: ast.SurfaceDecl, limits: dict[Expr, Interval]) -> Patch:
+def _patch_of(env: Env, statement: ast.SurfaceDecl, limits: dict[Expr, Interval]) -> Patch:
     local: dict[str, Value] = {statement.u: E.var("u"), statement.v: E.var("v")}
     if statement.index is not None:
         local[statement.index] = E.var("i")
@@ -410,12 +410,12 @@ def patch_of(env: Env, statement: ast.SurfaceDecl, limits: dict[Expr, Interval])
     guard = None if statement.guard is None else ev.truth(ev.value(statement.guard), statement.guard.span)
     count = None
     if statement.index_count is not None:
-        count, present = copies(env, plain.scalar(statement.index_count), statement.index_count, limits)
+        count, present = _copies(env, plain.scalar(statement.index_count), statement.index_count, limits)
         guard = present if guard is None else guard if present is None else E.both(guard, present)
     return Patch(statement.name, ev.vector(statement.value), u, v, guard, count)
 
 
-def piece_of(env: Env, statement: ast.PieceDecl) -> Piece:
+def _piece_of(env: Env, statement: ast.PieceDecl) -> Piece:
     local: dict[str, Value] = {statement.index: E.var("i")} if statement.index is not None else {}
     ev = Evaluator(env, local)
     count = None if statement.count is None else Evaluator(env).scalar(statement.count)

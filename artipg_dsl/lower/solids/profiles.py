@@ -25,7 +25,7 @@ SLOPE = E.const(0.95)  # takes what Newton's method leaves open far from a curve
 STEPS = 4
 SLOW = 3
 LEAST = 0.5  # of the squared speed: the least denominator of a step, near the centre of curvature
-BEND = np.radians(50.0)  # the most that a curve turns within a bracket
+_BEND = np.radians(50.0)  # the most that a curve turns within a bracket
 TURN = 6.283185307179586
 FLAT = 1e-7  # metres for the whole of a curve: a slope that leads nowhere
 FINE = 64  # steps at which a curve's turning is looked at; a power of 2
@@ -132,13 +132,13 @@ def straight(probe: Probe, span: Span) -> bool:
     return bool((np.abs(np.nan_to_num(turning(samples(probe, span, 12)), nan=1.0)) < 1e-9).all())
 
 
-def brackets(probe: Probe, span: Span) -> list[tuple[float, float]]:
+def _brackets(probe: Probe, span: Span) -> list[tuple[float, float]]:
     """A span halved and halved again until it turns by little in each bracket."""
     turns = np.abs(np.nan_to_num(turning(samples(probe, span, FINE))))
     return halved(np.concatenate([turns, turns[:, -1:]], axis=1))
 
 
-def halved(turns: np.ndarray, bend: float = BEND) -> list[tuple[float, float]]:
+def halved(turns: np.ndarray, bend: float = _BEND) -> list[tuple[float, float]]:
     """Brackets of 0 .. 1 from the angles (rows, steps) that a curve turns through in equal steps, a power of 2."""
     found: list[tuple[float, float]] = []
     fine = turns.shape[1]
@@ -239,11 +239,11 @@ def reaches(
         t = E.div(dot(minus(point, a), along), E.maximum(dot(along, along), TINY))
         t = clamp(t, 0.0, 1.0)
         away = minus(minus(point, a), scale(along, t))
-        return [(dot(away, away), side_of(away, right_of(along, outward), t, ends, ZERO, ONE))]
+        return [(dot(away, away), _side_of(away, right_of(along, outward), t, ends, ZERO, ONE))]
     arc = circular(probe, span)
     if arc is not None:
         return [arc.reach(outward, ends, point)]
-    cuts = brackets(probe, span)
+    cuts = _brackets(probe, span)
     curve = span.by_fraction
     speed: Point = pair(derive(c, "v") for c in curve)
     bend: Point = pair(derive(c, "v") for c in speed)
@@ -257,7 +257,7 @@ def reaches(
         away = minus(minus(point, here), scale(tangent, E.sub(last, t)))
         normal = right_of(tangent, outward)
         own = (ends[0] if k == 0 else normal, ends[1] if k == len(cuts) - 1 else normal)
-        found.append((dot(away, away), side_of(away, normal, last, own, E.const(low), E.const(high))))
+        found.append((dot(away, away), _side_of(away, normal, last, own, E.const(low), E.const(high))))
     return found
 
 
@@ -286,7 +286,7 @@ class Arc:
         )
         rest = minus(away, scale(out, self.radius))
         normal = scale(out, E.mul(self.left, outward))
-        return dot(rest, rest), side_of(rest, normal, angle, ends, E.neg(self.half), self.half)
+        return dot(rest, rest), _side_of(rest, normal, angle, ends, E.neg(self.half), self.half)
 
 
 def circular(probe: Probe, span: Span) -> Arc | None:
@@ -331,7 +331,7 @@ def onwards(residual: Expr, square: Expr, curved: Expr, number: int) -> Expr:
     return E.div(residual, E.maximum(E.sub(square, curved), E.mul(least, square)))
 
 
-def side_of(away: Point, normal: Point, t: Expr, ends: tuple[Point, Point], low: Expr, high: Expr) -> Expr:
+def _side_of(away: Point, normal: Point, t: Expr, ends: tuple[Point, Point], low: Expr, high: Expr) -> Expr:
     """Positive outside: by the normal at the foot, or where the foot is an end by what tells the sides apart there."""
     way = dot(away, normal)
     if ends[0] is not normal:
@@ -366,12 +366,12 @@ def crests(probe: Probe, height: Expr, windows: int = 1) -> list[Expr]:
     for k in range(windows):
         share = E.mul(E.add(V, E.const(float(k))), E.const(1 / windows))
         part = height if windows == 1 else E.substitute(height, {V: share})
-        if rises(probe, part):
-            found.append(E.substitute(part, {V: summit(part)}))
+        if _rises(probe, part):
+            found.append(E.substitute(part, {V: _summit(part)}))
     return found
 
 
-def rises(probe: Probe, height: Expr) -> bool:
+def _rises(probe: Probe, height: Expr) -> bool:
     """Whether a function of v is greater somewhere between its ends than at both: at some step, or by its slopes there."""
     values = probe.along([height], [k / 32 for k in range(33)], V)[:, 0]
     ends = np.maximum(values[0], values[-1])
@@ -382,7 +382,7 @@ def rises(probe: Probe, height: Expr) -> bool:
     return bool(((values[0] >= ends) & (begin > FLAT) | (values[-1] >= ends) & (end < -FLAT)).any())
 
 
-def summit(height: Expr, count: int = 12) -> Expr:
+def _summit(height: Expr, count: int = 12) -> Expr:
     """Where a function of v is greatest over 0 .. 1: the best of equal steps, then Newton's method on the slope."""
     first = derive(height, "v")
     second = derive(first, "v")

@@ -23,12 +23,12 @@ from .paths import MOST_STEPS, Stretch, angles, windows
 from .probe import Probe
 from .profiles import FINE, SLOW, STEPS, V, clamp, halved, onwards, tops
 
-BRACKET = np.radians(25.0)  # how far a path turns within one
+_BRACKET = np.radians(25.0)  # how far a path turns within one
 NEAR = E.const(0.1)  # of the width of a section: further off, the distance to the path tells how far it is
 
 P: Triple = triple(E.var(f"p.{a}") for a in "xyz")
 Across = Callable[[float | Expr], Triple]  # the vector beside the path at v
-MOST_TURNS = 64  # of a path: each is searched for how far it reaches
+_MOST_TURNS = 64  # of a path: each is searched for how far it reaches
 
 
 def path_of(env: Env, solid: ast.SolidDecl) -> Curve | Handed:
@@ -62,7 +62,7 @@ class Foot:
 def foot(probe: Probe, rail: Stretch, side: Across, up: Across, wide: Expr) -> Foot:
     """The nearest place of a stretch, across which a section stands along ``side`` and ``up`` and reaches ``wide``."""
     if rail.center is not None and rail.out is not None:
-        return foot_on_arc(rail, side, up)
+        return _foot_on_arc(rail, side, up)
     if rail.length is not ZERO:
         from_start = minus(P, rail.at(0.0))
         along = dot(from_start, rail.direction)
@@ -92,7 +92,7 @@ def cap(turned: Expr, away: Expr) -> Expr:
     return E.mul(away, E.call("sin", clamp(turned, -TURN / 4, TURN / 4)))
 
 
-def foot_on_arc(rail: Stretch, side: Across, up: Across) -> Foot:
+def _foot_on_arc(rail: Stretch, side: Across, up: Across) -> Foot:
     """The angle of p is cut to the arc; the distances beyond its ends are measured about its axis."""
     assert rail.center is not None and rail.out is not None
     angle, away, half = about_arc(rail)
@@ -136,11 +136,11 @@ def check_directions(env: Env, probe: Probe, solid: ast.SolidDecl, rails: list[S
             hint="a path must be continuous everywhere: narrow the ranges of its formula",
         )
     turns = max(windows(probe, rail) for rail in rails)
-    if turns > MOST_TURNS:
+    if turns > _MOST_TURNS:
         raise env.context.error(
             "bad-curve",
             solid.span,
-            f"the path makes {turns} turns at some of the test values; a solid can follow at most {MOST_TURNS}",
+            f"the path makes {turns} turns at some of the test values; a solid can follow at most {_MOST_TURNS}",
             hint="use fewer turns, and repeat the part: `repeat coil[k] ...`",
         )
 
@@ -171,7 +171,7 @@ def nearest(probe: Probe, rail: Stretch) -> tuple[Expr, Expr]:
         return away, tangent, move
 
     best: tuple[Expr, ...] | None = None
-    cuts = brackets(probe, rail)
+    cuts = _brackets(probe, rail)
     for ends in ((0.0, 0.0), *cuts, (1.0, 1.0)):  # also the ends themselves, which in a hollow have a rise beside them
         t: Expr = E.const(sum(ends) / 2)
         for turn in range(SLOW if ends[0] < ends[1] else 0):
@@ -198,13 +198,13 @@ def nearest(probe: Probe, rail: Stretch) -> tuple[Expr, Expr]:
     return dot(away, away), t
 
 
-def brackets(probe: Probe, rail: Stretch) -> list[tuple[float, float]]:
+def _brackets(probe: Probe, rail: Stretch) -> list[tuple[float, float]]:
     """A formula's path cut so that it turns by little in each bracket."""
     fine = FINE
     while True:
         turns = angles(probe, rail, fine).T
-        if fine >= MOST_STEPS or turns.max() <= BRACKET / 2 and 4 * windows(probe, rail) <= fine:
-            return halved(turns, BRACKET)
+        if fine >= MOST_STEPS or turns.max() <= _BRACKET / 2 and 4 * windows(probe, rail) <= fine:
+            return halved(turns, _BRACKET)
         fine *= 2
 
 

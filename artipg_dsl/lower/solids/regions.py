@@ -75,7 +75,7 @@ def outline(
         sides = [Side(s) for s in outer]
         if not closed[0]:
             sides.append(Side(between("rim", outer[-1].end, outer[0].start)))
-        filled = fan(probe, [side.span for side in sides]) or triangles(probe, tuple(sides))
+        filled = _fan(probe, [side.span for side in sides]) or triangles(probe, tuple(sides))
         if filled is None:
             raise env.context.error(
                 "bad-curve",
@@ -123,7 +123,7 @@ def mean(spans: list[Span]) -> Point:
     return x, y
 
 
-def fan(probe: Probe, spans: list[Span]) -> Strips | None:
+def _fan(probe: Probe, spans: list[Span]) -> Strips | None:
     """Each curve with a place that sees the whole outline: its middle, or else a corner; None where neither does.
 
     The curves that end at such a corner lie in the sides of their neighbours, so they must be straight.

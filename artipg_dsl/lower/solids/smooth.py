@@ -17,8 +17,8 @@ from ...graph.expr import ONE, ZERO, Expr
 from .probe import Probe
 from .profiles import Span, extreme
 
-THREE = E.const(3.0)
-NATURAL = E.const(1.5)  # the slope of a share at the first and at the last section: its curvature is 0 there
+_THREE = E.const(3.0)
+_NATURAL = E.const(1.5)  # the slope of a share at the first and at the last section: its curvature is 0 there
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,7 +38,7 @@ class Run:
     def fastest(self) -> Expr:
         """A bound of its slope: the corners of the slope's curve of Bezier, cut in its middle."""
         half = E.const(0.5)
-        middle = E.sub(E.mul(THREE, E.sub(self.last, self.first)), E.add(self.begin, self.end))
+        middle = E.sub(E.mul(_THREE, E.sub(self.last, self.first)), E.add(self.begin, self.end))
         corners = [self.begin, E.mul(half, E.add(self.begin, middle)), E.mul(half, E.add(middle, self.end)), self.end]
         return E.maximum(*(E.call("abs", c) for c in corners))
 
@@ -84,7 +84,7 @@ class Course:
                     for a, b in pairs
                     for k in range(17)
                 ]
-                move = E.add(move, E.mul(E.mul(wide, E.maximum(*changes)), E.mul(E.const(1.05), NATURAL)))
+                move = E.add(move, E.mul(E.mul(wide, E.maximum(*changes)), E.mul(E.const(1.05), _NATURAL)))
             moves.append(move)
         return E.call("hypot", *moves)
 
@@ -107,13 +107,13 @@ def courses(probe: Probe, sections: list[list[Span]], levels: list[Expr]) -> lis
     for k in range(count):
         first, second = ((low[k], high[k]) for low, high in runs)
         pairs = list(zip(sections[k], sections[k + 1], strict=True))
-        one, two = (same_shape(probe, pairs, axis, *bounds) for axis, bounds in enumerate((first, second)))
-        share = Run(ZERO, ONE, NATURAL if k == 0 else ZERO, NATURAL if k == count - 1 else ZERO)
+        one, two = (_same_shape(probe, pairs, axis, *bounds) for axis, bounds in enumerate((first, second)))
+        share = Run(ZERO, ONE, _NATURAL if k == 0 else ZERO, _NATURAL if k == count - 1 else ZERO)
         found.append(Course((first, second), (one, two), share))
     return found
 
 
-def same_shape(probe: Probe, pairs: list[tuple[Span, Span]], axis: int, low: Run, high: Run) -> bool:
+def _same_shape(probe: Probe, pairs: list[tuple[Span, Span]], axis: int, low: Run, high: Run) -> bool:
     """Whether each place of two sections lies as far between their bounds, for every test value."""
     ends = (low.first, high.first), (low.last, high.last)
     return probe.zero(
@@ -147,7 +147,7 @@ def through(before: Expr, after: Expr, low: Expr, high: Expr) -> Expr:
     one, other = E.add(E.add(high, high), low), E.add(E.add(low, low), high)
     sum_of_both = E.add(E.mul(one, after), E.mul(other, before))
     same = E.call("lt", ZERO, product)
-    mean = E.div(E.mul(E.mul(THREE, E.add(low, high)), product), E.where(same, sum_of_both, ONE))
+    mean = E.div(E.mul(E.mul(_THREE, E.add(low, high)), product), E.where(same, sum_of_both, ONE))
     return E.where(same, mean, ZERO)
 
 
@@ -155,5 +155,5 @@ def outer(own: Expr, next_one: Expr, near: Expr, far: Expr) -> Expr:
     """The slope at the first or the last level: that of a parabola through three, between 0 and thrice the stretch's own."""
     both = E.add(near, far)
     parabola = E.div(E.sub(E.mul(E.add(near, both), own), E.mul(near, next_one)), both)
-    most = E.mul(THREE, own)
+    most = E.mul(_THREE, own)
     return E.minimum(E.maximum(parabola, E.minimum(ZERO, most)), E.maximum(ZERO, most))

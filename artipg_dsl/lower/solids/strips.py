@@ -17,8 +17,8 @@ from .probe import Probe
 from .profiles import Loop, Point, Span, dot, equal_steps, minus, right_of, samples, scale, straight, turning
 
 MOST = 16  # steps of a curve
-SAFE = E.const(1.05)  # a bulge is measured at a few places; what lies between them
-QUARTER = 0.25  # of a wall may be cut
+_SAFE = E.const(1.05)  # a bulge is measured at a few places; what lies between them
+_QUARTER = 0.25  # of a wall may be cut
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,26 +62,26 @@ def steps(probe: Probe, outer: Span, inner: Span) -> int:
         fine = [samples(probe, s, 2 * count) for s in (outer, inner)]
         wall = np.sqrt(((fine[0] - fine[1]) ** 2).sum(axis=-1))[:, 1::2]
         cut = [np.sqrt(((p[:, 1::2] - (p[:, :-1:2] + p[:, 2::2]) / 2) ** 2).sum(axis=-1)) for p in fine]
-        if (np.maximum(*cut) <= QUARTER * wall).mean() > 0.98:
+        if (np.maximum(*cut) <= _QUARTER * wall).mean() > 0.98:
             break
         count += 2
     return min(count, MOST)
 
 
-def bulge(probe: Probe, span: Span, low: float, high: float, outward: Expr) -> Expr:
+def _bulge(probe: Probe, span: Span, low: float, high: float, outward: Expr) -> Expr:
     """How far a step of a span bulges into the region beyond its chord, at most; 0 where it never does."""
     a, b = span.fraction(low), span.fraction(high)
     normal = right_of(minus(b, a), outward)
     found = [dot(minus(a, span.fraction(low + (high - low) * s)), normal) for s in (0.25, 0.5, 0.75)]
     if not (np.nan_to_num(probe(*found)) > 1e-12).any():
         return ZERO
-    return E.mul(E.maximum(ZERO, *found), SAFE)
+    return E.mul(E.maximum(ZERO, *found), _SAFE)
 
 
 def chord(probe: Probe, span: Span, low: float, high: float, outward: Expr) -> tuple[Point, Point]:
     """The ends of a step, moved into the region by what bulges into it."""
     a, b = span.fraction(low), span.fraction(high)
-    depth = bulge(probe, span, low, high, outward)
+    depth = _bulge(probe, span, low, high, outward)
     if depth is ZERO:
         return a, b
     move = scale(right_of(minus(b, a), outward), depth)
@@ -117,14 +117,14 @@ def parts(probe: Probe, pairs: Sequence[tuple[Span, Span]], sign: Expr) -> list[
             corners = [c for k, c in enumerate(corners) if c != corners[k - 1]]
             if found and len(corners) == 3 and found[-1][-1] == corners[-1] and found[-1][-2] == corners[0]:
                 joined = [*found[-1][:-1], *corners[1:]]
-                if round_about(probe, joined):
+                if _round_about(probe, joined):
                     found[-1] = joined
                     continue
             found.append(corners)
     return found
 
 
-def round_about(probe: Probe, corners: Sequence[Point]) -> bool:
+def _round_about(probe: Probe, corners: Sequence[Point]) -> bool:
     """Whether a polygon is convex for every test value, its corners in their order."""
     points = np.stack([np.stack([probe(c)[0] for c in corner], axis=-1) for corner in corners], axis=1)
     size = np.sqrt(((points.max(axis=1) - points.min(axis=1)) ** 2).sum(axis=-1))

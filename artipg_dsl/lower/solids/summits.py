@@ -13,7 +13,7 @@ from .probe import Probe
 from .profiles import FLAT, Span, V, clamp, straight, tops
 
 W = E.var("section.w")  # along a curve of the section, as V is along the path
-GRID = 8
+_GRID = 8
 
 
 def reached(
@@ -30,7 +30,7 @@ def reached(
         height = E.add(place, E.add(E.mul(side, x), E.mul(up, y)))
         corner = E.substitute(height, {W: ZERO})
         found += [E.substitute(corner, {V: end}) for end in (ZERO, ONE)] if line else tops(probe, corner, windows)
-        if all(straight(probe, at_end(span, end)) for end in (ZERO, ONE)):
+        if all(straight(probe, _at_end(span, end)) for end in (ZERO, ONE)):
             continue
         for end in (ZERO, ONE):
             found += tops(probe, E.substitute(height, {V: end, W: V}))
@@ -40,7 +40,7 @@ def reached(
     return found
 
 
-def at_end(span: Span, end: Expr) -> Span:
+def _at_end(span: Span, end: Expr) -> Span:
     """A curve of a section at an end of its path, as a curve of its own."""
     x, y = (E.substitute(E.substitute(c, {V: end}), {W: V}) for c in span.position)
     return Span(span.name, (x, y))
@@ -52,13 +52,13 @@ def between(probe: Probe, height: Expr) -> list[Expr]:
     places = [E.substitute(height, {V: E.const(v), W: E.const(w)}) for v in steps for w in steps]
     values = probe(*places).reshape(17, 17, -1)
     edges = np.concatenate([values[0], values[-1], values[:, 0], values[:, -1]])
-    if not (values.max(axis=(0, 1)) > edges.max(axis=0) + 1e-12).any() and not leads_in(probe, height, values):
+    if not (values.max(axis=(0, 1)) > edges.max(axis=0) + 1e-12).any() and not _leads_in(probe, height, values):
         return []
     v, w = E.const(0.5), E.const(0.5)
     top = E.substitute(height, {V: v, W: w})
-    for i in range(GRID + 1):
-        for j in range(GRID + 1):
-            here = E.const(i / GRID), E.const(j / GRID)
+    for i in range(_GRID + 1):
+        for j in range(_GRID + 1):
+            here = E.const(i / _GRID), E.const(j / _GRID)
             value = E.substitute(height, {V: here[0], W: here[1]})
             higher = E.call("lt", top, value)
             v, w, top = E.where(higher, here[0], v), E.where(higher, here[1], w), E.maximum(top, value)
@@ -73,11 +73,11 @@ def between(probe: Probe, height: Expr) -> list[Expr]:
         safe = E.where(good, spread, ONE)
         dv = E.where(good, E.div(E.sub(E.mul(q, b), E.mul(r, a)), safe), E.neg(E.div(a, E.minimum(p, tiny))))
         dw = E.where(good, E.div(E.sub(E.mul(q, a), E.mul(p, b)), safe), E.neg(E.div(b, E.minimum(r, tiny))))
-        v, w = (clamp(E.add(t, clamp(d, -1 / GRID, 1 / GRID)), 0.0, 1.0) for t, d in ((v, dv), (w, dw)))
+        v, w = (clamp(E.add(t, clamp(d, -1 / _GRID, 1 / _GRID)), 0.0, 1.0) for t, d in ((v, dv), (w, dw)))
     return [E.substitute(height, {V: v, W: w})]
 
 
-def leads_in(probe: Probe, height: Expr, values: np.ndarray) -> bool:
+def _leads_in(probe: Probe, height: Expr, values: np.ndarray) -> bool:
     """Whether a function (17, 17, rows) of v and w rises from its highest place on an edge inwards, for some test value."""
     last = len(values) - 1
     steps = range(last + 1)

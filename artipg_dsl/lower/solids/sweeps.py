@@ -27,14 +27,14 @@ from .probe import Probe
 from .profiles import SLOPE, V, crests
 from .rails import NEAR, P, about_arc, cap, check_directions, disc, nearest, path_of, ports_of
 
-CORNERS = 12  # of a round piece
+_CORNERS = 12  # of a round piece
 
 
 def sweep(env: Env, solid: ast.SolidDecl) -> Made:
     """A tube along a path."""
     path = path_of(env, solid)
     ev = Evaluator(env)
-    radii = [section_radius(ev, a) for a in solid.arguments]
+    radii = [_section_radius(ev, a) for a in solid.arguments]
     upwards = ast.value_of(solid.up)
     pieces = stretches(path.steps if isinstance(path, Handed) else steps_of(path))
     probe = Probe(env, solid.span)
@@ -57,7 +57,7 @@ def sweep(env: Env, solid: ast.SolidDecl) -> Made:
     low, high = (triple(reach(probe, pieces, radius, k, sign) for k in range(3)) for sign in (-1, 1))
     return Made(
         tuple(patches),
-        tube_pieces(probe, pieces, frames, radius, bore),
+        _tube_pieces(probe, pieces, frames, radius, bore),
         inside(probe, pieces, radius, bore),
         low,
         high,
@@ -72,7 +72,7 @@ def round_sections(context: Context, solid: ast.SolidDecl) -> bool:
     return all(form is not None and form.meaning == "circle" for form in forms)
 
 
-def section_radius(ev: Evaluator, argument: ast.Argument) -> Expr:
+def _section_radius(ev: Evaluator, argument: ast.Argument) -> Expr:
     node, form = argument.value, ev.env.context.form(argument.value)
     assert isinstance(node, ast.CallExpr) and form is not None
     return ev.scalar(bound(node, form)["radius"])
@@ -96,14 +96,14 @@ def inside(probe: Probe, pieces: list[Stretch], radius: Expr, bore: Expr | None)
     outer: Expr | None = None
     middle: Expr | None = None
     for k, piece in enumerate(pieces):
-        away, v = path_distance(probe, piece)
+        away, v = _path_distance(probe, piece)
         value = E.sub(away, radius)
         ends = [end for end, here in ((0.0, k == 0), (1.0, k == len(pieces) - 1)) if here]
         if piece.length is ZERO:  # it may come near its ends again
             near = E.mul(radius, NEAR)
             value = E.maximum(value, *(E.minimum(disc(piece, v, end, radius), near) for end in ends))
         else:
-            value = E.maximum(value, *(end_plane(piece, end) for end in ends))
+            value = E.maximum(value, *(_end_plane(piece, end) for end in ends))
         outer = value if outer is None else E.minimum(outer, value)
         middle = away if middle is None else E.minimum(middle, away)
     assert outer is not None and middle is not None
@@ -111,7 +111,7 @@ def inside(probe: Probe, pieces: list[Stretch], radius: Expr, bore: Expr | None)
     return E.mul(found, SLOPE) if any(p.length is ZERO for p in pieces) else found
 
 
-def end_plane(piece: Stretch, end: float) -> Expr:
+def _end_plane(piece: Stretch, end: float) -> Expr:
     """How far p lies beyond the plane that cuts off a piece of a path; of an arc, a half plane from its axis."""
     if piece.center is not None:
         angle, away, half = about_arc(piece)
@@ -120,23 +120,23 @@ def end_plane(piece: Stretch, end: float) -> Expr:
     return dot(beyond if end else times(beyond, E.const(-1.0)), piece.towards(end))
 
 
-def length_of(vector: Triple) -> Expr:
+def _length_of(vector: Triple) -> Expr:
     return E.call("sqrt", dot(vector, vector))
 
 
-def path_distance(probe: Probe, piece: Stretch) -> tuple[Expr, Expr]:
+def _path_distance(probe: Probe, piece: Stretch) -> tuple[Expr, Expr]:
     """The distance of p to a piece of a path, and of a formula's the parameter there."""
     if piece.center is not None and piece.out is not None:
-        return arc_distance(piece), ZERO
+        return _arc_distance(piece), ZERO
     if piece.length is not ZERO:
         away = minus(P, piece.at(0.0))
         t = E.minimum(E.maximum(dot(away, piece.direction), ZERO), piece.length)
-        return length_of(minus(away, times(piece.direction, t))), ZERO
+        return _length_of(minus(away, times(piece.direction, t))), ZERO
     square, v = nearest(probe, piece)
     return E.call("sqrt", square), v
 
 
-def arc_distance(piece: Stretch) -> Expr:
+def _arc_distance(piece: Stretch) -> Expr:
     """The angle of p about the arc's axis, from its middle, is cut to the arc."""
     assert piece.center is not None and piece.out is not None
     angle, away, half = about_arc(piece)
@@ -174,13 +174,13 @@ def reach(probe: Probe, pieces: list[Stretch], radius: Expr, axis: int, sign: in
     return greatest if sign > 0 else E.neg(greatest)
 
 
-def tube_pieces(
+def _tube_pieces(
     probe: Probe, pieces: list[Stretch], frames: list[tuple[Vector, Vector]], radius: Expr, bore: Expr | None
 ) -> tuple[Piece, ...]:
     """Hulls of the sections at the ends of each step, smaller by what the path's chord cuts; sectors of a pipe."""
     made = []
     for number, (piece, frame) in enumerate(zip(pieces, frames, strict=True)):
-        count = step_count(probe, piece, radius, bore)
+        count = _step_count(probe, piece, radius, bore)
         winding = piece.length is ZERO and bore is None  # many alike: one piece with an index
         for k in range(1 if winding else count):
             low, high, half = (
@@ -188,13 +188,13 @@ def tube_pieces(
                 for d in (0.0, 1.0, 0.5)
             )
             chord = times(plus(piece.at(low), piece.at(high)), E.const(0.5))
-            cut = ZERO if count == 1 and piece.center is None else length_of(minus(piece.at(half), chord))
+            cut = ZERO if count == 1 and piece.center is None else _length_of(minus(piece.at(half), chord))
             cut = E.mul(cut, E.const(1.02 if piece.center is not None else 1.2))
             wide = E.sub(radius, cut)
             ends = [(piece.at(v), (frame[0](v), frame[1](v))) for v in (low, high)]
             name = f"skin_{number}" if winding else f"skin_{number}_{k}"
             if bore is None:
-                angles = [E.const(TURN * j / CORNERS) for j in range(CORNERS)]
+                angles = [E.const(TURN * j / _CORNERS) for j in range(_CORNERS)]
                 corners = tuple(ring(*end, wide, a) for end in ends for a in angles)
                 made.append(Piece(name, corners, E.const(float(count)) if winding else None))
                 continue
@@ -202,7 +202,7 @@ def tube_pieces(
             fit = E.call("ceil", E.mul(E.const(TURN / 2), E.call("sqrt", E.div(E.mul(E.const(4.0), radius), wall))))
             sectors = E.minimum(E.maximum(fit, E.const(12.0)), E.const(64.0))
             each = E.div(E.const(TURN), sectors)
-            tilt = length_of(times(plus(piece.towards(low), piece.towards(high)), E.const(0.5)))
+            tilt = _length_of(times(plus(piece.towards(low), piece.towards(high)), E.const(0.5)))
             inner = E.div(E.add(bore, cut), E.mul(tilt, E.call("cos", E.mul(each, E.const(0.5)))))
             angles = [E.mul(each, E.add(E.var("i"), E.const(j))) for j in (0.0, 1.0)]
             corners = tuple(ring(*end, r, a) for end in ends for r in (wide, inner) for a in angles)
@@ -210,7 +210,7 @@ def tube_pieces(
     return tuple(made)
 
 
-def step_count(probe: Probe, piece: Stretch, radius: Expr, bore: Expr | None) -> int:
+def _step_count(probe: Probe, piece: Stretch, radius: Expr, bore: Expr | None) -> int:
     """Steps so short that the chord cuts at most an eighth of the wall, and no more than 30 degrees of a bend."""
     if piece.center is None and piece.length is not ZERO:
         return 1

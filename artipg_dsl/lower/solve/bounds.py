@@ -20,7 +20,7 @@ from ...graph.program import Bound, Draw, Limit, Program
 from .inline import inline
 from .unions import unite
 
-MOST_DERIVED = 400
+_MOST_DERIVED = 400
 DEPTH = 24
 
 
@@ -40,11 +40,11 @@ def attach_bounds(program: Program) -> list[tuple[Scope, tuple[int, ...]]]:
             low, high = requirement.slack
             pending.append((requirement.scope, low, high, requirement.guard, number, 0, ()))
             continue
-        last = last_drawn(reader, order, requirement.scope, requirement.condition, requirement.guard)
+        last = _last_drawn(reader, order, requirement.scope, requirement.condition, requirement.guard)
         if last is None:
             continue
         if draws[last].kind == "choice":
-            limit_choice(
+            _limit_choice(
                 program, reader, draws[last], requirement.scope, requirement.condition, requirement.guard, number
             )
             continue
@@ -58,36 +58,36 @@ def attach_bounds(program: Program) -> list[tuple[Scope, tuple[int, ...]]]:
         scope, low, high, guard, number, depth, also = pending.pop(0)
         if intervals.of(E.call("le", low, high))[0] >= 1.0:
             continue
-        last = last_drawn(reader, order, scope, E.sub(low, high), guard)
+        last = _last_drawn(reader, order, scope, E.sub(low, high), guard)
         if last is None:
             continue
         if draws[last].kind == "choice":
-            limit_choice(program, reader, draws[last], scope, E.call("le", low, high), guard, number)
+            _limit_choice(program, reader, draws[last], scope, E.call("le", low, high), guard, number)
             continue
         form = reader.form(E.sub(low, high))
         if depth and guard is E.TRUE and form is not None and not form[0] and form[1].constant is not None:
             if form[1].constant > 1e-9:
                 hollow.append((scope, (number, *also)))
             continue
-        if form is not None and weaker(form, scope, guard, last, told) and depth:
+        if form is not None and _weaker(form, scope, guard, last, told) and depth:
             continue
         if parted(low, high, guard, last, program):
             rest = unite(
                 program, order, draws[last], scope, E.either(E.negate(guard), E.call("le", low, high)), number, also
             )
-            if rest is not None and depth < DEPTH and made[True] < MOST_DERIVED:
+            if rest is not None and depth < DEPTH and made[True] < _MOST_DERIVED:
                 made[True] += 1
                 pending.append((scope, *rest, E.TRUE, number, depth + 1, also))
-        bent = linear(program, last, scope, low, high, guard) is None and not open_ended(E.sub(low, high))
-        if bent and depth < DEPTH and made[bent] < MOST_DERIVED:  # that the value drawn last has a chance at all
+        bent = linear(program, last, scope, low, high, guard) is None and not _open_ended(E.sub(low, high))
+        if bent and depth < DEPTH and made[bent] < _MOST_DERIVED:  # that the value drawn last has a chance at all
             least = least_of(E.sub(low, high), last, intervals, program.definitions)
-            if least is not None and scope.within(least.scope) and not late(program, order, last, [least, guard]):
+            if least is not None and scope.within(least.scope) and not _late(program, order, last, [least, guard]):
                 made[bent] += 1
                 pending.append((scope, least, E.ZERO, guard, number, depth + 1, also))
         for draw, bound, stated, inner in bind(program, order, draws[last], scope, low, high, guard, number, also):
-            if depth >= DEPTH or made[bent] >= MOST_DERIVED:
+            if depth >= DEPTH or made[bent] >= _MOST_DERIVED:
                 break
-            for other in opposite(draw, bound):
+            for other in _opposite(draw, bound):
                 made[bent] += 1
                 lower, upper = (other, stated) if bound.side == "high" else (stated, other)
                 reasons = tuple(
@@ -99,7 +99,7 @@ def attach_bounds(program: Program) -> list[tuple[Scope, tuple[int, ...]]]:
     return hollow
 
 
-def weaker(form: LinearForm, scope: Scope, guard: Expr, last: Column, told: dict[object, float]) -> bool:
+def _weaker(form: LinearForm, scope: Scope, guard: Expr, last: Column, told: dict[object, float]) -> bool:
     """Whether ``form <= 0`` says no more than a multiple of it that was told before; else it is noted.
 
     Elimination comes to the same sum on many ways: without this their number would grow with the power of the variables.
@@ -119,18 +119,18 @@ def weaker(form: LinearForm, scope: Scope, guard: Expr, last: Column, told: dict
 
 def parted(low: Expr, high: Expr, guard: Expr, column: Column, program: Program) -> bool:
     """Whether an inequality may leave a variable several intervals: its guard reads it, or it is not linear in it."""
-    alone = reader_of(column, program)
+    alone = _reader_of(column, program)
     return alone.reads(guard) or alone.form(E.sub(low, high)) is None
 
 
-def last_drawn(reader: Linear, order: dict[Column, int], scope: Scope, *nodes: Expr) -> Column | None:
+def _last_drawn(reader: Linear, order: dict[Column, int], scope: Scope, *nodes: Expr) -> Column | None:
     """Of all that a requirement names, the choices that its table stands under included, what is drawn last."""
     guards = [s.count for s in scope.ancestors() if s.kind == "guard" and s.count is not None]
     names = set().union(*(reader.columns(node) for node in [*nodes, *guards]))
     return max(names, key=order.__getitem__, default=None)
 
 
-def limit_choice(
+def _limit_choice(
     program: Program, reader: Linear, draw: Draw, scope: Scope, condition: Expr, guard: Expr, number: int
 ) -> None:
     """A requirement whose names are all known but a choice removes alternatives of it."""
@@ -157,7 +157,7 @@ def limit_choice(
             draw.limits.append(Limit(code, allowed, number))
 
 
-def opposite(draw: Draw, bound: Bound) -> Iterator[Bound]:
+def _opposite(draw: Draw, bound: Bound) -> Iterator[Bound]:
     """The domain's other end, and the bounds on the other side that come from other requirements."""
     assert draw.low is not None and draw.high is not None
     if bound.side == "high":
@@ -188,7 +188,7 @@ def bind(
     halves = linear(program, column, scope, low, high, guard)
     bent = None
     if halves is None:
-        if open_ended(E.sub(low, high)):
+        if _open_ended(E.sub(low, high)):
             return []
         intervals = Intervals(program.draws, program.definitions)
         halves = bent = bounds_of(low, high, guard, scope, column, intervals, program.definitions)
@@ -197,7 +197,7 @@ def bind(
         lifted = lift(half.scope, column.scope, half.value, half.guard, half.side)
         if lifted is None or not column.scope.within(lifted[0].scope) or not column.scope.within(lifted[1].scope):
             continue
-        if halves is bent and late(program, order, column, [*lifted]):
+        if halves is bent and _late(program, order, column, [*lifted]):
             continue
         bound = Bound(half.side, lifted[0], lifted[1], number, also)
         if any(b.side == bound.side and b.value is bound.value and b.guard is bound.guard for b in draw.bounds):
@@ -207,7 +207,7 @@ def bind(
     return found
 
 
-def open_ended(root: Expr) -> bool:
+def _open_ended(root: Expr) -> bool:
     """Whether an expression says "no bound" in some rows: it comes from bounds of other alternatives."""
     stack, seen = [root], set()
     while stack:
@@ -221,30 +221,30 @@ def open_ended(root: Expr) -> bool:
     return False
 
 
-def late(program: Program, order: dict[Column, int], column: Column, roots: list[Expr]) -> bool:
+def _late(program: Program, order: dict[Column, int], column: Column, roots: list[Expr]) -> bool:
     """Whether expressions need the column itself or what is drawn after it, be it to count the rows they stand in."""
     return any(order.get(c, -1) >= order[column] for c in columns_behind(program, roots))
 
 
-def reader_of(column: Column, program: Program) -> Linear:
+def _reader_of(column: Column, program: Program) -> Linear:
     """Linear forms in one column, read through the definitions."""
     return Linear(lambda c: c is column, program.definitions, through=True)
 
 
 def linear(program: Program, column: Column, scope: Scope, low: Expr, high: Expr, guard: Expr) -> list[Half] | None:
     """The bound of an inequality that is linear in the variable, with a factor of one sign; None where it is not."""
-    alone = reader_of(column, program)
+    alone = _reader_of(column, program)
     form = alone.form(E.sub(low, high))
     if form is None or column not in form[0] or alone.reads(guard):
         return None
     factor = form[0][column]
-    sign = sign_of(program, factor)
+    sign = _sign_of(program, factor)
     if sign == 0:
         return None
     return [Half("high" if sign > 0 else "low", E.div(E.neg(form[1]), factor), guard, scope)]
 
 
-def sign_of(program: Program, factor: Expr) -> int:
+def _sign_of(program: Program, factor: Expr) -> int:
     low, high = Intervals(program.draws, program.definitions).of(factor)
     return 1 if low > 0 else -1 if high < 0 else 0
 

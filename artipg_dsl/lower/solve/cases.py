@@ -10,16 +10,16 @@ from ...graph import expr as E
 from ...graph.expr import Column, Expr
 from ...graph.program import Draw
 
-MOST_CASES = 64
-MOST_TRIALS = 1 << 14
-COMPARISONS = {"eq": lambda a, b: a == b, "le": lambda a, b: a <= b, "lt": lambda a, b: a < b}
+_MOST_CASES = 64
+_MOST_TRIALS = 1 << 14
+_COMPARISONS = {"eq": lambda a, b: a == b, "le": lambda a, b: a <= b, "lt": lambda a, b: a < b}
 
 
 class TooManyCases(Exception):
     """More combinations of guards than are worth matching one by one."""
 
 
-def atoms(guards: Iterable[Expr]) -> list[Expr]:
+def _atoms(guards: Iterable[Expr]) -> list[Expr]:
     """The conditions out of which ``and``, ``or`` and ``not`` make the guards, in the order of first use."""
     found: dict[Expr, None] = {}
     stack = list(reversed(list(guards)))
@@ -34,7 +34,7 @@ def atoms(guards: Iterable[Expr]) -> list[Expr]:
 
 def subject(atom: Expr) -> tuple[Expr, float, bool] | None:
     """``x op constant`` as (x, the constant, whether x stands on the left); None for other conditions."""
-    if atom.op not in COMPARISONS:
+    if atom.op not in _COMPARISONS:
         return None
     a, b = atom.args
     if b.constant is not None and a.constant is None:
@@ -75,7 +75,7 @@ def combinations(guards: Sequence[Expr], draws: Iterable[Draw]) -> list[tuple[bo
     """The truth values that the guards can have together, without repetition. Raises TooManyCases."""
     known = {d.column: d for d in draws}
     groups: dict[Expr, list[Expr]] = {}
-    for atom in atoms(guards):
+    for atom in _atoms(guards):
         found = subject(atom)
         groups.setdefault(atom if found is None else found[0], []).append(atom)
     choices: list[list[dict[Expr, bool]]] = []
@@ -91,18 +91,18 @@ def combinations(guards: Sequence[Expr], draws: Iterable[Draw]) -> list[tuple[bo
                 for member, found in zip(members, split, strict=True):
                     assert found is not None
                     pair = (value, found[1]) if found[2] else (found[1], value)
-                    truths[member] = COMPARISONS[member.op](*pair)
+                    truths[member] = _COMPARISONS[member.op](*pair)
                 if truths not in options:
                     options.append(truths)
         choices.append(options)
         total *= len(options)
-    if total > MOST_TRIALS:
+    if total > _MOST_TRIALS:
         raise TooManyCases
     result: dict[tuple[bool, ...], None] = {}
     for pick in product(*choices):
         values = {k: v for part in pick for k, v in part.items()}
         result[tuple(evaluate(g, values) for g in guards)] = None
-    if len(result) > MOST_CASES:
+    if len(result) > _MOST_CASES:
         raise TooManyCases
     return list(result)
 

@@ -20,12 +20,12 @@ def judge(context: Context, hollow: list[tuple[Scope, tuple[int, ...]]], own: st
     program = context.program
     intervals = Intervals(program.draws, program.definitions)
     for scope, reasons in hollow[:1]:
-        tell(context, Conflict(None, reasons[0], reasons, (), math.nan, math.nan, scope, is_certain(scope, intervals)))
+        _tell(context, Conflict(None, reasons[0], reasons, (), math.nan, math.nan, scope, is_certain(scope, intervals)))
     told: set[frozenset[int]] = set()
     for conflict in find_conflicts(program):
         if frozenset(conflict.reasons) not in told:  # one contradiction empties several ranges: the first tells it
             told.add(frozenset(conflict.reasons))
-            tell(context, conflict)
+            _tell(context, conflict)
     if context.report.failed:
         return
     for number in find_idle(program):
@@ -39,7 +39,7 @@ def judge(context: Context, hollow: list[tuple[Scope, tuple[int, ...]]], own: st
             )
 
 
-def tell(context: Context, conflict: Conflict) -> None:
+def _tell(context: Context, conflict: Conflict) -> None:
     program = context.program
     bend = next((context.bends[r] for r in conflict.reasons if r in context.bends), None)
     spans = list(dict.fromkeys(context.stated[r][0] for r in conflict.reasons if r in context.stated))
@@ -48,7 +48,7 @@ def tell(context: Context, conflict: Conflict) -> None:
         column = program.draws[k].column
         if column in context.spans:
             chain.append((context.spans[column], f"`{column.name}` is drawn here"))
-    tight = None if bend is None else too_tight(program, bend)
+    tight = None if bend is None else _too_tight(program, bend)
     span: Span | None
     if bend is not None and tight is not None:
         span = bend.place
@@ -82,7 +82,7 @@ def tell(context: Context, conflict: Conflict) -> None:
         context.report.warning("impossible", span, message, hint=hint, notes=tuple(chain))
 
 
-def too_tight(program: Program, bend: Bend) -> str | None:
+def _too_tight(program: Program, bend: Bend) -> str | None:
     """That a path bends more tightly than a section allows, where the ranges alone show it."""
     known = Intervals(program.draws, program.definitions)
     (least, wide), (narrow, most) = known.of(bend.reach), known.of(bend.radius)

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from ..elaborate.part import Part
 
 WORDS = {"centred": "nothing: centred", "default": "nothing: its default", "drawn": "drawn from its domain"}
-SIGNS = {"eq": "=", "le": "<=", "lt": "<"}
-OPPOSITE = {"eq": "is not", "le": ">", "lt": ">="}
+_SIGNS = {"eq": "=", "le": "<=", "lt": "<"}
+_OPPOSITE = {"eq": "is not", "le": ">", "lt": ">="}
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +83,7 @@ def condition(node: Expr, options: dict[Column, tuple[str, ...]]) -> str:
     if node.op == "or":
         parts = dict.fromkeys(condition(a, options) for a in flat(node, "or"))
         return " or ".join(parts)
-    told = list(dict.fromkeys(literals(list(flat(node, "and")), options)))
+    told = list(dict.fromkeys(_literals(list(flat(node, "and")), options)))
     return " and ".join(told) or "always"
 
 
@@ -95,21 +95,21 @@ def flat(node: Expr, op: str) -> Iterator[Expr]:
         yield node
 
 
-def literals(nodes: Sequence[Expr], options: dict[Column, tuple[str, ...]]) -> Iterator[str]:
+def _literals(nodes: Sequence[Expr], options: dict[Column, tuple[str, ...]]) -> Iterator[str]:
     """Conditions that hold together; a choice that is one thing need not be said to be no other."""
     known = {n.args[0] for n in nodes if n.op == "eq"}
     for node in nodes:
         inner, negated = (node.args[0], True) if node.op == "not" else (node, False)
         if inner.op in ("and", "or"):
             yield f"not ({condition(inner, options)})" if negated else f"({condition(inner, options)})"
-        elif inner.op not in SIGNS:
+        elif inner.op not in _SIGNS:
             yield f"not {E.show(inner)}" if negated else E.show(inner)
         elif not (negated and inner.op == "eq" and inner.args[0] in known):
             yield comparison(inner, negated, options)
 
 
 def comparison(node: Expr, negated: bool, options: dict[Column, tuple[str, ...]]) -> str:
-    sign = (OPPOSITE if negated else SIGNS)[node.op]
+    sign = (_OPPOSITE if negated else _SIGNS)[node.op]
     left, right = node.args
     names = options.get(left.value, ()) if left.op == "col" else ()
     if names and right.constant is not None and 0 <= int(right.constant) < len(names):

@@ -26,12 +26,12 @@ def closed(context: Context, column: Column, value: Expr) -> Expr:
             raise refused(context, column)
         mapping[node] = E.add(E.col(before), E.previous(scope, form[1], node.args[1]))
     form = Linear(lambda c: c is before, {}).form(E.substitute(value, mapping))
-    if form is None or column in E.leaves(form[1]) or not carried_on(form[0].get(before, E.ZERO), scope):
+    if form is None or column in E.leaves(form[1]) or not _carried_on(form[0].get(before, E.ZERO), scope):
         raise refused(context, column)
     return E.add(E.scan(scope, form[1]), form[1])
 
 
-def carried_on(factor: Expr, scope: Scope) -> bool:
+def _carried_on(factor: Expr, scope: Scope) -> bool:
     """Whether the row before counts with factor 1 in every row but the first (where it is 0 anyway)."""
     first = E.call("eq", E.rank(scope), E.ZERO)
     if factor.op == "where":

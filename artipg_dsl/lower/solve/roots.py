@@ -30,7 +30,7 @@ def numeric(
     if len(columns) > MOST or any(c.scope is not scope for c in columns):
         return None
     names = [E.var(f"solve.x{k}") for k in range(len(columns))]
-    formulas = Formulas(dict(zip(columns, names, strict=True)))
+    formulas = _Formulas(dict(zip(columns, names, strict=True)))
     try:
         residuals = [formulas.of(d) for d in differences]
         slopes = [derive(r, x) for r in residuals for x in names]
@@ -40,16 +40,16 @@ def numeric(
         if not scope.within(bundle.scope):
             return None
         demand(env, unknowns, equations, solution, guard)
-    except (NoFormula, E.ScopeError):
+    except (_NoFormula, E.ScopeError):
         return None
     return solution
 
 
-class NoFormula(Exception):
+class _NoFormula(Exception):
     """An unknown is read through another table."""
 
 
-class Formulas:
+class _Formulas:
     """Expressions as formulas over ``solve.x0 ...`` for the unknowns and ``solve.p0 ...`` for all that is known."""
 
     def __init__(self, unknowns: dict[Column, Expr]):
@@ -63,7 +63,7 @@ class Formulas:
         if node.op == "col":
             return self.unknowns[node.value]
         if node.op in CROSSING or node.op in ("root", "solve"):
-            raise NoFormula
+            raise _NoFormula
         return E.rebuild(node, tuple(self.of(a) for a in node.args))
 
 

@@ -40,7 +40,7 @@ def default(
         if fresh:
             notes = tuple((q.span, "determines it, but only under a guard") for q, _ in near[:3])
         message = f"nothing determines {degree(unknown)}{guard if fresh else ''}"
-        context.error("under-determined", unknown.span, message, hint=remedy(unknown), notes=notes)
+        context.error("under-determined", unknown.span, message, hint=_remedy(unknown), notes=notes)
         value, reason = E.const(0.1), ""
     if not fresh:
         definitions[unknown.column] = value
@@ -53,7 +53,7 @@ def degree(unknown: Unknown) -> str:
     return f"the size of `{owner}` along {axis} ({unknown.name})" if owner else unknown.name
 
 
-def remedy(unknown: Unknown) -> str:
+def _remedy(unknown: Unknown) -> str:
     """What to write so that something determines it."""
     name = unknown.name.strip("`")
     owner, _, axis = name.rpartition(".size.")

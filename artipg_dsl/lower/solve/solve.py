@@ -24,8 +24,8 @@ from .recurrent import closed
 from .settled import default, determined
 from .systems import solve_system
 
-DEEPEST = 64  # definitions that read one another; more only where they go in a circle, which the plan reports
-RANK = {"size": 0, "derived": 0, "position": 1, "default": 2, "param": 3}
+_DEEPEST = 64  # definitions that read one another; more only where they go in a circle, which the plan reports
+_RANK = {"size": 0, "derived": 0, "position": 1, "default": 2, "param": 3}
 
 
 def settle(env: Env) -> None:
@@ -112,7 +112,7 @@ class Outcome:
 def solve(env: Env, homes: list[tuple[Env, Expr]]) -> None:
     for block in blocks(env, homes):
         try:
-            settle_block(block, [outcome(block, case) for case in cases(block)])
+            _settle_block(block, [outcome(block, case) for case in cases(block)])
         except Abort:
             continue
     for home, _ in homes:
@@ -133,7 +133,7 @@ def blocks(env: Env, homes: list[tuple[Env, Expr]]) -> Iterator[Block]:
             form = {c: lifted(v, env.scope) for c, v in form[0].items()}, lifted(form[1], env.scope)
         forms.append(form)
         incidence.append(names)
-    for chosen, members in connected(list(number), incidence, number):
+    for chosen, members in _connected(list(number), incidence, number):
         yield Block(
             env,
             [unknowns[u] for u in members],
@@ -162,7 +162,7 @@ def gathered(env: Env, homes: list[tuple[Env, Expr]]) -> tuple[list[Unknown], li
     return unknowns, equations, guards
 
 
-def connected(
+def _connected(
     columns: list[Column], incidence: list[set[Column]], number: dict[Column, int]
 ) -> Iterator[tuple[list[int], list[int]]]:
     """Equations and unknowns of each connected block."""
@@ -231,21 +231,21 @@ def outcome(block: Block, case: tuple[Expr, list[int], dict[Column, bool]]) -> O
         for column in sorted(block.incidence[k], key=block.number.__getitem__):
             if column in place:
                 edges[place[column]].append(e)
-    order = sorted(range(len(unknowns)), key=lambda k: preference(unknowns[k], block.number[unknowns[k].column]))
+    order = sorted(range(len(unknowns)), key=lambda k: _preference(unknowns[k], block.number[unknowns[k].column]))
     matching = match(edges, len(equations), order)
     guard = under(env, holds)
-    ties(env, unknowns, equations, matching, guard)
+    _ties(env, unknowns, equations, matching, guard)
     for u, unknown in enumerate(unknowns):
         if matching.equation_of[u] >= 0:
             result.because[unknown.column] = equations[matching.equation_of[u]]
     result.values, result.told = solve_system(env, unknowns, equations, forms, matching, holds)
-    surplus(env, unknowns, equations, matching, result.values, guard)
+    _surplus(env, unknowns, equations, matching, result.values, guard)
     return result
 
 
-def preference(unknown: Unknown, index: int) -> tuple[int, int]:
+def _preference(unknown: Unknown, index: int) -> tuple[int, int]:
     """Later positions yield first; all else in the order of the text."""
-    return RANK[unknown.kind], -index if unknown.kind == "position" else index
+    return _RANK[unknown.kind], -index if unknown.kind == "position" else index
 
 
 def under(env: Env, holds: Expr) -> str:
@@ -255,13 +255,13 @@ def under(env: Env, holds: Expr) -> str:
     return f" where {guard_in_words(holds, {d.column: d.options for d in env.context.draws if d.kind == 'choice'})}"
 
 
-def ties(env: Env, unknowns: list[Unknown], equations: list[Equation], matching: Matching, guard: str) -> None:
+def _ties(env: Env, unknowns: list[Unknown], equations: list[Equation], matching: Matching, guard: str) -> None:
     for u, unknown in enumerate(unknowns):
         if matching.equation_of[u] >= 0 or unknown.kind != "param":
             continue
         for other in matching.exchangeable(u):
             if unknowns[other].kind == "param" and matching.equation_of[other] >= 0:
-                spans = [equations[e].span for e in path_between(matching, u, other)]
+                spans = [equations[e].span for e in _path_between(matching, u, other)]
                 last = max(spans, key=lambda s: s.start)
                 argument = unknown.name.strip("`").rsplit(".", 1)[-1]
                 raise env.context.error(
@@ -278,7 +278,7 @@ def ties(env: Env, unknowns: list[Unknown], equations: list[Equation], matching:
                 )
 
 
-def path_between(matching: Matching, start: int, goal: int) -> list[int]:
+def _path_between(matching: Matching, start: int, goal: int) -> list[int]:
     """The equations through which one unknown could take the place of another, the shortest way."""
     before: dict[int, tuple[int, int]] = {}
     queue = [start]
@@ -295,7 +295,7 @@ def path_between(matching: Matching, start: int, goal: int) -> list[int]:
     return path
 
 
-def surplus(
+def _surplus(
     env: Env,
     unknowns: list[Unknown],
     equations: list[Equation],
@@ -310,7 +310,7 @@ def surplus(
         users = [u for u in range(len(unknowns)) if e in matching.edges[u] and matching.equation_of[u] >= 0]
         sources = {matching.equation_of[u]: f"determines {unknowns[u].name}" for u in users}
         notes = tuple((equations[k].span, why) for k, why in list(sources.items())[:4])
-        difference = written_out(E.sub(equation.left, equation.right), definitions)
+        difference = _written_out(E.sub(equation.left, equation.right), definitions)
         terms, rest = Linear(lambda c: True, {}).parts(difference)
         cancelled = all(f.constant is not None and abs(f.constant) < 1e-12 for f in terms.values())
         if cancelled and rest.constant is not None and abs(rest.constant) < 1e-9:
@@ -349,9 +349,9 @@ def surplus(
         raise env.context.error("over-determined", equation.span, message, hint=hint, notes=notes)
 
 
-def written_out(node: Expr, definitions: dict[Column, Expr]) -> Expr:
+def _written_out(node: Expr, definitions: dict[Column, Expr]) -> Expr:
     """An expression with all that is determined put in."""
-    for _ in range(DEEPEST):
+    for _ in range(_DEEPEST):
         known = [c for c in E.leaves(node) if c in definitions]
         if not known:
             break
@@ -368,7 +368,7 @@ def amount(difference: float | None, length: bool) -> str:
 # ---------------------------------------------------------------- all cases
 
 
-def settle_block(block: Block, outcomes: list[Outcome]) -> None:
+def _settle_block(block: Block, outcomes: list[Outcome]) -> None:
     """Put the cases together: one definition per unknown, drawn or default where no case determines it."""
     env = block.env
     for unknown in block.unknowns:
@@ -381,7 +381,7 @@ def settle_block(block: Block, outcomes: list[Outcome]) -> None:
         unknown.settled = [o.told[column] for o in relevant if column in o.told]
         if open_cases:
             near = [
-                (q, determined_by(block, outcomes, q))
+                (q, _determined_by(block, outcomes, q))
                 for q, names in zip(block.equations, block.incidence, strict=True)
                 if column in names
             ]
@@ -399,7 +399,7 @@ def settle_block(block: Block, outcomes: list[Outcome]) -> None:
         determined(env, unknown, determining if open_cases or len(relevant) < len(outcomes) else E.TRUE)
 
 
-def determined_by(block: Block, outcomes: list[Outcome], equation: Equation) -> str:
+def _determined_by(block: Block, outcomes: list[Outcome], equation: Equation) -> str:
     """The unknown that an equation determines, in words; empty where it determines none."""
     chosen = {column for o in outcomes for column, q in o.because.items() if q is equation}
     return next((u.name for u in block.unknowns if u.column in chosen), "")

@@ -45,13 +45,15 @@ def solve_system(
         if solution is None:
             sides = [equations[matching.equation_of[u]] for u in group]
             differences = [inline(E.sub(q.left, q.right), columns, definitions) for q in sides]
-            solution = None if any(q.near for q in sides) else eliminate(differences, columns)
+            solution = None if any(q.near for q in sides) else _eliminate(differences, columns)
             if solution is None and any(row is None for row in rows):
                 solution = numeric(env, [unknowns[u] for u in group], sides, differences, guard)
                 searched = solution is not None
                 env.context.near.update((q.span, True) for q in sides if searched and q.near)
         if solution is None:
-            raise unsolved(env, [unknowns[u] for u in group], [equations[matching.equation_of[u]] for u in group], rows)
+            raise _unsolved(
+                env, [unknowns[u] for u in group], [equations[matching.equation_of[u]] for u in group], rows
+            )
         for u, column in zip(group, columns, strict=True):
             values[column] = solution[column] if searched else tidy(solution[column])
             others = tuple(unknowns[v].name for v in group if v != u)
@@ -64,7 +66,7 @@ def solve_system(
     return values, told
 
 
-def unsolved(env: Env, unknowns: list[Unknown], equations: list[Equation], forms: list[LinearForm | None]) -> Abort:
+def _unsolved(env: Env, unknowns: list[Unknown], equations: list[Equation], forms: list[LinearForm | None]) -> Abort:
     """Report equations that have no solution in closed form: linear ones that hang on one another alone, or others."""
     equations = sorted(equations, key=lambda q: q.span.start)
     listed = " and ".join(u.name for u in unknowns)
@@ -107,7 +109,7 @@ def remainder(forms: list[LinearForm], columns: list[Column]) -> Expr | None:
     return left[0] if left else None
 
 
-def eliminate(differences: list[Expr], columns: list[Column]) -> dict[Column, Expr] | None:
+def _eliminate(differences: list[Expr], columns: list[Column]) -> dict[Column, Expr] | None:
     """Solve ``difference = 0`` one by one: the first unknown that can stand alone is put into the others."""
     if not differences:
         return {}
@@ -118,7 +120,7 @@ def eliminate(differences: list[Expr], columns: list[Column]) -> dict[Column, Ex
                 continue
             mapping = {E.col(column): value}
             rest = [E.substitute(d, mapping) for j, d in enumerate(differences) if j != k]
-            found = eliminate(rest, [c for c in columns if c is not column])
+            found = _eliminate(rest, [c for c in columns if c is not column])
             if found is not None:
                 return {column: E.substitute(value, {E.col(c): v for c, v in found.items()}), **found}
     return None

@@ -29,7 +29,7 @@ def unite(
     intervals = Intervals(program.draws, program.definitions)
     discrete = draw.kind == "count" or draw.distribution == "values"
     region = region_of(condition, column, intervals, program.definitions, discrete=discrete)
-    if region is None or not useful(region):
+    if region is None or not _useful(region):
         return None
     ends = [end for pair in region for end in pair]
     if not all(column.scope.within(end.scope) for end in ends):
@@ -41,7 +41,7 @@ def unite(
     return E.minimum(*rooms), E.ZERO
 
 
-def useful(region: Region) -> bool:
+def _useful(region: Region) -> bool:
     """Whether no interval is the whole line."""
     return bool(region) and not any(low is LEAST and high is MOST_OF_ALL for low, high in region)
 

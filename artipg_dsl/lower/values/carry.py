@@ -115,7 +115,7 @@ def moved(value: Value, pose: Pose) -> Value:
             to = None if value.to is None else place(pose, value.to)
             return Line(place(pose, value.point), direct(pose, value.direction), to, value.on)
         case Plane():
-            return moved_plane(value, pose)
+            return _moved_plane(value, pose)
         case Box():
             return replace(value, pose=compose(pose, value.pose))
         case Ports():
@@ -136,7 +136,7 @@ def baked(ref: Ref) -> Ref:
     return Ref(ref.name, tuple(held), ref.own)
 
 
-def moved_plane(value: Plane, pose: Pose) -> Plane:
+def _moved_plane(value: Plane, pose: Pose) -> Plane:
     if value.axis is None:
         return value
     normal = direct(pose, unit(value.axis))

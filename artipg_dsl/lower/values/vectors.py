@@ -108,22 +108,22 @@ def rotation_about(axis: Triple, angle: Expr) -> Matrix:
     )
 
 
-def flip(v: Triple, mirror: Expr) -> Triple:
+def _flip(v: Triple, mirror: Expr) -> Triple:
     return v if mirror is ONE else (v[0], E.mul(mirror, v[1]), v[2])
 
 
 def place(pose: Pose, point: Triple) -> Triple:
     """A point of the inner frame in the outer one."""
-    return plus(turn(pose.rotation, flip(point, pose.mirror)), pose.translation)
+    return plus(turn(pose.rotation, _flip(point, pose.mirror)), pose.translation)
 
 
 def direct(pose: Pose, direction: Triple) -> Triple:
-    return turn(pose.rotation, flip(direction, pose.mirror))
+    return turn(pose.rotation, _flip(direction, pose.mirror))
 
 
-def unplace(pose: Pose, point: Triple) -> Triple:
+def _unplace(pose: Pose, point: Triple) -> Triple:
     """A point of the outer frame in the inner one."""
-    return flip(turn(transpose(pose.rotation), minus(point, pose.translation)), pose.mirror)
+    return _flip(turn(transpose(pose.rotation), minus(point, pose.translation)), pose.mirror)
 
 
 def compose(outer: Pose, inner: Pose) -> Pose:
@@ -147,7 +147,7 @@ def inverse(pose: Pose) -> Pose:
             tuple(E.mul(pose.mirror, c) if (i == 1) != (j == 1) else c for j, c in enumerate(row))
             for i, row in enumerate(rotation)
         )
-    at = unplace(pose, ORIGIN)
+    at = _unplace(pose, ORIGIN)
     return Pose(rotation, at, pose.mirror)
 
 
