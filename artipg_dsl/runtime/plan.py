@@ -53,7 +53,7 @@ class Plan:
         if function is None:
             from . import draws, kernels, newton  # start-up: a plan is made and shown without them
 
-            namespace: dict[str, Any] = {**vars(kernels), **vars(draws), "newton": newton.solve_roots}
+            namespace: dict[str, Any] = {**vars(kernels), **vars(draws), "solve_roots": newton.solve_roots}
             exec(compile(self.source, "<plan>", "exec"), namespace)  # noqa: S102 - no text of a program but literals
             function = self._function = namespace["evaluate"]
         return function
@@ -183,9 +183,7 @@ class _Emitter:
         function = f"f{self.counter}"
         for line in source(formulas, names, function).split("\n"):
             self.line(line)
-        call = (
-            f"newton({function}, ({', '.join(arguments[known:])},), ({''.join(a + ', ' for a in arguments[:known])}))"
-        )
+        call = f"solve_roots({function}, ({', '.join(arguments[known:])},), ({''.join(a + ', ' for a in arguments[:known])}))"
         name = self.fresh(call)
         if all(map(self.scalar, arguments)):
             self.scalars.add(name)

@@ -139,7 +139,7 @@ def _use(ck: Checker, ctx: Context, entries: list[Entry], span: Span) -> Type:
     if len(live) > 1 and consistent(*(ck.entry_condition(e) for e in live)):
         live = live[:1]  # declared twice, which is reported where it is declared
     entry = live[0]
-    if all(e.kind == "slot" for e in live):
+    if all(e.kind == "slot" for e in live) and entry.name not in WORDS:  # such a name is reported where it is declared
         hint = "name what the slot binds"
         return ck.error(
             "wrong-type", span, f"`{entry.name}` is a slot of this template: it is read from outside only", hint=hint

@@ -438,7 +438,6 @@ def test_paths_of_one_shape_share_a_primitive():
         ("[radius * v, 0mm]", "[radius * (2 * v - 1), 0mm]", "bad-curve", "a radius below 0"),
         ("[radius * v, 0mm]", "[radius * sqrt(v - 0.5) * sqrt(2), 0mm]", "bad-curve", "no value"),
         ("lathe([base, side], [floor, lining]) about", "sweep(circle(wall)) along side up", "bad-curve", "in a plane"),
-        ("lathe([base, side], [floor, lining]) about", "extrude(side) along", "wrong-arguments", "both ends"),
     ],
 )
 def test_what_cannot_be_made_is_said_in_words(old, new, code, words):
