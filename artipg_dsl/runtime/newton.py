@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-_ROUNDS = 80
+_MOST_STEPS = 80
 _ARRIVED = 1e-15  # of 1 + the value: steps this small change nothing that matters
 _SHORTEST = 2.0**-12  # of a full step
 
@@ -30,7 +30,7 @@ def solve_roots(
     x = np.stack([np.ravel(np.broadcast_to(np.asarray(v, dtype=np.float64), shape)) for v in starts])
     residual, slope, worst = _at(system, x, given)
     length, still = np.ones(x.shape[1]), worst == 0.0
-    for _ in range(_ROUNDS):
+    for _ in range(_MOST_STEPS):
         if still.all():
             break
         step = length * solve_small(slope, residual)

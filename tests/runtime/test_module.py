@@ -1,10 +1,15 @@
 """The generated module needs NumPy alone and gives the very numbers of the batch."""
 
+import ast
+import inspect
 import subprocess
 import sys
+from collections import Counter
 
 import numpy as np
 
+from artipg_dsl import random
+from artipg_dsl.runtime import draws, kernels, laws, newton
 from artipg_dsl.sampling.module import to_module
 
 CHECK = """
@@ -26,3 +31,20 @@ def test_module_equals_batch(microwave, tmp_path):
         assert len(found.files) == len(batch.sites())
         for table in batch.sites():
             assert np.array_equal(found[str(table.number)], table.translation), table.path
+
+
+def test_what_is_written_into_one_module_has_names_of_its_own():
+    """One would take the place of the other, private ones too."""
+    defined = Counter(
+        name
+        for part in (random, laws, kernels, draws, newton)
+        for node in ast.parse(inspect.getsource(part)).body
+        for name in (
+            [node.name]
+            if isinstance(node, ast.FunctionDef | ast.ClassDef)
+            else [target.id for target in node.targets if isinstance(target, ast.Name)]
+            if isinstance(node, ast.Assign)
+            else []
+        )
+    )
+    assert len(defined) > 40 and [name for name, count in defined.items() if count > 1] == []
