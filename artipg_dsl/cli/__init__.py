@@ -2,7 +2,8 @@
 
 In: the words after ``apgc``. Out: text, files and an exit code. Begin with ``main``, which loads a command when it is called.
 
-    main, options, arguments      commands and their options; kinds of arguments
+    main, options, shared         commands, their options, and those that several share
+    arguments                     kinds of arguments
     messages, progress            findings and errors on the terminal, and how far a run has come
     check, fmt, new, explain      programs as text
     compile, ledger               a program at one of its stages; what determines each part

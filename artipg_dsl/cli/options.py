@@ -6,20 +6,17 @@ import argparse
 
 from ..export.registry import FORMATS, OTHERS, object_formats
 from ..layouts.registry import LAYOUTS
-from .arguments import (
-    amount,
-    folder,
-    fraction,
-    memory,
-    numbers,
-    part,
-    picture,
-    place,
-    positive,
-    random_states,
-    tolerance,
-    whole,
-    workers,
+from .arguments import amount, folder, fraction, numbers, picture, place, positive, random_states, whole
+from .shared import (
+    add_backend,
+    add_bounding,
+    add_checking,
+    add_dividing,
+    add_drawing,
+    add_meshes,
+    add_program,
+    add_sharing,
+    add_source,
 )
 
 _MESHES = 60  # objects of a report whose meshes are looked at
@@ -62,7 +59,7 @@ def _add_new(to: argparse.ArgumentParser) -> None:
 
 
 def _add_compile(to: argparse.ArgumentParser) -> None:
-    _program(to)
+    add_program(to)
     to.add_argument("-o", "--out", type=place, metavar="FILE", help="output file, or - for stdout (default: stdout)")
     stages = "; ".join(f"{name}: {text}" for name, text in EMITS.items())
     to.add_argument("--emit", choices=list(EMITS), default="graph", help=stages)
@@ -70,8 +67,8 @@ def _add_compile(to: argparse.ArgumentParser) -> None:
 
 
 def _add_sample(to: argparse.ArgumentParser) -> None:
-    _source(to)
-    _drawing(to, 10)
+    add_source(to)
+    add_drawing(to, 10)
     to.add_argument("-o", "--out", type=folder, default="out", metavar="DIR", help="output folder (default: out)")
     to.add_argument(
         "--points",
@@ -149,7 +146,7 @@ def _add_sample(to: argparse.ArgumentParser) -> None:
     to.add_argument(
         "--variant", type=whole, metavar="K", help="with --mutate: make another mutant of each object (default: 0)"
     )
-    _meshes(to)
+    add_meshes(to)
     to.add_argument(
         "--sampling",
         default="sequential",
@@ -166,14 +163,14 @@ def _add_sample(to: argparse.ArgumentParser) -> None:
         action="store_true",
         help="repair invalid objects with the least change instead of drawing them again",
     )
-    _checking(to)
+    add_checking(to)
     to.add_argument("--force", action="store_true", help="replace samples that were made with other options")
-    _dividing(to)
+    add_dividing(to)
 
 
 def _add_export(to: argparse.ArgumentParser) -> None:
-    _source(to)
-    _drawing(to, 10)
+    add_source(to)
+    add_drawing(to, 10)
     to.add_argument(
         "-o", "--out", type=folder, metavar="DIR", help="output folder (default: the folder of samples, or out)"
     )
@@ -191,10 +188,10 @@ def _add_export(to: argparse.ArgumentParser) -> None:
     to.add_argument(
         "--map", metavar="FILE", help="with a layout: a JSON file of what its vocabulary calls a category and its words"
     )
-    _meshes(to)
+    add_meshes(to)
     to.add_argument("--force", action="store_true", help="overwrite existing files")
-    _sharing(to)
-    _bounding(to)
+    add_sharing(to)
+    add_bounding(to)
 
 
 def _add_mutate(to: argparse.ArgumentParser) -> None:
@@ -245,15 +242,15 @@ def _add_mutate(to: argparse.ArgumentParser) -> None:
         "--points", type=positive, metavar="N", help="number of points per object (default: as in the originals)"
     )
     to.add_argument("--format", metavar="LIST", help="formats, separated by commas (default: those of the originals)")
-    _checking(to)
+    add_checking(to)
     to.add_argument("--force", action="store_true", help="replace mutants that were made with other options")
-    _backend(to)
-    _dividing(to)
+    add_backend(to)
+    add_dividing(to)
 
 
 def _add_render(to: argparse.ArgumentParser) -> None:
-    _source(to)
-    _drawing(to, 30)
+    add_source(to)
+    add_drawing(to, 30)
     to.add_argument(
         "-o", "--out", type=picture, default="sheet.png", metavar="FILE", help="output file (default: sheet.png)"
     )
@@ -271,7 +268,7 @@ def _add_render(to: argparse.ArgumentParser) -> None:
         help="viewpoint: front, back, left, right, top, iso, or AZIMUTH,ELEVATION in degrees, as in --view=-120,30",
     )
     to.add_argument("--tile", type=positive, default=256, metavar="PIXELS", help="width of each object (default: 256)")
-    _meshes(to, steps=64)
+    add_meshes(to, steps=64)
     to.add_argument("--force", action="store_true", help="overwrite an existing file")
 
 
@@ -280,8 +277,8 @@ def _add_explain(to: argparse.ArgumentParser) -> None:
 
 
 def _add_validate(to: argparse.ArgumentParser) -> None:
-    _source(to)
-    _drawing(to, 200)
+    add_source(to)
+    add_drawing(to, 200)
     to.add_argument(
         "--states",
         type=random_states,
@@ -298,7 +295,7 @@ def _add_validate(to: argparse.ArgumentParser) -> None:
 def _add_report(to: argparse.ArgumentParser) -> None:
     to.add_argument("programs", nargs="*", metavar="NAME|FILE", help="shipped categories or .apg files")
     to.add_argument("--all", action="store_true", help="all shipped categories")
-    _drawing(to, 1000)
+    add_drawing(to, 1000)
     shape = to.add_mutually_exclusive_group()
     shape.add_argument("--json", action="store_true", help="print the figures as JSON")
     shape.add_argument("--markdown", action="store_true", help="print a table with a row per category")
@@ -319,108 +316,20 @@ def _add_report(to: argparse.ArgumentParser) -> None:
     )
     to.add_argument("--strict", action="store_true", help="exit with 1 if a goal is not met")
     to.add_argument("--force", action="store_true", help="overwrite the page")
-    _sharing(to)
+    add_sharing(to)
 
 
 def _add_ledger(to: argparse.ArgumentParser) -> None:
-    _program(to)
+    add_program(to)
     to.add_argument("part", nargs="?", metavar="PART", help="such as door (default: all parts)")
 
 
 # ---------------------------------------------------------------- shared
 
 
-def _program(to: argparse.ArgumentParser) -> None:
-    to.add_argument("program", metavar="NAME|FILE", help="a shipped category or an .apg file")
-
-
-def _meshes(to: argparse.ArgumentParser, steps: int = 24) -> None:
-    to.add_argument(
-        "--tolerance",
-        type=tolerance,
-        metavar="LENGTH",
-        help=f"how far meshes may deviate from the true surfaces, such as 0.5mm (default: {steps} steps per full turn)",
-    )
-    to.add_argument(
-        "--triangles",
-        type=positive,
-        metavar="N",
-        help="maximum number of triangles per object, distributed by curvature",
-    )
-
-
-def _sharing(to: argparse.ArgumentParser) -> None:
-    to.add_argument(
-        "--workers",
-        type=workers,
-        default=1,
-        metavar="N",
-        help="number of processes, or auto for one per processor (default: 1)",
-    )
-
-
-def _bounding(to: argparse.ArgumentParser) -> None:
-    to.add_argument(
-        "--memory",
-        type=memory,
-        default="2GB",
-        metavar="SIZE",
-        help="memory that all processes together may take, such as 512MB (default: 2GB)",
-    )
-    to.add_argument(
-        "--cluster",
-        default="",
-        metavar="ADDRESS",
-        help="share the work among the workers of a Dask scheduler, such as tcp://host:8786, or among --workers of a cluster here: local",
-    )
-
-
-def _drawing(to: argparse.ArgumentParser, n: int) -> None:
-    which = to.add_mutually_exclusive_group()
-    which.add_argument("-n", "--number", type=positive, metavar="N", help=f"number of objects (default: {n})")
-    which.add_argument("--only", type=numbers, metavar="NUMBERS", help="objects by number, such as 37 or 37,40..45")
-    to.add_argument("--seed", type=whole, metavar="N", help="random seed (default: 0)")
-    to.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="NAME=VALUE",
-        help="fix a parameter, such as width=45cm or handle=BarHandle",
-    )
-    to.set_defaults(default_number=n)
-    _backend(to)
-
-
-def _backend(to: argparse.ArgumentParser) -> None:
-    to.add_argument(
-        "--backend",
-        choices=("numpy", "c"),
-        help="what evaluates formulas: the same bytes either way (default: c where there is a compiler, NumPy until it is done)",
-    )
-
-
-def _source(to: argparse.ArgumentParser) -> None:
-    to.add_argument("program", metavar="DIR|NAME|FILE", help="a folder of samples, a shipped category or an .apg file")
-
-
-def _dividing(to: argparse.ArgumentParser) -> None:
-    _sharing(to)
-    _bounding(to)
-    to.add_argument(
-        "--shard", type=part, default=(1, 1), metavar="K/N", help="write only the K-th of N parts, to divide the work"
-    )
-
-
-def _checking(to: argparse.ArgumentParser) -> None:
-    to.add_argument("--unchecked", action="store_true", help="accept objects whose links collide")
-    to.add_argument(
-        "--stats", action="store_true", help="print how many objects were valid on the first attempt, and what failed"
-    )
-
-
 def _add_profile(to: argparse.ArgumentParser) -> None:
-    _program(to)
-    _drawing(to, 16)
+    add_program(to)
+    add_drawing(to, 16)
     to.add_argument("--json", action="store_true", help="print the figures as JSON")
 
 
@@ -429,7 +338,7 @@ def _add_cache(to: argparse.ArgumentParser) -> None:
 
 
 def _add_fit(to: argparse.ArgumentParser) -> None:
-    _program(to)
+    add_program(to)
     to.add_argument(
         "files", nargs="+", metavar="FILE|DIR", help="meshes, point clouds or URDF files, or folders of them"
     )
@@ -461,7 +370,7 @@ def _add_fit(to: argparse.ArgumentParser) -> None:
     to.add_argument("--plain", action="store_true", help="draw no pictures")
     to.add_argument("--json", action="store_true", help="print the summary as JSON")
     to.add_argument("--force", action="store_true", help="fit again what is there already")
-    _sharing(to)
+    add_sharing(to)
 
 
 def _add_layout(to: argparse.ArgumentParser) -> None:

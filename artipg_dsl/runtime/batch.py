@@ -23,6 +23,7 @@ from .referred import Referred
 from .repairs import Repairs
 from .rooted import lead_by_heads, root_joints
 from .tables import Instances, JointTable, LinkTable, PartTable, Rowmap
+from .tags import make_distinct
 
 _UNLIKE = np.array([1.0, 2.0])  # turns and axis of a part that is like itself only as it stands
 
@@ -416,29 +417,6 @@ _JOINT_COLUMNS = (
     "velocity",
     "pitch",
 )
-
-
-@lru_cache(maxsize=1 << 16)  # a batch has few names, each in many objects
-def _tag(name: str) -> str:
-    """A name that every format takes: ``pad.row[1].key[0].cap`` becomes ``pad.row_1.key_0.cap``."""
-    return name.replace("[", "_").replace("]", "")
-
-
-def make_distinct(names: Sequence[str], owner: np.ndarray) -> list[str]:
-    """The tags of names, each once in its object: ``row[1]`` and a part called ``row_1`` stay two."""
-    tags, owners = [_tag(name) for name in names], owner.tolist()
-    taken = set(zip(owners, tags, strict=True))
-    if len(taken) == len(tags):
-        return tags
-    found: dict[tuple[int, str], int] = {}
-    for k, place in enumerate(zip(owners, tags, strict=True)):
-        found[place] = found.get(place, 0) + 1
-        while found[place] > 1 and (owners[k], f"{place[1]}_{found[place]}") in taken:
-            found[place] += 1
-        if found[place] > 1:
-            tags[k] = f"{place[1]}_{found[place]}"
-            taken.add((owners[k], tags[k]))
-    return tags
 
 
 @lru_cache(maxsize=8)

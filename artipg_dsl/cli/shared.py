@@ -1,0 +1,95 @@
+"""Options that several commands share, under one name and with one meaning."""
+
+from __future__ import annotations
+
+import argparse
+
+from .arguments import memory, numbers, part, positive, tolerance, whole, workers
+
+
+def add_program(to: argparse.ArgumentParser) -> None:
+    to.add_argument("program", metavar="NAME|FILE", help="a shipped category or an .apg file")
+
+
+def add_meshes(to: argparse.ArgumentParser, steps: int = 24) -> None:
+    to.add_argument(
+        "--tolerance",
+        type=tolerance,
+        metavar="LENGTH",
+        help=f"how far meshes may deviate from the true surfaces, such as 0.5mm (default: {steps} steps per full turn)",
+    )
+    to.add_argument(
+        "--triangles",
+        type=positive,
+        metavar="N",
+        help="maximum number of triangles per object, distributed by curvature",
+    )
+
+
+def add_sharing(to: argparse.ArgumentParser) -> None:
+    to.add_argument(
+        "--workers",
+        type=workers,
+        default=1,
+        metavar="N",
+        help="number of processes, or auto for one per processor (default: 1)",
+    )
+
+
+def add_bounding(to: argparse.ArgumentParser) -> None:
+    to.add_argument(
+        "--memory",
+        type=memory,
+        default="2GB",
+        metavar="SIZE",
+        help="memory that all processes together may take, such as 512MB (default: 2GB)",
+    )
+    to.add_argument(
+        "--cluster",
+        default="",
+        metavar="ADDRESS",
+        help="share the work among the workers of a Dask scheduler, such as tcp://host:8786, or among --workers of a cluster here: local",
+    )
+
+
+def add_drawing(to: argparse.ArgumentParser, n: int) -> None:
+    which = to.add_mutually_exclusive_group()
+    which.add_argument("-n", "--number", type=positive, metavar="N", help=f"number of objects (default: {n})")
+    which.add_argument("--only", type=numbers, metavar="NUMBERS", help="objects by number, such as 37 or 37,40..45")
+    to.add_argument("--seed", type=whole, metavar="N", help="random seed (default: 0)")
+    to.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="fix a parameter, such as width=45cm or handle=BarHandle",
+    )
+    to.set_defaults(default_number=n)
+    add_backend(to)
+
+
+def add_backend(to: argparse.ArgumentParser) -> None:
+    to.add_argument(
+        "--backend",
+        choices=("numpy", "c"),
+        help="what evaluates formulas: the same bytes either way (default: c where there is a compiler, NumPy until it is done)",
+    )
+
+
+def add_source(to: argparse.ArgumentParser) -> None:
+    to.add_argument("program", metavar="DIR|NAME|FILE", help="a folder of samples, a shipped category or an .apg file")
+
+
+def add_dividing(to: argparse.ArgumentParser) -> None:
+    add_sharing(to)
+    add_bounding(to)
+    to.add_argument(
+        "--shard", type=part, default=(1, 1), metavar="K/N", help="write only the K-th of N parts, to divide the work"
+    )
+
+
+def add_checking(to: argparse.ArgumentParser) -> None:
+    to.add_argument("--unchecked", action="store_true", help="accept objects whose links collide")
+    to.add_argument(
+        "--stats", action="store_true", help="print how many objects were valid on the first attempt, and what failed"
+    )
