@@ -196,13 +196,10 @@ def prune(place: Path, most: int | None = None) -> None:
             continue
 
 
-def clear() -> tuple[int, int]:
-    """Remove all entries: how many they were, and their bytes."""
-    place = folder()
-    if place is None:
-        return 0, 0
+def clear(found: Iterable[Entry]) -> tuple[int, int]:
+    """Remove entries: how many they were, and their bytes."""
     number = total = 0
-    for entry in entries(place):
+    for entry in found:
         try:
             entry.path.unlink()
         except OSError:

@@ -41,6 +41,7 @@ template Foot {
 @pytest.fixture
 def kept(tmp_path, monkeypatch):
     monkeypatch.setenv("APGC_CACHE", str(tmp_path / "kept"))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "own"))
     monkeypatch.setattr(cache, "_pruned", False)
     monkeypatch.setattr(trees, "_trees", {})
     return tmp_path / "kept"
@@ -169,12 +170,16 @@ def test_the_oldest_go_first(kept):
     assert not (kept / ".left.partial").exists()
 
 
-def test_show_and_clear(kept, stool, capsys):
+def test_show_and_clear(kept, stool, tmp_path, capsys):
     found(stool)
+    machine = tmp_path / "own" / "artipg_dsl" / "compiled" / "machine-0-0.so"
+    machine.parent.mkdir(parents=True)
+    machine.write_bytes(b"code")
     assert main(["cache"]) == 0
-    assert "findings: 1 file" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "findings: 1 file" in said and "the compiled backend: 1 file" in said
     assert main(["cache", "clear"]) == 0
-    assert "removed 6 files" in capsys.readouterr().out and not list(kept.iterdir())
+    assert "removed 7 files" in capsys.readouterr().out and not list(kept.iterdir()) and not machine.exists()
     os.environ["APGC_CACHE"] = "off"
     assert main(["cache"]) == 0 and "nothing is kept" in capsys.readouterr().out
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 
 from .. import cache
+from ..native import compiler
 from .messages import plural
 
 _KINDS = {
@@ -12,6 +13,7 @@ _KINDS = {
     "tree": "syntax trees",
     "program": "compiled programs",
     "facts": "what surfaces and pieces are like",
+    "machine": "the compiled backend",
 }
 
 
@@ -20,11 +22,12 @@ def run(options: argparse.Namespace) -> int:
     if place is None:
         print("nothing is kept: APGC_CACHE is off, or no home is known")
         return 0
+    compiled = compiler.folder()
+    found = [*cache.entries(place), *(cache.entries(compiled) if compiled is not None else ())]
     if options.action == "clear":
-        number, total = cache.clear()
+        number, total = cache.clear(found)
         print(f"removed {plural(number, 'file')} ({_size(total)}) from {place}")
         return 0
-    found = cache.entries(place)
     print(f"{place}: {plural(len(found), 'file')}, {_size(sum(e.size for e in found))} of {_size(cache.MOST)} at most")
     for kind in sorted({entry.kind for entry in found}):
         held = [entry.size for entry in found if entry.kind == kind]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -44,16 +44,7 @@ class Targets:
     def first(self, count: int) -> Targets:
         """With ``count`` points at most."""
         apart = self.apart * np.sqrt(self.points.shape[1] / min(count, self.points.shape[1]))
-        return Targets(
-            self.points[:, :count],
-            self.normals[:, :count],
-            self.diagonal,
-            apart,
-            self.low,
-            self.high,
-            self.of,
-            self.known,
-        )
+        return replace(self, points=self.points[:, :count], normals=self.normals[:, :count], apart=apart)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
