@@ -9,13 +9,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..errors import UsageError
+from ..errors import SettingError, UsageError, UserError
 from .arguments import STREAM
 from .messages import say
 from .progress import Progress
 from .wanted import read_request
 
 if TYPE_CHECKING:
+    from ..graph.program import Program
     from ..quality.card import Card
     from ..quality.sizes import Real
     from ..run.job import Job
@@ -108,6 +109,7 @@ def _examined(task: _Task) -> tuple[Card, bytes]:
                 progress(done, total)
 
         step("sampling", 0, len(STEPS))
+        variants = _read_variants(job.program, task.known.get(category))  # wrong ones are told at once
         batch = job.batch()
         valid = Valid(job.statistics.first_valid, job.statistics.attempts, job.failures())
         meshes = check_meshes(job.of(request.objects[: options.meshes]).batch()) if options.meshes else None
@@ -119,9 +121,26 @@ def _examined(task: _Task) -> tuple[Card, bytes]:
             real=task.known.get(category),
             lines=_own_lines(path),
             meshes=meshes,
+            variants=variants,
             progress=step,
         )
     return found, _picture(job.of(job.request.objects[:PICTURED])) if options.html is not None else b""
+
+
+def _read_variants(program: Program, real: Real | None) -> dict[str, dict[int, float]]:
+    """The settings of each variant by draws. Raises UserError for one that names what the category does not have."""
+    from ..run.settings import resolve_settings
+
+    found = {}
+    for name, settings in (real.variants if real is not None else {}).items():
+        try:
+            found[name] = resolve_settings(program, settings)[0]
+        except SettingError as error:
+            raise UserError(
+                f"the variant `{name}` of {program.name} cannot be set: {error.message}",
+                error.hint or "correct `variants` in the file of real sizes",
+            ) from None
+    return found
 
 
 def _own_lines(path: Path | None) -> int | None:

@@ -14,10 +14,11 @@ from .dead import Dead, find_dead_alternatives, find_dead_parameters
 from .distance import measure_distance
 from .duplicates import CLOSE, find_near_duplicates
 from .graphs import find_graphs
-from .sizes import Extent, Real, compare_sizes, measure_extents
+from .sizes import Extent, Real, compare_ratios, compare_sizes, measure_extents
+from .variants import Given, Variant, find_variants
 
 _VERSION = 1  # of the JSON form
-VALID, DUPLICATE, WITHIN, LINES = 0.99, 0.01, 0.75, 200  # the goals
+VALID, DUPLICATE, WITHIN, RATIOS, LINES = 0.99, 0.01, 0.75, 0.8, 200  # the goals
 _SHOWN = 12  # graphs that are listed
 
 
@@ -76,6 +77,13 @@ class Card:
     dead_alternatives: tuple[Dead, ...]
     lines: int | None
     meshes: Strict | None = None  # of the first objects, where that was asked for
+    ratios: tuple[Extent, ...] = ()
+    variants: tuple[Variant, ...] = ()
+
+    @property
+    def lacking(self) -> tuple[Variant, ...]:
+        """Variants that no object shows, or that their settings do not reach."""
+        return tuple(v for v in self.variants if not v.objects or v.refused)
 
     @property
     def goals(self) -> tuple[Goal, ...]:
@@ -89,6 +97,11 @@ class Card:
         found.append(Goal("pairs", "100%", not self.pairs.missed))
         if sized:
             found.append(Goal("sizes", f">= {100 * WITHIN:.0f}% on each axis", min(sized) >= WITHIN))
+        if self.ratios:
+            least = min(e.within or 0.0 for e in self.ratios)
+            found.append(Goal("ratios", f">= {100 * RATIOS:.0f}% of each", least >= RATIOS))
+        if self.variants:
+            found.append(Goal("variants", "all", not self.lacking))
         found.append(Goal("dead parameters", "none", not self.dead_parameters))
         found.append(Goal("dead alternatives", "none", not self.dead_alternatives))
         if self.meshes is not None:
@@ -124,7 +137,13 @@ class Card:
             },
             "sizes": {
                 "axes": [asdict(e) for e in self.sizes],
+                "ratios": [asdict(e) for e in self.ratios],
                 "source": self.real.source if self.real is not None else "",
+            },
+            "variants": {
+                "seen": sum(v.objects > 0 for v in self.variants),
+                "known": len(self.variants),
+                "list": [asdict(v) for v in self.variants],
             },
             "dead": {
                 "parameters": [asdict(d) for d in self.dead_parameters],
@@ -139,7 +158,7 @@ class Card:
         }
 
 
-STEPS = ("sampling", "graphs", "near-duplicates", "pairs", "sizes", "dead parameters", "dead alternatives")
+STEPS = ("sampling", "graphs", "near-duplicates", "pairs", "sizes", "variants", "dead parameters", "dead alternatives")
 
 
 def make_card(
@@ -151,11 +170,13 @@ def make_card(
     real: Real | None = None,
     lines: int | None = None,
     meshes: Strict | None = None,
+    variants: Given | None = None,
     progress: Callable[[str, int, int], None] | None = None,
 ) -> Card:
     """The card of a program over the objects of a batch; ``valid``: how often the sampling of these succeeded at first.
 
-    ``checked``: collisions were looked for; ``meshes``: what the meshes of some of them share.
+    ``checked``: collisions were looked for; ``meshes``: what the meshes of some of them share; ``variants``: the settings of
+    the variants that are known of real ones, by draws.
     ``progress`` hears of each step after the sampling.
     """
 
@@ -186,8 +207,10 @@ def make_card(
     step(4)
     size = measure_extents(batch)
     step(5)
-    parameters = tuple(find_dead_parameters(batch))
+    models = find_variants(sampler, batch, variants or {}, {} if real is None else real.variants, checked)
     step(6)
+    parameters = tuple(find_dead_parameters(batch))
+    step(7)
     alternatives = tuple(find_dead_alternatives(sampler, batch))
     return Card(
         batch.program.name,
@@ -205,6 +228,8 @@ def make_card(
         alternatives,
         lines,
         meshes,
+        tuple(compare_ratios(size, real)),
+        tuple(models),
     )
 
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ from ..validity.bodies import gather
 
 _REFERENCE = "reference.json"
 _AXES = ("width", "depth", "height")  # along y, x and z
+_RATIOS = ("width/height", "depth/height")
 _BLOCK = 128  # objects at a time
 
 
@@ -26,8 +27,9 @@ class Real:
     """What real objects of a category are like, in metres: 5th percentile, median, 95th percentile per axis.
 
     ``source`` says whose sizes these are. ``turned``: which side is the front is not known, so that the width is the
-    longer of the horizontal sides. ``graphs`` is how many distinct kinematic graphs the real world is known to have,
-    ``why`` the reason for the number.
+    longer of the horizontal sides. ``ratios`` of sizes likewise, by names such as ``width/height``. ``graphs`` is how many
+    distinct kinematic graphs the real world is known to have, ``why`` the reason for the number. ``variants`` are what a
+    buyer would call another model: the settings that give it, by its name.
     """
 
     width: tuple[float, float, float] | None = None
@@ -37,12 +39,14 @@ class Real:
     turned: bool = False
     graphs: int | None = None
     why: str = ""
+    ratios: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
+    variants: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
 class Extent:
-    """One axis: 5th percentile, median, 95th percentile of the objects and of real ones; ``within``: share of the objects
-    whose size lies in the real range; ``ratio`` of the medians; both None where nothing is known of real ones."""
+    """One axis, or a ratio of two: 5th percentile, median, 95th percentile of the objects and of real ones; ``within``: share
+    of the objects in the real range; ``ratio`` of the medians; both None where nothing is known of real ones."""
 
     axis: str
     ours: tuple[float, float, float]
@@ -70,14 +74,29 @@ def read_reference(path: str | Path | None = None) -> dict[str, Real]:
 
 
 def _real(entry: Mapping[str, Any]) -> Real:
-    known: dict[str, Any] = dict(entry)
-    for axis in _AXES:
-        if axis in known:
-            low, middle, high = (float(v) for v in known[axis])
-            if not 0.0 < low <= middle <= high:
-                raise ValueError(f"{axis} is not three rising lengths above 0")
-            known[axis] = (low, middle, high)
+    known: dict[str, Any] = {key: value for key, value in entry.items() if key not in _RATIOS}
+    known.update({axis: _range(axis, known[axis]) for axis in _AXES if axis in known})
+    known["ratios"] = {name: _range(name, entry[name]) for name in _RATIOS if name in entry}
+    models = entry.get("variants", {})
+    if not isinstance(models, dict):
+        raise ValueError("`variants` is not a table of names and their settings")
+    known["variants"] = {name: _variant(name, chosen) for name, chosen in models.items()}
     return Real(**known)
+
+
+def _range(name: str, values: Sequence[Any]) -> tuple[float, float, float]:
+    low, middle, high = (float(v) for v in values)
+    if not 0.0 < low <= middle <= high:
+        raise ValueError(f"{name} is not three rising {'ratios' if name in _RATIOS else 'lengths'} above 0")
+    return low, middle, high
+
+
+def _variant(name: str, chosen: Any) -> dict[str, str]:
+    """The settings of a variant as `--set` takes them: JSON's true is `true`."""
+    fits = isinstance(chosen, dict) and chosen and all(isinstance(v, str | int | float) for v in chosen.values())
+    if not fits:
+        raise ValueError(f'the variant `{name}` is not a table of settings, such as {{"body": "StockPot"}}')
+    return {key: str(value).lower() if isinstance(value, bool) else str(value) for key, value in chosen.items()}
 
 
 def measure_extents(batch: Batch) -> np.ndarray:
@@ -99,19 +118,34 @@ def measure_extents(batch: Batch) -> np.ndarray:
 
 def compare_sizes(size: np.ndarray, real: Real | None) -> list[Extent]:
     """The sizes (B, 3) of objects along x, y, z beside real ones."""
+    side = _sides(size, real)
+    return [_compare(axis, side[:, k], None if real is None else getattr(real, axis)) for k, axis in enumerate(_AXES)]
+
+
+def compare_ratios(size: np.ndarray, real: Real | None) -> list[Extent]:
+    """The ratios of the sizes (B, 3) of objects that are known of real ones, beside those."""
+    if real is None:
+        return []
+    side = _sides(size, real)
+    deep = side[:, 2] > 0.0
+    shares = {name: side[deep, k] / side[deep, 2] for k, name in enumerate(_RATIOS)}
+    return [_compare(name, shares[name], known) for name, known in real.ratios.items() if len(shares[name])]
+
+
+def _sides(size: np.ndarray, real: Real | None) -> np.ndarray:
+    """(B, 3) width, depth, height."""
     side = size[:, [1, 0, 2]]
     if real is not None and real.turned:
         side[:, :2] = np.sort(side[:, :2], axis=1)[:, ::-1]
-    found = []
-    for k, axis in enumerate(_AXES):
-        low, middle, high = (float(v) for v in np.percentile(side[:, k], (5, 50, 95)))
-        known = None if real is None else getattr(real, axis)
-        within = ratio = None
-        if known is not None:
-            within = float(((side[:, k] >= known[0]) & (side[:, k] <= known[2])).mean())
-            ratio = middle / known[1]
-        found.append(Extent(axis, (low, middle, high), known, within, ratio))
-    return found
+    return side
 
 
-__all__ = ["Extent", "Real", "compare_sizes", "measure_extents", "read_reference"]
+def _compare(name: str, found: np.ndarray, known: tuple[float, float, float] | None) -> Extent:
+    low, middle, high = (float(v) for v in np.percentile(found, (5, 50, 95)))
+    if known is None:
+        return Extent(name, (low, middle, high), None, None, None)
+    within = float(((found >= known[0]) & (found <= known[2])).mean())
+    return Extent(name, (low, middle, high), known, within, middle / known[1])
+
+
+__all__ = ["Extent", "Real", "compare_ratios", "compare_sizes", "measure_extents", "read_reference"]

@@ -43,6 +43,13 @@ def list_figures(card: Card) -> Iterator[tuple[str, str, list[str]]]:
         _sizes(card),
         [_extent_text(e) for e in card.sizes] + ([card.real.source] if card.real is not None else []),
     )
+    if card.ratios:
+        yield "ratios", _within(card.ratios), [_ratio_text(e) for e in card.ratios]
+    if card.variants:
+        there = sum(v.objects > 0 for v in card.variants)
+        told = [f"not seen: {v.name} ({v.settings})" for v in card.variants if not v.objects and not v.refused]
+        told += [f"--set does not reach {v.name} ({v.settings}): it {v.refused}" for v in card.variants if v.refused]
+        yield "variants", f"{there} of {len(card.variants)} seen", _few(told)
     for name, dead in (("dead parameters", card.dead_parameters), ("dead alternatives", card.dead_alternatives)):
         told = [f"{d.where}: {d.name}{f' = {d.option}' if d.option else ''} {d.why}" for d in dead]
         yield name, str(len(dead)) if dead else "none", _few(told)
@@ -67,12 +74,12 @@ def _percent(share: float) -> str:
 
 
 def _sizes(card: Card) -> str:
-    within = [e.within for e in card.sizes if e.within is not None]
-    if not within:
-        return "nothing is known of real ones"
-    return "in the range of real ones " + ", ".join(
-        f"{e.axis} {100 * e.within:.0f}%" for e in card.sizes if e.within is not None
-    )
+    return _within(card.sizes) or "nothing is known of real ones"
+
+
+def _within(extents: Sequence[Extent]) -> str:
+    known = [f"{e.axis} {100 * e.within:.0f}%" for e in extents if e.within is not None]
+    return f"in the range of real ones {', '.join(known)}" if known else ""
 
 
 def _extent_text(extent: Extent) -> str:
@@ -82,6 +89,11 @@ def _extent_text(extent: Extent) -> str:
         return told
     low, middle, high = (100 * v for v in extent.real)
     return told + f"; real {low:.1f} .. {middle:.1f} .. {high:.1f}; medians as {extent.ratio:.2f} to 1"
+
+
+def _ratio_text(extent: Extent) -> str:
+    ours, real = (" .. ".join(f"{v:.2f}" for v in values or ()) for values in (extent.ours, extent.real))
+    return f"{extent.axis} {ours}; real {real}; medians as {extent.ratio:.2f} to 1"
 
 
 def _say(pair: LevelPair) -> str:
@@ -102,6 +114,8 @@ HEAD = (
     "near-duplicates",
     "pairs of choices",
     "real size (w, d, h)",
+    "ratios (w/h, d/h)",
+    "variants",
     "dead",
     "lines",
 )
@@ -139,6 +153,8 @@ def _cells(card: Card) -> list[str]:
         f"{100 * card.duplicates / card.objects:.1f}%",
         f"{pairs.seen} of {pairs.possible}",
         f"{', '.join(within)}%" if within else "-",
+        f"{', '.join(f'{100 * (e.within or 0.0):.0f}' for e in card.ratios)}%" if card.ratios else "-",
+        f"{len(card.variants) - len(card.lacking)} of {len(card.variants)}" if card.variants else "-",
         str(len(card.dead_parameters) + len(card.dead_alternatives)),
         "-" if card.lines is None else str(card.lines),
     ]

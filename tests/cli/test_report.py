@@ -49,6 +49,7 @@ def test_the_card_as_json_is_the_same_each_time(apgc: Apgc) -> None:
         "duplicates",
         "pairs",
         "sizes",
+        "variants",
         "dead",
         "meshes",
         "lines",
@@ -81,6 +82,76 @@ def test_goals_decide_the_exit_code_where_that_is_asked_for(apgc: Apgc, tmp_path
     code, out, _ = apgc("report", CHEST, "-n", 10, "--reference", real)
     assert code == 0 and "goal >= 9: NOT MET" in out and "so be it" in out and "height 0%" in out
     assert apgc("report", CHEST, "-n", 10, "--reference", real, "--strict")[0] == 1
+
+
+def _known(folder: Path, **entry: object) -> Path:
+    """A file of what is known of real chests."""
+    file = folder / "known.json"
+    file.write_text(json.dumps({"categories": {"Chest": entry}}))
+    return file
+
+
+def test_variants_are_counted_and_tried(apgc: Apgc, tmp_path: Path) -> None:
+    models = {"oak, three knobs": {"wood": "oak", "knobs": 3}, "of pine": {"wood": "pine"}, "tall": {"share": 0.12345}}
+    known = _known(tmp_path, variants=models)
+    asked = ("report", CHEST, "-n", 20, "--unchecked", "--reference", known)
+    found = json.loads(apgc(*asked, "--json")[1])
+    oak, pine, tall = found["variants"]["list"]
+    assert (found["variants"]["seen"], found["variants"]["known"]) == (2, 3)
+    assert oak == {"name": "oak, three knobs", "settings": "wood=oak knobs=3", "objects": oak["objects"], "refused": ""}
+    assert 0 < oak["objects"] < 20 - pine["objects"] and (tall["objects"], tall["refused"]) == (0, "")
+    assert {"figure": "variants", "goal": "all", "met": False} in found["goals"]
+    out = apgc(*asked)[1]
+    assert "2 of 3 seen  goal all: NOT MET" in out and "not seen: tall (share=0.12345)" in out
+    assert "| 2 of 3 |" in apgc(*asked, "--markdown")[1]
+    fixed = json.loads(apgc(*asked, "--set", "wood=oak", "--json")[1])
+    assert [v["name"] for v in fixed["variants"]["list"]] == ["oak, three knobs", "tall"]
+
+
+def test_a_variant_that_its_settings_do_not_reach_is_told(apgc: Apgc, tmp_path: Path) -> None:
+    file = tmp_path / "box.apg"
+    file.write_text("""apg 1
+use primitives { Cuboid, Cylinder }
+category Box {
+  count n in 1 .. 2
+  root part body : Cuboid(size = [10cm, 10cm, 10cm])
+  part top : Cuboid(size = [1cm, 1cm, 1cm]) weight 0 | Cylinder(radius = 1cm, height = 1cm) | none
+  connect top.bottom on body.top
+  when top is Cylinder { count m in 1 .. 2  require n == m else "as many" }
+}
+""")
+    known = tmp_path / "known.json"
+    impossible, absent = {"n": 1, "m": 2, "top": "Cylinder"}, {"m": 1, "top": "none"}
+    known.write_text(json.dumps({"categories": {"Box": {"variants": {"odd": impossible, "bare": absent}}}}))
+    out = apgc("report", file, "-n", 9, "--reference", known)[1]
+    assert "--set does not reach odd (n=1 m=2 top=Cylinder): it leaves no valid object" in out
+    assert "--set does not reach bare (m=1 top=none): it has no effect" in out and "0 of 2 seen" in out
+
+
+def test_ratios_stand_beside_real_ones(apgc: Apgc, tmp_path: Path) -> None:
+    known = _known(tmp_path, **{"width/height": [0.1, 1, 9], "depth/height": [0.01, 0.02, 0.03], "source": "a shop"})
+    asked = ("report", CHEST, "-n", 10, "--unchecked", "--reference", known)
+    out = apgc(*asked)[1]
+    assert "width/height 100%, depth/height 0%  goal >= 80% of each: NOT MET" in out
+    wide, deep = json.loads(apgc(*asked, "--json")[1])["sizes"]["ratios"]
+    assert wide["within"] == 1.0 and deep["within"] == 0.0 and wide["real"] == [0.1, 1, 9]
+    assert "| 100, 0% |" in apgc(*asked, "--markdown")[1]
+
+
+@pytest.mark.parametrize(
+    "entry, words",
+    [
+        ({"variants": {"gold": {"legs": 3}}}, ("the variant `gold` of Chest cannot be set", "draws no `legs`")),
+        ({"variants": {"gold": {"wood": "gold"}}}, ("cannot be `gold`: it is one of oak, pine",)),
+        ({"variants": {"gold": {"wood": ["oak"]}}}, ("the variant `gold` is not a table of settings",)),
+        ({"variants": {"gold": 3}}, ("the variant `gold` is not a table of settings",)),
+        ({"variants": ["gold"]}, ("`variants` is not a table",)),
+        ({"width/height": [3, 2, 1]}, ("width/height is not three rising ratios",)),
+    ],
+)
+def test_what_is_wrong_in_what_is_known_is_told(apgc: Apgc, tmp_path: Path, entry: dict, words: tuple) -> None:
+    code, _, err = apgc("report", CHEST, "-n", 3, "--unchecked", "--reference", _known(tmp_path, **entry))
+    assert code != 0 and all(word in err for word in words), err
 
 
 def test_a_table_of_several(apgc: Apgc) -> None:
