@@ -8,9 +8,10 @@ the whole folder, and what a folder read back does not hold as it should. Begin 
     clouds, partnet_parts               points in the axes, sizes and classes of others; the trees of PartNet
     shapenetpart, partnet_seg           layouts for part segmentation
     gapartnet, gaparts                  a layout for part poses; parts that a hand can use, and their boxes
+    ancsh, ancsh_check                  a layout for part poses part by part
     cage                                a layout for kinematics
     completion                          layouts for completion
-    pieces                              meshes and words of an object's links
+    pieces, pictures                    meshes and words of an object's links; what cameras see of it, pixel by pixel
     hdf5, pcd, ply, pth                 files
     findings                            faults that a reader finds
 """

@@ -76,3 +76,14 @@ def link_word(batch: Batch, definition: int) -> str:
     """The word of the part that a link of the program is, "" where it has none."""
     link = batch.program.links[definition]
     return batch.program.parts[link.part].word if link.part >= 0 else ""
+
+
+def similarity_error(source: np.ndarray, target: np.ndarray) -> float:
+    """How far points (n, 3) are from their images under the best motion and scaling, which does not mirror."""
+    if len(source) < 3:
+        return 0.0
+    a, b = source - source.mean(axis=0), target - target.mean(axis=0)
+    u, s, vt = np.linalg.svd(b.T @ a)
+    sign = np.array([1.0, 1.0, np.sign(np.linalg.det(u @ vt))])
+    scale = float((s * sign).sum()) / max(float((a * a).sum()), 1e-300)
+    return float(norms(scale * a @ (u * sign @ vt).T - b).max())

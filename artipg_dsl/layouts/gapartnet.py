@@ -13,10 +13,11 @@ from ..annotate.cameras import Cameras
 from ..annotate.states import joint_values, read_states
 from ..annotate.views import make_views
 from ..export.robot import Robots
-from .clouds import norms
+from .clouds import norms, similarity_error
 from .entry import Entry
 from .findings import Findings
 from .gaparts import CLASSES, GAPart, gaparts
+from .pictures import part_colours
 from .pth import pth_bytes, read_pth
 
 if TYPE_CHECKING:
@@ -52,7 +53,7 @@ def _shots(batch: Batch, entry: Entry) -> Iterator[tuple[str, Shot]]:
     poses = [batch.pose(state) for state in values]
     first = np.searchsorted(batch.links().owner, np.arange(len(batch)))
     for i, number in enumerate(batch.numbers.tolist()):
-        colour = _colours(robots, i)
+        colour = part_colours(robots, i)
         for state, (turn, shift) in enumerate(poses):
             for view in range(_CAMERAS.count):
                 at = i, state, view
@@ -91,19 +92,6 @@ def _labels(
         at = owner == k
         kind[at], which[at], npcs[at] = parts[k].kind, place, parts[k].npcs(still[at])
     return kind, which, npcs
-
-
-def _colours(robots: Robots, i: int) -> np.ndarray:
-    """The colour (P, 3) of each part instance of an object: that of its largest piece."""
-    found = np.full((int(robots.part_start[i + 1] - robots.part_start[i]), 3), 0.5)
-    most = np.zeros(len(found))
-    for link in robots.robot(i).links:
-        for visual in link.visuals:
-            k = int(visual.item.group.table.instance[visual.item.row])
-            size = float(norms(np.ptp(visual.shape.vertices, axis=0)))
-            if size > most[k]:
-                most[k], found[k] = size, visual.look.colour
-    return found
 
 
 def files(batch: Batch, entry: Entry, shard: int) -> Iterator[tuple[str, bytes]]:
@@ -169,14 +157,3 @@ def _traps(
             continue
         off = similarity_error(npcs[at].astype(np.float64), place[at].astype(np.float64))
         found.of(name, off < 5e-3, f"coordinates of instance {k} are not its points moved and scaled: {off:.4f} off")
-
-
-def similarity_error(source: np.ndarray, target: np.ndarray) -> float:
-    """How far points (n, 3) are from their images under the best motion and scaling, which does not mirror."""
-    if len(source) < 3:
-        return 0.0
-    a, b = source - source.mean(axis=0), target - target.mean(axis=0)
-    u, s, vt = np.linalg.svd(b.T @ a)
-    sign = np.array([1.0, 1.0, np.sign(np.linalg.det(u @ vt))])
-    scale = float((s * sign).sum()) / max(float((a * a).sum()), 1e-300)
-    return float(norms(scale * a @ (u * sign @ vt).T - b).max())

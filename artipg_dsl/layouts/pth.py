@@ -38,6 +38,22 @@ class _Unpickler(pickle.Unpickler):
         return _KNOWN[module, name]
 
 
+def plain_pickle(value: Any) -> bytes:
+    """A pickle of plain data and arrays that readers under any version of NumPy load."""
+    stream = io.BytesIO()
+    _Pickler(stream, 3).dump(value)
+    return stream.getvalue()
+
+
+def read_plain_pickle(path: Path) -> Any:
+    """What a file of ``plain_pickle`` holds. Raises UserError for one that names more than arrays."""
+    with open(path, "rb") as stream:
+        try:
+            return _Unpickler(stream).load()
+        except (pickle.UnpicklingError, EOFError, TypeError, ValueError, AttributeError) as wrong:
+            raise UserError(f"{path} is not plain data: {wrong}", "write the folder again with --force") from None
+
+
 def pth_bytes(arrays: Sequence[np.ndarray]) -> bytes:
     """The bytes of a file that holds a tuple of arrays."""
     stream = io.BytesIO()

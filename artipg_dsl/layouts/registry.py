@@ -27,7 +27,8 @@ if TYPE_CHECKING:
 @dataclass(frozen=True, slots=True)
 class Layout:
     """``files(batch, entry, shard)`` yields the files of objects that are made together; ``index(entries)`` gives those that
-    tell of all categories in the folder (a name that ends in ``/`` is a folder); ``check(folder, entry, batch, shard,
+    tell of all categories in the folder (a name that ends in ``/`` is a folder), ``index(entries, folder)`` where it ``gathers`` from what
+    has been written; ``check(folder, entry, batch, shard,
     findings)`` reads the files of a chunk as the field's loaders do and compares them with the model.
 
     ``vocabulary``: a closed one, which has to have a class for the category; ``judge(term)`` says what is wrong with a map
@@ -45,6 +46,7 @@ class Layout:
     words_by: str = ""
     needs: tuple[str, str, str] | None = None
     chunk: int = 64
+    gathers: bool = False
 
     def entry(
         self, program: Program, seed: int, numbers: np.ndarray, shares: Shares, own: Mapping[str, Any] | None = None
@@ -71,8 +73,8 @@ class Layout:
     def files(self, batch: Batch, entry: Entry, shard: int) -> Iterator[tuple[str, bytes]]:
         return _function(self.files_by)(batch, entry, shard)
 
-    def index(self, entries: Sequence[Entry]) -> dict[str, bytes]:
-        return _function(self.index_by)(entries)
+    def index(self, entries: Sequence[Entry], folder: Path) -> dict[str, bytes]:
+        return _function(self.index_by)(entries, *([folder] if self.gathers else []))
 
     def check(self, folder: Path, entry: Entry, batch: Batch, shard: int, found: Findings) -> None:
         _function(self.check_by)(folder, entry, batch, shard, found)
@@ -125,6 +127,18 @@ LAYOUTS: dict[str, Layout] = {
             "gapartnet",
             "gaparts:check_term",
             chunk=4,
+        ),
+        Layout(
+            "ancsh",
+            "part poses as NPCS and ANCSH have them: views part by part, HDF5",
+            "ancsh:files",
+            "ancsh:index",
+            "ancsh_check:check",
+            "ancsh",
+            "ancsh:check_term",
+            needs=_H5,
+            chunk=4,
+            gathers=True,
         ),
         Layout(
             "cage",

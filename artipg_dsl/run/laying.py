@@ -66,7 +66,7 @@ def write_layout(
         "map": dict(own or {}),
         "words": dict(entry.words),
     }
-    for name, data in layout.index([*others, entry]).items():
+    for name, data in layout.index([*others, entry], out).items():
         if name.endswith("/"):
             ensure_folder(out / name)
         else:
