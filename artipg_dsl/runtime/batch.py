@@ -123,6 +123,11 @@ class Batch:
     def _joint_instances(self) -> Instances:
         return Instances.of([self.owner(joint.scope) for joint in self.program.joints], len(self))
 
+    @property
+    def part_count(self) -> int:
+        """How many rows the table of parts has."""
+        return len(self._part_instances.owner)
+
     def part_rows(self, number: int) -> np.ndarray:
         """The rows of the table of parts that are instances of a part of the program, in the order of its scope's rows."""
         made = self._part_instances

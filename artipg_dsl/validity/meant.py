@@ -80,7 +80,7 @@ def pair_parts(owner: np.ndarray, first: Meant, second: Meant) -> tuple[np.ndarr
 def sites_of(batch: Batch, row: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     """For each table of primitives, its rows that lie in parts ``row`` of the table of parts: (row of the table, index into ``row``)."""
     program: Program = batch.program
-    place = np.full(len(batch.parts().owner), -1)
+    place = np.full(batch.part_count, -1)
     place[row] = np.arange(len(row))
     found = []
     for site in program.sites:
