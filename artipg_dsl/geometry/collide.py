@@ -15,7 +15,7 @@ import numpy as np
 from ..native import backend, narrow
 from .vectors import cross, dot
 
-_MOST_STEPS = 40
+MOST_STEPS = 40
 DEPTH = 1e-6  # metres: what overlaps by less touches
 _PAIRS = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]
 _TRIPLES = [(0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3)]
@@ -123,7 +123,7 @@ def separate(first: Bodies, second: Bodies, near: float = 0.5) -> tuple[np.ndarr
     nearest[dot(nearest, nearest) < 1e-24] = (1.0, 0.0, 0.0)
     machine = backend.machine()
     if machine is not None and count:
-        return narrow.separate(machine, first.side(), second.side(), near, _MOST_STEPS, nearest)
+        return narrow.separate(machine, first.side(), second.side(), near, MOST_STEPS, nearest)
     start = first.support(active, -nearest) - second.support(active, nearest)
     size = np.sqrt(dot(start, start)) + np.sqrt(dot(nearest, nearest))
     simplex = np.repeat(start[:, None], 4, axis=1)
@@ -131,7 +131,7 @@ def separate(first: Bodies, second: Bodies, near: float = 0.5) -> tuple[np.ndarr
     weight[:, 0] = 1.0
     nearest = start.copy()
     apart = np.zeros(count, dtype=bool)
-    for _ in range(_MOST_STEPS):
+    for _ in range(MOST_STEPS):
         v = nearest[active]
         point = first.support(active, -v) - second.support(active, v)
         away, length = dot(v, point), dot(v, v)
@@ -165,7 +165,7 @@ def common_point(first: Bodies, second: Bodies) -> np.ndarray:
     weight = np.zeros((count, 4))
     weight[:, 0] = 1.0
     nearest = ends[:, 0] - ends[:, 1]
-    for _ in range(_MOST_STEPS):
+    for _ in range(MOST_STEPS):
         ends = np.stack([first.support(rows, -nearest), second.support(rows, nearest)], axis=1)
         length = dot(nearest, nearest)
         going = (length > 1e-22) & (length - dot(nearest, ends[:, 0] - ends[:, 1]) > 1e-10 * length)

@@ -4,10 +4,12 @@ In: a formula as a tape (``graph.formula`` makes it) and arrays. Out: the arrays
 operation on numbers is an inner loop of NumPy itself. Knows neither expressions nor geometry. Begin with ``tape`` and ``backend``.
 
     machine.c       what runs a tape: moves blocks of numbers and calls loops, nothing more
-    narrow.c        pairs of convex bodies, as ``geometry.collide`` has it
+    bodies.h        convex bodies in pairs, as the files beside it see them
+    narrow.c        which of them overlap, as ``geometry.collide`` has it
+    states.c        pieces in many states of joints, as ``validity.following`` has it
     loops           the inner loops of NumPy's functions, and how an array lies in memory
     compiler        the machine compiled, kept and loaded
     tape, plan      straight-line programs of operations; registers and phases for the shapes that are given
-    narrow          bodies told to narrow.c
+    narrow, states  bodies told to narrow.c and states.c
     backend         which backend is used
 """

@@ -18,7 +18,8 @@ from pathlib import Path
 
 from .. import cache
 
-_SOURCES = [Path(__file__).with_name(name) for name in ("machine.c", "narrow.c")]
+_SOURCES = [Path(__file__).with_name(name) for name in ("machine.c", "narrow.c", "states.c")]
+_HEADERS = [Path(__file__).with_name("bodies.h")]
 # products and sums stay apart: one instruction for both would round once, not twice as NumPy does
 _FLAGS = ("-O2", "-std=c11", "-ffp-contract=off", "-fno-math-errno", "-shared", "-fPIC", "-fvisibility=hidden")
 _LIBRARIES = ("-lm",)
@@ -148,7 +149,7 @@ def _own(path: Path) -> bool:
 
 def _key() -> str:
     found = blake2b(digest_size=12)
-    texts = [source.read_bytes() for source in _SOURCES]
+    texts = [source.read_bytes() for source in (*_SOURCES, *_HEADERS)]
     names = [" ".join((*_FLAGS, *_LIBRARIES)), sys.platform, platform.machine()]
     for part in (*texts, *(name.encode() for name in names)):
         found.update(b"%d\n" % len(part))

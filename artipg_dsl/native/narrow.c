@@ -1,32 +1,6 @@
-/* Which convex bodies overlap: the steps of ``geometry.collide``, pair by pair in place of all pairs at once. Each sum and product
-   stands in the order in which it stands there, so that the bits are the same; compiled without contraction of products and sums. */
+/* Which convex bodies overlap: the steps of ``geometry.collide``, pair by pair in place of all pairs at once. */
 
-#include <math.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
-
-#if defined(_WIN32)
-#define OUT __declspec(dllexport)
-#else
-#define OUT __attribute__((visibility("default")))
-#endif
-
-/* a side of all pairs: where the corners of each body lie and how many they are; its turn and shift from rest, or the shifts between
-   which it is swept; null where there is none */
-typedef struct {
-    const double *const *corners;
-    const int64_t *count;
-    const double *turn, *shift, *first, *last;
-} side;
-
-static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-static void cross(const double *a, const double *b, double *out) {
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
+#include "bodies.h"
 
 /* ------------------------------------------------------------ the point of a tetrahedron nearest the origin */
 
@@ -113,12 +87,14 @@ OUT void closest(int64_t n, const double *simplex, double *value, double *weight
 
 /* ------------------------------------------------------------ pairs of bodies */
 
-static void support(const side *body, int64_t k, const double *direction, double *out) {
-    const double *corners = body->corners[k], *turn = body->turn ? body->turn + 9 * k : NULL;
+void support(const side *body, int64_t k, const double *direction, double *out) {
+    int64_t i, n = body->count[k], at = 0, pose = body->pose ? body->pose[k] : k;
+    const double *corners = body->corners[k], *turn = body->turn ? body->turn + 9 * pose : NULL;
     double own[3], best, value;
-    int64_t i, n = body->count[k], at = 0;
-    for (i = 0; i < 3; i++)
-        own[i] = turn ? turn[i] * direction[0] + turn[3 + i] * direction[1] + turn[6 + i] * direction[2] : direction[i];
+    if (turn)
+        apply_back(turn, direction, own);
+    else
+        memcpy(own, direction, sizeof own);
     best = dot(corners, own);
     for (i = 1; i < n; i++) {
         value = dot(corners + 3 * i, own);
@@ -130,8 +106,8 @@ static void support(const side *body, int64_t k, const double *direction, double
         const double *end = dot(first, own) >= dot(last, own) ? first : last;
         for (i = 0; i < 3; i++) out[i] = corners[i] + end[i];
     } else if (turn && body->shift) {
-        for (i = 0; i < 3; i++)
-            out[i] = turn[3 * i] * corners[0] + turn[3 * i + 1] * corners[1] + turn[3 * i + 2] * corners[2] + body->shift[3 * k + i];
+        apply(turn, corners, out);
+        for (i = 0; i < 3; i++) out[i] += body->shift[3 * pose + i];
     } else
         memcpy(out, corners, sizeof own);
 }
@@ -143,33 +119,35 @@ static void between(const side *first, const side *second, int64_t k, const doub
     for (int i = 0; i < 3; i++) out[i] = one[i] - two[i];
 }
 
+int part(const side *first, const side *second, int64_t k, double near, int64_t steps, double *v) {
+    double s[4][3], weight[4] = {1.0, 0.0, 0.0, 0.0}, point[3], size, least;
+    int i, inside = 0, apart = 0;
+    between(first, second, k, v, point);
+    size = sqrt(dot(point, point)) + sqrt(dot(v, v));
+    least = size * size;
+    least = 1e-22 * (least < 1e-12 ? 1e-12 : least);
+    for (i = 0; i < 4; i++) memcpy(s[i], point, sizeof point);
+    memcpy(v, point, sizeof point);
+    for (int64_t step = 0; step < steps; step++) {
+        double away, length;
+        int slot = 0;
+        between(first, second, k, v, point);
+        away = dot(v, point);
+        length = dot(v, v);
+        apart |= away > 1e-12 * size * sqrt(length);
+        if ((apart && away >= near * length) || length - away <= 1e-10 * length) break;
+        for (i = 1; i < 4; i++)
+            if (weight[i] < weight[slot]) slot = i;
+        memcpy(s[slot], point, sizeof point);
+        nearest_of((const double(*)[3])s, v, weight);
+        inside = dot(v, v) <= least || (weight[0] > 0 && weight[1] > 0 && weight[2] > 0 && weight[3] > 0);
+        if (inside) break;
+    }
+    return inside && !apart;
+}
+
 /* Pairs of bodies: whether they overlap (n,), and in ``nearest`` (n, 3), at first from body to body, the direction in which the first
    lies beyond the second. */
 OUT void separate(int64_t n, const side *first, const side *second, double near, int64_t steps, double *nearest, unsigned char *hit) {
-    for (int64_t k = 0; k < n; k++) {
-        double *v = nearest + 3 * k, s[4][3], weight[4] = {1.0, 0.0, 0.0, 0.0}, point[3], size, least;
-        int i, inside = 0, apart = 0;
-        between(first, second, k, v, point);
-        size = sqrt(dot(point, point)) + sqrt(dot(v, v));
-        least = size * size;
-        least = 1e-22 * (least < 1e-12 ? 1e-12 : least);
-        for (i = 0; i < 4; i++) memcpy(s[i], point, sizeof point);
-        memcpy(v, point, sizeof point);
-        for (int64_t step = 0; step < steps; step++) {
-            double away, length;
-            int slot = 0;
-            between(first, second, k, v, point);
-            away = dot(v, point);
-            length = dot(v, v);
-            apart |= away > 1e-12 * size * sqrt(length);
-            if ((apart && away >= near * length) || length - away <= 1e-10 * length) break;
-            for (i = 1; i < 4; i++)
-                if (weight[i] < weight[slot]) slot = i;
-            memcpy(s[slot], point, sizeof point);
-            nearest_of((const double(*)[3])s, v, weight);
-            inside = dot(v, v) <= least || (weight[0] > 0 && weight[1] > 0 && weight[2] > 0 && weight[3] > 0);
-            if (inside) break;
-        }
-        hit[k] = inside && !apart;
-    }
+    for (int64_t k = 0; k < n; k++) hit[k] = (unsigned char)part(first, second, k, near, steps, nearest + 3 * k);
 }

@@ -14,7 +14,8 @@ from .backend import Machine
 @dataclass(frozen=True, slots=True, eq=False)
 class Side:
     """One body of each of k pairs, as the compiled code reads it: the array ``kind`` (k,) of ``corners`` (n, P, 3) that its own lie in,
-    and its ``slot`` (k,) there; turn (k, 3, 3) and shift (k, 3) from rest, or two shifts between which it is swept."""
+    and its ``slot`` (k,) there; turn (k, 3, 3) and shift (k, 3) from rest, or two shifts between which it is swept. With ``pose`` (k,)
+    these are the turns and shifts of poses, and it tells which is whose."""
 
     corners: Sequence[np.ndarray]
     kind: np.ndarray
@@ -22,10 +23,11 @@ class Side:
     turn: np.ndarray | None = None
     shift: np.ndarray | None = None
     ends: tuple[np.ndarray, np.ndarray] | None = None
+    pose: np.ndarray | None = None
 
 
 class _Side(ctypes.Structure):
-    _fields_ = [(name, ctypes.c_void_p) for name in ("corners", "count", "turn", "shift", "first", "last")]
+    _fields_ = [(name, ctypes.c_void_p) for name in ("corners", "count", "pose", "turn", "shift", "first", "last")]
 
 
 def separate(
@@ -34,15 +36,15 @@ def separate(
     """Which pairs overlap (k,), and directions (k, 3) that separate the others; ``direction`` (k, 3) leads from body to body."""
     nearest = np.array(direction, dtype=np.float64, order="C")
     hit = np.empty(len(nearest), dtype=np.bool_)
-    (one, held), (two, kept) = (_told(side) for side in (first, second))
+    (one, held), (two, kept) = (told(side) for side in (first, second))
     machine.library.separate(
         ctypes.c_int64(len(nearest)),
         ctypes.byref(one),
         ctypes.byref(two),
         ctypes.c_double(near),
         ctypes.c_int64(steps),
-        ctypes.c_void_p(nearest.ctypes.data),
-        ctypes.c_void_p(hit.ctypes.data),
+        address(nearest),
+        address(hit),
     )
     del held, kept  # were to live until here
     return hit, nearest
@@ -52,12 +54,17 @@ def closest(machine: Machine, simplex: np.ndarray) -> tuple[np.ndarray, np.ndarr
     """The points (k, 3) of tetrahedra (k, 4, 3) nearest the origin, and their weights (k, 4)."""
     simplex = np.ascontiguousarray(simplex, dtype=np.float64)
     value, weight = np.empty((len(simplex), 3)), np.empty((len(simplex), 4))
-    given = [ctypes.c_void_p(array.ctypes.data) for array in (simplex, value, weight)]
+    given = [address(array) for array in (simplex, value, weight)]
     machine.library.closest(ctypes.c_int64(len(simplex)), *given)
     return value, weight
 
 
-def _told(side: Side) -> tuple[_Side, list[np.ndarray]]:
+def address(array: np.ndarray) -> ctypes.c_void_p:
+    """Where the numbers of an array begin."""
+    return ctypes.c_void_p(array.ctypes.data)
+
+
+def told(side: Side) -> tuple[_Side, list[np.ndarray]]:
     """A side by the addresses of its arrays, and these arrays."""
     corners = [np.ascontiguousarray(array, dtype=np.float64) for array in side.corners]
     many = np.array([array.shape[1] for array in corners], dtype=np.int64)
@@ -69,6 +76,7 @@ def _told(side: Side) -> tuple[_Side, list[np.ndarray]]:
         None if array is None else np.ascontiguousarray(array, dtype=np.float64)
         for array in (side.turn, side.shift, *ends)
     ]
-    every = [place, count, *columns]
-    told = _Side(*[None if array is None else array.ctypes.data for array in every])
-    return told, [*corners, *(array for array in every if array is not None)]
+    pose = None if side.pose is None else np.ascontiguousarray(side.pose, dtype=np.int64)
+    every = [place, count, pose, *columns]
+    found = _Side(*[None if array is None else array.ctypes.data for array in every])
+    return found, [*corners, *(array for array in every if array is not None)]

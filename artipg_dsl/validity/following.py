@@ -12,9 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry.collide import overlap, separate
+from ..geometry.collide import MOST_STEPS, separate
 from ..geometry.vectors import dot
+from ..native import states as native_states
+from ..native.backend import Machine
 from ..native.backend import machine as compiled
+from ..native.narrow import Side
 from ..runtime.motion import apply
 from .bodies import Pieces, Placed, boxes_meet, enumerate_ranges, link_boxes
 from .tree import Tree
@@ -53,13 +56,14 @@ def meet_in_states(
         turn, shift, apart = tree.poses(states[part])
         state, i, j = _near(body, turn, shift, pairs, wanted[part], tree.links.owner)
         body.ready(i, j)
-        first, second = (
-            Placed(body, piece, turn[state, body.link[piece]], shift[state, body.link[piece]]) for piece in (i, j)
-        )
-        if meeting is None and compiled() is None:
-            hit = ways.meeting(first, second, i * len(body) + j)
-        else:  # compiled code asks a pair as fast as a direction is tried here
-            hit = (meeting or overlap)(first, second)
+        machine = compiled()
+        if meeting is None and machine is not None:
+            hit = _compiled_meeting(machine, body, turn, shift, state, (i, j))
+        else:
+            first, second = (
+                Placed(body, piece, turn[state, body.link[piece]], shift[state, body.link[piece]]) for piece in (i, j)
+            )
+            hit = meeting(first, second) if meeting else ways.meeting(first, second, i * len(body) + j)
         state, i, j = state[hit], i[hit], j[hit]
         edge = np.searchsorted(state, np.arange(len(turn) + 1))
         for k in range(len(turn)):
@@ -89,8 +93,13 @@ def _near(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(state, piece, piece): those whose boxes overlap with the links posed by ``turn`` (S, L, 3, 3), ``shift`` (S, L, 3), in
     the objects that are ``asked`` (S, B). Sorted by state."""
-    links = turn.shape[1]
+    links, machine = turn.shape[1], compiled()
     low, high, begin, end = link_boxes(body, links)
+    if machine is not None:
+        scene = native_states.Scene(begin, end, owner, body.low, body.high, low, high)
+        state, i, j = native_states.near_in_states(machine, scene, turn, shift, pairs, asked)
+        keep = body.opposed(i, j)
+        return (state, i, j) if keep.all() else (state[keep], i[keep], j[keep])
     used = np.unique(np.concatenate(pairs))
     place = np.zeros(links, dtype=np.int64)
     place[used] = np.arange(len(used))
@@ -126,6 +135,18 @@ def _near(
     state, i, j = state[k[keep]], piece[i[keep]], piece[j[keep]]
     keep = body.opposed(i, j)
     return state[keep], i[keep], j[keep]
+
+
+def _compiled_meeting(
+    machine: Machine, body: Pieces, turn: np.ndarray, shift: np.ndarray, state: np.ndarray, pieces: _Pairs
+) -> np.ndarray:
+    """Which pieces (k,) overlap in the states ``state`` (k,), by compiled code."""
+    links = turn.shape[1]
+    sides = [
+        Side(body.corners, body.kind[piece], body.slot[piece], turn, shift, pose=state * links + body.link[piece])
+        for piece in pieces
+    ]
+    return native_states.meet_in_states(machine, sides[0], sides[1], pieces, (body.low, body.high), _CLEAR, MOST_STEPS)
 
 
 def _boxes(turn: np.ndarray, shift: np.ndarray, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
