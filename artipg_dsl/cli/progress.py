@@ -24,7 +24,7 @@ class Progress:
     def __init__(self, title: str, stream: TextIO | None = None):
         self.title, self.stream = title, stream if stream is not None else sys.stderr
         self.live = self.stream.isatty()
-        self.begun = time.monotonic()
+        self.begun = self.since = time.monotonic()
         self.drawn = 0.0
         self.at = 0, 0
         self.doing = ""
@@ -35,15 +35,19 @@ class Progress:
         if self.live and total and (time.monotonic() - self.drawn >= 0.1 or done >= total):
             self._draw()
 
-    def stage(self, doing: str) -> None:
-        """What is being done from now on."""
-        self.doing = doing
-        if self.live:
+    def stage(self, doing: str, done: int | None = None, total: int = 0) -> None:
+        """What is being done from now on; with ``done`` of ``total``, a stage that is counted for itself."""
+        new, self.doing = doing != self.doing, doing
+        if done is not None:
+            self.at = done, total
+            self.since = time.monotonic() if new else self.since
+        if self.live and (new or time.monotonic() - self.drawn >= 0.1):
             self._draw()
 
     def line(self) -> str:
         """Title and stage, how much is done, how long it has taken and may take."""
-        (done, total), spent = self.at, time.monotonic() - self.begun
+        (done, total), now = self.at, time.monotonic()
+        spent = now - self.begun
         words = f"{self.title}: {self.doing}" if self.doing else self.title
         share = done / total if total else 0.0
         bar = ""
@@ -51,7 +55,11 @@ class Progress:
             filled = int(_WIDTH * share)
             bar = f" [{'#' * filled}{'.' * (_WIDTH - filled)}] {done}/{total}"
         soon = (
-            f"  {spent * (1 - share) / share:.0f} s left" if 0 < share < 1 else f"  {spent:.0f} s" if spent >= 1 else ""
+            f"  {(now - self.since) * (1 - share) / share:.0f} s left"
+            if 0 < share < 1
+            else f"  {spent:.0f} s"
+            if spent >= 1
+            else ""
         )
         return words + bar + soon
 

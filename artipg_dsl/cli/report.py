@@ -99,18 +99,20 @@ def _examined(task: _Task) -> tuple[Card, bytes]:
 
     options, name = task.options, task.name
     request = read_request(options, name, checked=not options.unchecked)
-    job = open_job(request)
-    category = job.program.name
-    path = Path(name) if Path(name).is_file() else categories().get(category)
-    with Progress(category) if task.watched else nullcontext() as progress:
+    with Progress(name) if task.watched else nullcontext() as progress:
+        if progress:
+            progress.stage("compiling")
+        job = open_job(request)
+        category = job.program.name
+        path = Path(name) if Path(name).is_file() else categories().get(category)
 
-        def step(_: str, done: int, total: int) -> None:
+        def step(doing: str, done: int, total: int) -> None:
             if progress:
-                progress(done, total)
+                progress.stage(f"{doing} (step {STEPS.index(doing) + 1} of {len(STEPS)})", done, total)
 
-        step("sampling", 0, len(STEPS))
         variants = _read_variants(job.program, task.known.get(category))  # wrong ones are told at once
-        batch = job.batch()
+        step(STEPS[0], 0, len(request.objects))
+        batch = job.batch(progress=progress)
         valid = Valid(job.statistics.first_valid, job.statistics.attempts, job.failures())
         meshes = check_meshes(job.of(request.objects[: options.meshes]).batch()) if options.meshes else None
         found = make_card(

@@ -177,12 +177,16 @@ def make_card(
 
     ``checked``: collisions were looked for; ``meshes``: what the meshes of some of them share; ``variants``: the settings of
     the variants that are known of real ones, by draws.
-    ``progress`` hears of each step after the sampling.
+    ``progress(step, done, total)`` is called at the start of each step after the sampling, with 0 of 0, and within the long ones.
     """
 
-    def step(number: int) -> None:
-        if progress is not None:
-            progress(STEPS[number], number, len(STEPS))
+    def step(number: int) -> Callable[[int, int], None]:
+        def told(done: int, total: int) -> None:
+            if progress is not None:
+                progress(STEPS[number], done, total)
+
+        told(0, 0)
+        return told
 
     step(1)
     found = find_graphs(batch)
@@ -202,16 +206,13 @@ def make_card(
     )
     step(2)
     close = int(find_near_duplicates(batch, found.code).sum())
-    step(3)
-    together = measure_coverage(sampler, batch)
+    together = measure_coverage(sampler, batch, step(3))
     step(4)
     size = measure_extents(batch)
     step(5)
     models = find_variants(sampler, batch, variants or {}, {} if real is None else real.variants, checked)
-    step(6)
-    parameters = tuple(find_dead_parameters(batch))
-    step(7)
-    alternatives = tuple(find_dead_alternatives(sampler, batch))
+    parameters = tuple(find_dead_parameters(batch, step(6)))
+    alternatives = tuple(find_dead_alternatives(sampler, batch, step(7)))
     return Card(
         batch.program.name,
         batch.program.hash,

@@ -101,13 +101,19 @@ def _levels(draw: Draw, drawn: np.ndarray) -> tuple[Level, ...]:
     return tuple(Level(f"{a}..{b - 1}" if b - a > 1 else str(a), a, b - 1) for a, b in pairwise(ends))
 
 
-def measure_coverage(sampler: Sampler, batch: Batch) -> Coverage:
-    """The pair coverage of a batch, with what was not seen asked for."""
+def measure_coverage(sampler: Sampler, batch: Batch, progress: Callable[[int, int], None] | None = None) -> Coverage:
+    """The pair coverage of a batch; whether a pair that it does not show is possible is found by trial.
+
+    ``progress(done, total)`` counts pairs of factors.
+    """
     seen = 0
     missed: list[LevelPair] = []
     excluded: list[LevelPair] = []
     trials = _Trials(sampler, batch.state)
-    for first, second in combinations(list_factors(batch), 2):
+    together = list(combinations(list_factors(batch), 2))
+    for k, (first, second) in enumerate(together):
+        if progress is not None:
+            progress(k, len(together))
         table = find_together(batch, first, second)
         seen += int(table.sum())
         for i, j in np.argwhere(~table).tolist():

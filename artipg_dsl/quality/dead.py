@@ -6,6 +6,7 @@ taken on purpose, and compared with the others.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -32,10 +33,12 @@ class Dead:
     option: str = ""
 
 
-def find_dead_parameters(batch: Batch) -> list[Dead]:
-    """Numbers that are drawn and change nothing that can be observed."""
+def find_dead_parameters(batch: Batch, progress: Callable[[int, int], None] | None = None) -> list[Dead]:
+    """Numbers that are drawn and change nothing that can be observed; ``progress(done, total)`` counts draws."""
     found = []
     for number, draw in enumerate(batch.program.draws):
+        if progress is not None:
+            progress(number, len(batch.program.draws))
         if draw.kind == "choice" or number in batch.state.given:
             continue
         having = np.unique(batch.owner(draw.column.scope))
@@ -88,11 +91,15 @@ def _moved(draw: Draw, drawn: np.ndarray, values: Kept, step: float) -> Kept:
     return replace(values, value=low + np.mod(values.value - low + shift, span))
 
 
-def find_dead_alternatives(sampler: Sampler, batch: Batch) -> list[Dead]:
-    """Alternatives that no object takes, and such as cannot be told from another one."""
+def find_dead_alternatives(
+    sampler: Sampler, batch: Batch, progress: Callable[[int, int], None] | None = None
+) -> list[Dead]:
+    """Alternatives that no object takes or that look exactly like another; ``progress(done, total)`` counts draws."""
     found = []
     numbers = batch.numbers[:_FEW]
     for number, draw in enumerate(batch.program.draws):
+        if progress is not None:
+            progress(number, len(batch.program.draws))
         if draw.kind != "choice" or number in batch.state.given:
             continue
         count = np.bincount(batch.state.values[number].astype(np.int64), minlength=len(draw.options))

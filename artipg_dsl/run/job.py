@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -48,11 +48,18 @@ class Job:
     def program(self) -> Program:
         return self.sampler.program
 
-    def batch(self, numbers: Sequence[int] | np.ndarray | None = None) -> Batch:
-        """The objects of the given numbers, by default all that are requested. Raises NoObject."""
+    def batch(
+        self, numbers: Sequence[int] | np.ndarray | None = None, progress: Callable[[int, int], None] | None = None
+    ) -> Batch:
+        """The objects of the given numbers, by default all that are requested. Raises NoObject.
+
+        ``progress(done, total)`` is called as first attempts have been checked (not for mutants or fixed values).
+        """
         asked = self.request.objects if numbers is None else np.asarray(numbers, dtype=np.int64)
         try:
-            made = self.tables.batch(self, asked) if self.tables else self._made(asked, self.request.mutations)
+            made = (
+                self.tables.batch(self, asked) if self.tables else self._made(asked, self.request.mutations, progress)
+            )
             prove(made)
             return made
         except Exhausted as error:
@@ -60,7 +67,12 @@ class Job:
         except TooMany as error:
             raise UserError(f"{self.program.name}: {error}", "bound the counts of its repeats") from None
 
-    def _made(self, numbers: np.ndarray, mutations: tuple[Mutation | Replay, ...]) -> Batch:
+    def _made(
+        self,
+        numbers: np.ndarray,
+        mutations: tuple[Mutation | Replay, ...],
+        progress: Callable[[int, int], None] | None = None,
+    ) -> Batch:
         request, statistics = self.request, self.statistics
         if not mutations and self.values is not None:
             return self.values.batch(self.sampler, numbers, request.seed, statistics, request.checked)
@@ -73,6 +85,7 @@ class Job:
                 checked=request.checked,
                 candidates=request.candidates,
                 mend=request.repair,
+                progress=progress,
             )
         *before, step = mutations
         sources, variants = step.origins(numbers)

@@ -60,21 +60,25 @@ class Sampler:
         checked: bool = False,
         candidates: int = 0,
         mend: bool = False,
+        progress: Callable[[int, int], None] | None = None,
     ) -> Batch:
         """The objects of the given numbers; each is the same whatever else is in the batch. Raises Exhausted.
 
         ``checked``: only objects whose links do not penetrate one another, at rest and while each joint moves.
         ``candidates``: above 0, each object is one of so many attempts, resampled to the declared distributions.
         ``mend``: what fails is repaired, and drawn again only where that cannot be.
+        ``progress(done, total)`` is called as first attempts have been checked.
         """
         numbers = np.asarray(numbers, dtype=np.int64)
         trials = _Trials(
             self, seed, dict(given or {}), defaults, checked, statistics if statistics is not None else Statistics()
         )
+        trials.progress = progress
         if candidates and not defaults:
             return trials.resampled(numbers, candidates)
         attempt = np.zeros(len(numbers), dtype=np.int64)
         bad, batch = trials.run(numbers, attempt, True)
+        trials.progress = None
         if not bad.any():
             return batch
         mended = trials.mended(batch, bad) if mend else None
@@ -118,6 +122,7 @@ class _Trials:
     ):
         self.sampler, self.seed, self.given, self.defaults = sampler, seed, given, defaults
         self.checked, self.statistics = checked, statistics
+        self.progress: Callable[[int, int], None] | None = None
         self.hits: dict[int, int] = {}
         self.valid = False  # whether any attempt was
         self.spare: dict[int, int] = {}  # the first valid attempt of objects that preferences passed over
@@ -139,10 +144,9 @@ class _Trials:
         bad = state.failed.copy()
         sound = np.flatnonzero(~bad)
         if is_examined(self.sampler.program, self.checked) and len(sound):
-            within = batch if len(sound) == len(numbers) else self.made(numbers[sound], attempt[sound])[1]
-            struck = find_faulty(within, self.statistics, self.checked)
-            bad[sound[struck]] = True
-            for number in within.numbers[struck].tolist():
+            struck = sound[self.faulty(numbers[sound], attempt[sound], batch)]
+            bad[struck] = True
+            for number in numbers[struck].tolist():
                 self.hits[number] = self.hits.get(number, 0) + 1
         self.statistics.add(state, first, bad)
         self.valid |= not bad.all()
@@ -151,6 +155,19 @@ class _Trials:
         for number, tried in zip(numbers[declined].tolist(), attempt[declined].tolist(), strict=True):
             self.spare.setdefault(number, tried)
         return bad | declined, batch
+
+    def faulty(self, numbers: np.ndarray, attempt: np.ndarray, batch: Batch) -> np.ndarray:
+        """Places of the objects at fault beyond the requirements; ``batch`` holds all of them, or more."""
+        size = len(numbers) if self.progress is None else _GROUP
+        found = []
+        for start in range(0, len(numbers), size):
+            part = slice(start, start + size)
+            whole = len(batch) == len(numbers[part])
+            within = batch if whole else self.made(numbers[part], attempt[part])[1]
+            found.append(start + find_faulty(within, self.statistics, self.checked))
+            if self.progress is not None:
+                self.progress(min(start + size, len(numbers)), len(numbers))
+        return np.concatenate(found)
 
     def mended(self, batch: Batch, bad: np.ndarray) -> Mended:
         """The objects of first attempts that a repair puts right; they are no longer ``bad``."""

@@ -35,6 +35,17 @@ def test_a_line_now_and_then_with_the_stage(monkeypatch):
     assert stream.getvalue() == held  # nothing after the work
 
 
+def test_a_stage_that_is_counted_for_itself():
+    stream = Terminal()
+    with Progress("Chest", stream) as progress:
+        progress.stage("pairs (step 4 of 7)", 0, 10)
+        progress.drawn = 0.0
+        progress.stage("pairs (step 4 of 7)", 5, 10)
+        assert "5/10" in progress.line() and stream.getvalue().count("Chest: pairs (step 4 of 7) [") == 2
+        progress.stage("sizes (step 5 of 7)", 0, 0)
+        assert progress.line() == "Chest: sizes (step 5 of 7)"
+
+
 def test_a_terminal_shows_the_stage_at_once_and_is_wiped():
     stream = Terminal()
     with Progress("Chest", stream) as progress:
