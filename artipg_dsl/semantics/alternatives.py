@@ -11,6 +11,7 @@ from . import conditions, paths
 from .declarations import check_default
 from .entries import of_alternative
 from .fold import constant
+from .guards import Not
 from .meanings import Declared, Global
 from .offers import missing
 from .symbols import Symbol, is_a
@@ -208,12 +209,25 @@ def _check_arguments(ck: Checker, ctx: Context, given: tuple[ast.Argument, ...],
         _argument(ck, ctx, argument, wanted)
 
 
+def _option(ck: Checker, ctx: Context, value: ast.Expr, wanted: Choice, what: str) -> None:
+    """The value of a choice: one of its options, a choice that is declared here, or `a if c else b` of these."""
+    match value:
+        case ast.IfExpr():
+            conditions.truth(ck, ctx, value.condition)
+            known = conditions.of(ck, ctx, value.condition)
+            _option(ck, ctx.given(known), value.then, wanted, what)
+            _option(ck, ctx.given(Not(known)), value.otherwise, wanted, what)
+        case ast.NameExpr() if ctx.scope is None or not ctx.scope.find(value.name):
+            check_default(ck, ctx, value, wanted, what)
+        case _:
+            ck.expect(ctx, value, wanted, what)
+
+
 def _argument(ck: Checker, ctx: Context, argument: ast.Argument, wanted: Type) -> None:
     value = argument.value
-    if isinstance(wanted, Choice) and isinstance(value, ast.NameExpr):
-        if ctx.scope is None or not ctx.scope.find(value.name):
-            check_default(ck, ctx, value, wanted, f"`{argument.name}`")
-            return
+    if isinstance(wanted, Choice):
+        _option(ck, ctx, value, wanted, f"`{argument.name}`")
+        return
     place = ctx
     if isinstance(value, ast.VectorExpr):
         place = ctx.but(holes=True, component=wanted.dimension if isinstance(wanted, Vec) else None)

@@ -209,6 +209,25 @@ def check_discrete(ck: Checker, ctx: Context, expr: ast.Expr) -> None:
                     return
 
 
+def compares_with_either(ck: Checker, ctx: Context, expr: ast.BinaryExpr) -> bool:
+    """Reports a choice that is compared with `a if c else b`, whose branches are bare options."""
+    for subject, other in ((expr.left, expr.right), (expr.right, expr.left)):
+        if not isinstance(other, ast.IfExpr) or not isinstance(subject, ast.NameExpr | ast.MemberExpr):
+            continue
+        with ck.muted():
+            kind = ck.infer(ctx, subject)
+        branches = [e for e in (other.then, other.otherwise) if isinstance(e, ast.NameExpr)]
+        if not isinstance(kind, Choice) or not all(e.name in kind.values for e in branches):
+            continue
+        if len(branches) == 2:
+            name, c = _text(subject), _text(other.condition)
+            a, b = (f"{name} {expr.op} {e.name}" for e in branches)
+            message = "a choice is compared with one option at a time"
+            ck.error("wrong-type", other.span, message, hint=f"write `{a} if {c} else {b}`")
+            return True
+    return False
+
+
 def choice_word(ck: Checker, ctx: Context, other: ast.Expr, expr: ast.Expr) -> Type | None:
     """The type of ``expr`` where it is a bare word compared with a choice (``lever == left``), else None."""
     if not isinstance(expr, ast.NameExpr) or isinstance(other, ast.NumberExpr | ast.BinaryExpr | ast.CallExpr):

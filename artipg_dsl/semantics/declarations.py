@@ -151,6 +151,14 @@ def check_default(ck: Checker, ctx: Context, default: ast.Expr, kind: Type, what
             )
         ck.mean(default, Word(default.name))
         return default.name in kind.values
+    if isinstance(kind, Choice):
+        ck.error(
+            "wrong-type",
+            default.span,
+            f"{what} must be one of the options {', '.join(kind.values)}, not an expression",
+            hint="only an argument may depend on a condition: `Tray(shape = round if small else square)`",
+        )
+        return False
     given = ck.expect(ctx.but(holes=True) if isinstance(default, ast.VectorExpr) else ctx, default, kind, what)
     return fits(given, kind)
 

@@ -12,6 +12,7 @@ from . import calls, conditions, foreign, paths
 from .fold import constant, is_unitless
 from .guards import Not
 from .meanings import Global
+from .parts import path_text
 from .types import (
     BOOL,
     COUNT,
@@ -29,6 +30,7 @@ from .types import (
     Choice,
     Part,
     Scalar,
+    Style,
     Type,
     Vec,
     dimension_name,
@@ -168,16 +170,34 @@ def _if(ck: Checker, ctx: Context, expr: ast.IfExpr) -> Type:
             return b
         if b == PLANE:
             return LENGTH
-        hint = "choose the part that has it by `when`, or its numbers one by one"
+        hint = _instead_of_if(ck, expr, b)
         message = f"`if` chooses between numbers, vectors and points, but this is {b}"
         return ck.error("wrong-type", expr.span, message, hint=hint)
     if UNKNOWN in (then, otherwise):
         return UNKNOWN
+    if isinstance(then, Style) and isinstance(otherwise, Style):
+        return ck.error(
+            "wrong-type", expr.span, "`if` cannot choose between templates", hint=_instead_of_if(ck, expr, then)
+        )
     ck.mismatch(expr.otherwise, otherwise, then, "the other branch")
     return UNKNOWN
 
 
+def _instead_of_if(ck: Checker, expr: ast.IfExpr, kind: Type) -> str:
+    """What to write in place of an `if` between values that cannot be computed with."""
+    named = [ck.meanings.get(id(branch)) for branch in (expr.then, expr.otherwise)]
+    role = "material" if kind == MATERIAL else "ROLE" if isinstance(kind, Style) else None
+    if role is None:
+        return "choose the part that has it by `when`, or its numbers one by one"
+    a, b = (m.symbol.name if isinstance(m, Global) else letter for m, letter in zip(named, "AB", strict=True))
+    c = path_text(expr.condition)
+    grouped = c if isinstance(expr.condition, ast.NameExpr | ast.CallExpr | ast.MemberExpr) else f"({c})"
+    return f"declare a style and use it here: `style chosen : {role} = {a} when {c} | {b} when not {grouped}`"
+
+
 def _compare(ck: Checker, ctx: Context, expr: ast.BinaryExpr) -> Type:
+    if conditions.compares_with_either(ck, ctx, expr):
+        return BOOL
     left = conditions.choice_word(ck, ctx, expr.right, expr.left) or ck.infer(ctx, expr.left)
     right = conditions.choice_word(ck, ctx, expr.left, expr.right) or ck.infer(ctx, expr.right)
     if UNKNOWN in (left, right):

@@ -311,6 +311,11 @@ MISTAKES = (
         ("let x = a ? 1 : 2", "let x = a > 1 ? 1 : 2", "let x = a > 1cm ? 1 : 2", "part x : A(b = c ? 1 : 2)"),
     ),
     Mistake(
+        "the question mark of an optional port comes after its name",
+        "write `port x ? : frame`",
+        ("port x : frame ?", "port x[2] : frame ?"),
+    ),
+    Mistake(
         "`align` states an equation with a single `=`",
         "to require a comparison, write `require a == b`",
         (

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import artipg_dsl
 from artipg_dsl.session import Session
 
 HEAD = "apg 1\nuse primitives { Cuboid, Cylinder }\n"
@@ -26,3 +27,20 @@ def test_a_plane_is_its_coordinate(given: str, height: float, template: bool) ->
     parts = session.sampler.batch(np.arange(1), seed=0).parts()
     place = parts.path.index("b")
     assert parts.high[place, 2] - parts.low[place, 2] == pytest.approx(height)
+
+
+def test_an_option_may_depend_on_a_condition() -> None:
+    made = artipg_dsl.load(
+        f"{HEAD}template Tray {{\n  param shape : choice low | high | middle\n"
+        "  when shape == low { part body : Cuboid(size = [1cm, 1cm, 1cm]) }\n"
+        "  else when shape == high { part tall : Cuboid(size = [1cm, 1cm, 9cm]) }\n"
+        "  else { part mean : Cuboid(size = [1cm, 1cm, 4cm]) }\n}\n"
+        "category T {\n  param other : choice low | high | middle\n  count n in 1 .. 3\n"
+        "  root part a : Tray(shape = low if n == 1 else high if n == 2 else other)\n}\n",
+        n=40,
+    )
+    parts, heights = made.parts(), {"low": 0.01, "high": 0.09, "middle": 0.04}
+    drawn = [made["other"][i] if made["n"][i] == 3 else ("low", "high")[int(made["n"][i]) - 1] for i in range(40)]
+    assert set(drawn) == set(heights)
+    for owner, path, low, high in zip(parts.owner, parts.path, parts.low, parts.high, strict=True):
+        assert "." not in path or high[2] - low[2] == pytest.approx(heights[drawn[owner]])

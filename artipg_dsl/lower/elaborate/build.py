@@ -10,6 +10,7 @@ from ...semantics.meanings import Declared, Global, Word
 from ...semantics.symbols import Symbol
 from ...semantics.types import DIMENSIONS
 from ...syntax import ast
+from ..expressions.arithmetic import number, truth
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..solids.primitives import lower_primitive
@@ -122,10 +123,25 @@ def _handed_in(
             return sole_style(part.env, f"{part.name}.{name}", env.context.symbol(kind), symbol, node.span)
     if kind.name == "material":
         return look_of(env, node)
+    if kind.values and isinstance(node, ast.IfExpr):
+        return _either(part, env, owner, declaration, name, node)
     value = Evaluator(env).value(node)
     if isinstance(value, Frame | Plane) and kind.size is None and kind.name in DIMENSIONS:
         return Evaluator(env).number(value, node.span)  # of a plane, the coordinate that it has here
     return value
+
+
+def _either(part: Part, env: Env, owner: Symbol, declaration: ast.ParamDecl, name: str, node: ast.IfExpr) -> Value:
+    """An option that a condition decides: ``open = front if wide else top``."""
+    ev = Evaluator(env)
+    condition = truth(ev, ev.value(node.condition), node.condition.span)
+    codes = []
+    for branch in (node.then, node.otherwise):
+        chosen = _handed_in(
+            part, env, owner, declaration, name, ast.Argument(span=branch.span, name=name, value=branch)
+        )
+        codes.append(number(ev, chosen, branch.span))
+    return Choice(E.where(condition, *codes), declaration.type.values)
 
 
 def _instantiate(part: Part, option: Option, lower_body: LowerBody) -> Instance:
