@@ -21,6 +21,7 @@ from .states import joint_twist, rest_values
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
+    from ..runtime.gates import Gates
 
 _VERSION = 1
 
@@ -146,7 +147,20 @@ def _joints(batch: Batch) -> list[list[dict[str, Any]]]:
         "rest": _tidy(joints.rest),
         "mimic": [None if a is None else {"joint": a, "multiplier": m, "offset": o} for a, m, o in follow],
     }
+    if batch.gates is not None:
+        columns["enabled_when"] = _enabled_when(batch, batch.gates)
     return _grouped(joints.owner, n, columns)
+
+
+def _enabled_when(batch: Batch, gates: Gates) -> list[list[dict[str, Any]] | None]:
+    """For each joint what it waits for: the other joint and the ends between which it lets it move, None for none."""
+    joints = batch.joints()
+    found: list[list[dict[str, Any]]] = [[] for _ in joints.name]
+    ends = (np.where(np.isfinite(end), end, np.nan) for end in (gates.low, gates.high))
+    low, high = (_tidy(end) for end in ends)
+    for own, gate, above, below in zip(gates.joint.tolist(), gates.gate.tolist(), low, high, strict=True):
+        found[own].append({"joint": joints.name[gate], "from": above, "to": below})
+    return [conditions or None for conditions in found]
 
 
 def _axes(batch: Batch, states: np.ndarray | None) -> dict[str, list[Any]]:
@@ -296,7 +310,13 @@ def _acts(batch: Batch, acting: Interactions, states: np.ndarray | None) -> dict
     point = rotate(turn[acting.link], acting.point) + shift[acting.link]
     direction, speed = directions_of(joint_twist(batch, states), acting.joint, point)
     left = np.stack([joints.low - values, joints.high - values], axis=-1)[acting.joint]
-    return {
+    acts: dict[str, list[Any]] = {}
+    if batch.gates is not None:
+        shut = np.zeros(len(values), dtype=bool)
+        shut[batch.gates.joint[batch.gates.held(values)]] = True
+        left[shut[acting.joint]] = 0.0
+        acts["enabled"] = (~shut[acting.joint]).tolist()
+    return acts | {
         "point": _tidy(point),
         "direction": [None if row[0] != row[0] else row for row in _tidy(direction)],
         "speed": _tidy(speed),

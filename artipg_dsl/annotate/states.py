@@ -95,20 +95,24 @@ def rest_values(batch: Batch) -> np.ndarray:
 def open_values(batch: Batch, share: float = 0.8) -> np.ndarray:
     """Joint values (J,) with every limited joint ``share`` of the way from rest to its farther end.
 
-    What mimics another joint is put right by ``batch.pose``.
+    A joint that another waits for goes as far as it can where that is not far enough. What mimics another joint is put
+    right by ``batch.pose``.
     """
     joints, rest = batch.joints(), rest_values(batch)
     low, high = (np.where(np.isnan(limit), rest, limit) for limit in (joints.low, joints.high))
     end = np.where(high - rest >= rest - low, high, low)
-    return rest + share * (end - rest)
+    values = rest + share * (end - rest)
+    return values if batch.gates is None else batch.gates.open(values, np.ones(len(values), dtype=bool), low, high)
 
 
 def _parse_state(batch: Batch, text: str) -> np.ndarray:
     """Joint values (J,) such as ``door=45deg+drawer=5cm``: of all joints of the names, the others at rest.
 
-    A share (``lid=20%``) is of the way from rest to the farther end. Values stay within the limits. Raises UsageError.
+    A share (``lid=20%``) is of the way from rest to the farther end. Values stay within the limits. What a joint waits for is
+    open, unless it is named too. Raises UsageError.
     """
     joints, values = batch.joints(), rest_values(batch)
+    named = np.zeros(len(values), dtype=bool)
     own = [batch.program.joints[k].name for k in joints.definition]
     every = list(dict.fromkeys(joint.name for joint in batch.program.joints))
     defined = {name for joint in batch.program.joints for name in (joint.name, joint.path)} | set(joints.name)
@@ -124,6 +128,7 @@ def _parse_state(batch: Batch, text: str) -> np.ndarray:
             )
         for row in [k for k, names in enumerate(zip(joints.name, own, strict=True)) if name in names]:
             units = {"prismatic": _LENGTHS}.get(joints.kind[row], _ANGLES)
+            named[row] = True
             if unit == "%":
                 values[row] = open_values(batch, float(number) / 100)[row]
             elif unit in units:
@@ -134,7 +139,12 @@ def _parse_state(batch: Batch, text: str) -> np.ndarray:
                     f"write {name}=20% or a unit of {', '.join(units)}",
                 )
     low, high = (np.where(np.isnan(end), values, end) for end in (joints.low, joints.high))
-    return np.clip(values, low, high)
+    values = np.clip(values, low, high)
+    return (
+        values
+        if batch.gates is None
+        else np.where(named, values, batch.gates.open(values, named, joints.low, joints.high))
+    )
 
 
 def draw_values(batch: Batch, k: int) -> np.ndarray:

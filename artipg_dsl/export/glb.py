@@ -189,6 +189,11 @@ def _describe(joint: RobotJoint) -> dict[str, Any]:
         described["pitch"] = round(joint.pitch, 9)  # metres per turn
     if joint.mimic is not None:
         described["mimic"] = {"joint": joint.mimic[0], "multiplier": joint.mimic[1], "offset": joint.mimic[2]}
+    if joint.gates:
+        described["when"] = [
+            {"joint": name, "from": low if np.isfinite(low) else None, "to": high if np.isfinite(high) else None}
+            for name, low, high in joint.gates
+        ]
     return described
 
 

@@ -92,6 +92,11 @@ class _Model:
             "hulls": self.hulls,
             "excludes": find_adjacent(robot),
             "couplings": self.couplings,
+            "gates": [
+                {"name": f"when_{joint.name}", "data": "; ".join(_waiting(*gate) for gate in joint.gates)}
+                for joint in robot.joints
+                if joint.gates
+            ],
             "closures": [
                 {"name": f"closure_{n}", "site1": f"closure_{n}_a", "site2": f"closure_{n}_b"}
                 for n in range(len(robot.closures))
@@ -180,6 +185,12 @@ class _Model:
         """``qpos`` with every joint at rest: numbers in MuJoCo's order, a ball's as a quaternion, the free base's first."""
         values: list[float] = [*self.robot.links[0].origin.tolist(), 1.0, 0.0, 0.0, 0.0] if free else []
         return numbers([*values, *qpos(self.robot, rest_values(self.robot), self.order)]) if self.order or free else ""
+
+
+def _waiting(name: str, low: float, high: float) -> str:
+    """What a joint waits for, in words: MuJoCo keeps them and acts on none."""
+    ends = [f"{sign} {end:.9g}" for sign, end in ((">=", low), ("<=", high)) if np.isfinite(end)]
+    return " and ".join(f"{name} {end}" for end in ends)
 
 
 def qpos(robot: Robot, values: dict[str, float], order: list[str]) -> list[float]:

@@ -119,7 +119,7 @@ def partnet_files(robots: Robots, i: int) -> dict[str, bytes]:
     model = f"{robots.batch.program.name}-{robots.batch.seed}-{robot.number}"
     urdf = (_template().render(model=model, links=[_urdf_link(m, members, drawn) for m in members]) + "\n").encode()
     files |= dict.fromkeys(_URDFS, urdf)
-    files["mobility_v2.json"] = _json([_mobility(member) for member in members])
+    files["mobility_v2.json"] = _json([_mobility(member, members) for member in members])
     files["semantics.txt"] = "".join(f"link_{m.id} {m.word} {m.label}\n" for m in members).encode()
     files["result.json"] = _json([_tree(robots.batch.program.name, members, words)])
     raw = frame.points(everything)
@@ -277,7 +277,23 @@ def _urdf_link(member: FolderLink, members: list[FolderLink], drawn: dict[int, A
     return found
 
 
-def _mobility(member: FolderLink) -> dict[str, Any]:
+def _gate(name: str, low: float, high: float, members: list[FolderLink]) -> dict[str, Any]:
+    """What a joint waits for: the entry of another, and the ends between which it is open, in the unit of its limits."""
+    member = next(m for m in members if m.joint is not None and m.joint.name == name)
+    joint, unit = member.joint, np.degrees(1.0)
+    if (
+        member.word != "hinge"
+        and joint is not None
+        and joint.low is not None
+        and joint.high is not None
+        and member.limit
+    ):
+        unit = (member.limit[1] - member.limit[0]) / (joint.high - joint.low)
+    ends = {"from": low, "to": high}
+    return {"id": member.id} | {word: _short(np.array(end * unit)) for word, end in ends.items() if np.isfinite(end)}
+
+
+def _mobility(member: FolderLink, members: list[FolderLink]) -> dict[str, Any]:
     """An entry of ``mobility_v2.json``: hinges in degrees, the rest in the data set's frame."""
     joint = member.joint
     data: dict[str, Any] = {}
@@ -293,6 +309,8 @@ def _mobility(member: FolderLink) -> dict[str, Any]:
             assert joint.low is not None and joint.high is not None
             turn = _short(np.degrees(np.array(joint.high - joint.low)))
             data["limit"] |= {"rotates": True, "noRotationLimit": False, "rotationLimit": turn}
+    if data and joint is not None and joint.gates:
+        data["enabled_when"] = [_gate(*gate, members) for gate in joint.gates]
     parts = [{"id": leaf.id, "name": leaf.name, "children": []} for leaf in member.leaves.values()]
     parent = -1 if member.parent is None else member.parent
     return {

@@ -107,7 +107,8 @@ class RobotLink:
 class RobotJoint:
     """``origin`` in the parent link's frame, ``axis`` in the object's axes. ``low``, ``high`` None: no limit.
 
-    ``mimic`` is (name of the leader, multiplier, offset), ``pitch`` a screw's advance by a turn. Radians and metres.
+    ``mimic`` is (name of the leader, multiplier, offset), ``pitch`` a screw's advance by a turn, ``gates`` what it waits for: (name
+    of a joint, from, to), -inf and inf where there is no such end. Radians and metres.
     """
 
     name: str
@@ -126,6 +127,7 @@ class RobotJoint:
     mimic: tuple[str, float, float] | None
     pitch: float = 0.0
     armature: float = 0.0
+    gates: tuple[tuple[str, float, float], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -347,9 +349,18 @@ class Robots:
                     else (joints.name[first + leader], float(joints.multiplier[j]), float(joints.offset[j])),
                     pitch=_number_or(joints.pitch[j], 0.0),
                     armature=float(self.dynamics.armature[j]),
+                    gates=self._gates(j),
                 )
             )
         return made
+
+    def _gates(self, j: int) -> tuple[tuple[str, float, float], ...]:
+        """What the joint in row ``j`` waits for."""
+        gates = self.batch.gates
+        if gates is None:
+            return ()
+        rows = np.flatnonzero(gates.joint == j).tolist()
+        return tuple((self.joints.name[gates.gate[g]], float(gates.low[g]), float(gates.high[g])) for g in rows)
 
 
 def _number_or_none(value: float) -> float | None:

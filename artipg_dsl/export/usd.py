@@ -7,6 +7,7 @@ rest. USD counts angles of joints in degrees. Nothing but text is written, so no
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -196,6 +197,7 @@ def _joint(robot: Robot, joint: RobotJoint, name: str, links: list[str], paths: 
             lines.append(f"custom double artipg:screw:pitch = {joint.pitch:.17g}")
         if joint.mimic is not None:
             lines += _mimic(robot, joint, name, letter, paths, schemas)
+        lines += _gates(joint, name, paths)
     quoted = ", ".join(f'"{schema}"' for schema in schemas)
     return {
         "type": _TYPES[joint.kind],
@@ -236,6 +238,18 @@ def _mimic(
         f"rel {physx}:referenceJoint = </{name}/joints/{paths[leader]}>",
         f'uniform token {physx}:referenceJointAxis = "{led_sort}{frame_of(led.axis)[0]}"',
     ]
+
+
+def _gates(joint: RobotJoint, name: str, paths: dict[str, str]) -> Iterator[str]:
+    """What a joint waits for, in our own words: there is no schema for it, and nothing acts on it."""
+    if joint.gates:
+        yield (
+            "custom rel artipg:when:joints = ["
+            + ", ".join(f"</{name}/joints/{paths[g[0]]}>" for g in joint.gates)
+            + "]"
+        )
+        for k, word in ((1, "from"), (2, "to")):
+            yield f"custom double[] artipg:when:{word} = [" + ", ".join(f"{gate[k]:.17g}" for gate in joint.gates) + "]"
 
 
 def frame_of(axis: np.ndarray) -> tuple[str, np.ndarray]:

@@ -192,12 +192,24 @@ class Link:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Gate:
+    """What a joint waits for: it moves only while the value of ``joint`` lies in ``low`` .. ``high``, radians or metres (None: no
+    such end). ``text`` is the comparison as it is written."""
+
+    joint: Reference
+    low: Expr | None
+    high: Expr | None
+    text: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Joint:
     """``kind``: revolute, prismatic, continuous, screw, ball or fixed; origin and axis in the object's frame at value 0.
 
     ``low``, ``high``, ``rest`` in radians or metres (None: no limit; of a ball, how far it tilts). ``mimic`` is (reference
     to a joint, multiplier, offset). One instance per row of ``scope``. ``clearance``: from its rest value it goes on as far as
-    nothing is in the way, at most to ``high``; ``whatever``: with the other joints anywhere, else at rest.
+    nothing is in the way, at most to ``high``; ``whatever``: with the other joints anywhere, else at rest. It stays at rest unless
+    all ``gates`` are open.
     """
 
     path: str
@@ -220,6 +232,7 @@ class Joint:
     where: Where | None = None
     clearance: bool = False
     whatever: bool = False
+    gates: tuple[Gate, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

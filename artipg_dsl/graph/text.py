@@ -36,6 +36,7 @@ _RECORDS = {
         P.Part,
         P.Site,
         P.Link,
+        P.Gate,
         P.Joint,
         P.Target,
         P.Label,

@@ -236,6 +236,8 @@ class Verifier:
         joints = self.program.joints
         # whether they follow one another in a ring depends on guards and ranks: the runtime asks by row
         self.reference(() if joint.mimic is None else joint.mimic[0], joints, "joint")
+        for gate in joint.gates:
+            self.reference(gate.joint, joints, "joint")
 
     def _closure(self, closure: P.Closure, number: int) -> None:
         for reference in closure.links:

@@ -34,7 +34,7 @@ def _by_name(*kinds: Kind) -> dict[str, Kind]:
 
 
 _SOME, _SEVERAL = range(1, sys.maxsize), range(2, sys.maxsize)
-_PHYSICS = ("damping", "friction", "effort", "velocity", "rest", "mimic")
+_PHYSICS = ("damping", "friction", "effort", "velocity", "rest", "mimic", "when")
 
 JOINTS = _by_name(
     Kind(

@@ -15,7 +15,7 @@ from ..semantics.check import TypedProgram
 from ..semantics.symbols import ModuleScope, Symbol
 from ..syntax import ast
 from .elaborate import conditions as stated
-from .elaborate import drives, labels, mimic, motions, rings
+from .elaborate import drives, gates, labels, mimic, motions, rings
 from .elaborate.body import enter_when, lower_statements
 from .elaborate.drives import driven
 from .elaborate.legal import legalize
@@ -107,12 +107,13 @@ def tree(lowering: Lowering) -> None:
 
 
 def followers(lowering: Lowering) -> None:
-    """Say of each joint with ``mimic`` which joint it follows."""
+    """Say of each joint with ``mimic`` which joint it follows, and of each with ``when`` which joints it waits for."""
     mimic.resolve(lowering.links)
+    gates.resolve(lowering.links)
 
 
 def no_rings(lowering: Lowering) -> None:
-    """Refuse links that hang on one another, and joints that follow one another."""
+    """Refuse links that hang on one another, and joints that follow or wait for one another."""
     rings.refuse(lowering.links)
 
 
@@ -120,6 +121,7 @@ def motion(lowering: Lowering) -> None:
     """Narrow joints by ``limit``, tie loops by ``close``, mark the joints that go as far as ``clearance``."""
     carry_out(lowering.links, lowering.root, motions.MEANINGS)
     clearances(lowering.links)
+    gates.refuse_loops(lowering.links)
 
 
 def carried(lowering: Lowering) -> None:
@@ -231,7 +233,8 @@ def clearances(links: Links) -> None:
     program = links.context.program
     followed = {k for joint in program.joints if joint.mimic is not None for k in definitions_of(joint.mimic[0])}
     for number, span in links.context.clearances.items():
-        if number in followed or program.joints[number].mimic is not None or program.closures:
+        joint = program.joints[number]
+        if number in followed or joint.mimic is not None or joint.gates or program.closures:
             links.context.unclear.append(span)
         whatever = number in links.context.whatever
         program.joints[number] = replace(program.joints[number], clearance=True, whatever=whatever)

@@ -15,6 +15,7 @@ from ..graph.expr import Expr, Scope
 from ..graph.program import Draw, Program
 from ..graph.reference import Reference
 from . import motion
+from .gates import Gates, gates_of
 from .kernels import State
 from .loops import Loops, loops_of
 from .needs import find_wanted, pose_cells
@@ -120,7 +121,8 @@ class Batch:
         return Instances.of([self.owner(part.scope) for part in self.program.parts], len(self))
 
     @cached_property
-    def _joint_instances(self) -> Instances:
+    def joint_instances(self) -> Instances:
+        """Where the rows of each joint of the program stand in the table of joints."""
         return Instances.of([self.owner(joint.scope) for joint in self.program.joints], len(self))
 
     @property
@@ -246,7 +248,7 @@ class Batch:
 
     @cached_property
     def _joints(self) -> JointTable:
-        made, program = self._joint_instances, self.program
+        made, program = self.joint_instances, self.program
         columns: dict[str, list[np.ndarray]] = {name: [] for name in _JOINT_COLUMNS}
         names: list[list[str]] = []
         leaders = Referred(self.rowmap, made, [joint.scope for joint in program.joints], self.read)
@@ -345,10 +347,18 @@ class Batch:
         return motion.link_motion(self.links(), self.joints(), self.settle(self.rest() if states is None else states))
 
     def settle(self, states: np.ndarray) -> np.ndarray:
-        """Joint values (..., J) as mimics and closed loops have them, the driving joints as in ``states``."""
+        """Joint values (..., J) as mimics, closed loops and gates have them, the driving joints as in ``states``: one whose gates
+        are not all open stays at rest."""
+        if self.gates is not None:
+            states = self.gates.settle(states)
         if self.loops is None:
             return motion.follow(self.joints(), states)
         return self.loops.settle(states)
+
+    @cached_property
+    def gates(self) -> Gates | None:
+        """Which joints move only while others are open, where the program states any."""
+        return gates_of(self)
 
     @cached_property
     def loops(self) -> Loops | None:

@@ -49,6 +49,9 @@ def find_wanted(program: Program) -> Iterator[Wanted]:
         if joint.mimic is not None:
             yield from _each(joint.scope, joint.mimic[1:])
             yield from ranks_of(joint.mimic[0])
+        for gate in joint.gates:
+            yield from _each(joint.scope, (end for end in (gate.low, gate.high) if end is not None))
+            yield from ranks_of(gate.joint)
     for label in program.labels:
         inputs = row_values(label.formulas)
         for target in label.targets:

@@ -12,6 +12,7 @@ from ..units import UNITS
 from . import foreign
 from .declarations import check_range
 from .fold import components
+from .gates import check_gate
 from .meanings import Clearance, Declared, Word
 from .types import (
     ANGLE,
@@ -288,6 +289,11 @@ def _motion(ck: Checker, ctx: Context, node: ast.JointDecl, kind: str) -> None:
             axis_value(ck, axis.word, axis.value, ck.infer(ctx, axis.value))
     if (mimic := _taken(ck, kind, node.mimic)) is not None:
         _mimic(ck, ctx, mimic.value, wanted)
+    if (when := _taken(ck, kind, node.when)) is not None:
+        check_gate(ck, ctx, when.value)
+        if node.mimic is not None:
+            message = "a joint that follows another cannot wait for one: it moves whenever its leader does"
+            ck.error("bad-gate", when.span, message, hint="put `when` on the joint that leads")
     if (pitch := _taken(ck, kind, node.pitch)) is not None:
         given = ck.infer(ctx, pitch.value)
         if not isinstance(given, Scalar) and given != UNKNOWN:

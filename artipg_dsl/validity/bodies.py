@@ -18,6 +18,7 @@ from ..native.narrow import Side
 from ..runtime.batch import Batch
 from ..runtime.motion import apply
 
+EXACT = 1 - 1e-6  # of the distance: how well it is known where a gap is asked for
 FULL = 2 * np.pi
 _KEPT = 1 << 27  # bytes of corners, as much as is kept with a batch
 

@@ -11,6 +11,7 @@ from .apart import find_too_near
 from .bodies import Pieces, gather
 from .floating import Solids, find_inverted
 from .formulas import find_unsaid
+from .gated import find_shut
 from .mass import find_crossed, find_weightless
 from .stance import find_falling
 from .tree import Tree
@@ -56,6 +57,7 @@ def find_faults(batch: Batch, soon: bool = False) -> Faults:
             *find_crossed(batch),
             *find_unsaid(batch),
             *find_too_near(tree, body),
+            *find_shut(tree),
         )
     ]
     for statement, objects in zip(batch.program.stable, find_falling(tree, body), strict=False):

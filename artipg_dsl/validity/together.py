@@ -18,9 +18,8 @@ import numpy as np
 from ..geometry.collide import separate
 from ..geometry.vectors import dot
 from ..runtime.motion import apply, multiply, rotation_about
-from .bodies import Pieces, Placed, enumerate_ranges, swept_extent, turn_points
+from .bodies import EXACT, Pieces, Placed, enumerate_ranges, swept_extent, turn_points
 from .tree import Tree
-from .validate import EXACT
 
 _ROUNDS = 60  # halvings of a cell, of all its joints together
 _LOSS = 1e-4  # metres: cells in which corners move by less and that are not proved free count as meeting
@@ -60,6 +59,16 @@ def list_ways(tree: Tree) -> Ways:
         joint = np.where(np.arange(depth) < level[:, None], tree.joint[tree.chain[link]], -1)
         columns.append(np.where(moves[joint], joint, -1))
     return Ways(first, second, np.concatenate(columns, axis=1), (one, two))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Meeting:
+    """Pieces that meet: of pairs of links ``row`` (k,), with the joints between them at ``value`` (k, C), less their rest values."""
+
+    row: np.ndarray
+    piece: np.ndarray
+    other: np.ndarray
+    value: np.ndarray
 
 
 @dataclass(slots=True, eq=False)
@@ -188,7 +197,33 @@ def _cells(tree: Tree, body: Pieces, way: Ways) -> Cells:
     balls = (joint >= 0) & np.append(~(tree.slides | tree.turns), False)[joint]
     slack = _add(np.where(balls, radius * np.maximum(np.abs(start), np.abs(stop)), 0.0))
     start, stop = np.where(balls, 0.0, start), np.where(balls, 0.0, stop)
-    return Cells(row, piece, other, start, stop, radius, slack)
+    return _where_gates_let(tree, joint, Cells(row, piece, other, start, stop, radius, slack))
+
+
+def _where_gates_let(tree: Tree, joint: np.ndarray, part: Cells) -> Cells:
+    """The cells without states that no gate lets joints (k, C) be in: a joint that waits rests, or its gates are open."""
+    gates = tree.gates
+    if gates is None:
+        return part
+    for number in np.unique(joint[np.append(tree.gated, False)[joint]]).tolist():
+        own = (joint == number) & (part.stop > part.start)
+        asks = np.flatnonzero(gates.joint == number)
+        between = np.isin(joint, gates.gate[asks])
+        rows = np.flatnonzero(own.any(axis=1) & between.any(axis=1))
+        if not len(rows):
+            continue
+        shut, wide = part.at(rows), part.at(rows)
+        shut.start, shut.stop = (np.where(own[rows], 0.0, end) for end in (shut.start, shut.stop))
+        for k in asks.tolist():
+            gate, rest = joint[rows] == gates.gate[k], tree.joints.rest[gates.gate[k]]
+            wide.start = np.where(gate, np.maximum(wide.start, gates.low[k] - rest), wide.start)
+            wide.stop = np.where(gate, np.minimum(wide.stop, gates.high[k] - rest), wide.stop)
+        wide_rows = np.flatnonzero((wide.start <= wide.stop).all(axis=1))
+        rest_of = np.setdiff1d(np.arange(len(part.row)), rows)
+        parts = (part.at(rest_of), shut, wide.at(wide_rows))
+        joint = np.concatenate([joint[rest_of], joint[rows], joint[rows][wide_rows]])
+        part = Cells(*(np.concatenate([getattr(p, name) for p in parts]) for name in Cells.__slots__))
+    return part
 
 
 def _meet(own: _Reach, levels: tuple[np.ndarray, np.ndarray], first: np.ndarray, second: np.ndarray) -> np.ndarray:
@@ -332,10 +367,13 @@ def _add(columns: np.ndarray) -> np.ndarray:
     return total
 
 
-def least_share(tree: Tree, body: Pieces, way: Ways, yields: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def least_share(
+    tree: Tree, body: Pieces, way: Ways, yields: np.ndarray, found: list[Meeting] | None = None
+) -> tuple[np.ndarray, np.ndarray]:
     """The least share of the ways of joints that ``yield`` (J,) at which any of the pairs of links meet.
 
-    Returns that share of each joint (J,), 1 where nothing meets, and which pairs of links meet where none of their joints yields.
+    Returns that share of each joint (J,), 1 where nothing meets, and which pairs of links meet where none of their joints yields;
+    ``found`` is told which pieces do, and where.
     """
     room, met = np.ones(len(yields)), np.zeros(len(way.first), dtype=bool)
     part = _cells(tree, body, way)
@@ -363,7 +401,11 @@ def least_share(tree: Tree, body: Pieces, way: Ways, yields: np.ndarray) -> tupl
         for column in range(joint.shape[1]):
             rows = told[own[told, column]]
             np.minimum.at(room, joint[part.row[rows], column], share[rows])
-        met[part.row[told[~own[told].any(axis=1)]]] = True
+        firm = told[~own[told].any(axis=1)]
+        met[part.row[firm]] = True
+        if found is not None and len(firm):
+            middle = (part.start[firm] + part.stop[firm]) / 2
+            found.append(Meeting(part.row[firm], part.piece[firm], part.other[firm], middle))
         going = np.flatnonzero(~apart & ~small)
         # of what meets in the middle, the joint that has gone farthest of its way gives way
         ends = np.where(own[going], part.stop[going] / far[part.row[going]], -np.inf)

@@ -56,6 +56,10 @@ class Tree:
         assert np.array_equal(self.leader, self.leader[self.leader]), "a joint follows one that follows another"
         if batch.loops is not None:  # what the loops of an object determine follows its first driving joint
             self.leader = batch.loops.driven(self.leader)
+        self.gates = batch.gates
+        self.gated = np.zeros(len(base), dtype=bool)  # they move only while others are open
+        if self.gates is not None:
+            self.gated[self.gates.joint] = True
         self._poses: dict[bytes, RestPoses] = {}
         self.alone = np.bincount(self.leader, minlength=len(base))[self.leader] == 1
         self.alone &= self.turns | self.slides | (kinds == "fixed")  # a ball turns about no axis of the table
@@ -145,7 +149,7 @@ def lead_states(tree: Tree, chosen: np.ndarray, shares: np.ndarray) -> Iterator[
     """States (J,) in which one leading joint of ``chosen`` (J,) bool of every object stands at each share of its range.
 
     The first such joint of every object, then the second, ...: (that joint of each object (B,), -1 for none; states with
-    the others at rest; which share).
+    the others at rest, what the joint waits for open; which share).
     """
     joints = tree.joints
     leads = chosen & (tree.leader == np.arange(len(joints.owner)))
@@ -159,4 +163,6 @@ def lead_states(tree: Tree, chosen: np.ndarray, shares: np.ndarray) -> Iterator[
         for number, share in enumerate(shares):
             states = joints.rest.copy()
             states[at] = tree.low[at] + share * (tree.high[at] - tree.low[at])
+            if tree.gates is not None:
+                states = tree.gates.open(states, np.isin(np.arange(len(states)), at), tree.low, tree.high)
             yield lead, states, number

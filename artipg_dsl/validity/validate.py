@@ -18,13 +18,13 @@ from ..geometry.collide import find_near, overlap, separate
 from ..geometry.vectors import dot
 from ..runtime.batch import Batch
 from ..runtime.motion import apply, rotation_about
-from .bodies import FULL, Pieces, Placed, bound_rings, enumerate_ranges, gather, link_boxes, swept_extent
+from .bodies import EXACT, FULL, Pieces, Placed, bound_rings, enumerate_ranges, gather, link_boxes, swept_extent
 from .following import meet_in_states
+from .gated import find_behind_gates
 from .tree import Tree
 
 _BLOCK = 20_000  # pieces at a time
 HALVINGS = 16  # of an interval of angles; what is not decided then is nearer than a turn by 0.005 degrees
-EXACT = 1 - 1e-6  # of the distance: how well it is known where a gap is asked for
 COARSE = 12  # halvings for which boxes stand for the pieces
 _MANY = 6  # pairs with one piece for which a box about the others stands first
 _TILTED = 8  # and for which the boxes of tilted links do
@@ -136,11 +136,12 @@ def _block(tree: Tree, body: Pieces, lost: np.ndarray | None) -> np.ndarray:
         body = body.part(~gone) if gone.any() else body
         if not len(body):
             return found[0]
-    for piece, joint in tree.carried(body, tree.slides & tree.alone):
+    for piece, joint in tree.carried(body, tree.slides & tree.alone & ~tree.gated):
         found.append(_sliding(tree, body, piece, joint))
-    for piece, joint in tree.carried(body, tree.turns & tree.alone):
+    for piece, joint in tree.carried(body, tree.turns & tree.alone & ~tree.gated):
         found.append(_turning(tree, body, piece, joint))
     found.extend(_following(tree, body))
+    found.extend(find_behind_gates(tree, body))
     return np.concatenate(found)
 
 

@@ -191,6 +191,26 @@ STRUCTURE = (
         """,
     ),
     Code(
+        "bad-gate",
+        "a joint waits for something that no joint says",
+        """
+        `when` behind a joint says which other joints have to be open for it to move: each is compared with a value of its
+        own unit (`when door.open > 80deg`), several with `and` between. The joints move by themselves: neither the one
+        that waits nor the one it waits for follows another by `mimic`, and the object has no closed loop. What depends on
+        choices and counts is a `when` of its own, with a block.
+        """,
+        """
+        apg 1
+        use primitives { Cuboid }
+        category Oven {
+          root part body : Cuboid(size = [30cm, 60cm, 40cm])
+          part rack : Cuboid(size = [20cm, 40cm, 1cm])
+          align rack.bottom = body.top + 1mm
+          joint slide : prismatic body -> rack along x range 0 .. 10cm when body.size.x > 20cm
+        }
+        """,
+    ),
+    Code(
         "needs-clearance",
         "a `clearance` that cannot be solved for",
         """

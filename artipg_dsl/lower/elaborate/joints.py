@@ -42,6 +42,8 @@ def build_joint(links: Links, part: Part, attachment: Attachment) -> None:
     rest = _rest_of(ev, statement, low, high)
     if statement.mimic is not None:
         links.mimics[len(program.joints)] = (env, statement.mimic.value)
+    if statement.when is not None:
+        links.gates[len(program.joints)] = (env, statement.when.value)
     given = (statement.damping, statement.friction, statement.effort, statement.velocity, statement.pitch)
     physics: dict[str, Any] = {c.word: ev.scalar(c.value) for c in given if c is not None}
     name = part.path if statement.name in ("motion", "") else _joint_name(env, statement)

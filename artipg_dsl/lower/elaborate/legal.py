@@ -23,6 +23,7 @@ from ...source import Source, Span
 from ..expressions.context import Context, Fetched, text_of, where
 from ..expressions.env import Env
 from ..values.vectors import cross, dot
+from . import gates
 from .links import Links
 from .ranges import (
     APART,
@@ -173,6 +174,7 @@ def _quantities(links: Links) -> Iterator[Quantity]:
             yield Quantity(f"`{name}` of `{site.path}`", site.scope, value, NUMBER, places.get(site.part))
     for joint in program.joints:
         yield from _of_joint(joint)
+        yield from gates.quantities(program, joint)
     for label in program.labels:
         yield from _of_label(label, program)
     for grasp in program.grasps:

@@ -43,6 +43,7 @@ class Links:
     made: dict[Hinge, int] = field(default_factory=dict)  # joint as it is declared -> its number
     stated: dict[int, Span] = field(default_factory=dict)  # joint -> its statement
     mimics: dict[int, tuple[Env, ast.Expr]] = field(default_factory=dict)  # joint -> what it follows, as it is written
+    gates: dict[int, tuple[Env, ast.Expr]] = field(default_factory=dict)  # joint -> what it waits for, as it is written
     resolving: set[Part] = field(default_factory=set)
 
     # ------------------------------------------------------------ poses in the object's frame

@@ -26,7 +26,7 @@ def resolve(links: Links) -> None:
     for number, (env, node) in links.mimics.items():
         try:
             path, factor = followed(Evaluator(env), node)
-            leader = _leader_of(links, env, path)
+            leader = leader_of(links, env, path)
         except Abort:
             continue
         program.joints[number] = replace(program.joints[number], mimic=(leader, factor, E.ZERO))
@@ -47,7 +47,7 @@ def followed(ev: Evaluator, node: ast.Expr) -> tuple[ast.Expr, Expr]:
     return node, E.ONE
 
 
-def _leader_of(links: Links, env: Env, node: ast.Expr) -> Reference:
+def leader_of(links: Links, env: Env, node: ast.Expr) -> Reference:
     """The joints that a path names; ``previous`` and ``half[0]`` lead to another element."""
     leaders, ev, at = ordered(links, joints(links, env, node)), Evaluator(env), node
     while isinstance(at, ast.MemberExpr):

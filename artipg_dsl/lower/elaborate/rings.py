@@ -206,7 +206,7 @@ def _descends(rank: Expr, repeat: Scope) -> bool:
 
 
 def refuse(links: Links) -> None:
-    """Report links that hang on one another in a ring, and joints that follow one another."""
+    """Report links that hang on one another in a ring, and joints that follow or wait for one another."""
     program = links.context.program
     hung: dict[int, Reference] = {joint.child: joint.parent for joint in program.joints}
     ring = Chains([link.scope for link in program.links], hung, program.draws).ring()
@@ -217,6 +217,13 @@ def refuse(links: Links) -> None:
     ring = Chains([joint.scope for joint in program.joints], follows, program.draws).ring()
     if ring is not None:
         _tell(links, ring, "follows")
+        return
+    waits: dict[int, Reference] = {
+        k: tuple(item for gate in j.gates for item in gate.joint) for k, j in enumerate(program.joints) if j.gates
+    }
+    ring = Chains([joint.scope for joint in program.joints], waits, program.draws).ring()
+    if ring is not None:
+        _tell(links, ring, "waits for")
 
 
 def _tell(links: Links, ring: list[int], verb: str) -> None:
@@ -229,8 +236,8 @@ def _tell(links: Links, ring: list[int], verb: str) -> None:
         message = f"{names[0]} is attached to itself{via}: the links form a ring"
         hint = "attach one of these parts to the root, or to a part that is attached to it; a loop of joints is closed with `close`"
     else:
-        message = f"the joint {names[0]} follows itself{via}"
-        hint = "one of these joints must move independently: drop its `mimic`"
+        message = f"the joint {names[0]} {verb} itself{via}"
+        hint = f"one of these joints must move independently: drop its `{'mimic' if verb == 'follows' else 'when'}`"
     notes: dict[Span, str] = {}
     for number, name, onto in zip(ring, names, [*names[1:], names[0]], strict=True):
         notes.setdefault(links.stated[number], f"{name} {verb} {onto}")

@@ -29,7 +29,8 @@ class Attaching(Stmt):
 class JointDecl(Attaching):
     """``joint open : revolute body -> door about door.left.back range 0deg .. 110deg``; in a role ``joint motion ?``.
 
-    ``kind`` is None for a role's joint. In a range ``clearance`` is a NameExpr, in an AllExpr where it is ``clearance all``.
+    ``kind`` is None for a role's joint; ``when`` compares joints that it waits for with values.
+    In a range ``clearance`` is a NameExpr, in an AllExpr where it is ``clearance all``.
     """
 
     name: str
@@ -49,6 +50,7 @@ class JointDecl(Attaching):
     effort: Clause[Expr] | None = None
     velocity: Clause[Expr] | None = None
     pitch: Clause[Expr] | None = None
+    when: Clause[Expr] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,0 +1,77 @@
+"""``when`` behind a joint: it moves only while others are open."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from ...graph import expr as E
+from ...graph.program import Gate, Joint, Program
+from ...graph.reference import definitions_of
+from ...syntax import ast
+from ..expressions.context import Abort, text_of
+from ..expressions.env import Env
+from ..expressions.evaluate import Evaluator
+from .mimic import leader_of
+from .ranges import Legal, Quantity
+
+if TYPE_CHECKING:
+    from .links import Links
+
+_OPENS = Legal(1e-6, 1e4, "the joint it waits for has to get that far", True)
+
+
+def resolve(links: Links) -> None:
+    """Fill in which joints each ``when`` waits for, and refuse those that do not move by themselves."""
+    program = links.context.program
+    for number, (env, node) in links.gates.items():
+        try:
+            found = tuple(_gates(links, env, node))
+        except Abort:
+            continue
+        program.joints[number] = replace(program.joints[number], gates=found)
+
+
+def _gates(links: Links, env: Env, node: ast.Expr) -> Iterator[Gate]:
+    assert isinstance(node, ast.BinaryExpr)  # as semantics has seen
+    if node.op == "and":
+        yield from _gates(links, env, node.left)
+        yield from _gates(links, env, node.right)
+        return
+    leaders = leader_of(links, env, node.left)
+    program = links.context.program
+    for k in definitions_of(leaders):
+        if program.joints[k].mimic is not None or k in links.mimics:
+            raise env.context.error(
+                "bad-gate",
+                node.left.span,
+                f"`{text_of(node.left.span)}` follows another joint, so nothing can wait for it",
+                hint="wait for the joint that leads it",
+            )
+    value = Evaluator(env).scalar(node.right)
+    low, high = (value, None) if node.op in (">", ">=") else (None, value)
+    yield Gate(leaders, low, high, text_of(node.span))
+
+
+def refuse_loops(links: Links) -> None:
+    """In a closed loop joints determine one another, so that none of an object with one can rest by itself."""
+    program = links.context.program
+    for number, joint in enumerate(program.joints) if program.closures else ():
+        if joint.gates:
+            message = f"the joint `{joint.path}` cannot wait for another: the object has a closed loop of joints"
+            links.context.error("bad-gate", links.gates[number][1].span, message, hint="drop `when`, or `close`")
+
+
+def quantities(program: Program, joint: Joint) -> Iterator[Quantity]:
+    """How far the joints that a joint waits for go beyond what it waits for, where their ranges are known in its table."""
+    for gate in joint.gates:
+        for k in gate.joint:
+            leader = program.joints[k] if isinstance(k, int) else None
+            if leader is None or not joint.scope.within(leader.scope) or leader.clearance:
+                continue
+            name = f"the way that `{gate.text}` leaves to the joint `{joint.path}`"
+            if gate.low is not None and leader.high is not None:
+                yield Quantity(name, joint.scope, E.sub(leader.high, gate.low), _OPENS, joint.where)
+            if gate.high is not None and leader.low is not None:
+                yield Quantity(name, joint.scope, E.sub(gate.high, leader.low), _OPENS, joint.where)

@@ -1,0 +1,70 @@
+"""Joints that wait for others: what states become, and what the check proves of them."""
+
+import numpy as np
+import pytest
+
+from artipg_dsl import api as apg
+from artipg_dsl.annotate.annotation import annotate
+from artipg_dsl.annotate.states import joint_values, read_states
+from artipg_dsl.errors import UserError
+
+TEXT = """
+apg 1
+use bodies { OpenBox }
+use primitives { Cuboid }
+vocabulary affordance { pull : along }
+category Oven {
+  root part body : OpenBox(size = [40cm, 50cm, 30cm], wall = 12mm)
+  part door : Cuboid(size = [2cm, 50cm, 30cm])
+  align door.back = body.front + 1mm
+  joint open : revolute body -> door about door.left.back range 0deg .. 110deg
+  part rack : Cuboid(size = [30cm, 46cm, 1cm])
+  align rack.bottom = body.inner.bottom + 8cm
+  joint slide : prismatic body -> rack along x range 0 .. 25cm when open > LEAST
+  part pan : Cuboid(size = [10cm, 10cm, 2cm])
+  joint push : prismatic rack -> pan along y range 0 .. 10cm when slide > 20cm and open > 100deg
+  align pan.bottom = rack.top + 1mm
+  label affordance.pull on rack.front
+}
+"""
+
+
+@pytest.fixture(scope="module")
+def oven(tmp_path_factory: pytest.TempPathFactory) -> apg.Samples:
+    file = tmp_path_factory.mktemp("gates") / "oven.apg"
+    file.write_text(TEXT.replace("LEAST", "95deg"), encoding="utf-8")
+    return apg.sample(str(file), 2)
+
+
+def test_states_keep_shut_joints_at_rest(oven: apg.Samples) -> None:
+    names = oven.batch.joints().name[:3]
+    values = joint_values(oven.batch, read_states("open,random:200"))[:, :3]
+    door, slide, push = (values[:, names.index(name)] for name in ("open", "slide", "push"))
+    assert slide[0] > 0.19 and push[0] > 0.0  # `open` opens what it waits for
+    assert (slide[door < np.radians(95)] == 0.0).all() and (slide[1:] > 0.0).any()
+    assert (push[(slide < 0.2) | (door < np.radians(100))] == 0.0).all()
+
+
+def test_a_named_state_opens_what_it_waits_for(oven: apg.Samples) -> None:
+    values = joint_values(oven.batch, read_states("slide=20cm,slide=20cm+open=10deg"))[:, :2]
+    assert np.allclose(values, [[np.radians(110), 0.2], [np.radians(10), 0.0]])
+
+
+def test_annotations_tell_when(oven: apg.Samples) -> None:
+    opened = joint_values(oven.batch, read_states("open"))
+    told = annotate(oven.batch, opened)[0]
+    waits = {joint["name"]: joint["enabled_when"] for joint in told["joints"]}
+    assert waits["open"] is None and waits["slide"] == [{"joint": "open", "from": round(np.radians(95), 9), "to": None}]
+    assert [gate["joint"] for gate in waits["push"]] == ["slide", "open"]
+    (acts,), (then,) = told["interactions"], told["states"][0]["interactions"]
+    assert not acts["enabled"] and acts["travel"] == [0.0, 0.0]
+    assert then["enabled"] and then["travel"][1] == pytest.approx(0.05)
+
+
+def test_a_rack_that_meets_the_door_it_waits_for_is_no_object(tmp_path_factory: pytest.TempPathFactory) -> None:
+    file = tmp_path_factory.mktemp("gates") / "oven.apg"
+    file.write_text(
+        TEXT.replace("LEAST", "60deg"), encoding="utf-8"
+    )  # the open door is clear of it, the door half open is not
+    with pytest.raises(UserError, match="rack collide while slide moves"):
+        apg.sample(str(file), 1)
