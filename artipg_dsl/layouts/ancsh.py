@@ -110,11 +110,11 @@ def subjects(batch: Batch, term: Term) -> Iterator[tuple[Subject, list[Frame]]]:
     values = np.where(moved, joint_values(batch, read_states(STATES)), 0.0)
     values = np.stack([batch.settle(state) for state in values])
     poses = [batch.pose(state) for state in values]
-    found: dict[int, list[Frame]] = {subject.i: [] for subject in known if subject is not None}
+    found: dict[int, tuple[Subject, list[Frame]]] = {s.i: (s, []) for s in known if s is not None}
     for picture in pictures(batch, robots, CAMERAS, values):
-        subject = known[picture.i]
-        if subject is None:
+        if picture.i not in found:
             continue
+        subject, frames = found[picture.i]
         part = subject.owner[picture.link]
         row = int(robots.link_start[picture.i]) + np.array(subject.links)[part]
         turn, shift = poses[picture.state]
@@ -125,7 +125,7 @@ def subjects(batch: Batch, term: Term) -> Iterator[tuple[Subject, list[Frame]]]:
         mask = np.zeros(picture.depth.shape, dtype=np.uint8)
         mask[picture.pixel[:, 0], picture.pixel[:, 1]] = 1
         places = [np.flatnonzero(part == k) for k in range(len(subject.links))]
-        found[picture.i].append(
+        frames.append(
             Frame(
                 f"{picture.state:04d}/{picture.view}",
                 picture.rgb,
@@ -134,8 +134,7 @@ def subjects(batch: Batch, term: Term) -> Iterator[tuple[Subject, list[Frame]]]:
                 tuple(still[at].astype(np.float32) for at in places),
             )
         )
-    for subject in filter(None, known):
-        yield subject, found[subject.i]
+    yield from found.values()
 
 
 def files(batch: Batch, entry: Entry, shard: int) -> Iterator[tuple[str, bytes]]:
