@@ -8,7 +8,7 @@ that is a drawer, ``"*"`` for every other word.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib import resources
@@ -45,13 +45,14 @@ class Term:
 
 @dataclass(frozen=True, slots=True)
 class Vocabulary:
-    """``title`` for messages; ``near``: what would serve for a category that has no class."""
+    """``title`` for messages; ``none``: categories that have no class; ``near``: what would serve for one."""
 
     title: str
     classes: Mapping[str, Mapping[str, Any]]
     categories: Mapping[str, Mapping[str, Any]]
     near: Mapping[str, str]
     instead: str
+    none: Sequence[str] = ()
 
     def term(self, category: str, own: Mapping[str, Mapping[str, Any]] | None = None) -> Term:
         """A category in these words, ``own`` map before the shipped one. Raises UserError for one that has no class."""
@@ -79,7 +80,12 @@ def vocabulary(name: str) -> Vocabulary:
         resources.files("artipg_dsl.layouts").joinpath("words", f"{name}.json").read_text(encoding="utf-8")
     )
     return Vocabulary(
-        found["title"], found["classes"], found["categories"], found.get("near", {}), found.get("instead", "")
+        found["title"],
+        found["classes"],
+        found["categories"],
+        found.get("near", {}),
+        found.get("instead", ""),
+        tuple(found["none"]),
     )
 
 
