@@ -8,7 +8,6 @@ from functools import cached_property
 
 import numpy as np
 
-from ..geometry import box
 from ..geometry.sites import SiteTable
 from ..graph.depend import draws_behind
 from ..graph.expr import Expr
@@ -191,14 +190,9 @@ def bounds(tables: list[SiteTable], count: int) -> tuple[np.ndarray, np.ndarray]
     for table in tables:
         if not len(table):
             continue
-        first, last = box.bounds(table.primitive, table.params)
-        middle, half = (first + last) / 2, (last - first) / 2
-        middle[:, 1] *= table.mirror
-        turned = np.abs(table.rotation)
-        at = (table.rotation * middle[:, None, :]).sum(axis=2) + table.translation
-        reach = (turned * half[:, None, :]).sum(axis=2)
-        np.minimum.at(low, table.owner, at - reach)
-        np.maximum.at(high, table.owner, at + reach)
+        first, last = table.boxes()
+        np.minimum.at(low, table.owner, first)
+        np.maximum.at(high, table.owner, last)
     return low, high
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..graph.primitive import Primitive
 from . import pieces as convex
+from .box import bounds, turn_boxes
 from .quadrature import volume_inertia
 
 
@@ -49,6 +50,13 @@ class SiteTable:
     def moments(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Volume (k,) m3, centre (k, 3) m and inertia about it per unit density (k, 3, 3) m5 of the rows, in their own frames."""
         return volume_inertia(self.primitive, self.params)
+
+    def boxes(self) -> tuple[np.ndarray, np.ndarray]:
+        """Low and high corners (k, 3) of boxes along the axes of the object that hold those of the rows."""
+        low, high = bounds(self.primitive, self.params)
+        turned = self.mirror < 0
+        low[turned, 1], high[turned, 1] = -high[turned, 1], -low[turned, 1]
+        return turn_boxes(self.rotation, self.translation, low, high)
 
     @property
     def weights(self) -> tuple[np.ndarray, np.ndarray]:

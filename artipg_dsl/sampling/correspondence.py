@@ -17,7 +17,6 @@ from ..graph.program import Program, Site
 from ..runtime.batch import Batch
 
 SAME, REPLICA, SLOT, NONE = range(4)
-HOW = ("same", "replica", "slot", "none")
 
 
 @dataclass(frozen=True, slots=True, eq=False)

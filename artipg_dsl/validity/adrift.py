@@ -7,8 +7,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry.box import bounds
-from ..geometry.sites import SiteTable
 from ..runtime.batch import Batch
 from .floating import ROUND, TOUCH, find_loose, find_neighbours, join_groups
 
@@ -21,9 +19,9 @@ def find_adrift(batch: Batch) -> dict[str, tuple[int, int]]:
         return {}
     first = np.searchsorted(batch.links().owner, np.arange(len(batch)))
     link = np.concatenate([first[table.owner] + table.link for table in tables])
-    middle, half = np.concatenate([_box(table) for table in tables], axis=1)
-    margin = TOUCH + ROUND * 2 * np.sort(half, axis=1)[:, 1]
-    pairs = find_neighbours(link, middle - half, middle + half, margin)
+    low, high = np.concatenate([table.boxes() for table in tables], axis=1)
+    margin = TOUCH + ROUND * np.sort(high - low, axis=1)[:, 1]
+    pairs = find_neighbours(link, low, high, margin)
     floats = np.split(
         find_loose(batch, link, join_groups(np.arange(len(link)), *pairs)), np.cumsum([len(t) for t in tables])[:-1]
     )
@@ -33,16 +31,3 @@ def find_adrift(batch: Batch) -> dict[str, tuple[int, int]]:
             path = batch.program.parts[batch.program.sites[table.number].part].path
             found[path] = len(np.unique(table.owner[wrong])), len(np.unique(table.owner))
     return found
-
-
-def _box(table: SiteTable) -> np.ndarray:
-    """Centre and half the size (2, k, 3) of the boxes along the axes of the object that hold the boxes of primitives."""
-    low, high = bounds(table.primitive, table.params)
-    middle, half = (low + high) / 2, (high - low) / 2
-    middle[:, 1] *= table.mirror
-    return np.stack(
-        [
-            np.einsum("kij,kj->ki", table.rotation, middle) + table.translation,
-            np.einsum("kij,kj->ki", np.abs(table.rotation), half),
-        ]
-    )

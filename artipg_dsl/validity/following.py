@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..geometry.box import turn_boxes
 from ..geometry.collide import MOST_STEPS, separate
 from ..geometry.vectors import dot
 from ..native import states as native_states
@@ -104,7 +105,7 @@ def _near(
     place = np.zeros(links, dtype=np.int64)
     place[used] = np.arange(len(used))
     first, second = place[pairs[0]], place[pairs[1]]
-    one, two = _boxes(turn[:, used], shift[:, used], low[used], high[used])
+    one, two = turn_boxes(turn[:, used], shift[:, used], low[used], high[used])
     close = asked[:, owner[pairs[0]]]
     for axis in range(3):
         close &= (one[..., axis][:, first] < two[..., axis][:, second]) & (
@@ -118,7 +119,7 @@ def _near(
     link, where = np.remainder(posed, links), np.floor_divide(posed, links)
     count = (end - begin)[link]
     at, piece = enumerate_ranges(begin[link], count)
-    low, high = _boxes(turn[where, link][at], shift[where, link][at], body.low[piece], body.high[piece])
+    low, high = turn_boxes(turn[where, link][at], shift[where, link][at], body.low[piece], body.high[piece])
     start = np.cumsum(count) - count
     least, most = np.minimum.reduceat(low, start), np.maximum.reduceat(high, start)
     here, there = back[: len(pair)], back[len(pair) :]
@@ -147,17 +148,6 @@ def _compiled_meeting(
         for piece in pieces
     ]
     return native_states.meet_in_states(machine, sides[0], sides[1], pieces, (body.low, body.high), _CLEAR, MOST_STEPS)
-
-
-def _boxes(turn: np.ndarray, shift: np.ndarray, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Boxes (..., 3) about boxes (..., 3) that are turned and shifted."""
-    middle, half = (low + high) / 2, (high - low) / 2
-    at = [dot(turn[..., i, :], middle) + shift[..., i] for i in range(3)]
-    wide = [dot(np.abs(turn[..., i, :]), half) for i in range(3)]
-    return (
-        np.stack([a - w for a, w in zip(at, wide, strict=True)], axis=-1),
-        np.stack([a + w for a, w in zip(at, wide, strict=True)], axis=-1),
-    )
 
 
 class _Ways:
