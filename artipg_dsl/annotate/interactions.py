@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from ..graph.program import Label, Target
     from ..runtime.batch import Batch
 
-_KINDS = {"along": ("prismatic", "screw"), "about": ("revolute", "continuous", "screw", "ball")}
 _LOOKS = (64, 512)  # points on each primitive that an affordance may lie on
 
 
@@ -74,9 +73,10 @@ def _moved_by(batch: Batch, label: Label, link: np.ndarray) -> np.ndarray:
     above = np.full(len(links.owner) + 1, -1, dtype=np.int64)  # the last one is above all
     above[first + joints.child] = np.arange(len(joints.owner))
     parent = np.append(first + joints.parent, len(links.owner))
-    moves = np.append([kind != "fixed" for kind in joints.kind], False)
+    moves = np.append(joints.that(), False)
     named = np.append(np.isin(joints.definition, label.joints), False)
-    kind = np.append([kind in _KINDS.get(label.motion, ()) for kind in joints.kind], False)
+    ways = {"along": joints.advance != 0.0, "about": joints.that("turns", "tilts")}
+    kind = np.append(ways.get(label.motion, np.zeros_like(moves[:-1])), False)
     rank, found, at = np.zeros(len(link), dtype=np.int64), np.full(len(link), -1), link
     for _ in range(len(batch.program.joints)):
         joint = above[at]

@@ -11,6 +11,7 @@ import numpy as np
 
 from .. import random
 from ..errors import UsageError
+from ..language import JOINTS
 from ..runtime.motion import freedoms_of
 from .frames import rotate
 
@@ -127,7 +128,7 @@ def _parse_state(batch: Batch, text: str) -> np.ndarray:
                 f"did you mean `{close[0]}`?" if close else f"its joints are {', '.join(every)}",
             )
         for row in [k for k, names in enumerate(zip(joints.name, own, strict=True)) if name in names]:
-            units = {"prismatic": _LENGTHS}.get(joints.kind[row], _ANGLES)
+            units = _LENGTHS if JOINTS[joints.kind[row]].slides else _ANGLES
             named[row] = True
             if unit == "%":
                 values[row] = open_values(batch, float(number) / 100)[row]
@@ -154,8 +155,8 @@ def draw_values(batch: Batch, k: int) -> np.ndarray:
     """
     joints, values = batch.joints(), rest_values(batch)
     definition = np.asarray(joints.definition)
-    turning = np.array([kind in ("revolute", "continuous", "screw", "ball") for kind in joints.kind], dtype=bool)
-    free = np.array([kind == "continuous" for kind in joints.kind], dtype=bool)
+    turning = joints.that("turns", "tilts")
+    free = np.array([JOINTS[kind].endless for kind in joints.kind], dtype=bool)
     low, high = (
         np.where(free | (turning & np.isnan(limit)), end, np.where(np.isnan(limit), values, limit))
         for limit, end in ((joints.low, -np.pi), (joints.high, np.pi))
@@ -187,7 +188,7 @@ def own_joints(batch: Batch) -> np.ndarray:
     start = np.searchsorted(links.owner, joints.owner)
     parent, child = start + joints.parent, start + joints.child
     found = np.full(len(links.owner), -1, dtype=np.int64)
-    stiff = np.array([kind == "fixed" for kind in joints.kind], dtype=bool)
+    stiff = ~joints.that()
     found[child[~stiff]] = np.flatnonzero(~stiff)
     for _ in range(len(batch.program.joints)):  # what is fixed to a link moves as that link does
         before = found[child[stiff]]

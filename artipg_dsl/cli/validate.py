@@ -10,6 +10,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from ..errors import NoObject, UserError
+from ..language import JOINTS
 from .progress import Progress
 from .wanted import open_wanted
 
@@ -151,7 +152,7 @@ def _collision(pair: dict[str, Any], objects: int, kinds: dict[str, str]) -> lis
     kind, joint = kinds.get(pair["joint"], ""), pair["joint"]
     if not joint:
         when = "at rest"
-    elif kind == "prismatic":
+    elif kind in JOINTS and JOINTS[kind].slides:
         when = f"while {joint} slides"
     else:
         when = f"while {joint} turns, at {math.degrees(pair['value']):.1f} deg"

@@ -14,7 +14,7 @@ def find_adjacent(robot: Robot) -> list[tuple[str, str]]:
 
     Links that fixed joints hold together count as one.
     """
-    fixed_to = {joint.child: joint.parent for joint in robot.joints if joint.kind == "fixed"}
+    fixed_to = {joint.child: joint.parent for joint in robot.joints if not joint.traits.moves}
     welded = list(range(len(robot.links)))
     for link in range(len(welded)):
         while welded[link] in fixed_to:
@@ -22,7 +22,7 @@ def find_adjacent(robot: Robot) -> list[tuple[str, str]]:
     groups: dict[int, list[int]] = {}
     for link, group in enumerate(welded):
         groups.setdefault(group, []).append(link)
-    held = [(joint.parent, joint.child) for joint in robot.joints if joint.kind != "fixed"]
+    held = [(joint.parent, joint.child) for joint in robot.joints if joint.traits.moves]
     held += [closure.links for closure in robot.closures]
     held += [(a.parent, b.child) for a in robot.joints for b in robot.joints if _through_a_light_link(robot, a, b)]
     held += [
@@ -40,7 +40,7 @@ def _through_a_light_link(robot: Robot, one: RobotJoint, other: RobotJoint) -> b
 
 def _on_one_axle(one: RobotJoint, other: RobotJoint) -> bool:
     """Whether two links turn about one line of their parent, one following the other: the halves of scissors on their pin."""
-    if one.parent != other.parent or not {one.kind, other.kind} <= {"revolute", "continuous"}:
+    if one.parent != other.parent or any(joint.advance is not None or not joint.traits.turns for joint in (one, other)):
         return False
     if (one.mimic or ("",))[0] != other.name and (other.mimic or ("",))[0] != one.name:
         return False

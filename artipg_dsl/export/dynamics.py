@@ -77,7 +77,7 @@ def complete_dynamics(
     axis = rotate(turn[parent], joints.axis)
     mass, center, inertia = _carried(parent, child, mass, rotate(turn, center) + shift, _turned(turn, inertia))
     m, arm = mass[child], center[child] - place
-    slides, ball = _is(joints, "prismatic"), _is(joints, "ball")
+    slides, ball = joints.that("slides"), joints.that("tilts")
     reach = cross(axis, arm)  # how the centre moves as a hinge turns
     about = dot(axis, dot(inertia[child], axis[:, None])) + m * dot(reach, reach)
     moved = np.where(slides, m, about)
@@ -154,10 +154,6 @@ def _parallel(mass: np.ndarray, offset: np.ndarray) -> np.ndarray:
 def _turned(turn: np.ndarray, tensor: np.ndarray) -> np.ndarray:
     half = np.stack([rotate(turn, tensor[..., j]) for j in range(3)], axis=-1)
     return np.stack([rotate(turn, half[:, j]) for j in range(3)], axis=-2)
-
-
-def _is(joints: JointTable, kind: str) -> np.ndarray:
-    return np.array([other == kind for other in joints.kind], dtype=bool)
 
 
 def _by_kind(joints: JointTable, values: dict[str, float]) -> np.ndarray:

@@ -152,23 +152,22 @@ def _placement(joint: RobotJoint, value: float) -> dict[str, Any]:
     """Translation and rotation of the child link's node in its parent's, at a joint value."""
     values = np.array([value])
     place: dict[str, Any] = {"translation": _short(_translations(joint, values)[0])}
-    if joint.kind != "prismatic" and value != 0.0:
+    if not joint.traits.slides and value != 0.0:
         place["rotation"] = _short(_turns(joint, values)[0])
     return place
 
 
 def _translations(joint: RobotJoint, values: np.ndarray) -> np.ndarray:
     """Origins (n, 3) of the child link in the parent's frame."""
-    advance = {"prismatic": 1.0, "screw": joint.pitch / (2 * np.pi)}.get(joint.kind)
-    if advance is None:
+    if joint.advance is None:
         return np.broadcast_to(joint.origin, (len(values), 3))
-    return joint.origin + advance * values[:, None] * joint.axis
+    return joint.origin + joint.advance * values[:, None] * joint.axis
 
 
 def _turns(joint: RobotJoint, values: np.ndarray) -> np.ndarray:
     """Quaternions (n, 4), x y z w, of the child link in the parent's frame."""
     half = values / 2
-    axis = perpendicular_to(joint.axis[None])[0] if joint.kind == "ball" else joint.axis  # a ball's value is its tilt
+    axis = perpendicular_to(joint.axis[None])[0] if joint.traits.tilts else joint.axis  # a ball's value is its tilt
     return np.concatenate([np.sin(half)[:, None] * axis, np.cos(half)[:, None]], axis=1)
 
 
@@ -185,7 +184,7 @@ def _describe(joint: RobotJoint) -> dict[str, Any]:
         "limits": None if joint.low is None or joint.high is None else _short(np.array([joint.low, joint.high])),
         "rest": round(joint.rest, 9),
     }
-    if joint.kind == "screw":
+    if joint.traits.advances:
         described["pitch"] = round(joint.pitch, 9)  # metres per turn
     if joint.mimic is not None:
         described["mimic"] = {"joint": joint.mimic[0], "multiplier": joint.mimic[1], "offset": joint.mimic[2]}
@@ -199,9 +198,9 @@ def _describe(joint: RobotJoint) -> dict[str, Any]:
 
 def _course(joint: RobotJoint, start: float, end: float) -> np.ndarray:
     """The values of a joint at the keys of the animation, evenly apart in time."""
-    steps = 4 if joint.kind == "prismatic" else max(4, int(np.ceil(abs(end - start) / _STEP)))
+    steps = 4 if joint.traits.slides else max(4, int(np.ceil(abs(end - start) / _STEP)))
     there = np.arange(steps + 1) / steps
-    if joint.kind == "continuous":
+    if joint.traits.endless:
         share = np.arange(2 * steps + 1) / (2 * steps)
     else:
         share = np.concatenate([there, there[-2::-1]])

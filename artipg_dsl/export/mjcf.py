@@ -136,7 +136,7 @@ class _Model:
         entry = {"name": joint.name, "type": kind}
         if kind != "ball":
             entry["axis"] = numbers(joint.axis)
-            if joint.kind != "continuous" and joint.low is not None and joint.high is not None:
+            if joint.limited and not joint.traits.endless:
                 entry["range"] = numbers([joint.low, joint.high])
             entry["actuatorfrcrange"] = numbers([-joint.effort, joint.effort])
         elif joint.high is not None and joint.high > 0:
@@ -147,7 +147,7 @@ class _Model:
             "armature": f"{joint.armature:.9g}",
         }
         made = [entry]
-        if joint.kind == "screw":
+        if joint.traits.advances:
             made.append({"name": joint.name + _ADVANCE, "type": "slide", "axis": numbers(joint.axis)})
             self._couple(joint.name + _ADVANCE, joint.name, 0.0, joint.pitch / (2 * np.pi))
         if joint.mimic is not None:
@@ -202,7 +202,7 @@ def qpos(robot: Robot, values: dict[str, float], order: list[str]) -> list[float
         if joint is None:  # a screw's slide
             screw = joints[name.removesuffix(_ADVANCE)]
             numbers.append(values[screw.name] * screw.pitch / (2 * np.pi))
-        elif joint.kind == "ball":
+        elif joint.traits.tilts:
             half = values[name] / 2
             numbers += [float(np.cos(half)), *(np.sin(half) * perpendicular_to(joint.axis[None])[0]).tolist()]
         else:

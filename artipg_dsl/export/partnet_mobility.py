@@ -182,22 +182,19 @@ def _members(
 
 def _words(robot: Robot, joint: RobotJoint) -> tuple[str, str]:
     """The word and the URDF type of a joint."""
-    limited = joint.low is not None and joint.high is not None
-    slides = joint.kind in ("prismatic", "screw")
-    if joint.kind not in JOINTS or (slides and not limited):
+    if joint.kind not in JOINTS or (joint.advance is not None and not joint.limited):
         what = f"a {joint.kind} joint{'' if joint.kind not in JOINTS else ' without limits'}"
         raise ExportError(
             f"{robot.name}: joint {joint.name} is {what}, which PartNet-Mobility cannot express",
             "it has hinges and sliders; leave partnet-mobility out of --format",
         )
-    return JOINTS["continuous" if joint.kind == "revolute" and not limited else joint.kind]
+    return JOINTS[joint.hinge]
 
 
 def _limit(joint: RobotJoint, frame: DatasetFrame) -> tuple[float, float] | None:
     if joint.low is None or joint.high is None:
         return None
-    unit = {"prismatic": 1.0, "screw": joint.pitch / (2 * np.pi)}.get(joint.kind)
-    share = 1.0 if unit is None else unit / frame.unit
+    share = 1.0 if joint.advance is None else joint.advance / frame.unit
     return joint.low * share, joint.high * share
 
 

@@ -67,13 +67,10 @@ def link_poses(robot: Robot, values: dict[str, float]) -> list[LinkPose]:
 def _beyond(parent: LinkPose, joint: RobotJoint, value: float) -> LinkPose:
     """The pose of a joint's child link. No BLAS: the same bits everywhere."""
     turn, shift = parent
-    advance = {"prismatic": 1.0, "screw": joint.pitch / (2.0 * np.pi)}.get(joint.kind, 0.0)
-    origin = joint.origin + value * advance * joint.axis
-    axis = (
-        perpendicular_to(joint.axis[None])[0] if joint.kind == "ball" else joint.axis
-    )  # the tilt that a ball's value is
-    turning = joint.kind in ("revolute", "continuous", "screw", "ball")
-    own = axis_angle(axis, np.asarray(value)) if turning else np.eye(3)
+    tilts = joint.traits.tilts
+    origin = joint.origin + value * (joint.advance or 0.0) * joint.axis
+    axis = perpendicular_to(joint.axis[None])[0] if tilts else joint.axis  # the tilt that a ball's value is
+    own = axis_angle(axis, np.asarray(value)) if tilts or joint.traits.turns else np.eye(3)
     return _product(turn, own), _product(turn, origin) + shift
 
 

@@ -17,6 +17,7 @@ import numpy as np
 from ..annotate.frames import quaternion
 from ..geometry.resolution import STANDARD, Resolution
 from ..graph.program import Material
+from ..language import JOINTS, Kind
 from ..validity.mass import Mass, masses
 from ..validity.materials import list_materials, material_rows
 from . import materials, solids
@@ -128,6 +129,25 @@ class RobotJoint:
     pitch: float = 0.0
     armature: float = 0.0
     gates: tuple[tuple[str, float, float], ...] = ()
+
+    @property
+    def traits(self) -> Kind:
+        """What is so of all joints of its kind."""
+        return JOINTS[self.kind]
+
+    @property
+    def limited(self) -> bool:
+        return self.low is not None and self.high is not None
+
+    @property
+    def advance(self) -> float | None:
+        """How far it slides per unit of its value: 1 of what slides, metres per radian of a screw; None of others."""
+        return 1.0 if self.traits.slides else self.pitch / (2 * np.pi) if self.traits.advances else None
+
+    @property
+    def hinge(self) -> str:
+        """Its kind, of a hinge by the formats' rule that one without limits is continuous."""
+        return "continuous" if self.kind == "revolute" and not self.limited else self.kind
 
 
 @dataclass(frozen=True, slots=True)

@@ -86,21 +86,20 @@ def _joint(joint: RobotJoint, robot: Robot) -> dict[str, Any]:
             f"{robot.name}: joint {joint.name} is a {joint.kind} joint, which SDFormat cannot express",
             f"it has {', '.join(_KINDS)}; leave sdf out of --format",
         )
-    limited = joint.low is not None and joint.high is not None
-    kind = "continuous" if joint.kind == "revolute" and not limited else joint.kind
+    kind = joint.hinge
     entry: dict[str, Any] = {
         "name": joint.name,
         "kind": kind,
         "parent": robot.links[joint.parent].name,
         "child": robot.links[joint.child].name,
         "pose": "",
-        "pitch": f"{joint.pitch:.9g}" if kind == "screw" else "",
+        "pitch": f"{joint.pitch:.9g}" if joint.traits.advances else "",
         "axis": None,
     }
-    if kind in ("fixed", "ball"):
+    if not joint.traits.axis:
         return entry
     limit = {"effort": f"{joint.effort:.9g}", "velocity": f"{joint.velocity:.9g}"}
-    if limited and kind != "continuous":
+    if joint.limited and kind != "continuous":
         limit = {"lower": f"{joint.low:.9g}", "upper": f"{joint.high:.9g}"} | limit
     dynamics = {"damping": f"{joint.damping:.9g}", "friction": f"{joint.friction:.9g}"}
     mimic = None

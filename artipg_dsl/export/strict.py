@@ -89,7 +89,7 @@ def _configurations(tree: Tree, states: int) -> Iterator[tuple[str, np.ndarray, 
     rest = tree.joints.rest
     none = np.full(len(tree.first), -1)
     yield _KINDS[0], none, rest, np.zeros(0, dtype=np.int64)
-    moves = np.array([kind != "fixed" for kind in tree.joints.kind], dtype=bool)
+    moves = tree.joints.that()
     for lead, values, _ in lead_states(tree, moves & (tree.high > tree.low), np.linspace(0.0, 1.0, _STEPS)):
         yield _KINDS[1], lead, values, _open_ones(tree, values)
     for number in range(states if moves.any() else 0):

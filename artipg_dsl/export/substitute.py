@@ -23,9 +23,9 @@ def simple_joints(robot: Robot) -> Robot:
     """The same robot with hinges, slides and fixed joints alone; a joint that needs more keeps its name and value."""
     links, joints = list(robot.links), []
     for joint in robot.joints:
-        if joint.kind == "screw":
+        kind = "revolute" if joint.limited else "continuous"
+        if joint.traits.advances:
             advance = (joint.name, joint.pitch / (2.0 * np.pi), 0.0)
-            kind = "continuous" if joint.low is None or joint.high is None else "revolute"
             ends = [value * advance[1] for value in (joint.low, joint.high) if value is not None]
             low, high = (min(ends), max(ends)) if len(ends) == 2 else (None, None)
             slide = replace(
@@ -43,9 +43,8 @@ def simple_joints(robot: Robot) -> Robot:
                 pitch=0.0,
             )
             joints += _chain([slide, replace(joint, kind=kind, pitch=0.0)], links)
-        elif joint.kind == "ball":
+        elif joint.traits.tilts:
             tilt = perpendicular_to(joint.axis[None])[0]
-            kind = "continuous" if joint.low is None or joint.high is None else "revolute"
             tilted = replace(joint, kind=kind, axis=tilt)
             if joint.low is not None and joint.high is not None:  # a range is that of the angle, in any direction
                 reach = max(abs(joint.low), abs(joint.high))

@@ -148,11 +148,9 @@ def _joint(joint: RobotJoint, robot: Robot) -> dict[str, Any]:
             f"{robot.name}: joint {joint.name} is a {kind} joint, which URDF cannot express",
             f"URDF has {', '.join(_KINDS)}; leave urdf out of --format",
         )
-    limited = joint.low is not None and joint.high is not None
-    if kind == "revolute" and not limited:
-        kind = "continuous"
+    kind = joint.hinge
     limit = {"effort": f"{joint.effort:.9g}", "velocity": f"{joint.velocity:.9g}"}
-    if kind != "continuous" and limited:
+    if kind != "continuous" and joint.limited:
         limit = {"lower": numbers([joint.low]), "upper": numbers([joint.high])} | limit
     mimic = None
     if joint.mimic is not None:

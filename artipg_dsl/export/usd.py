@@ -168,17 +168,17 @@ def _joint(robot: Robot, joint: RobotJoint, name: str, links: list[str], paths: 
         f"quatf physics:localRot1 = {_quat(turn)}",
     ]
     schemas: list[str] = []
-    if joint.kind == "ball":
+    if joint.traits.tilts:
         lines.append(f'uniform token physics:axis = "{letter}"')
         if joint.high is not None:
             cone = max(abs(joint.low or 0.0), abs(joint.high)) * _DEGREES
             lines += [f"float physics:coneAngle{k}Limit = {cone:.9g}" for k in (0, 1)]
-    elif joint.kind != "fixed":
-        angular = joint.kind != "prismatic"
+    elif joint.traits.moves:
+        angular = not joint.traits.slides
         unit = _DEGREES if angular else 1.0
         drive = "drive:angular:physics" if angular else "drive:linear:physics"
         lines.append(f'uniform token physics:axis = "{letter}"')
-        if joint.kind != "continuous" and joint.low is not None and joint.high is not None:
+        if not joint.traits.endless and joint.low is not None and joint.high is not None:
             lines += [
                 f"float physics:lowerLimit = {joint.low * unit:.9g}",
                 f"float physics:upperLimit = {joint.high * unit:.9g}",
@@ -193,7 +193,7 @@ def _joint(robot: Robot, joint: RobotJoint, name: str, links: list[str], paths: 
             f"float physxJoint:maxJointVelocity = {joint.velocity * unit:.9g}",
         ]
         schemas = ["PhysicsDriveAPI:angular" if angular else "PhysicsDriveAPI:linear", "PhysxJointAPI"]
-        if joint.kind == "screw":
+        if joint.traits.advances:
             lines.append(f"custom double artipg:screw:pitch = {joint.pitch:.17g}")
         if joint.mimic is not None:
             lines += _mimic(robot, joint, name, letter, paths, schemas)
@@ -225,8 +225,8 @@ def _mimic(
     assert joint.mimic is not None
     leader, multiplier, offset = joint.mimic
     led = next(other for other in robot.joints if other.name == leader)
-    own, other = (_DEGREES if j.kind != "prismatic" else 1.0 for j in (joint, led))
-    sort, led_sort = ("rot" if j.kind != "prismatic" else "trans" for j in (joint, led))
+    own, other = (1.0 if j.traits.slides else _DEGREES for j in (joint, led))
+    sort, led_sort = ("trans" if j.traits.slides else "rot" for j in (joint, led))
     schemas.append(f"PhysxMimicJointAPI:{sort}{letter}")
     physx = f"physxMimicJoint:{sort}{letter}"
     return [

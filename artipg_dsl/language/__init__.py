@@ -12,7 +12,7 @@ unknown to all of them. Begin with ``functions``.
 """
 
 from .functions import FORMS, FUNCTIONS, METHODS, Form, Parameter
-from .kinds import DISTRIBUTIONS, JOINTS, OPERATORS, REPEATS, TURNING, Kind
+from .kinds import DISTRIBUTIONS, JOINTS, OPERATORS, REPEATS, Kind
 from .members import FACES, MEMBERS, OWN, Member
 from .words import DIRECTIONS, NUMBERS, SCALAR_TYPES, TYPES, WORDS, Word, reserved_name
 
@@ -30,7 +30,6 @@ __all__ = [
     "OWN",
     "REPEATS",
     "SCALAR_TYPES",
-    "TURNING",
     "TYPES",
     "WORDS",
     "Form",

@@ -12,7 +12,8 @@ class Kind:
     """One kind of a statement: the clauses that it ``needs`` and those that it ``takes`` as well.
 
     An operator and a distribution have as many ``arguments``, of which the ``positive`` ones are above 0. A joint ``moves``: it turns,
-    slides or tilts. ``example`` is what messages suggest, ``about`` its rows in the reference.
+    slides or tilts; ``clears``: it may go as far as nothing is in the way. ``example`` is what messages suggest, ``about`` its rows
+    in the reference.
     """
 
     name: str
@@ -23,10 +24,41 @@ class Kind:
     arguments: Container[int] = ()
     positive: tuple[int, ...] = ()
     moves: str = ""
+    clears: bool = False
 
     @property
     def clauses(self) -> tuple[str, ...]:
         return (*self.needs, *self.takes)
+
+    @property
+    def axis(self) -> str:
+        """The clause that gives the axis of a joint, ``about`` or ``along``; none for a joint about a point."""
+        return next((word for word in ("about", "along") if word in self.takes), "")
+
+    @property
+    def turns(self) -> bool:
+        """Whether a joint turns about an axis."""
+        return self.moves == "turns"
+
+    @property
+    def slides(self) -> bool:
+        """Whether a joint slides along an axis: its value is a length, else an angle."""
+        return self.moves == "slides"
+
+    @property
+    def tilts(self) -> bool:
+        """Whether a joint turns about a point."""
+        return self.moves == "tilts"
+
+    @property
+    def advances(self) -> bool:
+        """Whether a joint slides as it turns."""
+        return "pitch" in self.takes
+
+    @property
+    def endless(self) -> bool:
+        """Whether a joint turns without limits."""
+        return self.turns and "range" not in self.clauses
 
 
 def _by_name(*kinds: Kind) -> dict[str, Kind]:
@@ -44,6 +76,7 @@ JOINTS = _by_name(
         needs=("range",),
         takes=("about", *_PHYSICS),
         moves="turns",
+        clears=True,
     ),
     Kind(
         "prismatic",
@@ -52,6 +85,7 @@ JOINTS = _by_name(
         needs=("range",),
         takes=("along", *_PHYSICS),
         moves="slides",
+        clears=True,
     ),
     Kind("continuous", "`continuous` | `about` | none", takes=("about", *_PHYSICS), moves="turns"),
     Kind(
@@ -71,9 +105,6 @@ JOINTS = _by_name(
     Kind("fixed", "`fixed` | - | -"),
 )
 """By name: how a joint moves."""
-
-TURNING = tuple(name for name, kind in JOINTS.items() if kind.moves == "turns")
-"""The joints that turn about an axis."""
 
 REPEATS = _by_name(
     Kind(""),

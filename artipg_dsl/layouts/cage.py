@@ -108,12 +108,10 @@ class _Tree:
         return made + handles
 
     def _joint(self, joint: RobotJoint | None) -> dict[str, Any]:
-        if joint is None or joint.kind in ("fixed", "ball"):
+        if joint is None or not joint.traits.axis:
             return _STILL
         shut, turn = _Shut.of(joint), self.turn[joint.parent]
-        limited = joint.low is not None and joint.high is not None
-        kind = "continuous" if joint.kind == "revolute" and not limited else joint.kind
-        advance = {"prismatic": 1.0, "screw": joint.pitch / (2 * np.pi)}.get(joint.kind)
+        kind, advance = joint.hinge, joint.advance
         reach = np.degrees(shut.reach) if advance is None else shut.reach * advance / self.frame.unit
         whole = joint.origin + self.pieces.robot.links[joint.parent].origin
         return {

@@ -70,11 +70,9 @@ def freedoms_of(joints: JointTable) -> tuple[np.ndarray, np.ndarray]:
     Radians of a hinge, a screw or a ball, metres of a slide. A screw advances by its pitch a turn. The value of a ball
     joint, which has three freedoms, is the tilt of its axis about one direction square to it; the other two rest.
     """
-    kind = np.array(joints.kind, dtype=object)
-    hinged = np.isin(kind, ("revolute", "continuous", "screw"))[:, None]
-    turn = np.where(hinged, joints.axis, np.where((kind == "ball")[:, None], perpendicular_to(joints.axis), 0.0))
-    advance = np.where(kind == "screw", np.nan_to_num(joints.pitch) / (2.0 * np.pi), (kind == "prismatic") * 1.0)
-    return turn, joints.axis * advance[:, None]
+    hinged, tilts = joints.that("turns")[:, None], joints.that("tilts")[:, None]
+    turn = np.where(hinged, joints.axis, np.where(tilts, perpendicular_to(joints.axis), 0.0))
+    return turn, joints.axis * joints.advance[:, None]
 
 
 def perpendicular_to(axis: np.ndarray) -> np.ndarray:

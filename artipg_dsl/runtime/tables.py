@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..graph.expr import Scope
+from ..language import JOINTS
 from .kernels import Rows
 
 
@@ -51,6 +52,17 @@ class JointTable:
     effort: np.ndarray
     velocity: np.ndarray
     pitch: np.ndarray
+
+    def that(self, *ways: str) -> np.ndarray:
+        """Which joints (J,) move in one of these ways: ``turns``, ``slides``, ``tilts``; without a way, which move at all."""
+        found = [JOINTS[kind].moves for kind in self.kind]
+        return np.array([way in ways if ways else way != "" for way in found], dtype=bool)
+
+    @property
+    def advance(self) -> np.ndarray:
+        """How far (J,) joints slide per unit of their value: 1 of what slides, metres per radian of a screw, else 0."""
+        advances = np.array([JOINTS[kind].advances for kind in self.kind], dtype=bool)
+        return np.where(advances, np.nan_to_num(self.pitch) / (2.0 * np.pi), self.that("slides") * 1.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..diagnostics.suggest import any_of, did_you_mean, suggest
-from ..language import DIRECTIONS, FACES, JOINTS, TURNING
+from ..language import DIRECTIONS, FACES, JOINTS
 from ..syntax import ast
 from ..syntax.walk import walk
 from ..units import UNITS
@@ -166,7 +166,7 @@ def _idle(ck: Checker, node: ast.Attaching, mounted: bool | None) -> None:
         hint = "turn a part where it is declared: `part handle : BarHandle turned 20deg about x`"
         ck.error("unknown-clause", node.turned.span, "a part cannot be turned where it is connected", hint=hint)
     way = ways[0].word if ways and (ways[0] is not node.to or mounted) else "to" if mounted else ""
-    aims = isinstance(node, ast.JointDecl) and node.kind in ("ball", "fixed")  # about what point
+    aims = isinstance(node, ast.JointDecl) and _aims(node.kind)
     for clause in (node.at, node.fit, node.gap, node.sink, node.facing):
         if clause is None or mounted is None or way in _WITH[clause.word] or clause is node.at and not way and aims:
             continue
@@ -233,7 +233,7 @@ def check_joint(ck: Checker, ctx: Context, node: ast.JointDecl) -> None:
     if parent == BASE and ctx.scope.owner.kind == "category":
         ck.error("wrong-type", node.parent.span, "`base` only exists in a template", hint="name the root part instead")
     named = isinstance(node.parent, ast.NameExpr) and (parent == BASE or isinstance(parent, Part | Slot | Element))
-    aims = named and node.kind in ("ball", "fixed") and node.to is None and node.on is None  # about a point of its own
+    aims = named and _aims(node.kind) and node.to is None and node.on is None
     _placing(ck, ctx, node, framed=not aims)
     _on_face(ck, node, node.child, child)
     if node.on is node.in_ is None and isinstance(node.child, ast.MemberExpr) and not named:
@@ -248,16 +248,21 @@ def check_joint(ck: Checker, ctx: Context, node: ast.JointDecl) -> None:
             ck.error("missing-clause", node.span, message, hint=kind.example)
 
 
+def _aims(kind: str | None) -> bool:
+    """Whether a joint of this kind moves about a point, not about or along an axis."""
+    return kind in JOINTS and not JOINTS[kind].axis
+
+
 def _taken(ck: Checker, kind: str, clause: Given) -> Given:
     """The clause, if there is one and a joint of this kind takes it; that it takes none is an error."""
     if clause is None or kind not in JOINTS or clause.word in JOINTS[kind].clauses:
         return clause
-    hint = None
-    if kind == "continuous" and clause.word == "range":
+    row, hint = JOINTS[kind], None
+    if row.endless and clause.word == "range":
         hint = "a joint with limits is `revolute`"
-    elif clause.word == "about" and kind == "prismatic":
-        hint = "a prismatic joint slides `along` a direction"
-    elif clause.word == "along" and kind in TURNING:
+    elif clause.word == "about" and row.slides:
+        hint = f"a {kind} joint slides `along` a direction"
+    elif clause.word == "along" and row.turns:
         hint = "it turns `about` an edge or a line"
     code = "bad-axis" if clause.word in ("about", "along") else "unknown-clause"
     ck.error(code, clause.span, f"a {kind} joint takes no `{clause.word}`", hint=hint)
@@ -266,10 +271,12 @@ def _taken(ck: Checker, kind: str, clause: Given) -> Given:
 
 def _motion(ck: Checker, ctx: Context, node: ast.JointDecl, kind: str) -> None:
     """The clauses that say how a joint moves, each if its kind takes it."""
-    wanted = LENGTH if kind == "prismatic" else ANGLE
+    row = JOINTS.get(kind)
+    slides = row is not None and row.slides
+    wanted = LENGTH if slides else ANGLE
     if (interval := _taken(ck, kind, node.range)) is not None:
-        motion_range(ck, ctx, interval.value, wanted if kind in JOINTS else UNKNOWN)
-        if kind == "ball" and next(iter(components(interval.value.low, ctx.module)), None) != 0.0:
+        motion_range(ck, ctx, interval.value, wanted if row is not None else UNKNOWN)
+        if row is not None and row.tilts and next(iter(components(interval.value.low, ctx.module)), None) != 0.0:
             ck.error(
                 "illegal-value",
                 interval.value.low.span,
@@ -301,7 +308,7 @@ def _motion(ck: Checker, ctx: Context, node: ast.JointDecl, kind: str) -> None:
     for physics in (node.damping, node.friction, node.effort, node.velocity):
         if (number := _taken(ck, kind, physics)) is not None:
             given = ck.infer(ctx, number.value)
-            units = _UNITS[number.word][kind == "prismatic"]
+            units = _UNITS[number.word][slides]
             fitting = [Scalar(UNITS[unit][1]) for unit in units]
             if given == UNKNOWN or isinstance(given, Scalar) and (given.zero or given in fitting):
                 continue
@@ -389,8 +396,8 @@ def axis_value(ck: Checker, word: str, value: ast.Expr, kind: Type) -> None:
 
 def _axis(ck: Checker, node: ast.JointDecl, parent: Type, child: Type) -> None:
     """A joint that turns or slides has an axis: a clause, or the ``out`` of the port it stands on."""
-    word = "about" if node.kind in TURNING else "along" if node.kind == "prismatic" else None
-    if word is None or UNKNOWN in (parent, child):
+    word = JOINTS[node.kind].axis if node.kind is not None else ""
+    if not word or UNKNOWN in (parent, child):
         return
     clause = node.about if word == "about" else node.along
     ends = (FRAME, PLANE, LINE, EDGE, SURFACE)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..diagnostics.suggest import any_of, did_you_mean
-from ..language import REPEATS
+from ..language import JOINTS, REPEATS
 from ..syntax import ast
 from . import alternatives, conditions, declarations, labels, placing, primitives
 from .entries import of_reference, port_context
@@ -113,8 +113,8 @@ def _statement(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
             if not isinstance(kind, Joint) and kind != UNKNOWN:
                 ck.error("wrong-type", joint.span, f"`limit` must name a joint, but this is {kind}")
             wanted: Type = UNKNOWN
-            if isinstance(kind, Joint) and kind.kind in ("revolute", "prismatic"):
-                wanted = LENGTH if kind.kind == "prismatic" else ANGLE
+            if isinstance(kind, Joint) and (row := JOINTS.get(kind.kind or "")) is not None and row.moves:
+                wanted = LENGTH if row.slides else ANGLE
             placing.motion_range(ck, inside, interval, wanted)
         case ast.CloseStmt(subject=subject, other=other):
             kind, inside = placing.subject(ck, ctx, subject)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..geometry.collide import common_point, overlap
+from ..language import JOINTS
 from .bodies import Pieces, Placed
 from .tree import Tree
 from .validate import Collisions
@@ -77,6 +78,7 @@ def contact_in_words(kind: str, found: Contact) -> str:
     """``handle.grip and frame.rim at 12.3 deg, about (0.2, 0.1, 0.45), in object 17``; ``kind`` of the joint."""
     when = ""
     if found.value is not None:
-        when = f" at {1e3 * found.value:.1f} mm" if kind == "prismatic" else f" at {np.degrees(found.value):.1f} deg"
+        slides = kind in JOINTS and JOINTS[kind].slides
+        when = f" at {1e3 * found.value:.1f} mm" if slides else f" at {np.degrees(found.value):.1f} deg"
     at = ", ".join(f"{x:.4g}" for x in found.at)
     return f"`{found.parts[0]}` and `{found.parts[1]}`{when}, about ({at}) m, in object {found.object}"

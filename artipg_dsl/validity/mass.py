@@ -57,7 +57,7 @@ def find_weightless(batch: Batch) -> list[tuple[str, np.ndarray]]:
     The densest primitive of a body loses nothing to others, and none is without thickness: only a link that is fixed to
     others can lose all it has to them.
     """
-    if "fixed" not in batch.joints().kind:
+    if batch.joints().that().all():
         return []
     links, found = batch.links(), masses(batch)
     trace = found.inertia[:, 0, 0] + found.inertia[:, 1, 1] + found.inertia[:, 2, 2]
@@ -123,7 +123,7 @@ def _welded(batch: Batch, start: np.ndarray) -> np.ndarray:
     """(L,) the first link (a row of the table) of those that fixed joints hold together."""
     joints = batch.joints()
     holder = np.arange(len(batch.links().owner))
-    fixed = np.array([kind == "fixed" for kind in joints.kind], dtype=bool)
+    fixed = ~joints.that()
     first = start[joints.owner]
     holder[(first + joints.child)[fixed]] = (first + joints.parent)[fixed]
     while not np.array_equal(holder, holder[holder]):

@@ -54,7 +54,7 @@ def list_ways(tree: Tree) -> Ways:
     one = np.argmax(same.any(axis=2), axis=1)
     two = np.argmax(same[np.arange(len(first)), one], axis=1) if len(first) else one
     columns = []
-    moves = np.append(np.array([kind != "fixed" for kind in tree.joints.kind], dtype=bool), False)
+    moves = np.append(tree.joints.that(), False)
     for link, level in ((first, one), (second, two)):
         joint = np.where(np.arange(depth) < level[:, None], tree.joint[tree.chain[link]], -1)
         columns.append(np.where(moves[joint], joint, -1))

@@ -20,7 +20,6 @@ _KEPT = 500_000  # links, each in a state, of which the poses are kept
 _SHARES = np.unique(np.concatenate([[0.002, 0.005, 0.01, 0.02, 0.035], np.linspace(0.0, 1.0, 41), [0.98, 0.995]]))
 JointEnds = tuple[np.ndarray, np.ndarray]
 RestPoses = tuple[np.ndarray, np.ndarray, list[JointEnds]]
-_TURNING = ("revolute", "continuous", "screw")
 
 
 class Tree:
@@ -45,10 +44,8 @@ class Tree:
         holder = np.maximum(self.above[self.child], 0)
         self.axis = apply(self.turn[holder], self.joints.axis)
         self.origin = apply(self.turn[holder], self.joints.origin) + self.shift[holder]
-        kinds = np.array(self.joints.kind, dtype=object)
-        self.turns, self.slides = np.isin(kinds, _TURNING), kinds == "prismatic"
-        # what a turn by a radian advances: a screw's pitch
-        self.advance = np.where(kinds == "screw", np.nan_to_num(self.joints.pitch) / (2 * np.pi), 0.0)
+        self.turns, self.slides = self.joints.that("turns"), self.joints.that("slides")
+        self.advance = np.where(self.turns, self.joints.advance, 0.0)  # of a turn by a radian
         self.low = np.where(np.isnan(self.joints.low), -np.pi, self.joints.low)
         self.high = np.where(np.isnan(self.joints.high), np.pi, self.joints.high)
         base = np.searchsorted(self.joints.owner, self.joints.owner)
@@ -62,7 +59,7 @@ class Tree:
             self.gated[self.gates.joint] = True
         self._poses: dict[bytes, RestPoses] = {}
         self.alone = np.bincount(self.leader, minlength=len(base))[self.leader] == 1
-        self.alone &= self.turns | self.slides | (kinds == "fixed")  # a ball turns about no axis of the table
+        self.alone &= ~self.joints.that("tilts")  # a ball turns about no axis of the table
 
     def named(self, found: Collisions) -> dict[tuple[str, str, str], np.ndarray]:
         """Per pair of paths of links and path of the joint ("" at rest): the rows of ``found``."""

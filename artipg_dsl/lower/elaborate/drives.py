@@ -18,7 +18,7 @@ from ...graph.expr import Expr, Scope
 from ...graph.primitive import Triple, triple
 from ...graph.program import Joint, Pose
 from ...graph.reference import definitions_of
-from ...language import TURNING, Form
+from ...language import JOINTS, Form
 from ...syntax import ast
 from ..expressions.context import Context, text_of
 from ..expressions.env import Env
@@ -67,7 +67,7 @@ class Drive:
         """The joints of a name that may carry the target: one, or those of several alternatives."""
         context = self.env.context
         program, found = context.program, joints(self.links, self.env, node)
-        if any(program.joints[k].kind == "fixed" for k in found):
+        if any(not JOINTS[program.joints[k].kind].moves for k in found):
             raise context.error("wrong-kind", node.span, f"the joint `{text_of(node.span)}` is fixed and cannot move")
         carriers, scope = self.carriers(), self.aim.scope
         carried = [program.joints[k] for k in found if k in carriers]
@@ -117,12 +117,12 @@ class Drive:
         at, axis = place(into, joint.origin), carried_axis(into, joint.axis, joint.kind)
         p: Triple = triple(E.var(f"p.{a}") for a in "xyz")
         n: Triple = triple(E.var(f"n.{a}") for a in "xyz")
-        if joint.kind == "ball":  # it tilts towards any side
+        if JOINTS[joint.kind].tilts:  # it tilts towards any side
             arm = minus(p, at)
             enough = E.call("le", E.mul(_LEVER, self.reach(at, None)), norm(arm))
             return E.both(enough, E.call("le", E.mul(NEAR, norm(arm)), norm(cross(arm, n))))
         enough, motion = E.TRUE, axis
-        if joint.kind in TURNING:
+        if JOINTS[joint.kind].turns:
             motion = cross(axis, minus(p, at))
             enough = E.call("le", E.mul(_LEVER, self.reach(at, axis)), norm(motion))
             if joint.pitch is not None:

@@ -9,7 +9,7 @@ from ...graph import expr as E
 from ...graph.expr import Expr
 from ...graph.primitive import Triple, triple
 from ...graph.program import Joint, Pose
-from ...language import TURNING
+from ...language import JOINTS
 from ...semantics.meanings import Clearance
 from ...syntax import ast
 from ..expressions.context import where
@@ -70,14 +70,14 @@ def build_joint(links: Links, part: Part, attachment: Attachment) -> None:
 def limit(ev: Evaluator, node: ast.Expr, kind: str) -> Expr:
     """An end of a range; ``clearance`` stands for a whole turn or ten metres, which is narrowed when objects are made."""
     if clears(ev, node):
-        return E.const(2 * math.pi if kind == "revolute" else 10.0)
+        return E.const(10.0 if JOINTS[kind].slides else 2 * math.pi)
     return ev.scalar(node)
 
 
 def ends(ev: Evaluator, interval: ast.RangeExpr, kind: str, joint: int) -> tuple[Expr, Expr]:
     """Both ends of the range of a joint, by its number."""
     low, high = interval.low, interval.high
-    if clears(ev, low) or clears(ev, high) and kind not in ("revolute", "prismatic"):
+    if clears(ev, low) or clears(ev, high) and not JOINTS[kind].clears:
         ev.env.context.unclear.append((low if clears(ev, low) else high).span)
     elif clears(ev, high):
         ev.env.context.clearances[joint] = high.span
@@ -109,7 +109,7 @@ def axis_of(ev: Evaluator, part: Part, statement: ast.JointDecl, kind: str) -> t
             return value.origin, value.out
         if isinstance(value, Line):
             return value.point, value.direction
-        if kind in ("fixed", "ball"):
+        if not JOINTS[kind].axis:
             at = statement.at
             return (ev.vector(at.value[0].value) if at is not None else center), (E.ONE, E.ZERO, E.ZERO)
         raise ev.env.context.error(
@@ -141,7 +141,7 @@ def clears(ev: Evaluator, node: ast.Expr) -> bool:
 def carried_axis(outer: Pose, axis: Triple, kind: str) -> Triple:
     """An axis in the object's frame; an axis of rotation is a pseudo-vector, which a mirror turns round once more."""
     carried = normalized(direct(outer, axis))
-    return triple(E.mul(outer.mirror, c) for c in carried) if kind in TURNING else carried
+    return triple(E.mul(outer.mirror, c) for c in carried) if JOINTS[kind].turns else carried
 
 
 def _joint_name(env: Env, statement: ast.JointDecl) -> str:

@@ -18,7 +18,7 @@ from ...graph.linear import tidy
 from ...graph.primitive import triple
 from ...graph.program import Draw, Grasp, Joint, Label, Pose, Program, Requirement, Where
 from ...graph.program import Part as PartNode
-from ...language import DISTRIBUTIONS
+from ...language import DISTRIBUTIONS, JOINTS
 from ...source import Source, Span
 from ..expressions.context import Context, Fetched, text_of, where
 from ..expressions.env import Env
@@ -256,7 +256,7 @@ def _of_box(part: PartNode, place: Where | None) -> Iterator[Quantity]:
 def _of_joint(joint: Joint) -> Iterator[Quantity]:
     name, scope, place = f"the joint `{joint.path}`", joint.scope, joint.where
     yield from each(f"the place of {name}", scope, joint.origin, PLACE, place)
-    if joint.kind not in ("fixed", "ball"):
+    if JOINTS[joint.kind].axis:
         yield Quantity(f"the length of the axis of {name}", scope, dot(joint.axis, joint.axis), AXIS, place)
     for end, value in (("low end", joint.low), ("high end", joint.high), ("rest value", joint.rest)):
         if value is not None:
