@@ -13,7 +13,7 @@ from .compile import of_text
 
 if TYPE_CHECKING:
     from ..graph.expr import Scope
-    from ..lower.elaborate.part import Part
+    from ..lower.elaborate.part import Component
     from ..lower.expressions.context import Unknown
     from ..lower.program import Lowering
     from ..lower.solve.ledger import Line
@@ -65,7 +65,7 @@ def _shown_lines(name: str, lines: Iterable[Line]) -> Iterator[str]:
         name = ""
 
 
-def _port(lowering: Lowering, parts: dict[str, Part], wanted: str) -> Iterator[str]:
+def _port(lowering: Lowering, parts: dict[str, Component], wanted: str) -> Iterator[str]:
     """The link on which a port of a part lies, and through which part."""
     from ..lower.elaborate.connect import carriers
     from ..lower.expressions.evaluate import Evaluator

@@ -20,12 +20,12 @@ from .elaborate.body import enter_when, lower_statements
 from .elaborate.drives import driven
 from .elaborate.legal import legalize
 from .elaborate.links import Links, first_part
-from .elaborate.part import Part
+from .elaborate.part import Component
 from .elaborate.slots import slots
 from .elaborate.statements import carry_out
 from .elaborate.surfaces import frame_on
 from .expressions import builtins
-from .expressions.context import Abort, Context, Makers
+from .expressions.context import Abort, Draft, Makers
 from .expressions.env import Env
 from .solids.curves import offset
 from .solve.bounds import attach_bounds
@@ -39,11 +39,11 @@ class Lowering:
 
     category: Symbol
     program: Program
-    context: Context
+    context: Draft
     root: Env
     links: Links
 
-    def unplaced(self) -> Iterator[Part]:
+    def unplaced(self) -> Iterator[Component]:
         """The parts in the text of the category that nothing places along any axis; not those that stand in an element of a repeat,
         nor the first of a template, by which the others go."""
         for part, axes in self.context.centred.items():
@@ -58,9 +58,9 @@ FUNCTIONS = {**builtins.FUNCTIONS, "offset": offset, "at": frame_on, "drive": dr
 """What calls of functions mean, by the ``meaning`` of their forms; curves and the pieces of paths mean something to solids only."""
 
 
-def new_context(report: Report, program: Program, typed: TypedProgram) -> Context:
+def new_context(report: Report, program: Program, typed: TypedProgram) -> Draft:
     """What the lowering of a program, or of the primitives of a file, shares."""
-    return Context(report, program, typed, Makers(enter_when, FUNCTIONS))
+    return Draft(report, program, typed, Makers(enter_when, FUNCTIONS))
 
 
 def lower_category(typed: TypedProgram, category: Symbol, report: Report) -> Lowering | None:
@@ -254,13 +254,13 @@ def _number_links(links: Links) -> None:
         program.links[number] = replace(link, part=node)
 
 
-def _order_labels(context: Context) -> None:
+def _order_labels(context: Draft) -> None:
     """Outer labels first, so that the innermost is said last; the order of the text among equals."""
     ordered = sorted(context.labels, key=lambda pair: pair[0])
     context.program.labels = [replace(label, depth=depth) for depth, label in ordered if label.targets]
 
 
-def _dress(context: Context) -> None:
+def _dress(context: Draft) -> None:
     """The materials of each site: outer ones first, the last that holds counts."""
     program = context.program
     for number, found in context.materials.items():

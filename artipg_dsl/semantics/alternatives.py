@@ -15,7 +15,7 @@ from .guards import Not
 from .meanings import Declared, Global
 from .offers import missing
 from .symbols import Symbol, is_a
-from .types import ANGLE, DIRECTION, MATERIAL, RATIO, UNKNOWN, Choice, Named, Style, Type, Vec, fits
+from .types import ANGLE, DIRECTION, MATERIAL, RATIO, UNKNOWN, ChoiceType, NamedType, StyleType, Type, VecType, fits
 
 if TYPE_CHECKING:
     from .checker import Checker, Context
@@ -105,7 +105,7 @@ def _alternatives(
             _check_placement(ck, ctx, placement)
         if alternative.name is None:
             continue
-        styles = [e for e in ctx.scope.find(alternative.name) if isinstance(ck.entry_type(e), Style)]
+        styles = [e for e in ctx.scope.find(alternative.name) if isinstance(ck.entry_type(e), StyleType)]
         style = bool(styles)
         if styles:
             paths.sole(ck, ctx, styles, alternative.name_span)
@@ -209,7 +209,7 @@ def _check_arguments(ck: Checker, ctx: Context, given: tuple[ast.Argument, ...],
         _argument(ck, ctx, argument, wanted)
 
 
-def _option(ck: Checker, ctx: Context, value: ast.Expr, wanted: Choice, what: str) -> None:
+def _option(ck: Checker, ctx: Context, value: ast.Expr, wanted: ChoiceType, what: str) -> None:
     """The value of a choice: one of its options, a choice that is declared here, or `a if c else b` of these."""
     match value:
         case ast.IfExpr():
@@ -225,14 +225,14 @@ def _option(ck: Checker, ctx: Context, value: ast.Expr, wanted: Choice, what: st
 
 def _argument(ck: Checker, ctx: Context, argument: ast.Argument, wanted: Type) -> None:
     value = argument.value
-    if isinstance(wanted, Choice):
+    if isinstance(wanted, ChoiceType):
         _option(ck, ctx, value, wanted, f"`{argument.name}`")
         return
     place = ctx
     if isinstance(value, ast.VectorExpr):
-        place = ctx.but(holes=True, component=wanted.dimension if isinstance(wanted, Vec) else None)
+        place = ctx.but(holes=True, component=wanted.dimension if isinstance(wanted, VecType) else None)
     given = ck.infer(place, value)
-    if isinstance(wanted, Style):
+    if isinstance(wanted, StyleType):
         symbol = meaning.symbol if isinstance(meaning := ck.meanings.get(id(value)), Global) else None
         if symbol is not None and symbol.kind == "role":
             ck.error(
@@ -241,7 +241,7 @@ def _argument(ck: Checker, ctx: Context, argument: ast.Argument, wanted: Type) -
                 f"`{symbol.name}` is a role: it cannot be passed as a value",
                 hint="a `style` parameter takes the name of a template or of a style: `style chosen : Role = A | B`",
             )
-        elif isinstance(given, Style):
+        elif isinstance(given, StyleType):
             role = next((v.symbol for v in wanted.domain if v is not None), None)
             for variant in given.domain:
                 if variant is not None and variant.symbol is not None and role is not None:
@@ -251,7 +251,7 @@ def _argument(ck: Checker, ctx: Context, argument: ast.Argument, wanted: Type) -
         elif given != UNKNOWN:
             ck.mismatch(value, given, wanted, f"`{argument.name}`")
         return
-    if isinstance(wanted, Named) and wanted == MATERIAL and given == MATERIAL:
+    if isinstance(wanted, NamedType) and wanted == MATERIAL and given == MATERIAL:
         return
     if not fits(given, wanted):
         ck.mismatch(value, given, wanted, f"`{argument.name}`")

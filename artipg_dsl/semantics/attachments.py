@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from ..source import Span
 from ..syntax import ast
 from .guards import VERSUS, And, Atom, Condition, Not, Or, assignments, conjunction, consistent
-from .scope import Entry, Guards, Scope, Variant
-from .types import Part
+from .scope import BodyScope, Entry, Guards, Variant
+from .types import PartType
 
 if TYPE_CHECKING:
     from .checker import Checker
@@ -25,7 +25,7 @@ class Attachment:
     condition: Condition
 
 
-def check(ck: Checker, scope: Scope) -> None:
+def check(ck: Checker, scope: BodyScope) -> None:
     """The parts of a category or template, and of its repeats."""
     category = scope.owner.kind == "category"
     found: dict[int, list[Attachment]] = {}
@@ -57,7 +57,7 @@ def check(ck: Checker, scope: Scope) -> None:
         _check_roots(ck, scope, roots)
 
 
-def _check_roots(ck: Checker, scope: Scope, roots: list[Entry]) -> None:
+def _check_roots(ck: Checker, scope: BodyScope, roots: list[Entry]) -> None:
     if not roots:
         first = next((e for e in scope.entries if e.kind == "part"), None)
         hint = f"write `root part {first.name}`" if first is not None else "write `root part body : ...`"
@@ -133,7 +133,7 @@ def _words(case: dict[str, Hashable], found: list[Attachment]) -> str:
 def _exists(ck: Checker, entry: Entry) -> Condition:
     kind = ck.entry_type(entry)
     condition = ck.entry_condition(entry)
-    if isinstance(kind, Part) and None in kind.domain:
+    if isinstance(kind, PartType) and None in kind.domain:
         there = Atom(kind.key, frozenset(v for v in kind.domain if v is not None), kind.domain)
         return conjunction((condition, there))
     return condition
@@ -145,13 +145,15 @@ def _first_name(expr: ast.Expr | None) -> str | None:
     return expr.name if isinstance(expr, ast.NameExpr) else None
 
 
-def _all(scope: Scope) -> Iterator[Scope]:
+def _all(scope: BodyScope) -> Iterator[BodyScope]:
     yield scope
     for inner in scope.inner.values():
         yield from _all(inner)
 
 
-def _statements(scope: Scope, body: tuple[ast.Stmt, ...], guards: Guards) -> Iterator[tuple[Scope, ast.Stmt, Guards]]:
+def _statements(
+    scope: BodyScope, body: tuple[ast.Stmt, ...], guards: Guards
+) -> Iterator[tuple[BodyScope, ast.Stmt, Guards]]:
     for stmt in body:
         if isinstance(stmt, ast.WhenStmt):
             yield from _statements(scope, stmt.body, scope.branches[id(stmt), True])

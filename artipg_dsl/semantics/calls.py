@@ -26,13 +26,13 @@ from .types import (
     RATIO,
     SURFACE,
     UNKNOWN,
-    Element,
-    Joint,
-    Part,
-    Scalar,
-    Slot,
+    ElementType,
+    JointType,
+    PartType,
+    ScalarType,
+    SlotType,
     Type,
-    Vec,
+    VecType,
     dimension_of,
     fits,
     is_number,
@@ -126,10 +126,10 @@ def _own(ck: Checker, ctx: Context, expr: ast.CallExpr, entry: Entry) -> Type:
 def range_type(ck: Checker, ctx: Context, interval: ast.RangeExpr) -> Type:
     """The type of a value between the two ends of a range."""
     low, high = ck.infer(ctx, interval.low), ck.infer(ctx, interval.high)
-    kind = high if isinstance(low, Scalar) and low.zero else low
+    kind = high if isinstance(low, ScalarType) and low.zero else low
     if kind == PLANE:
         return LENGTH
-    return Scalar(kind.dimension) if isinstance(kind, Scalar) else kind
+    return ScalarType(kind.dimension) if isinstance(kind, ScalarType) else kind
 
 
 def _apply(
@@ -142,7 +142,7 @@ def _apply(
     identity: int,
 ) -> Type:
     """The type of a function's body for arguments of these types."""
-    arguments = [Scalar(t.dimension) if isinstance(t, Scalar) and not t.zero else t for t in arguments]
+    arguments = [ScalarType(t.dimension) if isinstance(t, ScalarType) and not t.zero else t for t in arguments]
     key = (identity, *arguments)
     if identity in ck.calling:
         return ck.error("circular-definition", expr.span, "this function is defined in terms of itself")
@@ -233,16 +233,16 @@ def _one(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: Bound
     if kind == UNKNOWN:
         return UNKNOWN
     wanted = None if parameter.type == "number" else named(parameter.type)
-    angle_zero = wanted == ANGLE and isinstance(kind, Scalar) and kind.zero
-    if not isinstance(kind, Scalar) or not (wanted is None or angle_zero or kind.dimension == dimension_of(wanted)):
+    angle_zero = wanted == ANGLE and isinstance(kind, ScalarType) and kind.zero
+    if not isinstance(kind, ScalarType) or not (wanted is None or angle_zero or kind.dimension == dimension_of(wanted)):
         hint = (
             "an angle needs a unit: multiply by 1rad or 1turn" if wanted == ANGLE and kind in (RATIO, COUNT) else None
         )
-        code = "wrong-dimension" if isinstance(kind, Scalar) else "wrong-type"
+        code = "wrong-dimension" if isinstance(kind, ScalarType) else "wrong-type"
         takes = with_article(parameter.type)
         return ck.error(code, argument.span, f"`{form.name}` takes {takes}, but this is {kind}", hint=hint)
     if form.gives == "root":
-        return Scalar(power(kind.dimension, Fraction(1, 2)))
+        return ScalarType(power(kind.dimension, Fraction(1, 2)))
     return kind if form.gives == "number" else named(form.gives)
 
 
@@ -254,11 +254,11 @@ def _alike(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: Bou
     for (argument, _), kind in zip(bound, kinds, strict=True):
         if kind == UNKNOWN:
             return UNKNOWN
-        if not isinstance(kind, Scalar):
+        if not isinstance(kind, ScalarType):
             return ck.error("wrong-type", argument.span, f"`{form.name}` takes numbers, but this is {kind}")
         if kind.zero:
             found = found or kind
-        elif not isinstance(found, Scalar) or found.zero:
+        elif not isinstance(found, ScalarType) or found.zero:
             found, first = kind, argument
         elif kind.dimension != found.dimension:
             if first is not None and is_unitless(first.value):
@@ -287,7 +287,7 @@ def _counted_elements(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form,
     kind = ck.infer(ctx.but(many=True), argument.value)
     if kind == UNKNOWN:
         return UNKNOWN
-    if not isinstance(kind, Element):
+    if not isinstance(kind, ElementType):
         return ck.error("wrong-type", argument.span, f"`number` counts the elements of a repeat, but this is {kind}")
     return COUNT if _one_repeat(ck, ctx, argument.value, form) else UNKNOWN
 
@@ -320,7 +320,7 @@ def _one_repeat(ck: Checker, ctx: Context, expr: ast.Expr, form: Form) -> bool:
             hint=f"reduce each on its own, or give one of them a number, as in `{second}[0]`",
         )
         return False
-    elements = [n for n in walk(expr) if isinstance(ck.types.get(id(n)), Element)]
+    elements = [n for n in walk(expr) if isinstance(ck.types.get(id(n)), ElementType)]
     if paths_through and not any(isinstance(n, ast.IndexExpr) for n in elements):
         return True
     hint = "name a repeat in it, as in `sum(cell.size.z)`, or give several arguments"
@@ -343,9 +343,9 @@ def _typed(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: Bou
             failed |= not fits(kind, wanted)
             continue
         kind = ck.infer(ctx, argument.value)
-        if parameter.type == "part" and kind != UNKNOWN and not isinstance(kind, Part | Slot | Element):
+        if parameter.type == "part" and kind != UNKNOWN and not isinstance(kind, PartType | SlotType | ElementType):
             ck.error("wrong-type", argument.span, f"`{form.name}` reads the extent of a part, but this is {kind}")
-        if parameter.type == "number" and kind != UNKNOWN and not isinstance(_dimension(kind), Scalar):
+        if parameter.type == "number" and kind != UNKNOWN and not isinstance(_dimension(kind), ScalarType):
             message = f"`{parameter.name}` of `{form.name}` must be a number, but this is {kind}"
             ck.error("wrong-type", argument.span, message, hint="as in `wall.at(0.25turn, z = h)`")
             failed = True
@@ -357,7 +357,7 @@ def _moved(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: Bou
     (argument, _), (distance, parameter) = bound
     curve = ck.infer(ctx, argument.value)
     ck.expect(ctx, distance.value, LENGTH, f"`{parameter.name}` of `{form.name}`")
-    if curve not in (CURVE, UNKNOWN) and not isinstance(curve, Vec):
+    if curve not in (CURVE, UNKNOWN) and not isinstance(curve, VecType):
         return ck.error("wrong-type", argument.span, f"`{form.name}` takes a curve, but this is {curve}")
     return curve
 
@@ -373,7 +373,7 @@ def _force(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: Bou
         )
     ((argument, _),) = bound
     kind = ck.infer(ctx.but(lenient=[], asked=True, many=True), argument.value)
-    if not isinstance(kind, Joint) and kind != UNKNOWN:
+    if not isinstance(kind, JointType) and kind != UNKNOWN:
         ck.error("wrong-type", argument.span, f"`{form.name}` takes a joint, but this is {kind}")
     return BOOL
 
@@ -394,7 +394,7 @@ def _method(ck: Checker, ctx: Context, expr: ast.CallExpr, function: ast.MemberE
     """``body.wall.at(u, z = h)``: a frame on a curved surface."""
     obj = ck.infer(ctx, function.obj)
     form = METHODS.get(function.name)
-    if obj == UNKNOWN or form is None or not (obj == SURFACE or isinstance(obj, Slot)):
+    if obj == UNKNOWN or form is None or not (obj == SURFACE or isinstance(obj, SlotType)):
         for argument in expr.arguments:
             ck.infer(ctx, argument.value)
         if obj == UNKNOWN:

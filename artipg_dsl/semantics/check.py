@@ -13,7 +13,7 @@ from .checker import Checker, Context
 from .meanings import Meaning
 from .modules import Workspace
 from .symbols import ModuleScope, Symbol
-from .types import DIMENSIONS, UNKNOWN, Scalar, Type, Vec
+from .types import DIMENSIONS, UNKNOWN, ScalarType, Type, VecType
 
 
 @dataclass(slots=True, eq=False)
@@ -87,7 +87,7 @@ def _body(ck: Checker, symbol: Symbol) -> None:
         attachments.check(ck, scope)
 
 
-_DENSITY, _RATIO = Scalar(DIMENSIONS["density"]), Scalar(DIMENSIONS["ratio"])
+_DENSITY, _RATIO = ScalarType(DIMENSIONS["density"]), ScalarType(DIMENSIONS["ratio"])
 
 
 def _material(ck: Checker, symbol: Symbol, decl: ast.MaterialDecl) -> None:
@@ -102,7 +102,7 @@ def _material(ck: Checker, symbol: Symbol, decl: ast.MaterialDecl) -> None:
         decl.transparency,
     )
     wanted: list[tuple[ast.Clause[ast.RangeExpr] | None, Type]] = [(clause, _RATIO) for clause in ratios]
-    for clause, kind in ((decl.density, _DENSITY), (decl.colour, Vec(3, DIMENSIONS["ratio"])), *wanted):
+    for clause, kind in ((decl.density, _DENSITY), (decl.colour, VecType(3, DIMENSIONS["ratio"])), *wanted):
         if clause is not None:
             if clause.value.low is clause.value.high:
                 ck.expect(ctx, clause.value.low, kind, f"`{clause.word}`")

@@ -16,9 +16,9 @@ from .fold import is_unitless
 from .guards import TRUE, Condition, conjunction, implies
 from .meanings import Meaning
 from .modules import Workspace
-from .scope import Entry, Guards, Scope, build_scope, interface
+from .scope import BodyScope, Entry, Guards, build_scope, interface
 from .symbols import ModuleScope, Symbol
-from .types import NONE, UNKNOWN, Scalar, Type, Vec, fits
+from .types import NONE, UNKNOWN, ScalarType, Type, VecType, fits
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +39,7 @@ class Context:
     """
 
     module: ModuleScope
-    scope: Scope | None = None
+    scope: BodyScope | None = None
     condition: Condition = TRUE
     extra: Mapping[str, Type] = field(default_factory=dict)
     many: bool = False
@@ -74,7 +74,7 @@ class Checker:
         self.types: dict[int, Type] = {}
         self.meanings: dict[int, Meaning] = {}
         self.vocabularies: dict[str, set[str]] = {}
-        self._scopes: dict[int, Scope] = {}
+        self._scopes: dict[int, BodyScope] = {}
         self._entries: dict[int, Type] = {}
         self._open: list[Entry] = []
         self._muted = 0
@@ -115,7 +115,7 @@ class Checker:
             self._interfaces[id(symbol)] = interface(symbol)
         return self._interfaces[id(symbol)]
 
-    def scope_of(self, symbol: Symbol) -> Scope:
+    def scope_of(self, symbol: Symbol) -> BodyScope:
         """The (shared) scope of a role, template, primitive or category."""
         if id(symbol) not in self._scopes:
             self._scopes[id(symbol)] = build_scope(symbol)
@@ -145,7 +145,7 @@ class Checker:
 
     def expect(self, ctx: Context, expr: ast.Expr, wanted: Type, what: str) -> Type:
         """Infers, and reports where the type does not fit; ``what`` names the thing ("the margin")."""
-        if isinstance(expr, ast.VectorExpr) and isinstance(wanted, Vec):
+        if isinstance(expr, ast.VectorExpr) and isinstance(wanted, VecType):
             ctx = ctx.but(component=wanted.dimension)
         given = self.infer(ctx, expr)
         if not fits(given, wanted):
@@ -154,7 +154,7 @@ class Checker:
 
     def mismatch(self, expr: ast.Expr, given: Type, wanted: Type, what: str) -> None:
         """Reports that ``expr`` of type ``given`` stands where ``wanted`` is expected."""
-        if isinstance(wanted, Scalar | Vec) and isinstance(given, Scalar | Vec):
+        if isinstance(wanted, ScalarType | VecType) and isinstance(given, ScalarType | VecType):
             need = wanted.dimension
             if given.dimension == NONE and need not in (NONE, None) and is_unitless(expr):
                 unit = expressions.usual_unit(need)
@@ -206,7 +206,7 @@ class Checker:
         """What holds wherever the declaration exists."""
         return self.condition(entry.guards)
 
-    def context(self, scope: Scope) -> Context:
+    def context(self, scope: BodyScope) -> Context:
         """The plain context of a body, with what its outer guards ensure."""
         return Context(scope.owner.module, scope, self.condition(scope.guards))
 

@@ -12,7 +12,7 @@ from .meanings import Global, Word
 from .offers import TEMPLATES, missing
 from .scope import Guard
 from .symbols import is_a
-from .types import BOOL, BOX, UNKNOWN, Choice, Part, Scalar, Style, Type
+from .types import BOOL, BOX, UNKNOWN, ChoiceType, PartType, ScalarType, StyleType, Type
 
 if TYPE_CHECKING:
     from .checker import Checker, Context
@@ -23,7 +23,7 @@ _FLIPPED = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "==": "==", "!=": "!="}
 def truth(ck: Checker, ctx: Context, expr: ast.Expr) -> None:
     """Checks that an expression can be asked: it is true or false, or a part that may be there."""
     kind = ck.infer(ctx.but(lenient=[], asked=True) if _asks_presence(expr) else ctx, expr)
-    if kind in (BOOL, UNKNOWN) or isinstance(kind, Part) or (kind == BOX and isinstance(expr, ast.MemberExpr)):
+    if kind in (BOOL, UNKNOWN) or isinstance(kind, PartType) or (kind == BOX and isinstance(expr, ast.MemberExpr)):
         return
     ck.error("wrong-type", expr.span, f"a condition must be true or false, but this is {kind}")
 
@@ -48,7 +48,7 @@ def check_is(ck: Checker, ctx: Context, expr: ast.IsExpr) -> Type:
         )
         return BOOL
     ck.mean(expr, Global(wanted))
-    if isinstance(subject, Part | Style):
+    if isinstance(subject, PartType | StyleType):
         known = [v for v in subject.domain if v is not None]
         if all(v.symbol is not None for v in known):
             if not any(v.symbol and (is_a(v.symbol, wanted) or is_a(wanted, v.symbol)) for v in known):
@@ -56,7 +56,7 @@ def check_is(ck: Checker, ctx: Context, expr: ast.IsExpr) -> Type:
                 ck.error(
                     "unrelated-type",
                     expr.type_span,
-                    f"this {'part' if isinstance(subject, Part) else 'style'} can never be {expr.type_name}",
+                    f"this {'part' if isinstance(subject, PartType) else 'style'} can never be {expr.type_name}",
                     hint=did_you_mean(expr.type_name, names) or f"it is {' or '.join(names)}",
                 )
     elif subject != UNKNOWN:
@@ -104,7 +104,7 @@ def _quiet(ck: Checker, ctx: Context, expr: ast.Expr) -> tuple[Type, list[Condit
 
 def _presence(ck: Checker, ctx: Context, expr: ast.Expr) -> Condition:
     kind, noted = _quiet(ck, ctx, expr)
-    if isinstance(kind, Part):
+    if isinstance(kind, PartType):
         there = frozenset(v for v in kind.domain if v is not None)
         return conjunction((*noted, Atom(kind.key, there, kind.domain)) if None in kind.domain else noted)
     if kind == BOX:
@@ -115,7 +115,7 @@ def _presence(ck: Checker, ctx: Context, expr: ast.Expr) -> Condition:
 def _is(ck: Checker, ctx: Context, expr: ast.IsExpr) -> Condition:
     kind, noted = _quiet(ck, ctx, expr.subject)
     wanted = ctx.module.find(expr.type_name)
-    if not isinstance(kind, Part) or wanted is None:
+    if not isinstance(kind, PartType) or wanted is None:
         return _opaque(ctx, expr)
     allowed = frozenset(v for v in kind.domain if v is not None and v.symbol is not None and is_a(v.symbol, wanted))
     if not allowed:  # a style parameter knows its role alone: the question stands for itself
@@ -128,12 +128,12 @@ def _compare(ck: Checker, ctx: Context, expr: ast.BinaryExpr) -> Condition:
         value = constant(other)
         if value is not None and value == int(value) and isinstance(subject, ast.NameExpr | ast.MemberExpr):
             kind, noted = _quiet(ck, ctx, subject)
-            if isinstance(kind, Scalar) and kind.count:
+            if isinstance(kind, ScalarType) and kind.count:
                 return conjunction((*noted, Compare(_key(ctx, subject), op, int(value), *_ends(ctx, subject))))
         if isinstance(other, ast.NameExpr) and expr.op in ("==", "!="):
             with ck.muted():
                 word = choice_word(ck, ctx, subject, other)
-            if isinstance(word, Choice):
+            if isinstance(word, ChoiceType):
                 chosen = Atom(_key(ctx, subject), frozenset((other.name,)), word.values)
                 return chosen if expr.op == "==" else Not(chosen)
     return _difference(ctx, expr)
@@ -199,7 +199,7 @@ def check_discrete(ck: Checker, ctx: Context, expr: ast.Expr) -> None:
         case ast.BinaryExpr() if expr.op in OPERATORS:
             for side in (expr.left, expr.right):
                 kind = ck.types.get(id(side), UNKNOWN)
-                if isinstance(kind, Scalar) and not kind.count:
+                if isinstance(kind, ScalarType) and not kind.count:
                     ck.error(
                         "bad-guard",
                         expr.span,
@@ -217,7 +217,7 @@ def compares_with_either(ck: Checker, ctx: Context, expr: ast.BinaryExpr) -> boo
         with ck.muted():
             kind = ck.infer(ctx, subject)
         branches = [e for e in (other.then, other.otherwise) if isinstance(e, ast.NameExpr)]
-        if not isinstance(kind, Choice) or not all(e.name in kind.values for e in branches):
+        if not isinstance(kind, ChoiceType) or not all(e.name in kind.values for e in branches):
             continue
         if len(branches) == 2:
             name, c = _text(subject), _text(other.condition)
@@ -237,7 +237,7 @@ def choice_word(ck: Checker, ctx: Context, other: ast.Expr, expr: ast.Expr) -> T
     if isinstance(other, ast.NameExpr) and not ctx.scope.find(other.name):
         return None
     kind = ck.infer(ctx, other)
-    if not isinstance(kind, Choice):
+    if not isinstance(kind, ChoiceType):
         return None
     if expr.name not in kind.values:
         return ck.error(

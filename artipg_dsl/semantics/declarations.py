@@ -11,8 +11,8 @@ from .entries import of_reference
 from .fold import components, constant
 from .guards import consistent
 from .meanings import Word
-from .scope import Entry, Scope
-from .types import COUNT, RATIO, SIZE, UNKNOWN, Choice, Scalar, Type, Vec, fits
+from .scope import BodyScope, Entry
+from .types import COUNT, RATIO, SIZE, UNKNOWN, ChoiceType, ScalarType, Type, VecType, fits
 
 if TYPE_CHECKING:
     from .checker import Checker, Context
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 TOLERANCE = 1e-9  # a default written in mm may stand at the end of a range written in cm
 
 
-def check_names(ck: Checker, scope: Scope) -> None:
+def check_names(ck: Checker, scope: BodyScope) -> None:
     """Reserved names, and names declared twice where both can exist."""
     for name, entries in scope.table.items():
         for entry in entries:
@@ -54,13 +54,13 @@ def check_names(ck: Checker, scope: Scope) -> None:
                     break
 
 
-def _is_own(scope: Scope, node: ast.Stmt) -> bool:
+def _is_own(scope: BodyScope, node: ast.Stmt) -> bool:
     """Not what a template takes over from its role: that is checked where it stands."""
     source = scope.owner.decl.span
     return source.source is node.span.source and source.start <= node.span.start < source.end
 
 
-def _repeat_of(scope: Scope, entry: Entry) -> ast.RepeatStmt | None:
+def _repeat_of(scope: BodyScope, entry: Entry) -> ast.RepeatStmt | None:
     """The repeat whose element an entry is called like."""
     repeat = scope.repeat
     return repeat if repeat is not None and entry.name == repeat.name and entry.scope is scope else None
@@ -73,7 +73,7 @@ def _shared(a: ast.Stmt, b: ast.Stmt) -> bool:
     return any(isinstance(x, ast.SlotDecl) and x.targets and isinstance(y, ast.PartDecl) for x, y in ((a, b), (b, a)))
 
 
-def _reserved(scope: Scope, kind: str, node: ast.Stmt, name: str) -> str | None:
+def _reserved(scope: BodyScope, kind: str, node: ast.Stmt, name: str) -> str | None:
     """Why a name may not be declared in this body, or None."""
     if name in FACES and kind != "surface" and not (scope.owner.kind == "category" and kind == "part"):
         return "a face of the box that every part has"
@@ -109,7 +109,7 @@ def check_param(ck: Checker, ctx: Context, node: ast.ParamDecl) -> None:
         ck.error("reserved-name", span, "`size` is the size of the box, so its type must be `length[3]`")
     what = f"`{node.names[0]}`"
     if node.domain is not None or node.positive or node.test is not None:
-        if not isinstance(kind, Scalar | Vec) and kind != UNKNOWN:
+        if not isinstance(kind, ScalarType | VecType) and kind != UNKNOWN:
             span = node.domain.span if node.domain is not None else node.span
             ck.error("wrong-type", span, f"{what} is {kind}: only numbers can have a range")
             return
@@ -124,7 +124,7 @@ def check_param(ck: Checker, ctx: Context, node: ast.ParamDecl) -> None:
         _distribution(ck, ctx, node.distribution, kind, node.domain)
     if node.vary is not None:
         step = ck.infer(ctx, node.vary)
-        base = Scalar(kind.dimension) if isinstance(kind, Vec) and kind.dimension is not None else kind
+        base = ScalarType(kind.dimension) if isinstance(kind, VecType) and kind.dimension is not None else kind
         if not fits(step, RATIO) and not fits(step, base):
             ck.mismatch(node.vary, step, base, f"the step of {what} is a ratio or")
 
@@ -141,7 +141,7 @@ def check_count(ck: Checker, ctx: Context, node: ast.CountDecl) -> None:
 
 def check_default(ck: Checker, ctx: Context, default: ast.Expr, kind: Type, what: str) -> bool:
     """Whether a default fits the type; a value of a choice is a bare word."""
-    if isinstance(kind, Choice) and isinstance(default, ast.NameExpr):
+    if isinstance(kind, ChoiceType) and isinstance(default, ast.NameExpr):
         if default.name not in kind.values:
             ck.error(
                 "unknown-choice",
@@ -151,7 +151,7 @@ def check_default(ck: Checker, ctx: Context, default: ast.Expr, kind: Type, what
             )
         ck.mean(default, Word(default.name))
         return default.name in kind.values
-    if isinstance(kind, Choice):
+    if isinstance(kind, ChoiceType):
         ck.error(
             "wrong-type",
             default.span,
@@ -217,7 +217,7 @@ def _distribution(ck: Checker, ctx: Context, node: ast.Distribution, kind: Type,
     for argument in node.arguments:
         if argument.name is not None:
             ck.error("wrong-arguments", argument.span, "arguments of a distribution are given without names")
-    if isinstance(kind, Choice):
+    if isinstance(kind, ChoiceType):
         _options(ck, ctx, node, kind)
         return
     if len(node.arguments) not in law.arguments:
@@ -233,7 +233,7 @@ def _distribution(ck: Checker, ctx: Context, node: ast.Distribution, kind: Type,
             _inside(ck, ctx, argument.value, domain, "a value of the distribution")
 
 
-def _options(ck: Checker, ctx: Context, node: ast.Distribution, kind: Choice) -> None:
+def _options(ck: Checker, ctx: Context, node: ast.Distribution, kind: ChoiceType) -> None:
     """What weighs the words of a choice: ``values(round, round, oval)``."""
     if node.name != "values":
         hint = f"write `~ values({kind.values[0]}, {kind.values[0]}, {kind.values[-1]})`: an option listed twice is twice as likely"

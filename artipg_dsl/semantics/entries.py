@@ -13,7 +13,7 @@ from .fold import constant
 from .guards import Condition, Or, implies, possible
 from .meanings import Declared, Global
 from .presence import given
-from .scope import Entry, Scope, Variant
+from .scope import BodyScope, Entry, Variant
 from .types import (
     COUNT,
     CURVE,
@@ -22,17 +22,17 @@ from .types import (
     PLACES,
     SURFACE,
     UNKNOWN,
-    Array,
-    Choice,
-    Element,
-    Function,
-    Joint,
-    Part,
-    Scalar,
-    Slot,
-    Style,
+    ArrayType,
+    ChoiceType,
+    ElementType,
+    FunctionType,
+    JointType,
+    PartType,
+    ScalarType,
+    SlotType,
+    StyleType,
     Type,
-    Vec,
+    VecType,
 )
 
 if TYPE_CHECKING:
@@ -49,34 +49,34 @@ def type_of(ck: Checker, entry: Entry) -> Type:
             return COUNT
         case ast.LetDecl(parameters=parameters, value=value, keyword=keyword):
             if parameters:
-                return Function(entry)
+                return FunctionType(entry)
             kind = ck.infer(ctx.but(making=value), value)
-            if isinstance(kind, Style) and isinstance(meaning := ck.meanings.get(id(value)), Global):
+            if isinstance(kind, StyleType) and isinstance(meaning := ck.meanings.get(id(value)), Global):
                 return ck.error(
                     "wrong-type",
                     value.span,
                     f"`{meaning.symbol.name}` is a {meaning.symbol.kind}, not a value",
                     hint="to choose once for several parts, use a style: `style chosen : Role = A | B`",
                 )
-            if keyword == "curve" and kind != CURVE and not isinstance(kind, Vec) and kind != UNKNOWN:
+            if keyword == "curve" and kind != CURVE and not isinstance(kind, VecType) and kind != UNKNOWN:
                 return ck.error("wrong-type", value.span, f"`{entry.name}` is declared as a curve, but this is {kind}")
             return kind
         case ast.PartDecl():
             domain = choices(ck, entry)
             if domain == (None,):
                 return UNKNOWN  # `none` alone, which is reported where the part is declared
-            part = Part(tuple(v for v in domain if v is not None), entry.key, domain)
+            part = PartType(tuple(v for v in domain if v is not None), entry.key, domain)
             return replace(part, given=given(ck, entry, part))
         case ast.StyleDecl(role=role):
-            return MATERIAL if role == "material" else Style(choices(ck, entry), role)
+            return MATERIAL if role == "material" else StyleType(choices(ck, entry), role)
         case ast.RepeatStmt():
-            return COUNT if entry.kind == "index" else Element(entry, entry.key)
+            return COUNT if entry.kind == "index" else ElementType(entry, entry.key)
         case ast.SlotDecl(name=name):
-            return Slot(name)
+            return SlotType(name)
         case ast.PortDecl():
             return _port(ck, ctx, entry, entry.node)
         case ast.JointDecl(kind=kind):
-            return Joint(kind)
+            return JointType(kind)
         case ast.SurfaceDecl():
             return SURFACE
         case ast.CurveDecl():
@@ -97,7 +97,7 @@ def _port(ck: Checker, ctx: Context, entry: Entry, node: ast.PortDecl) -> Type:
         item = ck.infer(port_context(ctx, node), node.value)
     else:
         item = UNKNOWN
-    return item if node.index is None else Array(item, _bindings(ck, entry))
+    return item if node.index is None else ArrayType(item, _bindings(ck, entry))
 
 
 def _bindings(ck: Checker, entry: Entry) -> tuple[tuple[int | None, Condition], ...]:
@@ -122,7 +122,7 @@ def port_context(ctx: Context, node: ast.PortDecl) -> Context:
 def of_reference(ck: Checker, ctx: Context, ref: ast.TypeRef) -> Type:
     """The type that a type name stands for."""
     if ref.values:
-        return Choice(ref.values)
+        return ChoiceType(ref.values)
     if ref.style:
         symbol = ctx.module.find(ref.name)
         if symbol is None or symbol.kind not in ("role", "template"):
@@ -132,16 +132,16 @@ def of_reference(ck: Checker, ctx: Context, ref: ast.TypeRef) -> Type:
                 ctx.module, ref.name, "unknown-type", ref.span, f"there is no role `{ref.name}` here", hint
             )
         ck.mean(ref, Global(symbol))
-        return Style((Variant(ref.name, symbol), None), ref.name)
+        return StyleType((Variant(ref.name, symbol), None), ref.name)
     if ref.name == "count":
         return COUNT
     if ref.name in DIMENSIONS:
         dimension = DIMENSIONS[ref.name]
-        return Scalar(dimension) if ref.size is None else Vec(ref.size, dimension)
+        return ScalarType(dimension) if ref.size is None else VecType(ref.size, dimension)
     if ref.name == "vec":
-        return Vec(ref.size or 3, DIMENSIONS["ratio"])
+        return VecType(ref.size or 3, DIMENSIONS["ratio"])
     if ref.name in PLACES:
-        return PLACES[ref.name] if ref.size is None else Array(PLACES[ref.name])
+        return PLACES[ref.name] if ref.size is None else ArrayType(PLACES[ref.name])
     hint = foreign.TYPES.get(ref.name.lower()) or did_you_mean(ref.name, TYPES)
     symbol = ctx.module.find(ref.name)
     if symbol is not None and symbol.kind in ("role", "template"):
@@ -174,14 +174,14 @@ def _can_lack(ck: Checker, entry: Entry, alternatives: tuple[ast.Alternative, ..
     return not implies(ctx.condition, Or(tuple(conditions.of(ck, ctx, guard) for guard in guards)))
 
 
-def of_alternative(ck: Checker, scope: Scope, alternative: ast.Alternative) -> tuple[Variant | None, ...]:
+def of_alternative(ck: Checker, scope: BodyScope, alternative: ast.Alternative) -> tuple[Variant | None, ...]:
     """What one alternative stands for: a style stands for all that it chooses from."""
     if alternative.name is None:
         return (None,)
     home = scope.home(alternative.name)
     for entry in home.table[alternative.name] if home is not None else ():
         kind = ck.entry_type(entry)
-        if home is not None and isinstance(kind, Style):
+        if home is not None and isinstance(kind, StyleType):
             ck.mean(alternative, Declared(alternative.name, home.depth))
             return kind.domain
     symbol = scope.owner.module.find(alternative.name)
@@ -190,7 +190,7 @@ def of_alternative(ck: Checker, scope: Scope, alternative: ast.Alternative) -> t
     return (Variant(alternative.name, symbol),)
 
 
-def narrowed(ctx: Context, part: Part) -> Part:
+def narrowed(ctx: Context, part: PartType) -> PartType:
     """The part with the variants that are left under what holds here."""
     if len(part.domain) < 2:
         return part

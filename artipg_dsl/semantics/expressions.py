@@ -27,12 +27,12 @@ from .types import (
     STRING,
     UNKNOWN,
     ZERO,
-    Choice,
-    Part,
-    Scalar,
-    Style,
+    ChoiceType,
+    PartType,
+    ScalarType,
+    StyleType,
     Type,
-    Vec,
+    VecType,
     dimension_name,
     dimension_of,
     fits,
@@ -78,7 +78,7 @@ def infer(ck: Checker, ctx: Context, expr: ast.Expr) -> Type:
             return BOOL
         case ast.UnaryExpr(op=op, operand=operand):
             kind = ck.infer(ctx, operand)
-            if isinstance(kind, Scalar | Vec) or kind in (UNKNOWN, DIRECTION):
+            if isinstance(kind, ScalarType | VecType) or kind in (UNKNOWN, DIRECTION):
                 return kind
             if kind == PLANE:
                 return LENGTH
@@ -112,10 +112,10 @@ def _number(ck: Checker, expr: ast.NumberExpr) -> Type:
                 or did_you_mean(expr.unit, UNITS)
                 or "use mm, cm or m for lengths, deg, rad or turn for angles",
             )
-        return Scalar(UNITS[expr.unit][1])
+        return ScalarType(UNITS[expr.unit][1])
     if expr.value == 0:
         return ZERO
-    return Scalar(NONE, count=float(expr.value).is_integer())
+    return ScalarType(NONE, count=float(expr.value).is_integer())
 
 
 def usual_unit(dimension: Dimension) -> str:
@@ -150,12 +150,12 @@ def _vector(ck: Checker, ctx: Context, expr: ast.VectorExpr) -> Type:
             dimension, first = found, item
         elif found != dimension:
             failed = True
-            wanted = Scalar(dimension)
+            wanted = ScalarType(dimension)
             if first is not None and is_unitless(first):  # the one without a unit is the one to blame
-                ck.mismatch(first, Scalar(dimension), kind, "this component of the vector")
+                ck.mismatch(first, ScalarType(dimension), kind, "this component of the vector")
             else:
                 ck.mismatch(item, kind, wanted, "this component of the vector")
-    return UNKNOWN if failed else Vec(len(expr.items), dimension)
+    return UNKNOWN if failed else VecType(len(expr.items), dimension)
 
 
 def _if(ck: Checker, ctx: Context, expr: ast.IfExpr) -> Type:
@@ -166,7 +166,7 @@ def _if(ck: Checker, ctx: Context, expr: ast.IfExpr) -> Type:
     for a, b in ((then, otherwise), (otherwise, then)):
         if UNKNOWN in (a, b) or not fits(a, b):
             continue
-        if isinstance(b, Scalar | Vec) or b in (POINT, DIRECTION, BOOL) or isinstance(b, Choice) and a == b:
+        if isinstance(b, ScalarType | VecType) or b in (POINT, DIRECTION, BOOL) or isinstance(b, ChoiceType) and a == b:
             return b
         if b == PLANE:
             return LENGTH
@@ -175,7 +175,7 @@ def _if(ck: Checker, ctx: Context, expr: ast.IfExpr) -> Type:
         return ck.error("wrong-type", expr.span, message, hint=hint)
     if UNKNOWN in (then, otherwise):
         return UNKNOWN
-    if isinstance(then, Style) and isinstance(otherwise, Style):
+    if isinstance(then, StyleType) and isinstance(otherwise, StyleType):
         return ck.error(
             "wrong-type", expr.span, "`if` cannot choose between templates", hint=_instead_of_if(ck, expr, then)
         )
@@ -186,7 +186,7 @@ def _if(ck: Checker, ctx: Context, expr: ast.IfExpr) -> Type:
 def _instead_of_if(ck: Checker, expr: ast.IfExpr, kind: Type) -> str:
     """What to write in place of an `if` between values that cannot be computed with."""
     named = [ck.meanings.get(id(branch)) for branch in (expr.then, expr.otherwise)]
-    role = "material" if kind == MATERIAL else "ROLE" if isinstance(kind, Style) else None
+    role = "material" if kind == MATERIAL else "ROLE" if isinstance(kind, StyleType) else None
     if role is None:
         return "choose the part that has it by `when`, or its numbers one by one"
     a, b = (m.symbol.name if isinstance(m, Global) else letter for m, letter in zip(named, "AB", strict=True))
@@ -207,15 +207,15 @@ def _compare(ck: Checker, ctx: Context, expr: ast.BinaryExpr) -> Type:
             _blame(ck, expr, left, right, f"`{expr.op}` compares values of the same kind")
         return BOOL
     same = left == right == BOOL or left == right == STRING or _asks_material(ck, expr, left, right)
-    if expr.op in ("==", "!=") and (same or isinstance(left, Choice) and isinstance(right, Choice)):
+    if expr.op in ("==", "!=") and (same or isinstance(left, ChoiceType) and isinstance(right, ChoiceType)):
         return BOOL
     hint = None
     axis = next(
         (e.name for e in (expr.left, expr.right) if isinstance(e, ast.NameExpr) and e.name in ("x", "y", "z")), None
     )
-    if isinstance(left, Part) or isinstance(right, Part):
+    if isinstance(left, PartType) or isinstance(right, PartType):
         hint = "to test what a part is, write `part is Template`"
-    elif STRING in (left, right) and (isinstance(left, Choice) or isinstance(right, Choice)):
+    elif STRING in (left, right) and (isinstance(left, ChoiceType) or isinstance(right, ChoiceType)):
         hint = "the options of a choice are written without quotes"
     elif axis is not None:
         hint = f"`{axis}` is a direction; the coordinate of a point p is `p.{axis}`"
@@ -234,7 +234,7 @@ def _asks_material(ck: Checker, expr: ast.BinaryExpr, left: Type, right: Type) -
 def _blame(ck: Checker, expr: ast.BinaryExpr, left: Type, right: Type, rule: str) -> None:
     """Reports a mismatch of two operands at the one that carries no unit, else at the operator."""
     for operand, own, other in ((expr.left, left, right), (expr.right, right, left)):
-        if isinstance(own, Scalar | Vec) and own.dimension == NONE and is_unitless(operand):
+        if isinstance(own, ScalarType | VecType) and own.dimension == NONE and is_unitless(operand):
             ck.mismatch(operand, own, other if other != PLANE else LENGTH, "this number")
             return
     ck.error("wrong-dimension", expr.span, f"{rule}: on the left {left}, on the right {right}")
@@ -259,7 +259,7 @@ def _arithmetic(ck: Checker, ctx: Context, expr: ast.BinaryExpr) -> Type:
 
 
 def _addable(kind: Type) -> bool:
-    return isinstance(kind, Scalar | Vec) or kind in (PLANE, POINT)
+    return isinstance(kind, ScalarType | VecType) or kind in (PLANE, POINT)
 
 
 def _sum(op: str, left: Type, right: Type) -> Type | None:
@@ -267,20 +267,20 @@ def _sum(op: str, left: Type, right: Type) -> Type | None:
         if left == right or (right == PLANE and op == "-"):
             return LENGTH if fits(left, LENGTH) else None
         return PLANE if fits(left, LENGTH) and fits(right, LENGTH) else None
-    if isinstance(left, Scalar) and isinstance(right, Scalar):
+    if isinstance(left, ScalarType) and isinstance(right, ScalarType):
         if left.zero or right.zero:
             kept = right if left.zero else left
             return kept
         if left.dimension != right.dimension:
             return None
-        return Scalar(left.dimension, count=left.count and right.count)
+        return ScalarType(left.dimension, count=left.count and right.count)
     if left == POINT or right == POINT:
         if not (fits(left, POINT) and fits(right, POINT)):
             return None
         return SIZE if left == right else POINT
     if DIRECTION in (left, right):
-        left, right = (Vec(3, NONE) if t == DIRECTION else t for t in (left, right))
-    if isinstance(left, Vec) and isinstance(right, Vec) and fits(left, right):
+        left, right = (VecType(3, NONE) if t == DIRECTION else t for t in (left, right))
+    if isinstance(left, VecType) and isinstance(right, VecType) and fits(left, right):
         return left if right.dimension is None else right
     return None
 
@@ -288,28 +288,29 @@ def _sum(op: str, left: Type, right: Type) -> Type | None:
 def _product(op: str, left: Type, right: Type) -> Type | None:
     sign = 1 if op == "*" else -1
     left, right = (
-        LENGTH if t == PLANE else SIZE if t == POINT else Vec(3, NONE) if t == DIRECTION else t for t in (left, right)
+        LENGTH if t == PLANE else SIZE if t == POINT else VecType(3, NONE) if t == DIRECTION else t
+        for t in (left, right)
     )
-    if isinstance(left, Scalar) and isinstance(right, Scalar):
+    if isinstance(left, ScalarType) and isinstance(right, ScalarType):
         if left.zero or (right.zero and op == "*"):
             return ZERO
         dimension = times(left.dimension, right.dimension, sign)
-        return Scalar(dimension, count=left.count and right.count and op == "*")
-    if isinstance(left, Vec) and isinstance(right, Scalar):
-        return Vec(left.size, None if left.dimension is None else times(left.dimension, right.dimension, sign))
-    if isinstance(left, Scalar) and isinstance(right, Vec) and op == "*":
-        return Vec(right.size, None if right.dimension is None else times(left.dimension, right.dimension))
+        return ScalarType(dimension, count=left.count and right.count and op == "*")
+    if isinstance(left, VecType) and isinstance(right, ScalarType):
+        return VecType(left.size, None if left.dimension is None else times(left.dimension, right.dimension, sign))
+    if isinstance(left, ScalarType) and isinstance(right, VecType) and op == "*":
+        return VecType(right.size, None if right.dimension is None else times(left.dimension, right.dimension))
     return None
 
 
 def _power(ck: Checker, expr: ast.BinaryExpr, left: Type, right: Type) -> Type:
-    if not isinstance(left, Scalar) and left != PLANE:
+    if not isinstance(left, ScalarType) and left != PLANE:
         return ck.error("wrong-type", expr.left.span, f"`^` needs a number, but this is {left}")
-    if not isinstance(right, Scalar) or dimension_of(right) not in (NONE, None):
+    if not isinstance(right, ScalarType) or dimension_of(right) not in (NONE, None):
         return ck.error("wrong-dimension", expr.right.span, f"an exponent must be a plain number, but this is {right}")
     dimension = LENGTH_DIM if left == PLANE else left.dimension  # type: ignore[union-attr]
     if dimension == NONE:
-        return COUNT if left == COUNT and right == COUNT else Scalar(NONE)
+        return COUNT if left == COUNT and right == COUNT else ScalarType(NONE)
     value = constant(expr.right)
     if value is None:
         return ck.error(
@@ -318,4 +319,4 @@ def _power(ck: Checker, expr: ast.BinaryExpr, left: Type, right: Type) -> Type:
             f"{left} can only be raised to a constant power",
             hint="otherwise the dimension of the result is unknown",
         )
-    return Scalar(power(dimension, Fraction(value).limit_denominator(12)))
+    return ScalarType(power(dimension, Fraction(value).limit_denominator(12)))

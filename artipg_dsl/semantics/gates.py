@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from ..language import JOINTS
 from ..syntax import ast
 from ..syntax.walk import walk
-from .types import ANGLE, LENGTH, UNKNOWN, Joint, Scalar
+from .types import ANGLE, LENGTH, UNKNOWN, JointType, ScalarType
 
 if TYPE_CHECKING:
     from .checker import Checker, Context
@@ -33,7 +33,7 @@ def _compared(ck: Checker, ctx: Context, left: ast.Expr, right: ast.Expr) -> Non
     if given == UNKNOWN:
         ck.infer(ctx, right)
         return
-    if not isinstance(given, Joint):
+    if not isinstance(given, JointType):
         ck.error("bad-gate", left.span, f"a joint waits for another joint, but this is {given}", hint=_FORM)
         return
     if any(isinstance(node, ast.IndexExpr) and not isinstance(node.obj, ast.NameExpr) for node in walk(left)):
@@ -47,5 +47,5 @@ def _compared(ck: Checker, ctx: Context, left: ast.Expr, right: ast.Expr) -> Non
         ck.expect(ctx, right, LENGTH if given.kind == "prismatic" else ANGLE, "the value that a joint waits for")
     else:  # of a role: either
         found = ck.infer(ctx, right)
-        if found != UNKNOWN and not (isinstance(found, Scalar) and (found.zero or found in (LENGTH, ANGLE))):
+        if found != UNKNOWN and not (isinstance(found, ScalarType) and (found.zero or found in (LENGTH, ANGLE))):
             ck.mismatch(right, found, ANGLE, "the value that a joint waits for")

@@ -34,20 +34,20 @@ from .types import (
     SIZE,
     SURFACE,
     UNKNOWN,
-    Element,
-    Joint,
-    Part,
-    Scalar,
-    Slot,
+    ElementType,
+    JointType,
+    PartType,
+    ScalarType,
+    SlotType,
     Type,
-    Vec,
+    VecType,
 )
 
 if TYPE_CHECKING:
     from .checker import Checker, Context
 
 # u and v have the dimension of the surface that a point lies on
-_FORMULA: Mapping[str, Type] = {"p": SIZE, "n": Vec(3, NONE), "u": UNKNOWN, "v": UNKNOWN, "size": SIZE}
+_FORMULA: Mapping[str, Type] = {"p": SIZE, "n": VecType(3, NONE), "u": UNKNOWN, "v": UNKNOWN, "size": SIZE}
 
 
 _COMPARED = ("<", "<=", ">", ">=", "==", "!=")
@@ -64,7 +64,7 @@ def check(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
             _grasp(ck, ctx, stmt)
         case ast.KeypointStmt(target=at, at=place):
             kind, ctx = _place(ck, ctx, at)
-            if not isinstance(kind, Part | Slot | Element) and kind not in (
+            if not isinstance(kind, PartType | SlotType | ElementType) and kind not in (
                 UNKNOWN,
                 FRAME,
                 POINT,
@@ -102,7 +102,7 @@ def _place(ck: Checker, ctx: Context, expr: ast.Expr) -> tuple[Type, Context]:
 def target(ck: Checker, ctx: Context, expr: ast.Expr, rule: str) -> Context:
     """What a label lies on: parts, slots and surfaces, also through repeats."""
     kind, ctx = _place(ck, ctx, expr)
-    if not isinstance(kind, Part | Slot | Element) and kind not in (UNKNOWN, PLANE, SURFACE):
+    if not isinstance(kind, PartType | SlotType | ElementType) and kind not in (UNKNOWN, PLANE, SURFACE):
         ck.error("wrong-type", expr.span, f"{rule} parts, slots or surfaces, but this is {kind}")
     elif kind == PLANE and isinstance(expr, ast.MemberExpr) and _is_surface(ck, expr):
         ck.mean(expr, Inner(expr.name))  # the surface of that name, not the face of the box
@@ -126,9 +126,9 @@ def _is_surface(ck: Checker, expr: ast.MemberExpr) -> bool:
 
 def _made_of(ck: Checker, expr: ast.Expr, kind: Type | None) -> Iterator[Symbol]:
     """What the parts that a path names are made of, those that a slot binds included."""
-    if isinstance(kind, Part):
+    if isinstance(kind, PartType):
         yield from (v.symbol for v in kind.variants if v.symbol is not None)
-    if not isinstance(kind, Slot) or not isinstance(expr, ast.MemberExpr):
+    if not isinstance(kind, SlotType) or not isinstance(expr, ast.MemberExpr):
         return
     for owner in _made_of(ck, expr.obj, ck.types.get(id(expr.obj))):
         for entry in (e for scope in below(ck.scope_of(owner)) for e in scope.table.get(expr.name, ())):
@@ -211,13 +211,17 @@ def _acted(ck: Checker, ctx: Context, joint: ast.Expr, vocabulary: str) -> None:
             hint="`for` goes with labels of actions: `label affordance.lift for raise on lid`",
         )
     kind = ck.infer(ctx.but(lenient=[], asked=True, many=True), joint)
-    if not isinstance(kind, Joint) and kind != UNKNOWN:
+    if not isinstance(kind, JointType) and kind != UNKNOWN:
         ck.error("wrong-type", joint.span, f"`for` must name a joint, but this is {kind}")
 
 
 def _field(ck: Checker, ctx: Context, stmt: ast.FieldStmt) -> None:
     kind = of_reference(ck, ctx, stmt.type)
-    if not isinstance(kind, Scalar) and kind not in (BOOL, UNKNOWN) and not (isinstance(kind, Vec) and kind.size == 3):
+    if (
+        not isinstance(kind, ScalarType)
+        and kind not in (BOOL, UNKNOWN)
+        and not (isinstance(kind, VecType) and kind.size == 3)
+    ):
         ck.error(
             "wrong-type",
             stmt.type.span,
@@ -227,7 +231,7 @@ def _field(ck: Checker, ctx: Context, stmt: ast.FieldStmt) -> None:
         kind = UNKNOWN
     place = formula(_targets(ck, ctx, stmt.targets, "a field lies on"))
     _condition(ck, place, stmt.where)
-    if not (kind == Vec(3, NONE) and ck.infer(place, stmt.value) == DIRECTION):  # a direction is a unit vector
+    if not (kind == VecType(3, NONE) and ck.infer(place, stmt.value) == DIRECTION):  # a direction is a unit vector
         ck.expect(place, stmt.value, kind, "the field")
     _relative(ck, stmt.value)
 

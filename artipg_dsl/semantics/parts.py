@@ -13,7 +13,7 @@ from . import foreign
 from .entries import narrowed
 from .guards import TRUE, Atom, Condition, Not, Or, conjunction
 from .presence import declared, guarded, optional, relevant, renamed
-from .scope import Entry, Scope, Variant
+from .scope import BodyScope, Entry, Variant
 from .symbols import Symbol
 from .types import (
     BOX,
@@ -22,15 +22,15 @@ from .types import (
     PLANE,
     SURFACE,
     UNKNOWN,
-    Array,
-    Element,
-    Joint,
-    Named,
-    Part,
-    Scalar,
-    Slot,
+    ArrayType,
+    ElementType,
+    JointType,
+    NamedType,
+    PartType,
+    ScalarType,
+    SlotType,
     Type,
-    Vec,
+    VecType,
     named,
 )
 
@@ -43,7 +43,7 @@ PLACES = {named(of): {m.name: named(m.type) for m in members.values()} for of, m
 BOX_MEMBERS = tuple(PLACES[BOX])
 
 
-def place_member(obj: Named, word: str) -> Type | None:
+def place_member(obj: NamedType, word: str) -> Type | None:
     return PLACES.get(obj, {}).get(word)
 
 
@@ -53,9 +53,9 @@ def box_member(word: str) -> Type | None:
 
 
 def place_names(obj: Type) -> list[str]:
-    if isinstance(obj, Vec):
+    if isinstance(obj, VecType):
         return list(DIRECTIONS[: obj.size])
-    if isinstance(obj, Slot):
+    if isinstance(obj, SlotType):
         return list(BOX_MEMBERS)
     return list(PLACES.get(obj, {}))
 
@@ -64,11 +64,11 @@ def listed(names: list[str]) -> str | None:
     return "it has " + ", ".join(names) if names else None
 
 
-def below(scope: Scope) -> list[Scope]:
+def below(scope: BodyScope) -> list[BodyScope]:
     return [scope, *(deeper for inner in scope.inner.values() for deeper in below(inner))]
 
 
-def present(part: Part) -> Condition:
+def present(part: PartType) -> Condition:
     if None not in part.domain:
         return TRUE
     return Atom(part.key, frozenset(v for v in part.domain if v is not None), part.domain)
@@ -78,7 +78,7 @@ def path_text(expr: ast.Expr) -> str:
     return " ".join(expr.span.source.text[expr.span.start : expr.span.end].split())
 
 
-def part_member(ck: Checker, ctx: Context, part: Part, word: str, span: Span, path: str) -> Type:
+def part_member(ck: Checker, ctx: Context, part: PartType, word: str, span: Span, path: str) -> Type:
     """A member of a part, written ``path``: every variant that is left must have it."""
     found: list[tuple[Variant, Type]] = []
     lacking: list[Variant] = []
@@ -98,16 +98,16 @@ def part_member(ck: Checker, ctx: Context, part: Part, word: str, span: Span, pa
         return UNKNOWN
     kinds = [kind for _, kind in found]
     _demand_guards(ck, ctx, part, found, word, span, path)
-    parts = [k for k in kinds if isinstance(k, Part)]
+    parts = [k for k in kinds if isinstance(k, PartType)]
     if len(parts) == len(kinds):
         domain = tuple(dict.fromkeys(v for k in parts for v in k.domain))
         given = conjunction((part.given, *(k.given for k in parts)) if len(parts) == 1 else (part.given,))
-        whole = Part(tuple(v for v in domain if v is not None), f"{part.key}.{word}", domain, part.many, given)
+        whole = PartType(tuple(v for v in domain if v is not None), f"{part.key}.{word}", domain, part.many, given)
         if (there := present(whole)) != TRUE:
             ck.demand(ctx, there, span, *optional(f"{path}.{word}"), value=not ctx.subject)
         return narrowed(ctx, whole)
     first = kinds[0]
-    if isinstance(first, Element):
+    if isinstance(first, ElementType):
         if not ctx.many:
             return ck.error(
                 "many-elements",
@@ -121,21 +121,21 @@ def part_member(ck: Checker, ctx: Context, part: Part, word: str, span: Span, pa
     return _common(kinds, word)
 
 
-def _of_instance(part: Part, symbol: Symbol, kind: Type) -> Type:
+def _of_instance(part: PartType, symbol: Symbol, kind: Type) -> Type:
     """The type of a member as those see it who name it through an instance."""
     home = (symbol.name, part.key)
     match kind:
-        case Part(given=given) if given != TRUE:
+        case PartType(given=given) if given != TRUE:
             return replace(kind, given=renamed(given, (home,)))
-        case Element():
+        case ElementType():
             return replace(kind, home=home)
-        case Array(bound=bound):
+        case ArrayType(bound=bound):
             return replace(kind, bound=tuple((k, renamed(c, (home,))) for k, c in bound))
     return kind
 
 
 def _demand_guards(
-    ck: Checker, ctx: Context, part: Part, found: list[tuple[Variant, Type]], word: str, span: Span, path: str
+    ck: Checker, ctx: Context, part: PartType, found: list[tuple[Variant, Type]], word: str, span: Span, path: str
 ) -> None:
     """What a template declares under a guard is there where the guard holds for the instance."""
     wanted: list[Condition] = []
@@ -144,7 +144,7 @@ def _demand_guards(
         assert variant.symbol is not None
         entries = [e for e in ck.scope_of(variant.symbol).table.get(word, ()) if not e.private]
         there = declared(ck, entries)
-        if there == TRUE or isinstance(kind, Array):  # of indexed ports each has guards of its own
+        if there == TRUE or isinstance(kind, ArrayType):  # of indexed ports each has guards of its own
             continue
         there = renamed(there, ((variant.symbol.name, part.key),))
         first = first or entries[0]
@@ -154,22 +154,24 @@ def _demand_guards(
     if first is not None:
         all_wanted = conjunction(wanted)
         known = ctx.given(relevant(all_wanted, part.given))
-        followed = ctx.subject and all(isinstance(kind, Part | Slot | Element | Joint) for _, kind in found)
+        followed = ctx.subject and all(
+            isinstance(kind, PartType | SlotType | ElementType | JointType) for _, kind in found
+        )
         message, hint = guarded(first, span, path)
         ck.demand(known, all_wanted, span, message, hint, ((first.span, "declared here"),), value=not followed)
 
 
 def _common(kinds: list[Type], word: str) -> Type:
     """One type for what the variants call by the same name."""
-    if any(isinstance(k, Slot | Part | Element) for k in kinds):
-        return Slot(word)
+    if any(isinstance(k, SlotType | PartType | ElementType) for k in kinds):
+        return SlotType(word)
     if all(k in (PLANE, FRAME) for k in kinds):
         return FRAME
-    return kinds[0] if all(isinstance(k, Scalar) for k in kinds) else UNKNOWN
+    return kinds[0] if all(isinstance(k, ScalarType) for k in kinds) else UNKNOWN
 
 
 def _lacking(
-    ck: Checker, ctx: Context, part: Part, having: list[Variant], word: str, span: Span, path: str
+    ck: Checker, ctx: Context, part: PartType, having: list[Variant], word: str, span: Span, path: str
 ) -> Type | None:
     """Some variants lack a member: fine where the statement goes with it (None, or the role's type), else an error."""
     promised = _optional_in_role(ck, part, word)
@@ -204,7 +206,7 @@ def _lacking(
     )
 
 
-def _optional_in_role(ck: Checker, part: Part, word: str) -> Type | None:
+def _optional_in_role(ck: Checker, part: PartType, word: str) -> Type | None:
     """The type of what a role of the part offers as optional under this name."""
     for variant in part.variants:
         role, decl = ck.interface_of(variant.symbol).get(word, (None, None)) if variant.symbol else (None, None)
@@ -231,10 +233,10 @@ def _symbol_member(ck: Checker, symbol: Symbol, word: str) -> Type | None:
             return PLANE
         if symbol.kind == "primitive" and kind == CURVE and not isinstance(entry.node, ast.ParamDecl):
             return SURFACE  # surfaces bear the names of the curves that make them
-        if isinstance(kind, Part) and len(entries) > 1:
-            kinds = [k for e in entries if isinstance(k := ck.entry_type(e), Part)]
+        if isinstance(kind, PartType) and len(entries) > 1:
+            kinds = [k for e in entries if isinstance(k := ck.entry_type(e), PartType)]
             domain = tuple(dict.fromkeys(v for k in kinds for v in k.domain))
-            return Part(tuple(v for v in domain if v is not None), kind.key, domain)
+            return PartType(tuple(v for v in domain if v is not None), kind.key, domain)
         return kind
     if symbol.kind == "primitive":
         made = _made(symbol, word)
@@ -247,7 +249,7 @@ def _symbol_member(ck: Checker, symbol: Symbol, word: str) -> Type | None:
     return box_member(word)
 
 
-def _names_in_repeats(scope: Scope) -> set[str]:
+def _names_in_repeats(scope: BodyScope) -> set[str]:
     """Names that the repeats of a template declare: a part in a repeat binds the slot of its name."""
     return {name for inner in below(scope)[1:] for name in inner.table}
 

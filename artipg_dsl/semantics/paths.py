@@ -30,7 +30,7 @@ from .meanings import (
 )
 from .parts import BOX_MEMBERS, below, box_member, listed, part_member, path_text, place_member, place_names, present
 from .presence import declared, guarded, of_element, optional
-from .scope import Entry, Scope, Variant
+from .scope import BodyScope, Entry, Variant
 from .symbols import Symbol
 from .types import (
     BASE,
@@ -45,17 +45,17 @@ from .types import (
     RATIO,
     SIZE,
     UNKNOWN,
-    Array,
-    Element,
-    Function,
-    Joint,
-    Named,
-    Part,
-    Scalar,
-    Slot,
-    Style,
+    ArrayType,
+    ElementType,
+    FunctionType,
+    JointType,
+    NamedType,
+    PartType,
+    ScalarType,
+    SlotType,
+    StyleType,
     Type,
-    Vec,
+    VecType,
 )
 
 if TYPE_CHECKING:
@@ -107,7 +107,7 @@ def sole(ck: Checker, ctx: Context, entries: list[Entry], span: Span) -> Entry:
     return entry
 
 
-def _declared(ctx: Context, word: str, home: Scope) -> Meaning:
+def _declared(ctx: Context, word: str, home: BodyScope) -> Meaning:
     """The meaning of a declared name: of a repeat around, its present element."""
     around = (scope for scope in ctx.scope.chain() if scope.parent is home) if ctx.scope is not None else ()
     inside = next((scope for scope in around if any(e.node is scope.repeat for e in home.table[word])), None)
@@ -155,25 +155,32 @@ def _use(ck: Checker, ctx: Context, entries: list[Entry], span: Span) -> Type:
             f"`{entry.name}` never exists here: its guard excludes the one around this statement",
             notes=((entry.span, "declared here"),),
         )
-    if isinstance(kind, Part):
-        parts = [t for e in live if isinstance(t := ck.entry_type(e), Part)]
+    if isinstance(kind, PartType):
+        parts = [t for e in live if isinstance(t := ck.entry_type(e), PartType)]
         kind = parts[0] if len(parts) == 1 else _either(parts)
         there = present(kind)
         if there != TRUE:
             wanted = [And((w, there)) for w in wanted]
     demanded = wanted[0] if len(wanted) == 1 else Or(tuple(wanted))
     if demanded != TRUE:
-        optional_part = isinstance(kind, Part) and None in kind.domain
+        optional_part = isinstance(kind, PartType) and None in kind.domain
         message, hint = optional(entry.name) if optional_part else guarded(entry, span)
-        if not isinstance(kind, Array):
-            ck.demand(ctx, demanded, span, message, hint, value=not isinstance(kind, Part | Slot | Element | Joint))
-    return narrowed(ctx, kind) if isinstance(kind, Part) else kind
+        if not isinstance(kind, ArrayType):
+            ck.demand(
+                ctx,
+                demanded,
+                span,
+                message,
+                hint,
+                value=not isinstance(kind, PartType | SlotType | ElementType | JointType),
+            )
+    return narrowed(ctx, kind) if isinstance(kind, PartType) else kind
 
 
-def _either(parts: list[Part]) -> Part:
+def _either(parts: list[PartType]) -> PartType:
     """One part declared in exclusive branches."""
     domain = tuple(dict.fromkeys(v for p in parts for v in p.domain))
-    return Part(tuple(v for v in domain if v is not None), "|".join(p.key for p in parts), domain)
+    return PartType(tuple(v for v in domain if v is not None), "|".join(p.key for p in parts), domain)
 
 
 def _repeat(ck: Checker, ctx: Context, entry: Entry, span: Span) -> Type:
@@ -188,7 +195,7 @@ def _repeat(ck: Checker, ctx: Context, entry: Entry, span: Span) -> Type:
             f"`{entry.name}` means all elements of a repeat here",
             hint=f"name one, `{entry.name}[0]` or `{entry.name}[last]`, or reduce them with sum, min or max",
         )
-    return Element(entry, entry.key, many=not inside)
+    return ElementType(entry, entry.key, many=not inside)
 
 
 def _own_box(ck: Checker, ctx: Context, word: str, span: Span) -> Type:
@@ -228,7 +235,7 @@ def _previous(ck: Checker, ctx: Context, expr: ast.NameExpr) -> Type:
             )
             ck.mean(expr, Previous(scope.depth))
             entry = next(e for e in scope.parent.table[scope.repeat.name] if e.node is scope.repeat)
-            return Element(entry, f"{entry.key}.previous", shift=1)
+            return ElementType(entry, f"{entry.key}.previous", shift=1)
     return ck.error("unknown-name", expr.span, "`previous` only exists inside a repeat")
 
 
@@ -243,7 +250,7 @@ def _symbol(ck: Checker, ctx: Context, symbol: Symbol, span: Span) -> Type:
         case "material":
             return MATERIAL
         case "template" | "role":
-            return Style((Variant(symbol.name, symbol),), symbol.name)
+            return StyleType((Variant(symbol.name, symbol),), symbol.name)
     return ck.error("wrong-type", span, f"`{symbol.name}` is a {symbol.kind}, not a value")
 
 
@@ -252,22 +259,22 @@ def member(ck: Checker, ctx: Context, expr: ast.MemberExpr) -> Type:
     obj = ck.infer(ctx, expr.obj)
     word, span = expr.name, expr.name_span
     if obj != UNKNOWN:
-        declared_there = isinstance(obj, Part) and word not in BOX_MEMBERS or _in_element(obj, word)
+        declared_there = isinstance(obj, PartType) and word not in BOX_MEMBERS or _in_element(obj, word)
         ck.mean_member(expr, Inner(word) if declared_there else Feature(word))
     match obj:
-        case Part():
+        case PartType():
             return part_member(ck, ctx, obj, word, span, path_text(expr.obj))
-        case Element():
+        case ElementType():
             return _element_member(ck, ctx, obj, word, span, path_text(expr.obj))
-        case Slot():
+        case SlotType():
             found = box_member(word)
-        case Vec(size=size, dimension=dimension):
+        case VecType(size=size, dimension=dimension):
             found = None
             if word in DIRECTIONS[:size]:
-                found = Scalar(dimension) if dimension is not None else LENGTH
-        case Named():
+                found = ScalarType(dimension) if dimension is not None else LENGTH
+        case NamedType():
             found = place_member(obj, word)
-        case Function():
+        case FunctionType():
             return ck.error("wrong-type", expr.span, f"`{obj.entry.name}` is a function: it needs arguments")
         case _:
             found = UNKNOWN if obj == UNKNOWN else None
@@ -282,13 +289,13 @@ def member(ck: Checker, ctx: Context, expr: ast.MemberExpr) -> Type:
 
 def _in_element(obj: Type, word: str) -> bool:
     """Whether the body of a repeat declares a name that others may use."""
-    if not isinstance(obj, Element):
+    if not isinstance(obj, ElementType):
         return False
     inner = obj.entry.scope.inner[id(obj.entry.node)]
     return any(not e.private or e.kind == "index" for e in inner.table.get(word, ()))
 
 
-def _element_member(ck: Checker, ctx: Context, obj: Element, word: str, span: Span, path: str) -> Type:
+def _element_member(ck: Checker, ctx: Context, obj: ElementType, word: str, span: Span, path: str) -> Type:
     entry = obj.entry
     inner = entry.scope.inner[id(entry.node)]
     found = [e for e in inner.table.get(word, []) if not e.private or e.kind == "index"]
@@ -300,14 +307,14 @@ def _element_member(ck: Checker, ctx: Context, obj: Element, word: str, span: Sp
             return _inner(ck, ctx, obj, target, span)
         kind = ck.entry_type(target)
         there = of_element(obj, declared(ck, found))
-        if isinstance(kind, Array):
+        if isinstance(kind, ArrayType):
             return replace(kind, bound=tuple((k, of_element(obj, c)) for k, c in kind.bound))
         if there != TRUE:
             message, hint = guarded(target, span, path)
-            followed = ctx.subject and isinstance(kind, Part | Slot | Element | Joint)
+            followed = ctx.subject and isinstance(kind, PartType | SlotType | ElementType | JointType)
             around = ctx.given(of_element(obj, ck.condition(inner.guards)))
             ck.demand(around, there, span, message, hint, ((target.span, "declared here"),), value=not followed)
-        if isinstance(kind, Part):
+        if isinstance(kind, PartType):
             current = obj.key == entry.key and not obj.many
             key = kind.key if current else f"{obj.key}.{word}"
             part = replace(kind, key=key, many=obj.many, given=of_element(obj, kind.given))
@@ -334,9 +341,9 @@ def _element_member(ck: Checker, ctx: Context, obj: Element, word: str, span: Sp
     )
 
 
-def _inner(ck: Checker, ctx: Context, obj: Element, target: Entry, span: Span) -> Type:
+def _inner(ck: Checker, ctx: Context, obj: ElementType, target: Entry, span: Span) -> Type:
     if obj.many:
-        return Element(target, f"{obj.key}.{target.name}", many=True, outer=obj)
+        return ElementType(target, f"{obj.key}.{target.name}", many=True, outer=obj)
     if obj.key != obj.entry.key:  # of one named element, all of an inner repeat
         if not ctx.many:
             return ck.error(
@@ -345,7 +352,7 @@ def _inner(ck: Checker, ctx: Context, obj: Element, target: Entry, span: Span) -
                 f"`{target.name}` means all elements of a repeat here",
                 hint=f"name one: `{target.name}[0]` or `{target.name}[last]`",
             )
-        return Element(target, f"{obj.key}.{target.name}", many=True, outer=obj)
+        return ElementType(target, f"{obj.key}.{target.name}", many=True, outer=obj)
     return _repeat(ck, ctx, target, span)
 
 
@@ -359,16 +366,16 @@ def index(ck: Checker, ctx: Context, expr: ast.IndexExpr) -> Type:
         if (number := constant(expr.index, ctx.module)) is not None and number < 0:
             hint = f"the last one is `{path_text(expr.obj)}[last]`"
             return ck.error("illegal-value", expr.index.span, "elements are counted from 0", hint=hint)
-    if isinstance(obj, Element):
+    if isinstance(obj, ElementType):
         return replace(obj, key=f"{obj.key}[{path_text(expr.index)}]", many=False, index=expr.index)
-    if isinstance(obj, Array):
+    if isinstance(obj, ArrayType):
         return _port(ck, ctx, obj, expr)
     if obj == UNKNOWN:
         return UNKNOWN
     return ck.error("wrong-type", expr.span, f"only repeats and indexed ports take an index, but this is {obj}")
 
 
-def _port(ck: Checker, ctx: Context, ports: Array, expr: ast.IndexExpr) -> Type:
+def _port(ck: Checker, ctx: Context, ports: ArrayType, expr: ast.IndexExpr) -> Type:
     """One of several ports: wherever a binding of that index stands, or, of an index that is computed, all of them."""
     number = constant(expr.index, ctx.module)
     own = [there for k, there in ports.bound if k is None or number is None or k == int(number)]

@@ -27,11 +27,11 @@ from .types import (
     POINT,
     SURFACE,
     UNKNOWN,
-    Element,
-    Joint,
-    Part,
-    Scalar,
-    Slot,
+    ElementType,
+    JointType,
+    PartType,
+    ScalarType,
+    SlotType,
     Type,
     fits,
 )
@@ -84,14 +84,14 @@ def _begins(ck: Checker, ctx: Context, expr: ast.Expr, kind: Type) -> None:
 def _end(ck: Checker, expr: ast.Expr, kind: Type, what: str) -> None:
     """One end of a connection: a part, or a port, face, edge or line of one."""
     places = (UNKNOWN, FRAME, PLANE, EDGE, LINE, POINT, SURFACE, BASE, BOX)
-    if not isinstance(kind, Part | Slot | Element) and kind not in places:
+    if not isinstance(kind, PartType | SlotType | ElementType) and kind not in places:
         ck.error("wrong-type", expr.span, f"{what} must be a part or one of its ports and faces, but this is {kind}")
 
 
 def _mounted(ck: Checker, *ends: tuple[ast.Expr, Type]) -> None:
     """The ends of a mount: one is laid on the other, so both have directions."""
     for expr, kind in ends:
-        if isinstance(kind, Part | Slot | Element) or kind in (POINT, SURFACE, BOX, BASE):
+        if isinstance(kind, PartType | SlotType | ElementType) or kind in (POINT, SURFACE, BOX, BASE):
             ck.error(
                 "wrong-type",
                 expr.span,
@@ -122,7 +122,7 @@ def _placing(ck: Checker, ctx: Context, node: ast.Attaching, framed: bool) -> No
         _end(ck, value, ck.infer(ends, value), "what follows `between`")
     if node.in_ is not None:
         kind = ck.infer(ends, node.in_.value)
-        if not isinstance(kind, Part | Slot | Element) and kind not in (BOX, UNKNOWN):
+        if not isinstance(kind, PartType | SlotType | ElementType) and kind not in (BOX, UNKNOWN):
             ck.error("wrong-type", node.in_.value.span, f"`in` needs a box, but this is {kind}")
     for clause in (node.gap, node.sink):
         if clause is not None:
@@ -232,7 +232,9 @@ def check_joint(ck: Checker, ctx: Context, node: ast.JointDecl) -> None:
         ck.error("wrong-type", node.child.span, "`base` is what the template is attached to, so a joint cannot move it")
     if parent == BASE and ctx.scope.owner.kind == "category":
         ck.error("wrong-type", node.parent.span, "`base` only exists in a template", hint="name the root part instead")
-    named = isinstance(node.parent, ast.NameExpr) and (parent == BASE or isinstance(parent, Part | Slot | Element))
+    named = isinstance(node.parent, ast.NameExpr) and (
+        parent == BASE or isinstance(parent, PartType | SlotType | ElementType)
+    )
     aims = named and _aims(node.kind) and node.to is None and node.on is None
     _placing(ck, ctx, node, framed=not aims)
     _on_face(ck, node, node.child, child)
@@ -303,16 +305,16 @@ def _motion(ck: Checker, ctx: Context, node: ast.JointDecl, kind: str) -> None:
             ck.error("bad-gate", when.span, message, hint="put `when` on the joint that leads")
     if (pitch := _taken(ck, kind, node.pitch)) is not None:
         given = ck.infer(ctx, pitch.value)
-        if not isinstance(given, Scalar) and given != UNKNOWN:
+        if not isinstance(given, ScalarType) and given != UNKNOWN:
             ck.mismatch(pitch.value, given, LENGTH, "the pitch")
     for physics in (node.damping, node.friction, node.effort, node.velocity):
         if (number := _taken(ck, kind, physics)) is not None:
             given = ck.infer(ctx, number.value)
             units = _UNITS[number.word][slides]
-            fitting = [Scalar(UNITS[unit][1]) for unit in units]
-            if given == UNKNOWN or isinstance(given, Scalar) and (given.zero or given in fitting):
+            fitting = [ScalarType(UNITS[unit][1]) for unit in units]
+            if given == UNKNOWN or isinstance(given, ScalarType) and (given.zero or given in fitting):
                 continue
-            if isinstance(given, Scalar):
+            if isinstance(given, ScalarType):
                 text = number.value.span.source.text[number.value.span.start : number.value.span.end]
                 bare = isinstance(number.value, ast.NumberExpr) and not number.value.unit
                 code, hint = ("missing-unit", f"write {text}{units[0]}") if bare else ("wrong-dimension", None)
@@ -365,14 +367,14 @@ def _mimic(ck: Checker, ctx: Context, value: ast.Expr, wanted: Type) -> None:
                 ck.error(
                     "many-elements", value.span, message, hint="as in `mimic row[0].open` or `mimic previous.open`"
                 )
-            elif not isinstance(given, Joint | Scalar) and given != UNKNOWN:
+            elif not isinstance(given, JointType | ScalarType) and given != UNKNOWN:
                 ck.error("wrong-type", value.span, f"`mimic` must follow a joint, but this is {given}")
 
 
 def axis_value(ck: Checker, word: str, value: ast.Expr, kind: Type) -> None:
     if kind in (UNKNOWN, LINE, EDGE, FRAME) or (fits(kind, DIRECTION) if word == "along" else kind == DIRECTION):
         return
-    if isinstance(kind, Part):
+    if isinstance(kind, PartType):
         hint = "name an edge or a line of it, such as `door.left.back` or `hub.axis`"
         ck.error("bad-axis", value.span, "an axis must be an edge or a line, but this is a whole part", hint=hint)
     elif kind == PLANE:

@@ -10,8 +10,8 @@ from ..syntax import ast
 from ..syntax.walk import walk
 from .fold import constant
 from .guards import OPERATORS, TRUE, VERSUS, And, Atom, Compare, Condition, Not, Or, conjunction, domains
-from .scope import Entry, Scope
-from .types import BOOL, Choice, Element, Part
+from .scope import BodyScope, Entry
+from .types import BOOL, ChoiceType, ElementType, PartType
 
 if TYPE_CHECKING:
     from .checker import Checker
@@ -67,7 +67,7 @@ def declared(ck: Checker, entries: Iterable[Entry]) -> Condition:
 # ---------------------------------------------------------------- what arguments say
 
 
-def given(ck: Checker, entry: Entry, kind: Part) -> Condition:
+def given(ck: Checker, entry: Entry, kind: PartType) -> Condition:
     """What the arguments of a part say of the choices, switches and counts of its templates."""
     node = entry.node
     assert isinstance(node, ast.PartDecl)
@@ -92,13 +92,13 @@ def given(ck: Checker, entry: Entry, kind: Part) -> Condition:
     return conjunction(facts)
 
 
-def _equal(ck: Checker, scope: Scope, key: str, target: Entry, value: ast.Expr) -> Condition | None:
+def _equal(ck: Checker, scope: BodyScope, key: str, target: Entry, value: ast.Expr) -> Condition | None:
     """That a discrete parameter has the value that is handed in."""
     if isinstance(target.node, ast.CountDecl):
         number = constant(value, scope.owner.module)
         return None if number is None else Compare(key, "==", int(number))
     kind = ck.entry_type(target)
-    values: tuple[Any, ...] = kind.values if isinstance(kind, Choice) else (True, False) if kind == BOOL else ()
+    values: tuple[Any, ...] = kind.values if isinstance(kind, ChoiceType) else (True, False) if kind == BOOL else ()
     if not values or not isinstance(value, ast.NameExpr):
         return None
     outer = scope.find(value.name)
@@ -124,7 +124,7 @@ def relevant(wanted: Condition, facts: Condition) -> Condition:
 # ---------------------------------------------------------------- elements of repeats
 
 
-def of_element(element: Element, condition: Condition) -> Condition:
+def of_element(element: ElementType, condition: Condition) -> Condition:
     """What is known in the body of a repeat, as it is for the element that is named."""
     chain = [element]
     while chain[-1].outer is not None:
@@ -134,11 +134,11 @@ def of_element(element: Element, condition: Condition) -> Condition:
     return _read_as(condition, lambda fact: _known(fact, chain))
 
 
-def _body(element: Element) -> Scope:
+def _body(element: ElementType) -> BodyScope:
     return element.entry.scope.inner[id(element.entry.node)]
 
 
-def _known(fact: Atom | Compare, chain: list[Element]) -> Condition:
+def _known(fact: Atom | Compare, chain: list[ElementType]) -> Condition:
     """A fact about the rank of an element where that is known: ``e[0]``, ``e[last]``, ``previous``."""
     for element in chain if isinstance(fact, Compare) else ():
         assert isinstance(fact, Compare)
@@ -155,11 +155,11 @@ def _known(fact: Atom | Compare, chain: list[Element]) -> Condition:
     return fact
 
 
-def _is_last(element: Element) -> bool:
+def _is_last(element: ElementType) -> bool:
     return isinstance(element.index, ast.NameExpr) and element.index.name == "last"
 
 
-def _rank(element: Element) -> int | None:
+def _rank(element: ElementType) -> int | None:
     """The rank of an element where it is written as a number."""
     count = element.entry.node.count if isinstance(element.entry.node, ast.RepeatStmt) else None
     node = count if _is_last(element) else element.index
@@ -167,7 +167,7 @@ def _rank(element: Element) -> int | None:
     return None if number is None else int(number) - _is_last(element)
 
 
-def _at_the_end(element: Element) -> str | None:
+def _at_the_end(element: ElementType) -> str | None:
     """How guards call the difference between the rank and that of the last element (see ``conditions``)."""
     node = element.entry.node
     if not _is_last(element) or not isinstance(node, ast.RepeatStmt) or node.count is None or node.index is None:

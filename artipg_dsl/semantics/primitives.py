@@ -10,9 +10,9 @@ from ..syntax import ast
 from .calls import range_type
 from .conditions import truth
 from .declarations import check_range
-from .scope import Scope
+from .scope import BodyScope
 from .symbols import Symbol
-from .types import COUNT, CURVE, DIRECTION, LENGTH, LENGTH_DIM, POINT, SIZE, UNKNOWN, Scalar, Type, Vec, fits
+from .types import COUNT, CURVE, DIRECTION, LENGTH, LENGTH_DIM, POINT, SIZE, UNKNOWN, ScalarType, Type, VecType, fits
 
 if TYPE_CHECKING:
     from .checker import Checker, Context
@@ -26,8 +26,10 @@ def check(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
         case ast.CurveDecl(parameter=name, parameter_range=interval, value=value):
             kind = _parameter(ck, ctx, interval, f"`{name}`")
             given = ck.infer(ctx.but(extra={name: kind}), value)
-            if given not in (UNKNOWN, POINT) and not (isinstance(given, Vec) and given.dimension in (LENGTH_DIM, None)):
-                ck.mismatch(value, given, Vec(2, LENGTH_DIM), f"a point of the curve `{stmt.name}`")
+            if given not in (UNKNOWN, POINT) and not (
+                isinstance(given, VecType) and given.dimension in (LENGTH_DIM, None)
+            ):
+                ck.mismatch(value, given, VecType(2, LENGTH_DIM), f"a point of the curve `{stmt.name}`")
         case ast.InsideDecl(parameter=name, value=value):
             ck.expect(ctx.but(extra={name: SIZE}), value, LENGTH, "`inside`")
         case ast.BoxDecl():
@@ -42,7 +44,7 @@ def check(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
 
 def _parameter(ck: Checker, ctx: Context, interval: ast.RangeExpr, what: str) -> Type:
     kind = range_type(ck, ctx, interval)
-    if kind != UNKNOWN and not isinstance(kind, Scalar):
+    if kind != UNKNOWN and not isinstance(kind, ScalarType):
         ck.error("wrong-type", interval.span, f"{what} must range over numbers, but this is {kind}")
         return UNKNOWN
     check_range(ck, ctx, interval, kind, f"an end of the range of {what}")
@@ -123,7 +125,7 @@ def _whole(ck: Checker, stmt: ast.SolidDecl, operator: Kind) -> None:
         ck.error("missing-clause", stmt.span, f"`{operator.name}` needs {any_of(lacking, 'and')}", hint=hint)
 
 
-def check_whole(ck: Checker, symbol: Symbol, scope: Scope) -> None:
+def check_whole(ck: Checker, symbol: Symbol, scope: BodyScope) -> None:
     """A primitive is surfaces with an inside function and a box, or one solid."""
     body = _flat(symbol.body)
     solids = [s for s in body if isinstance(s, ast.SolidDecl)]

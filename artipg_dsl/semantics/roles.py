@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 from ..syntax import ast
 from .offers import missing
-from .scope import Entry, Scope
+from .scope import BodyScope, Entry
 from .symbols import Symbol, lineage, parent_of
-from .types import Part
+from .types import PartType
 
 if TYPE_CHECKING:
     from .checker import Checker
@@ -94,7 +94,7 @@ def check_nesting(ck: Checker, symbols: list[Symbol]) -> None:
         for entries in _names_at_any_depth(ck.scope_of(symbol)).values():
             for entry in entries:
                 kind = ck.entry_type(entry)
-                for variant in kind.domain if isinstance(kind, Part) else ():
+                for variant in kind.domain if isinstance(kind, PartType) else ():
                     if variant is not None and variant.symbol is not None:
                         visit(variant.symbol, [*trail, (symbol, entry)])
 
@@ -122,7 +122,7 @@ def _not_assigned(ck: Checker, name: str, own: list[Entry], stmt: ast.ParamDecl)
         )
 
 
-def _names_at_any_depth(scope: Scope) -> dict[str, list[Entry]]:
+def _names_at_any_depth(scope: BodyScope) -> dict[str, list[Entry]]:
     """Declarations of the template itself, those inside its repeats included: a slot may bind several."""
     found: dict[str, list[Entry]] = {}
     stack = [scope]

@@ -18,7 +18,7 @@ Guards = tuple["Guard", ...]
 class Guard:
     """The ``when`` (``truth`` True) or ``else`` (False) branch of a statement that stands in ``scope``."""
 
-    scope: Scope
+    scope: BodyScope
     test: ast.Expr
     truth: bool
 
@@ -42,7 +42,7 @@ class Entry:
     kind: str
     node: ast.Stmt
     span: Span
-    scope: Scope = field(repr=False)
+    scope: BodyScope = field(repr=False)
     guards: Guards = field(repr=False)
     key: str
 
@@ -53,16 +53,16 @@ class Entry:
 
 
 @dataclass(slots=True, eq=False)
-class Scope:
+class BodyScope:
     """The declarations of one body. ``repeat`` is set for the body of a repeat, whose elements are its rows."""
 
     owner: Symbol
     path: str
-    parent: Scope | None = None
+    parent: BodyScope | None = None
     repeat: ast.RepeatStmt | None = None
     guards: Guards = ()
     table: dict[str, list[Entry]] = field(default_factory=dict)
-    inner: dict[int, Scope] = field(default_factory=dict)  # id(RepeatStmt) -> the scope of its body
+    inner: dict[int, BodyScope] = field(default_factory=dict)  # id(RepeatStmt) -> the scope of its body
     branches: dict[tuple[int, bool], Guards] = field(default_factory=dict)  # (id(WhenStmt), branch) -> its guards
 
     @property
@@ -71,7 +71,7 @@ class Scope:
             yield from entries
 
     @property
-    def root(self) -> Scope:
+    def root(self) -> BodyScope:
         scope = self
         while scope.parent is not None:
             scope = scope.parent
@@ -92,9 +92,9 @@ class Scope:
         """Holds for all elements of this repeat but the first."""
         return Compare(self.rank_key, ">", 0)
 
-    def chain(self) -> Iterator[Scope]:
+    def chain(self) -> Iterator[BodyScope]:
         """This scope, then the ones around it."""
-        scope: Scope | None = self
+        scope: BodyScope | None = self
         while scope is not None:
             yield scope
             scope = scope.parent
@@ -104,7 +104,7 @@ class Scope:
         home = self.home(name)
         return home.table[name] if home is not None else []
 
-    def home(self, name: str) -> Scope | None:
+    def home(self, name: str) -> BodyScope | None:
         """The innermost scope that declares a name."""
         return next((scope for scope in self.chain() if name in scope.table), None)
 
@@ -112,12 +112,12 @@ class Scope:
         return [name for scope in self.chain() for name in scope.table]
 
 
-def build_scope(symbol: Symbol) -> Scope:
+def build_scope(symbol: Symbol) -> BodyScope:
     """The scope of a role, template, primitive or category, with those of its repeats.
 
     A template's scope holds the parameters of its role too; a role's what its parents declare.
     """
-    scope = Scope(symbol, symbol.name)
+    scope = BodyScope(symbol, symbol.name)
     _collect(scope, members(symbol), ())
     return scope
 
@@ -134,8 +134,8 @@ def interface(symbol: Symbol) -> dict[str, tuple[Symbol, ast.Stmt]]:
     return found
 
 
-def _collect(scope: Scope, body: tuple[ast.Stmt, ...], guards: Guards) -> None:
-    def add(name: str, kind: str, node: ast.Stmt, span: Span, into: Scope = scope) -> None:
+def _collect(scope: BodyScope, body: tuple[ast.Stmt, ...], guards: Guards) -> None:
+    def add(name: str, kind: str, node: ast.Stmt, span: Span, into: BodyScope = scope) -> None:
         entries = into.table.setdefault(name, [])
         key = f"{into.path}.{name}" + (f"~{len(entries)}" if entries else "")
         entries.append(Entry(name, kind, node, span, scope, guards, key))
@@ -166,7 +166,7 @@ def _collect(scope: Scope, body: tuple[ast.Stmt, ...], guards: Guards) -> None:
                 add(stmt.name, "curve", stmt, stmt.name_span)
             case ast.RepeatStmt():
                 add(stmt.name, "repeat", stmt, stmt.name_span)
-                inner = Scope(scope.owner, f"{scope.path}.{stmt.name}@{stmt.name_span.start}", scope, stmt, guards)
+                inner = BodyScope(scope.owner, f"{scope.path}.{stmt.name}@{stmt.name_span.start}", scope, stmt, guards)
                 scope.inner[id(stmt)] = inner
                 if stmt.index is not None:
                     entry = Entry(stmt.index, "index", stmt, stmt.name_span, inner, guards, inner.rank_key)

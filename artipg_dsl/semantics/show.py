@@ -8,8 +8,8 @@ from ..syntax import ast
 from ..syntax.walk import walk
 from .check import TypedProgram
 from .meanings import Base, BuiltIn, Clearance, Current, Declared, Global, Last, Local, Meaning, OwnBox, Previous
-from .scope import Entry, Scope
-from .types import UNKNOWN, Element, Function, Part
+from .scope import BodyScope, Entry
+from .types import UNKNOWN, ElementType, FunctionType, PartType
 
 
 def show_typed(typed: TypedProgram) -> str:
@@ -33,7 +33,7 @@ def show_typed(typed: TypedProgram) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _scope(typed: TypedProgram, scope: Scope, depth: int, lines: list[str]) -> None:
+def _scope(typed: TypedProgram, scope: BodyScope, depth: int, lines: list[str]) -> None:
     for entry in scope.entries:
         if entry.kind == "index":
             continue
@@ -45,12 +45,12 @@ def _scope(typed: TypedProgram, scope: Scope, depth: int, lines: list[str]) -> N
 def _entry(typed: TypedProgram, entry: Entry) -> str:
     kind = typed.checker.entry_type(entry)
     word = entry.node.keyword if isinstance(entry.node, ast.ParamDecl) else entry.kind
-    if isinstance(kind, Part):
+    if isinstance(kind, PartType):
         shown = " | ".join("none" if v is None else v.name for v in kind.domain)
         word = "root part" if isinstance(entry.node, ast.PartDecl) and entry.node.root else word
-    elif isinstance(kind, Element):
+    elif isinstance(kind, ElementType):
         shown = ""
-    elif isinstance(kind, Function) and isinstance(entry.node, ast.LetDecl):
+    elif isinstance(kind, FunctionType) and isinstance(entry.node, ast.LetDecl):
         return f"{word} {entry.name}({', '.join(entry.node.parameters)}){_guards(entry)}"
     else:
         shown = str(kind)

@@ -9,7 +9,7 @@ from ..language import JOINTS, REPEATS
 from ..syntax import ast
 from . import alternatives, conditions, declarations, labels, placing, primitives
 from .entries import of_reference, port_context
-from .scope import Guards, Scope
+from .scope import BodyScope, Guards
 from .types import (
     ANGLE,
     BASE,
@@ -26,12 +26,12 @@ from .types import (
     POINT,
     RATIO,
     UNKNOWN,
-    Array,
-    Choice,
-    Element,
-    Joint,
-    Part,
-    Slot,
+    ArrayType,
+    ChoiceType,
+    ElementType,
+    JointType,
+    PartType,
+    SlotType,
     Type,
     dimension_of,
     fits,
@@ -46,7 +46,7 @@ _SHAPE = (ast.SurfaceDecl, ast.CurveDecl, ast.InsideDecl, ast.BoxDecl, ast.Piece
 _ROLE = (ast.ParamDecl, ast.SlotDecl, ast.PortDecl, ast.JointDecl, ast.CountDecl, ast.RequireStmt)
 
 
-def check_body(ck: Checker, scope: Scope, body: tuple[ast.Stmt, ...], guards: Guards) -> None:
+def check_body(ck: Checker, scope: BodyScope, body: tuple[ast.Stmt, ...], guards: Guards) -> None:
     """All statements of a body that stand under ``guards``; repeats and guarded blocks included."""
     ctx = ck.context(scope).given(ck.condition(guards))
     for stmt in body:
@@ -67,7 +67,7 @@ def check_body(ck: Checker, scope: Scope, body: tuple[ast.Stmt, ...], guards: Gu
             _statement(ck, ctx, stmt)
 
 
-def _misplaced(ck: Checker, scope: Scope, stmt: ast.Stmt) -> bool:
+def _misplaced(ck: Checker, scope: BodyScope, stmt: ast.Stmt) -> bool:
     kind = scope.owner.kind
     if kind == "role":
         wrong = not isinstance(stmt, _ROLE)
@@ -110,10 +110,10 @@ def _statement(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
             _parts(ck, ctx, subject, other, word if word == "free" else f"allow {word}")
         case ast.LimitStmt(joint=joint, range=interval):
             kind, inside = placing.subject(ck, ctx, joint)
-            if not isinstance(kind, Joint) and kind != UNKNOWN:
+            if not isinstance(kind, JointType) and kind != UNKNOWN:
                 ck.error("wrong-type", joint.span, f"`limit` must name a joint, but this is {kind}")
             wanted: Type = UNKNOWN
-            if isinstance(kind, Joint) and (row := JOINTS.get(kind.kind or "")) is not None and row.moves:
+            if isinstance(kind, JointType) and (row := JOINTS.get(kind.kind or "")) is not None and row.moves:
                 wanted = LENGTH if row.slides else ANGLE
             placing.motion_range(ck, inside, interval, wanted)
         case ast.CloseStmt(subject=subject, other=other):
@@ -211,14 +211,14 @@ def _port(ck: Checker, ctx: Context, stmt: ast.PortDecl) -> None:
                 hint=f"write `port {stmt.name} = ...`",
             )
         return
-    wanted = kind.item if isinstance(kind, Array) else kind
+    wanted = kind.item if isinstance(kind, ArrayType) else kind
     given = ck.infer(ctx, stmt.value)
     places = (FRAME, PLANE, EDGE, LINE, POINT, BOX, CURVE, BASE)
     if wanted == UNKNOWN or given == UNKNOWN:
         return
-    if not fits(given, wanted) and not (wanted == BOX and isinstance(given, Part | Slot | Element)):
+    if not fits(given, wanted) and not (wanted == BOX and isinstance(given, PartType | SlotType | ElementType)):
         ck.mismatch(stmt.value, given, wanted, f"the port `{stmt.name}`")
-    elif given not in places and not is_number(given) and not isinstance(given, Part | Slot | Element):
+    elif given not in places and not is_number(given) and not isinstance(given, PartType | SlotType | ElementType):
         if not fits(given, POINT):
             ck.error("wrong-type", stmt.value.span, f"a port must be a place, but this is {given}")
 
@@ -230,7 +230,7 @@ def _align(ck: Checker, ctx: Context, first: ast.Expr, second: ast.Expr, word: s
     for kind, expr in ((left, first), (right, second)):
         if not is_number(kind) and not fits(kind, POINT):
             hint = None
-            if isinstance(kind, Part | Element | Slot):
+            if isinstance(kind, PartType | ElementType | SlotType):
                 hint = "name one of its faces (`.front`) or its center (`.center`)"
             elif kind in (FRAME, LINE, EDGE):
                 hint = "use its point: `.origin`"
@@ -252,7 +252,7 @@ def _align(ck: Checker, ctx: Context, first: ast.Expr, second: ast.Expr, word: s
 def _condition(ck: Checker, ctx: Context, stmt: ast.RequireStmt | ast.PreferStmt) -> None:
     if stmt.condition is not None:  # without the optional parts it names, it holds trivially
         kind = ck.infer(ctx.but(lenient=[]), stmt.condition)
-        if kind not in (BOOL, UNKNOWN) and not isinstance(kind, Part):
+        if kind not in (BOOL, UNKNOWN) and not isinstance(kind, PartType):
             word = "require" if isinstance(stmt, ast.RequireStmt) else "prefer"
             ck.error("wrong-type", stmt.condition.span, f"`{word}` needs a condition, but this is {kind}")
     if isinstance(stmt, ast.PreferStmt):
@@ -260,7 +260,7 @@ def _condition(ck: Checker, ctx: Context, stmt: ast.RequireStmt | ast.PreferStmt
             ck.expect(ctx, stmt.weight, RATIO, "the weight")
     elif stmt.repair is not None:
         kind = ck.infer(ctx.but(lenient=[], asked=True), stmt.repair)
-        if not is_number(kind) and not isinstance(kind, Choice | Part) and kind != UNKNOWN:
+        if not is_number(kind) and not isinstance(kind, ChoiceType | PartType) and kind != UNKNOWN:
             ck.error(
                 "wrong-type", stmt.repair.span, f"`repair` must name the parameters that may change, but this is {kind}"
             )
@@ -269,7 +269,7 @@ def _condition(ck: Checker, ctx: Context, stmt: ast.RequireStmt | ast.PreferStmt
 def _parts(ck: Checker, ctx: Context, subject: ast.Expr, other: ast.Expr | None, word: str) -> None:
     for expr in (subject,) if other is None else (subject, other):
         kind = ck.infer(ctx.but(lenient=[], many=True, subject=True), expr)
-        if not isinstance(kind, Part | Slot | Element) and kind != UNKNOWN:
+        if not isinstance(kind, PartType | SlotType | ElementType) and kind != UNKNOWN:
             ck.error("wrong-type", expr.span, f"`{word}` names parts, but this is {kind}")
         labels.not_previous(ck, expr)
 
@@ -303,7 +303,7 @@ def _repeat(ck: Checker, ctx: Context, stmt: ast.RepeatStmt) -> None:
     for box in (stmt.spread, stmt.split, stmt.fill):
         if box is not None:
             kind = ck.infer(ctx, box.value)
-            if not isinstance(kind, Part | Slot | Element) and kind not in (BOX, UNKNOWN):
+            if not isinstance(kind, PartType | SlotType | ElementType) and kind not in (BOX, UNKNOWN):
                 ck.error(
                     "wrong-type",
                     box.value.span,

@@ -67,13 +67,13 @@ class Type:
 
 
 @dataclass(frozen=True, slots=True)
-class Unknown(Type):
+class UnknownType(Type):
     def __str__(self) -> str:
         return "unknown"
 
 
 @dataclass(frozen=True, slots=True)
-class Scalar(Type):
+class ScalarType(Type):
     """A number. ``count``: a whole number; ``zero``: the literal 0, which fits any dimension."""
 
     dimension: Dimension
@@ -85,7 +85,7 @@ class Scalar(Type):
 
 
 @dataclass(frozen=True, slots=True)
-class Vec(Type):
+class VecType(Type):
     """``size`` numbers of one dimension; None where every component is 0 or open."""
 
     size: int
@@ -96,7 +96,7 @@ class Vec(Type):
 
 
 @dataclass(frozen=True, slots=True)
-class Named(Type):
+class NamedType(Type):
     """A type without parameters: bool, string, point, frame, plane, edge, line, box, curve, material, direction ..."""
 
     name: str
@@ -109,7 +109,7 @@ _WORDS = {"bool": "true or false", "direction": "a direction (x, -y, ...)", "edg
 
 
 @dataclass(frozen=True, slots=True)
-class Choice(Type):
+class ChoiceType(Type):
     values: tuple[str, ...]
 
     def __str__(self) -> str:
@@ -117,7 +117,7 @@ class Choice(Type):
 
 
 @dataclass(frozen=True, slots=True)
-class Array(Type):
+class ArrayType(Type):
     """Indexed ports: ``port socket[2] : frame``. ``bound``: which index each binding is of (None: any), and what it takes."""
 
     item: Type
@@ -128,7 +128,7 @@ class Array(Type):
 
 
 @dataclass(frozen=True, slots=True)
-class Function(Type):
+class FunctionType(Type):
     """A ``let f(x)`` or a surface or curve of a primitive, which only a call may use."""
 
     entry: Entry = field(compare=False)
@@ -138,7 +138,7 @@ class Function(Type):
 
 
 @dataclass(frozen=True, slots=True)
-class Part(Type):
+class PartType(Type):
     """An instance. ``domain`` is all that it can be (None: absent), ``variants`` what of that is left here.
 
     ``key`` names the part for guards; ``many`` says that it stands for one per element of a repeat.
@@ -156,7 +156,7 @@ class Part(Type):
 
 
 @dataclass(frozen=True, slots=True)
-class Style(Type):
+class StyleType(Type):
     """A style used as a value: its role, and what it chooses from (None: nothing)."""
 
     domain: tuple[Variant | None, ...]
@@ -167,7 +167,7 @@ class Style(Type):
 
 
 @dataclass(frozen=True, slots=True)
-class Element(Type):
+class ElementType(Type):
     """An element of a repeat. ``many``: all of them.
 
     ``index``: which one, ``shift``: or how many before one's own. ``outer``: the element that holds its repeat,
@@ -179,7 +179,7 @@ class Element(Type):
     many: bool = False
     index: ast.Expr | None = field(default=None, compare=False)
     shift: int = field(default=0, compare=False)
-    outer: Element | None = field(default=None, compare=False)
+    outer: ElementType | None = field(default=None, compare=False)
     home: tuple[str, str] | None = field(default=None, compare=False)
 
     def __str__(self) -> str:
@@ -187,7 +187,7 @@ class Element(Type):
 
 
 @dataclass(frozen=True, slots=True)
-class Slot(Type):
+class SlotType(Type):
     """What a slot binds: a box to outsiders; ``many`` as for parts."""
 
     name: str
@@ -198,33 +198,33 @@ class Slot(Type):
 
 
 @dataclass(frozen=True, slots=True)
-class Joint(Type):
+class JointType(Type):
     kind: str | None
 
     def __str__(self) -> str:
         return "a joint"
 
 
-UNKNOWN = Unknown()
-RATIO = Scalar(NONE)
-COUNT = Scalar(NONE, count=True)
-LENGTH = Scalar(LENGTH_DIM)
-ANGLE = Scalar(_ANGLE_DIM)
-ZERO = Scalar(NONE, count=True, zero=True)
-SIZE = Vec(3, LENGTH_DIM)
-BOOL = Named("bool")
-STRING = Named("string")
-POINT = Named("point")
-FRAME = Named("frame")
-PLANE = Named("plane")
-EDGE = Named("edge")
-LINE = Named("line")
-BOX = Named("box")
-CURVE = Named("curve")
-MATERIAL = Named("material")
-DIRECTION = Named("direction")
-SURFACE = Named("surface")
-BASE = Named("base")
+UNKNOWN = UnknownType()
+RATIO = ScalarType(NONE)
+COUNT = ScalarType(NONE, count=True)
+LENGTH = ScalarType(LENGTH_DIM)
+ANGLE = ScalarType(_ANGLE_DIM)
+ZERO = ScalarType(NONE, count=True, zero=True)
+SIZE = VecType(3, LENGTH_DIM)
+BOOL = NamedType("bool")
+STRING = NamedType("string")
+POINT = NamedType("point")
+FRAME = NamedType("frame")
+PLANE = NamedType("plane")
+EDGE = NamedType("edge")
+LINE = NamedType("line")
+BOX = NamedType("box")
+CURVE = NamedType("curve")
+MATERIAL = NamedType("material")
+DIRECTION = NamedType("direction")
+SURFACE = NamedType("surface")
+BASE = NamedType("base")
 
 PLACES: dict[str, Type] = {
     "bool": BOOL,
@@ -238,7 +238,7 @@ PLACES: dict[str, Type] = {
     "curve": CURVE,
     "material": MATERIAL,
 }
-"""Type names that stand for a Named type."""
+"""Type names that stand for a ``NamedType``."""
 
 
 def named(name: str) -> Type:
@@ -248,51 +248,51 @@ def named(name: str) -> Type:
         return COUNT if base == "count" else DIRECTION
     if base in PLACES:
         return PLACES[base]
-    return Vec(int(size), DIMENSIONS[base]) if size else Scalar(DIMENSIONS[base])
+    return VecType(int(size), DIMENSIONS[base]) if size else ScalarType(DIMENSIONS[base])
 
 
 def is_number(kind: Type) -> bool:
     """Whether a value can be computed with as one number: a scalar, or a plane read as its coordinate."""
-    return isinstance(kind, Scalar) or kind == PLANE
+    return isinstance(kind, ScalarType) or kind == PLANE
 
 
 def dimension_of(kind: Type) -> Dimension | None:
     """The dimension of a number; None for 0 and for what is not a number."""
-    if isinstance(kind, Scalar):
+    if isinstance(kind, ScalarType):
         return None if kind.zero else kind.dimension
-    return LENGTH_DIM if kind == PLANE else kind.dimension if isinstance(kind, Vec) else None
+    return LENGTH_DIM if kind == PLANE else kind.dimension if isinstance(kind, VecType) else None
 
 
 def fits(given: Type, wanted: Type) -> bool:
     """Whether a value of ``given`` may stand where ``wanted`` is expected."""
     if UNKNOWN in (given, wanted) or given == wanted:
         return True
-    if isinstance(wanted, Scalar):
+    if isinstance(wanted, ScalarType):
         if given == PLANE:
             return wanted.dimension == LENGTH_DIM
-        if not isinstance(given, Scalar):
+        if not isinstance(given, ScalarType):
             return False
         if wanted.count and not given.count:
             return False
         return given.zero or given.dimension == wanted.dimension
-    if isinstance(wanted, Vec):
+    if isinstance(wanted, VecType):
         if given == POINT:
             return wanted == SIZE
         return (
-            isinstance(given, Vec)
+            isinstance(given, VecType)
             and given.size == wanted.size
             and (None in (given.dimension, wanted.dimension) or given.dimension == wanted.dimension)
         )
     if wanted == POINT:
-        return given in (SIZE, Vec(3, None))
+        return given in (SIZE, VecType(3, None))
     if wanted == DIRECTION:
-        return isinstance(given, Vec) and given.size == 3
+        return isinstance(given, VecType) and given.size == 3
     if wanted == FRAME:
         return given == PLANE
     if wanted == LINE:
         return given == EDGE
     if wanted == BOX:
-        return isinstance(given, Element) and not given.many
-    if isinstance(wanted, Choice):
-        return isinstance(given, Choice) and set(given.values) <= set(wanted.values)
+        return isinstance(given, ElementType) and not given.many
+    if isinstance(wanted, ChoiceType):
+        return isinstance(given, ChoiceType) and set(given.values) <= set(wanted.values)
     return False

@@ -18,17 +18,17 @@ from ..values.kinds import Choice, Frame, Plane, Value
 from .draws import draw_choice, open_parameter
 from .interface import own_parameter, parameters_of
 from .looks import look_of
-from .part import Instance, Option, Part
+from .part import Component, Instance, Option
 from .place import pose_of
 from .style import Style, complete_choice, sole_style, templates_of
 
 LowerBody = Callable[[Instance, Option, Scope, dict[str, Value]], Env]  # of a template: ``body.lower_body``
 
 
-def build_part(env: Env, declaration: ast.PartDecl, lower_body: LowerBody) -> Part:
+def build_part(env: Env, declaration: ast.PartDecl, lower_body: LowerBody) -> Component:
     """Lower the declaration of a part: its choice, its inputs, its instances; registers its unknowns."""
     context = env.context
-    part = Part(context, env, declaration.name, env.path + declaration.name, declaration, pose_of)
+    part = Component(context, env, declaration.name, env.path + declaration.name, declaration, pose_of)
     env.parts.append(part)
     context.parts.append(part)
     alternatives, arguments = declaration.alternatives, declaration.arguments
@@ -66,7 +66,7 @@ def _named_style(env: Env, alternative: ast.Alternative) -> Value | None:
     return env.find(meaning.name, meaning.depth) if isinstance(meaning, Declared) else None
 
 
-def _make_choice(part: Part, alternatives: tuple[ast.Alternative, ...]) -> None:
+def _make_choice(part: Component, alternatives: tuple[ast.Alternative, ...]) -> None:
     if len(alternatives) == 1:
         return
     names = tuple(a.name or "none" for a in alternatives)
@@ -79,7 +79,7 @@ def _make_choice(part: Part, alternatives: tuple[ast.Alternative, ...]) -> None:
         part.exists = E.both(part.exists, E.negate(E.call("eq", part.choice.code, E.const(float(code)))))
 
 
-def _make_inputs(part: Part, interface: Symbol, arguments: tuple[ast.Argument, ...]) -> None:
+def _make_inputs(part: Component, interface: Symbol, arguments: tuple[ast.Argument, ...]) -> None:
     """Values of the interface's parameters: the arguments, and open columns for what is not given."""
     env = part.env
     given = {a.name: a for a in arguments if a.name is not None}
@@ -111,7 +111,7 @@ def _has_hole(node: ast.Expr) -> bool:
 
 
 def _handed_in(
-    part: Part, env: Env, owner: Symbol, declaration: ast.ParamDecl, name: str, argument: ast.Argument
+    part: Component, env: Env, owner: Symbol, declaration: ast.ParamDecl, name: str, argument: ast.Argument
 ) -> Value:
     """The value of an argument, which is written in ``env``, for the parameter ``name`` that ``owner`` declares: an option
     (``open = front``), a template as a style of its own (``pull = BarHandle``), a material, or whatever else it says."""
@@ -131,7 +131,7 @@ def _handed_in(
     return value
 
 
-def _either(part: Part, env: Env, owner: Symbol, declaration: ast.ParamDecl, name: str, node: ast.IfExpr) -> Value:
+def _either(part: Component, env: Env, owner: Symbol, declaration: ast.ParamDecl, name: str, node: ast.IfExpr) -> Value:
     """An option that a condition decides: ``open = front if wide else top``."""
     ev = Evaluator(env)
     condition = truth(ev, ev.value(node.condition), node.condition.span)
@@ -144,7 +144,7 @@ def _either(part: Part, env: Env, owner: Symbol, declaration: ast.ParamDecl, nam
     return Choice(E.where(condition, *codes), declaration.type.values)
 
 
-def _instantiate(part: Part, option: Option, lower_body: LowerBody) -> Instance:
+def _instantiate(part: Component, option: Option, lower_body: LowerBody) -> Instance:
     """The alternative in its own table (that of the environment when there is nothing to choose)."""
     context = part.context
     guard = part.guard(option)

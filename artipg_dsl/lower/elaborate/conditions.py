@@ -19,7 +19,7 @@ from ..values.kinds import Choice, Ref, Value, part_of
 from . import paths
 from .connect import carriers
 from .links import Links
-from .part import Part
+from .part import Component
 from .place import begins
 from .statements import Meanings
 
@@ -48,7 +48,7 @@ def require(links: Links, env: Env, statement: ast.RequireStmt) -> None:
 def giving(env: Env, value: Value) -> tuple[int, ...]:
     """The draws that a ``repair`` names: the value itself, a part's template, or what determines the value."""
     if isinstance(value, Ref):
-        parts: list[Part] = [part for branch in value.branches for part, *_ in branch.members]
+        parts: list[Component] = [part for branch in value.branches for part, *_ in branch.members]
         codes = [part.choice.code for part in parts if part.choice is not None]
     else:
         codes = [value.code if isinstance(value, Choice) else value] if isinstance(value, Expr | Choice) else []
@@ -107,7 +107,7 @@ def _presence(env: Env, node: ast.Node) -> Expr:
             name = begins(env, child)
             value = None if name is None else env.find(name.name, name.depth)
             if isinstance(value, Ref) and len(value.branches) == 1:
-                part: Part = value.branches[0].members[0][0]
+                part: Component = value.branches[0].members[0][0]
                 guard = E.both(guard, part.exists)
     return guard
 
@@ -152,7 +152,7 @@ def indices(env: Env, node: ast.Expr) -> Iterator[tuple[str, int]]:
 
 def nodes(links: Links, env: Env, node: ast.Expr) -> tuple[int, ...]:
     """The nodes of the part tree that a path of names means."""
-    parts: set[Part] = set()
+    parts: set[Component] = set()
     for value, home, _ in paths.walk(env, node):
         parts.update(value.env.all_parts() if isinstance(value, Element) else map(part_of, carriers(value, home.scope)))
     if not parts:

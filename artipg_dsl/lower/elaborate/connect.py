@@ -22,7 +22,7 @@ from .place import begins
 
 if TYPE_CHECKING:
     from ..values.kinds import Carrier
-    from .part import Part
+    from .part import Component
 
 
 @dataclass(slots=True, eq=False)
@@ -57,7 +57,7 @@ def statements(env: Env) -> None:
         statements(inner)
 
 
-def _goes_with(part: Part, equations: list[Equation]) -> None:
+def _goes_with(part: Component, equations: list[Equation]) -> None:
     """A statement goes with its subject: its equations hold where the part exists."""
     for equation in equations:
         equation.guard = E.both(equation.guard, part.exists)
@@ -94,7 +94,7 @@ def _equate(ev: Evaluator, a: Value, b: Value, left: Span, right: Span, span: Sp
     ev.env.equations.append(Equation(x, y, span, text_of(span)))
 
 
-def placing(env: Env, part: Part, subject: ast.Expr, statement: ast.Attaching) -> Value | None:
+def placing(env: Env, part: Component, subject: ast.Expr, statement: ast.Attaching) -> Value | None:
     """Equations of ``on``, ``in``, ``fit`` and ``at``; returns what the part is placed on, for its link."""
     ev = Evaluator(env)
     on, within, fit = statement.on, statement.in_, statement.fit
@@ -124,7 +124,7 @@ def placing(env: Env, part: Part, subject: ast.Expr, statement: ast.Attaching) -
     return target
 
 
-def named_box(ev: Evaluator, part: Part, span: Span) -> Box:
+def named_box(ev: Evaluator, part: Component, span: Span) -> Box:
     """The box of what the name of a part stands for in an environment."""
     found = ev.env.find(part.name, part.env.depth)
     if found is None:
@@ -199,7 +199,7 @@ def _at_point(
 # ---------------------------------------------------------------- attachments
 
 
-def connect(env: Env, statement: ast.ConnectStmt) -> Part:
+def connect(env: Env, statement: ast.ConnectStmt) -> Component:
     part = part_of(env, statement.subject)
     ev = Evaluator(env)
     if statement.between is not None:
@@ -213,7 +213,7 @@ def connect(env: Env, statement: ast.ConnectStmt) -> Part:
     return part
 
 
-def joint(env: Env, statement: ast.JointDecl) -> Part:
+def joint(env: Env, statement: ast.JointDecl) -> Component:
     assert statement.child is not None and statement.parent is not None
     part = part_of(env, statement.child)
     placing(env, part, statement.child, statement)
@@ -225,7 +225,7 @@ def joint(env: Env, statement: ast.JointDecl) -> Part:
     return part
 
 
-def part_of(env: Env, node: ast.Expr) -> Part:
+def part_of(env: Env, node: ast.Expr) -> Component:
     """The part that a path begins with."""
     meaning = begins(env, node)
     value = env.find(meaning.name, meaning.depth) if meaning is not None else None
@@ -245,7 +245,7 @@ def carriers(value: Value, scope: Scope) -> tuple[Carrier, ...]:
     return tuple(dict.fromkeys(carriers_of(value)))
 
 
-def _attach(part: Part, attachment: Attachment) -> None:
+def _attach(part: Component, attachment: Attachment) -> None:
     found = part.attachment
     if isinstance(found, list):
         found.append(attachment)

@@ -18,7 +18,7 @@ from ..expressions.evaluate import Evaluator
 from ..values.kinds import Choice, Value, Vec
 
 if TYPE_CHECKING:
-    from .part import Part
+    from .part import Component
 
 _LETTERS = ("x", "y", "z")
 SMALL = 1e-9
@@ -143,7 +143,7 @@ def draw_option(env: Env, declaration: ast.ParamDecl, path: str) -> Choice:
 
 
 def open_parameter(
-    part: Part, local: Env, declaration: ast.ParamDecl, name: str, span: Span, argument: ast.Argument | None
+    part: Component, local: Env, declaration: ast.ParamDecl, name: str, span: Span, argument: ast.Argument | None
 ) -> Value:
     """Columns for a parameter that no argument gives: unknowns that equations may determine."""
     kind = declaration.type
@@ -168,7 +168,7 @@ def open_parameter(
 
 
 def _open_scalar(
-    part: Part, local: Env, declaration: ast.ParamDecl, name: str, span: Span, component: int | None
+    part: Component, local: Env, declaration: ast.ParamDecl, name: str, span: Span, component: int | None
 ) -> Expr:
     path = f"{part.path}.{name}"
     shown = f"`{part.name}.{name}`"

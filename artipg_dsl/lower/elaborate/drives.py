@@ -20,14 +20,14 @@ from ...graph.program import Joint, Pose
 from ...graph.reference import definitions_of
 from ...language import JOINTS, Form
 from ...syntax import ast
-from ..expressions.context import Context, text_of
+from ..expressions.context import Draft, text_of
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..solve.solve import lifted
 from ..values.vectors import cross, dot, inverse, minus, norm, place, plus, times
 from .joints import carried_axis
 from .links import Links
-from .part import Part
+from .part import Component
 from .paths import elements_named, joints
 
 if TYPE_CHECKING:
@@ -92,7 +92,7 @@ class Drive:
                     todo.extend(definitions_of(joint.parent))
         return carried
 
-    def links_of(self, part: Part) -> list[tuple[int, ...]]:
+    def links_of(self, part: Component) -> list[tuple[int, ...]]:
         """The links of a part and of all parts in it."""
         inner = [p for instance in part.instances for p in instance.parts()]
         return [definitions_of(self.links.of(part)), *(link for p in inner for link in self.links_of(p))]
@@ -148,7 +148,7 @@ class Drive:
         return E.maximum(*arms)
 
 
-def report(context: Context) -> None:
+def report(context: Draft) -> None:
     """Refuse functions of joints that carry none of the targets, in no instance of their template."""
     for span, carried in context.driven.items():
         if not carried:

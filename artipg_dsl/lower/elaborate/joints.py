@@ -18,14 +18,14 @@ from ..expressions.evaluate import Evaluator
 from ..values.kinds import Edge, Frame, Line, Vec
 from ..values.vectors import direct, normalized, place
 from .connect import Attachment, named_box
-from .part import Part
+from .part import Component
 from .place import bare
 
 if TYPE_CHECKING:
     from .links import Links
 
 
-def build_joint(links: Links, part: Part, attachment: Attachment) -> None:
+def build_joint(links: Links, part: Component, attachment: Attachment) -> None:
     """The joint by which an attachment moves a part, put among those of the program."""
     statement = attachment.joint
     assert statement is not None and statement.child is not None
@@ -95,7 +95,7 @@ def _rest_of(ev: Evaluator, statement: ast.JointDecl, low: Expr | None, high: Ex
     return E.minimum(E.maximum(E.ZERO, low), high)
 
 
-def axis_of(ev: Evaluator, part: Part, statement: ast.JointDecl, kind: str) -> tuple[Triple, Triple]:
+def axis_of(ev: Evaluator, part: Component, statement: ast.JointDecl, kind: str) -> tuple[Triple, Triple]:
     """Origin and direction in the frame of the statement."""
     if part.env is ev.env:
         center = place(part.pose, part.box().center)

@@ -14,7 +14,7 @@ from ...semantics import types
 from ...semantics.meanings import Current, Declared, Global
 from ...syntax import ast
 from ...syntax.walk import walk as nodes_in
-from ..expressions.context import Context, where
+from ..expressions.context import Draft, where
 from ..expressions.env import Element, Env
 from ..expressions.evaluate import Evaluator
 from ..values.carry import moved
@@ -25,7 +25,7 @@ from .drives import Drive
 from .guards import has_row, shown
 from .links import Links
 from .looks import sole_look
-from .part import Part
+from .part import Component
 from .paths import elements_named, walk
 from .place import root
 from .statements import Meanings, attempt
@@ -35,7 +35,7 @@ from .statements import Meanings, attempt
 class Aim:
     """What a target path names: parts (with the box of each group) or surfaces of one, in the object's frame."""
 
-    parts: list[Part]
+    parts: list[Component]
     surfaces: tuple[str, ...]
     frame: Pose  # of the formula, in the object
     box: Box  # in that frame
@@ -93,7 +93,7 @@ def _aims(links: Links, env: Env, node: ast.Expr) -> list[Aim]:
     return found
 
 
-def _slot_owner(part: Part, home: Env, env: Env) -> Part:
+def _slot_owner(part: Component, home: Env, env: Env) -> Component:
     """Whose axes a formula has: those of the instance whose role declares the slot, for a part reached through one."""
     instance = home.root.instance
     if instance is None or home.root is env.root:
@@ -106,7 +106,7 @@ def _slot_owner(part: Part, home: Env, env: Env) -> Part:
     return instance.part if part.name in names or instance.bindings else part
 
 
-def _aim_at(links: Links, part: Part, owner: Part, surfaces: tuple[str, ...]) -> Aim:
+def _aim_at(links: Links, part: Component, owner: Component, surfaces: tuple[str, ...]) -> Aim:
     """The formula's frame: axes of ``owner``, box of ``part`` in them."""
     if owner is part:
         return Aim([part], surfaces, links.part_world(part), part.box(), part.env.scope, _depth_of(part))
@@ -115,14 +115,14 @@ def _aim_at(links: Links, part: Part, owner: Part, surfaces: tuple[str, ...]) ->
     return Aim([part], surfaces, frame, box, part.env.scope, _depth_of(part))
 
 
-def _depth_of(part: Part) -> int:
+def _depth_of(part: Component) -> int:
     depth, instance = 1, part.env.root.instance
     while instance is not None:
         depth, instance = depth + 1, instance.part.env.root.instance
     return depth
 
 
-def sites_of(links: Links, part: Part) -> list[int]:
+def sites_of(links: Links, part: Component) -> list[int]:
     """All elementary primitives of a part, those of its inner parts included."""
     found = list(links.sites.get(part, []))
     for instance in part.instances:
@@ -203,7 +203,7 @@ def _acted(links: Links, ev: Evaluator, statement: ast.LabelStmt) -> tuple[int, 
     return tuple(k for k, joint in enumerate(links.context.program.joints) if any(joint is one for one in found))
 
 
-def _drives_in(context: Context, formulas: tuple[ast.Expr | None, ...]) -> list[ast.Expr]:
+def _drives_in(context: Draft, formulas: tuple[ast.Expr | None, ...]) -> list[ast.Expr]:
     """What `pushes(joint)` and the like in formulas name."""
     calls = ((one, context.form(one)) for one in nodes_in(formulas) if isinstance(one, ast.CallExpr))
     return [call.arguments[0].value for call, form in calls if form is not None and form.kind == "force"]
@@ -353,7 +353,7 @@ def keypoint(links: Links, env: Env, statement: ast.KeypointStmt) -> None:
 
 def _is_part_path(env: Env, node: ast.Expr) -> bool:
     """Whether a target names parts: a slot may bind surfaces, and `previous` is a part of another element."""
-    if not isinstance(env.context.typed.type_of(node), types.Part | types.Slot):
+    if not isinstance(env.context.typed.type_of(node), types.PartType | types.SlotType):
         return False
     named = isinstance(env.context.meaning(root(node)), Declared | Current)
     return named and all(isinstance(reached.value, Ref) for reached in walk(env, node))

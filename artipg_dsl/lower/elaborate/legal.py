@@ -16,11 +16,10 @@ from ...graph.formula import free_variables, row_values
 from ...graph.interval import Intervals
 from ...graph.linear import tidy
 from ...graph.primitive import triple
-from ...graph.program import Draw, Grasp, Joint, Label, Pose, Program, Requirement, Where
-from ...graph.program import Part as PartNode
+from ...graph.program import Draw, Grasp, Joint, Label, Part, Pose, Program, Requirement, Where
 from ...language import DISTRIBUTIONS, JOINTS
 from ...source import Source, Span
-from ..expressions.context import Context, Fetched, text_of, where
+from ..expressions.context import Draft, Fetched, text_of, where
 from ..expressions.env import Env
 from ..values.vectors import cross, dot
 from . import gates
@@ -111,7 +110,7 @@ def within(quantity: Quantity) -> Expr:
     return E.both(E.call("le", E.const(legal.low), value), E.call("le", value, E.const(legal.high)))
 
 
-def refuse(context: Context, quantity: Quantity, intervals: Intervals, sources: dict[str, Source]) -> None:
+def refuse(context: Draft, quantity: Quantity, intervals: Intervals, sources: dict[str, Source]) -> None:
     value, place = quantity.value, quantity.where
     low, high = intervals.of(value)
     amount = (
@@ -246,7 +245,7 @@ def _of_pose(name: str, scope: Scope, pose: Pose, place: Where | None) -> Iterat
     yield from each(f"the direction of {name}", scope, (cell for row in pose.rotation for cell in row), TURN, place)
 
 
-def _of_box(part: PartNode, place: Where | None) -> Iterator[Quantity]:
+def _of_box(part: Part, place: Where | None) -> Iterator[Quantity]:
     name = f"`{part.path}`"
     for axis, low, high in zip("xyz", part.low, part.high, strict=True):
         yield Quantity(f"the size of {name} along {axis}", part.scope, tidy(E.sub(high, low)), SIZE, place)

@@ -12,12 +12,11 @@ from dataclasses import dataclass, field, replace
 
 from ...graph import expr as E
 from ...graph.expr import Scope
-from ...graph.program import Link, Pose, Site
-from ...graph.program import Part as PartNode
+from ...graph.program import Link, Part, Pose, Site
 from ...graph.reference import Elsewhere, Onward, Reference, Under
 from ...source import Span
 from ...syntax import ast
-from ..expressions.context import Context
+from ..expressions.context import Draft
 from ..expressions.env import Env, Hinge, exists_in
 from ..expressions.extents import union_of
 from ..solve.cases import TooManyCases, combinations
@@ -25,26 +24,26 @@ from ..values.kinds import Carrier, InElement, part_of
 from ..values.vectors import HERE, IDENTITY, compose
 from .connect import Attachment
 from .joints import build_joint
-from .part import Instance, Part
+from .part import Component, Instance
 
 
 @dataclass(slots=True, eq=False)
 class Links:
     """Numbers of links, joints, part nodes and sites while they are made."""
 
-    context: Context
+    context: Draft
     worlds: dict[Env, Pose] = field(default_factory=dict)
     own: dict[Attachment, int] = field(default_factory=dict)  # link that a joint moves
-    owners: dict[int, Part] = field(default_factory=dict)  # whose frame such a link takes
-    known: dict[Part, Reference] = field(default_factory=dict)
-    nodes: dict[tuple[Part, str], int] = field(default_factory=dict)
-    sites: dict[Part, list[int]] = field(default_factory=dict)
+    owners: dict[int, Component] = field(default_factory=dict)  # whose frame such a link takes
+    known: dict[Component, Reference] = field(default_factory=dict)
+    nodes: dict[tuple[Component, str], int] = field(default_factory=dict)
+    sites: dict[Component, list[int]] = field(default_factory=dict)
     joints: dict[int, int] = field(default_factory=dict)  # link -> its joint
     made: dict[Hinge, int] = field(default_factory=dict)  # joint as it is declared -> its number
     stated: dict[int, Span] = field(default_factory=dict)  # joint -> its statement
     mimics: dict[int, tuple[Env, ast.Expr]] = field(default_factory=dict)  # joint -> what it follows, as it is written
     gates: dict[int, tuple[Env, ast.Expr]] = field(default_factory=dict)  # joint -> what it waits for, as it is written
-    resolving: set[Part] = field(default_factory=set)
+    resolving: set[Component] = field(default_factory=set)
 
     # ------------------------------------------------------------ poses in the object's frame
 
@@ -61,18 +60,18 @@ class Links:
             self.worlds[env] = found
         return found
 
-    def part_world(self, part: Part) -> Pose:
+    def part_world(self, part: Component) -> Pose:
         outer = self.world(part.env)
         return compose(outer, part.pose) if outer is not HERE else part.pose
 
     # ------------------------------------------------------------ links
 
-    def attachments(self, part: Part) -> list[Attachment]:
+    def attachments(self, part: Component) -> list[Attachment]:
         """How a part is attached: once, or once in each branch of a ``when``; joints first."""
         found = part.attachment if isinstance(part.attachment, list) else []
         return sorted(found, key=lambda a: a.joint is None)
 
-    def of(self, part: Part) -> Reference:
+    def of(self, part: Component) -> Reference:
         """The link that carries a part."""
         if part in self.known:
             return self.known[part]
@@ -93,7 +92,7 @@ class Links:
             self.resolving.discard(part)
         return self.known[part]
 
-    def find(self, part: Part) -> Reference:
+    def find(self, part: Component) -> Reference:
         attachments = self.attachments(part)
         found: list[tuple[Scope, Reference]] = []
         onward: list[Scope] = []
@@ -118,10 +117,10 @@ class Links:
         links = self.whichever(found)
         return links if repeat is None or self.outside(links, repeat) else (Onward(repeat, tuple(onward), links),)
 
-    def rides(self, before: InElement, part: Part) -> bool:
+    def rides(self, before: InElement, part: Component) -> bool:
         """Whether what lies in the element before is rigid on ``part`` there, through other parts or not."""
         at = before.part
-        seen: set[Part] = set()
+        seen: set[Component] = set()
         while before.rank is None and not isinstance(at, InElement) and at not in seen:
             if at is part:
                 return True
@@ -138,7 +137,7 @@ class Links:
                 return False
         return False
 
-    def everywhere(self, part: Part, attachments: list[Attachment]) -> bool:
+    def everywhere(self, part: Component, attachments: list[Attachment]) -> bool:
         """Whether one of the attachments of a part holds wherever it exists."""
         if any(a.env.scope is part.env.scope for a in attachments):
             return True
@@ -177,7 +176,7 @@ class Links:
         owner = env.root.instance
         return (0,) if owner is None else self.of(owner.part)
 
-    def own_link(self, part: Part, attachment: Attachment) -> int:
+    def own_link(self, part: Component, attachment: Attachment) -> int:
         """The link of a part that a joint moves (made at the first question)."""
         if attachment not in self.own:
             program = self.context.program
@@ -234,7 +233,7 @@ class Links:
         for inner in env.inner:
             self.build(inner, parent)
 
-    def build_part(self, part: Part, parent: int) -> None:
+    def build_part(self, part: Component, parent: int) -> None:
         program = self.context.program
         pose = self.part_world(part)
         links = self.of(part)
@@ -245,7 +244,7 @@ class Links:
             first = first_part(instance)
             carried = links if first is None else self.of(first)
             program.parts.append(
-                PartNode(
+                Part(
                     part.path, part.name, instance.scope, parent, instance.symbol.name, pose, box.low, box.high, carried
                 )
             )
@@ -271,7 +270,7 @@ class Links:
     def hold(self) -> None:
         """Note for every part which part carries it rigidly."""
         program = self.context.program
-        numbers: dict[Part, list[int]] = {}
+        numbers: dict[Component, list[int]] = {}
 
         def held(by: Carrier) -> Reference:
             if isinstance(by, InElement):
@@ -288,7 +287,7 @@ class Links:
                 program.parts[number] = replace(program.parts[number], holder=tuple(holders))
 
 
-def first_part(instance: Instance) -> Part | None:
+def first_part(instance: Instance) -> Component | None:
     """The first part of a template's body; None for a primitive."""
     parts = instance.parts()
     return parts[0] if parts else None

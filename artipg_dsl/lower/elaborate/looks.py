@@ -10,7 +10,7 @@ from ...graph.program import Material
 from ...semantics.meanings import Global
 from ...semantics.symbols import Symbol
 from ...syntax import ast
-from ..expressions.context import Context
+from ..expressions.context import Draft
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..values.kinds import Choice, Look
@@ -34,7 +34,7 @@ def build_look(env: Env, statement: ast.StyleDecl) -> Look:
     return Look(tuple(options), choice)
 
 
-def sole_look(context: Context, symbol: Symbol) -> Look:
+def sole_look(context: Draft, symbol: Symbol) -> Look:
     """What a material's name stands for where a style of materials may be handed in: that material, always."""
     return Look(((_lower_material(context, symbol).name, E.TRUE),), Choice(E.ZERO, (symbol.name,)))
 
@@ -50,7 +50,7 @@ def look_of(env: Env, node: ast.Expr) -> Look:
     raise env.context.internal(node.span, "this is not a material")
 
 
-def _lower_material(context: Context, symbol: Symbol) -> Material:
+def _lower_material(context: Draft, symbol: Symbol) -> Material:
     found = context.program.materials.get(symbol.name)
     if found is not None:
         return found
@@ -93,7 +93,7 @@ def _span_of(ev: Evaluator, name: str, clause: ast.Clause[ast.RangeExpr]) -> tup
     return numbers[0], numbers[-1]
 
 
-def _read_number(context: Context, name: str, node: ast.Expr, value: Expr) -> float:
+def _read_number(context: Draft, name: str, node: ast.Expr, value: Expr) -> float:
     """A property's number, which is known beforehand and lies in the range that is legal for it."""
     if value.constant is None:
         raise context.internal(node.span, "this depends on what is drawn")

@@ -14,7 +14,7 @@ from ...graph.program import Pose
 from ...semantics.symbols import Symbol, is_a
 from ...source import Span
 from ...syntax import ast
-from ..expressions.context import Abort, Context, Unknown
+from ..expressions.context import Abort, Draft, Unknown
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..expressions.extents import frame_in, union_of
@@ -42,13 +42,15 @@ class Option:
 
 
 @dataclass(slots=True, eq=False)
-class Part:
-    context: Context
+class Component:
+    """A part of a body: what it can be, one ``Instance`` of a template or primitive for each alternative, and where it is placed."""
+
+    context: Draft
     env: Env
     name: str
     path: str
     declaration: ast.PartDecl
-    placing: Callable[[Part], Pose]  # finds its pose (``place.pose_of``), once
+    placing: Callable[[Component], Pose]  # finds its pose (``place.pose_of``), once
     role: Symbol | None = None
     options: list[Option] = field(default_factory=list)
     instances: list[Instance] = field(default_factory=list)
@@ -179,7 +181,7 @@ class Part:
 class Instance:
     """A template or primitive with its arguments, in the table where it exists."""
 
-    part: Part
+    part: Component
     symbol: Symbol
     scope: Scope
     path: str
@@ -238,11 +240,11 @@ class Instance:
 
     def slot(self, name: str) -> Value:
         """A slot as one reference to all the parts, or all the surfaces, it binds."""
-        surfaces: list[tuple[Scope | None, Part, Pose, str]] = []
+        surfaces: list[tuple[Scope | None, Component, Pose, str]] = []
         branches: list[Branch] = []
         for home, statement in self.bindings[name]:
             scope = None if home.scope is self.scope else home.scope
-            members: list[tuple[Part, Pose]] = []
+            members: list[tuple[Component, Pose]] = []
             for value, _, _ in self.targets(home, statement):
                 if isinstance(value, Surface):
                     for table, part, outer, surface in value.branches:
@@ -267,10 +269,10 @@ class Instance:
                 self._box = union_of(self.env, self.env.scope)
         return self._box
 
-    def parts(self) -> list[Part]:
+    def parts(self) -> list[Component]:
         return self.env.all_parts() if self.env is not None else []
 
 
-def carried(value: Value, part: Part) -> Value:
+def carried(value: Value, part: Component) -> Value:
     """A value that names no inner part lies on the part itself."""
     return replace(value, on=(part,)) if isinstance(value, Lying) and not value.on else value

@@ -43,7 +43,7 @@ from ..values.vectors import (
 from .guards import has_row
 
 if TYPE_CHECKING:
-    from .part import Part
+    from .part import Component
 
 MINUS = E.const(-1.0)
 
@@ -71,7 +71,7 @@ def begins(env: Env, node: ast.Expr | None) -> Declared | None:
     return meaning if isinstance(meaning, Declared) else None
 
 
-def declared(part: Part) -> Declared:
+def declared(part: Component) -> Declared:
     """What names a part where it is declared."""
     return Declared(part.name, part.env.depth)
 
@@ -126,7 +126,7 @@ def _mounting(env: Env, statement: ast.WhenStmt, part: Declared) -> bool:
     return False
 
 
-def pose_of(part: Part) -> Pose:
+def pose_of(part: Component) -> Pose:
     """The pose of a part in its environment, sought when it is first asked for."""
     if part.found is None:
         if part.seeking:
@@ -145,7 +145,7 @@ def pose_of(part: Part) -> Pose:
     return part.found
 
 
-def before(part: Part) -> Pose:
+def before(part: Component) -> Pose:
     """The pose while it is being sought: of the element before, in a chain through ``previous``."""
     if part.env.scope.kind != "repeat":
         raise _circular_place(part)
@@ -156,7 +156,7 @@ def before(part: Part) -> Pose:
     return part.previous
 
 
-def _chain_pose(part: Part, pose: Pose, chain: Pose) -> Pose:
+def _chain_pose(part: Component, pose: Pose, chain: Pose) -> Pose:
     """Close the chain: each element stands on the one before, all turned alike."""
     if pose.rotation != chain.rotation or pose.mirror is not E.ONE:
         raise part.context.error(
@@ -170,7 +170,7 @@ def _chain_pose(part: Part, pose: Pose, chain: Pose) -> Pose:
     return chain
 
 
-def _sought(part: Part) -> Pose:
+def _sought(part: Component) -> Pose:
     """The pose of a part in its environment; registers unknown coordinates where equations shall find them."""
     if part.declaration.root:
         return Pose(part.rotation(), (ZERO, ZERO, ZERO), ONE)
@@ -192,7 +192,7 @@ def _sought(part: Part) -> Pose:
     return mapped_pose(poses[0][1], pick)
 
 
-def everywhere(part: Part, scopes: list[Scope]) -> bool:
+def everywhere(part: Component, scopes: list[Scope]) -> bool:
     """Whether one of the tables has a row wherever the part exists."""
     if any(scope is part.env.scope for scope in scopes):
         return True
@@ -203,7 +203,7 @@ def everywhere(part: Part, scopes: list[Scope]) -> bool:
         return False
 
 
-def partly(part: Part, mounts: list[tuple[Mount, Pose]]) -> Pose:
+def partly(part: Component, mounts: list[tuple[Mount, Pose]]) -> Pose:
     """The pose of a part that is mounted in some cases alone: there its place is an equation, else what others determine."""
     place, rotation = part.position(), part.rotation()
     for mount, pose in mounts:
@@ -234,7 +234,7 @@ def flat(pose: Pose) -> list[E.Expr]:
     return found
 
 
-def _mount_pose(part: Part, mount: Mount) -> Pose:
+def _mount_pose(part: Component, mount: Mount) -> Pose:
     ev = Evaluator(mount.env)
     statement = mount.statement
     if statement.between is not None:
@@ -268,7 +268,7 @@ def _mounted(ev: Evaluator, value: Value, node: ast.Expr, way: E.Expr) -> Frame:
     raise ev.env.context.error("wrong-kind", node.span, message)
 
 
-def _turned_in_vain(part: Part, mount: Mount) -> None:
+def _turned_in_vain(part: Component, mount: Mount) -> None:
     """Refuse `along` and `turned` of a part that a port or two points place: turned or not, it would stand the same."""
     said = [*part.declaration.placements, *(p for o in part.options for p in o.source.placements)]
     said += part.declaration.alternatives[0].placements if part.style is not None else ()
@@ -286,7 +286,7 @@ def _axes_from(direction: Triple) -> Matrix:
     return frame_of(direction, unit(0 if abs(direction[2].constant or 0.0) == 1.0 else 2))
 
 
-def _own_value(part: Part, subject: ast.Expr, env: Env, rotation: Matrix = IDENTITY) -> Value:
+def _own_value(part: Component, subject: ast.Expr, env: Env, rotation: Matrix = IDENTITY) -> Value:
     """The subject of a mount in the part's own frame (its pose is what is sought), turned as the part says."""
     frame = HERE if rotation == IDENTITY else Pose(rotation, (ZERO, ZERO, ZERO), ONE)
     own = Ref(part.name, (Branch(None, ((part, frame),)),), own=True)
@@ -313,7 +313,7 @@ def _locate_mount(frame: Frame, mount: Mount, ev: Evaluator) -> Triple:
     return triple(origin)
 
 
-def _bridge_pose(part: Part, mount: Mount, ev: Evaluator) -> Pose:
+def _bridge_pose(part: Component, mount: Mount, ev: Evaluator) -> Pose:
     """``between A and B [facing d] [sink s]``: the pose and the one parameter on which the length of ``ends`` depends."""
     statement = mount.statement
     clause = statement.between
@@ -382,7 +382,7 @@ def _basis(along: Triple, toward: Triple) -> Matrix:
     return columns(along, square, cross(along, square))
 
 
-def _circular_place(part: Part) -> Abort:
+def _circular_place(part: Component) -> Abort:
     """Report a part whose mount leads back to it, with the statements that lead there."""
     waiting = [p for p in part.env.parts if p.seeking]
     others = [p for p in waiting if p is not part]

@@ -10,7 +10,7 @@ from ..expressions.context import Abort
 from ..expressions.env import Env
 from ..values.kinds import Ref, Surface, Value
 from .links import Links
-from .part import Instance, Part
+from .part import Component, Instance
 
 
 def slots(links: Links, env: Env) -> None:
@@ -42,7 +42,7 @@ def numbers(links: Links, instance: Instance, name: str) -> set[int]:
     return {node for (part, _), node in links.nodes.items() if part in parts}
 
 
-def named(value: Value) -> list[Part]:
+def named(value: Value) -> list[Component]:
     if isinstance(value, Ref):
         return [part for branch in value.branches for part, _ in branch.members]
     return [branch[1] for branch in value.branches] if isinstance(value, Surface) else []

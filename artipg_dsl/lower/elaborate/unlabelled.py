@@ -10,7 +10,7 @@ from ...source import Span
 
 if TYPE_CHECKING:
     from ..program import Lowering
-    from .part import Part
+    from .part import Component
 
 _NAMED = 6  # primitives that a warning names
 
@@ -30,14 +30,14 @@ def warn_unlabelled(lowering: Lowering, category: Span) -> None:
         )
         return
     known = {part.path: part for part in lowering.context.parts}
-    of: dict[Part, list[Bare]] = {}
+    of: dict[Component, list[Bare]] = {}
     for one in bare:
         of.setdefault(_outermost(known[program.sites[one.number].path]), []).append(one)
     for part, several in of.items():
         report.warning("missing-label", part.span, _message(several, program.sites), hint=_hint(part))
 
 
-def _outermost(part: Part) -> Part:
+def _outermost(part: Component) -> Component:
     """The part of the category that a part belongs to."""
     while (instance := part.env.root.instance) is not None:
         part = instance.part
@@ -56,5 +56,5 @@ def _message(several: list[Bare], sites: list[Site]) -> str:
     return f"{named} {verb} no semantic label"
 
 
-def _hint(part: Part) -> str:
+def _hint(part: Component) -> str:
     return f"`label semantic.WORD on {part.name}` covers all of it, except where a deeper label does; without one it has class 0, `unlabelled`"

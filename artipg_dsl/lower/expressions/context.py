@@ -21,7 +21,7 @@ from ...syntax import ast
 
 if TYPE_CHECKING:
     from ...semantics.check import TypedProgram
-    from ..elaborate.part import Part
+    from ..elaborate.part import Component
     from ..elaborate.ranges import Quantity
     from ..solids.primitives import Lowered
     from ..values.kinds import Value
@@ -74,7 +74,7 @@ class Unknown:
     kind: str
     span: Span
     name: str
-    part: Part | None = None
+    part: Component | None = None
     axis: int = 0
     draw: Draw | None = None
     default: Expr | None = None
@@ -121,7 +121,9 @@ class Bend:
 
 
 @dataclass(slots=True, eq=False)
-class Context:
+class Draft:
+    """What the lowering of one program shares: the program as far as it is made, and what only later passes need."""
+
     report: Report
     program: Program
     typed: TypedProgram
@@ -133,9 +135,11 @@ class Context:
         default_factory=dict
     )  # requirement -> its place, whether the category's own
     bends: dict[int, Bend] = field(default_factory=dict)  # those of the requirements that are about one
-    ledger: list[tuple[Part | None, Unknown]] = field(default_factory=list)
-    parts: list[Part] = field(default_factory=list)
-    centred: dict[Part, int] = field(default_factory=dict)  # along how many axes nothing determines where a part is
+    ledger: list[tuple[Component | None, Unknown]] = field(default_factory=list)
+    parts: list[Component] = field(default_factory=list)
+    centred: dict[Component, int] = field(
+        default_factory=dict
+    )  # along how many axes nothing determines where a part is
     counted: dict[Scope, Span] = field(default_factory=dict)  # the tables of repeats and where they are stated
     asked: list[Quantity] = field(default_factory=list)  # numbers with a legal range that no record keeps
     fetched: list[Fetched] = field(default_factory=list)  # elements of repeats that have to be there

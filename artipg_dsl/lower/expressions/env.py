@@ -20,10 +20,10 @@ from ...syntax import ast
 from ..values.carry import merged, moved
 from ..values.kinds import Box, Choice, Frame, Line, Plane, Ports, Ref, Value, Vec, alike
 from ..values.vectors import HERE, compose, inverse
-from .context import Abort, Context, Equation, Unknown
+from .context import Abort, Draft, Equation, Unknown
 
 if TYPE_CHECKING:
-    from ..elaborate.part import Instance, Part
+    from ..elaborate.part import Component, Instance
 
 
 _MERGED = (Expr, Vec, Frame, Plane, Line, Box, Choice, Ports, Ref)  # one value out of those of branches
@@ -71,7 +71,7 @@ class Hinge:
 
 @dataclass(slots=True, eq=False)
 class Env:
-    context: Context
+    context: Draft
     module: ModuleScope
     symbol: Symbol | None
     scope: Scope
@@ -88,7 +88,7 @@ class Env:
     branches: dict[Expr, Env] = field(default_factory=dict)
     entered: dict[ast.WhenStmt, list[tuple[Env, tuple[ast.Stmt, ...]]]] = field(default_factory=dict)
     statements: list[ast.Stmt] = field(default_factory=list)
-    parts: list[Part] = field(default_factory=list)
+    parts: list[Component] = field(default_factory=list)
     element: Element | None = None
 
     @property
@@ -162,7 +162,7 @@ class Env:
             found.extend([(branch, branch.force(name))] if name in branch.names else branch.branched(name))
         return found
 
-    def all_parts(self) -> list[Part]:
+    def all_parts(self) -> list[Component]:
         """Parts declared here and in the environments inside, in the order of the text."""
         found = list(self.parts)
         for env in self.inner:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     pass
 
 if TYPE_CHECKING:
-    from ..elaborate.part import Part
+    from ..elaborate.part import Component
 
 
 def frame_in(env: Env, root: Env | None) -> Pose:
@@ -49,7 +49,7 @@ def raised(box: Box, scope: Scope | None, to: Scope) -> Box:
     return box
 
 
-def _boxes_in(env: Env) -> Iterator[tuple[Part, Box]]:
+def _boxes_in(env: Env) -> Iterator[tuple[Component, Box]]:
     """Every part of an environment and of those inside it with its box, in the environment's frame."""
     for part in env.parts:
         yield part, moved(part.box(), part.pose)

@@ -40,7 +40,7 @@ from .env import Element, Env, Function, Hinge
 from .extents import raised
 
 if TYPE_CHECKING:
-    from ..elaborate.part import Part
+    from ..elaborate.part import Component
     from ..values.kinds import Carrier
     from .evaluate import Evaluator
 
@@ -312,7 +312,7 @@ def ref_box(ev: Evaluator, ref: Ref, span: Span) -> Box:
 def _branch_box(ev: Evaluator, ref: Ref, span: Span) -> Box:
     """The box of what a reference names; for several parts, the axis-aligned box around them."""
     boxes: list[tuple[Scope | None, Box]] = []
-    carriers: list[Part] = []
+    carriers: list[Component] = []
     for branch in ref.branches:
         held = [_member_box(ev, part, outer, ref.own, branch.scope) for part, outer in branch.members]
         carriers += [part for part, _ in branch.members if part not in carriers]
@@ -329,7 +329,7 @@ def _branch_box(ev: Evaluator, ref: Ref, span: Span) -> Box:
     return lift(ev, replace(merged(parent, values), on=on), parent)
 
 
-def _member_box(ev: Evaluator, part: Part, outer: Pose, own: bool, scope: Scope | None) -> Box:
+def _member_box(ev: Evaluator, part: Component, outer: Pose, own: bool, scope: Scope | None) -> Box:
     """The box of one part of a reference; over all rows where the part stands in a repeat of its template."""
     box = moved(part.box(), outer if own else compose(outer, part.pose))
     target = scope if scope is not None else ev.env.scope

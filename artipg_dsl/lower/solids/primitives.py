@@ -15,7 +15,7 @@ from ...graph.program import Requirement
 from ...semantics.symbols import Symbol
 from ...source import Span
 from ...syntax import ast
-from ..expressions.context import Bend, Context, where
+from ..expressions.context import Bend, Draft, where
 from ..expressions.env import Env, Function, Thunk
 from ..expressions.evaluate import Evaluator
 from ..values.carry import mapped
@@ -134,7 +134,7 @@ class Lowered:
             )
 
 
-def lower_primitive(context: Context, symbol: Symbol, values: dict[str, Value] | None = None) -> Lowered:
+def lower_primitive(context: Draft, symbol: Symbol, values: dict[str, Value] | None = None) -> Lowered:
     """The formulas of a primitive, once per declaration, and per shape of the paths that uses hand in."""
     paths: dict[str, Handed] = {}
     for statement in symbol.body:
@@ -160,7 +160,7 @@ def lower_primitive(context: Context, symbol: Symbol, values: dict[str, Value] |
     return context.solids[key]
 
 
-def shaped(context: Context, symbol: Symbol, paths: dict[str, Handed], tested: dict[str, Interval]) -> Lowered:
+def shaped(context: Draft, symbol: Symbol, paths: dict[str, Handed], tested: dict[str, Interval]) -> Lowered:
     """The formulas of a primitive along given paths, tested over what is stated, or ``tested`` instead."""
     name, number = symbol.name, 2
     while name in context.program.primitives:
@@ -176,7 +176,7 @@ def shaped(context: Context, symbol: Symbol, paths: dict[str, Handed], tested: d
 
 
 def _beyond_tests(
-    context: Context, symbol: Symbol, paths: dict[str, Handed], values: dict[str, Value]
+    context: Draft, symbol: Symbol, paths: dict[str, Handed], values: dict[str, Value]
 ) -> dict[str, Interval]:
     """The ranges of what a use hands in beside a path where they lead out of the test ranges, none of which is possible along
     it: a thin wire may bend tightly.
@@ -203,7 +203,7 @@ def blame(paths: tuple[Handed, ...], primitive: str) -> tuple[Span, str]:
     return paths[0].curve.statement.name_span, f"{names} {verb} for `{primitive}`"
 
 
-def make(context: Context, symbol: Symbol, title: str, paths: dict[str, Handed]) -> Lowered:
+def make(context: Draft, symbol: Symbol, title: str, paths: dict[str, Handed]) -> Lowered:
 
     root = Scope(f"primitive {symbol.name}")
     env = Env(context, symbol.module, symbol, root, "")

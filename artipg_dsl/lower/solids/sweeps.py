@@ -13,7 +13,7 @@ from ...graph.expr import ONE, ZERO, Expr
 from ...graph.primitive import Patch, Piece, Triple, triple
 from ...syntax import ast
 from ..expressions.builtins import bound
-from ..expressions.context import Context
+from ..expressions.context import Draft
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..values.handed import Handed
@@ -66,7 +66,7 @@ def sweep(env: Env, solid: ast.SolidDecl) -> Made:
     )
 
 
-def round_sections(context: Context, solid: ast.SolidDecl) -> bool:
+def round_sections(context: Draft, solid: ast.SolidDecl) -> bool:
     """Whether all sections are circles; others are swept by ``loft``."""
     forms = (context.form(a.value) for a in solid.arguments)
     return all(form is not None and form.meaning == "circle" for form in forms)

@@ -9,10 +9,10 @@ from ...graph.feasible import Conflict, find_conflicts, find_idle, is_certain
 from ...graph.interval import Intervals
 from ...graph.program import Program
 from ...source import Span
-from ..expressions.context import Bend, Context, in_words, text_of
+from ..expressions.context import Bend, Draft, in_words, text_of
 
 
-def judge(context: Context, hollow: list[tuple[Scope, tuple[int, ...]]], own: str) -> None:
+def judge(context: Draft, hollow: list[tuple[Scope, tuple[int, ...]]], own: str) -> None:
     """Report what can never be met: an error where every object has it, else a warning.
 
     ``hollow`` are requirements that contradict one another; ``own`` names the main file.
@@ -39,7 +39,7 @@ def judge(context: Context, hollow: list[tuple[Scope, tuple[int, ...]]], own: st
             )
 
 
-def _tell(context: Context, conflict: Conflict) -> None:
+def _tell(context: Draft, conflict: Conflict) -> None:
     program = context.program
     bend = next((context.bends[r] for r in conflict.reasons if r in context.bends), None)
     spans = list(dict.fromkeys(context.stated[r][0] for r in conflict.reasons if r in context.stated))

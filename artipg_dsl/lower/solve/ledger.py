@@ -16,7 +16,7 @@ from ..values.kinds import part_of
 
 if TYPE_CHECKING:
     from ..elaborate.links import Links
-    from ..elaborate.part import Part
+    from ..elaborate.part import Component
 
 WORDS = {"centred": "nothing: centred", "default": "nothing: its default", "drawn": "drawn from its domain"}
 _SIGNS = {"eq": "=", "le": "<=", "lt": "<"}
@@ -53,7 +53,7 @@ def how(one: Settled) -> str:
     return one.equation.text + together + (f" (searched from {one.start})" if one.start else "")
 
 
-def carriage(links: Links, part: Part) -> Iterator[Line]:
+def carriage(links: Links, part: Component) -> Iterator[Line]:
     """The link that a part lies on, and why: in each branch of ``when`` that attaches it."""
     attachments, several = links.attachments(part), len(links.attachments(part)) > 1
     draws = {d.column: d.options for d in links.context.draws if d.kind == "choice"}

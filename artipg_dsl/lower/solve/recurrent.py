@@ -5,11 +5,11 @@ from __future__ import annotations
 from ...graph import expr as E
 from ...graph.expr import Column, Expr, Scope
 from ...graph.linear import Linear
-from ..expressions.context import Context
+from ..expressions.context import Draft
 from .inline import inline
 
 
-def closed(context: Context, column: Column, value: Expr) -> Expr:
+def closed(context: Draft, column: Column, value: Expr) -> Expr:
     """The value of ``column`` without ``previous`` of itself. Raises Abort where the recurrence is of another kind."""
     if column not in deep(value, context.program.definitions):
         return value
@@ -67,7 +67,7 @@ def nodes(root: Expr) -> list[Expr]:
     return list(found)
 
 
-def refused(context: Context, column: Column) -> Exception:
+def refused(context: Draft, column: Column) -> Exception:
     return context.error(
         "recurrence",
         context.spans[column],

@@ -21,7 +21,7 @@ from .vectors import HERE, Matrix, minus, plus, times
 
 if TYPE_CHECKING:
     from ...semantics.symbols import Symbol
-    from ..elaborate.part import Part
+    from ..elaborate.part import Component
     from ..expressions.env import Element, Function, Hinge
     from ..expressions.members import At
     from .handed import Handed
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 K = TypeVar("K")
 S = TypeVar("S")
-Carrier: TypeAlias = "Part | InElement"  # what a value lies on
+Carrier: TypeAlias = "Component | InElement"  # what a value lies on
 
 
 class Alternatives(ABC):
@@ -153,7 +153,7 @@ class Branch:
     """Parts that exist together in ``scope`` (None: wherever the reference is made), each with its pose."""
 
     scope: Scope | None
-    members: tuple[tuple[Part, Pose], ...]
+    members: tuple[tuple[Component, Pose], ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,7 +166,7 @@ class Ref:
     frame: Pose = HERE  # carries what all branches have in common into the frame of the environment that names it
 
 
-def reference(part: Part) -> Ref:
+def reference(part: Component) -> Ref:
     """A part by its name, where it is declared."""
     return Ref(part.name, (Branch(None, ((part, HERE),)),))
 
@@ -175,7 +175,7 @@ def reference(part: Part) -> Ref:
 class Surface:
     """A surface of a primitive part, or one of each alternative: (table, part, pose of the part's frame, name)."""
 
-    branches: tuple[tuple[Scope | None, Part, Pose, str], ...]
+    branches: tuple[tuple[Scope | None, Component, Pose, str], ...]
 
 
 @dataclass(slots=True, eq=False)
@@ -200,7 +200,7 @@ class InElement:
     rank: Expr | None
 
 
-def part_of(carrier: Carrier) -> Part:
+def part_of(carrier: Carrier) -> Component:
     """The part that a value lies on, whichever element it is of."""
     while isinstance(carrier, InElement):
         carrier = carrier.part
