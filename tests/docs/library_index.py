@@ -1,0 +1,149 @@
+"""The page `docs/library.md`: what the modules of the library declare, from their texts and doc comments."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from artipg_dsl.diagnostics import Report
+from artipg_dsl.resources import library_dir
+from artipg_dsl.source import Source
+from artipg_dsl.syntax import ast
+from artipg_dsl.syntax.parse import parse
+
+HEAD = """# The library
+
+What the modules of `library/` offer, by what you look for and by module. Import a name with `use`, for example
+`use handles { Handle, BarHandle }`. A role can be used in place of any template that plays it, with its inherited parameters as arguments.
+The [primitives](primitives.md) have a page of their own with pictures, and each [category](categories.md) shows templates in use.
+
+This page is made from the doc comments in `library/*.apg` by `pytest tests/docs/test_library.py --update-golden`.
+"""
+
+SOUGHT = {
+    "handle, grip, lever": "handle grip lever pull bow loop",
+    "knob, dial": "knob dial",
+    "button, key, row of buttons": "button buttons buttoned key keys keyboard numpad click",
+    "hinge, hinged part": "hinge hinged hinges flap",
+    "lid, cap, cover": "lid cap cover covers",
+    "door, leaf, sash": "door leaf leaves sash",
+    "drawer": "drawer",
+    "shell, housing, hollow box": "housing carcass hollow walls shell sleeve box body cabinet",
+    "vessel, pot, bowl": "vessel pot bowl bottle cup",
+    "leg, leg set, foot, base": "leg legs feet foot base support",
+    "wheel, castor": "wheel castor castors star",
+    "arm, stand, column": "arm stand column post pedestal bracket",
+    "tray, turntable, shelf, deck": "tray turntable shelf shelves deck plate",
+    "seat, back, arm rest": "seat back arm cushion",
+    "spout, tap, tube": "spout tap tube nozzle pipe",
+    "screen, display, camera": "screen display camera",
+    "frame, rim, ring": "frame rim ring jambs",
+    "rod, bar, rail": "rod rods bar bars rail rails",
+}
+
+_QUALIFIES = re.compile(r"[.,;:]| (?:of|on|with|that|in|for|from|about|under|above|behind|between|to|by|along|over) ")
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    module: str
+    node: ast.RoleDecl | ast.TemplateDecl | ast.PrimitiveDecl
+
+    @property
+    def name(self) -> str:
+        return self.node.name
+
+    @property
+    def doc(self) -> str:
+        return " ".join(self.node.doc.split())
+
+    @property
+    def role(self) -> str | None:
+        return self.node.role if isinstance(self.node, ast.TemplateDecl) else None
+
+    @property
+    def words(self) -> set[str]:
+        """The words of its name, of its role's name, and of what the doc comment begins with: up to what qualifies it."""
+        names = re.findall(r"[A-Z][a-z]*", f"{self.name} {self.role or ''}")
+        begins = "" if self.doc.startswith(("What ", "Stands ")) else _QUALIFIES.split(self.doc, maxsplit=1)[0]
+        return set(re.findall(r"[a-z]+", f"{' '.join(names)} {begins}".lower()))
+
+
+def entries() -> Iterator[Entry]:
+    """Roles, templates and primitives, by module, in the order of the text."""
+    for path in sorted(library_dir().glob("*.apg")):
+        tree = parse(Source(path.name, path.read_text(encoding="utf-8")), Report())
+        assert tree is not None, path.name
+        for node in tree.declarations:
+            if isinstance(node, ast.RoleDecl | ast.TemplateDecl | ast.PrimitiveDecl):
+                yield Entry(path.stem, node)
+
+
+def page() -> str:
+    """The whole page."""
+    known = list(entries())
+    lines = [HEAD, "## By what you look for", "", "| you look for | see |", "|---|---|"]
+    for title, words in SOUGHT.items():
+        found = [e for e in known if e.words & set(words.split())]
+        shown = ", ".join(f"[`{e.name}`](#{e.module})" for e in found if not isinstance(e.node, ast.PrimitiveDecl))
+        lines.append(f"| {title} | {shown} |")
+    roles = [e for e in known if isinstance(e.node, ast.RoleDecl)]
+    lines += ["", "## By role", "", "| role | is | templates that play it |", "|---|---|---|"]
+    for role in sorted(roles, key=lambda e: e.name):
+        playing = ", ".join(f"`{e.name}`" for e in known if _plays(e, role.name, known))
+        lines.append(f"| [`{role.name}`](#{role.module}) | {_cell(role.doc)} | {playing or '(see the module)'} |")
+    for module in dict.fromkeys(e.module for e in known):
+        lines += ["", f"## {module}", ""]
+        here = [e for e in known if e.module == module]
+        lines += ["| name | plays | parameters | what it is |", "|---|---|---|---|"]
+        for entry in here:
+            what = "role" if isinstance(entry.node, ast.RoleDecl) else ""
+            what = "primitive" if isinstance(entry.node, ast.PrimitiveDecl) else entry.role or what or "-"
+            plays = f"`{what}`" if entry.role else what
+            lines.append(f"| `{entry.name}` | {plays} | {_parameters(entry.node)} | {_cell(entry.doc)} |")
+    return "\n".join(lines) + "\n"
+
+
+def _plays(entry: Entry, role: str, known: list[Entry]) -> bool:
+    """Whether a template has the role, itself or through a role that refines it."""
+    parents = {e.name: e.node.parent for e in known if isinstance(e.node, ast.RoleDecl)}
+    own = entry.role
+    while own is not None and own != role:
+        own = parents.get(own)
+    return own == role
+
+
+def _parameters(node: ast.RoleDecl | ast.TemplateDecl | ast.PrimitiveDecl) -> str:
+    """Parameters and counts with their types, ``= default`` where they have one."""
+    shown = []
+    for statement in node.body:
+        if isinstance(statement, ast.ParamDecl) and statement.keyword != "out":
+            kind = _type(statement.type)
+            shown += [f"`{name}`{kind}{_default(statement.default)}" for name in statement.names]
+        elif isinstance(statement, ast.CountDecl):
+            shown.append(f"`{statement.name}` (count){_default(statement.default)}")
+    return ", ".join(shown) or "-"
+
+
+def _type(ref: ast.TypeRef) -> str:
+    """Nothing for a length, as on the page of the primitives."""
+    if ref.values:
+        return f" ({', '.join(ref.values)})"
+    if ref.style:
+        return f" (style of `{ref.name}`)"
+    if ref.size is not None:
+        count = {2: "two", 3: "three"}[ref.size]
+        return f" ({count} {ref.name}s)"
+    return "" if ref.name == "length" else f" ({ref.name})"
+
+
+def _default(expr: ast.Expr | None) -> str:
+    if expr is None:
+        return ""
+    text = " ".join(expr.span.source.text[expr.span.start : expr.span.end].split())
+    return f" = {_cell(text)}"
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "\\|")

@@ -1,0 +1,32 @@
+"""`docs/library.md` is what the texts of the library say, and each of its declarations says what it is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from .library_index import SOUGHT, entries, page
+
+PAGE = Path(__file__).parents[2] / "docs" / "library.md"
+
+
+def test_the_page_is_up_to_date(update_golden: bool) -> None:
+    current = page()
+    if update_golden:
+        PAGE.write_text(current, encoding="utf-8")
+    assert PAGE.read_text(encoding="utf-8") == current, "run pytest tests/docs/test_library.py --update-golden"
+
+
+def test_everything_says_what_it_is() -> None:
+    assert [f"{e.module}.{e.name}" for e in entries() if not e.doc] == []
+
+
+def test_whatever_is_sought_is_found() -> None:
+    known = list(entries())
+    for title, words in SOUGHT.items():
+        assert any(e.words & set(words.split()) for e in known), title
+
+
+def test_a_parameter_is_shown_with_its_type_and_default() -> None:
+    text = PAGE.read_text(encoding="utf-8")
+    assert "| `BracketHandle` | `Handle` | `thickness` = 10mm | A flat grip on two or three posts. |" in text
+    assert "| `Handle` | role | `size` (three lengths) |" in text
