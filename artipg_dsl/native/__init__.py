@@ -7,9 +7,10 @@ operation on numbers is an inner loop of NumPy itself. Knows neither expressions
     bodies.h        convex bodies in pairs, as the files beside it see them
     narrow.c        which of them overlap, as ``geometry.collide`` has it
     states.c        pieces in many states of joints, as ``validity.following`` has it
+    turning.c       pieces that turn, as ``validity.validate`` has it
     loops           the inner loops of NumPy's functions, and how an array lies in memory
     compiler        the machine compiled, kept and loaded
     tape, plan      straight-line programs of operations; registers and phases for the shapes that are given
-    narrow, states  bodies told to narrow.c and states.c
+    narrow, states, turning     bodies told to these three
     backend         which backend is used
 """

@@ -32,8 +32,10 @@ class Machine:
     def __init__(self, library: ctypes.CDLL):
         self.library = library
         try:
-            library.closest.restype = library.separate.restype = library.meet_in_states.restype = None
-            library.near_in_states.restype = library.way_size.restype = ctypes.c_int64
+            for name in ("closest", "separate", "meet_in_states", "examine", "sweep"):
+                getattr(library, name).restype = None
+            for name in ("near_in_states", "way_size"):
+                getattr(library, name).restype = ctypes.c_int64
             self._run, look = library.run, library.look
             self._moves = {
                 kinds: ctypes.cast(getattr(library, name), ctypes.c_void_p).value or 0

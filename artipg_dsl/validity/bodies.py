@@ -14,7 +14,9 @@ from ..geometry.collide import DEPTH, inset
 from ..geometry.pieces import Cloud
 from ..geometry.sites import scatter
 from ..geometry.vectors import cross, dot
+from ..native.backend import machine as compiled
 from ..native.narrow import Side
+from ..native.turning import sweep
 from ..runtime.batch import Batch
 from ..runtime.motion import apply
 
@@ -434,6 +436,9 @@ def swept_extent(
     Exact for the corners: each runs along an arc.
     """
     assert moved.turn is not None and moved.shift is not None
+    machine = compiled()
+    if machine is not None:
+        return sweep(machine, moved.side(), axis, origin, half, direction)
     found = np.empty(len(moved))
     along = dot(axis, direction)
     flat = direction - axis * along[:, None]

@@ -14,8 +14,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry.collide import find_near, overlap, separate
+from ..geometry.collide import MOST_STEPS, find_near, overlap, separate
 from ..geometry.vectors import dot
+from ..native.backend import Machine
+from ..native.backend import machine as compiled
+from ..native.turning import Intervals, examine
 from ..runtime.batch import Batch
 from ..runtime.motion import apply, rotation_about
 from .bodies import EXACT, FULL, Pieces, Placed, bound_rings, enumerate_ranges, gather, link_boxes, swept_extent
@@ -294,6 +297,9 @@ class Turns:
     def examined(self, body: Pieces) -> tuple[np.ndarray, np.ndarray]:
         """Which meet in the middle, and which are proved to stay apart."""
         middle, half = (self.start + self.stop) / 2, (self.stop - self.start) / 2
+        machine = compiled()
+        if machine is not None:
+            return self._examined_compiled(machine, body, middle, half)
         turn = rotation_about(self.axis, middle)
         along = self.axis * (self.advance * middle)[:, None]
         moved = Placed(body, self.piece, turn, self.origin - apply(turn, self.origin) + along)
@@ -309,6 +315,17 @@ class Turns:
         length = np.sqrt(dot(away, away))
         hit |= length < gap
         return hit, ~hit & (least - most >= gap * length)
+
+    def _examined_compiled(
+        self, machine: Machine, body: Pieces, middle: np.ndarray, half: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """The same, by compiled code."""
+        gap = None if body.gap is None else body.gap[self.piece]
+        pairs = Intervals(
+            self.axis, self.origin, middle, half, self.advance, gap, self.piece, self.other, body.low, body.high
+        )
+        moved, still = (Placed(body, piece).side() for piece in (self.piece, self.other))
+        return examine(machine, moved, still, pairs, 0.5 if gap is None else EXACT, MOST_STEPS)
 
 
 def _decide(tree: Tree, body: Pieces, turns: Turns) -> tuple[np.ndarray, np.ndarray]:

@@ -1,0 +1,83 @@
+/* Bodies that turn beside others that stay: the steps of ``validity.validate`` for intervals of angles. Sines and cosines are given:
+   they are NumPy's. */
+
+#include "bodies.h"
+
+/* how far a body reaches along a direction while it turns by up to an angle either way, of which ``c`` and ``s`` are cosine and sine */
+static double swept(const double *corners, int64_t n, const double *turn, const double *shift, const double *axis, const double *origin,
+                    double c, double s, const double *direction) {
+    double along = dot(axis, direction), flat[3], across[3], off[3], local[3], most = 0.0;
+    int i;
+    for (i = 0; i < 3; i++) flat[i] = direction[i] - axis[i] * along, off[i] = shift[i] - origin[i];
+    cross(flat, axis, across);
+    for (int64_t k = 0; k < n; k++) {
+        double ahead, aside, radius, reach;
+        apply(turn, corners + 3 * k, local);
+        for (i = 0; i < 3; i++) local[i] += off[i];
+        ahead = dot(local, flat), aside = fabs(dot(local, across));
+        radius = sqrt(ahead * ahead + aside * aside);
+        reach = ahead >= radius * c ? radius : ahead * c + aside * s;
+        reach = along * dot(local, axis) + reach;
+        if (k == 0 || !(reach <= most)) most = reach;
+        if (most != most) break; /* no number: nothing is proved by it */
+    }
+    return most + dot(origin, direction);
+}
+
+/* n placed bodies, each about an axis through an origin by an angle of cosine ``c`` and sine ``s``, along a direction. */
+OUT void sweep(int64_t n, const side *moved, const double *axis, const double *origin, const double *c, const double *s,
+               const double *direction, double *out) {
+    for (int64_t k = 0; k < n; k++)
+        out[k] = swept(moved->corners[k], moved->count[k], moved->turn + 9 * k, moved->shift + 3 * k, axis + 3 * k, origin + 3 * k, c[k],
+                       s[k], direction + 3 * k);
+}
+
+/* intervals of angles of pairs: axis and origin of the turn, the angle in the middle and half the interval, cosines and sines of both (of
+   no more than a half turn), how far a radian advances, the gap that is asked for, null for none; boxes of the pieces at rest */
+typedef struct {
+    const double *axis, *origin, *middle, *half, *cos_middle, *sin_middle, *cos_half, *sin_half, *advance, *gap, *low, *high;
+    const int64_t *piece, *other;
+} turns;
+
+static void rotation(const double *axis, double c, double s, double *out) {
+    const double t = 1.0 - c, x = axis[0], y = axis[1], z = axis[2];
+    out[0] = x * x * t + c, out[1] = x * y * t - z * s, out[2] = x * z * t + y * s;
+    out[3] = x * y * t + z * s, out[4] = y * y * t + c, out[5] = y * z * t - x * s;
+    out[6] = x * z * t - y * s, out[7] = y * z * t + x * s, out[8] = z * z * t + c;
+}
+
+/* Which of n pairs meet in the middle of their intervals, and which are proved to stay apart in all of them. */
+OUT void examine(int64_t n, const side *moved, const side *still, const turns *all, double near, int64_t steps, unsigned char *hit,
+                 unsigned char *apart) {
+    for (int64_t k = 0; k < n; k++) {
+        const double *axis = all->axis + 3 * k, *origin = all->origin + 3 * k;
+        double turn[9], shift[3], v[3], back[3], one[3], two[3], along = all->advance[k] * all->middle[k], least, most, length;
+        const int64_t zero = 0;
+        const side own = {moved->corners + k, moved->count + k, &zero, turn, shift, NULL, NULL};
+        const side other = {still->corners + k, still->count + k, NULL, NULL, NULL, NULL, NULL};
+        const double *low = all->low + 3 * all->piece[k], *high = all->high + 3 * all->piece[k];
+        const double *lows = all->low + 3 * all->other[k], *highs = all->high + 3 * all->other[k];
+        int i;
+        rotation(axis, all->cos_middle[k], all->sin_middle[k], turn);
+        apply(turn, origin, one);
+        for (i = 0; i < 3; i++) shift[i] = origin[i] - one[i] + axis[i] * along;
+        for (i = 0; i < 3; i++) two[i] = (low[i] + high[i]) / 2;
+        apply(turn, two, one);
+        for (i = 0; i < 3; i++) v[i] = one[i] + shift[i] - (lows[i] + highs[i]) / 2;
+        if (dot(v, v) < 1e-24) v[0] = 1.0, v[1] = v[2] = 0.0;
+        hit[k] = (unsigned char)part(&own, &other, 0, near, steps, v);
+        apart[k] = 0;
+        if (all->gap) {
+            length = sqrt(dot(v, v));
+            hit[k] |= length < all->gap[k];
+        } else
+            length = 0.0;
+        if (hit[k]) continue;
+        for (i = 0; i < 3; i++) back[i] = -v[i];
+        least = -swept(own.corners[0], own.count[0], turn, shift, axis, origin, all->cos_half[k], all->sin_half[k], back);
+        least -= fabs(dot(axis, v) * all->advance[k] * all->half[k]);
+        support(&other, 0, v, two);
+        most = dot(two, v);
+        apart[k] = all->gap ? least - most >= all->gap[k] * length : least >= most;
+    }
+}

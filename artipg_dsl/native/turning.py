@@ -1,0 +1,75 @@
+"""Bodies that turn, looked at by compiled code: what ``validity.validate`` and ``validity.bodies`` compute, with the same bits."""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import dataclass
+
+import numpy as np
+
+from .backend import Machine
+from .narrow import Side, address, told
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Intervals:
+    """Intervals of angles of k pairs of pieces: unit axes and origins (k, 3), the angle in the middle and half the interval (k,), radians,
+    metres along the axis for a radian (k,), a gap (k,) or None; which pieces (k,) of those with boxes (N, 3) at rest."""
+
+    axis: np.ndarray
+    origin: np.ndarray
+    middle: np.ndarray
+    half: np.ndarray
+    advance: np.ndarray
+    gap: np.ndarray | None
+    piece: np.ndarray
+    other: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+
+
+_NUMBERS = (
+    "axis", "origin", "middle", "half", "cos_middle", "sin_middle", "cos_half", "sin_half", "advance", "gap", "low", "high",
+)  # fmt: skip
+
+
+class _Turns(ctypes.Structure):
+    _fields_ = [(name, ctypes.c_void_p) for name in (*_NUMBERS, "piece", "other")]
+
+
+def examine(
+    machine: Machine, moved: Side, still: Side, turns: Intervals, near: float, steps: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Which pairs (k,) meet in the middle of their intervals, and which are proved to stay apart in all of them."""
+    hit, apart = np.empty((2, len(turns.piece)), dtype=np.bool_)
+    least = np.minimum(turns.half, np.pi)
+    angles = np.cos(turns.middle), np.sin(turns.middle), np.cos(least), np.sin(least)
+    columns = (
+        turns.axis, turns.origin, turns.middle, turns.half, *angles, turns.advance, turns.gap, turns.low, turns.high
+    )  # fmt: skip
+    given = [None if column is None else np.ascontiguousarray(column, dtype=np.float64) for column in columns]
+    given += [np.ascontiguousarray(column, dtype=np.int64) for column in (turns.piece, turns.other)]
+    all_of = _Turns(*[None if array is None else array.ctypes.data for array in given])
+    (one, held), (two, more) = (told(side) for side in (moved, still))
+    machine.library.examine(
+        ctypes.c_int64(len(hit)), ctypes.byref(one), ctypes.byref(two), ctypes.byref(all_of), ctypes.c_double(near),
+        ctypes.c_int64(steps), address(hit), address(apart),
+    )  # fmt: skip
+    del held, more  # were to live until here
+    return hit, apart
+
+
+def sweep(
+    machine: Machine, moved: Side, axis: np.ndarray, origin: np.ndarray, half: np.ndarray, direction: np.ndarray
+) -> np.ndarray:
+    """How far (k,) bodies, turned and shifted, reach along ``direction`` (k, 3) while they turn about axes (k, 3) through origins
+    (k, 3) by up to ``half`` (k,) either way."""
+    found = np.empty(len(half))
+    columns = (axis, origin, np.cos(half), np.sin(half), direction)
+    given = [np.ascontiguousarray(column, dtype=np.float64) for column in columns]
+    one, held = told(moved)
+    machine.library.sweep(
+        ctypes.c_int64(len(half)), ctypes.byref(one), *[address(column) for column in given], address(found)
+    )
+    del held  # was to live until here
+    return found

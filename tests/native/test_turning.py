@@ -1,0 +1,59 @@
+"""Pieces that turn: compiled code says what NumPy says of them, to the last bit."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from artipg_dsl.geometry.vectors import dot
+from artipg_dsl.session import Session
+from artipg_dsl.validity.bodies import Placed, gather, swept_extent
+from artipg_dsl.validity.tree import Tree
+from artipg_dsl.validity.validate import Turns
+
+from .machine import bits, needs_compiler
+
+pytestmark = needs_compiler
+
+
+@pytest.fixture(scope="module")
+def pairs():
+    """Any two pieces of faucets, and turns of the one about axes near it, advancing as a screw does."""
+    batch = Session.of("Faucet").sampler.batch(np.arange(2), 3)
+    tree = Tree(batch)
+    body = gather(batch, tree.first, tree.turn, tree.shift)
+    lots = np.random.Generator(np.random.PCG64(1))
+    piece, other = lots.integers(0, len(body), (2, 4000))
+    axis = lots.normal(size=(4000, 3))
+    axis /= np.sqrt(dot(axis, axis))[:, None]
+    origin = body.low[piece] + 0.05 * lots.normal(size=(4000, 3))
+    start = lots.normal(size=4000)
+    stop = start + 10.0 ** lots.uniform(-3, 0.9, 4000)
+    advance = np.where(lots.uniform(size=4000) < 0.5, 0.0, 0.01)
+    return body, Turns(piece, other, axis, origin, start, stop, advance, np.arange(4000))
+
+
+@pytest.mark.parametrize("gap", [None, 0.02])
+def test_intervals_of_angles(using, pairs, gap):
+    body, turns = pairs
+    body = replace(body, gap=None if gap is None else np.full(len(body), gap))
+    found = []
+    for name in ("numpy", "c"):
+        using(name)
+        found.append([bits(which) for which in turns.examined(body)])
+    assert found[0] == found[1]
+    hit, apart = turns.examined(body)
+    assert hit.sum() > 100 and apart.sum() > 100 and not (hit & apart).any()
+
+
+def test_how_far_pieces_reach_while_they_turn(using, pairs):
+    body, turns = pairs
+    lots = np.random.Generator(np.random.PCG64(2))
+    turn = np.linalg.qr(lots.normal(size=(4000, 3, 3)))[0]
+    moved = Placed(body, turns.piece, turn, lots.normal(size=(4000, 3)))
+    half, direction = lots.uniform(0, np.pi, 4000), lots.normal(size=(4000, 3))
+    found = []
+    for name in ("numpy", "c"):
+        using(name)
+        found.append(bits(swept_extent(moved, turns.axis, turns.origin, half, direction)))
+    assert found[0] == found[1]
