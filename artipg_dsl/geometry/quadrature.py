@@ -12,6 +12,8 @@ from functools import lru_cache
 import numpy as np
 
 from ..graph.primitive import Primitive
+from ..native.backend import machine as compiled
+from ..native.moments import add_moments
 from .box import bounds
 from .patches import Params, Split, find_existing, rows_of, surfaces
 from .topology import orientation, turns
@@ -46,7 +48,7 @@ def volume_inertia(
     low, high = bounds(primitive, params)
     middle = (low + high) / 2  # the moments are taken about it, so that little cancels
     volume, first, second = np.zeros(count), np.zeros((count, 3)), np.zeros((count, 3, 3))
-    there = find_existing(primitive, params)
+    there, machine = find_existing(primitive, params), compiled()
     for patch in range(there.shape[1]):
         split, u, v, weight = _rule(primitive, patch)
         rows = np.flatnonzero(there[:, patch])
@@ -54,6 +56,9 @@ def volume_inertia(
         for start in range(0, len(rows), at_once):
             own = rows[start : start + at_once]
             values = split.points([r[:, None] for r in split.rows({n: c[own] for n, c in params.items()})], u, v)
+            if machine is not None:
+                add_moments(machine, values, weight, own, middle, (volume, first, second), inertia)
+                continue
             terms = [np.broadcast_to(value, (len(own), len(u))) for value in values]
             x = [terms[axis] - middle[own, axis, None] for axis in range(3)]
             flow = [terms[3 + axis] * weight for axis in range(3)]

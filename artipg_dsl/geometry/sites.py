@@ -74,10 +74,12 @@ def weigh(tables: list[SiteTable], inertia: bool = True) -> None:
     for group, params in _of_one_primitive(
         [table for table in tables if not {"moments", name} & table.__dict__.keys()]
     ):
-        found, start = volume_inertia(group[0].primitive, params, inertia), 0
+        chosen, same = _distinct(params)
+        found = volume_inertia(group[0].primitive, {key: column[chosen] for key, column in params.items()}, inertia)
+        start = 0
         for table in group:
-            part = slice(start, start + len(table))
-            start = part.stop
+            part = same[start : start + len(table)]
+            start += len(table)
             table.__dict__[name] = tuple(column[part] for column in found[: 3 if inertia else 2])
 
 
@@ -89,6 +91,16 @@ def scatter(tables: list[SiteTable]) -> None:
             own = [np.flatnonzero((cloud.rows >= start) & (cloud.rows < start + len(table))) for cloud in found]
             table.__dict__["clouds"] = [cloud.at(at, start) for cloud, at in zip(found, own, strict=True) if len(at)]
             start += len(table)
+
+
+def _distinct(params: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """One row of each set of alike rows, as the keys of a keyboard are, and for each row (k,) which of these it is like."""
+    if not params:
+        return np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64)
+    columns = np.stack([np.asarray(column, dtype=np.float64) for column in params.values()], axis=1)
+    rows = columns.view(f"V{columns.itemsize * columns.shape[1]}").ravel()
+    _, chosen, same = np.unique(rows, return_index=True, return_inverse=True)
+    return chosen, same
 
 
 def _of_one_primitive(tables: list[SiteTable]) -> list[tuple[list[SiteTable], dict[str, np.ndarray]]]:

@@ -11,6 +11,8 @@ operation on numbers is an inner loop of NumPy itself. Knows neither expressions
     loops           the inner loops of NumPy's functions, and how an array lies in memory
     compiler        the machine compiled, kept and loaded
     tape, plan      straight-line programs of operations; registers and phases for the shapes that are given
-    narrow, states, turning     bodies told to these three
+    moments.c       sums over the surfaces of solids, as ``geometry.quadrature`` has it
+    narrow, states, turning     bodies told to these
+    moments                     the sums told to moments.c
     backend         which backend is used
 """

@@ -5,10 +5,12 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .backend import Machine
+if TYPE_CHECKING:
+    from .backend import Machine
 
 
 @dataclass(frozen=True, slots=True, eq=False)

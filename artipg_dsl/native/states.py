@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import ctypes
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .backend import Machine
 from .narrow import Side, address, told
+
+if TYPE_CHECKING:
+    from .backend import Machine
 
 _ROOM = 1 << 14  # pairs that there is room for at first
 

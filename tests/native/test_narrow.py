@@ -5,6 +5,9 @@ import pytest
 
 from artipg_dsl.geometry import collide
 from artipg_dsl.geometry.collide import Corners
+from artipg_dsl.geometry.quadrature import volume_inertia
+from artipg_dsl.geometry.sites import weigh
+from artipg_dsl.session import Session
 from artipg_dsl.validity.bodies import Pieces, Placed
 
 from .machine import bits, needs_compiler
@@ -85,3 +88,17 @@ def test_no_pairs(using):
     nobody = Corners(np.zeros((0, 8, 3)))
     one, other = both(using, lambda: collide.overlap(nobody, nobody))
     assert len(one) == len(other) == 0
+
+
+@pytest.mark.parametrize("category", ["USB", "Chair"])
+def test_moments_of_solids(using, category):
+    """The moments of all primitives, for each row by itself and for one of those that are alike."""
+    found = []
+    for name in ("numpy", "c"):
+        using(name)
+        tables = [table for table in Session.of(category).sampler.batch(np.arange(3), 3).sites() if len(table)]
+        weigh(tables)
+        found.append([[bits(column) for column in table.moments] for table in tables])
+        weighed = [[bits(column) for column in volume_inertia(t.primitive, t.params)] for t in tables]
+        assert weighed == found[-1]
+    assert found[0] == found[1]
