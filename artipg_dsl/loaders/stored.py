@@ -1,0 +1,148 @@
+"""Batches of what ``apgc sample`` has written: a folder, or several, of any categories, as one numbered set of items.
+
+An item is an object in one of its states (and from one of its cameras, for ``completion``). Arrays are those of a ``Stream``; those that the
+task needs are read when the first batch is made and kept, some 50 kB an item of 2,048 points.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import UserError
+from ..run.manifest import Manifest
+from ..run.resume import read_folder_manifest
+from .draws import Draws
+from .tasks import DTYPES, Arrays, find_task, stack_words
+from .transforms import Transform
+
+_WORD = "affordance."
+_MOVED = ("points", "normals", "motion")  # these differ from state to state
+
+
+class Stored:
+    """``len(stored)`` items; ``stored.take(numbers)`` makes a batch of some of them.
+
+    ``folders`` hold ``points-*.npz``, for completion ``views-*.npz`` too; all with as many points. ``seed`` is that of the transforms.
+    Raises UsageError, UserError, ExportError.
+    """
+
+    def __init__(
+        self,
+        folders: str | Path | Sequence[str | Path],
+        task: str = "segmentation",
+        *,
+        seed: int = 0,
+        transforms: Iterable[Transform] = (),
+    ):
+        self.folders = [Path(f) for f in ([folders] if isinstance(folders, str | Path) else folders)]
+        self.task, self.seed, self.transforms = find_task(task), int(seed), list(transforms)
+        manifests = [read_folder_manifest(str(folder)) for folder in self.folders]
+        self.categories = [manifest["category"] for manifest in manifests]
+        self.words = _common_words(self.folders, manifests)
+        self._sizes = [self._count_items(f, m) for f, m in zip(self.folders, manifests, strict=True)]
+
+    def __len__(self) -> int:
+        return sum(self._sizes)
+
+    def take(self, items: Sequence[int] | np.ndarray, epoch: int = 0) -> Arrays:
+        """The arrays of the items of the given numbers; ``epoch`` makes new numbers for the transforms."""
+        item = np.asarray(items, dtype=np.int64)
+        if item.size and not (0 <= item.min() and item.max() < len(self)):
+            raise IndexError(f"there are {len(self)} items, no item {item.min() if item.min() < 0 else item.max()}")
+        found = {name: array[item] for name, array in self._arrays.items()}
+        labels = {name: found.pop(name) for name in [n for n in found if n.startswith(_WORD)]}
+        if "affordance" in self.task.points:
+            found["affordance"] = stack_words(labels, self.words["affordance"], found["points"].shape[:2])
+        for name in [n for n in self.task.points if n in DTYPES]:
+            found[name] = found[name].astype(DTYPES[name])
+        known = {"object": found.pop("object"), "category": found.pop("category")}
+        found = {name: found[name] for name in ("points", *self.task.points, "partial") if name in found}
+        for rank, transform in enumerate(self.transforms):
+            found = transform(found, Draws(self.seed, str(rank), item, epoch))
+        return known | found
+
+    @cached_property
+    def _arrays(self) -> Arrays:
+        """All items' arrays, folder after folder."""
+        every = [self._read(k, folder) for k, folder in enumerate(self.folders)]
+        names = {name for arrays in every for name in arrays}
+        widths = sorted({arrays["points"].shape[1] for arrays in every})
+        if len(widths) > 1:
+            raise UserError(
+                f"the folders have {widths[0]} and {widths[-1]} points", "sample them with the same --points"
+            )
+        return {
+            name: np.concatenate([a.get(name, np.zeros(a["points"].shape[:2], bool)) for a in every]) for name in names
+        }
+
+    def _read(self, k: int, folder: Path) -> Arrays:
+        """The items of one folder."""
+        needed = {"points", *self.task.points} - {"affordance"}
+        found = _read_shards(folder, "points", lambda n: n in {"object", *needed} or self._is_word(n))
+        states = found["points"].shape[1] if found["points"].ndim == 4 else 1
+        views = 1
+        if self.task.partial:
+            partial = _read_shards(folder, "views", lambda n: n == "cloud_points")["cloud_points"]
+            partial = partial.reshape(len(partial), states, *partial.shape[-3:])
+            views = partial.shape[2]
+            found["partial"] = partial.reshape(-1, *partial.shape[-2:])
+        items = {n: _to_items(a, n, states, views) if n != "partial" else a for n, a in found.items()}
+        items["category"] = np.full(len(items["object"]), k)
+        return items
+
+    def _is_word(self, name: str) -> bool:
+        return "affordance" in self.task.points and name.startswith(_WORD) and not name.endswith(".joint")
+
+    def _count_items(self, folder: Path, manifest: Manifest) -> int:
+        """Of a folder, as its manifest tells."""
+        formats = manifest["identity"]["formats"]
+        for name in ["points", *(["views"] if self.task.partial else [])]:
+            if name not in formats:
+                more = "--views 8" if name == "views" else "--format points"
+                raise UserError(f"{folder} holds no {name}.npz", f"sample it again with {more}")
+        arrays = manifest.get("arrays", {})
+        for name in self.task.points:
+            if name not in arrays and name != "affordance":
+                raise UserError(f"{folder} holds no array `{name}`", f"sample it again with --{name}")
+        first = _read_shards(folder, "points", lambda n: n in ("object", "points"), most=1)
+        states = first["points"].shape[1] if first["points"].ndim == 4 else 1
+        views = 1
+        if self.task.partial:
+            views = _read_shards(folder, "views", lambda n: n == "cloud_points", most=1)["cloud_points"].shape[-3]
+        return int(manifest["objects"]) * states * views
+
+
+def _to_items(array: np.ndarray, name: str, states: int, views: int) -> np.ndarray:
+    """(B, ...), or (B, K, n, 3) where points move, to a row per object, state and view."""
+    rows = array.reshape(-1, *array.shape[-2:]) if name in _MOVED else np.repeat(array, states, axis=0)
+    return np.repeat(rows, views, axis=0)
+
+
+def _read_shards(folder: Path, kind: str, wanted: Callable[[str], bool], most: int | None = None) -> Arrays:
+    """The wanted arrays of all shards of a kind, put together. Raises UserError."""
+    paths = sorted(folder.glob(f"{kind}-*.npz"))[:most]
+    if not paths:
+        raise UserError(
+            f"{folder} has no {kind}-*.npz yet", "run the command that makes it again: it goes on where it was"
+        )
+    parts = []
+    for path in paths:
+        with np.load(path) as file:
+            parts.append({name: file[name] for name in file.files if wanted(name)})
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+
+def _common_words(folders: Sequence[Path], manifests: Sequence[Manifest]) -> dict[str, list[str]]:
+    """What numbers mean, which all folders have to agree on. Raises UserError."""
+    first = manifests[0]["vocabularies"].get("semantic", [])
+    for folder, manifest in zip(folders, manifests, strict=True):
+        if manifest["vocabularies"].get("semantic", []) != first:
+            raise UserError(
+                f"{folders[0]} and {folder} number their semantic classes differently", "sample them with one version"
+            )
+    known = {n.removeprefix(_WORD) for m in manifests for n in m.get("arrays", {}) if n.startswith(_WORD)}
+    return {"semantic": list(first), "affordance": sorted(n for n in known if not n.endswith(".joint"))}

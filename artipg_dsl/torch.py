@@ -1,0 +1,103 @@
+"""Objects for PyTorch: an ``IterableDataset`` of fresh ones, a ``Dataset`` of stored ones (extra ``torch``).
+
+    data = Stream(["Microwave", "Door"], "segmentation", batch=32, transforms=[Normalise(), Jitter()])
+    for batch in DataLoader(data, batch_size=None, num_workers=4): ...
+
+Batches are dictionaries of tensors by the names of ``loaders.tasks.make_arrays``. They are the same on any number of workers, in the same
+order; processes of ``torch.distributed`` share them out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+try:
+    import torch
+    from torch.utils.data import Dataset, IterableDataset, get_worker_info
+except ImportError as missing:
+    from .errors import UserError
+
+    raise UserError("PyTorch is not installed", "pip install 'artipg_dsl[torch]'") from missing
+
+from . import loaders
+from .errors import UsageError
+from .loaders import Drop, Jitter, Normalise, Occlude, Scale, Turn, View
+
+Batch = dict[str, torch.Tensor]
+
+
+class Stream(IterableDataset[Batch]):
+    """Batches of objects made on the way; the arguments are those of ``loaders.Stream``, and ``rank`` of ``world``.
+
+    It makes whole batches: give the DataLoader ``batch_size=None``. ``set_epoch(e)`` makes other objects (or, without ``fresh``, other
+    random states and transforms), also in workers that persist; an epoch that is repeated has the same batches. ``rank`` and ``world``: which
+    of how many processes this is, by default as ``torch.distributed`` says; each has as many batches. Raises as ``loaders.Stream``.
+    """
+
+    def __init__(self, *args: Any, rank: int | None = None, world: int | None = None, **options: Any):
+        super().__init__()
+        self.source = loaders.Stream(*args, **options)
+        self.words, self.categories = self.source.words, self.source.categories
+        self.rank, self.world = _own_share(rank, world)
+        self._epoch = torch.zeros((), dtype=torch.int64).share_memory_()
+
+    def set_epoch(self, epoch: int) -> None:
+        """Before the loop over the DataLoader begins."""
+        self._epoch.fill_(epoch)
+
+    def __len__(self) -> int:
+        return len(self.source) // self.world if self.world > 1 else len(self.source)
+
+    def __iter__(self) -> Iterator[Batch]:
+        info, epoch = get_worker_info(), int(self._epoch)
+        first, step = (0, 1) if info is None else (info.id, info.num_workers)
+        for k in range(first, len(self), step):
+            yield _to_tensors(self.source.batch(k * self.world + self.rank, epoch))
+
+
+class Stored(Dataset[Batch]):
+    """Items of folders that ``apgc sample`` has written; the arguments are those of ``loaders.Stored``.
+
+    Works with samplers, ``batch_size`` and ``shuffle`` of the DataLoader. ``set_epoch`` makes new random numbers for the transforms, also
+    in workers that persist. Raises as ``loaders.Stored``.
+    """
+
+    def __init__(self, folders: str | Path | Sequence[str | Path], task: str = "segmentation", **options: Any):
+        self.source = loaders.Stored(folders, task, **options)
+        self.words, self.categories = self.source.words, self.source.categories
+        self._epoch = torch.zeros((), dtype=torch.int64).share_memory_()
+
+    def set_epoch(self, epoch: int) -> None:
+        """Before the loop over the DataLoader begins."""
+        self._epoch.fill_(epoch)
+
+    def __len__(self) -> int:
+        return len(self.source)
+
+    def __getitem__(self, item: int) -> Batch:
+        return {name: values[0] for name, values in _to_tensors(self.source.take([item], int(self._epoch))).items()}
+
+    def __getitems__(self, items: Sequence[int]) -> list[Batch]:
+        """What a DataLoader asks for: the items of a batch at once."""
+        made = _to_tensors(self.source.take(items, int(self._epoch)))
+        return [{name: values[k] for name, values in made.items()} for k in range(len(items))]
+
+
+def _to_tensors(arrays: loaders.tasks.Arrays) -> Batch:
+    return {name: torch.from_numpy(array) for name, array in arrays.items()}
+
+
+def _own_share(rank: int | None, world: int | None) -> tuple[int, int]:
+    if (rank is None) != (world is None):
+        raise UsageError("of `rank` and `world` there is only one", "give both, or none")
+    if rank is None or world is None:
+        there = torch.distributed.is_available() and torch.distributed.is_initialized()
+        return (torch.distributed.get_rank(), torch.distributed.get_world_size()) if there else (0, 1)
+    if not 0 <= rank < world:
+        raise UsageError(f"there is no rank {rank} among {world}", "ranks count from 0")
+    return rank, world
+
+
+__all__ = ["Drop", "Jitter", "Normalise", "Occlude", "Scale", "Stored", "Stream", "Turn", "View"]

@@ -1,0 +1,110 @@
+"""Batches that are made on the way: the right arrays, and the same whoever asks."""
+
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import artipg_dsl as apg
+from artipg_dsl.errors import UserError
+from artipg_dsl.loaders import Stream
+
+
+@pytest.fixture(scope="module")
+def stream(chest: Path) -> Stream:
+    return Stream(chest, size=10, batch=4, points=64, seed=3)
+
+
+def test_a_batch_holds_what_the_objects_have(stream: Stream, chest: Path) -> None:
+    batch, points = stream.batch(1), apg.sample(chest, numbers=range(4, 8), seed=3).points(64)
+    assert batch["object"].tolist() == [4, 5, 6, 7] and batch["category"].tolist() == [0] * 4
+    np.testing.assert_array_equal(batch["points"], points.position.astype(np.float32))
+    np.testing.assert_array_equal(batch["semantic"], points.semantic)
+    assert batch["semantic"].dtype == np.int64
+    assert (
+        {"body", "door"}
+        <= {stream.words["semantic"][k] for k in np.unique(batch["semantic"])}
+        <= {"body", "door", "handle"}
+    )
+
+
+def test_the_last_batch_is_shorter_and_there_is_no_other(stream: Stream) -> None:
+    assert [len(stream.batch(k)["object"]) for k in range(len(stream))] == [4, 4, 2]
+    with pytest.raises(IndexError, match="3 batches"):
+        stream.batch(3)
+
+
+def test_another_epoch_has_other_objects_unless_it_is_to_have_the_same(stream: Stream, chest: Path) -> None:
+    assert stream.batch(0, 2)["object"].tolist() == [20, 21, 22, 23]
+    same = Stream(chest, size=10, batch=4, points=64, seed=3, fresh=False, states="random", task="pose")
+    first, second = same.batch(0, 0), same.batch(0, 1)
+    np.testing.assert_array_equal(first["object"], second["object"])
+    np.testing.assert_array_equal(first["npcs"], second["npcs"])
+    lid = first["link"] == 1
+    assert (np.abs(first["points"] - second["points"]).max(axis=-1) > 1e-3)[lid].mean() > 0.9  # it opens elsewhere
+    np.testing.assert_array_equal(first["points"][~lid], second["points"][~lid])
+
+
+def test_categories_take_turns(chest: Path, box: Path) -> None:
+    both = Stream([chest, box], "affordance", size=6, batch=5, points=32)
+    batch = both.batch(0)
+    assert both.categories == ["Chest", "Box"] and both.words["affordance"] == ["contain", "lift", "push"]
+    assert batch["category"].tolist() == [0, 1, 0, 1, 0] and batch["object"].tolist() == [0, 0, 1, 1, 2]
+    assert batch["affordance"].shape == (5, 32, 3)
+    said = batch["affordance"].any(axis=1)
+    np.testing.assert_array_equal(said[:, :2], (batch["category"] == 1)[:, None].repeat(2, axis=1))
+    np.testing.assert_array_equal(said[:, 2], batch["category"] == 0)
+
+
+def test_motion_is_that_of_the_points(chest: Path) -> None:
+    batch = Stream(chest, "pose", size=3, batch=3, points=64, states="open=30deg").batch(0)
+    moves = np.abs(batch["motion"]).max(axis=-1) > 0
+    np.testing.assert_array_equal(moves, batch["link"] == 1)
+
+
+def test_completion_has_what_one_camera_sees(chest: Path) -> None:
+    batch = Stream(chest, "completion", size=2, batch=2, points=128, view={"width": 80, "height": 60}).batch(0)
+    assert batch["partial"].shape == batch["points"].shape == (2, 128, 3)
+    assert (batch["partial"].min(axis=1) > batch["points"].min(axis=1) - 0.05).all()
+
+
+def test_transforms_do_not_depend_on_the_batch(chest: Path) -> None:
+    from artipg_dsl.loaders import Drop, Jitter, Normalise, Occlude, Scale, Turn, View
+
+    steps = [Normalise(), Turn(), Scale(), Occlude(), View(), Drop(), Jitter()]
+    large, small = (Stream(chest, size=4, batch=n, points=64, transforms=steps) for n in (4, 1))
+    for name, values in large.batch(0, 5).items():
+        np.testing.assert_array_equal(values[2], small.batch(2, 5)[name][0], err_msg=name)
+
+
+def test_it_travels_to_another_process(stream: Stream) -> None:
+    there = pickle.loads(pickle.dumps(stream))
+    np.testing.assert_array_equal(there.batch(0)["points"], stream.batch(0)["points"])
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"task": "segmentatoin"}, "segmentation"),
+        ({"size": 0}, "size is 0"),
+        ({"batch": 2.5}, "batch is 2.5"),
+        ({"states": "random:4"}, "4 states"),
+        ({"states": "ajar"}, "not a joint state"),
+        ({"set": {"widht": "50cm"}}, "width"),
+    ],
+)
+def test_what_is_wrong_is_said_at_once(chest: Path, options: dict[str, object], message: str) -> None:
+    with pytest.raises(UserError, match=message):
+        Stream(chest, **options)  # type: ignore[arg-type]
+
+
+def test_classes_have_to_be_numbered_alike(chest: Path, tmp_path: Path) -> None:
+    other = tmp_path / "other.apg"
+    text = chest.read_text().replace(
+        "use vocabularies { semantic, affordance }", "vocabulary semantic { door body handle }"
+    )
+    kept = [line for line in text.splitlines() if "affordance" not in line]
+    other.write_text("\n".join(kept).replace("Chest", "Other"))
+    with pytest.raises(UserError, match="Chest and Other number"):
+        Stream([chest, other])
