@@ -107,10 +107,7 @@ class FolderLink:
 def partnet_files(robots: Robots, i: int) -> dict[str, bytes]:
     """The files of object ``i`` by path relative to its folder. Raises ExportError for joints without a word."""
     robot = robots.robot(i)
-    points = [visual.shape.vertices + link.origin for link in robot.links for visual in link.visuals]
-    if not points:
-        raise ExportError(f"{robot.name} has nothing visible", "leave partnet-mobility out of --format")
-    everything = np.concatenate(points)
+    everything = _everything(robot)
     frame = DatasetFrame.around(everything.min(axis=0), everything.max(axis=0))
     words = words_of(spell_category(robots.batch.program.name), _said(robots, i))
     members = _members(robots, i, robot, frame, words)
@@ -138,6 +135,26 @@ def partnet_files(robots: Robots, i: int) -> dict[str, bytes]:
     return files | _samples(robots, i, members, frame)
 
 
+def folder_frame(robot: Robot) -> DatasetFrame:
+    """The frame that the folder of an object is in. Raises ExportError for one that has nothing to see."""
+    everything = _everything(robot)
+    return DatasetFrame.around(everything.min(axis=0), everything.max(axis=0))
+
+
+def folder_order(robot: Robot) -> list[int]:
+    """Our numbers of the links by the folder's ids: those that move, then the root."""
+    moving = {joint.child for joint in robot.joints}
+    count = range(len(robot.links))
+    return [k for k in count if k in moving] + [k for k in count if k not in moving]
+
+
+def _everything(robot: Robot) -> np.ndarray:
+    points = [visual.shape.vertices + link.origin for link in robot.links for visual in link.visuals]
+    if not points:
+        raise ExportError(f"{robot.name} has nothing visible", "leave partnet-mobility out of --format")
+    return np.concatenate(points)
+
+
 def _said(robots: Robots, i: int) -> set[str]:
     """The semantic words of an object's parts."""
     words = robots.batch.program.vocabularies.get("semantic", ())
@@ -150,7 +167,7 @@ def _members(
 ) -> list[FolderLink]:
     """The links by id: those that move in our order, then the root."""
     above = {joint.child: joint for joint in robot.joints}
-    order = [k for k in range(len(robot.links)) if k in above] + [k for k in range(len(robot.links)) if k not in above]
+    order = folder_order(robot)
     ids = {k: n for n, k in enumerate(order)}
     program, first = robots.batch.program, int(robots.link_start[i])
     heavy = sum(link.mass for link in robot.links) > LIFTED
@@ -191,10 +208,15 @@ def _words(robot: Robot, joint: RobotJoint) -> tuple[str, str]:
     return JOINTS[joint.hinge]
 
 
+def folder_value(joint: RobotJoint, frame: DatasetFrame) -> float:
+    """What a value of 1 of a joint (radians, metres; of a screw radians) is in the folder: radians, or the frame's unit."""
+    return 1.0 if joint.advance is None else joint.advance / frame.unit
+
+
 def _limit(joint: RobotJoint, frame: DatasetFrame) -> tuple[float, float] | None:
     if joint.low is None or joint.high is None:
         return None
-    share = 1.0 if joint.advance is None else joint.advance / frame.unit
+    share = folder_value(joint, frame)
     return joint.low * share, joint.high * share
 
 

@@ -8,6 +8,7 @@ the whole folder, and what a folder read back does not hold as it should. Begin 
     clouds, partnet_parts               points in the axes, sizes and classes of others; the trees of PartNet
     shapenetpart, partnet_seg           layouts for part segmentation
     gapartnet, gaparts                  a layout for part poses; parts that a hand can use, and their boxes
+    gaviews, split_links, gaviews_check annotated folders and rendered views, for GAPartNet's tools
     ancsh, ancsh_check                  a layout for part poses part by part
     cage                                a layout for kinematics
     completion                          layouts for completion

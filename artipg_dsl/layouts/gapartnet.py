@@ -16,7 +16,7 @@ from ..export.robot import Robots
 from .clouds import norms, similarity_error
 from .entry import Entry
 from .findings import Findings
-from .gaparts import CLASSES, GAPart, gaparts
+from .gaparts import CLASSES, GAPart, gaparts, owners
 from .pictures import part_colours
 from .pth import pth_bytes, read_pth
 
@@ -27,7 +27,7 @@ ROOT, POINTS, NONE = "GAPartNet_All", 20000, -100
 _FOLDERS = {"train": "train", "val": "val", "test": "test_intra"}
 EVERY = (*_FOLDERS.values(), "test_inter")
 STATES = "rest,random:1"
-_CAMERAS = Cameras(
+CAMERAS = Cameras(
     count=2, width=400, height=400, fov=35.0, azimuth=(-60.0, 60.0), elevation=(10.0, 60.0), points=POINTS
 )
 _KINDS = (np.float32, np.float32, np.int32, np.int32, np.float32, np.int32)
@@ -48,14 +48,14 @@ def _shots(batch: Batch, entry: Entry) -> Iterator[tuple[str, Shot]]:
     """The split and the views of each object that show a part; two views in each of two states of the joints."""
     assert entry.term is not None
     values = joint_values(batch, read_states(STATES))
-    cloud = make_views(batch, _CAMERAS, values).cloud
+    cloud = make_views(batch, CAMERAS, values).cloud
     robots, parts = Robots(batch, physics=False), gaparts(batch, entry.term)
     poses = [batch.pose(state) for state in values]
     first = np.searchsorted(batch.links().owner, np.arange(len(batch)))
     for i, number in enumerate(batch.numbers.tolist()):
         colour = part_colours(robots, i)
         for state, (turn, shift) in enumerate(poses):
-            for view in range(_CAMERAS.count):
+            for view in range(CAMERAS.count):
                 at = i, state, view
                 link = cloud["link"][at].astype(np.int64)
                 row = first[i] + link
@@ -83,11 +83,7 @@ def _labels(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Classes (n,), instances (n,) numbered as they show themselves, and coordinates (n, 3) of points at joint values 0."""
     kind, which, npcs = np.zeros(len(link), np.int64), np.full(len(link), NONE), np.zeros((len(link), 3))
-    owner = np.full(len(link), -1)
-    for k, part in sorted(
-        enumerate(parts), key=lambda entry: entry[1].instance >= 0
-    ):  # fixed handles are not of the door
-        owner[(link == part.link) & ((part.instance < 0) | (instance == part.instance))] = k
+    owner = owners(parts, link, instance)
     for place, k in enumerate(np.unique(owner[owner >= 0]).tolist()):
         at = owner == k
         kind[at], which[at], npcs[at] = parts[k].kind, place, parts[k].npcs(still[at])

@@ -7,7 +7,7 @@ else x along the longer edge.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -59,6 +59,14 @@ class GAPart:
         """Points (n, 3) at joint values 0 in the part's coordinates: the diagonal of its box is 1."""
         local = (points - self.center) @ self.axes.T
         return np.clip(local, -self.size / 2, self.size / 2) / norms(self.size)
+
+
+def owners(parts: Sequence[GAPart], link: np.ndarray, instance: np.ndarray) -> np.ndarray:
+    """The part (n,) that points on links and part instances belong to, -1 for none: a fixed handle is not of the door."""
+    found = np.full(len(link), -1)
+    for k, part in sorted(enumerate(parts), key=lambda entry: entry[1].instance >= 0):
+        found[(link == part.link) & ((part.instance < 0) | (instance == part.instance))] = k
+    return found
 
 
 def gaparts(batch: Batch, term: Term) -> list[list[GAPart]]:

@@ -129,6 +129,16 @@ LAYOUTS: dict[str, Layout] = {
             chunk=4,
         ),
         Layout(
+            "gapartnet-views",
+            "what GAPartNet's tools are given and make: annotated folders and rendered views",
+            "gaviews:files",
+            "gaviews:index",
+            "gaviews_check:check",
+            "gapartnet",
+            "gaparts:check_term",
+            chunk=1,
+        ),
+        Layout(
             "ancsh",
             "part poses as NPCS and ANCSH have them: views part by part, HDF5",
             "ancsh:files",
