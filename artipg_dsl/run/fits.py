@@ -183,7 +183,7 @@ def _fit_group(work: _Work, group: list[Item]) -> list[Item]:
 # ---------------------------------------------------------------- records
 
 
-def _mark(path: Path) -> str:
+def mark(path: Path) -> str:
     """What a file holds, in short; nothing for one that cannot be read."""
     digest = blake2b(digest_size=16)
     try:
@@ -196,7 +196,7 @@ def _mark(path: Path) -> str:
 
 
 def _write(asked: Asked, item: Item, told: Mapping[str, Any], options: Mapping[str, Any]) -> None:
-    record = {"name": item.name, "source": str(item.path), **told, "file": _mark(item.path), "options": options}
+    record = {"name": item.name, "source": str(item.path), **told, "file": mark(item.path), "options": options}
     write_bytes(asked.out / FITS / f"{item.name}.json", _to_text(record), force=True)
 
 
@@ -214,7 +214,7 @@ def _record(asked: Asked, item: Item) -> dict[str, Any] | None:
 
 def _done(asked: Asked, options: Mapping[str, Any], item: Item) -> bool:
     found = _record(asked, item)
-    return found is not None and found.get("options") == options and found.get("file") == _mark(item.path)
+    return found is not None and found.get("options") == options and found.get("file") == mark(item.path)
 
 
 def _summarize(sampler: Sampler, asked: Asked, options: Mapping[str, Any], items: Sequence[Item]) -> dict[str, Any]:

@@ -1,0 +1,10 @@
+"""Geometric details: the surface of real objects, bound to the objects of a program fitted to them, and worn by mutants of these.
+
+In: a batch with clouds of real surfaces in its frame, or a batch with details to wear. Out: bound details; points moved as these say.
+Begin with ``binding`` and ``wear``.
+
+    assign, binding           which point of a cloud belongs to which of a structure; each with its place on the surface and its offset
+    elements, record          the primitives that details are bound to; details as arrays of a file
+    wear, maps                points of mutants in the details of their donors; places on primitives of another kind
+    measure, report           distances, coverage, torn and inverted neighbourhoods
+"""

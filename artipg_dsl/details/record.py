@@ -1,0 +1,134 @@
+"""Details as they are kept: where points of real surfaces are bound, and how far they lie off there."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..errors import UserError
+from .elements import Elements
+
+VERSION = 1
+DIRECT, COMPLETED = 0, 1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Details:
+    """E bound points of D donors.
+
+    ``element`` (E,) of the ``elements`` they are on, ``patch``, and fractions ``u``, ``v``. ``offset`` (E, 3) metres and ``facing`` (E, 3), the
+    normal of the real surface, by their parts along the normal, the tangent and the second axis of the structure there (see
+    ``geometry.frames``). ``label`` (E,) indexes ``labels``, the words of the file of each point, -1 for none. ``how`` (E,): 0 of a point
+    of the cloud, 1 copied by a symmetry of the primitive. ``names`` of the donors, ``diagonal`` (D,) of their clouds.
+    """
+
+    elements: Elements
+    element: np.ndarray
+    patch: np.ndarray
+    u: np.ndarray
+    v: np.ndarray
+    offset: np.ndarray
+    facing: np.ndarray
+    label: np.ndarray
+    how: np.ndarray
+    names: tuple[str, ...]
+    labels: tuple[str, ...]
+    diagonal: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.element)
+
+    @property
+    def owner(self) -> np.ndarray:
+        """(E,) the donor of each point."""
+        return self.elements.owner[self.element]
+
+    def take(self, at: np.ndarray) -> Details:
+        """Some of the points."""
+        columns = ("element", "patch", "u", "v", "offset", "facing", "label", "how")
+        return replace(self, **{name: getattr(self, name)[at] for name in columns})
+
+
+_POINTS = {"element": np.int32, "patch": np.int16, "u": np.float32, "v": np.float32, "offset": np.float32}
+_POINTS |= {"facing": np.float32, "label": np.int16, "how": np.uint8}
+_TABLE = {"site": np.int32, "rank": np.int32, "params": np.float64, "rotation": np.float64}
+_TABLE |= {"translation": np.float64, "mirror": np.float64}
+
+
+def to_arrays(details: Details, program: str) -> dict[str, np.ndarray]:
+    """The arrays of a file of one donor; ``program`` is the hash of its program."""
+    elements = {f"element_{name}": getattr(details.elements, name).astype(kind) for name, kind in _TABLE.items()}
+    return {
+        "version": np.array([VERSION], dtype=np.int32),
+        "program": np.array([program]),
+        "name": np.array([details.names[0]]),
+        "diagonal": details.diagonal.astype(np.float64),
+        **{name: getattr(details, name).astype(kind) for name, kind in _POINTS.items()},
+        "labels": np.array(details.labels, dtype=np.str_) if details.labels else np.zeros(0, dtype="<U1"),
+        **elements,
+    }
+
+
+def of_arrays(held: Mapping[str, np.ndarray], place: str, program: str | None = None) -> Details:
+    """The details of a file's arrays. Raises UserError where they are not such, or not of the program of that hash."""
+    missing = [
+        n
+        for n in ("version", "program", "name", "diagonal", *_POINTS, "labels", *(f"element_{n}" for n in _TABLE))
+        if n not in held
+    ]
+    if missing:
+        raise UserError(
+            f"{place} holds no bound details: it has no array `{missing[0]}`", "apgc bind writes such files"
+        )
+    version, made_for, name = (held[key].reshape(-1).tolist()[0] for key in ("version", "program", "name"))
+    if version != VERSION:
+        raise UserError(f"{place} is of version {version}, not {VERSION}", "bind the details again")
+    if program is not None and made_for != program:
+        raise UserError(f"{place} is bound to another program, or to this one before it changed", "fit and bind again")
+    table = {
+        name: held[f"element_{name}"].astype(np.int64 if kind == np.int32 else kind) for name, kind in _TABLE.items()
+    }
+    count = len(table["site"])
+    points = {n: held[n].astype(np.float64 if kind == np.float32 else np.int64) for n, kind in _POINTS.items()}
+    sizes = {len(column) for column in points.values()}
+    if len(sizes) != 1 or (points["element"] < 0).any() or (points["element"] >= count).any():
+        raise UserError(f"{place} is damaged: its arrays do not belong together", "bind the details again")
+    if not all(np.isfinite(points[name]).all() for name in ("u", "v", "offset", "facing")):
+        raise UserError(f"{place} is damaged: it holds what is no number", "bind the details again")
+    return Details(
+        Elements(np.zeros(count, dtype=np.int64), **table),
+        **points,
+        names=(str(name),),
+        labels=tuple(map(str, held["labels"])),
+        diagonal=held["diagonal"].astype(np.float64),
+    )
+
+
+def join(several: Sequence[Details]) -> Details:
+    """The details of several donors, in their order, as one."""
+    elements, shift = several[0].elements, [0]
+    words = list(dict.fromkeys(word for one in several for word in one.labels))
+    donors = np.cumsum([0, *(len(one.names) for one in several)])
+    for number, one in enumerate(several[1:], 1):
+        shift.append(len(elements))
+        moved = replace(one.elements, owner=one.elements.owner + donors[number])
+        elements = elements.join(moved)
+    columns = {
+        name: np.concatenate([getattr(one, name) for one in several])
+        for name in ("patch", "u", "v", "offset", "facing", "how")
+    }
+    element = np.concatenate([one.element + first for one, first in zip(several, shift, strict=True)])
+    label = np.concatenate(
+        [np.array([*(words.index(word) for word in one.labels), -1], dtype=np.int64)[one.label] for one in several]
+    )
+    return Details(
+        elements,
+        element,
+        label=label,
+        **columns,
+        names=tuple(name for one in several for name in one.names),
+        labels=tuple(words),
+        diagonal=np.concatenate([one.diagonal for one in several]),
+    )

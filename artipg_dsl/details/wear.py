@@ -1,0 +1,206 @@
+"""Objects that wear details: points of their surface, moved as the surface of a donor lies off its structure.
+
+A point asks for its element's match in the object it was made from (``sampling.correspondence``): the same primitive, the nearest row of
+a repeat, the counterpart by slot. There, at the same (patch, u, v), the nearest bound point gives its offset; on a primitive of
+another kind the place is found on a map of its box. All points of all objects are one query.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ..geometry.frames import Frames
+from ..geometry.pointset import PointSet
+from ..geometry.vectors import dot
+from ..sampling.correspondence import Correspondence, find_correspondence
+from .assign import TURN
+from .elements import Elements, Solids, elements_of
+from .maps import is_long, map_frames, on_map
+from .record import Details
+
+if TYPE_CHECKING:
+    from ..runtime.batch import Batch
+
+_APART = 10.0  # diagonals between the elements of donors: points of one are never near those of another
+_REACH = 0.03  # diagonals: farther from any bound point the structure shows itself, or, where there are few,
+_LOOSE = 1.5  # times the square root of their share
+_ON_MAP = 0.35  # the same on a map
+_MOST = 4.0  # times larger or smaller: so far offsets are scaled
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Worn:
+    """Points (P, n, 3) and unit normals at joint values 0; ``bound`` (P, n) the bound point of the details that each wears, -1 for none."""
+
+    position: np.ndarray
+    normal: np.ndarray
+    bound: np.ndarray
+
+
+class Wardrobe:
+    """Details of donors with what is looked up in them. ``solids``: what the elements of their program are made of."""
+
+    def __init__(self, details: Details, solids: Solids):
+        self.details, self.solids = details, solids
+        elements = details.elements
+        self.frames = solids.frames(elements, details.element, details.patch, details.u, details.v)
+        self.boxes = solids.boxes(elements)
+        self.kind = solids.kind(elements.site)
+        self.long = is_long(*self.boxes)
+        own = details.diagonal[details.owner]
+        many = np.bincount(details.owner, minlength=len(details.names))
+        self._reach = np.maximum(_REACH, _LOOSE / np.sqrt(np.maximum(many, 1)))
+        self._tree = (
+            cKDTree(self._features(self.frames.place, self.frames.normal, details.element, own))
+            if len(details)
+            else None
+        )
+        self._maps: cKDTree | None = None
+
+    def _features(self, place: np.ndarray, normal: np.ndarray, element: np.ndarray, diagonal: np.ndarray) -> np.ndarray:
+        return np.concatenate([place / diagonal[:, None], TURN * normal, _APART * element[:, None]], axis=1)
+
+    def nearest(self, place: np.ndarray, normal: np.ndarray, element: np.ndarray) -> np.ndarray:
+        """(m,) the bound point nearest to places of elements, in their own frames; -1 where none is near."""
+        if self._tree is None:
+            return np.full(len(element), -1)
+        donor = self.details.elements.owner[element]
+        diagonal = self.details.diagonal[donor]
+        apart, found = self._tree.query(self._features(place, normal, element, diagonal))
+        return np.where(apart < self._reach[donor], found, -1)
+
+    def on_map(self, place: np.ndarray, element: np.ndarray) -> np.ndarray:
+        """The same for places (m, 3) on the maps of elements."""
+        if self._tree is None:
+            return np.full(len(element), -1)
+        if self._maps is None:
+            own = self.details.element
+            low, high = (corner[own] for corner in self.boxes)
+            held = on_map(self.frames.place, low, high, self.long[own])
+            self._maps = cKDTree(np.concatenate([held, _APART * own[:, None]], axis=1))
+        apart, found = self._maps.query(np.concatenate([place, _APART * element[:, None]], axis=1))
+        return np.where(apart < _ON_MAP, found, -1)
+
+
+def wear(
+    batch: Batch, points: PointSet, owner: np.ndarray, wardrobe: Wardrobe, donor: np.ndarray, strength: float = 1.0
+) -> Worn:
+    """Points (P, n) of the objects ``owner`` (P,) of a batch, in the details of ``donor`` (B,), the number of the donor of each object's
+    original among the details, -1 for none. ``strength`` scales offsets, from 0, the structure, to 1."""
+    whose = np.repeat(owner, points.u.shape[1])
+    tables = batch.sites()
+    site = points.site.ravel().astype(np.int64)
+    first = np.cumsum([0, *(len(table) for table in tables)])
+    rank = np.concatenate([np.empty(0, np.int64), *(table.rank for table in tables)])[first[site] + points.row.ravel()]
+    elements = elements_of(batch)
+    element = elements.find(whose, site, rank)
+    match = matches(batch, elements, wardrobe.details.elements, donor)[element]
+    flat = _Flat(elements, element, points.patch.ravel().astype(np.int64), points.u.ravel(), points.v.ravel())
+    position, normal = points.position.reshape(-1, 3).copy(), points.normal.reshape(-1, 3).copy()
+    bound = np.full(len(whose), -1)
+    at = np.flatnonzero(match >= 0)
+    if len(at):
+        moved, turned, bound[at] = _clothed(wardrobe, flat.take(at), match[at], strength)
+        good = at[bound[at] >= 0]
+        kept = bound[at] >= 0
+        position[good], normal[good] = moved[kept], turned[kept]
+    shape = points.u.shape
+    return Worn(position.reshape(*shape, 3), normal.reshape(*shape, 3), bound.reshape(shape))
+
+
+def matches(batch: Batch, elements: Elements, stock: Elements, donor: np.ndarray) -> np.ndarray:
+    """(K,) for each element of a batch the one of its donor that it wears the details of, -1 for none."""
+    before = batch.history[0].before if batch.history else batch
+    found: Correspondence = find_correspondence(before, batch)
+    return stock.find(donor[elements.owner], found.before_site.astype(np.int64), found.before_rank.astype(np.int64))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Flat:
+    """m points of elements."""
+
+    elements: Elements
+    element: np.ndarray
+    patch: np.ndarray
+    u: np.ndarray
+    v: np.ndarray
+
+    def take(self, at: np.ndarray) -> _Flat:
+        return _Flat(self.elements, self.element[at], self.patch[at], self.u[at], self.v[at])
+
+
+def _clothed(
+    wardrobe: Wardrobe, points: _Flat, match: np.ndarray, strength: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Places and normals (m, 3) in the frames of the objects, and which bound point each wears (-1: none)."""
+    solids, details = wardrobe.solids, wardrobe.details
+    here = solids.frames(points.elements, points.element, points.patch, points.u, points.v)
+    low, high = solids.boxes(points.elements)
+    alike = solids.kind(points.elements.site)[points.element] == wardrobe.kind[match]
+    bound = np.full(len(match), -1)
+    scale = np.ones((len(match), 3))
+    same, other = np.flatnonzero(alike), np.flatnonzero(~alike)
+    if len(same):
+        part = points.take(same)
+        there = solids.frames(details.elements, match[same], part.patch, part.u, part.v)
+        bound[same] = wardrobe.nearest(there.place, there.normal, match[same])
+        sizes = (high - low)[part.element], (wardrobe.boxes[1] - wardrobe.boxes[0])[match[same]]
+        scale[same] = _scales(here.normal[same], here.speed[same], there.speed, *sizes)
+    if len(other):
+        own, mine = points.element[other], match[other]
+        at = on_map(here.place[other], low[own], high[own], wardrobe.long[mine])
+        bound[other] = wardrobe.on_map(at, mine)
+        large, small = np.sort((high - low)[own], axis=1), np.sort(wardrobe.boxes[1] - wardrobe.boxes[0], axis=1)[mine]
+        scale[other] = (large / np.maximum(small, 1e-9)).min(axis=1)[:, None]
+    offset, facing = details.offset[bound], details.facing[bound]
+    if len(other):
+        here, offset, facing = _mapped(wardrobe, points, other, here, bound, offset, facing, (low, high))
+    offset = offset * np.clip(scale, 1.0 / _MOST, _MOST) * strength
+    place = points.elements.placed(points.element, here.place + here.out_of(offset))
+    bare = np.array([1.0, 0.0, 0.0])
+    facing = facing * strength + bare * (1.0 - strength)
+    turned = points.elements.turned(points.element, here.out_of(facing))
+    length = np.sqrt(dot(turned, turned))[:, None]
+    plain = points.elements.turned(points.element, here.normal)
+    return place, np.where(length > 1e-6, turned / np.maximum(length, 1e-6), plain), bound
+
+
+def _scales(normal: np.ndarray, speed: np.ndarray, before: np.ndarray, size: np.ndarray, old: np.ndarray) -> np.ndarray:
+    """(m, 3) what offsets are scaled by along normal, tangent and second axis: aside as the patch has grown; outward as the least of what the
+    patch and the box along the normal have, so that the relief of a rod that is only longer stays as deep as it was."""
+    grown = speed / before
+    square = normal * normal
+    deep = (size / np.maximum(old, 1e-9) * square).sum(axis=1)
+    return np.stack([np.minimum(deep, grown.min(axis=1)), grown[:, 0], grown[:, 1]], axis=-1)
+
+
+def _mapped(
+    wardrobe: Wardrobe,
+    points: _Flat,
+    other: np.ndarray,
+    here: Frames,
+    bound: np.ndarray,
+    offset: np.ndarray,
+    facing: np.ndarray,
+    boxes: tuple[np.ndarray, np.ndarray],
+) -> tuple[Frames, np.ndarray, np.ndarray]:
+    """For the points ``other``, whose primitives are of another kind, frames and parts of offsets that follow the boxes."""
+    some, own = bound[other], points.element[other]
+    mine = wardrobe.details.element[some]
+    theirs = _rows(wardrobe.frames, some)
+    framed = map_frames(theirs, *(corner[mine] for corner in wardrobe.boxes))
+    offset, facing = offset.copy(), facing.copy()
+    offset[other], facing[other] = (framed.into(theirs.out_of(vectors[other])) for vectors in (offset, facing))
+    turned = map_frames(_rows(here, other), *(corner[own] for corner in boxes))
+    columns = [getattr(here, name).copy() for name in Frames.__slots__]
+    for column, name in zip(columns, Frames.__slots__, strict=True):
+        column[other] = getattr(turned, name)
+    return Frames(*columns), offset, facing
+
+
+def _rows(frames: Frames, at: np.ndarray) -> Frames:
+    return Frames(*(getattr(frames, name)[at] for name in Frames.__slots__))

@@ -1,0 +1,178 @@
+"""A folder of bound details: for each fitted object a file of its details and a record of how well they were bound.
+
+What is there already, bound from the same file with the same options, is left alone. An object that cannot be bound is listed with the
+reason, and stops no other.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..details.binding import bind
+from ..details.record import VERSION, to_arrays
+from ..details.report import report
+from ..errors import UserError
+from ..export.containers import npz_bytes
+from ..export.write import ensure_folder, sweep_unfinished, write_bytes
+from ..fit.real import read_real
+from .fits import FITS, SUMMARY, mark
+from .job import Job
+from .resume import reopen
+from .workers import map_each
+
+_SUMMARY = "bind.json"
+_HINT = "apgc fit CATEGORY FILES -o fitted writes such a folder"
+
+
+@dataclass(frozen=True, slots=True)
+class Binding:
+    """What is bound: the objects of the folder ``fitted`` into ``out``, with ``points`` each, by an ``assignment``."""
+
+    fitted: Path
+    out: Path
+    points: int
+    assignment: str
+    complete: bool = True
+
+    def plain(self, program: str) -> dict[str, Any]:
+        return {
+            "version": VERSION,
+            "program": program,
+            "points": self.points,
+            "assignment": self.assignment,
+            "complete": self.complete,
+        }
+
+
+def write_bindings(
+    asked: Binding,
+    real: Sequence[Path] = (),
+    *,
+    force: bool = False,
+    workers: int = 1,
+    progress: Callable[[int, int], None] | None = None,
+) -> dict[str, Any]:
+    """Bind the details of fitted objects and write the folder; what its summary says. ``real``: the files that were fitted, where they are
+    not where they were. Raises UserError."""
+    summary = _read(asked.fitted / SUMMARY)
+    if summary is None:
+        raise UserError(f"{asked.fitted} is not a folder of fitted objects", _HINT)
+    good = [one for one in summary["objects"] if one["object"] is not None]
+    if not good:
+        raise UserError(f"no object in {asked.fitted} fits its category", "see the verdicts in its fit.json")
+    sweep_unfinished(ensure_folder(asked.out))
+    job = reopen(asked.fitted)
+    options = asked.plain(job.program.hash)
+    marked = {mark(path): path for path in real}
+    work: list[Item] = []
+    for one in good:
+        record = _read(asked.fitted / FITS / f"{one['name']}.json") or {}
+        path = marked.get(record.get("file", ""), Path(one["source"])) if real else Path(one["source"])
+        work.append((int(one["object"]), record | {"name": one["name"]}, path))
+    left = [item for item in work if force or not _done(asked, options, item[1])]
+    done = len(work) - len(left)
+    if progress:
+        progress(done, len(work))
+    for _ in _each(job, asked, left, workers):
+        done += 1
+        if progress:
+            progress(done, len(work))
+    return _summarize(asked, summary, options, [record["name"] for _, record, _ in work])
+
+
+Item = tuple[int, Mapping[str, Any], Path]
+_theirs: tuple[Job, Binding] | None = None  # what this worker works for
+
+
+def _take(job: Job, asked: Binding) -> None:
+    global _theirs
+    _theirs = job, asked
+
+
+def _each(job: Job, asked: Binding, items: list[Item], workers: int) -> Iterator[str]:
+    if workers > 1 and len(items) > 1:
+        yield from map_each(_bind_theirs, items, workers, _take, job, asked)
+        return
+    for item in items:
+        yield _bind_one(job, asked, item)
+
+
+def _bind_theirs(item: Item) -> str:
+    assert _theirs is not None
+    return _bind_one(*_theirs, item)
+
+
+def _bind_one(job: Job, asked: Binding, item: Item) -> str:
+    """Write the files of one object; its name."""
+    number, record, path = item
+    options, name = asked.plain(job.program.hash), record["name"]
+    told: dict[str, Any] = {"name": name, "object": number, "source": str(path)}
+    try:
+        if "to_object" not in record:
+            raise UserError(f"the record of {name} is missing or damaged", "fit it again")
+        if not path.exists():
+            raise UserError(f"there is no file {path}", "name the files that were fitted: apgc bind FITTED FILES")
+        if mark(path) != record["file"]:
+            raise UserError(f"{path} is not the file that was fitted, or has changed since", "fit it again")
+        real = read_real(path, record)
+        batch = job.batch(np.array([number]))
+        details = bind(batch, real, asked.points, asked.assignment)
+        arrays = to_arrays(details, job.program.hash)
+        told |= report(batch, real, arrays, asked.points)
+        write_bytes(asked.out / f"{name}.npz", npz_bytes(arrays), force=True)
+    except UserError as wrong:
+        told["failed"] = wrong.message + (f" ({wrong.hint})" if wrong.hint else "")
+        (asked.out / f"{name}.npz").unlink(missing_ok=True)
+    told |= {"file": record.get("file"), "to_object": record.get("to_object"), "options": options}
+    write_bytes(asked.out / f"{name}.json", _to_text(told), force=True)
+    return str(name)
+
+
+def _done(asked: Binding, options: Mapping[str, Any], record: Mapping[str, Any]) -> bool:
+    found = _read(asked.out / f"{record['name']}.json")
+    if found is None or "failed" in found or found.get("options") != options:
+        return False
+    same = all(found.get(key) == record.get(key) for key in ("file", "to_object"))
+    return same and (asked.out / f"{record['name']}.npz").exists()
+
+
+def _summarize(
+    asked: Binding, fitted: Mapping[str, Any], options: Mapping[str, Any], names: Sequence[str]
+) -> dict[str, Any]:
+    records = [found for name in names if (found := _read(asked.out / f"{name}.json")) is not None]
+    objects = [
+        {"object": r["object"], "name": r["name"], "details": f"{r['name']}.npz", "points": r["points"]} | r["figures"]
+        for r in records
+        if "failed" not in r
+    ]
+    failed = [{"name": r["name"], "source": r["source"], "reason": r["failed"]} for r in records if "failed" in r]
+    failed += [
+        {
+            "name": one["name"],
+            "source": one["source"],
+            "reason": f"{one['verdict']}: it is not among the fitted objects",
+        }
+        for one in fitted["objects"]
+        if one["object"] is None
+    ]
+    summary = {"category": fitted["category"], "options": options, "objects": objects, "failed": failed}
+    write_bytes(asked.out / _SUMMARY, _to_text(summary), force=True)
+    return summary
+
+
+def _read(path: Path) -> dict[str, Any] | None:
+    try:
+        found = json.loads(path.read_bytes())
+    except (OSError, ValueError):
+        return None
+    return found if isinstance(found, dict) else None
+
+
+def _to_text(record: Mapping[str, Any]) -> bytes:
+    return (json.dumps(record, indent=1, ensure_ascii=False) + "\n").encode()

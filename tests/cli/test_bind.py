@@ -1,0 +1,81 @@
+"""``apgc bind``: the surfaces of real objects into a folder of details."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import artipg_dsl as apg
+
+from .helpers import CHEST, Apgc, tree
+
+
+@pytest.fixture(scope="module")
+def fitted(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder as ``apgc fit`` writes it, of two chests whose values are known; beside it the files."""
+    from artipg_dsl.export.content import Content
+    from artipg_dsl.export.registry import choose_formats
+    from artipg_dsl.run.dataset import write_dataset
+    from artipg_dsl.run.fits import mark
+    from artipg_dsl.run.output import Output
+
+    folder = tmp_path_factory.mktemp("fitted")
+    samples = apg.sample(CHEST, n=2, seed=4)
+    write_dataset(samples.job, folder, Output.of(choose_formats("annotation"), Content()))
+    points = samples.points(3000, surface="outside")
+    objects = [{"object": None, "name": "tower", "source": "tower.npz", "verdict": "does not fit"}]
+    (folder / "fits").mkdir()
+    for k in range(2):
+        file = folder / f"chest{k}.npz"
+        np.savez(file, points=points.position[k], normals=points.normal[k])
+        frame = {"up": "z", "front": "x", "unit": "m"}
+        record = {"name": f"chest{k}", "frame": frame, "to_object": np.eye(4).tolist(), "file": mark(file)}
+        (folder / "fits" / f"chest{k}.json").write_text(json.dumps(record))
+        objects.append({"object": k, "name": f"chest{k}", "source": str(file), "verdict": "fits"})
+    (folder / "fit.json").write_text(json.dumps({"category": "Chest", "objects": objects}))
+    return folder
+
+
+def test_a_folder_of_details(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
+    out = tmp_path / "bound"
+    asked = ("bind", fitted, "-o", out, "--points", 1500)
+    code, said, err = apgc(*asked)
+    assert code == 0 and "details of 2 objects" in err and "1 object could not be bound" in err
+    assert said.count("covered") == 2 and "tower: does not fit" in said
+    summary = json.loads((out / "bind.json").read_text())
+    first = summary["objects"][0]
+    assert first["object"] == 0 and first["worn"] > 0.9
+    assert (
+        abs(first["after"]["to_real"] - first["before"]["to_real"]) < 0.05
+    )  # this real surface is that of the structure
+    with np.load(out / "chest0.npz") as held:
+        assert held["offset"].shape == (first["points"], 3) and held["version"].tolist() == [1]
+
+    before = tree(out)  # a second run leaves all as it is; others write the same
+    (out / "chest1.npz").unlink()
+    code, _, _ = apgc(*asked)
+    assert code == 0 and tree(out) == before
+
+
+def test_one_file_stops_no_other(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
+    real = fitted / "chest0.npz"
+    kept = real.read_bytes()
+    try:
+        real.write_bytes(b"nothing")
+        code, said, err = apgc("bind", fitted, "-o", tmp_path / "bound", "--points", 500)
+        assert code == 0 and "is not the file that was fitted" in said and "details of 1 object" in err
+        (tmp_path / "elsewhere.npz").write_bytes(kept)
+        code, said, _ = apgc("bind", fitted, tmp_path / "elsewhere.npz", "-o", tmp_path / "bound", "--points", 500)
+        assert code == 0 and said.count("covered") == 2
+    finally:
+        real.write_bytes(kept)
+
+
+def test_what_is_refused(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
+    code, _, err = apgc("bind", tmp_path, "-o", tmp_path / "bound")
+    assert code == 1 and "is not a folder of fitted objects" in err
+    code, _, err = apgc("bind", fitted, "-o", fitted)
+    assert code == 2 and "details cannot go into" in err

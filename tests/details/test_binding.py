@@ -1,0 +1,161 @@
+"""Details are bound to a structure and worn by it again: what comes back is the real surface."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+import artipg_dsl as apg
+from artipg_dsl import random
+from artipg_dsl.api import Samples
+from artipg_dsl.details.assign import ASSIGNMENTS
+from artipg_dsl.details.binding import Real, bind
+from artipg_dsl.details.elements import Elements, Solids, elements_of
+from artipg_dsl.details.measure import distances, spoiled
+from artipg_dsl.details.record import Details, join, of_arrays, to_arrays
+from artipg_dsl.details.wear import Wardrobe, wear
+from artipg_dsl.errors import UserError
+from artipg_dsl.geometry import points as geometry
+from artipg_dsl.geometry.pointset import PointSet
+from tests.cli.helpers import CHEST
+
+ZERO = np.zeros(1, dtype=np.int64)
+DEEP = 0.02  # metres, of the waves
+
+
+@pytest.fixture(scope="module")
+def samples() -> Samples:
+    return apg.sample(CHEST, n=2, seed=4)
+
+
+def drawn(samples: Samples, n: int, key: int) -> PointSet:
+    batch = samples.batch
+    return geometry.sample(
+        batch.sites(), len(batch), n, random.key(key, "test"), batch.numbers.astype(np.uint64), outside=True
+    )
+
+
+def wavy(samples: Samples, number: int, n: int = 3000) -> Real:
+    """The surface of a sample with waves on it, as that of a real object."""
+    made = drawn(samples, n, 3).take((np.full((1, n), number), np.random.default_rng(1).permutation(n)[None]))
+    place, normal = made.position[0], made.normal[0]
+    depth = DEEP * np.sin(place.sum(axis=1) * 40.0)
+    label = made.site[0].astype(np.int64)
+    names = tuple(f"link{k}" for k in range(int(label.max()) + 1))
+    return Real("wavy", place + depth[:, None] * normal, normal, label, names)
+
+
+def test_what_is_bound_is_worn_again(samples: Samples) -> None:
+    real = wavy(samples, 0)
+    batch = samples.job.batch([0])
+    fresh = drawn(samples, 2000, 9).take(ZERO)
+    before = distances(real.points, fresh.position[0], real.diagonal)["to_real"]
+    floor = distances(real.points[1500:], real.points[:1500], real.diagonal)["to_real"]
+    after = {}
+    for name in ASSIGNMENTS:
+        details = bind(batch, real, 1500, name)
+        worn = wear(batch, fresh, ZERO, Wardrobe(details, Solids.of(batch.sites())), ZERO)
+        after[name] = distances(real.points, worn.position[0], real.diagonal)["to_real"]
+        if name == "both":
+            assert (worn.bound >= 0).mean() > 0.85
+            group = fresh.site[0].astype(np.int64)
+            found = spoiled(fresh.position[0], fresh.normal[0], group, worn.position[0], worn.normal[0], real.diagonal)
+            assert found["torn"] < 0.03 and found["inverted"] < 0.02
+    assert next(iter(after)) == "both"  # the default
+    assert before > 1.1 * floor
+    assert after["both"] < 0.9 * floor and after["both"] < 0.9 * min(
+        after["aware"], after["nearest"], after["transport"]
+    )
+
+
+def test_no_strength_is_the_structure(samples: Samples) -> None:
+    batch, fresh = samples.job.batch([0]), drawn(samples, 500, 9).take(ZERO)
+    wardrobe = Wardrobe(bind(batch, wavy(samples, 0), 1000), Solids.of(batch.sites()))
+    bare = wear(batch, fresh, ZERO, wardrobe, ZERO, strength=0.0)
+    assert np.abs(bare.position - fresh.position).max() < 1e-9
+    assert np.abs(bare.normal - fresh.normal).max() < 1e-6
+    none = wear(batch, fresh, ZERO, wardrobe, -np.ones(1, dtype=np.int64))
+    assert (none.bound == -1).all() and np.array_equal(none.position, fresh.position)
+
+
+def test_frames_carry_vectors_there_and_back(samples: Samples) -> None:
+    elements, solids = elements_of(samples.batch), Solids.of(samples.batch.sites())
+    chance = np.random.default_rng(0)
+    element = chance.integers(len(elements), size=300)
+    frames = solids.frames(elements, element, np.zeros(300, dtype=np.int64), chance.random(300), chance.random(300))
+    vectors = chance.normal(size=(300, 3))
+    assert np.abs(frames.out_of(frames.into(vectors)) - vectors).max() < 1e-12
+    turned = elements.turned(element, vectors)
+    assert np.abs(elements.local(element, turned) - vectors).max() < 1e-12
+
+
+def test_details_are_the_same_after_a_file(samples: Samples) -> None:
+    details = bind(samples.job.batch([0]), wavy(samples, 0), 1000)
+    arrays = to_arrays(details, "hash")
+    held = of_arrays(arrays, "wavy.npz", "hash")
+    assert held.names == ("wavy",) and held.labels == details.labels
+    assert np.abs(held.offset - details.offset).max() < 1e-8
+    assert np.array_equal(held.label, details.label) and np.array_equal(held.u, details.u)
+    again = to_arrays(held, "hash")
+    assert all(np.array_equal(again[name], arrays[name], equal_nan=name == "element_params") for name in arrays)
+    with pytest.raises(UserError, match="bound to another program"):
+        of_arrays(arrays, "wavy.npz", "other")
+    with pytest.raises(UserError, match="no array `offset`"):
+        of_arrays({k: v for k, v in arrays.items() if k != "offset"}, "wavy.npz")
+    with pytest.raises(UserError, match="is of version 7"):
+        of_arrays(arrays | {"version": np.array([7])}, "wavy.npz")
+    with pytest.raises(UserError, match="do not belong together"):
+        of_arrays(arrays | {"element": arrays["element"] + 1000}, "wavy.npz")
+
+
+def test_several_donors_are_one_wardrobe(samples: Samples) -> None:
+    several = [bind(samples.job.batch([k]), wavy(samples, k), 1000) for k in range(2)]
+    several[1] = replace(several[1], labels=tuple(reversed(several[1].labels)))
+    both = join(several)
+    assert both.labels == several[0].labels and len(both) == sum(map(len, several))
+    owner = both.owner
+    assert np.array_equal(np.bincount(owner), [len(one) for one in several])
+    words = [np.array([*one.labels, ""])[one.label] for one in several]
+    assert np.array_equal(np.array([*both.labels, ""])[both.label], np.concatenate(words))
+    batch, fresh = samples.batch, drawn(samples, 1000, 9)
+    worn = wear(batch, fresh, np.arange(2), Wardrobe(both, Solids.of(batch.sites())), np.arange(2))
+    found = worn.bound[worn.bound >= 0]
+    assert np.array_equal(owner[found], np.nonzero(worn.bound >= 0)[0])
+    for k in range(2):  # as if each were alone
+        alone = wear(samples.job.batch([k]), of_one(fresh, k, samples), ZERO, wardrobe_of(several[k], samples), ZERO)
+        assert np.allclose(alone.position[0], worn.position[k], atol=1e-12)
+
+
+def of_one(points: PointSet, number: int, samples: Samples) -> PointSet:
+    """The points of one object, whose rows are counted among its own."""
+    first = np.array([np.searchsorted(table.owner, number) for table in samples.batch.sites()])
+    mine = points.take(np.array([number]))
+    return replace(mine, row=mine.row - first[mine.site])
+
+
+def wardrobe_of(details: Details, samples: Samples) -> Wardrobe:
+    return Wardrobe(details, Solids.of(samples.batch.sites()))
+
+
+def test_uncovered_structure_stays_bare(samples: Samples) -> None:
+    real = wavy(samples, 0)
+    high = np.quantile(real.points[:, 2], 0.3)
+    kept = real.points[:, 2] < high
+    half = replace(real, points=real.points[kept], normals=real.normals[kept], label=real.label[kept])
+    batch, fresh = samples.job.batch([0]), drawn(samples, 2000, 9).take(ZERO)
+    worn = wear(batch, fresh, ZERO, Wardrobe(bind(batch, half, 1500), Solids.of(batch.sites())), ZERO)
+    above = fresh.position[0][:, 2] > high + 0.2 * real.diagonal
+    assert above.any() and np.array_equal(worn.position[0][above], fresh.position[0][above])
+    near = cKDTree(half.points).query(worn.position[0][worn.bound[0] >= 0])[0]
+    assert np.quantile(near, 0.95) < 0.08 * real.diagonal
+
+
+def test_elements_are_found(samples: Samples) -> None:
+    elements: Elements = elements_of(samples.batch)
+    every = np.arange(len(elements))
+    assert np.array_equal(elements.find(elements.owner, elements.site, elements.rank), every)
+    missing = elements.find(elements.owner, elements.site, elements.rank + 1000)
+    assert (missing == -1).all()
