@@ -61,8 +61,10 @@ def test_wrong_numbers() -> None:
 def test_what_cannot_be_made() -> None:
     with pytest.raises(CompileError, match="did you mean `Microwave`"):
         apg.sample("Microvave")
-    with pytest.raises(NoObject, match="no legal value is left"):
-        apg.sample(CHEST, set={"width": "30cm", "height": "40cm"})
+    with pytest.raises(NoObject, match=r"no legal value is left for `height` under `height <= 0.8 \* width`") as caught:
+        apg.sample(CHEST, set={"width": "30cm", "height": "40cm", "swing": "90deg"})
+    assert caught.value.hint is not None
+    assert "`width=30cm` and `height=40cm`" in caught.value.hint and "swing" not in caught.value.hint
 
 
 def test_a_program_as_text() -> None:

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import NotRequired, TypedDict
 
+from ..diagnostics.suggest import any_of
 from ..errors import NoObject
+from ..graph.depend import draws_behind
 from ..graph.program import Program
 from ..runtime.repairs import Cause, describe_cause
 from ..sampling.statistics import Exhausted, Statistics
 from .schema import Count
+from .settings import Value
 
 _NARROW = "widen the ranges, or state what one value leaves to the next"
 _TURNED = "leave room where it turns or slides, or turn its axis round: `lid.back.bottom` for `lid.bottom.back`"
@@ -69,8 +73,14 @@ def count_in_words(program: Program, counted: Mapping[Cause, int]) -> dict[str, 
     return dict(sorted(found.items(), key=lambda item: (-item[1], item[0])))
 
 
-def explain_exhausted(program: Program, error: Exhausted, fixed: bool) -> NoObject:
-    """What the requirements leave nothing of, and which of them are to blame; ``fixed``: parameters were set."""
+def explain_exhausted(
+    program: Program, error: Exhausted, given: Mapping[int, float], settings: Mapping[str, Value]
+) -> NoObject:
+    """Why there is no valid object: what failed most, and which settings take part in it.
+
+    ``given``: the values that were set, by the index of their draw; ``settings``: the same by name, for words.
+    """
+    fixed = bool(settings)
     shown = ", ".join(map(str, error.numbers[:3].tolist())) + (", ..." if len(error.numbers) > 3 else "")
     counted = "object" if len(error.numbers) == 1 else f"{len(error.numbers)} objects"
     shapes = {describe_cause(program, ("collision", key)): words for key, words in error.statistics.examples.items()}
@@ -87,5 +97,44 @@ def explain_exhausted(program: Program, error: Exhausted, fixed: bool) -> NoObje
         )
         + "what failed most:\n"
         + "\n".join(lines),
-        "set other values" if fixed else _TURNED if " collide while " in lines[0] else _NARROW,
+        _TURNED if not fixed and " collide while " in lines[0] else _blame(program, error.statistics, given, settings),
     )
+
+
+def _blame(program: Program, made: Statistics, given: Mapping[int, float], settings: Mapping[str, Value]) -> str:
+    """What to try: other values for the settings that what failed most depends on, or else wider ranges."""
+    if not settings:
+        return _NARROW
+    worst = sorted(made.failures().items(), key=lambda item: -item[1])[:3]
+    behind = {k for cause, _ in worst for k in _draws_of(program, cause) if k in given}
+    names = dict.fromkeys(program.draws[k].column.name for k in sorted(behind))
+    if not names:
+        return "set other values: no single setting is to blame"
+    shown = any_of([f"{name}={_text(program, name, settings[name])}" for name in names if name in settings])
+    return f"these failures depend on {shown.replace(' or ', ' and ')}: choose another value" + (
+        "" if len(names) == 1 else " for one of them"
+    )
+
+
+def _draws_of(program: Program, cause: Cause) -> list[int]:
+    """The draws that a failure depends on; none of collisions and faults of solids, which depend on nearly all."""
+    kind, about = cause
+    if kind == "requirement":
+        one = program.requirements[about]
+        return draws_behind(program, (one.condition, one.guard))
+    if kind == "domain":
+        return [about]
+    if kind != "draw":
+        return []
+    draw = program.draws[about]
+    numbers = {k for b in draw.bounds for k in (b.requirement, *b.also)}
+    numbers |= {limit.requirement for limit in draw.limits} | {union.requirement for union in draw.unions}
+    return [about, *(k for n in sorted(numbers) for k in _draws_of(program, ("requirement", n)))]
+
+
+def _text(program: Program, name: str, value: Value) -> str:
+    """A setting as it is written after ``--set``, lengths in centimetres and angles in degrees."""
+    unit = next((d.unit for d in program.draws if d.column.name == name), "")
+    if isinstance(value, float) and unit in ("m", "rad"):
+        return f"{value * 100:.6g}cm" if unit == "m" else f"{math.degrees(value):.6g}deg"
+    return f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -63,7 +63,7 @@ class Job:
             prove(made)
             return made
         except Exhausted as error:
-            raise explain_exhausted(self.program, error, bool(self.request.settings)) from None
+            raise explain_exhausted(self.program, error, self.given, self.request.settings) from None
         except TooMany as error:
             raise UserError(f"{self.program.name}: {error}", "bound the counts of its repeats") from None
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..graph.program import Draw, Program
+from ..graph.program import Draw, Program, Requirement
 
 HOW = ("clipped", "hint", "search", "redrawn")
 
@@ -165,6 +165,12 @@ def _shown(draw: Draw, value: float) -> Any:
     return float(value) if np.isfinite(value) else str(float(value))
 
 
+def _stated(requirement: Requirement) -> str:
+    """A requirement by its condition, or its message, with its place."""
+    text = " ".join(requirement.text.split()) or requirement.message
+    return f"`{text}` ({requirement.where})" if requirement.where is not None else f"`{text}`"
+
+
 def _explained(program: Program, cause: Cause) -> tuple[str, str | None]:
     """A cause in words, and its place in the text as ``file:line:column``."""
     kind, about = cause
@@ -180,9 +186,11 @@ def _explained(program: Program, cause: Cause) -> tuple[str, str | None]:
         where, words = program.draws[about].where, f"`{program.draws[about].column.name}` lies outside its range"
     elif kind == "draw":
         draw = program.draws[about]
-        lines = list(dict.fromkeys(str(program.requirements[b.requirement].where) for b in draw.bounds))
-        by = f" by {', '.join(lines[:3])}" if lines else ""
-        where, words = draw.where, f"no legal value is left for `{draw.column.name}`{by}"
+        numbers = [b.requirement for b in draw.bounds] + [b.requirement for b in draw.limits]
+        numbers += [b.requirement for b in draw.unions]
+        lines = list(dict.fromkeys(_stated(program.requirements[n]) for n in numbers))
+        under = f" under {', '.join(lines[:3])}" if lines else ""
+        where, words = draw.where, f"no legal value is left for `{draw.column.name}`{under}"
     elif kind == "collision":
         first, second, joint = about
         where = next((j.where for j in program.joints if j.path == joint), None)
