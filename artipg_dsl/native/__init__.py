@@ -8,11 +8,11 @@ operation on numbers is an inner loop of NumPy itself. Knows neither expressions
     narrow.c        which of them overlap, as ``geometry.collide`` has it
     states.c        pieces in many states of joints, as ``validity.following`` has it
     turning.c       pieces that turn, as ``validity.validate`` has it
+    cells.c         pieces that several joints move, as ``validity.together`` has it
+    moments.c       sums over the surfaces of solids, as ``geometry.quadrature`` has it
     loops           the inner loops of NumPy's functions, and how an array lies in memory
     compiler        the machine compiled, kept and loaded
     tape, plan      straight-line programs of operations; registers and phases for the shapes that are given
-    moments.c       sums over the surfaces of solids, as ``geometry.quadrature`` has it
-    narrow, states, turning     bodies told to these
-    moments                     the sums told to moments.c
+    narrow, states, turning, cells, moments   what is told to the files in C of these names
     backend         which backend is used
 """

@@ -39,10 +39,23 @@ static inline void apply_back(const double *turn, const double *v, double *out) 
     for (int i = 0; i < 3; i++) out[i] = turn[i] * v[0] + turn[3 + i] * v[1] + turn[6 + i] * v[2];
 }
 
+/* the rotation about a unit axis by an angle of which ``c`` and ``s`` are cosine and sine */
+static inline void rotation(const double *axis, double c, double s, double *out) {
+    const double t = 1.0 - c, x = axis[0], y = axis[1], z = axis[2];
+    out[0] = x * x * t + c, out[1] = x * y * t - z * s, out[2] = x * z * t + y * s;
+    out[3] = x * y * t + z * s, out[4] = y * y * t + c, out[5] = y * z * t - x * s;
+    out[6] = x * z * t - y * s, out[7] = y * z * t + x * s, out[8] = z * z * t + c;
+}
+
 /* the point of body ``k`` that lies farthest along a direction */
 void support(const side *body, int64_t k, const double *direction, double *out);
 
 /* whether two bodies overlap; ``v``, at first from the second to the first, becomes a direction in which the first lies beyond the second */
 int part(const side *first, const side *second, int64_t k, double near, int64_t steps, double *v);
+
+/* how far a body of n corners, posed, reaches along a direction while it turns about an axis through an origin by up to an angle either way,
+   of which ``c`` and ``s`` are cosine and sine */
+double swept(const double *corners, int64_t n, const double *turn, const double *shift, const double *axis, const double *origin, double c,
+             double s, const double *direction);
 
 #endif

@@ -18,7 +18,10 @@ from pathlib import Path
 
 from .. import cache
 
-_SOURCES = [Path(__file__).with_name(name) for name in ("machine.c", "narrow.c", "states.c", "turning.c", "moments.c")]
+_SOURCES = [
+    Path(__file__).with_name(name)
+    for name in ("machine.c", "narrow.c", "states.c", "turning.c", "cells.c", "moments.c")
+]
 _HEADERS = [Path(__file__).with_name("bodies.h")]
 # products and sums stay apart: one instruction for both would round once, not twice as NumPy does
 _FLAGS = ("-O2", "-std=c11", "-ffp-contract=off", "-fno-math-errno", "-shared", "-fPIC", "-fvisibility=hidden")

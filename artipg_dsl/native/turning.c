@@ -3,8 +3,7 @@
 
 #include "bodies.h"
 
-/* how far a body reaches along a direction while it turns by up to an angle either way, of which ``c`` and ``s`` are cosine and sine */
-static double swept(const double *corners, int64_t n, const double *turn, const double *shift, const double *axis, const double *origin,
+double swept(const double *corners, int64_t n, const double *turn, const double *shift, const double *axis, const double *origin,
                     double c, double s, const double *direction) {
     double along = dot(axis, direction), flat[3], across[3], off[3], local[3], most = 0.0;
     int i;
@@ -38,13 +37,6 @@ typedef struct {
     const double *axis, *origin, *middle, *half, *cos_middle, *sin_middle, *cos_half, *sin_half, *advance, *gap, *low, *high;
     const int64_t *piece, *other;
 } turns;
-
-static void rotation(const double *axis, double c, double s, double *out) {
-    const double t = 1.0 - c, x = axis[0], y = axis[1], z = axis[2];
-    out[0] = x * x * t + c, out[1] = x * y * t - z * s, out[2] = x * z * t + y * s;
-    out[3] = x * y * t + z * s, out[4] = y * y * t + c, out[5] = y * z * t - x * s;
-    out[6] = x * z * t - y * s, out[7] = y * z * t + x * s, out[8] = z * z * t + c;
-}
 
 /* Which of n pairs meet in the middle of their intervals, and which are proved to stay apart in all of them. */
 OUT void examine(int64_t n, const side *moved, const side *still, const turns *all, double near, int64_t steps, unsigned char *hit,

@@ -6,7 +6,7 @@ the way. Begin with ``faults``.
     bodies, tree, meant       convex pieces placed at rest; what moves what; which pairs of parts a statement is about
     validate, following       links that penetrate one another, at rest or while one joint moves
     contact, evidence         which parts meet, where, and at which value of a joint
-    apart, together, clearance    distances kept in every state of the other joints; how far a joint can move
+    apart, together, cells, clearance    distances kept in every state of the other joints; how far a joint can move
     floating, adrift          parts that nothing holds, by their solids and for certain by their boxes alone
     stance, hull              whether an object stands without tipping over
     materials, mass           mass, centre and inertia of links

@@ -15,20 +15,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry.collide import separate
 from ..geometry.vectors import dot
-from ..runtime.motion import apply, multiply, rotation_about
-from .bodies import EXACT, Pieces, Placed, enumerate_ranges, swept_extent, turn_points
+from ..runtime.motion import apply, rotation_about
+from .bodies import Pieces, enumerate_ranges
+from .cells import add_columns, examine_cells
 from .tree import Tree
 
 _ROUNDS = 60  # halvings of a cell, of all its joints together
 _LOSS = 1e-4  # metres: cells in which corners move by less and that are not proved free count as meeting
 _TIE = 1e-3  # of what a joint moves, where nothing tells which one matters
 _NEAR = 2e-4  # of a way: how well shares are known
-_EIGHTH = np.pi / 4
 _SLICES = 16  # of a turn, for boxes
 _MOST = 4_000  # cells of two links; what is left beyond counts as meeting
-_OWN = np.eye(3)
 
 
 @dataclass(slots=True, eq=False)
@@ -195,7 +193,7 @@ def _cells(tree: Tree, body: Pieces, way: Ways) -> Cells:
     radius = np.concatenate([own.radius[:half, place[piece]], own.radius[:half, place[other]]]).T
     radius = np.where(joint >= 0, radius, 0.0)
     balls = (joint >= 0) & np.append(~(tree.slides | tree.turns), False)[joint]
-    slack = _add(np.where(balls, radius * np.maximum(np.abs(start), np.abs(stop)), 0.0))
+    slack = add_columns(np.where(balls, radius * np.maximum(np.abs(start), np.abs(stop)), 0.0))
     start, stop = np.where(balls, 0.0, start), np.where(balls, 0.0, stop)
     return _where_gates_let(tree, joint, Cells(row, piece, other, start, stop, radius, slack))
 
@@ -235,138 +233,6 @@ def _meet(own: _Reach, levels: tuple[np.ndarray, np.ndarray], first: np.ndarray,
     return ((lows[0] < highs[1]) & (lows[1] < highs[0])).all(axis=1)
 
 
-@dataclass(slots=True, eq=False)
-class _Posed:
-    """Turns (k, 3, 3) and shifts (k, 3) from rest, and the axes and points on them of joints (k, C, 3) there."""
-
-    turn: np.ndarray
-    shift: np.ndarray
-    axis: np.ndarray
-    origin: np.ndarray
-
-
-def _posed(tree: Tree, joint: np.ndarray, value: np.ndarray) -> _Posed:
-    """What joints (k, c), from the innermost to the outermost, do at values (k, c)."""
-    known = np.maximum(joint, 0)
-    found = _Posed(
-        np.tile(_OWN, (len(joint), 1, 1)), np.zeros((len(joint), 3)), tree.axis[known].copy(), tree.origin[known].copy()
-    )
-    for column in range(joint.shape[1]):
-        rows = np.flatnonzero(joint[:, column] >= 0)
-        at, by = joint[rows, column], value[rows, column]
-        own = rotation_about(tree.axis[at], np.where(tree.turns[at], by, 0.0))
-        shift = tree.origin[at] - apply(own, tree.origin[at])
-        shift = shift + tree.axis[at] * (np.where(tree.slides[at], 1.0, tree.advance[at]) * by)[:, None]
-        found.turn[rows] = multiply(own, found.turn[rows])
-        found.shift[rows] = apply(own, found.shift[rows]) + shift
-        for inner in range(column):
-            found.axis[rows, inner] = apply(own, found.axis[rows, inner])
-            found.origin[rows, inner] = apply(own, found.origin[rows, inner]) + shift
-    return found
-
-
-def _examined(
-    tree: Tree, body: Pieces, way: Ways, part: Cells
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Of cells: which meet in the middle (k,), which are proved to stay apart, how far each joint alone takes the pieces
-    towards one another (k, C), and all of them together at most (k,)."""
-    joint, half = way.joint[part.row], way.joint.shape[1] // 2
-    middle, wide = (part.start + part.stop) / 2, (part.stop - part.start) / 2
-    columns = slice(0, half), slice(half, 2 * half)
-    poses = [_posed(tree, joint[:, side], middle[:, side]) for side in columns]
-    sides = [
-        Placed(body, piece, pose.turn, pose.shift) for piece, pose in zip((part.piece, part.other), poses, strict=True)
-    ]
-    gap = None if body.gap is None else body.gap[part.piece]
-    hit, away = separate(sides[0], sides[1], 0.5 if gap is None else EXACT)
-    length = np.maximum(np.sqrt(dot(away, away)), 1e-12)
-    away = away / length[:, None]
-    rows, loss = np.arange(len(part.row)), np.zeros(joint.shape)
-    between, bounds, many = np.zeros(len(part.row)), [], []
-    for side, pose, to, ahead in zip(sides, poses, columns, (-away, away), strict=True):
-        least = dot(side.support(rows, ahead), ahead)
-        between -= least
-        moving = (joint[:, to] >= 0) & (wide[:, to] > 0.0)
-        for column in range(half):
-            at = np.flatnonzero(moving[:, column])
-            known, by, axis = joint[at, to.start + column], wide[at, to.start + column], pose.axis[at, column]
-            turn = np.where(tree.turns[known], np.minimum(by, np.pi), 0.0)
-            far = swept_extent(side.at(at), axis, pose.origin[at, column], turn, ahead[at])
-            along = np.where(tree.slides[known], 1.0, np.abs(tree.advance[known])) * by
-            loss[at, to.start + column] = np.maximum(far - least[at], 0.0) + np.abs(dot(axis, ahead[at])) * along
-        several = moving.sum(axis=1) > 1
-        # the outermost exactly, those within by the way that corners can make
-        last = half - 1 - np.argmax(moving[:, ::-1], axis=1)
-        inner = np.where(np.arange(half) < last[:, None], wide[:, to] * part.radius[:, to], 0.0)
-        bounds.append(np.where(several, loss[rows, to.start + last] + _add(inner), _add(loss[:, to])))
-        many.append(several)
-    need = between if gap is None else between - gap
-    for number, (side, to, ahead) in enumerate(zip(sides, columns, (-away, away), strict=True)):
-        at = np.flatnonzero(many[number] & ~hit & (need < bounds[0] + bounds[1] + part.slack))
-        if len(at):  # these more exactly
-            far = _cloud(tree, body, side.piece[at], joint[at, to], middle[at, to], wide[at, to], ahead[at])
-            far -= dot(side.support(at, ahead[at]), ahead[at])
-            bounds[number][at] = np.minimum(np.maximum(far, 0.0), bounds[number][at])
-    total = bounds[0] + bounds[1] + part.slack
-    if gap is not None:
-        hit |= length < gap
-    return hit, ~hit & (need >= total), loss, total
-
-
-def _cloud(
-    tree: Tree,
-    body: Pieces,
-    piece: np.ndarray,
-    joint: np.ndarray,
-    middle: np.ndarray,
-    wide: np.ndarray,
-    ahead: np.ndarray,
-) -> np.ndarray:
-    """How far (k,) pieces reach along unit vectors (k, 3) while their joints (k, c) go through their intervals together.
-
-    In place of an arc stand its ends and where its tangents meet, which hold it between them; in place of a long one the corners
-    of an octagon about the whole circle.
-    """
-    found = np.empty(len(piece))
-    for at, corners in body.classes(piece):
-        points, spare = corners, np.zeros(len(at))
-        for column in range(joint.shape[1]):
-            own = joint[at, column]
-            known, by = np.maximum(own, 0), np.where(own >= 0, wide[at, column], 0.0)
-            turns, slides = (own >= 0) & tree.turns[known], (own >= 0) & tree.slides[known]
-            axis, origin = tree.axis[known], tree.origin[known]
-            local = points - origin[:, None]
-            height = dot(local, axis[:, None])[..., None] * axis[:, None]
-            across = local - height
-            long = turns & (by > _EIGHTH / 2)
-            spare += np.where(turns, np.abs(tree.advance[known]) * by, 0.0)
-            bend = np.where(turns & ~long, by, 0.0)
-            made = []
-            for step in range(8 if long.any() else 3 if (by > 0.0).any() else 1):
-                sign = (0.0, -1.0, 1.0)[step % 3]
-                angle = np.where(turns, middle[at, column], 0.0) + np.where(long, step * _EIGHTH, sign * bend)
-                turn = rotation_about(axis, angle)
-                wider = 1.0 / np.cos(bend) if sign == 0.0 else np.ones(len(at))
-                wider = np.where(long, 1.0 / np.cos(_EIGHTH / 2), wider)
-                slide = np.where(slides, middle[at, column] + sign * by, 0.0)
-                slide = slide + np.where(turns, tree.advance[known] * middle[at, column], 0.0)
-                made.append(
-                    turn_points(turn, across * wider[:, None, None] + height)
-                    + (origin + axis * slide[:, None])[:, None]
-                )
-            points = np.concatenate(made, axis=1)
-        found[at] = dot(points, ahead[at][:, None]).max(axis=1) + spare
-    return found
-
-
-def _add(columns: np.ndarray) -> np.ndarray:
-    """Sums of rows, column by column."""
-    total = np.zeros(len(columns))
-    for column in columns.T:
-        total = total + column
-    return total
-
-
 def least_share(
     tree: Tree, body: Pieces, way: Ways, yields: np.ndarray, found: list[Meeting] | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -391,7 +257,7 @@ def least_share(
         if not len(part.row):
             break
         own, begins = giving[part.row], _shares(part.start, far[part.row])
-        hit, apart, loss, total = _examined(tree, body, way, part)
+        hit, apart, loss, total = examine_cells(tree, body, way, part)
         crowd = np.bincount(part.row, minlength=len(met))[part.row] > _MOST
         giving_way = np.where(own, (part.stop - part.start) * part.radius, 0.0).max(axis=1, initial=0.0)
         bound = hit & own.any(axis=1)
@@ -411,7 +277,7 @@ def least_share(
         ends = np.where(own[going], part.stop[going] / far[part.row[going]], -np.inf)
         # what each does alone, and of what they do together a share by how far each moves
         moved = ((part.stop - part.start) / 2 * part.radius)[going]
-        mixed = np.maximum(total[going] - _add(loss[going]), 0.0) / np.maximum(_add(moved), 1e-300)
+        mixed = np.maximum(total[going] - add_columns(loss[going]), 0.0) / np.maximum(add_columns(moved), 1e-300)
         weight = loss[going] + np.maximum(np.minimum(mixed, 1.0), _TIE)[:, None] * moved
         column = np.where(bound[going], np.argmax(ends, axis=1), np.argmax(weight, axis=1))
         part = part.at(going).halved(column)

@@ -1,0 +1,52 @@
+"""Pieces that several joints move: compiled code says what NumPy says of them, to the last bit."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from artipg_dsl.session import Session
+from artipg_dsl.validity.bodies import gather
+from artipg_dsl.validity.cells import examine_cells
+from artipg_dsl.validity.together import Cells, list_ways
+from artipg_dsl.validity.tree import Tree
+
+from .machine import bits, needs_compiler
+
+pytestmark = needs_compiler
+
+
+@pytest.fixture(scope="module", params=["Faucet", "Microwave"])
+def scene(request):
+    """Any pieces of links between which several joints turn or slide, with intervals of all sizes, some of no size."""
+    batch = Session.of(request.param).sampler.batch(np.arange(3), 3)
+    tree = Tree(batch)
+    body = gather(batch, tree.first, tree.turn, tree.shift)
+    way = list_ways(tree)
+    way = way.at(np.flatnonzero((way.joint >= 0).sum(axis=1) > 1))
+    begin, end = (np.searchsorted(body.link, np.arange(len(tree.links.owner)), side=side) for side in ("left", "right"))
+    way = way.at(np.flatnonzero((end > begin)[way.first] & (end > begin)[way.second]))
+    lots = np.random.Generator(np.random.PCG64(1))
+    row = lots.integers(0, len(way.first), 400)
+    piece, other = (
+        begin[link] + lots.integers(0, 1 << 30, 400) % (end - begin)[link] for link in (way.first[row], way.second[row])
+    )
+    joint = way.joint[row]
+    start = np.where(joint >= 0, lots.normal(size=joint.shape), 0.0)
+    wide = 10.0 ** lots.uniform(-4, 0.6, joint.shape) * (lots.uniform(size=joint.shape) < 0.8)
+    stop = start + np.where(joint >= 0, wide, 0.0)
+    radius = np.where(joint >= 0, lots.uniform(0.0, 0.5, joint.shape), 0.0)
+    return tree, body, way, Cells(row, piece, other, start, stop, radius, np.zeros(400))
+
+
+@pytest.mark.parametrize("gap", [None, 0.01])
+def test_cells(using, scene, gap):
+    tree, body, way, cells = scene
+    body = replace(body, gap=None if gap is None else np.full(len(body), gap))
+    found = []
+    for name in ("numpy", "c"):
+        using(name)
+        hit, apart, loss, total = examine_cells(tree, body, way, cells)
+        found.append([bits(column) for column in (hit, apart, loss, total)])
+    assert found[0] == found[1]
+    assert (hit.any() or gap is None) and apart.sum() > 20 and not (hit & apart).any()
