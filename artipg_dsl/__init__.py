@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def __getattr__(name: str) -> Any:
-    """The public API, loaded when it is first asked for: importing the package costs next to nothing."""
+    """The public API, loaded on first use, so that importing the package is fast."""
     if name in _PUBLIC:
         from . import api
 

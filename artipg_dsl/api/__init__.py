@@ -1,9 +1,9 @@
 """The Python interface: ``apg.sample("Microwave", n=1000, seed=7)`` gives objects as arrays, meshes and files.
 
-In: names, numbers and arrays. Out: objects, and files of them. Begin with ``sample`` below.
+Input: names, numbers and arrays. Output: objects, and files of them. Start with ``sample`` below.
 
     samples     objects as tables, points, views, meshes; one object
-    files       what is written of objects: data sets, robots, pictures
+    files       writing objects: data sets, robots, pictures
 """
 
 from __future__ import annotations
@@ -36,16 +36,16 @@ def sample(
     repair: bool = False,
     values: str | Path | Iterable[Mapping[str, Any]] | None = None,
 ) -> Samples:
-    """Objects of a category, by the name of a shipped one or by file.
+    """Sample objects of a category, which is a shipped one (by name) or a file.
 
-    ``n`` objects, 0 .. n - 1 (default 1), or those of the given ``numbers``: a number stands for the same object in
-    any set of one seed. ``set`` fixes parameters: text with a unit, ``{"width": "45cm", "handle": "none"}``, or
+    Makes ``n`` objects, 0 .. n - 1 (default 1), or those of the given ``numbers``: for one seed, a number always means
+    the same object. ``set`` fixes parameters: text with a unit, ``{"width": "45cm", "handle": "none"}``, or
     numbers in metres and radians. Objects whose links collide, at rest or while a joint moves, are drawn again unless
-    ``checked`` is false. ``sampling="prior"`` resamples to the declared distributions (``"prior:128"``: among 128
-    attempts for each object) where drawing in sequence shifts them. With ``repair`` what fails is put right by the least
-    change instead of drawn again, and so are objects given by their ``values``: a file, or a dictionary for each,
-    ``[{"width": 0.52, "handle": "BowHandle"}]`` (what they leave out is drawn); ``repairs`` tells what was moved.
-    Raises CompileError, SettingError, NoObject, UserError.
+    ``checked`` is false. ``sampling="prior"`` resamples to the declared distributions, which sequential drawing
+    shifts (``"prior:128"``: from 128 attempts per object). With ``repair``, invalid objects are corrected by the
+    smallest change instead of drawn again. ``values`` gives the objects by their values, as a file or a dictionary for
+    each, ``[{"width": 0.52, "handle": "BowHandle"}]``; omitted values are drawn, and invalid objects are corrected.
+    ``repairs`` lists the changed values. Raises CompileError, SettingError, NoObject, UserError.
     """
     request = read_request(
         category,
@@ -64,7 +64,7 @@ def sample(
 def load(
     text: str, n: int = 1, seed: int = 0, *, set: Mapping[str, Value] | None = None, checked: bool = True
 ) -> Samples:
-    """Objects of a category whose program is at hand as text. Raises CompileError, SettingError, NoObject."""
+    """Sample objects of a category given as program text. Raises CompileError, SettingError, NoObject."""
     if text.strip().endswith((".apg", ".apgc")) and "\n" not in text.strip():
         raise UsageError(f"`load` takes the text of a program, not its name {text}", f'write sample("{text}")')
     sampler = Session.of_text(text).sampler
@@ -73,9 +73,9 @@ def load(
 
 
 def open_samples(folder: str | Path, *, numbers: Sequence[int] | np.ndarray | None = None) -> Samples:
-    """The objects of a folder that ``apgc sample`` has written, made again: all, or those of the given ``numbers``.
+    """Make the objects of a folder written by ``apgc sample`` again: all, or those of the given ``numbers``.
 
-    Where the folder has tables, they are made from these. Raises ExportError, UserError, UsageError.
+    If the folder has tables, the objects are made from these. Raises ExportError, UserError, UsageError.
     """
     job = reopen(folder)
     if numbers is None:

@@ -1,4 +1,4 @@
-"""What is written of objects: data sets, files per object, pictures."""
+"""Writing objects: data sets, files per object, pictures."""
 
 from __future__ import annotations
 
@@ -65,9 +65,9 @@ class Files:
         triangles: int | None = None,
         force: bool = False,
     ) -> Path:
-        """Write what ``apgc sample`` writes: shards, a folder per object where a format asks for it, the manifest.
+        """Write a folder like ``apgc sample``: shards, a folder per object for formats that need it, the manifest.
 
-        The options are those of the command, of ``points`` and of ``meshes``: ``states`` such as "open,random:4",
+        The options are those of the command, of ``points`` and of ``meshes``; ``states`` is text such as "open,random:4",
         ``views`` a number or cameras.
         """
         from ..export.registry import choose_formats
@@ -102,8 +102,8 @@ class Files:
     ) -> list[Path]:
         """Files per object, ``batch.export("robots", "urdf,glb")``; returns the folders ``objects/<number>``.
 
-        Formats are those of ``apgc export``, ``tolerance`` and ``triangles`` as in ``meshes``. What is there is refused
-        unless ``force``. Raises ExportError.
+        Formats are those of ``apgc export``; ``tolerance`` and ``triangles`` are as in ``meshes``. Existing files are
+        replaced only with ``force``. Raises ExportError.
         """
         from ..export.objects import object_folder, write_objects
         from ..export.registry import find_formats, object_formats
@@ -126,10 +126,11 @@ class Files:
         map: Mapping[str, Mapping[str, Any]] | None = None,
         force: bool = False,
     ) -> Path:
-        """A folder as the field's training code reads it, ``batch.lay_out("parts", "shapenetpart")``; others join in it.
+        """Write a folder as the field's training code reads it, ``batch.lay_out("parts", "shapenetpart")``.
 
-        The layouts are those of ``apgc export``; ``split``: how many of every few objects go into train, val and test. ``map``
-        says what the layout's vocabulary calls the category and its words, ``{"Kettle": {"class": "Mug", "parts": {"*": "cup"}}}``.
+        Categories can be added to an existing folder. The layouts are those of ``apgc export``; ``split`` sets the
+        proportions of train, val and test. ``map`` translates the category and its words into the layout's vocabulary:
+        ``{"Kettle": {"class": "Mug", "parts": {"*": "cup"}}}``.
         Raises UsageError, ExportError, UserError.
         """
         from ..diagnostics.suggest import did_you_mean

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 class Samples(Files):
-    """Objects of one category as columns: every table and array has their rows in the order of ``numbers``.
+    """Objects of one category as columns. Rows of all tables and arrays are in the order of ``numbers``.
 
     Frames are right-handed, x to the front, y to the left, z up; metres and radians.
     """
@@ -37,7 +37,7 @@ class Samples(Files):
         return (self.object(number) for number in self.numbers.tolist())
 
     def object(self, number: int) -> Object:
-        """The object of a number, the same whether it is among these or not."""
+        """The object with the given number, which need not be among these."""
         return Object(self.job.of([number]))
 
     # ------------------------------------------------------------ mutation
@@ -52,12 +52,12 @@ class Samples(Files):
         only: str = "*",
         one: str | None = None,
     ) -> Samples:
-        """New objects from these, one of each: templates swapped (apa), counts changed (dpa), parameters perturbed (cpa).
+        """One mutant of each object: templates swapped (apa), counts changed (dpa), parameters perturbed (cpa).
 
-        What is not changed on purpose keeps its value as far as it still fits. Another ``variant`` makes others;
-        ``only`` names parts and values (``"door,handle*"``), ``share`` how many of the eligible templates and counts
-        change, ``strength`` scales the steps of cpa. ``one`` names a value: that one changes and no other draw (where
-        that cannot be, the object stays as it is). Raises NoObject, UsageError.
+        All other values are kept as far as they remain legal. Another ``variant`` gives other mutants; ``only``
+        limits the parts and values that may change (``"door,handle*"``), ``share`` is the fraction of eligible
+        templates and counts to change, ``strength`` scales the steps of cpa. ``one`` names a single value to change
+        and no other draw (if that is impossible, the object is kept). Raises NoObject, UsageError.
         """
         from ..sampling.mutate import Mutation, read_operations
 
@@ -65,24 +65,24 @@ class Samples(Files):
         return Samples(self.job.mutated(step))
 
     def changes(self, number: int) -> list[Step]:
-        """What made the object of a number from the one before, step by step; nothing for one that was drawn."""
+        """The mutation steps that made the object with the given number; empty for an object that was drawn."""
         from ..sampling.trace import trace_objects
 
         return trace_objects(self.object(number).batch)[0]
 
     def replay(self, records: Iterable[Mapping[str, Any]]) -> Samples:
-        """Objects made from these as the records of traces say (lines of ``trace-*.jsonl``). Raises NoObject, UserError."""
+        """Repeat recorded mutations (lines of ``trace-*.jsonl``) on these objects. Raises NoObject, UserError."""
         from ..sampling.trace import Replay, check_record
 
         made = {record["object"]: record for record in map(check_record, records)}
         return Samples(self.job.mutated(Replay(made), sorted(made)))
 
     def repairs(self) -> Repairs:
-        """Which values were moved to make these objects valid, from what to what, and which requirement asked for it."""
+        """The values that were changed to make these objects valid: old and new value, and the requirement that failed."""
         return self.batch.repairs
 
     def correspondence(self) -> Correspondence:
-        """Which elementary primitive of the objects before became which of these, a row for each of these."""
+        """The elementary primitive of the original object to which each primitive of these corresponds, a row for each."""
         from ..sampling.correspondence import find_correspondence
 
         return find_correspondence(self.batch.history[0].before if self.batch.history else self.batch, self.batch)
@@ -90,7 +90,7 @@ class Samples(Files):
     # ------------------------------------------------------------ tables
 
     def links(self) -> LinkTable:
-        """The rigid links, all objects' in one table; ``owner`` is the index of the object."""
+        """The rigid links of all objects in one table; ``owner`` is the index of the object."""
         return self.batch.links()
 
     def joints(self) -> JointTable:
@@ -104,9 +104,9 @@ class Samples(Files):
     def annotations(
         self, states: np.ndarray | None = None, *, gripper: Gripper | str = "standard"
     ) -> list[dict[str, Any]]:
-        """All that is known of each object as plain data: joints, parts, grasps, keypoints, what was drawn.
+        """The annotation of each object as plain data: joints, parts, grasps, keypoints, drawn values.
 
-        ``states`` (K, J) adds what is elsewhere in each of them. Grasps are those that the ``gripper`` can make: measures
+        ``states`` (K, J) adds poses in these joint states. ``gripper`` selects the grasps that it can execute: dimensions
         such as "stroke=8cm,width=2cm", or "any". Raises UsageError.
         """
         from ..annotate.annotation import annotate
@@ -115,9 +115,9 @@ class Samples(Files):
         return annotate(self.batch, states, read_gripper(gripper))
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """A drawn value, one per object: ``batch["width"]`` (B,) float64, nan where an object has none of the name.
+        """A drawn value, one per object: ``batch["width"]`` (B,) float64, nan for objects without it.
 
-        Choices are names, "" where there is none. Raises KeyError, also for values that a repeat draws several of.
+        Choices are names, "" for objects without it. Raises KeyError, also if a repeat draws several values.
         """
         draws = [(k, d) for k, d in enumerate(self.batch.program.draws) if d.column.name == name]
         if not draws or any(s.kind == "repeat" for _, d in draws for s in d.column.scope.ancestors()):
@@ -143,13 +143,13 @@ class Samples(Files):
         return self.batch.rest()
 
     def opened(self) -> np.ndarray:
-        """Joint values (J,) with every limited joint four fifths of its way open."""
+        """Joint values (J,) with every limited joint 80 % of the way from rest to its farther end."""
         from ..annotate.states import open_values
 
         return open_values(self.batch)
 
     def states(self, **values: float) -> np.ndarray:
-        """Joint values (J,) at rest but for the joints named: ``batch.states(open=1.2)``, all that bear the name."""
+        """Joint values (J,) at rest except for the named joints: ``batch.states(open=1.2)`` sets all joints of that name."""
         joints, found = self.joints(), self.rest().copy()
         names = [self.batch.program.joints[d].name for d in joints.definition]
         for name, value in values.items():
@@ -164,7 +164,7 @@ class Samples(Files):
         return found
 
     def joint_values(self, states: str = "random:4") -> np.ndarray:
-        """Joint values (K, J) in the states named: "rest", "open", "random:K" within the limits, with commas between."""
+        """Joint values (K, J) in a comma-separated list of states: "rest", "open", "random:K" within the limits."""
         from ..annotate.states import joint_values, read_states
 
         if not isinstance(states, str):
@@ -187,13 +187,13 @@ class Samples(Files):
     ) -> Points:
         """``n`` points per object on the visible surface with normals, labels and binding, arrays (B, n, ...).
 
-        With the joints at ``states`` (J,), at rest by default. In several ``states`` (K, J) positions and normals are
-        (B, K, n, 3); ``motion``: velocities by the own joint. ``surface``: "boundary" of the union of all primitives,
-        or what of it can be seen from "outside". ``spread``: "random", or "blue" to keep points apart. ``per``: n for
-        each "object", "semantic" class, part "instance", "link" or "primitive" that shows itself; arrays then have a
-        row for each of these, and ``object`` tells whose it is. ``balance``: the n points of an object are shared out
-        evenly over its "semantic" classes, "instance"s, "link"s or "primitive"s, or by their ``weights``,
-        ``{"handle": 3}``; ``area`` tells what surface a point stands for. Raises UsageError, UserError.
+        ``states`` (J,) are the joint values, at rest by default; with several states (K, J), positions and normals are
+        (B, K, n, 3). ``motion`` adds velocities due to the joints. ``surface`` is the "boundary" of the union of all
+        primitives, or the part of it visible from "outside". ``spread`` is "random", or "blue" to keep points apart.
+        ``per`` gives n points to each visible "object", "semantic" class, part "instance", "link" or "primitive"; arrays
+        then have a row for each, and ``object`` says which object it belongs to. ``balance`` divides the n points of an
+        object evenly over its "semantic" classes, "instance"s, "link"s or "primitive"s, or by ``weights``,
+        ``{"handle": 3}``; ``area`` is the surface area that a point represents. Raises UsageError, UserError.
         """
         from ..annotate.cloud import sample_points
         from ..annotate.sampling import Sampling, read_weights
@@ -204,9 +204,9 @@ class Samples(Files):
     def rebind(
         self, points: Points | Mapping[str, np.ndarray], states: np.ndarray | None = None, *, motion: bool = False
     ) -> Points:
-        """Points of other objects of the program at the same places on these: ``mutant.rebind(batch.points())``.
+        """Points of other objects of the program at the corresponding places on these: ``mutant.rebind(batch.points())``.
 
-        ``points`` may be the arrays of a points shard, too. Labels are those of the new places; ``bound`` tells where
+        ``points`` may also be the arrays of a points shard. Labels are those of the new places; ``bound`` says where
         primitive and patch still exist. Raises UsageError.
         """
         from ..annotate.rebind import rebind
@@ -223,7 +223,7 @@ class Samples(Files):
     ) -> Views:
         """Images and partial clouds from ``n`` cameras around each object, arrays (B, n, ...) or (B, K, n, ...).
 
-        ``n`` may be a camera file or its contents; ``camera``: what such a file says beside ``views`` (width=640,
+        ``n`` may be a camera file or its contents; ``camera`` gives the other entries of such a file (width=640,
         height=480, fov=35, azimuth=[-60, 60], points=2048, ...). Raises UserError, UsageError.
         """
         from ..annotate.camera_file import cameras_of
@@ -236,8 +236,8 @@ class Samples(Files):
     ) -> list[trimesh.Scene]:
         """One trimesh scene per object, a closed mesh per primitive, named after its part.
 
-        ``tolerance``: how far a mesh may lie off the true surface, metres; ``triangles``: the most that an object may
-        have, spread by curvature. Neither: 24 steps per full turn. Raises UsageError.
+        ``tolerance`` is the largest distance of a mesh from the true surface, in metres; ``triangles`` the largest number
+        per object, distributed by curvature. The default is 24 steps per full turn. Raises UsageError.
         """
         from ..export.scenes import make_scenes
         from ..geometry.resolution import Resolution
@@ -247,9 +247,9 @@ class Samples(Files):
     def grasps(
         self, values: int = 5, *, gripper: Gripper | str = "standard", states: np.ndarray | None = None
     ) -> GraspTable:
-        """Grasps of all objects, each family at ``values`` places; frames at joint values 0.
+        """Grasps of all objects, each family at ``values`` steps of its parameter; frames at joint values 0.
 
-        Only those that the ``gripper`` can make with the joints at ``states`` (J,), by default at rest; "any": all.
+        Only those that the ``gripper`` can execute with the joints at ``states`` (J,), by default at rest; "any" keeps all.
         """
         from ..annotate.grasps import sample_grasps
         from ..annotate.gripper import judge, read_gripper
@@ -265,7 +265,7 @@ class Samples(Files):
 
 
 class Object(Samples):
-    """One object; tables and arrays have its rows alone."""
+    """One object; tables and arrays have only its rows."""
 
     @property
     def number(self) -> int:
@@ -273,12 +273,12 @@ class Object(Samples):
 
     @cached_property
     def annotation(self) -> dict[str, Any]:
-        """All that is known of the object as plain data."""
+        """The annotation of the object as plain data."""
         return self.annotations()[0]
 
     @cached_property
     def drawn(self) -> dict[str, Any]:
-        """Parameters, counts and choices; lists where a repeat draws several."""
+        """Drawn parameters, counts and choices; lists where a repeat draws several."""
         return self.batch.drawn(0)
 
     def mesh(
