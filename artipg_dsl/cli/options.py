@@ -75,7 +75,7 @@ def _add_sample(to: argparse.ArgumentParser) -> None:
         type=positive,
         default=2048,
         metavar="N",
-        help="number of points per object, or of what --per names (default: 2048)",
+        help="number of points per object, or per link, part, ... with --per (default: 2048)",
     )
     to.add_argument(
         "--surface",
@@ -114,7 +114,7 @@ def _add_sample(to: argparse.ArgumentParser) -> None:
     to.add_argument(
         "--tables",
         action="store_true",
-        help="write the values that objects are made of, instead of points and annotations (with --format: beside what it names)",
+        help="write the drawn values of the objects instead of points and annotations (with --format: in addition to those formats)",
     )
     to.add_argument(
         "--states",
@@ -181,12 +181,12 @@ def _add_export(to: argparse.ArgumentParser) -> None:
         help=f"formats, separated by commas: {', '.join(object_formats())}; or one layout: {', '.join(LAYOUTS)}",
     )
     to.add_argument(
-        "--split",
-        metavar="N,N,N",
-        help="with a layout: how many of every few objects go into train, val and test (default: 8,1,1)",
+        "--split", metavar="N,N,N", help="with a layout: proportions of train, val and test (default: 8,1,1)"
     )
     to.add_argument(
-        "--map", metavar="FILE", help="with a layout: a JSON file of what its vocabulary calls a category and its words"
+        "--map",
+        metavar="FILE",
+        help="with a layout: a JSON file that translates a category and its words into the vocabulary of the layout",
     )
     add_meshes(to)
     to.add_argument("--force", action="store_true", help="overwrite existing files")
@@ -284,7 +284,7 @@ def _add_validate(to: argparse.ArgumentParser) -> None:
         type=random_states,
         default=64,
         metavar="random:K",
-        help="random joint states in which to look at each object, besides rest and each joint alone (default: random:64)",
+        help="number of random joint states in which to check each object, besides rest and each joint alone (default: random:64)",
     )
     to.add_argument(
         "--meshes", action="store_true", help="check the visible meshes as well, in as many states (needs manifold3d)"
@@ -369,7 +369,7 @@ def _add_fit(to: argparse.ArgumentParser) -> None:
     to.add_argument("--unchecked", action="store_true", help="accept objects whose links collide")
     to.add_argument("--plain", action="store_true", help="draw no pictures")
     to.add_argument("--json", action="store_true", help="print the summary as JSON")
-    to.add_argument("--force", action="store_true", help="fit again what is there already")
+    to.add_argument("--force", action="store_true", help="fit everything again")
     add_sharing(to)
 
 
@@ -411,8 +411,8 @@ COMMANDS = {
     "compile": ("compile a program, and show one of its stages", _add_compile),
     "sample": ("generate annotated objects", _add_sample),
     "export": ("write objects in other formats", _add_export),
-    "fit": ("find the objects that come nearest to real ones", _add_fit),
-    "bind": ("keep the surfaces of real objects as details of what was fitted to them", _add_bind),
+    "fit": ("find the objects that are closest to real ones", _add_fit),
+    "bind": ("store the surfaces of real objects as details of the objects fitted to them", _add_bind),
     "layout": ("check a folder in a layout against the model", _add_layout),
     "mutate": ("make mutants of the objects in a folder", _add_mutate),
     "render": ("draw a contact sheet of samples", _add_render),
@@ -421,7 +421,7 @@ COMMANDS = {
     "validate": ("report which links collide or block one another", _add_validate),
     "report": ("measure the quality of a category over many samples", _add_report),
     "ledger": ("show what determines each value of a part", _add_ledger),
-    "profile": ("show what the parts of a category cost", _add_profile),
-    "cache": ("show or clear what is kept between runs", _add_cache),
+    "profile": ("show where the time goes, by stage and by part", _add_profile),
+    "cache": ("show or clear the cache", _add_cache),
 }
 """What each command does, and what adds its options; the module of its name runs it."""

@@ -48,7 +48,7 @@ def add_bounding(to: argparse.ArgumentParser) -> None:
         "--cluster",
         default="",
         metavar="ADDRESS",
-        help="share the work among the workers of a Dask scheduler, such as tcp://host:8786, or among --workers of a cluster here: local",
+        help="divide the work among the workers of a Dask scheduler, such as tcp://host:8786, or, with local, among --workers processes here",
     )
 
 
@@ -72,7 +72,7 @@ def add_backend(to: argparse.ArgumentParser) -> None:
     to.add_argument(
         "--backend",
         choices=("numpy", "c"),
-        help="what evaluates formulas: the same bytes either way (default: c where there is a compiler, NumPy until it is done)",
+        help="backend that evaluates formulas; the bytes are the same (default: c if there is a compiler, numpy until it has finished)",
     )
 
 

@@ -25,7 +25,7 @@ def check_gate(ck: Checker, ctx: Context, value: ast.Expr) -> None:
         case ast.BinaryExpr(op=op, left=left, right=right) if op in _SIDES:
             _compared(ck, ctx, left, right)
         case _:
-            ck.error("bad-gate", value.span, "this does not say which joint has to be how far open", hint=_FORM)
+            ck.error("bad-gate", value.span, "this does not say which joint must be open, and how far", hint=_FORM)
 
 
 def _compared(ck: Checker, ctx: Context, left: ast.Expr, right: ast.Expr) -> None:

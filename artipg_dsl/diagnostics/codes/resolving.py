@@ -250,10 +250,10 @@ RESOLVING = (
         "expensive-check",
         "the check of an object takes long",
         """
-        Collisions and stability are those of convex pieces. A part of thousands of them, or one whose pieces have hundreds of
-        thousands of pairs with pieces on other links, makes the check of each object take seconds. Bars of many short bends, meshes
-        of wire and rings of many windings are like that. `apgc profile NAME` lists parts by pieces and pairs. Draw fewer of
-        them, or bend them less finely; `--unchecked` leaves the check out. The program works as it is.
+        Collisions and stability are checked on convex pieces. A part with thousands of pieces, or whose pieces form hundreds
+        of thousands of pairs with pieces on other links, makes the check of each object take seconds. Typical cases are bars with many
+        short bends, wire meshes and rings of many windings. `apgc profile NAME` lists parts by pieces and pairs. Use fewer
+        of them, or fewer bends; `--unchecked` skips the check. The program works as it is.
         """,
         """
         apg 1

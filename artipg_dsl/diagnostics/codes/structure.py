@@ -194,10 +194,10 @@ STRUCTURE = (
         "bad-gate",
         "a joint waits for something that no joint says",
         """
-        `when` behind a joint says which other joints have to be open for it to move: each is compared with a value of its
-        own unit (`when door.open > 80deg`), several with `and` between. The joints move by themselves: neither the one
-        that waits nor the one it waits for follows another by `mimic`, and the object has no closed loop. What depends on
-        choices and counts is a `when` of its own, with a block.
+        `when` after a joint says which other joints must be open for it to move: each is compared with a value of its
+        own unit (`when door.open > 80deg`), several with `and` between. The joints must be independent: neither the one
+        that waits nor the one it waits for may follow another by `mimic`, and the object must have no closed loop. For
+        conditions on choices and counts, use a `when` with a block.
         """,
         """
         apg 1
@@ -251,7 +251,7 @@ STRUCTURE = (
         "an indexed surface may have any number of copies",
         """
         The surfaces of a primitive are known when it is compiled, so that their seams can be matched. A number of copies
-        that differs between objects needs a greatest value, of at most 64. Use a parameter of type `count` with a domain, or
+        that differs between objects needs a maximum, of at most 64. Use a parameter of type `count` with a domain, or
         a formula of such parameters.
         """,
         """

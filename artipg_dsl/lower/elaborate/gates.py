@@ -19,7 +19,7 @@ from .ranges import Legal, Quantity
 if TYPE_CHECKING:
     from .links import Links
 
-_OPENS = Legal(1e-6, 1e4, "the joint it waits for has to get that far", True)
+_OPENS = Legal(1e-6, 1e4, "the joint that it waits for must reach that value", True)
 
 
 def resolve(links: Links) -> None:
@@ -70,7 +70,7 @@ def quantities(program: Program, joint: Joint) -> Iterator[Quantity]:
             leader = program.joints[k] if isinstance(k, int) else None
             if leader is None or not joint.scope.within(leader.scope) or leader.clearance:
                 continue
-            name = f"the way that `{gate.text}` leaves to the joint `{joint.path}`"
+            name = f"the range beyond `{gate.text}`, for the joint `{joint.path}`,"
             if gate.low is not None and leader.high is not None:
                 yield Quantity(name, joint.scope, E.sub(leader.high, gate.low), _OPENS, joint.where)
             if gate.high is not None and leader.low is not None:
