@@ -255,7 +255,7 @@ def _alike(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: Bou
         if kind == UNKNOWN:
             return UNKNOWN
         if not isinstance(kind, ScalarType):
-            return ck.error("wrong-type", argument.span, f"`{form.name}` takes numbers, but this is {kind}")
+            return ck.unfit(argument, kind, f"`{form.name}` takes numbers")
         if kind.zero:
             found = found or kind
         elif not isinstance(found, ScalarType) or found.zero:
@@ -278,7 +278,7 @@ def _elements(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: 
     if kind == UNKNOWN or not _one_repeat(ck, ctx, argument.value, form):
         return UNKNOWN
     if not is_number(kind):
-        return ck.error("wrong-type", argument.span, f"`{form.name}` takes one number per element, but this is {kind}")
+        return ck.unfit(argument, kind, f"`{form.name}` takes one number per element")
     return kind
 
 
@@ -288,7 +288,7 @@ def _counted_elements(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form,
     if kind == UNKNOWN:
         return UNKNOWN
     if not isinstance(kind, ElementType):
-        return ck.error("wrong-type", argument.span, f"`number` counts the elements of a repeat, but this is {kind}")
+        return ck.unfit(argument, kind, "`number` counts the elements of a repeat")
     return COUNT if _one_repeat(ck, ctx, argument.value, form) else UNKNOWN
 
 
@@ -344,7 +344,7 @@ def _typed(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: Bou
             continue
         kind = ck.infer(ctx, argument.value)
         if parameter.type == "part" and kind != UNKNOWN and not isinstance(kind, PartType | SlotType | ElementType):
-            ck.error("wrong-type", argument.span, f"`{form.name}` reads the extent of a part, but this is {kind}")
+            ck.unfit(argument, kind, f"`{form.name}` reads the extent of a part")
         if parameter.type == "number" and kind != UNKNOWN and not isinstance(_dimension(kind), ScalarType):
             message = f"`{parameter.name}` of `{form.name}` must be a number, but this is {kind}"
             ck.error("wrong-type", argument.span, message, hint="as in `wall.at(0.25turn, z = h)`")
@@ -358,7 +358,7 @@ def _moved(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: Bou
     curve = ck.infer(ctx, argument.value)
     ck.expect(ctx, distance.value, LENGTH, f"`{parameter.name}` of `{form.name}`")
     if curve not in (CURVE, UNKNOWN) and not isinstance(curve, VecType):
-        return ck.error("wrong-type", argument.span, f"`{form.name}` takes a curve, but this is {curve}")
+        return ck.unfit(argument, curve, f"`{form.name}` takes a curve")
     return curve
 
 
@@ -374,7 +374,7 @@ def _force(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: Bou
     ((argument, _),) = bound
     kind = ck.infer(ctx.but(lenient=[], asked=True, many=True), argument.value)
     if not isinstance(kind, JointType) and kind != UNKNOWN:
-        ck.error("wrong-type", argument.span, f"`{form.name}` takes a joint, but this is {kind}")
+        ck.unfit(argument, kind, f"`{form.name}` takes a joint")
     return BOOL
 
 
@@ -424,5 +424,5 @@ def chain(ck: Checker, ctx: Context, expr: ast.ChainExpr) -> Type:
             )
         kind = ck.infer(ctx.but(making=expr), piece)
         if kind not in (CURVE, UNKNOWN):
-            ck.error("wrong-type", piece.span, f"a piece of a path is needed here, but this is {kind}")
+            ck.unfit(piece, kind, "a piece of a path is needed here")
     return CURVE

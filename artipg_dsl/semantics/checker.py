@@ -91,6 +91,10 @@ class Checker:
             self.report.error(code, span, message, hint=hint, notes=notes)
         return UNKNOWN
 
+    def unfit(self, expr: ast.Node, kind: Type, need: str, hint: str | None = None) -> Type:
+        """Reports that ``expr`` is of a kind that its place has no use for; ``need`` says what it needs."""
+        return self.error("wrong-type", expr.span, f"{need}, but this is {kind}", hint=hint)
+
     def warning(self, code: str, span: Span, message: str, hint: str | None = None) -> None:
         """Reports what is allowed and hardly meant."""
         if not self._muted:
@@ -158,7 +162,7 @@ class Checker:
             need = wanted.dimension
             if given.dimension == NONE and need not in (NONE, None) and is_unitless(expr):
                 unit = expressions.usual_unit(need)
-                text = expr.span.source.text[expr.span.start : expr.span.end]
+                text = expr.span.text
                 hint = f"write {text}{unit}" if isinstance(expr, ast.NumberExpr) else f"give the numbers units: {unit}"
                 self.error("missing-unit", expr.span, f"{what} needs a unit: {wanted} is expected", hint=hint)
                 return

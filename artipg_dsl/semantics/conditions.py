@@ -25,7 +25,7 @@ def truth(ck: Checker, ctx: Context, expr: ast.Expr) -> None:
     kind = ck.infer(ctx.but(lenient=[], asked=True) if _asks_presence(expr) else ctx, expr)
     if kind in (BOOL, UNKNOWN) or isinstance(kind, PartType) or (kind == BOX and isinstance(expr, ast.MemberExpr)):
         return
-    ck.error("wrong-type", expr.span, f"a condition must be true or false, but this is {kind}")
+    ck.unfit(expr, kind, "a condition must be true or false")
 
 
 def _asks_presence(expr: ast.Expr) -> bool:
@@ -60,7 +60,7 @@ def check_is(ck: Checker, ctx: Context, expr: ast.IsExpr) -> Type:
                     hint=did_you_mean(expr.type_name, names) or f"it is {' or '.join(names)}",
                 )
     elif subject != UNKNOWN:
-        ck.error("wrong-type", expr.subject.span, f"`is` tests a part or a style, but this is {subject}")
+        ck.unfit(expr.subject, subject, "`is` tests a part or a style")
     return BOOL
 
 
@@ -142,11 +142,11 @@ def _compare(ck: Checker, ctx: Context, expr: ast.BinaryExpr) -> Condition:
 def _difference(ctx: Context, expr: ast.BinaryExpr) -> Condition:
     """Two values compared: of below, equal and above exactly one holds, whatever they are."""
     left, right, op = expr.left, expr.right, expr.op
-    if _text(left) > _text(right):
+    if left.span.words > right.span.words:
         left, right, op = right, left, _FLIPPED[op]
     low, high = (0 if _last(ctx, right, left) else -1), (0 if _last(ctx, left, right) else 1)
     path = ctx.scope.path if ctx.scope is not None else ""
-    return Compare(f"{path}:{_text(left)}{VERSUS}{_text(right)}", op, 0, low, high)
+    return Compare(f"{path}:{left.span.words}{VERSUS}{right.span.words}", op, 0, low, high)
 
 
 def _last(ctx: Context, index: ast.Expr, other: ast.Expr) -> bool:
@@ -155,7 +155,7 @@ def _last(ctx: Context, index: ast.Expr, other: ast.Expr) -> bool:
         case ast.BinaryExpr(op="-", left=count, right=ast.NumberExpr(value=1)) if isinstance(index, ast.NameExpr):
             around = (s.repeat for s in (ctx.scope.chain() if ctx.scope is not None else ()) if s.repeat is not None)
             repeat = next((r for r in around if r.index == index.name), None)
-            return repeat is not None and repeat.count is not None and _text(repeat.count) == _text(count)
+            return repeat is not None and repeat.count is not None and repeat.count.span.words == count.span.words
     return False
 
 
@@ -177,15 +177,13 @@ def _key(ctx: Context, expr: ast.Expr) -> str:
             return entries[0].key
     if isinstance(expr, ast.MemberExpr):
         return f"{_key(ctx, expr.obj)}.{expr.name}"
-    return f"{ctx.scope.path if ctx.scope is not None else ''}:{_text(expr)}"
-
-
-def _text(expr: ast.Expr) -> str:
-    return " ".join(expr.span.source.text[expr.span.start : expr.span.end].split())
+    return f"{ctx.scope.path if ctx.scope is not None else ''}:{expr.span.words}"
 
 
 def _opaque(ctx: Context, expr: ast.Expr) -> Condition:
-    return Atom(f"{ctx.scope.path if ctx.scope is not None else ''}:{_text(expr)}", frozenset((True,)), (True, False))
+    return Atom(
+        f"{ctx.scope.path if ctx.scope is not None else ''}:{expr.span.words}", frozenset((True,)), (True, False)
+    )
 
 
 def check_discrete(ck: Checker, ctx: Context, expr: ast.Expr) -> None:
@@ -220,7 +218,7 @@ def compares_with_either(ck: Checker, ctx: Context, expr: ast.BinaryExpr) -> boo
         if not isinstance(kind, ChoiceType) or not all(e.name in kind.values for e in branches):
             continue
         if len(branches) == 2:
-            name, c = _text(subject), _text(other.condition)
+            name, c = subject.span.words, other.condition.span.words
             a, b = (f"{name} {expr.op} {e.name}" for e in branches)
             message = "a choice is compared with one option at a time"
             ck.error("wrong-type", other.span, message, hint=f"write `{a} if {c} else {b}`")

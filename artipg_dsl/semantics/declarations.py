@@ -194,7 +194,7 @@ def _inside(ck: Checker, ctx: Context, default: ast.Expr, domain: ast.RangeExpr 
             continue
         slack = TOLERANCE * max(abs(value), abs(low or 0), abs(high or 0))
         if (low is not None and value < low - slack) or (high is not None and value > high + slack):
-            text = domain.span.source.text[domain.span.start : domain.span.end]
+            text = domain.span.text
             ck.error(
                 "default-outside-range",
                 default.span,

@@ -59,7 +59,7 @@ def type_of(ck: Checker, entry: Entry) -> Type:
                     hint="to choose once for several parts, use a style: `style chosen : Role = A | B`",
                 )
             if keyword == "curve" and kind != CURVE and not isinstance(kind, VecType) and kind != UNKNOWN:
-                return ck.error("wrong-type", value.span, f"`{entry.name}` is declared as a curve, but this is {kind}")
+                return ck.unfit(value, kind, f"`{entry.name}` is declared as a curve")
             return kind
         case ast.PartDecl():
             domain = choices(ck, entry)

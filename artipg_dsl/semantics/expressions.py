@@ -12,7 +12,6 @@ from . import calls, conditions, foreign, paths
 from .fold import constant, is_unitless
 from .guards import Not
 from .meanings import Global
-from .parts import path_text
 from .types import (
     BOOL,
     COUNT,
@@ -82,9 +81,7 @@ def infer(ck: Checker, ctx: Context, expr: ast.Expr) -> Type:
                 return kind
             if kind == PLANE:
                 return LENGTH
-            return ck.error(
-                "wrong-type", expr.span, f"`{op}` needs a number, a vector or a direction, but this is {kind}"
-            )
+            return ck.unfit(expr, kind, f"`{op}` needs a number, a vector or a direction")
         case ast.BinaryExpr(op="and" | "or"):
             conditions.truth(ck, ctx, expr.left)
             known = conditions.of(ck, ctx, expr.left)
@@ -141,7 +138,7 @@ def _vector(ck: Checker, ctx: Context, expr: ast.VectorExpr) -> Type:
             continue
         if not is_number(kind):
             failed = True
-            ck.error("wrong-type", item.span, f"a component of a vector must be a number, but this is {kind}")
+            ck.unfit(item, kind, "a component of a vector must be a number")
             continue
         found = dimension_of(kind)
         if found is None:
@@ -190,7 +187,7 @@ def _instead_of_if(ck: Checker, expr: ast.IfExpr, kind: Type) -> str:
     if role is None:
         return "choose the part that has it by `when`, or its numbers one by one"
     a, b = (m.symbol.name if isinstance(m, Global) else letter for m, letter in zip(named, "AB", strict=True))
-    c = path_text(expr.condition)
+    c = expr.condition.span.words
     grouped = c if isinstance(expr.condition, ast.NameExpr | ast.CallExpr | ast.MemberExpr) else f"({c})"
     return f"declare a style and use it here: `style chosen : {role} = {a} when {c} | {b} when not {grouped}`"
 
@@ -305,7 +302,7 @@ def _product(op: str, left: Type, right: Type) -> Type | None:
 
 def _power(ck: Checker, expr: ast.BinaryExpr, left: Type, right: Type) -> Type:
     if not isinstance(left, ScalarType) and left != PLANE:
-        return ck.error("wrong-type", expr.left.span, f"`^` needs a number, but this is {left}")
+        return ck.unfit(expr.left, left, "`^` needs a number")
     if not isinstance(right, ScalarType) or dimension_of(right) not in (NONE, None):
         return ck.error("wrong-dimension", expr.right.span, f"an exponent must be a plain number, but this is {right}")
     dimension = LENGTH_DIM if left == PLANE else left.dimension  # type: ignore[union-attr]

@@ -73,7 +73,7 @@ def check(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
                 LINE,
                 SURFACE,
             ):
-                ck.error("wrong-type", at.span, f"a keypoint must be on a part, a port or a point, but this is {kind}")
+                ck.unfit(at, kind, "a keypoint must be on a part, a port or a point")
             if place is not None:
                 ck.expect(formula(ctx), place, POINT, "the place of a keypoint")
         case ast.SymmetryStmt(target=at, turn=turn, direction=direction):
@@ -103,7 +103,7 @@ def target(ck: Checker, ctx: Context, expr: ast.Expr, rule: str) -> Context:
     """What a label lies on: parts, slots and surfaces, also through repeats."""
     kind, ctx = _place(ck, ctx, expr)
     if not isinstance(kind, PartType | SlotType | ElementType) and kind not in (UNKNOWN, PLANE, SURFACE):
-        ck.error("wrong-type", expr.span, f"{rule} parts, slots or surfaces, but this is {kind}")
+        ck.unfit(expr, kind, f"{rule} parts, slots or surfaces")
     elif kind == PLANE and isinstance(expr, ast.MemberExpr) and _is_surface(ck, expr):
         ck.mean(expr, Inner(expr.name))  # the surface of that name, not the face of the box
     elif kind == PLANE:
@@ -212,7 +212,7 @@ def _acted(ck: Checker, ctx: Context, joint: ast.Expr, vocabulary: str) -> None:
         )
     kind = ck.infer(ctx.but(lenient=[], asked=True, many=True), joint)
     if not isinstance(kind, JointType) and kind != UNKNOWN:
-        ck.error("wrong-type", joint.span, f"`for` must name a joint, but this is {kind}")
+        ck.unfit(joint, kind, "`for` must name a joint")
 
 
 def _field(ck: Checker, ctx: Context, stmt: ast.FieldStmt) -> None:
@@ -222,10 +222,10 @@ def _field(ck: Checker, ctx: Context, stmt: ast.FieldStmt) -> None:
         and kind not in (BOOL, UNKNOWN)
         and not (isinstance(kind, VecType) and kind.size == 3)
     ):
-        ck.error(
-            "wrong-type",
-            stmt.type.span,
-            f"a field must hold a number, a vector of three or a truth value, but this is {kind}",
+        ck.unfit(
+            stmt.type,
+            kind,
+            "a field must hold a number, a vector of three or a truth value",
             hint="for example `ratio`, `length`, `vec`, `length[3]` or `bool`",
         )
         kind = UNKNOWN
@@ -241,7 +241,7 @@ def _condition(ck: Checker, place: Context, where: ast.Expr | None) -> None:
         return
     kind = ck.infer(place, where)
     if kind not in (BOOL, UNKNOWN):
-        ck.error("wrong-type", where.span, f"`where` needs a condition, but this is {kind}")
+        ck.unfit(where, kind, "`where` needs a condition")
     _relative(ck, where)
 
 

@@ -74,10 +74,6 @@ def present(part: PartType) -> Condition:
     return Atom(part.key, frozenset(v for v in part.domain if v is not None), part.domain)
 
 
-def path_text(expr: ast.Expr) -> str:
-    return " ".join(expr.span.source.text[expr.span.start : expr.span.end].split())
-
-
 def part_member(ck: Checker, ctx: Context, part: PartType, word: str, span: Span, path: str) -> Type:
     """A member of a part, written ``path``: every variant that is left must have it."""
     found: list[tuple[Variant, Type]] = []

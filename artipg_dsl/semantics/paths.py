@@ -28,7 +28,7 @@ from .meanings import (
     OwnBox,
     Previous,
 )
-from .parts import BOX_MEMBERS, below, box_member, listed, part_member, path_text, place_member, place_names, present
+from .parts import BOX_MEMBERS, below, box_member, listed, part_member, place_member, place_names, present
 from .presence import declared, guarded, of_element, optional
 from .scope import BodyScope, Entry, Variant
 from .symbols import Symbol
@@ -263,9 +263,9 @@ def member(ck: Checker, ctx: Context, expr: ast.MemberExpr) -> Type:
         ck.mean_member(expr, Inner(word) if declared_there else Feature(word))
     match obj:
         case PartType():
-            return part_member(ck, ctx, obj, word, span, path_text(expr.obj))
+            return part_member(ck, ctx, obj, word, span, expr.obj.span.words)
         case ElementType():
-            return _element_member(ck, ctx, obj, word, span, path_text(expr.obj))
+            return _element_member(ck, ctx, obj, word, span, expr.obj.span.words)
         case SlotType():
             found = box_member(word)
         case VecType(size=size, dimension=dimension):
@@ -364,15 +364,15 @@ def index(ck: Checker, ctx: Context, expr: ast.IndexExpr) -> Type:
     else:
         ck.expect(ctx, expr.index, COUNT, "an index")
         if (number := constant(expr.index, ctx.module)) is not None and number < 0:
-            hint = f"the last one is `{path_text(expr.obj)}[last]`"
+            hint = f"the last one is `{expr.obj.span.words}[last]`"
             return ck.error("illegal-value", expr.index.span, "elements are counted from 0", hint=hint)
     if isinstance(obj, ElementType):
-        return replace(obj, key=f"{obj.key}[{path_text(expr.index)}]", many=False, index=expr.index)
+        return replace(obj, key=f"{obj.key}[{expr.index.span.words}]", many=False, index=expr.index)
     if isinstance(obj, ArrayType):
         return _port(ck, ctx, obj, expr)
     if obj == UNKNOWN:
         return UNKNOWN
-    return ck.error("wrong-type", expr.span, f"only repeats and indexed ports take an index, but this is {obj}")
+    return ck.unfit(expr, obj, "only repeats and indexed ports take an index")
 
 
 def _port(ck: Checker, ctx: Context, ports: ArrayType, expr: ast.IndexExpr) -> Type:
@@ -385,7 +385,7 @@ def _port(ck: Checker, ctx: Context, ports: ArrayType, expr: ast.IndexExpr) -> T
             ctx,
             wanted,
             expr.span,
-            f"`{path_text(expr)}` only exists under a guard",
+            f"`{expr.span.words}` only exists under a guard",
             "put this inside the same `when`, or bind the port in every branch",
             value=True,
         )

@@ -85,17 +85,17 @@ def _end(ck: Checker, expr: ast.Expr, kind: Type, what: str) -> None:
     """One end of a connection: a part, or a port, face, edge or line of one."""
     places = (UNKNOWN, FRAME, PLANE, EDGE, LINE, POINT, SURFACE, BASE, BOX)
     if not isinstance(kind, PartType | SlotType | ElementType) and kind not in places:
-        ck.error("wrong-type", expr.span, f"{what} must be a part or one of its ports and faces, but this is {kind}")
+        ck.unfit(expr, kind, f"{what} must be a part or one of its ports and faces")
 
 
 def _mounted(ck: Checker, *ends: tuple[ast.Expr, Type]) -> None:
     """The ends of a mount: one is laid on the other, so both have directions."""
     for expr, kind in ends:
         if isinstance(kind, PartType | SlotType | ElementType) or kind in (POINT, SURFACE, BOX, BASE):
-            ck.error(
-                "wrong-type",
-                expr.span,
-                f"what is mounted, and on what, must be a port, a face or a line, but this is {kind}",
+            ck.unfit(
+                expr,
+                kind,
+                "what is mounted, and on what, must be a port, a face or a line",
                 hint="name a face or a port of it; to attach a whole part, name two parts",
             )
 
@@ -107,7 +107,7 @@ def _on_face(ck: Checker, node: ast.Attaching, expr: ast.Expr, kind: Type) -> No
     target = node.on.value
     for end, found in ((expr, kind), (target, ck.types.get(id(target), UNKNOWN))):
         if found not in (PLANE, FRAME, UNKNOWN):
-            ck.error("wrong-type", end.span, f"`on` lays a face on a face, but this is {found}")
+            ck.unfit(end, found, "`on` lays a face on a face")
     if node.fit is not None and not (isinstance(target, ast.MemberExpr | ast.NameExpr) and target.name in FACES):
         ck.error("wrong-type", node.fit.span, "`fit` needs a face of a box behind `on`, as in `on body.front fit left`")
 
@@ -123,7 +123,7 @@ def _placing(ck: Checker, ctx: Context, node: ast.Attaching, framed: bool) -> No
     if node.in_ is not None:
         kind = ck.infer(ends, node.in_.value)
         if not isinstance(kind, PartType | SlotType | ElementType) and kind not in (BOX, UNKNOWN):
-            ck.error("wrong-type", node.in_.value.span, f"`in` needs a box, but this is {kind}")
+            ck.unfit(node.in_.value, kind, "`in` needs a box")
     for clause in (node.gap, node.sink):
         if clause is not None:
             ck.expect(ctx, clause.value, LENGTH, f"the `{clause.word}`")
@@ -198,12 +198,7 @@ def _at(ck: Checker, ctx: Context, name: str | None, value: ast.Expr, framed: bo
     else:
         kind = ck.infer(ctx, value)
         if kind not in (UNKNOWN, FRAME, EDGE, LINE, PLANE) and not fits(kind, POINT):
-            ck.error(
-                "wrong-type",
-                value.span,
-                f"`at` needs `center`, coordinates or a point, but this is {kind}",
-                hint="write `at y = ..., z = ...`",
-            )
+            ck.unfit(value, kind, "`at` needs `center`, coordinates or a point", hint="write `at y = ..., z = ...`")
 
 
 # ---------------------------------------------------------------- joints
@@ -291,7 +286,7 @@ def _motion(ck: Checker, ctx: Context, node: ast.JointDecl, kind: str) -> None:
             ends = (interval.value.low, rest.value, interval.value.high)
             low, value, high = (next(iter(components(end, ctx.module)), None) for end in ends)
             if value is not None and (low is not None and value < low or high is not None and value > high):
-                text = interval.value.span.source.text[interval.value.span.start : interval.value.span.end]
+                text = interval.value.span.text
                 ck.error("illegal-value", rest.value.span, f"the rest value of the joint lies outside its range {text}")
     for axis in (_taken(ck, kind, node.about), _taken(ck, kind, node.along)):
         if axis is not None:
@@ -315,7 +310,7 @@ def _motion(ck: Checker, ctx: Context, node: ast.JointDecl, kind: str) -> None:
             if given == UNKNOWN or isinstance(given, ScalarType) and (given.zero or given in fitting):
                 continue
             if isinstance(given, ScalarType):
-                text = number.value.span.source.text[number.value.span.start : number.value.span.end]
+                text = number.value.span.text
                 bare = isinstance(number.value, ast.NumberExpr) and not number.value.unit
                 code, hint = ("missing-unit", f"write {text}{units[0]}") if bare else ("wrong-dimension", None)
                 ck.error(
@@ -325,7 +320,7 @@ def _motion(ck: Checker, ctx: Context, node: ast.JointDecl, kind: str) -> None:
                     hint=hint,
                 )
             else:
-                ck.error("wrong-type", number.value.span, f"`{number.word}` must be a number, but this is {given}")
+                ck.unfit(number.value, given, f"`{number.word}` must be a number")
 
 
 def motion_range(ck: Checker, ctx: Context, interval: ast.RangeExpr, wanted: Type) -> None:
@@ -368,7 +363,7 @@ def _mimic(ck: Checker, ctx: Context, value: ast.Expr, wanted: Type) -> None:
                     "many-elements", value.span, message, hint="as in `mimic row[0].open` or `mimic previous.open`"
                 )
             elif not isinstance(given, JointType | ScalarType) and given != UNKNOWN:
-                ck.error("wrong-type", value.span, f"`mimic` must follow a joint, but this is {given}")
+                ck.unfit(value, given, "`mimic` must follow a joint")
 
 
 def axis_value(ck: Checker, word: str, value: ast.Expr, kind: Type) -> None:

@@ -172,15 +172,10 @@ def _at_the_end(element: ElementType) -> str | None:
     node = element.entry.node
     if not _is_last(element) or not isinstance(node, ast.RepeatStmt) or node.count is None or node.index is None:
         return None
-    return VERSUS.join(sorted((node.index, f"{text(node.count)} - 1")))
+    return VERSUS.join(sorted((node.index, f"{node.count.span.words} - 1")))
 
 
 # ---------------------------------------------------------------- in words
-
-
-def text(node: ast.Node) -> str:
-    """The source of a node on one line."""
-    return " ".join(node.span.source.text[node.span.start : node.span.end].split())
 
 
 def optional(name: str) -> tuple[str, str]:
@@ -196,9 +191,7 @@ def guarded(entry: Entry, at: Span, path: str = "") -> tuple[str, str]:
         place = f"line {entry.span.line}"
         if entry.span.source.name != at.source.name:
             place += f" of {entry.span.source.name.rsplit('/', 1)[-1]}"
-        where = (
-            f": it is declared in {place} {'under' if guard.truth else 'in the `else` of'} `when {text(guard.test)}`"
-        )
+        where = f": it is declared in {place} {'under' if guard.truth else 'in the `else` of'} `when {guard.test.span.words}`"
     name = f"{path}.{entry.name}" if path else entry.name
     hint = "put this inside the same `when`"
     if path:
@@ -212,7 +205,7 @@ def outside(entry: Entry, path: str) -> str | None:
     """The guards of a declaration as they are written outside, where ``path`` names the instance; None where they cannot be."""
     tests: list[str] = []
     for guard in entry.guards:
-        start, found = guard.test.span.start, guard.test.span.source.text[guard.test.span.start : guard.test.span.end]
+        start, found = guard.test.span.start, guard.test.span.text
         for node in sorted(walk(guard.test), key=lambda n: -n.span.start):
             declared_there = guard.scope.find(node.name) if isinstance(node, ast.NameExpr) else []
             if declared_there:

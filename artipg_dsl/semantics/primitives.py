@@ -45,7 +45,7 @@ def check(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
 def _parameter(ck: Checker, ctx: Context, interval: ast.RangeExpr, what: str) -> Type:
     kind = range_type(ck, ctx, interval)
     if kind != UNKNOWN and not isinstance(kind, ScalarType):
-        ck.error("wrong-type", interval.span, f"{what} must range over numbers, but this is {kind}")
+        ck.unfit(interval, kind, f"{what} must range over numbers")
         return UNKNOWN
     check_range(ck, ctx, interval, kind, f"an end of the range of {what}")
     return kind

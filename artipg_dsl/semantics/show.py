@@ -60,7 +60,7 @@ def _entry(typed: TypedProgram, entry: Entry) -> str:
 def _guards(entry: Entry) -> str:
     texts = []
     for guard in entry.guards:
-        text = _text(guard.test)
+        text = guard.test.span.words
         texts.append(text if guard.truth else f"not ({text})")
     return f"  when {' and '.join(texts)}" if texts else ""
 
@@ -79,7 +79,7 @@ def _names(typed: TypedProgram, nodes: object) -> Iterator[str]:
         if meaning is not None:
             kind, origin = typed.type_of(node), _origin(meaning)
             shown = "" if kind == UNKNOWN else f" : {kind}"
-            yield f"name {_text(node)}{shown}" + (f"  ({origin})" if origin else "")
+            yield f"name {node.span.words}{shown}" + (f"  ({origin})" if origin else "")
 
 
 def _origin(meaning: Meaning) -> str:
@@ -106,7 +106,3 @@ def _origin(meaning: Meaning) -> str:
         case Local():
             return "of the formula"
     return ""
-
-
-def _text(node: ast.Node) -> str:
-    return " ".join(node.span.source.text[node.span.start : node.span.end].split())

@@ -111,7 +111,7 @@ def _statement(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
         case ast.LimitStmt(joint=joint, range=interval):
             kind, inside = placing.subject(ck, ctx, joint)
             if not isinstance(kind, JointType) and kind != UNKNOWN:
-                ck.error("wrong-type", joint.span, f"`limit` must name a joint, but this is {kind}")
+                ck.unfit(joint, kind, "`limit` must name a joint")
             wanted: Type = UNKNOWN
             if isinstance(kind, JointType) and (row := JOINTS.get(kind.kind or "")) is not None and row.moves:
                 wanted = LENGTH if row.slides else ANGLE
@@ -120,7 +120,7 @@ def _statement(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
             kind, inside = placing.subject(ck, ctx, subject)
             for expr, found in ((subject, kind), (other, ck.infer(inside, other))):
                 if found not in (UNKNOWN, POINT, FRAME, LINE, EDGE):
-                    ck.error("wrong-type", expr.span, f"`close` joins points, lines or frames, but this is {found}")
+                    ck.unfit(expr, found, "`close` joins points, lines or frames")
         case _ if isinstance(stmt, _SHAPE):
             primitives.check(ck, ctx, stmt)
         case _:
@@ -220,7 +220,7 @@ def _port(ck: Checker, ctx: Context, stmt: ast.PortDecl) -> None:
         ck.mismatch(stmt.value, given, wanted, f"the port `{stmt.name}`")
     elif given not in places and not is_number(given) and not isinstance(given, PartType | SlotType | ElementType):
         if not fits(given, POINT):
-            ck.error("wrong-type", stmt.value.span, f"a port must be a place, but this is {given}")
+            ck.unfit(stmt.value, given, "a port must be a place")
 
 
 def _align(ck: Checker, ctx: Context, first: ast.Expr, second: ast.Expr, word: str) -> None:
@@ -234,14 +234,12 @@ def _align(ck: Checker, ctx: Context, first: ast.Expr, second: ast.Expr, word: s
                 hint = "name one of its faces (`.front`) or its center (`.center`)"
             elif kind in (FRAME, LINE, EDGE):
                 hint = "use its point: `.origin`"
-            ck.error(
-                "wrong-type", expr.span, f"`{word}` equates planes, numbers or points, but this is {kind}", hint=hint
-            )
+            ck.unfit(expr, kind, f"`{word}` equates planes, numbers or points", hint=hint)
             return
     if is_number(left) != is_number(right):
         number = first if is_number(left) else second
         kind = left if is_number(left) else right
-        ck.error("wrong-type", number.span, f"a point can only be aligned with a point, but this is {kind}")
+        ck.unfit(number, kind, "a point can only be aligned with a point")
         return
     a, b = dimension_of(left), dimension_of(right)
     if is_number(left) and None not in (a, b) and a != b:
@@ -254,23 +252,21 @@ def _condition(ck: Checker, ctx: Context, stmt: ast.RequireStmt | ast.PreferStmt
         kind = ck.infer(ctx.but(lenient=[]), stmt.condition)
         if kind not in (BOOL, UNKNOWN) and not isinstance(kind, PartType):
             word = "require" if isinstance(stmt, ast.RequireStmt) else "prefer"
-            ck.error("wrong-type", stmt.condition.span, f"`{word}` needs a condition, but this is {kind}")
+            ck.unfit(stmt.condition, kind, f"`{word}` needs a condition")
     if isinstance(stmt, ast.PreferStmt):
         if stmt.weight is not None:
             ck.expect(ctx, stmt.weight, RATIO, "the weight")
     elif stmt.repair is not None:
         kind = ck.infer(ctx.but(lenient=[], asked=True), stmt.repair)
         if not is_number(kind) and not isinstance(kind, ChoiceType | PartType) and kind != UNKNOWN:
-            ck.error(
-                "wrong-type", stmt.repair.span, f"`repair` must name the parameters that may change, but this is {kind}"
-            )
+            ck.unfit(stmt.repair, kind, "`repair` must name the parameters that may change")
 
 
 def _parts(ck: Checker, ctx: Context, subject: ast.Expr, other: ast.Expr | None, word: str) -> None:
     for expr in (subject,) if other is None else (subject, other):
         kind = ck.infer(ctx.but(lenient=[], many=True, subject=True), expr)
         if not isinstance(kind, PartType | SlotType | ElementType) and kind != UNKNOWN:
-            ck.error("wrong-type", expr.span, f"`{word}` names parts, but this is {kind}")
+            ck.unfit(expr, kind, f"`{word}` names parts")
         labels.not_previous(ck, expr)
 
 
@@ -304,10 +300,10 @@ def _repeat(ck: Checker, ctx: Context, stmt: ast.RepeatStmt) -> None:
         if box is not None:
             kind = ck.infer(ctx, box.value)
             if not isinstance(kind, PartType | SlotType | ElementType) and kind not in (BOX, UNKNOWN):
-                ck.error(
-                    "wrong-type",
-                    box.value.span,
-                    f"`{box.word}` needs a box, but this is {kind}",
+                ck.unfit(
+                    box.value,
+                    kind,
+                    f"`{box.word}` needs a box",
                     hint="name a part, a box or an element of another repeat",
                 )
     for length in (stmt.pitch, stmt.margin, stmt.every, stmt.gap):

@@ -8,7 +8,6 @@ from dataclasses import replace
 from ...semantics.meanings import Declared
 from ...syntax import ast
 from ...syntax.walk import walk
-from ..expressions.context import text_of
 from ..expressions.env import Env
 from .place import begins
 
@@ -41,7 +40,7 @@ def _under_another(env: Env, body: Body, when: ast.WhenStmt) -> tuple[list[tuple
     said = {
         name
         for s in body
-        if isinstance(s, ast.WhenStmt) and text_of(s.guard.span) == text_of(when.guard.span)
+        if isinstance(s, ast.WhenStmt) and s.guard.span.words == when.guard.span.words
         for name in _declared_parts((s,))
     }
     names = {

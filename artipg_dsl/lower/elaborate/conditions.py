@@ -11,7 +11,7 @@ from ...graph.expr import Expr
 from ...graph.program import Allowed, Clear, Preference, Requirement, Stable
 from ...syntax import ast
 from ...syntax.walk import walk
-from ..expressions.context import text_of, where
+from ..expressions.context import where
 from ..expressions.env import Element, Env
 from ..expressions.evaluate import Evaluator
 from ..solids.primitives import comparison
@@ -36,12 +36,12 @@ def require(links: Links, env: Env, statement: ast.RequireStmt) -> None:
         guard = _presence(env, node)
         for other in others:
             guard = E.both(guard, E.negate(ev.truth(ev.value(other), other.span)))
-        message = statement.message or text_of(statement.span)
+        message = statement.message or statement.span.words
         repair = () if statement.repair is None else giving(env, ev.value(statement.repair))
         requirements = env.context.program.requirements
         env.context.stated[len(requirements)] = statement.span, env.scope.parent is None and not env.path
         requirements.append(
-            Requirement(env.scope, condition, guard, message, where(statement.span), slack, repair, text_of(node.span))
+            Requirement(env.scope, condition, guard, message, where(statement.span), slack, repair, node.span.words)
         )
 
 
@@ -70,7 +70,7 @@ def prefer(links: Links, env: Env, statement: ast.PreferStmt) -> None:
     condition, _ = comparison(ev, statement.condition)
     guard = _presence(env, statement.condition)
     env.context.program.preferences.append(
-        Preference(env.scope, condition, guard, weight, where(statement.span), text_of(statement.condition.span))
+        Preference(env.scope, condition, guard, weight, where(statement.span), statement.condition.span.words)
     )
 
 
@@ -126,7 +126,7 @@ def clear(links: Links, env: Env, statement: ast.ClearStmt) -> None:
     distance = Evaluator(env).scalar(statement.distance)
     ranks = tuple(tuple(indices(env, node)) for node in (statement.subject, statement.other))
     links.context.program.clear.append(
-        Clear(env.scope, first, second, distance, text_of(statement.span), ranks, where(statement.span), statement.all)
+        Clear(env.scope, first, second, distance, statement.span.words, ranks, where(statement.span), statement.all)
     )
 
 
@@ -156,7 +156,7 @@ def nodes(links: Links, env: Env, node: ast.Expr) -> tuple[int, ...]:
     for value, home, _ in paths.walk(env, node):
         parts.update(value.env.all_parts() if isinstance(value, Element) else map(part_of, carriers(value, home.scope)))
     if not parts:
-        raise env.context.error("wrong-kind", node.span, f"`{text_of(node.span)}` is not a part")
+        raise env.context.error("wrong-kind", node.span, f"`{node.span.words}` is not a part")
     return tuple(sorted(number for (part, _), number in links.nodes.items() if part in parts))
 
 

@@ -11,7 +11,7 @@ from ...graph.primitive import Triple
 from ...semantics.meanings import Base, Word
 from ...source import Span
 from ...syntax import ast
-from ..expressions.context import Equation, text_of
+from ..expressions.context import Equation
 from ..expressions.env import Element, Env
 from ..expressions.evaluate import Evaluator
 from ..expressions.members import At, in_element
@@ -81,7 +81,7 @@ def _equate(ev: Evaluator, a: Value, b: Value, left: Span, right: Span, span: Sp
     """One equation for planes and scalars, three for points."""
     if isinstance(a, Vec) and isinstance(b, Vec):
         for x, y in zip(a.items, b.items, strict=True):
-            ev.env.equations.append(Equation(x, y, span, text_of(span)))
+            ev.env.equations.append(Equation(x, y, span, span.words))
         return
     if isinstance(a, Vec) or isinstance(b, Vec):
         raise ev.impossible(left if isinstance(b, Vec) else right, "a point", a if isinstance(b, Vec) else b)
@@ -91,7 +91,7 @@ def _equate(ev: Evaluator, a: Value, b: Value, left: Span, right: Span, span: Sp
         raise ev.across(span, pa, pb, left, right)
     x = pa.coordinate if pa is not None else ev.number(a, left)
     y = pb.coordinate if pb is not None else ev.number(b, right)
-    ev.env.equations.append(Equation(x, y, span, text_of(span)))
+    ev.env.equations.append(Equation(x, y, span, span.words))
 
 
 def placing(env: Env, part: Component, subject: ast.Expr, statement: ast.Attaching) -> Value | None:
@@ -145,7 +145,7 @@ def _on_plane(ev: Evaluator, subject: ast.Expr, node: ast.Expr, target: Value, g
     if a.axis != b.axis:
         raise ev.across(span, a, b, subject.span, node.span)
     sign = target.out[b.axis or 0] if isinstance(target, Frame) else E.ONE
-    ev.env.equations.append(Equation(a.coordinate, E.add(b.coordinate, E.mul(gap, sign)), span, text_of(span)))
+    ev.env.equations.append(Equation(a.coordinate, E.add(b.coordinate, E.mul(gap, sign)), span, span.words))
 
 
 def _target_box(ev: Evaluator, node: ast.Expr, span: Span) -> Box:

@@ -20,7 +20,7 @@ from ...graph.program import Joint, Pose
 from ...graph.reference import definitions_of
 from ...language import JOINTS, Form
 from ...syntax import ast
-from ..expressions.context import Draft, text_of
+from ..expressions.context import Draft
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..solve.solve import lifted
@@ -68,7 +68,7 @@ class Drive:
         context = self.env.context
         program, found = context.program, joints(self.links, self.env, node)
         if any(not JOINTS[program.joints[k].kind].moves for k in found):
-            raise context.error("wrong-kind", node.span, f"the joint `{text_of(node.span)}` is fixed and cannot move")
+            raise context.error("wrong-kind", node.span, f"the joint `{node.span.words}` is fixed and cannot move")
         carriers, scope = self.carriers(), self.aim.scope
         carried = [program.joints[k] for k in found if k in carriers]
         if found:
@@ -155,7 +155,7 @@ def report(context: Draft) -> None:
             context.error(
                 "wrong-kind",
                 span,
-                f"the joint `{text_of(span)}` does not move what this is on",
+                f"the joint `{span.words}` does not move what this is on",
                 hint="name the joint that carries the target, or one that carries that joint",
             )
 

@@ -10,7 +10,7 @@ from ...graph import expr as E
 from ...graph.program import Gate, Joint, Program
 from ...graph.reference import definitions_of
 from ...syntax import ast
-from ..expressions.context import Abort, text_of
+from ..expressions.context import Abort
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from .mimic import leader_of
@@ -46,12 +46,12 @@ def _gates(links: Links, env: Env, node: ast.Expr) -> Iterator[Gate]:
             raise env.context.error(
                 "bad-gate",
                 node.left.span,
-                f"`{text_of(node.left.span)}` follows another joint, so nothing can wait for it",
+                f"`{node.left.span.words}` follows another joint, so nothing can wait for it",
                 hint="wait for the joint that leads it",
             )
     value = Evaluator(env).scalar(node.right)
     low, high = (value, None) if node.op in (">", ">=") else (None, value)
-    yield Gate(leaders, low, high, text_of(node.span))
+    yield Gate(leaders, low, high, node.span.words)
 
 
 def refuse_loops(links: Links) -> None:

@@ -19,7 +19,7 @@ from ...graph.primitive import triple
 from ...graph.program import Draw, Grasp, Joint, Label, Part, Pose, Program, Requirement, Where
 from ...language import DISTRIBUTIONS, JOINTS
 from ...source import Source, Span
-from ..expressions.context import Draft, Fetched, text_of, where
+from ..expressions.context import Draft, Fetched, where
 from ..expressions.env import Env
 from ..values.vectors import cross, dot
 from . import gates
@@ -218,7 +218,7 @@ def of_element(element: Fetched) -> Iterator[Quantity]:
     if scope is None:
         return
     for value in (element.rank, left):
-        yield Quantity(f"`{text_of(element.span)}`", scope, value, ELEMENT, where(element.span), element.guard)
+        yield Quantity(f"`{element.span.words}`", scope, value, ELEMENT, where(element.span), element.guard)
 
 
 def _of_draw(draw: Draw) -> Iterator[Quantity]:

@@ -10,7 +10,7 @@ from ...graph.expr import Expr
 from ...graph.reference import Elsewhere, Reference
 from ...semantics.meanings import Previous
 from ...syntax import ast
-from ..expressions.context import Abort, text_of
+from ..expressions.context import Abort
 from ..expressions.env import Element, Env
 from ..expressions.evaluate import Evaluator
 from .paths import joints
@@ -60,7 +60,7 @@ def leader_of(links: Links, env: Env, node: ast.Expr) -> Reference:
     homes = (links.context.program.joints[k].scope for k in leaders if isinstance(k, int))
     if any(scope.kind == "repeat" for home in homes for scope in home.ancestors() if not env.scope.within(scope)):
         raise env.context.error(
-            "many-elements", node.span, f"`{text_of(node.span)}` is a joint of every element of a repeat"
+            "many-elements", node.span, f"`{node.span.words}` is a joint of every element of a repeat"
         )
     return leaders
 

@@ -12,7 +12,7 @@ from ...graph.primitive import Triple, triple
 from ...graph.program import Pose
 from ...semantics.meanings import Declared, Word
 from ...syntax import ast
-from ..expressions.context import Abort, Equation, text_of
+from ..expressions.context import Abort, Equation
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..expressions.members import describe
@@ -209,7 +209,7 @@ def partly(part: Component, mounts: list[tuple[Mount, Pose]]) -> Pose:
     for mount, pose in mounts:
         span = mount.statement.span
         for column, value in zip(place, pose.translation, strict=True):
-            mount.env.equations.append(Equation(column, value, span, text_of(span), part.exists))
+            mount.env.equations.append(Equation(column, value, span, span.words, part.exists))
     scope = part.env.scope
     cells = [
         [

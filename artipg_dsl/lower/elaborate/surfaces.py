@@ -14,7 +14,6 @@ from ...graph.primitive import Patch, triple
 from ...language import Form
 from ...syntax import ast
 from ..expressions.builtins import bound, chosen
-from ..expressions.context import text_of
 from ..solve.solve import lifted
 from ..values.carry import mapped, mapped_pose, moved, scalars
 from ..values.faces import frame_of
@@ -37,7 +36,7 @@ def frame_on(ev: Evaluator, node: ast.CallExpr, form: Form) -> Frame:
         raise ev.env.context.error(
             "wrong-kind",
             node.function.name_span,
-            f"`{text_of(node.function.obj.span)}` binds no surface: `at` is a function of curved surfaces",
+            f"`{node.function.obj.span.words}` binds no surface: `at` is a function of curved surfaces",
             hint="bind a surface to it, as in `slot face = body.wall`",
         )
     scope = ev.env.scope

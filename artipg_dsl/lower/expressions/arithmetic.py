@@ -15,7 +15,6 @@ from ...source import Span
 from ...syntax import ast
 from ..values.kinds import Box, Choice, Frame, Line, Look, Plane, Ref, Value, Vec
 from ..values.vectors import AXES, sole_axis, times
-from .context import text_of
 
 if TYPE_CHECKING:
     from .evaluate import Evaluator
@@ -27,14 +26,14 @@ OPERATIONS = {"+": E.add, "-": E.sub, "*": E.mul, "/": E.div, "^": E.power, "and
 def _operate(ev: Evaluator, node: ast.BinaryExpr, a: Expr, b: Expr) -> Expr:
     """A binary operation on numbers; one that has no value whatever is drawn is refused."""
     if node.op == "/" and b.constant == 0:
-        raise undefined(ev, node.span, f"`{text_of(node.span)}` divides by zero")
+        raise undefined(ev, node.span, f"`{node.span.words}` divides by zero")
     result = OPERATIONS[node.op](a, b)
     if node.op == "^" and b.constant is not None:
         power, base = b.constant, a.constant
         if base is not None and base < 0 and power != int(power):
             raise undefined(ev, node.span, f"{base:g} has no power {power:g}: a negative number only has whole powers")
         if base == 0 and power < 0:
-            raise undefined(ev, node.span, f"`{text_of(node.span)}` divides by zero: 0 has no negative power")
+            raise undefined(ev, node.span, f"`{node.span.words}` divides by zero: 0 has no negative power")
     return counted(ev, node.span, result, (a, b))
 
 
@@ -43,7 +42,7 @@ def applied(ev: Evaluator, node: ast.CallExpr, name: str, arguments: list[Expr])
     value = arguments[0].constant
     what = None
     if name == "mod" and arguments[1].constant == 0:
-        what = f"`{text_of(node.span)}` divides by zero"
+        what = f"`{node.span.words}` divides by zero"
     elif value is None:
         pass
     elif name == "log" and value <= 0:
@@ -64,7 +63,7 @@ def counted(ev: Evaluator, span: Span, result: Expr, of: tuple[Expr, ...]) -> Ex
     if result.constant is None or math.isfinite(result.constant):
         return result
     if all(a.constant is None or math.isfinite(a.constant) for a in of):
-        raise undefined(ev, span, f"`{text_of(span)}` is too large for a number")
+        raise undefined(ev, span, f"`{span.words}` is too large for a number")
     return result
 
 
@@ -168,7 +167,7 @@ def _plane_arithmetic(ev: Evaluator, node: ast.BinaryExpr, left: Value, right: V
 
 def across(ev: Evaluator, span: Span, left: Plane, right: Plane, a: Span, b: Span) -> Exception:
     """Report planes of different axes; ``a`` and ``b`` are the places of the two."""
-    first, second = f"`{text_of(a)}`", f"`{text_of(b)}`"
+    first, second = f"`{a.words}`", f"`{b.words}`"
     return ev.env.context.error(
         "plane-across-axes",
         span,

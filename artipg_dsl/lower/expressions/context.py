@@ -257,8 +257,3 @@ def in_words(scope: Scope) -> str:
 
 def where(span: Span) -> Where:
     return Where(span.source.name, span.line, span.column)
-
-
-def text_of(span: Span) -> str:
-    """The source text of a span on one line."""
-    return " ".join(span.source.text[span.start : span.end].split())

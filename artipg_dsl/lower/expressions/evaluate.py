@@ -17,7 +17,7 @@ from ..values.carry import merged, moved
 from ..values.kinds import Alternatives, Box, Frame, Line, Plane, Ports, Ref, Value, Vec
 from ..values.vectors import AXES, HERE, unit
 from . import arithmetic, builtins, members
-from .context import Fetched, text_of
+from .context import Fetched
 from .env import Element, Env, Function
 from .members import At, describe
 
@@ -147,7 +147,7 @@ class Evaluator:
                     raise self.env.context.error(
                         "plane-across-axes",
                         item.span,
-                        f"`{text_of(item.span)}` is a plane across {AXES[value.axis or 0]}, but is used as the"
+                        f"`{item.span.words}` is a plane across {AXES[value.axis or 0]}, but is used as the"
                         f" {AXES[k]} coordinate",
                     )
                 on += value.on

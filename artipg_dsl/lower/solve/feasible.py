@@ -9,7 +9,7 @@ from ...graph.feasible import Conflict, find_conflicts, find_idle, is_certain
 from ...graph.interval import Intervals
 from ...graph.program import Program
 from ...source import Span
-from ..expressions.context import Bend, Draft, in_words, text_of
+from ..expressions.context import Bend, Draft, in_words
 
 
 def judge(context: Draft, hollow: list[tuple[Scope, tuple[int, ...]]], own: str) -> None:
@@ -70,7 +70,7 @@ def _tell(context: Draft, conflict: Conflict) -> None:
         )
         span = spans[0] if spans else None
         said = program.requirements[conflict.reasons[0]].message if len(conflict.reasons) == 1 else ""
-        if span is not None and said not in ("", text_of(span)):
+        if span is not None and said not in ("", span.words):
             message = f"{said}, for every draw"
     if span is None:
         return  # what a primitive requires of its parameters is told where it is used
