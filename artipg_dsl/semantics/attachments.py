@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from ..source import Span
 from ..syntax import ast
-from .guards import VERSUS, And, Atom, Condition, Not, Or, assignments, conjunction, consistent
+from .guards import VERSUS, And, Condition, Not, Or, assignments, conjunction, consistent
 from .scope import BodyScope, Entry, Guards, Variant
 from .types import PartType
 
@@ -30,13 +30,9 @@ def check(ck: Checker, scope: BodyScope) -> None:
     category = scope.owner.kind == "category"
     found: dict[int, list[Attachment]] = {}
     for at, stmt, guards in _statements(scope, scope.owner.body, ()):
-        subject = (
-            stmt.subject
-            if isinstance(stmt, ast.ConnectStmt)
-            else stmt.child
-            if isinstance(stmt, ast.JointDecl) and stmt.kind is not None
-            else None
-        )
+        subject = stmt.subject if isinstance(stmt, ast.ConnectStmt) else None
+        if isinstance(stmt, ast.JointDecl) and stmt.kind is not None:
+            subject = stmt.child
         name = _first_name(subject)
         if name is None:
             continue
@@ -46,7 +42,7 @@ def check(ck: Checker, scope: BodyScope) -> None:
                 word = "connect" if isinstance(stmt, ast.ConnectStmt) else "joint"
                 found.setdefault(id(entry), []).append(Attachment(stmt.span, word, condition))
     roots: list[Entry] = []
-    for inner in _all(scope):
+    for inner in scope.below():
         for entry in inner.entries:
             if entry.kind == "part":
                 root = isinstance(entry.node, ast.PartDecl) and entry.node.root
@@ -131,24 +127,14 @@ def _words(case: dict[str, Hashable], found: list[Attachment]) -> str:
 
 
 def _exists(ck: Checker, entry: Entry) -> Condition:
-    kind = ck.entry_type(entry)
-    condition = ck.entry_condition(entry)
-    if isinstance(kind, PartType) and None in kind.domain:
-        there = Atom(kind.key, frozenset(v for v in kind.domain if v is not None), kind.domain)
-        return conjunction((condition, there))
-    return condition
+    kind, condition = ck.entry_type(entry), ck.entry_condition(entry)
+    return conjunction((condition, kind.there)) if isinstance(kind, PartType) else condition
 
 
 def _first_name(expr: ast.Expr | None) -> str | None:
     while isinstance(expr, ast.MemberExpr | ast.IndexExpr):
         expr = expr.obj
     return expr.name if isinstance(expr, ast.NameExpr) else None
-
-
-def _all(scope: BodyScope) -> Iterator[BodyScope]:
-    yield scope
-    for inner in scope.inner.values():
-        yield from _all(inner)
 
 
 def _statements(

@@ -26,9 +26,9 @@ from .types import (
     RATIO,
     SURFACE,
     UNKNOWN,
+    Boxed,
     ElementType,
     JointType,
-    PartType,
     ScalarType,
     SlotType,
     Type,
@@ -343,7 +343,7 @@ def _typed(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: Bou
             failed |= not fits(kind, wanted)
             continue
         kind = ck.infer(ctx, argument.value)
-        if parameter.type == "part" and kind != UNKNOWN and not isinstance(kind, PartType | SlotType | ElementType):
+        if parameter.type == "part" and kind != UNKNOWN and not isinstance(kind, Boxed):
             ck.unfit(argument, kind, f"`{form.name}` reads the extent of a part")
         if parameter.type == "number" and kind != UNKNOWN and not isinstance(_dimension(kind), ScalarType):
             message = f"`{parameter.name}` of `{form.name}` must be a number, but this is {kind}"

@@ -95,6 +95,11 @@ class Checker:
         """Reports that ``expr`` is of a kind that its place has no use for; ``need`` says what it needs."""
         return self.error("wrong-type", expr.span, f"{need}, but this is {kind}", hint=hint)
 
+    def many_elements(self, name: str, span: Span) -> Type:
+        """Reports a repeat that is named where one element is meant."""
+        hint = f"name one: `{name}[0]` or `{name}[last]`"
+        return self.error("many-elements", span, f"`{name}` means all elements of a repeat here", hint=hint)
+
     def warning(self, code: str, span: Span, message: str, hint: str | None = None) -> None:
         """Reports what is allowed and hardly meant."""
         if not self._muted:

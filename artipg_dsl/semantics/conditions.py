@@ -105,8 +105,7 @@ def _quiet(ck: Checker, ctx: Context, expr: ast.Expr) -> tuple[Type, list[Condit
 def _presence(ck: Checker, ctx: Context, expr: ast.Expr) -> Condition:
     kind, noted = _quiet(ck, ctx, expr)
     if isinstance(kind, PartType):
-        there = frozenset(v for v in kind.domain if v is not None)
-        return conjunction((*noted, Atom(kind.key, there, kind.domain)) if None in kind.domain else noted)
+        return conjunction((*noted, kind.there))
     if kind == BOX:
         return conjunction(noted)
     return conjunction((*noted, Atom(_key(ctx, expr), frozenset((True,)), (True, False))))

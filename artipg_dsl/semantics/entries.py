@@ -65,7 +65,7 @@ def type_of(ck: Checker, entry: Entry) -> Type:
             domain = choices(ck, entry)
             if domain == (None,):
                 return UNKNOWN  # `none` alone, which is reported where the part is declared
-            part = PartType(tuple(v for v in domain if v is not None), entry.key, domain)
+            part = PartType.of(domain, entry.key)
             return replace(part, given=given(ck, entry, part))
         case ast.StyleDecl(role=role):
             return MATERIAL if role == "material" else StyleType(choices(ck, entry), role)

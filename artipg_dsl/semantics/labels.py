@@ -15,7 +15,6 @@ from .calls import range_type
 from .entries import of_reference
 from .meanings import Declared, Global, Inner, Previous
 from .offers import missing
-from .parts import below
 from .symbols import Symbol
 from .types import (
     BOOL,
@@ -34,7 +33,7 @@ from .types import (
     SIZE,
     SURFACE,
     UNKNOWN,
-    ElementType,
+    Boxed,
     JointType,
     PartType,
     ScalarType,
@@ -64,15 +63,7 @@ def check(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
             _grasp(ck, ctx, stmt)
         case ast.KeypointStmt(target=at, at=place):
             kind, ctx = _place(ck, ctx, at)
-            if not isinstance(kind, PartType | SlotType | ElementType) and kind not in (
-                UNKNOWN,
-                FRAME,
-                POINT,
-                PLANE,
-                EDGE,
-                LINE,
-                SURFACE,
-            ):
+            if not isinstance(kind, Boxed) and kind not in (UNKNOWN, FRAME, POINT, PLANE, EDGE, LINE, SURFACE):
                 ck.unfit(at, kind, "a keypoint must be on a part, a port or a point")
             if place is not None:
                 ck.expect(formula(ctx), place, POINT, "the place of a keypoint")
@@ -102,7 +93,7 @@ def _place(ck: Checker, ctx: Context, expr: ast.Expr) -> tuple[Type, Context]:
 def target(ck: Checker, ctx: Context, expr: ast.Expr, rule: str) -> Context:
     """What a label lies on: parts, slots and surfaces, also through repeats."""
     kind, ctx = _place(ck, ctx, expr)
-    if not isinstance(kind, PartType | SlotType | ElementType) and kind not in (UNKNOWN, PLANE, SURFACE):
+    if not isinstance(kind, Boxed) and kind not in (UNKNOWN, PLANE, SURFACE):
         ck.unfit(expr, kind, f"{rule} parts, slots or surfaces")
     elif kind == PLANE and isinstance(expr, ast.MemberExpr) and _is_surface(ck, expr):
         ck.mean(expr, Inner(expr.name))  # the surface of that name, not the face of the box
@@ -131,7 +122,7 @@ def _made_of(ck: Checker, expr: ast.Expr, kind: Type | None) -> Iterator[Symbol]
     if not isinstance(kind, SlotType) or not isinstance(expr, ast.MemberExpr):
         return
     for owner in _made_of(ck, expr.obj, ck.types.get(id(expr.obj))):
-        for entry in (e for scope in below(ck.scope_of(owner)) for e in scope.table.get(expr.name, ())):
+        for entry in (e for scope in ck.scope_of(owner).below() for e in scope.table.get(expr.name, ())):
             if not isinstance(entry.node, ast.SlotDecl):
                 yield from _made_of(ck, expr, ck.entry_type(entry))
                 continue

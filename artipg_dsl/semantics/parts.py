@@ -14,7 +14,7 @@ from .entries import narrowed
 from .guards import TRUE, Atom, Condition, Not, Or, conjunction
 from .presence import declared, guarded, optional, relevant, renamed
 from .scope import BodyScope, Entry, Variant
-from .symbols import Symbol
+from .symbols import Symbol, names_of
 from .types import (
     BOX,
     CURVE,
@@ -23,6 +23,7 @@ from .types import (
     SURFACE,
     UNKNOWN,
     ArrayType,
+    Boxed,
     ElementType,
     JointType,
     NamedType,
@@ -64,16 +65,6 @@ def listed(names: list[str]) -> str | None:
     return "it has " + ", ".join(names) if names else None
 
 
-def below(scope: BodyScope) -> list[BodyScope]:
-    return [scope, *(deeper for inner in scope.inner.values() for deeper in below(inner))]
-
-
-def present(part: PartType) -> Condition:
-    if None not in part.domain:
-        return TRUE
-    return Atom(part.key, frozenset(v for v in part.domain if v is not None), part.domain)
-
-
 def part_member(ck: Checker, ctx: Context, part: PartType, word: str, span: Span, path: str) -> Type:
     """A member of a part, written ``path``: every variant that is left must have it."""
     found: list[tuple[Variant, Type]] = []
@@ -96,21 +87,14 @@ def part_member(ck: Checker, ctx: Context, part: PartType, word: str, span: Span
     _demand_guards(ck, ctx, part, found, word, span, path)
     parts = [k for k in kinds if isinstance(k, PartType)]
     if len(parts) == len(kinds):
-        domain = tuple(dict.fromkeys(v for k in parts for v in k.domain))
         given = conjunction((part.given, *(k.given for k in parts)) if len(parts) == 1 else (part.given,))
-        whole = PartType(tuple(v for v in domain if v is not None), f"{part.key}.{word}", domain, part.many, given)
-        if (there := present(whole)) != TRUE:
-            ck.demand(ctx, there, span, *optional(f"{path}.{word}"), value=not ctx.subject)
+        whole = PartType.of((v for k in parts for v in k.domain), f"{part.key}.{word}", part.many, given)
+        ck.demand(ctx, whole.there, span, *optional(f"{path}.{word}"), value=not ctx.subject)
         return narrowed(ctx, whole)
     first = kinds[0]
     if isinstance(first, ElementType):
         if not ctx.many:
-            return ck.error(
-                "many-elements",
-                span,
-                f"`{word}` means all elements of a repeat here",
-                hint=f"name one: `{word}[0]` or `{word}[last]`",
-            )
+            return ck.many_elements(word, span)
         return replace(first, key=f"{part.key}.{word}", many=True)
     if len(set(kinds)) == 1:
         return first
@@ -150,9 +134,7 @@ def _demand_guards(
     if first is not None:
         all_wanted = conjunction(wanted)
         known = ctx.given(relevant(all_wanted, part.given))
-        followed = ctx.subject and all(
-            isinstance(kind, PartType | SlotType | ElementType | JointType) for _, kind in found
-        )
+        followed = ctx.subject and all(isinstance(kind, Boxed | JointType) for _, kind in found)
         message, hint = guarded(first, span, path)
         ck.demand(known, all_wanted, span, message, hint, ((first.span, "declared here"),), value=not followed)
 
@@ -231,8 +213,7 @@ def _symbol_member(ck: Checker, symbol: Symbol, word: str) -> Type | None:
             return SURFACE  # surfaces bear the names of the curves that make them
         if isinstance(kind, PartType) and len(entries) > 1:
             kinds = [k for e in entries if isinstance(k := ck.entry_type(e), PartType)]
-            domain = tuple(dict.fromkeys(v for k in kinds for v in k.domain))
-            return PartType(tuple(v for v in domain if v is not None), kind.key, domain)
+            return PartType.of((v for k in kinds for v in k.domain), kind.key)
         return kind
     if symbol.kind == "primitive":
         made = _made(symbol, word)
@@ -247,7 +228,7 @@ def _symbol_member(ck: Checker, symbol: Symbol, word: str) -> Type | None:
 
 def _names_in_repeats(scope: BodyScope) -> set[str]:
     """Names that the repeats of a template declare: a part in a repeat binds the slot of its name."""
-    return {name for inner in below(scope)[1:] for name in inner.table}
+    return {name for inner in scope.below() if inner is not scope for name in inner.table}
 
 
 def _made(symbol: Symbol, word: str) -> Type | None:
@@ -263,7 +244,7 @@ def _along_path(symbol: Symbol, solid: ast.SolidDecl) -> bool:
     curves = {
         name
         for stmt in symbol.body
-        for name in (stmt.names if isinstance(stmt, ast.ParamDecl) else (getattr(stmt, "name", None),))
+        for name in names_of(stmt)
         if isinstance(stmt, ast.CurveDecl)
         or isinstance(stmt, ast.LetDecl)
         and isinstance(stmt.value, ast.ChainExpr)

@@ -28,7 +28,7 @@ from .meanings import (
     OwnBox,
     Previous,
 )
-from .parts import BOX_MEMBERS, below, box_member, listed, part_member, place_member, place_names, present
+from .parts import BOX_MEMBERS, box_member, listed, part_member, place_member, place_names
 from .presence import declared, guarded, of_element, optional
 from .scope import BodyScope, Entry, Variant
 from .symbols import Symbol
@@ -46,6 +46,7 @@ from .types import (
     SIZE,
     UNKNOWN,
     ArrayType,
+    Boxed,
     ElementType,
     FunctionType,
     JointType,
@@ -120,7 +121,7 @@ def _unknown_name(ck: Checker, ctx: Context, word: str, span: Span) -> Type:
         word, [*ctx.names(), *(w.name for w in WORDS.values() if w.kind != "place")]
     ) or foreign.NAMES.get(word)
     if hint is None and ctx.scope is not None:
-        for scope in below(ctx.scope.root):
+        for scope in ctx.scope.root.below():
             if word in scope.table and scope.repeat is not None:
                 of = scope.repeat.name
                 if word == scope.repeat.index:
@@ -157,30 +158,17 @@ def _use(ck: Checker, ctx: Context, entries: list[Entry], span: Span) -> Type:
         )
     if isinstance(kind, PartType):
         parts = [t for e in live if isinstance(t := ck.entry_type(e), PartType)]
-        kind = parts[0] if len(parts) == 1 else _either(parts)
-        there = present(kind)
-        if there != TRUE:
-            wanted = [And((w, there)) for w in wanted]
+        if len(parts) > 1:  # declared in exclusive branches
+            kind = PartType.of((v for p in parts for v in p.domain), "|".join(p.key for p in parts))
+        if kind.there != TRUE:
+            wanted = [And((w, kind.there)) for w in wanted]
     demanded = wanted[0] if len(wanted) == 1 else Or(tuple(wanted))
     if demanded != TRUE:
         optional_part = isinstance(kind, PartType) and None in kind.domain
         message, hint = optional(entry.name) if optional_part else guarded(entry, span)
         if not isinstance(kind, ArrayType):
-            ck.demand(
-                ctx,
-                demanded,
-                span,
-                message,
-                hint,
-                value=not isinstance(kind, PartType | SlotType | ElementType | JointType),
-            )
+            ck.demand(ctx, demanded, span, message, hint, value=not isinstance(kind, Boxed | JointType))
     return narrowed(ctx, kind) if isinstance(kind, PartType) else kind
-
-
-def _either(parts: list[PartType]) -> PartType:
-    """One part declared in exclusive branches."""
-    domain = tuple(dict.fromkeys(v for p in parts for v in p.domain))
-    return PartType(tuple(v for v in domain if v is not None), "|".join(p.key for p in parts), domain)
 
 
 def _repeat(ck: Checker, ctx: Context, entry: Entry, span: Span) -> Type:
@@ -311,15 +299,14 @@ def _element_member(ck: Checker, ctx: Context, obj: ElementType, word: str, span
             return replace(kind, bound=tuple((k, of_element(obj, c)) for k, c in kind.bound))
         if there != TRUE:
             message, hint = guarded(target, span, path)
-            followed = ctx.subject and isinstance(kind, PartType | SlotType | ElementType | JointType)
+            followed = ctx.subject and isinstance(kind, Boxed | JointType)
             around = ctx.given(of_element(obj, ck.condition(inner.guards)))
             ck.demand(around, there, span, message, hint, ((target.span, "declared here"),), value=not followed)
         if isinstance(kind, PartType):
             current = obj.key == entry.key and not obj.many
             key = kind.key if current else f"{obj.key}.{word}"
             part = replace(kind, key=key, many=obj.many, given=of_element(obj, kind.given))
-            if (wanted := present(part)) != TRUE:
-                ck.demand(ctx, wanted, span, *optional(f"{path}.{word}"), value=not ctx.subject)
+            ck.demand(ctx, part.there, span, *optional(f"{path}.{word}"), value=not ctx.subject)
             return narrowed(ctx, part)
         return kind
     if word == "gap":
@@ -346,12 +333,7 @@ def _inner(ck: Checker, ctx: Context, obj: ElementType, target: Entry, span: Spa
         return ElementType(target, f"{obj.key}.{target.name}", many=True, outer=obj)
     if obj.key != obj.entry.key:  # of one named element, all of an inner repeat
         if not ctx.many:
-            return ck.error(
-                "many-elements",
-                span,
-                f"`{target.name}` means all elements of a repeat here",
-                hint=f"name one: `{target.name}[0]` or `{target.name}[last]`",
-            )
+            return ck.many_elements(target.name, span)
         return ElementType(target, f"{obj.key}.{target.name}", many=True, outer=obj)
     return _repeat(ck, ctx, target, span)
 

@@ -27,11 +27,10 @@ from .types import (
     POINT,
     SURFACE,
     UNKNOWN,
-    ElementType,
+    Boxed,
     JointType,
     PartType,
     ScalarType,
-    SlotType,
     Type,
     fits,
 )
@@ -84,14 +83,14 @@ def _begins(ck: Checker, ctx: Context, expr: ast.Expr, kind: Type) -> None:
 def _end(ck: Checker, expr: ast.Expr, kind: Type, what: str) -> None:
     """One end of a connection: a part, or a port, face, edge or line of one."""
     places = (UNKNOWN, FRAME, PLANE, EDGE, LINE, POINT, SURFACE, BASE, BOX)
-    if not isinstance(kind, PartType | SlotType | ElementType) and kind not in places:
+    if not isinstance(kind, Boxed) and kind not in places:
         ck.unfit(expr, kind, f"{what} must be a part or one of its ports and faces")
 
 
 def _mounted(ck: Checker, *ends: tuple[ast.Expr, Type]) -> None:
     """The ends of a mount: one is laid on the other, so both have directions."""
     for expr, kind in ends:
-        if isinstance(kind, PartType | SlotType | ElementType) or kind in (POINT, SURFACE, BOX, BASE):
+        if isinstance(kind, Boxed) or kind in (POINT, SURFACE, BOX, BASE):
             ck.unfit(
                 expr,
                 kind,
@@ -122,7 +121,7 @@ def _placing(ck: Checker, ctx: Context, node: ast.Attaching, framed: bool) -> No
         _end(ck, value, ck.infer(ends, value), "what follows `between`")
     if node.in_ is not None:
         kind = ck.infer(ends, node.in_.value)
-        if not isinstance(kind, PartType | SlotType | ElementType) and kind not in (BOX, UNKNOWN):
+        if not isinstance(kind, Boxed) and kind not in (BOX, UNKNOWN):
             ck.unfit(node.in_.value, kind, "`in` needs a box")
     for clause in (node.gap, node.sink):
         if clause is not None:
@@ -227,9 +226,7 @@ def check_joint(ck: Checker, ctx: Context, node: ast.JointDecl) -> None:
         ck.error("wrong-type", node.child.span, "`base` is what the template is attached to, so a joint cannot move it")
     if parent == BASE and ctx.scope.owner.kind == "category":
         ck.error("wrong-type", node.parent.span, "`base` only exists in a template", hint="name the root part instead")
-    named = isinstance(node.parent, ast.NameExpr) and (
-        parent == BASE or isinstance(parent, PartType | SlotType | ElementType)
-    )
+    named = isinstance(node.parent, ast.NameExpr) and (parent == BASE or isinstance(parent, Boxed))
     aims = named and _aims(node.kind) and node.to is None and node.on is None
     _placing(ck, ctx, node, framed=not aims)
     _on_face(ck, node, node.child, child)

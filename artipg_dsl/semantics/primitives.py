@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from ..diagnostics.suggest import any_of, did_you_mean
 from ..language import OPERATORS, Kind
 from ..syntax import ast
+from ..syntax.walk import in_branches
 from .calls import range_type
 from .conditions import truth
 from .declarations import check_range
@@ -127,7 +128,7 @@ def _whole(ck: Checker, stmt: ast.SolidDecl, operator: Kind) -> None:
 
 def check_whole(ck: Checker, symbol: Symbol, scope: BodyScope) -> None:
     """A primitive is surfaces with an inside function and a box, or one solid."""
-    body = _flat(symbol.body)
+    body = list(in_branches(symbol.body))
     solids = [s for s in body if isinstance(s, ast.SolidDecl)]
     if len(solids) > 1:
         ck.error(
@@ -150,12 +151,3 @@ def check_whole(ck: Checker, symbol: Symbol, scope: BodyScope) -> None:
             f"the primitive `{symbol.name}` is missing {any_of(lacking, 'and')}",
             hint="give surfaces, `inside` and `box`, or a `solid`",
         )
-
-
-def _flat(body: tuple[ast.Stmt, ...]) -> list[ast.Stmt]:
-    found: list[ast.Stmt] = []
-    for stmt in body:
-        found.append(stmt)
-        if isinstance(stmt, ast.WhenStmt):
-            found.extend(_flat(stmt.body) + _flat(stmt.otherwise))
-    return found

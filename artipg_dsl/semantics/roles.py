@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..syntax import ast
+from ..syntax.walk import in_branches
 from .offers import missing
 from .scope import BodyScope, Entry
 from .symbols import Symbol, lineage, parent_of
@@ -125,21 +126,12 @@ def _not_assigned(ck: Checker, name: str, own: list[Entry], stmt: ast.ParamDecl)
 def _names_at_any_depth(scope: BodyScope) -> dict[str, list[Entry]]:
     """Declarations of the template itself, those inside its repeats included: a slot may bind several."""
     found: dict[str, list[Entry]] = {}
-    stack = [scope]
-    while stack:
-        at = stack.pop()
-        stack.extend(at.inner.values())
-        for entry in at.entries:
-            found.setdefault(entry.name, []).append(entry)
+    for entry in (entry for at in scope.below() for entry in at.entries):
+        found.setdefault(entry.name, []).append(entry)
     return found
 
 
 def _is_aligned(body: tuple[ast.Stmt, ...], name: str) -> bool:
     """Whether an equation names the output, so that it may determine it."""
-    for stmt in body:
-        if isinstance(stmt, ast.AlignStmt):
-            if any(isinstance(side, ast.NameExpr) and side.name == name for side in (stmt.left, stmt.right)):
-                return True
-        elif isinstance(stmt, ast.WhenStmt) and (_is_aligned(stmt.body, name) or _is_aligned(stmt.otherwise, name)):
-            return True
-    return False
+    sides = (side for s in in_branches(body) if isinstance(s, ast.AlignStmt) for side in (s.left, s.right))
+    return any(isinstance(side, ast.NameExpr) and side.name == name for side in sides)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import Any, cast
 
 from ..source import Span
 from ..syntax import ast
 from .guards import Compare, Condition
-from .symbols import Symbol, lineage, members
+from .symbols import NAMED, Symbol, lineage, members, names_of
 
 Guards = tuple["Guard", ...]
 """The guards under which something stands, outermost first."""
@@ -92,6 +93,12 @@ class BodyScope:
         """Holds for all elements of this repeat but the first."""
         return Compare(self.rank_key, ">", 0)
 
+    def below(self) -> Iterator[BodyScope]:
+        """This scope, then those of its repeats and of the repeats in them."""
+        yield self
+        for inner in self.inner.values():
+            yield from inner.below()
+
     def chain(self) -> Iterator[BodyScope]:
         """This scope, then the ones around it."""
         scope: BodyScope | None = self
@@ -128,9 +135,8 @@ def interface(symbol: Symbol) -> dict[str, tuple[Symbol, ast.Stmt]]:
     for role in lineage(symbol):
         if role.kind == "role":
             for stmt in role.body:
-                for name in stmt.names if isinstance(stmt, ast.ParamDecl) else (getattr(stmt, "name", None),):
-                    if name is not None:
-                        found.setdefault(name, (role, stmt))
+                for name in names_of(stmt):
+                    found.setdefault(name, (role, stmt))
     return found
 
 
@@ -145,25 +151,9 @@ def _collect(scope: BodyScope, body: tuple[ast.Stmt, ...], guards: Guards) -> No
             case ast.ParamDecl():
                 for name, span in zip(stmt.names, stmt.name_spans, strict=True):
                     add(name, "param", stmt, span)
-            case ast.CountDecl():
-                add(stmt.name, "count", stmt, stmt.name_span)
-            case ast.LetDecl():
-                add(stmt.name, "let", stmt, stmt.name_span)
-            case ast.PartDecl():
-                add(stmt.name, "part", stmt, stmt.name_span)
-            case ast.StyleDecl():
-                add(stmt.name, "style", stmt, stmt.name_span)
-            case ast.SlotDecl():
-                add(stmt.name, "slot", stmt, stmt.name_span)
             case ast.PortDecl():
                 # an indexed port bound inside a repeat is the template's own
                 add(stmt.name, "port", stmt, stmt.name_span, scope.root if stmt.index is not None else scope)
-            case ast.JointDecl():
-                add(stmt.name, "joint", stmt, stmt.name_span)
-            case ast.SurfaceDecl():
-                add(stmt.name, "surface", stmt, stmt.name_span)
-            case ast.CurveDecl():
-                add(stmt.name, "curve", stmt, stmt.name_span)
             case ast.RepeatStmt():
                 add(stmt.name, "repeat", stmt, stmt.name_span)
                 inner = BodyScope(scope.owner, f"{scope.path}.{stmt.name}@{stmt.name_span.start}", scope, stmt, guards)
@@ -177,3 +167,6 @@ def _collect(scope: BodyScope, body: tuple[ast.Stmt, ...], guards: Guards) -> No
                     within = (*guards, Guard(scope, stmt.guard, truth))
                     scope.branches[id(stmt), truth] = within
                     _collect(scope, branch, within)
+            case _ if (kind := NAMED.get(type(stmt))) is not None:
+                (name,) = names_of(stmt)
+                add(name, kind, stmt, cast(Any, stmt).name_span)

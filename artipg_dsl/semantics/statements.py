@@ -27,6 +27,7 @@ from .types import (
     RATIO,
     UNKNOWN,
     ArrayType,
+    Boxed,
     ChoiceType,
     ElementType,
     JointType,
@@ -216,9 +217,9 @@ def _port(ck: Checker, ctx: Context, stmt: ast.PortDecl) -> None:
     places = (FRAME, PLANE, EDGE, LINE, POINT, BOX, CURVE, BASE)
     if wanted == UNKNOWN or given == UNKNOWN:
         return
-    if not fits(given, wanted) and not (wanted == BOX and isinstance(given, PartType | SlotType | ElementType)):
+    if not fits(given, wanted) and not (wanted == BOX and isinstance(given, Boxed)):
         ck.mismatch(stmt.value, given, wanted, f"the port `{stmt.name}`")
-    elif given not in places and not is_number(given) and not isinstance(given, PartType | SlotType | ElementType):
+    elif given not in places and not is_number(given) and not isinstance(given, Boxed):
         if not fits(given, POINT):
             ck.unfit(stmt.value, given, "a port must be a place")
 
@@ -265,7 +266,7 @@ def _condition(ck: Checker, ctx: Context, stmt: ast.RequireStmt | ast.PreferStmt
 def _parts(ck: Checker, ctx: Context, subject: ast.Expr, other: ast.Expr | None, word: str) -> None:
     for expr in (subject,) if other is None else (subject, other):
         kind = ck.infer(ctx.but(lenient=[], many=True, subject=True), expr)
-        if not isinstance(kind, PartType | SlotType | ElementType) and kind != UNKNOWN:
+        if not isinstance(kind, Boxed) and kind != UNKNOWN:
             ck.unfit(expr, kind, f"`{word}` names parts")
         labels.not_previous(ck, expr)
 
@@ -299,7 +300,7 @@ def _repeat(ck: Checker, ctx: Context, stmt: ast.RepeatStmt) -> None:
     for box in (stmt.spread, stmt.split, stmt.fill):
         if box is not None:
             kind = ck.infer(ctx, box.value)
-            if not isinstance(kind, PartType | SlotType | ElementType) and kind not in (BOX, UNKNOWN):
+            if not isinstance(kind, Boxed) and kind not in (BOX, UNKNOWN):
                 ck.unfit(
                     box.value,
                     kind,

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import Any, cast
 
 from ..source import Source
 from ..syntax import ast
+from ..syntax.walk import in_branches
 
 KINDS: dict[type[ast.Decl], str] = {
     ast.RoleDecl: "role",
@@ -92,25 +94,26 @@ def members(symbol: Symbol) -> tuple[ast.Stmt, ...]:
 
 def _declared_names(body: tuple[ast.Stmt, ...]) -> Iterator[str]:
     """The names that stand in a body, those under ``when`` included, those inside a ``repeat`` not."""
-    for stmt in body:
-        if isinstance(stmt, ast.ParamDecl):
-            yield from stmt.names
-        elif isinstance(stmt, ast.WhenStmt):
-            yield from _declared_names(stmt.body)
-            yield from _declared_names(stmt.otherwise)
-        elif isinstance(stmt, NAMED):
-            yield stmt.name
+    return (name for stmt in in_branches(body) for name in names_of(stmt))
 
 
-NAMED = (
-    ast.CountDecl,
-    ast.LetDecl,
-    ast.PartDecl,
-    ast.StyleDecl,
-    ast.SlotDecl,
-    ast.PortDecl,
-    ast.JointDecl,
-    ast.RepeatStmt,
-    ast.SurfaceDecl,
-    ast.CurveDecl,
-)
+def names_of(stmt: ast.Stmt) -> tuple[str, ...]:
+    """What a statement declares in its body."""
+    if isinstance(stmt, ast.ParamDecl):
+        return stmt.names
+    return (cast(Any, stmt).name,) if type(stmt) in NAMED else ()
+
+
+NAMED: dict[type[ast.Stmt], str] = {
+    ast.CountDecl: "count",
+    ast.LetDecl: "let",
+    ast.PartDecl: "part",
+    ast.StyleDecl: "style",
+    ast.SlotDecl: "slot",
+    ast.PortDecl: "port",
+    ast.JointDecl: "joint",
+    ast.RepeatStmt: "repeat",
+    ast.SurfaceDecl: "surface",
+    ast.CurveDecl: "curve",
+}
+"""What declares a single name, and as what."""

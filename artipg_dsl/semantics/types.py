@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from ..syntax import ast
 from ..units import Dimension
-from .guards import TRUE, Condition
+from .guards import TRUE, Atom, Condition
 
 if TYPE_CHECKING:
     from .scope import Entry, Variant
@@ -150,6 +151,19 @@ class PartType(Type):
     many: bool = False
     given: Condition = field(default=TRUE, compare=False)  # what its arguments say of its choices and counts
 
+    @classmethod
+    def of(cls, domain: Iterable[Variant | None], key: str, many: bool = False, given: Condition = TRUE) -> PartType:
+        """A part of which nothing is excluded yet."""
+        domain = tuple(dict.fromkeys(domain))
+        return cls(tuple(v for v in domain if v is not None), key, domain, many, given)
+
+    @property
+    def there(self) -> Condition:
+        """That it is present."""
+        if None not in self.domain:
+            return TRUE
+        return Atom(self.key, frozenset(v for v in self.domain if v is not None), self.domain)
+
     def __str__(self) -> str:
         names = sorted({v.name for v in self.variants})
         return f"a part ({' or '.join(names)})" if names else "a part"
@@ -195,6 +209,10 @@ class SlotType(Type):
 
     def __str__(self) -> str:
         return f"the slot {self.name}"
+
+
+Boxed = PartType | SlotType | ElementType
+"""What has a box of its own."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from .ast import Node
+from .ast import Node, Stmt, WhenStmt
 
 
 def walk(node: object) -> Iterator[Node]:
@@ -17,3 +17,12 @@ def walk(node: object) -> Iterator[Node]:
     elif isinstance(node, tuple):
         for item in node:
             yield from walk(item)
+
+
+def in_branches(body: tuple[Stmt, ...]) -> Iterator[Stmt]:
+    """The statements of a body, each `when` before those in its branches; those inside a `repeat` not."""
+    for stmt in body:
+        yield stmt
+        if isinstance(stmt, WhenStmt):
+            yield from in_branches(stmt.body)
+            yield from in_branches(stmt.otherwise)
