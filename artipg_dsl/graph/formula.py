@@ -1,8 +1,9 @@
 """Formulas over free variables turned into functions of arrays: patches, inside functions, label fields.
 
 A formula takes arrays that broadcast with one another and returns one array per expression. Equal subexpressions are
-computed once. It is run as a tape by the compiled backend where there is one, else as generated NumPy code: the bits are
-the same.
+computed once. It is run as a tape by the compiled backend where there is one, else by NumPy: step by step at first, since most
+formulas are asked a few times and to generate code costs as much as a hundred calls, then as generated code. The bits are the
+same.
 """
 
 from __future__ import annotations
@@ -127,17 +128,19 @@ _quiet = np.errstate(divide="ignore", invalid="ignore", over="ignore")
 
 
 SHORT = 16  # steps below which calling NumPy for each is faster than telling the machine of all
+_OFTEN = 64  # calls from which on generated code is faster, the time to generate it included
 
 
 class Formula:
     """A function of arrays or numbers that returns a tuple of values, one per expression."""
 
-    __slots__ = ("_exprs", "_names", "_tape", "_code")
+    __slots__ = ("_exprs", "_names", "_tape", "_code", "_calls")
 
     def __init__(self, exprs: tuple[Expr, ...], names: tuple[str, ...]):
         self._exprs, self._names = exprs, names
         self._tape = tape(exprs, names)
         self._code: Callable[..., tuple[Any, ...]] | None = None
+        self._calls = 0
 
     def __call__(self, *values: Any) -> tuple[Any, ...]:
         machine = backend.machine() if len(self._tape.steps) >= SHORT else None
@@ -145,11 +148,12 @@ class Formula:
             found = self._tape.run(machine, values)
             if found is not None:
                 return found
-        return self.numpy(*values)
+        self._calls += 1
+        return self.numpy(*values) if self._calls > _OFTEN else _stepwise(self._tape, values)
 
     @property
     def numpy(self) -> Callable[..., tuple[Any, ...]]:
-        """The same by NumPy."""
+        """The same by generated NumPy code."""
         if self._code is None:
             namespace: dict[str, Any] = {"np": np}
             exec(compile(source(self._exprs, self._names), "<formula>", "exec"), namespace)  # noqa: S102 - no text of a program reaches it
@@ -158,6 +162,7 @@ class Formula:
 
 
 _compile = lru_cache(maxsize=4096)(Formula)
+_stepwise = _quiet(Tape.stepwise)
 
 
 def tape(exprs: Sequence[Expr], names: Sequence[str]) -> Tape:

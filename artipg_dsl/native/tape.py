@@ -9,7 +9,7 @@ broadcast), ``run`` leaves the work to NumPy.
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import prod
 from typing import TYPE_CHECKING, Any
@@ -22,6 +22,41 @@ if TYPE_CHECKING:
     from .backend import Machine
 
 _NARROWEST = 32  # columns of a row that are worth a round of their own
+UFUNCS: dict[str, Callable[..., Any]] = {
+    "add": np.add,
+    "sub": np.subtract,
+    "mul": np.multiply,
+    "div": np.divide,
+    "neg": np.negative,
+    "pow": np.power,
+    "abs": np.abs,
+    "sqrt": np.sqrt,
+    "sin": np.sin,
+    "cos": np.cos,
+    "tan": np.tan,
+    "asin": np.arcsin,
+    "acos": np.arccos,
+    "atan": np.arctan,
+    "atan2": np.arctan2,
+    "hypot": np.hypot,
+    "exp": np.exp,
+    "log": np.log,
+    "floor": np.floor,
+    "ceil": np.ceil,
+    "sign": np.sign,
+    "min": np.minimum,
+    "max": np.maximum,
+    "mod": np.mod,
+    "lt": np.less,
+    "le": np.less_equal,
+    "eq": np.equal,
+    "and": np.logical_and,
+    "or": np.logical_or,
+    "not": np.logical_not,
+    "where": np.where,
+}
+"""What NumPy calls the operations."""
+
 _FLOAT, _BOOL = np.dtype(np.float64), np.dtype(np.bool_)
 _LETTERS = {_FLOAT: "d", _BOOL: "?"}
 
@@ -35,6 +70,26 @@ class Tape:
     steps: tuple[tuple[str, tuple[int, ...]], ...]
     outputs: tuple[int, ...]
     plans: dict[tuple[str, tuple[int, ...]], Plan | None] = field(init=False, default_factory=dict)
+    last: list[list[int]] | None = field(init=False, default=None)  # per step, what no later one reads
+
+    def stepwise(self, values: Sequence[Any]) -> tuple[Any, ...]:
+        """The outputs for arrays or numbers ``values``, by NumPy, a call for each step; a value is dropped behind its last use."""
+        found: list[Any] = [*values, *(c if isinstance(c, bool) else float(c) for c in self.constants)]
+        if self.last is None:
+            self.last = self._last_uses(len(found))
+        for (operation, arguments), done in zip(self.steps, self.last, strict=True):
+            found.append(UFUNCS[operation](*[found[k] for k in arguments]))
+            for k in done:
+                found[k] = None
+        return tuple([found[k] for k in self.outputs])
+
+    def _last_uses(self, first: int) -> list[list[int]]:
+        kept, last = set(self.outputs), []
+        for _, arguments in reversed(self.steps):
+            done = [k for k in dict.fromkeys(arguments) if k >= first and k not in kept]
+            kept.update(done)
+            last.append(done)
+        return last[::-1]
 
     def run(self, machine: Machine, values: Sequence[Any]) -> tuple[Any, ...] | None:
         """The outputs for arrays or numbers ``values``; None where NumPy has to do it."""

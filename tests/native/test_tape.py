@@ -74,9 +74,12 @@ def test_the_bits_are_those_of_numpy(machine, exprs, shapes, seed):
     formula = compile_formula(exprs, NAMES)
     expected = formula.numpy(*values)
     found = formula._tape.run(machine, values)
+    with np.errstate(all="ignore"):
+        steps = formula._tape.stepwise(values)
     shape = np.broadcast_shapes(*shapes)
-    for one, other in zip(expected, found or expected, strict=True):
+    for one, other, third in zip(expected, found or expected, steps, strict=True):
         assert bits(np.broadcast_to(one, shape)) == bits(np.broadcast_to(other, shape))
+        assert bits(np.broadcast_to(one, shape)) == bits(np.broadcast_to(third, shape))
 
 
 def test_most_of_that_is_run_by_the_machine(machine):
