@@ -33,11 +33,11 @@ def lowered(arcs):
     return session.lowering.program
 
 
-def test_a_path_of_twelve_arcs_takes_few_formulas_and_a_text_that_grows_evenly():
-    short = to_text(lowered(6))
+def test_a_path_of_eight_arcs_takes_few_formulas_and_a_text_that_grows_evenly():
+    short = to_text(lowered(4))
     before = formula._compile.cache_info().misses
-    program = lowered(12)
-    assert formula._compile.cache_info().misses - before < 12 * 20
+    program = lowered(8)
+    assert formula._compile.cache_info().misses - before < 8 * 20
     text = to_text(program)
     assert len(text) < 3 * len(short)
     assert to_text(from_text(text)) == text
