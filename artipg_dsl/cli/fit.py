@@ -28,7 +28,7 @@ def run(options: argparse.Namespace) -> int:
     with Progress(options.program) as progress:
         progress.stage("compiling")
         sampler, source = open_program(options.program)
-        words = _read_words(options.map, sampler.program.vocabularies.get("semantic", ()))
+        words = read_words(options.map, sampler.program.vocabularies.get("semantic", ()))
         progress.stage("fitting")
         asked = Asked(source, out, frame, options.seed or 0, not options.unchecked, words, not options.plain)
         summary = write_fits(sampler, asked, paths, force=options.force, workers=options.workers, progress=progress)
@@ -49,7 +49,7 @@ def _table(summary: dict[str, Any]) -> str:
     return "\n".join(lines)
 
 
-def _read_words(name: str | None, known: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
+def read_words(name: str | None, known: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
     """The pairs of a map file: their name, our word. Raises UserError, UsageError."""
     from ..diagnostics.suggest import did_you_mean
 

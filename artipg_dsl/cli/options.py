@@ -337,12 +337,8 @@ def _add_cache(to: argparse.ArgumentParser) -> None:
     to.add_argument("action", nargs="?", choices=("show", "clear"), default="show", help="show (default), or clear")
 
 
-def _add_fit(to: argparse.ArgumentParser) -> None:
-    add_program(to)
-    to.add_argument(
-        "files", nargs="+", metavar="FILE|DIR", help="meshes, point clouds or URDF files, or folders of them"
-    )
-    to.add_argument("-o", "--out", type=folder, default="fitted", metavar="DIR", help="output folder (default: fitted)")
+def _add_frame(to: argparse.ArgumentParser) -> None:
+    """How files of real objects stand, and what their labels mean."""
     axes = ("x", "-x", "y", "-y", "z", "-z")
     to.add_argument(
         "--up", choices=("auto", *axes), default="auto", help="upward axis of the files (default: y of glb, else z)"
@@ -365,6 +361,25 @@ def _add_fit(to: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="a JSON file of names of labels and the words that they mean, to compare labels by",
     )
+
+
+def _add_compare(to: argparse.ArgumentParser) -> None:
+    add_program(to)
+    to.add_argument(
+        "files", nargs="+", metavar="FILE|DIR", help="meshes, point clouds or URDF files, or folders of them"
+    )
+    add_drawing(to, 200)
+    _add_frame(to)
+    to.add_argument("--json", action="store_true", help="print the figures as JSON")
+
+
+def _add_fit(to: argparse.ArgumentParser) -> None:
+    add_program(to)
+    to.add_argument(
+        "files", nargs="+", metavar="FILE|DIR", help="meshes, point clouds or URDF files, or folders of them"
+    )
+    to.add_argument("-o", "--out", type=folder, default="fitted", metavar="DIR", help="output folder (default: fitted)")
+    _add_frame(to)
     to.add_argument("--seed", type=whole, metavar="N", help="random seed (default: 0)")
     to.add_argument("--unchecked", action="store_true", help="accept objects whose links collide")
     to.add_argument("--plain", action="store_true", help="draw no pictures")
@@ -411,6 +426,7 @@ COMMANDS = {
     "compile": ("compile a program, and show one of its stages", _add_compile),
     "sample": ("generate annotated objects", _add_sample),
     "export": ("write objects in other formats", _add_export),
+    "compare": ("compare samples of a category with real objects", _add_compare),
     "fit": ("find the objects that are closest to real ones", _add_fit),
     "bind": ("store the surfaces of real objects as details of the objects fitted to them", _add_bind),
     "layout": ("check a folder in a layout against the model", _add_layout),

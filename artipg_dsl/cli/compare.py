@@ -1,0 +1,93 @@
+"""``apgc compare``: samples of a category beside real objects, sizes, shapes and labels."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..errors import UserError
+from .fit import read_words
+from .messages import plural, say
+from .progress import Progress
+from .wanted import open_wanted
+
+if TYPE_CHECKING:
+    from ..fit.likeness import Likeness
+
+_FEW = 10  # lines of a list
+
+
+def run(options: argparse.Namespace) -> int:
+    from ..fit.likeness import measure_likeness
+    from ..fit.pose import Frame, pose
+    from ..fit.reading import find_files, read_cloud
+    from ..quality.sizes import measure_extents
+
+    frame = Frame(options.up, options.front, options.unit, options.normalised)
+    paths = find_files(options.files)
+    with Progress(options.program) as progress:
+        progress.stage("compiling")
+        job = open_wanted(options)
+        words = dict(read_words(options.map, job.program.vocabularies.get("semantic", ())))
+        progress.stage("drawing")
+        batch = job.batch()
+        usual = float(np.median(np.sqrt((measure_extents(batch) ** 2).sum(axis=1))))
+        progress.stage("reading", 0, len(paths))
+        names, real, failed = [], [], []
+        for number, path in enumerate(paths):
+            try:
+                real.append(pose(read_cloud(path), frame, path.suffix.lower(), usual))
+                names.append(str(path))
+            except UserError as wrong:
+                failed.append({"name": str(path), "reason": wrong.message + (f" ({wrong.hint})" if wrong.hint else "")})
+            progress(number + 1, len(paths))
+        if not real:
+            raise UserError("none of the files could be read", failed[0]["reason"])
+        progress.stage("comparing", 0, len(real))
+        found = measure_likeness(batch, real, words, progress)
+    print(json.dumps(_plain(found, names, failed), indent=1) if options.json else _text(found, names, failed))
+    say(f"{batch.program.name}: {plural(len(batch), 'sample')} beside {plural(len(real), 'real object')}")
+    return 0
+
+
+def _plain(found: Likeness, names: list[str], failed: list[dict[str, str]]) -> dict[str, Any]:
+    told = asdict(found)
+    nearest, which, front = told.pop("nearest"), told.pop("which"), told.pop("front")
+    told["far"] = [names[k] for k in found.far]
+    each = zip(names, nearest.tolist(), which.tolist(), front, strict=True)
+    told["real"] = [{"name": n, "distance": d, "nearest": int(w), "front": f} for n, d, w, f in each]
+    return told | {"failed": failed}
+
+
+def _text(found: Likeness, names: list[str], failed: list[dict[str, str]]) -> str:
+    lines = [f"{'':<16}{'ours: 5 %, median, 95 %':>28}{'real: 5 %, median, 95 %':>28}{'real within ours':>18}"]
+    for one in found.ranges:
+        shown = ["".join(f"{v:8.3f}" for v in values) for values in (one.ours, one.real)]
+        lines.append(f"{one.name:<16}{shown[0]:>28}{shown[1]:>28}{one.within:>17.0%} ")
+    lines += ["", "chamfer distances, percent of the diagonal"]
+    rows = [
+        ("from each real object to the nearest sample", found.matching),
+        ("from each sample to the nearest real object", found.back),
+    ]
+    if found.between is not None:
+        rows.append(("from each real object to the nearest other", found.between))
+    lines += [f"  {what:<46}{value:6.2f}" for what, value in rows]
+    lines.append(f"  {'real objects that are nearest to some sample':<46}{found.coverage:6.0%}")
+    worst = np.argsort(-found.nearest, kind="stable")[:_FEW].tolist()
+    lines += ["", "the real objects that samples come least near to"]
+    lines += [
+        f"  {found.nearest[k]:6.2f}  {'FAR  ' if k in found.far else '     '}{names[k]} (sample {found.which[k]})"
+        for k in worst
+    ]
+    if found.words:
+        lines += ["", f"{'label':<16}{'share of surface, ours':>24}{'real':>8}{'in so many, ours':>20}{'real':>8}"]
+        lines += [
+            f"{w.word:<16}{w.share[0]:>24.1%}{w.share[1]:>8.1%}{w.present[0]:>20.0%}{w.present[1]:>8.0%}"
+            for w in found.words
+        ]
+    lines += [f"not read: {one['name']}: {one['reason']}" for one in failed]
+    return "\n".join(lines)
