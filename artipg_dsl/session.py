@@ -16,6 +16,7 @@ from .syntax.load import load
 
 if TYPE_CHECKING:  # start-up: what is kept of a compilation needs neither the parser nor the checker
     from .graph.program import Program
+    from .lower.elaborate.part import Component
     from .lower.program import Lowering
     from .runtime.batch import Batch
     from .sampling.sample import Sampler
@@ -265,8 +266,7 @@ class Session:
                 "unplaced",
                 part.span,
                 f"nothing places `{part.name}`: it is centred along x, y and z",
-                hint=f"place it with `connect {part.name}.bottom on ...` or `align`; if the centre is meant, "
-                f"write `align {part.name}.center = ...`",
+                hint=f"place it {_how_to_place(part)}; if the centre is meant, write `align {part.name}.center = ...`",
             )
         batch = self._looked_at()
         if batch is not None:
@@ -310,6 +310,14 @@ def _shown(path: Path) -> str:
         if path.resolve().is_relative_to(folder.resolve()):
             return f"{folder.name}/{path.resolve().relative_to(folder.resolve())}"
     return str(path)
+
+
+def _how_to_place(part: Component) -> str:
+    """How a part is placed that has its attachment already: a joint places by its own faces, a second `connect` is an error."""
+    found = part.attachment if isinstance(part.attachment, list) else []
+    if any(attachment.joint is not None for attachment in found):
+        return f"with `align`, or by faces in its joint, as in `... -> {part.name}.bottom`"
+    return f"with `connect {part.name}.bottom on ...` or `align`"
 
 
 def check_text(source: Source) -> Report:

@@ -55,3 +55,5 @@ def test_a_part_in_the_middle_by_default_is_warned_of(inner: str, outer: str, to
     assert [d.message.split("`")[1] for d in found] == told
     assert all(d.severity == "warning" and d.span is not None for d in found)
     assert not session.report.failed
+    jointed = "joint" in outer and told == ["lid"]  # a second attachment would be an error
+    assert all((d.hint or "").startswith("place it with `align`, or by faces in its joint") == jointed for d in found)
