@@ -89,10 +89,17 @@ def is_amid_solids(
 ) -> np.ndarray:
     """(V,) bool: which ``places`` (V, 3) lie within a solid of the object ``index`` of a soup, its links carried by
     ``rotation`` and ``translation``."""
+    return np.asarray(links_around(made, index, rotation, translation, places).any(axis=0))
+
+
+def links_around(
+    made: Soup, index: int, rotation: np.ndarray, translation: np.ndarray, places: np.ndarray
+) -> np.ndarray:
+    """(L, V) bool: within a solid of which link of the batch each place lies, as of ``is_amid_solids``."""
     rows = made.rows
     link = np.zeros(len(rows.owner), dtype=np.int64)
     link[made.row] = made.link
-    out = np.zeros(len(places), dtype=bool)
+    out = np.zeros((len(rotation), len(places)), dtype=bool)
     for shelf in rows.shelves:
         row = np.repeat(shelf.start + np.flatnonzero(rows.owner[shelf.start : shelf.stop] == index), len(places))
         which = np.tile(np.arange(len(places)), len(row) // max(len(places), 1))
@@ -100,7 +107,8 @@ def is_amid_solids(
         local = to_local((rows.rotation, rows.translation, rows.mirror), row, back.T)
         split = inside_split(shelf.primitive)
         depth = split.points([r[row - shelf.start] for r in split.rows(shelf.params)], *local)[0]
-        out[which[np.broadcast_to(depth, row.shape) < 0.0]] = True
+        inside = np.broadcast_to(depth, row.shape) < 0.0
+        out[link[row[inside]], which[inside]] = True
     return out
 
 

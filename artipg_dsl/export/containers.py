@@ -41,7 +41,7 @@ def npz_bytes(arrays: Mapping[str, np.ndarray], *, pack: bool = False) -> bytes:
     def pieces() -> Iterable[tuple[str, Any]]:
         for name, array in arrays.items():
             content = io.BytesIO()
-            np.lib.format.write_array(content, np.ascontiguousarray(array), version=(1, 0), allow_pickle=False)
+            np.lib.format.write_array(content, np.asarray(array, order="C"), version=(1, 0), allow_pickle=False)
             yield f"{name}.npy", content.getbuffer()
 
     return _zip_bytes(pieces(), pack=pack)

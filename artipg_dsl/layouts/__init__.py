@@ -10,7 +10,7 @@ the whole folder, and what a folder read back does not hold as it should. Begin 
     gapartnet, gaparts                  a layout for part poses; parts that a hand can use, and their boxes
     gaviews, split_links, gaviews_check annotated folders and rendered views, for GAPartNet's tools
     ancsh, ancsh_check                  a layout for part poses part by part
-    cage                                a layout for kinematics
+    cage, ditto                         layouts for kinematics, by trees and by two states
     completion                          layouts for completion
     pieces, pictures                    meshes and words of an object's links; what cameras see of it, pixel by pixel
     hdf5, pcd, ply, pth                 files

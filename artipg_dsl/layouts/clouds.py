@@ -87,3 +87,10 @@ def similarity_error(source: np.ndarray, target: np.ndarray) -> float:
     sign = np.array([1.0, 1.0, np.sign(np.linalg.det(u @ vt))])
     scale = float((s * sign).sum()) / max(float((a * a).sum()), 1e-300)
     return float(norms(scale * a @ (u * sign @ vt).T - b).max())
+
+
+def turn_about(points: np.ndarray, pivot: np.ndarray, axis: np.ndarray, angle: float) -> np.ndarray:
+    """Points (n, 3) turned about a line, by Rodrigues' formula."""
+    arm = points - pivot
+    along = (arm * axis).sum(axis=1)[:, None] * axis
+    return pivot + along + np.cos(angle) * (arm - along) + np.sin(angle) * np.cross(axis, arm)

@@ -160,6 +160,15 @@ LAYOUTS: dict[str, Layout] = {
             "cage:check_term",
         ),
         Layout(
+            "ditto",
+            "an object before and after one of its joints has moved, as Ditto has it",
+            "ditto:files",
+            "ditto:index",
+            "ditto:check",
+            chunk=4,
+            gathers=True,
+        ),
+        Layout(
             "pcn",
             "completion as PCN has it: whole clouds, and what a depth camera sees of them",
             "completion:pcn_files",
