@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -42,7 +43,7 @@ class Points:
     link and material. It is None for points that were drawn. ``area`` (B, n): the surface, in square metres, that a point
     stands for, which differs where points are drawn per part or balanced; it is None for points that were bound again. ``acting``, with
     ``motion``: for each word such as ``affordance.lift`` the number (B, n) of the joint that it is for, -1 where it does not
-    hold or nothing moves.
+    hold or nothing moves. ``worn`` (B, n): the bound point of the details that each wears, -1 for none; None without details.
     """
 
     object: np.ndarray
@@ -65,15 +66,36 @@ class Points:
     bound: np.ndarray | None = None
     area: np.ndarray | None = None
     acting: dict[str, np.ndarray] | None = None
+    worn: np.ndarray | None = None
+
+
+class _Moved(Protocol):
+    """Points in details, at joint values 0: where they are instead of on the structure."""
+
+    @property
+    def position(self) -> np.ndarray: ...
+    @property
+    def normal(self) -> np.ndarray: ...
+    @property
+    def bound(self) -> np.ndarray: ...
+
+
+Dress = Callable[["Batch", PointSet, np.ndarray], _Moved]
 
 
 def sample_points(
-    batch: Batch, how: Sampling | int = 2048, states: np.ndarray | None = None, *, motion: bool = False
+    batch: Batch,
+    how: Sampling | int = 2048,
+    states: np.ndarray | None = None,
+    *,
+    motion: bool = False,
+    dress: Dress | None = None,
 ) -> Points:
     """Points uniform by area, exactly as many as asked for, with joints at ``states`` (J,) or (K, J), rest by default.
 
     Points lie on the surface that is there with all joints at 0, where objects are closed, and move with their links.
-    The points of an object are the same in any batch, in the same random order. Raises UserError for objects without visible surface,
+    The points of an object are the same in any batch, in the same random order. ``dress`` moves them to where their details are; labels
+    are those of the structure. Raises UserError for objects without visible surface,
     UsageError.
     """
     how = how if isinstance(how, Sampling) else Sampling(how)
@@ -87,11 +109,24 @@ def sample_points(
         raise UserError(
             f"{batch.program.name} {numbers} has no surface {what}", "give it a part with a solid"
         ) from None
-    return replace(complete(batch, drawn.points, drawn.owner, states, motion), area=drawn.area)
+    if dress is None:
+        return replace(complete(batch, drawn.points, drawn.owner, states, motion), area=drawn.area)
+    moved = dress(batch, drawn.points, drawn.owner)
+    shown = replace(drawn.points, position=moved.position, normal=moved.normal)
+    found = complete(batch, drawn.points, drawn.owner, states, motion, shown)
+    return replace(found, area=drawn.area, worn=moved.bound)
 
 
-def complete(batch: Batch, made: PointSet, owner: np.ndarray, states: np.ndarray | None, motion: bool) -> Points:
-    """All that is known of points (P, n) on objects ``owner`` (P,)."""
+def complete(
+    batch: Batch,
+    made: PointSet,
+    owner: np.ndarray,
+    states: np.ndarray | None,
+    motion: bool,
+    shown: PointSet | None = None,
+) -> Points:
+    """All that is known of points (P, n) on objects ``owner`` (P,); ``shown``: where they are instead of there."""
+    placed = made if shown is None else shown
     tables = batch.sites()
     labels = label_points(batch, tables, made)
     at = _starts(batch)[made.site] + made.row
@@ -102,7 +137,7 @@ def complete(batch: Batch, made: PointSet, owner: np.ndarray, states: np.ndarray
     made_of = np.concatenate([np.empty(0, np.int64), *(material_rows(batch, table) for table in tables)])[at] - 1
     own = np.searchsorted(batch.links().owner, owner)[:, None] + link
     part = np.searchsorted(batch.parts().owner, owner)[:, None] + instance
-    npcs = part_coordinates(batch, part.ravel(), made.position.reshape(-1, 3)).reshape(*link.shape, 3)
+    npcs = part_coordinates(batch, part.ravel(), placed.position.reshape(-1, 3)).reshape(*link.shape, 3)
     several = states is not None and np.ndim(states) == 2
     if states is not None and np.shape(states)[-1:] != (len(batch.joints().owner),):
         raise UsageError(
@@ -110,11 +145,11 @@ def complete(batch: Batch, made: PointSet, owner: np.ndarray, states: np.ndarray
             "`rest`, `opened`, `states` and `joint_values` of the same objects give such values",
         )
     every = np.asarray(states) if several else [states]
-    shown = [_move_points(batch, made, own, one, motion) for one in every]
+    moved = [_move_points(batch, placed, own, one, motion) for one in every]
     drivers = find_jacobian(batch, every[0]).driver[own] if motion else None
     position, normal, velocity, velocities = (
         None if arrays[0] is None else np.stack(arrays, axis=1) if several else arrays[0]
-        for arrays in zip(*shown, strict=True)
+        for arrays in zip(*moved, strict=True)
     )
     assert position is not None and normal is not None
     binding = made.site, rank, made.patch, made.u, made.v

@@ -41,6 +41,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _write(options: argparse.Namespace) -> int:
     """Write the mutants of a folder to another one."""
+    from ..details.store import read_dressing, require_donors
     from ..export.registry import choose_formats
     from ..export.write import ExportError
     from ..run.output import Output
@@ -52,6 +53,8 @@ def _write(options: argparse.Namespace) -> int:
     if is_same(out, place_of(options.folder)):
         raise UsageError(f"the mutants cannot go into {out}, where their originals are", "name another folder with -o")
     named = output.formats if options.format is None else [n.strip() for n in options.format.split(",")]
+    if options.details is not None and options.format is None and "points" not in output.kinds:
+        named = [*named, "points"]  # what wears them
     try:
         formats = choose_formats([*named, *_TOLD])
     except ExportError as wrong:
@@ -59,6 +62,10 @@ def _write(options: argparse.Namespace) -> int:
     content = output.content
     if options.points is not None:
         content = replace(content, points=replace(content.points, count=options.points))
+    if options.details is not None:
+        dressing = read_dressing(options.details, options.detail_strength)
+        require_donors(dressing, job.program.hash, job.request.objects)
+        content = replace(content, details=dressing)
     job = _open_mutants(options, job)
     made, number = write_folder(job, out, Output.of(formats, content, options.memory), options)
     if options.stats:

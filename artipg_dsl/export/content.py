@@ -9,6 +9,7 @@ from ..annotate.gripper import STANDARD as STANDARD_GRIPPER
 from ..annotate.gripper import Gripper
 from ..annotate.sampling import Sampling
 from ..annotate.states import REST, States
+from ..details.store import Dressing
 from ..geometry.resolution import STANDARD as STANDARD_RESOLUTION
 from ..geometry.resolution import Resolution
 
@@ -21,7 +22,7 @@ _PER = {"object": 1, "link": 4, "semantic": 8, "instance": 16, "primitive": 64} 
 @dataclass(frozen=True, slots=True)
 class Content:
     """``points``: how they are sampled; ``states`` of the joints; ``motion``: velocities of points, too; ``cameras`` of
-    views; ``gripper`` that grasps are made with, None: all of them; ``resolution`` of meshes."""
+    views; ``gripper`` that grasps are made with, None: all of them; ``resolution`` of meshes; ``details`` that points wear."""
 
     points: Sampling = Sampling()
     states: States = REST
@@ -29,6 +30,7 @@ class Content:
     cameras: Cameras | None = None
     gripper: Gripper | None = STANDARD_GRIPPER
     resolution: Resolution = STANDARD_RESOLUTION
+    details: Dressing | None = None
 
     def shard_size(self, largest: int = _LARGEST) -> int:
         """How many objects go into one shard: less than usual where points or images would make it larger

@@ -75,6 +75,14 @@ _MOTIONS = {
         "float32",
     ),
 }
+_WORN = {
+    "worn": _ArrayMeaning("whether the point wears a detail of the donor", "objects, points", dtype="bool"),
+    "real_label": _ArrayMeaning(
+        "what the file of the donor calls the point, an index into `details.labels` of the annotation; -1: nothing",
+        "objects, points",
+        dtype="int16",
+    ),
+}
 _MOVING = ("points", "normals", "motion", "velocities")  # what depends on the state
 
 _SHOT, _IMAGE, _CLOUD = ("objects, views" + more for more in ("", ", height, width", ", cloud"))
@@ -143,6 +151,7 @@ def point_arrays(program: Program, content: Content) -> dict[str, dict[str, Any]
     """Meaning, dtype, shape, frame and unit of every array of a points shard."""
     points = content.points
     meant = _POINTS | {"object": _OBJECT} | (_AREA if points.uneven else {}) | (_MOTIONS if content.motion else {})
+    meant |= _WORN if content.details is not None else {}
     meant |= {name: _label(kind, "objects, points") for name, kind in field_kinds(program.labels).items()}
     if content.motion:
         meant |= {

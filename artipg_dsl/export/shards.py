@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +13,7 @@ from ..annotate.cloud import sample_points
 from ..annotate.sampling import Sampling
 from ..annotate.states import REST, States, joint_values, state_table
 from ..annotate.views import NONE, make_views
+from ..details.store import Dressing, dress, real_labels, tell
 from ..sampling.columns import to_columns
 from .containers import Arrays
 from .content import Content
@@ -21,11 +23,12 @@ if TYPE_CHECKING:
 
 
 def point_arrays(
-    batch: Batch, how: Sampling | int, states: States = REST, motion: bool = False
+    batch: Batch, how: Sampling | int, states: States = REST, motion: bool = False, details: Dressing | None = None
 ) -> dict[str, np.ndarray]:
     """The arrays of a points shard, by name: those of ``meanings``, then one per label."""
     values = None if states.only_rest else joint_values(batch, states)
-    points = sample_points(batch, how, values, motion=motion)
+    worn = None if details is None else partial(dress, dressing=details)
+    points = sample_points(batch, how, values, motion=motion, dress=worn)
     arrays: dict[str, np.ndarray] = {
         "object": np.asarray(batch.numbers, dtype=np.int64)[points.object],
         "points": points.position.astype(np.float32),
@@ -44,6 +47,9 @@ def point_arrays(
     if isinstance(how, Sampling) and how.uneven:
         assert points.area is not None
         arrays["area"] = points.area.astype(np.float32)
+    if details is not None and points.worn is not None:
+        arrays["worn"] = points.worn >= 0
+        arrays["real_label"] = real_labels(batch, points.worn, details).astype(np.int16)
     if values is not None:
         arrays["state"] = state_table(batch, values)[points.object]
     if points.motion is not None:
@@ -79,7 +85,7 @@ def _narrow(values: np.ndarray, dtype: type = np.uint16) -> np.ndarray:
 
 def points_shard(batch: Batch, content: Content) -> Arrays:
     """The arrays of ``points-<shard>.npz``."""
-    return point_arrays(batch, content.points, content.states, content.motion)
+    return point_arrays(batch, content.points, content.states, content.motion, content.details)
 
 
 def views_shard(batch: Batch, content: Content) -> Arrays:
@@ -96,6 +102,8 @@ def tables_shard(batch: Batch, content: Content) -> Arrays:
 def annotation_shard(batch: Batch, content: Content) -> bytes:
     """The lines of ``annotation-<shard>.jsonl``: one object each."""
     values = None if content.states.only_rest else joint_values(batch, content.states)
-    return "".join(to_line(annotation) + "\n" for annotation in annotate(batch, values, content.gripper)).encode(
-        "utf-8"
-    )
+    made = annotate(batch, values, content.gripper)
+    if content.details is not None:
+        for annotation, told in zip(made, tell(batch, content.details), strict=True):
+            annotation["details"] = told
+    return "".join(to_line(annotation) + "\n" for annotation in made).encode("utf-8")

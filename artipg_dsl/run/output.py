@@ -13,6 +13,7 @@ from ..annotate.gripper import Gripper, read_gripper
 from ..annotate.sampling import MOST as MOST_POINTS
 from ..annotate.sampling import POOLS, SPREADS, SURFACES, Sampling, read_weights
 from ..annotate.states import read_states
+from ..details.store import Dressing
 from ..errors import UserError
 from ..export.content import Content
 from ..export.registry import FORMATS, Format, kinds
@@ -44,6 +45,12 @@ Hand = Annotated[
 Known = Annotated[str, Rule("a format", lambda value: value in FORMATS)]
 
 
+class Dressed(TypedDict):
+    folder: str
+    mark: str
+    strength: Annotated[float, within(0.0, 1.0)]
+
+
 class Written(TypedDict):
     """What the manifest keeps of an output."""
 
@@ -60,6 +67,7 @@ class Written(TypedDict):
     views: Annotated[dict[str, Any] | None, Title("the cameras")]
     gripper: Annotated[Hand | None, Title("the gripper")]
     meshes: NotRequired[Annotated[Meshes, Title("the resolution of meshes")]]
+    details: NotRequired[Annotated[Dressed, Title("the details")]]
     formats: Annotated[
         list[Known], Rule("formats, each once", lambda value: 0 < len(value) == len(set(value))), Title("the formats")
     ]
@@ -116,6 +124,9 @@ class Output:
             found["balance"] = points.balance
         if points.weights:
             found["weights"] = dict(points.weights)
+        if content.details is not None:
+            worn = content.details
+            found["details"] = {"folder": worn.folder, "mark": worn.mark, "strength": worn.strength}
         if meshes:
             found["meshes"] = cast(Meshes, meshes)
         return found
@@ -144,6 +155,7 @@ class Output:
             cameras,
             None if hand is None else Gripper(**hand),
             Resolution(**found.get("meshes", {})),
+            Dressing(**found["details"]) if "details" in found else None,
         )
         return cls(tuple(found["formats"]), content, found["shard"])
 

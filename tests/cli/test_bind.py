@@ -79,3 +79,28 @@ def test_what_is_refused(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
     assert code == 1 and "is not a folder of fitted objects" in err
     code, _, err = apgc("bind", fitted, "-o", fitted)
     assert code == 2 and "details cannot go into" in err
+
+
+def test_mutants_wear_details(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
+    code, _, _ = apgc("bind", fitted, "-o", tmp_path / "bound", "--points", 500)
+    assert code == 0
+    asked = ("mutate", fitted, "-n", 2, "--ops", "cpa", "--points", 256, "--details", tmp_path / "bound", "-o")
+    code, _, err = apgc(*asked, tmp_path / "mutants")
+    assert code == 0 and "4 objects" in err
+    with np.load(tmp_path / "mutants" / "points-00000.npz") as held:
+        assert held["points"].shape == (4, 256, 3) and held["worn"].mean() > 0.6
+        assert (held["real_label"][held["worn"]] == -1).all()  # the files have no labels
+    lines = (tmp_path / "mutants" / "annotation-00000.jsonl").read_text().splitlines()
+    told = [json.loads(line)["details"] for line in lines]
+    assert [one["donor"] for one in told] == ["chest0", "chest0", "chest1", "chest1"]
+    assert all(0 < one["distance"] < 20 and one["worn"] > 0.8 for one in told)
+    manifest = json.loads((tmp_path / "mutants" / "manifest.json").read_text())
+    assert manifest["identity"]["details"]["strength"] == 1 and "worn" in manifest["arrays"]
+    before = tree(tmp_path / "mutants")
+    code, _, _ = apgc(*asked, tmp_path / "mutants", "--workers", 2)
+    assert code == 0 and tree(tmp_path / "mutants") == before
+
+    code, _, err = apgc(*asked[:-1], "--detail-strength", 0, "-o", tmp_path / "mutants")
+    assert code == 1 and "other options: the details" in err
+    code, _, err = apgc("mutate", fitted, "--details", fitted, "-o", tmp_path / "others")
+    assert code == 1 and "is not a folder of details" in err

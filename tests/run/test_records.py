@@ -15,6 +15,7 @@ from artipg_dsl.annotate.cameras import Cameras
 from artipg_dsl.annotate.gripper import Gripper
 from artipg_dsl.annotate.sampling import Sampling
 from artipg_dsl.annotate.states import read_states
+from artipg_dsl.details.store import Dressing
 from artipg_dsl.errors import UsageError
 from artipg_dsl.export.content import Content
 from artipg_dsl.export.write import ExportError
@@ -59,6 +60,7 @@ CONTENT: dict[str, Any] = {
     "cameras": Cameras(count=2, width=40, height=30, points=50),
     "gripper": Gripper(stroke=0.1),
     "resolution": Resolution(tolerance=0.001, triangles=5000),
+    "details": Dressing("bound", "0123456789abcdef", 0.5),
 }
 SAMPLING: dict[str, Any] = {
     "count": 65,

@@ -1,0 +1,147 @@
+"""How well real surfaces are bound and worn: figures of each assignment, and a sheet of originals, structures, bound and mutated clouds.
+
+python benchmarks/details.py figures FITTED...                  # folders that `apgc fit` has written: all assignments, fresh points
+python benchmarks/details.py sheet FITTED BOUND -o sheet.png    # a row per object: original, structure, bound, mutants
+python benchmarks/details.py speed FITTED BOUND -n 500          # objects per second of the transfer alone
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from artipg_dsl import random
+from artipg_dsl.details.assign import ASSIGNMENTS
+from artipg_dsl.details.binding import Real, bind
+from artipg_dsl.details.record import to_arrays
+from artipg_dsl.details.report import report
+from artipg_dsl.details.store import dress, read_dressing
+from artipg_dsl.fit.real import read_real
+from artipg_dsl.geometry import points as geometry
+from artipg_dsl.run.job import Job
+from artipg_dsl.run.resume import reopen
+from artipg_dsl.sampling.mutate import Mutation, read_operations
+from artipg_dsl.view.png import png_bytes
+
+TILE = 260
+
+
+def objects(folder: Path) -> Iterator[tuple[Job, int, Real, dict[str, Any]]]:
+    """The objects of a fitted folder with their real surfaces."""
+    job = reopen(folder)
+    for one in json.loads((folder / "fit.json").read_text())["objects"]:
+        if one["object"] is not None:
+            record = json.loads((folder / "fits" / f"{one['name']}.json").read_text())
+            yield job, one["object"], read_real(Path(one["source"]), record), record
+
+
+def figures(folders: list[str]) -> None:
+    for folder in map(Path, folders):
+        for job, number, real, _ in objects(folder):
+            batch = job.batch([number])
+            for name in ASSIGNMENTS:
+                begun = time.process_time()
+                details = bind(batch, real, assignment=name)
+                spent = time.process_time() - begun
+                told = report(batch, real, to_arrays(details, job.program.hash), 8192)["figures"]
+                row = [told[k][w] for w in ("to_real", "to_worn") for k in ("before", "after", "floor") if told[k]]
+                row += [told["after"]["covered_real"], told["after"]["covered_worn"], told["torn"], told["inverted"]]
+                row += [told["worn"], told["completed"]]
+                print(f"{folder.name},{number},{name},{spent:.2f}," + ",".join(f"{x:.4f}" for x in row), flush=True)
+
+
+def mutants(job: Job, operations: str, each: int) -> Job:
+    step = Mutation(read_operations(operations), 0, 1.0, 0.5, "*", False, each, job.request.numbers)
+    return job.mutated(step, np.arange(len(job.request.objects) * each))
+
+
+def picture(points: np.ndarray, normals: np.ndarray, bounds: tuple[np.ndarray, float]) -> np.ndarray:
+    """(TILE, TILE, 3) a cloud from the front, above and left; shaded by its normals."""
+    middle, reach = bounds
+    a, e = np.radians(-35.0), np.radians(20.0)
+    way = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
+    right = np.array([-np.sin(a), np.cos(a), 0.0])
+    up = np.cross(way, right)
+    local = (points - middle) / reach
+    x, y, depth = local @ right, local @ up, local @ way
+    light = way + 0.5 * up - 0.4 * right
+    shade = 0.25 + 0.7 * np.abs(normals @ (light / np.linalg.norm(light)))
+    image = np.full((TILE, TILE, 3), 246, dtype=np.uint8)
+    order = np.argsort(depth, kind="stable")
+    px = ((0.5 + 0.92 * x) * TILE).astype(int)[order]
+    py = ((0.5 - 0.92 * y) * TILE).astype(int)[order]
+    colour = (shade[order, None] * np.array([120, 150, 190])).clip(0, 255).astype(np.uint8)
+    wide = 5  # what lies behind nearer points is hidden
+    cell = (py // wide) * (TILE // wide + 1) + px // wide
+    front = np.full((TILE // wide + 2) ** 2, -np.inf)
+    inside = (px >= 0) & (px < TILE - 1) & (py >= 0) & (py < TILE - 1)
+    np.maximum.at(front, cell[inside], depth[order][inside])
+    kept = inside & (depth[order] > front[np.where(inside, cell, 0)] - 0.06)
+    for dx in (0, 1):
+        for dy in (0, 1):
+            image[py[kept] + dy, px[kept] + dx] = colour[kept]
+    return image
+
+
+def sheet(folder: Path, bound: Path, out: Path, operations: str, each: int, points: int) -> None:
+    dressing = read_dressing(bound)
+    rows = []
+    for job, number, real, _ in objects(folder):
+        own = job.of([number])
+        batches = [own.batch(), mutants(own, operations, each).batch()]
+        size = np.ptp(real.points, axis=0).max()
+        bounds = (real.points.max(axis=0) + real.points.min(axis=0)) / 2, float(size) * 1.15
+        row = [picture(real.points, real.normals, bounds)]
+        for k, batch in enumerate(batches):
+            address = batch.numbers.astype(np.uint64)
+            made = geometry.sample(batch.sites(), len(batch), points, random.key(1, "sheet"), address, outside=True)
+            worn = dress(batch, made, np.arange(len(batch)), dressing)
+            if k == 0:
+                row.append(picture(made.position[0], made.normal[0], bounds))
+            for place, normal in zip(worn.position, worn.normal, strict=True):
+                low, high = place.min(axis=0), place.max(axis=0)
+                row.append(picture(place, normal, ((low + high) / 2, float((high - low).max()) * 1.15)))
+        rows.append(np.concatenate(row, axis=1))
+    out.write_bytes(png_bytes(np.concatenate(rows, axis=0)))
+
+
+def speed(folder: Path, bound: Path, count: int, points: int) -> None:
+    dressing = read_dressing(bound)
+    job = reopen(folder)
+    batch = mutants(job, "cpa", -(-count // len(job.request.objects))).batch()
+    address = batch.numbers.astype(np.uint64)
+    made = geometry.sample(batch.sites(), len(batch), points, random.key(1, "speed"), address)
+    dress(batch, made, np.arange(len(batch)), dressing)
+    begun = time.process_time()
+    dress(batch, made, np.arange(len(batch)), dressing)
+    spent = time.process_time() - begun
+    print(f"{folder.name}: {len(batch)} objects of {points} points in {spent:.2f} s: {len(batch) / spent:.0f} a second")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("what", choices=("figures", "sheet", "speed"))
+    parser.add_argument("folders", nargs="+")
+    parser.add_argument("-o", "--out", default="sheet.png")
+    parser.add_argument("-n", type=int, default=4)
+    parser.add_argument("--points", type=int, default=12_000)
+    parser.add_argument("--ops", default="cpa")
+    asked = parser.parse_args()
+    if asked.what == "figures":
+        figures(asked.folders)
+        return
+    fitted, bound = map(Path, asked.folders)
+    if asked.what == "sheet":
+        sheet(fitted, bound, Path(asked.out), asked.ops, asked.n, asked.points)
+    else:
+        speed(fitted, bound, asked.n, asked.points)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,124 @@
+"""Mutants wear the details of what they were made from: stretched, on repeated elements, on primitives of another kind."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import artipg_dsl as apg
+from artipg_dsl import random
+from artipg_dsl.api import Samples
+from artipg_dsl.details.binding import Real, bind
+from artipg_dsl.details.elements import Solids, elements_of
+from artipg_dsl.details.maps import is_long, map_frames, on_map
+from artipg_dsl.details.record import Details, join
+from artipg_dsl.details.wear import Wardrobe, matches, wear
+from artipg_dsl.geometry import points as geometry
+from artipg_dsl.geometry.frames import Frames
+from artipg_dsl.geometry.vectors import dot
+from artipg_dsl.runtime.batch import Batch
+
+RAISED = 0.004  # metres: the real surface lies off the structure by so much, everywhere
+PROGRAM = """apg 1
+use primitives { Cuboid, Cylinder }
+category Rack {
+  param width : length in 40cm .. 80cm = 60cm vary 20%
+  count pegs in 1 .. 4 = 2
+  root part board : Cuboid(size = [4cm, width, 20cm])
+  part hook : Hook = Bar | Rod
+  connect hook.bottom on board.top
+  repeat peg[i] in 0 ..< pegs split board along y {
+    part pin : Cuboid(size = [6cm, 3cm, 3cm])
+    connect pin.back on board.front
+    align pin.center.z = board.center.z
+  }
+}
+role Hook {
+  inherit size : length[3] in [2cm, 2cm, 8cm] .. [3cm, 3cm, 12cm]
+  slot grip
+}
+template Bar : Hook { part grip : Cuboid(size = size) }
+template Rod : Hook { part grip : Cylinder(radius = size.x / 2, height = size.z) along z }
+"""
+
+
+def surface(batch: Batch, n: int, key: int) -> geometry.PointSet:
+    address = batch.numbers.astype(np.uint64)
+    return geometry.sample(batch.sites(), len(batch), n, random.key(key, "test"), address, outside=True)
+
+
+@pytest.fixture(scope="module")
+def samples() -> Samples:
+    return apg.load(PROGRAM, n=2, seed=1)
+
+
+@pytest.fixture(scope="module")
+def details(samples: Samples) -> Details:
+    """Of both samples: their surface raised."""
+    made = []
+    for number in range(2):
+        batch = samples.job.batch([number])
+        found, mixed = surface(batch, 3000, 3), np.random.default_rng(1).permutation(3000)
+        normal = found.normal[0][mixed]
+        points = found.position[0][mixed] + RAISED * normal
+        made.append(bind(batch, Real(f"rack{number}", points, normal, np.zeros(3000, dtype=np.int64), ("all",)), 1500))
+    return join(made)
+
+
+@pytest.mark.parametrize("operations", ["cpa", "dpa,cpa", "apa,dpa,cpa"])
+def test_mutants_are_raised_as_their_originals(samples: Samples, details: Details, operations: str) -> None:
+    batch = samples.mutate(operations, strength=2.0, share=1.0).batch
+    points = surface(batch, 1500, 5)
+    worn = wear(batch, points, np.arange(2), Wardrobe(details, Solids.of(batch.sites())), np.arange(2))
+    found = worn.bound >= 0
+    assert found.mean() > 0.9
+    way = worn.position - points.position
+    height = dot(way, points.normal)[found]
+    assert np.abs(np.median(height) - RAISED) < 0.15 * RAISED
+    assert np.quantile(np.abs(height - RAISED), 0.8) < RAISED  # but for what a peg hides of the board
+    assert np.median(dot(worn.normal, points.normal)[found]) > 0.99
+    whose = np.nonzero(found)[0]
+    assert np.array_equal(details.owner[worn.bound[found]], whose)
+
+
+def test_new_rows_copy_the_nearest_and_lost_ones_go(samples: Samples, details: Details) -> None:
+    batch = samples.mutate("dpa", share=1.0, only="pegs").batch
+    elements, stock = elements_of(batch), details.elements
+    match = matches(batch, elements, stock, np.arange(2))
+    assert (match >= 0).all() and np.array_equal(stock.owner[match], elements.owner)
+    assert np.array_equal(stock.site[match], elements.site)
+    assert not np.array_equal(np.bincount(elements.owner), np.bincount(stock.owner))
+    last = np.array(
+        [
+            stock.rank[(stock.owner == o) & (stock.site == s)].max()
+            for o, s in zip(elements.owner, elements.site, strict=True)
+        ]
+    )
+    assert np.array_equal(stock.rank[match], np.minimum(elements.rank, last))
+
+
+def test_what_is_all_larger_has_larger_details(samples: Samples, details: Details) -> None:
+    from artipg_dsl.details.wear import _scales
+
+    normal = np.array([[1.0, 0.0, 0.0]])
+    speed, size = np.array([[0.2, -0.3]]), np.array([[0.1, 0.2, 0.3]])
+    assert np.allclose(_scales(normal, 2.0 * speed, speed, 2.0 * size, size), 2.0)
+    longer = _scales(normal, speed * [1.0, 3.0], speed, size * [1.0, 1.0, 3.0], size)
+    assert np.allclose(longer, [[1.0, 1.0, 3.0]])
+    thinner = _scales(normal, speed, speed, size * [0.5, 1.0, 1.0], size)
+    assert np.allclose(thinner, [[0.5, 1.0, 1.0]])
+
+
+def test_places_on_maps() -> None:
+    low, high = np.array([[-1.0, -2.0, -10.0]]), -np.array([[-1.0, -2.0, -10.0]])
+    assert is_long(low, high).all() and not is_long(low, np.array([[1.0, 2.0, -3.0]])).any()
+    cylinder = np.ones(1, dtype=bool)
+    top = on_map(np.array([[1.0, 0.0, 5.0]]), low, high, cylinder)
+    assert np.allclose(top, [[0.5, 0.0, 1.0]])  # half way up the longest axis, then the next and the shortest
+    turned = on_map(np.array([[5.0, 1.0, 0.0]]), low[:, [2, 0, 1]], high[:, [2, 0, 1]], cylinder)
+    assert np.allclose(turned, top)
+    ball = on_map(np.array([[0.0, 0.0, 10.0]]), low, high, ~cylinder)
+    assert np.allclose(ball, [[1.0, 0.0, 0.0]])
+    x = np.array([[1.0, 0.0, 0.0]])
+    framed = map_frames(Frames(x, x, x, x, np.ones((1, 2))), low, high)
+    assert np.allclose(framed.tangent, [[0.0, 0.0, 1.0]]) and np.allclose(framed.second, [[0.0, -1.0, 0.0]])
