@@ -127,6 +127,7 @@ MASSES = {
     "Kettle": (0.3, 4.5),
     "Laptop": (0.9, 4.5),
     "Microwave": (9, 27),
+    "Mug": (0.15, 1.5),
     "Scissors": (0.02, 0.13),
     "USB": (0.003, 0.03),
     "WashingMachine": (25, 100),
