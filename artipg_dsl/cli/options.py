@@ -285,6 +285,7 @@ def _add_explain(to: argparse.ArgumentParser) -> None:
 def _add_validate(to: argparse.ArgumentParser) -> None:
     add_source(to)
     add_drawing(to, 200)
+    add_sharing(to)
     to.add_argument(
         "--states",
         type=random_states,

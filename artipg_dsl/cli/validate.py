@@ -5,87 +5,33 @@ from __future__ import annotations
 import argparse
 import json
 import math
-from collections.abc import Callable
-from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from ..errors import NoObject, UserError
+from ..errors import UserError
 from ..language import JOINTS
 from .progress import Progress
 from .wanted import open_wanted
 
 if TYPE_CHECKING:
-    from ..export.strict import Strict
-    from ..run.job import Job
-    from ..validity.evidence import Evidence
+    pass
 
 _SHOWN = 12  # of what meshes share
 
 
 def run(options: argparse.Namespace) -> int:
+    from ..run.evidence import examine
+
     with Progress("validating") as progress:
         progress.stage("compiling")
         job = open_wanted(options)
     if not job.request.numbers:
         raise UserError("there is no object to validate", "sample at least one")
     with Progress("validating") as progress:
-        found = examine(job, options.states, options.meshes, progress, progress.stage)
+        found = examine(job, options.states, options.meshes, options.workers, progress, progress.stage)
     print(json.dumps(found, indent=1) if options.json else _text(found))
     delivered, meshes = found["delivered"], found["meshes"]
     sound = delivered is not None and not delivered["invalid"]
     return 0 if sound and (meshes is None or meshes["all"] == meshes["objects"]) else 1
-
-
-def examine(
-    job: Job,
-    states: int,
-    meshes: bool = False,
-    progress: Callable[[int, int], None] = lambda *_: None,
-    stage: Callable[[str], None] = lambda _: None,
-) -> dict[str, Any]:
-    """All evidence as plain data. ``drawn`` are objects that meet the requirements, ``delivered`` what is handed out;
-    ``meshes``: what is delivered, by what is seen of it. ``progress`` is told (step, steps) before each step, ``stage`` what it is."""
-    from ..export.strict import check_meshes, require_manifold
-    from ..validity.evidence import find_evidence
-
-    if meshes:
-        require_manifold()
-    free = job.but(checked=False)
-    steps = 4 + meshes
-    progress(0, steps)
-    stage("drawing objects")
-    batch = free.batch()
-    progress(1, steps)
-    stage("checking them as they are drawn")
-    drawn = find_evidence(batch, 0)
-    progress(2, steps)
-    stage("drawing objects until they are valid")
-    job = job.but()  # what was counted before does not matter here
-    seen: Strict | None = None
-    try:
-        batch = job.batch()
-        progress(3, steps)
-        stage("checking them in all states")
-        delivered: Evidence | None = find_evidence(batch, states)
-        progress(4, steps)
-        stage("checking what is seen")
-        seen, why = check_meshes(batch, states) if meshes else None, None
-    except NoObject as error:
-        delivered, why = None, error.message
-    made = job.statistics
-    return {
-        "category": job.program.name,
-        "seed": job.request.seed,
-        "objects": len(batch),
-        "checked": job.request.checked,
-        "first_valid": made.first_valid / max(made.objects, 1),
-        "attempts": made.attempts,
-        "drawn": asdict(drawn),
-        "delivered": None if delivered is None else asdict(delivered),
-        "meshes": None if seen is None else asdict(seen),
-        "exhausted": why,
-        "kinds": {joint.path: joint.kind for joint in job.program.joints},
-    }
 
 
 def _text(found: dict[str, Any]) -> str:

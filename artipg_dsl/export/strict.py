@@ -6,7 +6,7 @@ every pair of links. The solids that meshes bound are intersected (manifold3d); 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
@@ -72,6 +72,15 @@ def check_meshes(batch: Batch, states: int = STATES) -> Strict:
     bad = [len({t.object for t in found if t.state in _KINDS[: k + 1]}) for k in range(len(_KINDS))]
     rest, sweeps, every = (len(batch) - count for count in bad)
     return Strict(len(batch), rest, sweeps, every, states, found)
+
+
+def join_strict(found: Sequence[Strict]) -> Strict:
+    """What is known of all objects, out of what is known of some of them each, in their order."""
+    objects, rest, sweeps, every = (
+        sum(getattr(f, name) for f in found) for name in ("objects", "rest", "sweeps", "all")
+    )
+    touches = tuple(touch for f in found for touch in f.touches)
+    return Strict(objects, rest, sweeps, every, max((f.states for f in found), default=0), touches)
 
 
 def require_manifold() -> None:

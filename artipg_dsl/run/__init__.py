@@ -7,6 +7,7 @@ In: the words of the command line or the arguments of Python. Out: a ``Job``, wh
     output, chunk                        what is written: formats and what they hold, shard by shard
     job, compiled, counts                a program at hand, compiled or not; outcomes of attempts
     dataset, workers, resume             the folder: one process or several, and resuming it
+    evidence                             what is known of the validity of its objects
     laying                               folders in the layouts of the field, category by category
     manifest, schema                     what made a folder, read and written
 """

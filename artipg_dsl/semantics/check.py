@@ -20,6 +20,10 @@ from .types import DIMENSIONS, UNKNOWN, ScalarType, Type, VecType
 class TypedProgram:
     """The outcome of a check. ``types`` and ``meanings`` map ``id`` of an expression to its type and, of a name, to what it
     stands for; ``modules`` keep the trees alive.
+
+    In the body of a function they are those of no call in particular: there is a type for each call, by those of its arguments
+    (``Checker.calls``). Lowering asks for none there. It evaluates a body anew for each call, where every value says what
+    it is; what it does ask for is the type of the target of a keypoint and of the value of a ``let`` without parameters.
     """
 
     modules: dict[str, ModuleScope]

@@ -6,7 +6,8 @@ divider. That is no failure; it is found in random configurations of all joints 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -72,6 +73,33 @@ def find_evidence(batch: Batch, states: int = STATES) -> Evidence:
     return Evidence(
         len(batch), invalid, colliding, tuple(others), _sorted(pairs), _sorted(blocking), blocked, count, states
     )
+
+
+def join_evidence(found: Sequence[Evidence]) -> Evidence:
+    """What is known of all objects, out of what is known of some of them each."""
+    counted = ("objects", "invalid", "colliding", "blocked", "joints")
+    sums = {name: sum(getattr(f, name) for f in found) for name in counted}
+    faults: dict[str, int] = {}
+    for words, count in (fault for f in found for fault in f.faults):
+        faults[words] = faults.get(words, 0) + count
+    return Evidence(
+        faults=tuple(sorted(faults.items(), key=lambda f: (-f[1], f[0]))),
+        pairs=_joined(pair for f in found for pair in f.pairs),
+        blocking=_joined(pair for f in found for pair in f.blocking),
+        states=max((f.states for f in found), default=0),
+        **sums,
+    )
+
+
+def _joined(pairs: Iterable[LinkPair]) -> tuple[LinkPair, ...]:
+    """Each pair once; of equal values that of the first."""
+    known: dict[tuple[str, str, str], LinkPair] = {}
+    for pair in pairs:
+        key = pair.first, pair.second, pair.joint
+        before = known.get(key, pair)
+        least = pair if pair.value < before.value else before
+        known[key] = replace(least, objects=pair.objects + (before.objects if key in known else 0))
+    return _sorted(list(known.values()))
 
 
 def _sorted(pairs: list[LinkPair]) -> tuple[LinkPair, ...]:
