@@ -18,6 +18,7 @@ from artipg_dsl.graph.primitive import Patch, Primitive
 from artipg_dsl.graph.program import Grasp, Joint, Keypoint, Label, Link, Material, Part, Pose, Program, Site, Target
 from artipg_dsl.runtime.motion import follow
 from artipg_dsl.runtime.repairs import Repairs
+from artipg_dsl.runtime.tables import JointTable
 
 U, V, HALF, ONE, ZERO = e.var("u"), e.var("v"), e.const(0.5), e.ONE, e.ZERO
 IDENTITY = Pose(((ONE, ZERO, ZERO), (ZERO, ONE, ZERO), (ZERO, ZERO, ONE)), (ZERO, ZERO, ZERO), ONE)
@@ -167,6 +168,7 @@ class FakeBatch:
     seed: int = 7
     mimic: bool = False
     loops: None = None
+    gates: None = None
 
     def __post_init__(self) -> None:
         self.program = program()
@@ -244,10 +246,10 @@ class FakeBatch:
             **table, rotation=np.broadcast_to(np.eye(3), (3 * self.n, 3, 3)), translation=translation
         )
 
-    def joints(self) -> SimpleNamespace:
+    def joints(self) -> JointTable:
         n = self.n
         nan = np.full(2 * n, np.nan)
-        return SimpleNamespace(
+        return JointTable(
             **self._table(["open", "press"]),
             kind=["revolute", "prismatic"] * n,
             parent=np.zeros(2 * n, dtype=int),
