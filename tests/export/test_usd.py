@@ -14,6 +14,7 @@ from artipg_dsl.export.principal import find_principal
 from artipg_dsl.export.robot import Robot, Robots
 from artipg_dsl.export.usd import Names, between, frame_of, usd_files
 from artipg_dsl.export.write import ExportError
+from artipg_dsl.language.kinds import JOINTS, Kind
 
 from .fake_batch import FakeBatch
 
@@ -249,6 +250,7 @@ def test_joints_of_other_kinds(monkeypatch: pytest.MonkeyPatch) -> None:
     assert (
         screw.IsA(UsdPhysics.RevoluteJoint) and screw.GetAttribute("artipg:screw:pitch").Get() == robot.joints[0].pitch
     )
+    monkeypatch.setitem(JOINTS, "gear", Kind("gear"))  # a kind that the language might gain
     with pytest.raises(ExportError, match="gear joint, which UsdPhysics cannot express"):
         usd_files(with_kind("gear"), 0)
 
