@@ -52,7 +52,7 @@ def figures(folders: list[str]) -> None:
                 told = report(batch, real, to_arrays(details, job.program.hash), 8192)["figures"]
                 row = [told[k][w] for w in ("to_real", "to_worn") for k in ("before", "after", "floor") if told[k]]
                 row += [told["after"]["covered_real"], told["after"]["covered_worn"], told["torn"], told["inverted"]]
-                row += [told["worn"], told["completed"]]
+                row += [told["worn"]]
                 print(f"{folder.name},{number},{name},{spent:.2f}," + ",".join(f"{x:.4f}" for x in row), flush=True)
 
 

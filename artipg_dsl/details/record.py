@@ -11,7 +11,7 @@ from ..errors import UserError
 from .elements import Elements
 
 VERSION = 1
-DIRECT, COMPLETED = 0, 1
+DIRECT = 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -21,7 +21,7 @@ class Details:
     ``element`` (E,) of the ``elements`` they are on, ``patch``, and fractions ``u``, ``v``. ``offset`` (E, 3) metres and ``facing`` (E, 3), the
     normal of the real surface, by their parts along the normal, the tangent and the second axis of the structure there (see
     ``geometry.frames``). ``label`` (E,) indexes ``labels``, the words of the file of each point, -1 for none. ``how`` (E,): 0 of a point
-    of the cloud, 1 copied by a symmetry of the primitive. ``names`` of the donors, ``diagonal`` (D,) of their clouds.
+    of the cloud, so far of all. ``names`` of the donors, ``diagonal`` (D,) of their clouds.
     """
 
     elements: Elements

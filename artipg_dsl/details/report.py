@@ -12,7 +12,7 @@ from ..geometry import points as geometry
 from .binding import Real
 from .elements import Solids
 from .measure import distances, spoiled
-from .record import COMPLETED, of_arrays
+from .record import of_arrays
 from .wear import Wardrobe, wear
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ def report(batch: Batch, real: Real, arrays: Mapping[str, np.ndarray], count: in
 
     ``before`` and ``after``: distances of fresh points of the structure, bare and in its details; ``floor``: those of as many points of
     the real surface itself, so that nothing can come nearer; ``torn`` and ``inverted`` shares; ``worn``: the share of the points that
-    found a detail; ``completed``: the share of bound points that are copies.
+    found a detail.
     """
     details = of_arrays(arrays, real.name)
     address = np.asarray(batch.numbers).astype(np.uint64)
@@ -40,6 +40,5 @@ def report(batch: Batch, real: Real, arrays: Mapping[str, np.ndarray], count: in
         "floor": distances(others, own, diagonal) if len(others) > count else None,
         **spoiled(fresh.position[0], fresh.normal[0], group, made.position[0], made.normal[0], diagonal),
         "worn": round(float((made.bound >= 0).mean()), 4),
-        "completed": round(float((details.how == COMPLETED).mean()), 4),
     }
     return {"points": len(details), "figures": figures}
