@@ -8,7 +8,6 @@ tells how many metres its unit is. The root part has the last id and is fixed to
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
@@ -18,6 +17,7 @@ import numpy as np
 
 from ..annotate.cloud import Points, sample_points
 from ..annotate.sampling import Sampling
+from .decimals import Rows, fixed
 from .mesh_obj import Shape, move_points, mtl_text, obj_text
 from .partnet_tree import CategoryWords, build_tree, to_entry, words_of
 from .partnet_words import JOINTS, LIFTED, link_label, root_label, spell_category, to_snake_case
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from .robot import Collider, Robot, RobotJoint, Robots, SeenMaterial
 
 _POINTS = 10000
+_LEAVES = 1 << 32  # more than there are parts of an object
 _URDFS = ("mobility.urdf", "mobility_vhacd.urdf", "mobility_cvx.urdf")  # one text under the names that readers ask for
 _CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
 _BOX_FACES = np.array(
@@ -359,28 +360,22 @@ def _samples(robots: Robots, i: int, members: list[FolderLink], frame: DatasetFr
     """``point_sample/``: points of the visible surface with normal, colour and leaf."""
     points = _points(robots)
     ids = {(m.number, instance): leaf.id for m in members for instance, leaf in m.leaves.items()}
-    labels = [ids[pair] for pair in zip(points.link[i].tolist(), points.instance[i].tolist(), strict=True)]
+    pair = points.link[i].astype(np.int64) * _LEAVES + points.instance[i]
+    known, leaf = np.unique(pair, return_inverse=True)
+    names = [str(ids[divmod(k, _LEAVES)]) for k in known.tolist()]
     colours, material = np.array([look[i].colour for look in robots.looks]), points.material[i] + 1
-    positions = _places(frame.points(points.position[i]))
-    normals = _places(_to_dataset_axes(points.normal[i]))
     seen = [f"{r:.0f} {g:.0f} {b:.0f} 1" for r, g, b in np.round(255 * colours).tolist()]
-    whole = map(" ".join, zip(positions, normals, map(seen.__getitem__, material.tolist()), strict=True))
-    label = ("%d\n" * _POINTS % tuple(labels)).encode()
+    positions = fixed(frame.points(points.position[i]) + 0.0)
+    normals = fixed(_to_dataset_axes(points.normal[i]) + 0.0)
+    label = bytes(Rows.joined([Rows.of(names, leaf.ravel())]))
     return {
-        "point_sample/pts-10000.txt": _lines(positions),
+        "point_sample/pts-10000.txt": bytes(Rows.joined([positions])),
         "point_sample/label-10000.txt": label,
-        "point_sample/sample-points-all-pts-nor-rgba-10000.txt": _lines(whole),
+        "point_sample/sample-points-all-pts-nor-rgba-10000.txt": bytes(
+            Rows.joined([positions, normals, Rows.of(seen, material)])
+        ),
         "point_sample/sample-points-all-label-10000.txt": label,
     }
-
-
-def _places(points: np.ndarray) -> list[str]:
-    """Each of some points (n, 3) as text."""
-    return ("%.6f %.6f %.6f\n" * len(points) % tuple((points + 0.0).ravel().tolist())).split("\n")[:-1]
-
-
-def _lines(texts: Iterable[str]) -> bytes:
-    return "".join(f"{text}\n" for text in texts).encode()
 
 
 _drawn: WeakKeyDictionary[Robots, Points] = WeakKeyDictionary()

@@ -1,0 +1,69 @@
+"""Rows of numbers as text, all at once: the bytes of Python's ``%.6f``, made of tables of digits.
+
+A number is rounded to a whole number of millionths, which is split into groups of three digits. Where rounding is not clear, as the millionths
+are half way between two within the error of the multiplication, Python tells.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+_PLACES, _MOST = 6, 1000.0
+_UNIT = 10**_PLACES
+_TRIPLES = np.array([list(f"{k:03d}".encode()) for k in range(1000)], dtype=np.uint8)
+_WIDTH = 11  # sign, three digits, point, six digits
+_CLOSE = 1e-6  # of a millionth: a thousand times the error of a product below 1e9
+
+
+class Rows:
+    """Rows of text of which some characters are left out: ``text`` (n, w) uint8, ``kept`` (n, w) bool."""
+
+    def __init__(self, text: np.ndarray, kept: np.ndarray):
+        self.text, self.kept = text, kept
+
+    def __bytes__(self) -> bytes:
+        return self.text[self.kept].tobytes()
+
+    @staticmethod
+    def of(strings: Sequence[str], which: np.ndarray) -> Rows:
+        """For each row the string of that number."""
+        width = max(map(len, strings), default=0)
+        text = np.array([list(s.ljust(width).encode("ascii")) for s in strings], dtype=np.uint8).reshape(-1, width)
+        kept = np.arange(width) < np.array([len(s) for s in strings])[:, None]
+        return Rows(text[which], kept[which])
+
+    @staticmethod
+    def joined(parts: Sequence[Rows], between: str = " ", last: str = "\n") -> Rows:
+        """Rows of several columns, with a character between and one at the end."""
+        count = len(parts[0].text)
+        ends = [*(between for _ in parts[1:]), last]
+        marks = [np.full((count, 1), ord(end), dtype=np.uint8) for end in ends]
+        texts = [array for part, mark in zip(parts, marks, strict=True) for array in (part.text, mark)]
+        always = np.ones((count, 1), dtype=bool)
+        return Rows(np.concatenate(texts, axis=1), np.concatenate([a for p in parts for a in (p.kept, always)], axis=1))
+
+
+def fixed(values: np.ndarray) -> Rows:
+    """Rows of numbers (n, k) as ``%.6f`` has them, blanks between, without an end."""
+    flat = np.ascontiguousarray(values, dtype=np.float64).ravel()
+    size = np.abs(flat)
+    if not (size < _MOST).all():  # also what is no number
+        strings = [" ".join(f"{number:.6f}" for number in row) for row in np.asarray(values, dtype=float).tolist()]
+        return Rows.of(strings, np.arange(len(strings)))
+    scaled = size * _UNIT
+    whole = np.floor(scaled)
+    unclear = np.flatnonzero(np.abs(scaled - whole - 0.5) < _CLOSE)
+    millionths = np.rint(scaled).astype(np.int64)
+    for k in unclear.tolist():
+        millionths[k] = int(f"{size[k]:.6f}".replace(".", ""))
+    front, back = np.divmod(millionths, _UNIT)
+    text = np.empty((len(flat), _WIDTH + 1), dtype=np.uint8)
+    text[:, 0], text[:, 4], text[:, _WIDTH] = ord("-"), ord("."), ord(" ")
+    text[:, 1:4] = _TRIPLES[front]
+    text[:, 5:8], text[:, 8:11] = _TRIPLES[back // 1000], _TRIPLES[back % 1000]
+    kept = np.ones(text.shape, dtype=bool)
+    kept[:, 0], kept[:, 1], kept[:, 2] = flat < 0, front >= 100, front >= 10
+    rows = len(values)
+    return Rows(text.reshape(rows, -1)[:, :-1], kept.reshape(rows, -1)[:, :-1])
