@@ -129,6 +129,7 @@ MASSES = {
     "Microwave": (9, 27),
     "Mug": (0.15, 1.5),
     "Scissors": (0.02, 0.13),
+    "Table": (4, 80),
     "USB": (0.003, 0.03),
     "WashingMachine": (25, 100),
 }
