@@ -222,6 +222,8 @@ class Session:
             return  # told elsewhere, or when objects are drawn
         for cost in found:
             pairs = f", and {cost.pairs:.0f} pairs of them with pieces on other links" if cost.pairs >= 1 else ""
+            if cost.shared >= 1:
+                pairs += f", and {cost.shared:.0f} pairs of primitives that may overlap, which `require stable` weighs"
             self.report.warning(
                 "expensive-check",
                 span,

@@ -69,12 +69,17 @@ def _text(found: dict[str, Any]) -> str:
     for name, seconds in found["stages"].items():
         each = f"{1e3 * seconds / number:10.1f} ms an object" if name != "compiling" else ""
         lines.append(f"{name:24}{seconds:8.2f} s{each}")
-    lines += ["", f"{'per object':40}{'primitives':>12}{'pieces':>10}{'pairs':>12}{'ms':>10}"]
+    lines += ["", f"{'per object':40}{'primitives':>12}{'pieces':>10}{'pairs':>12}{'shared':>10}{'ms':>10}"]
     parts = found["parts"]
     for cost in parts[:_SHOWN]:
-        figures = f"{cost['primitives']:12.1f}{cost['pieces']:10.1f}{cost['pairs']:12.0f}{1e3 * cost['seconds']:10.2f}"
+        figures = f"{cost['primitives']:12.1f}{cost['pieces']:10.1f}{cost['pairs']:12.0f}{cost['shared']:10.0f}"
+        figures += f"{1e3 * cost['seconds']:10.2f}"
         lines.append(f"{cost['part'][:39]:40}{figures}")
     if len(parts) > _SHOWN:
         lines.append(f"and {len(parts) - _SHOWN} more, with --json")
-    lines += ["", "pairs: of pieces on different links, which the check tells apart; ms: to make the pieces again"]
+    lines += [
+        "",
+        "pairs: of pieces on different links, which the check tells apart; shared: pairs of primitives that may overlap, which",
+        "`require stable` weighs; ms: to make the pieces again",
+    ]
     return "\n".join(lines)

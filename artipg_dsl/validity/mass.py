@@ -183,6 +183,7 @@ class Weighing:
         start = np.cumsum([0, *(len(table) for table in tables)])
         places = dict(zip((table.number for table in tables), start.tolist(), strict=False))
         at = np.array([places[number] for number in rows.site.tolist()]) + rows.row
+        self.place = at  # of each primitive in the tables, one after the other
         self.density = np.concatenate(densities)[at]
         self.link, self.mass = (np.concatenate([part[k] for part in self.own])[at] for k in (0, 1))
         order = np.empty(len(at), dtype=np.int64)

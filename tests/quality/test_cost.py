@@ -32,6 +32,21 @@ def test_check_names_the_part_and_its_pieces():
     assert "`row.bristle.hair` has 1600 convex pieces" in told.message and told.severity == "warning"
 
 
+def test_check_names_a_part_of_many_primitives_that_overlap():
+    """900 bristles, each of which may share volume with those beside it: few pieces, but much to weigh for `require stable`."""
+    text = (
+        dedent(CODES["expensive-check"].example)
+        .replace("0 ..< 40", "0 ..< 30")
+        .replace("[2mm, 2mm, 2cm]", "[20cm, 20cm, 2cm]")
+    )
+    assert not [d for d in Session.of_text(text).examine().diagnostics if d.code == "expensive-check"]
+    stable = text.rstrip().removesuffix("}") + "  require stable\n}\n"
+    (told,) = [d for d in Session.of_text(stable).examine().diagnostics if d.code == "expensive-check"]
+    assert (
+        "`row.bristle.hair` has 900 convex pieces" in told.message and "which `require stable` weighs" in told.message
+    )
+
+
 def test_profile_prints_stages_and_parts(capsys):
     assert main(["profile", "Faucet", "-n", "2", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)

@@ -251,8 +251,9 @@ RESOLVING = (
         "the check of an object takes long",
         """
         Collisions and stability are checked on convex pieces. A part with thousands of pieces, or whose pieces form hundreds
-        of thousands of pairs with pieces on other links, makes the check of each object take seconds. Typical cases are bars with many
-        short bends, wire meshes and rings of many windings. `apgc profile NAME` lists parts by pieces and pairs. Use fewer
+        of thousands of pairs with pieces on other links, makes the check of each object take seconds. So do, with `require stable`, ten
+        thousand pairs of primitives that may overlap, as their common volume is counted once. Typical cases are bars with many short
+        bends, wire meshes and rings of many windings. `apgc profile NAME` lists parts by pieces and pairs. Use fewer
         of them, or fewer bends; `--unchecked` skips the check. The program works as it is.
         """,
         """
