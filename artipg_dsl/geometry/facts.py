@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import atexit
 import json
+from collections import Counter
 from collections.abc import Callable
 from functools import lru_cache
 from threading import Lock
@@ -28,6 +29,7 @@ class _Facts:
 
     def __init__(self, primitive: Primitive):
         self.held: dict[str, Any] = {}
+        self.count: Counter[str] = Counter()  # how many there are of names that differ in the last word
         self.entry: str | None = None
         if cache.folder() is None:
             return
@@ -39,6 +41,11 @@ class _Facts:
             except (ValueError, RecursionError):
                 held = None
             self.held = held if isinstance(held, dict) else {}
+            self.count.update(map(_kind, self.held))
+
+
+def _kind(name: str) -> str:
+    return name.rpartition(" ")[0]
 
 
 @lru_cache(maxsize=512)
@@ -65,10 +72,11 @@ def recall_fact(
         except (ValueError, TypeError, KeyError, IndexError, OverflowError):
             pass
     found = find()
-    kind = name.rpartition(" ")[0]
-    if most is not None and sum(other.startswith(kind) for other in facts.held) >= most:
+    kind = _kind(name)
+    if most is not None and facts.count[kind] >= most:
         return found
     with _LOCK:
+        facts.count[kind] += name not in facts.held
         facts.held[name] = to_data(found)
         _changed[facts.entry] = facts
     return found

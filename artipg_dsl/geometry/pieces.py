@@ -22,6 +22,7 @@ from .errors import PrimitiveError
 from .patches import Params, evaluate_rows, rows_of
 from .topology import topology
 from .trial import draw_trial, variants
+from .vectors import cross, dot
 from .weld import plan_weld, step_counts
 
 _STEPS = (24, 16, 12, 8)  # per full turn: a hull takes the finest of these that has few corners
@@ -110,7 +111,7 @@ class Cloud:
         """(k,) of which pieces all points are corners, as far as is known before their faces are."""
         count, found = self.points.shape[1], np.ones(len(self.rows), dtype=bool)
         for index, start, stop in self.ranges():
-            found[start:stop] = all(len(hull.used) == count for hull in self.known(index))
+            found[start:stop] = _all_corners(self.known(index), count)
         return found
 
     def fitted(self, chosen: np.ndarray) -> list[tuple[np.ndarray, _Hull]]:
@@ -146,6 +147,12 @@ class Cloud:
                 name = self.name(index)
                 found[index] = _grouped(self.primitive, name, self.rows[own], self.points[own], known, fits)
         return [group for index in sorted(found) for group in found[index]]
+
+
+@lru_cache(maxsize=8192)
+def _all_corners(hulls: tuple[_Hull, ...], count: int) -> bool:
+    """Whether so many points are the corners of each of some hulls."""
+    return all(len(hull.used) == count for hull in hulls)
 
 
 def clouds(primitive: Primitive, params: Params) -> list[Cloud]:
@@ -320,7 +327,7 @@ def _hull(primitive: Primitive, name: str, points: np.ndarray) -> _Hull:
         raise flat from error
     faces = found.simplices.astype(np.int64)
     a, b, c = (scaled[faces[:, n]] for n in range(3))
-    turned = (np.cross(b - a, c - a) * found.equations[:, :3]).sum(axis=1) < 0
+    turned = dot(cross(b - a, c - a), found.equations[:, :3]) < 0
     faces[turned] = faces[turned][:, ::-1]
     start = np.argmin(faces, axis=1)
     faces = np.take_along_axis(faces, (start[:, None] + np.arange(3)) % 3, axis=1)

@@ -99,6 +99,8 @@ def _turning(body: Pieces, turns: Turns, joint: np.ndarray, room: np.ndarray) ->
     turns.row = joint
     boxes, open_ones = body.boxes(), []
     for _ in range(COARSE):
+        if not len(turns.row):
+            break
         hit, apart = turns.examined(boxes)
         open_ones.append(turns.at(np.flatnonzero(hit)))
         turns = turns.at(np.flatnonzero(~hit & ~apart)).halved()

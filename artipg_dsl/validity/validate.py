@@ -334,6 +334,8 @@ def _decide(tree: Tree, body: Pieces, turns: Turns) -> tuple[np.ndarray, np.ndar
     turns = turns.at(_possible(tree, body, turns))
     boxes, open_ones = body.boxes(), []
     for _ in range(COARSE):  # the boxes alone tell most pairs apart
+        if not len(turns.row):
+            break
         hit, apart = turns.examined(boxes)
         open_ones.append(turns.at(np.flatnonzero(hit)))
         turns = turns.at(np.flatnonzero(~hit & ~apart)).halved()
@@ -370,6 +372,8 @@ def _possible_by_groups(tree: Tree, body: Pieces, turns: Turns) -> np.ndarray:
     whole.other, whole.row = len(body) + np.arange(len(begin)), np.arange(len(begin))
     met = np.zeros(len(begin), dtype=bool)
     for _ in range(_TILTED):
+        if not len(whole.row):
+            break
         hit, apart = whole.examined(boxes)
         met[whole.row[hit]] = True
         whole = whole.at(np.flatnonzero(~apart & ~met[whole.row])).halved()
@@ -389,6 +393,8 @@ def _possible(tree: Tree, body: Pieces, turns: Turns) -> np.ndarray:
         rest.row = np.flatnonzero(~possible)
         boxes = body.boxes(tree.turn, np.union1d(rest.piece, rest.other))
         for _ in range(_TILTED):
+            if not len(rest.row):
+                break
             hit, apart = rest.examined(boxes)
             possible[rest.row[hit]] = True
             rest = rest.at(np.flatnonzero(~apart & ~possible[rest.row])).halved()
