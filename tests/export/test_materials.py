@@ -121,6 +121,7 @@ def test_shipped_materials_have_real_values() -> None:
 MASSES = {
     "Bottle": (0.02, 0.7),
     "Chair": (3, 45),
+    "Dishwasher": (12, 70),
     "Display": (2.5, 40),
     "Faucet": (0.7, 4.5),
     "Foldingrack": (1.5, 10),
@@ -128,6 +129,8 @@ MASSES = {
     "Laptop": (0.9, 4.5),
     "Microwave": (9, 27),
     "Mug": (0.15, 1.5),
+    "Oven": (8, 110),
+    "Refrigerator": (15, 190),
     "Scissors": (0.02, 0.13),
     "Table": (4, 80),
     "USB": (0.003, 0.03),
