@@ -1,6 +1,8 @@
 """Options of the test suite."""
 
 import os
+import shutil
+import tempfile
 from collections.abc import Iterator
 
 import pytest
@@ -8,11 +10,18 @@ import pytest
 from artipg_dsl.graph.text import from_text, to_text
 from artipg_dsl.lower import program as lowering
 
-os.environ["APGC_CACHE"] = "off"  # tests compute what they are about, unless they say where it is kept
+_KEPT = "ARTIPG_TEST_CACHE"
+if _KEPT not in os.environ:  # one for the run: its workers and the commands that tests start inherit it
+    os.environ[_KEPT] = os.environ["APGC_CACHE"] = tempfile.mkdtemp(prefix="apgc-tests-")
 
 SMALL = 40  # parts: larger programs are verified pass by pass in tests/lower/test_passes.py
 SHORT = 200_000  # characters: so are those with longer formulas
 SEEN: set[int] = set()  # hashes of what has been verified
+
+
+def pytest_unconfigure(config: pytest.Config) -> None:
+    if not hasattr(config, "workerinput"):
+        shutil.rmtree(os.environ.pop(_KEPT), ignore_errors=True)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
