@@ -144,10 +144,10 @@ def files(batch: Batch, entry: Entry, shard: int) -> Iterator[tuple[str, bytes]]
     for subject, frames in subjects(batch, entry.term):
         token = entry.token(int(batch.numbers[subject.i]))
         for frame in frames:
-            yield f"hdf5/{name}/{token}/{frame.place}.h5", hdf5_bytes(h5_arrays(frame), pack=True)
+            yield f"hdf5/{name}/{token}/{frame.place}.h5", hdf5_bytes(_h5_arrays(frame), pack=True)
         for shape in subject.shapes:
             yield f"urdf/{name}/{token}/{shape.name}.obj", obj_bytes([shape])
-        yield f"urdf/{name}/{token}/syn.urdf", urdf_text(subject, f"urdf/{name}/{token}").encode()
+        yield f"urdf/{name}/{token}/syn.urdf", _urdf_text(subject, f"urdf/{name}/{token}").encode()
         corners = subject.corners()
         known = {
             "factors": (1 / norms(corners[:, 1] - corners[:, 0])).tolist(),
@@ -157,14 +157,14 @@ def files(batch: Batch, entry: Entry, shard: int) -> Iterator[tuple[str, bytes]]
         yield f"render/{name}/{token}/object.json", (json.dumps(known) + "\n").encode()
 
 
-def h5_arrays(frame: Frame) -> dict[str, np.ndarray]:
+def _h5_arrays(frame: Frame) -> dict[str, np.ndarray]:
     """A file of HDF5: ``gt_points/<k>`` and ``gt_coords/<k>`` of part k."""
     made = {"rgb": frame.rgb, "mask": frame.mask}
     made |= {f"gt_points/{k}": points for k, points in enumerate(frame.points)}
     return made | {f"gt_coords/{k}": points for k, points in enumerate(frame.coords)}
 
 
-def urdf_text(subject: Subject, folder: str) -> str:
+def _urdf_text(subject: Subject, folder: str) -> str:
     """Links ``base_link``, ``1`` ..., joints ``<parent>_<child>``; meshes are in the object's frame, shifted by minus the pivot."""
     lines = ['<?xml version="1.0" ?>', f'<robot name="{folder.rpartition("/")[2]}">']
     for part, shape in enumerate(subject.shapes):

@@ -36,7 +36,7 @@ DATASET, RENDERED, LISTED = "dataset", "rendered_data", "meta/partnet_all_id_lis
 TARGETS = (*CLASSES[1:-1], "hinge_handle")  # as annotations and the render tool spell them
 _VIEWS = replace(CAMERAS, width=800, height=800, points=1)
 _WORLD = np.array([-1.0, -1.0, 1.0])  # from the object's axes: left and front are negative
-SIGNS = np.array([[-1, 1, 1], [1, 1, 1], [1, -1, 1], [-1, -1, 1], [-1, 1, -1], [1, 1, -1], [1, -1, -1], [-1, -1, -1]])
+_SIGNS = np.array([[-1, 1, 1], [1, 1, 1], [1, -1, 1], [-1, -1, 1], [-1, 1, -1], [1, 1, -1], [1, -1, -1], [-1, -1, -1]])
 """The corners of a box in the order of the annotations, along its own axes."""
 
 
@@ -66,7 +66,7 @@ class Placed:
 
     def corners(self) -> np.ndarray:
         """(8, 3), in the order of the annotations."""
-        return self.center + turn_points(SIGNS * self.size / 2, self.axes.T)
+        return self.center + turn_points(_SIGNS * self.size / 2, self.axes.T)
 
     def npcs(self, points: np.ndarray) -> np.ndarray:
         """Points (n, 3) of the world in the part's coordinates."""
@@ -83,7 +83,7 @@ class Subject:
     parts: list[Placed]
 
 
-def number_of(entry: Entry, number: int) -> int:
+def _number_of(entry: Entry, number: int) -> int:
     """The id of an object, which has to be a number unlike that of any other category's: five digits of the category's name, six of
     its own."""
     return (10000 + zlib.crc32(entry.category.encode()) % 90000) * 1000000 + number
@@ -117,7 +117,7 @@ def subjects(batch: Batch, entry: Entry) -> Iterator[tuple[Subject, Robots]]:
         files["mobility_texture_gapartnet.urdf"] = files["mobility.urdf"]
         files["semantics_gapartnet.txt"] = said.encode()
         files["link_annotation_gapartnet.json"] = _annotation(placed, len(order) + len(split))
-        yield Subject(number_of(entry, int(batch.numbers[i])), world, files, placed), robots
+        yield Subject(_number_of(entry, int(batch.numbers[i])), world, files, placed), robots
 
 
 def _instances(link: Any) -> list[int]:
@@ -262,7 +262,7 @@ def index(entries: Sequence[Entry]) -> dict[str, bytes]:
     for entry in entries:
         assert entry.term is not None
         for number in entry.numbers.tolist():
-            id = number_of(entry, number)
+            id = _number_of(entry, number)
             if id in lines:
                 raise UserError(f"{entry.category} has an id, {id}, of another category", "choose a folder of its own")
             lines[id] = f"{entry.term.name} {id}\n"

@@ -82,7 +82,7 @@ def _check_boxes(
         found.near(place, f"box of {placed.link}", corners, placed.corners(), 1e-8)
         if corners.shape != (8, 3):
             continue
-        axes, size = box_axes(corners)
+        axes, size = _box_axes(corners)
         found.of(place, abs(float(np.linalg.det(axes)) - 1) < 1e-6, f"corners of {placed.link} are out of order")
         points, axis = links[placed.link]
         local = turn_points(points - corners.mean(axis=0), axes)
@@ -94,7 +94,7 @@ def _check_boxes(
             found.of(place, abs(abs(float(axes[2] @ axis)) - 1) < 1e-6, f"z of {placed.link} is not how it slides")
 
 
-def box_axes(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _box_axes(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Axes (3, 3), as rows, and size (3,) of a box by its corners (8, 3), as the tools take them."""
     edges = np.stack([corners[1] - corners[0], corners[1] - corners[2], corners[0] - corners[4]])
     size = norms(edges)
@@ -144,7 +144,7 @@ def _check_part(
     if not found.of(place, len(row) > 0, "has no pixel, which the tools do not take"):
         return
     found.of(place, bool((read["semantic_segmentation"][row, column] == box["category_id"]).all()), "several classes")
-    axes, size = box_axes(np.asarray(box["bbox"]))
+    axes, size = _box_axes(np.asarray(box["bbox"]))
     pose, scale = box["pose_RTS_param"], float(norms(size))
     found.near(place, "R", pose["R"], axes, 1e-6)
     found.near(place, "S", pose["S"], size, 1e-6)

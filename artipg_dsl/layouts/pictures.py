@@ -62,7 +62,7 @@ def pictures(batch: Batch, robots: Robots, cameras: Cameras, values: np.ndarray)
                     ],
                     axis=-1,
                 )
-                turn, eye = made.extrinsics[at][:3, :3], camera_place(made.extrinsics[at])
+                turn, eye = made.extrinsics[at][:3, :3], _camera_place(made.extrinsics[at])
                 instance = images["instance"][at][row, column].astype(np.int64)
                 normal = images["normal"][at][row, column].astype(np.float64)
                 rgb = np.full((*depth.shape, 3), 255, dtype=np.uint8)
@@ -83,7 +83,7 @@ def pictures(batch: Batch, robots: Robots, cameras: Cameras, values: np.ndarray)
                 )
 
 
-def camera_place(extrinsic: np.ndarray) -> np.ndarray:
+def _camera_place(extrinsic: np.ndarray) -> np.ndarray:
     """Where a camera stands, by its matrix (4, 4) from the object's frame."""
     return -turn_points(extrinsic[None, :3, 3], extrinsic[:3, :3].T)[0]
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from .backend import Machine
 
 _NARROWEST = 32  # columns of a row that are worth a round of their own
-UFUNCS: dict[str, Callable[..., Any]] = {
+_UFUNCS: dict[str, Callable[..., Any]] = {
     "add": np.add,
     "sub": np.subtract,
     "mul": np.multiply,
@@ -78,7 +78,7 @@ class Tape:
         if self.last is None:
             self.last = self._last_uses(len(found))
         for (operation, arguments), done in zip(self.steps, self.last, strict=True):
-            found.append(UFUNCS[operation](*[found[k] for k in arguments]))
+            found.append(_UFUNCS[operation](*[found[k] for k in arguments]))
             for k in done:
                 found[k] = None
         return tuple([found[k] for k in self.outputs])

@@ -68,7 +68,7 @@ class Type:
 
 
 @dataclass(frozen=True, slots=True)
-class UnknownType(Type):
+class _UnknownType(Type):
     def __str__(self) -> str:
         return "unknown"
 
@@ -223,7 +223,7 @@ class JointType(Type):
         return "a joint"
 
 
-UNKNOWN = UnknownType()
+UNKNOWN = _UnknownType()
 RATIO = ScalarType(NONE)
 COUNT = ScalarType(NONE, count=True)
 LENGTH = ScalarType(LENGTH_DIM)
