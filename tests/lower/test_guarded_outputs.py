@@ -90,3 +90,23 @@ category T {{
     batch = Session.of_text(HEAD + text).sampler.batch(np.arange(MADE), seed=2)
     ranges = {batch.drawn(k)["u"]: told["joints"][0]["range"] for k, told in enumerate(annotate(batch))}
     assert ranges == {"One": [0.0, 0.02], "Two": [0.0, 0.05]}
+
+
+@pytest.mark.parametrize("glass", ["true", "false"])
+def test_a_slot_leaves_out_what_an_argument_rules_out(glass: str) -> None:
+    text = """role Panel {{ slot skins }}
+template Pane : Panel {{
+  param glass : bool = true
+  part slab : Cuboid(size = [1cm, 1cm, 1cm])
+  when glass {{ part face : Cuboid(size = [2mm, 1cm, 1cm])  connect face.bottom on slab.top }}
+  when not glass {{ part leaf : Cuboid(size = [5mm, 1cm, 1cm])  connect leaf.bottom on slab.top }}
+  slot skins = slab, face, leaf
+}}
+category T {{
+  root part body : Pane(glass = {glass})
+  label semantic.lid on body.skins
+}}"""
+    told = annotate(Session.of_text(HEAD + text.format(glass=glass)).sampler.batch(np.arange(1), seed=2))[0]
+    labelled = {row["name"]: row["semantic"] for row in told["parts"]}
+    skin = "body.face" if glass == "true" else "body.leaf"
+    assert {name: word for name, word in labelled.items() if name != "body"} == {"body.slab": "lid", skin: "lid"}

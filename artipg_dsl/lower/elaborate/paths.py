@@ -35,6 +35,8 @@ def walk(env: Env, node: ast.Expr) -> list[Reached]:
         while at is not None:  # each branch of a `when` that declares the name, on its own
             if node.name not in at.names and (branched := at.branched(node.name)):
                 return [Reached(value, branch) for branch, value in branched]
+            if node.name not in at.names and at.foregoes(node.name):
+                return []
             at = at.outer if node.name not in at.names else None
         value = Evaluator(env).meant(meaning) if isinstance(meaning, Declared | Current | Previous) else None
         if isinstance(value, At):

@@ -162,6 +162,10 @@ class Env:
             found.extend([(branch, branch.force(name))] if name in branch.names else branch.branched(name))
         return found
 
+    def foregoes(self, name: str) -> bool:
+        """Whether a ``when`` declares a name, in branches that are never taken where ``branched`` finds none."""
+        return any(isinstance(s, ast.WhenStmt) and _declares(s, name) for s in self.statements)
+
     def all_parts(self) -> list[Component]:
         """Parts declared here and in the environments inside, in the order of the text."""
         found = list(self.parts)
