@@ -1,6 +1,6 @@
 """The Python interface: ``apg.sample("Microwave", n=1000, seed=7)`` gives objects as arrays, meshes and files.
 
-Input: names, numbers and arrays. Output: objects, and files of them. Start with ``sample`` below.
+In: names, numbers and arrays. Out: objects, and files of them. Begin with ``sample`` below.
 
     samples     objects as tables, points, views, meshes; one object
     files       writing objects: data sets, robots, pictures

@@ -7,4 +7,5 @@ Begin with ``binding`` and ``wear``.
     elements, record          the primitives that details are bound to; details as arrays of a file
     wear, maps                points of mutants in the details of their donors; places on primitives of another kind
     measure, report           distances, coverage, torn and inverted neighbourhoods
+    dressing, store           which details objects wear; a folder of them
 """

@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import json
 import zipfile
-from dataclasses import dataclass
 from functools import lru_cache
 from hashlib import blake2b
 from pathlib import Path
@@ -18,6 +17,7 @@ from .. import random
 from ..errors import UsageError, UserError
 from ..geometry import points as geometry
 from ..geometry.pointset import PointSet
+from .dressing import Dressing
 from .elements import Solids
 from .record import Details, join, of_arrays
 from .wear import Wardrobe, Worn, wear
@@ -28,15 +28,6 @@ if TYPE_CHECKING:
 SUMMARY = "bind.json"
 _COMPARED = 1024  # points of a mutant and of its donor that tell how far they are apart
 _APART = 100.0  # diagonals between objects that are compared together
-
-
-@dataclass(frozen=True, slots=True)
-class Dressing:
-    """The ``folder`` that ``apgc bind`` has written, the ``mark`` of what it holds, and the ``strength`` of its details, 0 .. 1."""
-
-    folder: str
-    mark: str
-    strength: float = 1.0
 
 
 def read_dressing(folder: str | Path, strength: float = 1.0) -> Dressing:

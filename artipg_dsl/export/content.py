@@ -9,7 +9,7 @@ from ..annotate.gripper import STANDARD as STANDARD_GRIPPER
 from ..annotate.gripper import Gripper
 from ..annotate.sampling import Sampling
 from ..annotate.states import REST, States
-from ..details.store import Dressing
+from ..details.dressing import Dressing
 from ..geometry.resolution import STANDARD as STANDARD_RESOLUTION
 from ..geometry.resolution import Resolution
 

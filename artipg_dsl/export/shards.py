@@ -13,7 +13,7 @@ from ..annotate.cloud import sample_points
 from ..annotate.sampling import Sampling
 from ..annotate.states import REST, States, joint_values, state_table
 from ..annotate.views import NONE, make_views
-from ..details.store import Dressing, dress, real_labels, tell
+from ..details.dressing import Dressing
 from ..sampling.columns import to_columns
 from .containers import Arrays
 from .content import Content
@@ -27,7 +27,11 @@ def point_arrays(
 ) -> dict[str, np.ndarray]:
     """The arrays of a points shard, by name: those of ``meanings``, then one per label."""
     values = None if states.only_rest else joint_values(batch, states)
-    worn = None if details is None else partial(dress, dressing=details)
+    worn = None
+    if details is not None:
+        from ..details.store import dress, real_labels  # start-up: most objects wear none, and k-d trees load slowly
+
+        worn = partial(dress, dressing=details)
     points = sample_points(batch, how, values, motion=motion, dress=worn)
     arrays: dict[str, np.ndarray] = {
         "object": np.asarray(batch.numbers, dtype=np.int64)[points.object],
@@ -104,6 +108,8 @@ def annotation_shard(batch: Batch, content: Content) -> bytes:
     values = None if content.states.only_rest else joint_values(batch, content.states)
     made = annotate(batch, values, content.gripper)
     if content.details is not None:
+        from ..details.store import tell  # start-up: as above
+
         for annotation, told in zip(made, tell(batch, content.details), strict=True):
             annotation["details"] = told
     return "".join(to_line(annotation) + "\n" for annotation in made).encode("utf-8")

@@ -226,7 +226,7 @@ def check(folder: Path, entry: Entry, batch: Batch, shard: int, found: Findings)
     """Read as the loader does, and compare with the model."""
     for scene, model in arrays(batch):
         name = _place(entry, int(batch.numbers[scene.i]), scene)
-        with np.load(folder / name) as read:
+        with np.load(folder / name, allow_pickle=False) as read:
             held = {key: read[key] for key in read.files}
         if not found.of(name, held.keys() == model.keys(), f"holds {', '.join(sorted(held))}"):
             continue

@@ -107,7 +107,7 @@ def _check_view(folder: Path, view: View, links: Any, found: Findings) -> None:
     found.of(name, (folder / "rgb" / f"{name}.png").is_file(), "no picture")
     read: dict[str, np.ndarray] = {}
     for kind, arrays in view.arrays.items():
-        with np.load(folder / kind / f"{name}.npz") as held:
+        with np.load(folder / kind / f"{name}.npz", allow_pickle=False) as held:
             for key, model in arrays.items():
                 read[key] = held[key]
                 found.near(name, key, held[key], model, 1e-6)

@@ -17,6 +17,7 @@ from typing import Any
 
 from ..diagnostics.suggest import did_you_mean
 from ..errors import UsageError, UserError
+from ..resources import categories_dir
 
 REST = "*"  # every word that is not named
 
@@ -66,7 +67,9 @@ class Vocabulary:
         return Term(category, self.title, name, self.classes[name], entry.get("parts", {}))
 
     def _serves(self, category: str) -> str:
-        have = f"of the shipped categories {', '.join(self.categories)} have one"
+        shipped = {path.stem.replace("_", "") for path in categories_dir().glob("*.apg")}
+        known = [name for name in self.categories if name.lower() in shipped]  # words may be there before the category
+        have = f"of the shipped categories {', '.join(known)} have one"
         close = self.near.get(category) or next((name for name in self.classes if name.lower() == category.lower()), "")
         nearest = f"the nearest is {close}: " if close else ""
         form = f'{nearest}--map FILE with {{"{category}": {{"class": "{close or "..."}", "parts": ...}}}} makes it one'

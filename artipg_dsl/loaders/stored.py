@@ -131,7 +131,7 @@ def _read_shards(folder: Path, kind: str, wanted: Callable[[str], bool], most: i
         )
     parts = []
     for path in paths:
-        with np.load(path) as file:
+        with np.load(path, allow_pickle=False) as file:
             parts.append({name: file[name] for name in file.files if wanted(name)})
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 

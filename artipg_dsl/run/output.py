@@ -13,7 +13,7 @@ from ..annotate.gripper import Gripper, read_gripper
 from ..annotate.sampling import MOST as MOST_POINTS
 from ..annotate.sampling import POOLS, SPREADS, SURFACES, Sampling, read_weights
 from ..annotate.states import read_states
-from ..details.store import Dressing
+from ..details.dressing import Dressing
 from ..errors import UserError
 from ..export.content import Content
 from ..export.registry import FORMATS, Format, kinds

@@ -16,9 +16,18 @@ from artipg_dsl.session import Session, categories
 from artipg_dsl.view.sheet import write_sheet
 
 HERE = Path(__file__).parent
-TILE, COLUMNS = 170, 8
+TILE, COLUMNS = 170, 10
 #: which objects stand for their category, the second of them with its joints opened
-SHOWN = {"Faucet": (0, 17), "Bottle": (14, 4), "Chair": (18, 23), "Scissors": (4, 13), "USB": (7, 15), "Window": (8, 3)}
+SHOWN = {
+    "Faucet": (0, 17),
+    "Bottle": (14, 4),
+    "Chair": (18, 23),
+    "Scissors": (4, 13),
+    "USB": (7, 15),
+    "Window": (8, 3),
+    "Mug": (7, 11),
+    "Table": (12, 29),
+}
 
 
 def picture(name: str, numbers: np.ndarray, tile: int, columns: int) -> Image.Image:

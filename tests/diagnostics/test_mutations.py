@@ -7,7 +7,7 @@ from artipg_dsl.source import Source
 
 from .mutations import mutations, programs
 
-MUTATIONS = list(mutations(seed=7, number=60))
+MUTATIONS = list(mutations(seed=7, number=len(programs())))
 
 
 @pytest.mark.parametrize("text", [t for _, t in MUTATIONS], ids=[name for name, _ in MUTATIONS])

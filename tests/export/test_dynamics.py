@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
@@ -21,6 +19,7 @@ from artipg_dsl.export.dynamics import (
     _of_all,
     complete_dynamics,
 )
+from artipg_dsl.runtime.tables import JointTable
 
 
 def one(kind: str, axis: list[float], mass: float = 2.0, lifted: float = 0.0, **given: float) -> Dynamics:
@@ -37,9 +36,12 @@ def one(kind: str, axis: list[float], mass: float = 2.0, lifted: float = 0.0, **
         "child": 1,
     }
     fields = {name: np.array([value]) for name, value in (plain | given).items()}
-    table = SimpleNamespace(
+    table = JointTable(
         owner=np.zeros(1, int),
         number=np.zeros(1, int),
+        name=["joint"],
+        definition=np.zeros(1, int),
+        offset=np.zeros(1),
         kind=[kind],
         origin=np.zeros((1, 3)),
         axis=np.array([axis]),

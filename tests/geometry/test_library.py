@@ -1,5 +1,6 @@
 """The shipped primitives, lowered from their text, pass the self-test; leaks in declarations are findings in words."""
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -16,10 +17,12 @@ from artipg_dsl.source import Source
 
 from .shipped import SHIPPED
 
+EVERY = os.environ.get("ARTIPG_EVERY") == "1"
+
 
 @pytest.mark.parametrize("name", SHIPPED)
 def test_a_shipped_primitive_agrees_with_itself(name):
-    found = check_primitive(SHIPPED[name])
+    found = check_primitive(SHIPPED[name], 12 if EVERY else 5)
     assert not found, "\n".join(map(str, found))
 
 

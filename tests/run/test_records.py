@@ -15,7 +15,7 @@ from artipg_dsl.annotate.cameras import Cameras
 from artipg_dsl.annotate.gripper import Gripper
 from artipg_dsl.annotate.sampling import Sampling
 from artipg_dsl.annotate.states import read_states
-from artipg_dsl.details.store import Dressing
+from artipg_dsl.details.dressing import Dressing
 from artipg_dsl.errors import UsageError
 from artipg_dsl.export.content import Content
 from artipg_dsl.export.write import ExportError
