@@ -19,6 +19,15 @@ SHORT = 200_000  # characters: so are those with longer formulas
 SEEN: set[int] = set()  # hashes of what has been verified
 
 
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Without ``ARTIPG_EVERY=1`` long tests are left out, unless they are asked for by name."""
+    if os.environ.get("ARTIPG_EVERY") or any("::" in name for name in config.args):
+        return
+    slow = [item for item in items if item.get_closest_marker("slow")]
+    config.hook.pytest_deselected(items=slow)
+    items[:] = [item for item in items if not item.get_closest_marker("slow")]
+
+
 def pytest_unconfigure(config: pytest.Config) -> None:
     if not hasattr(config, "workerinput"):
         shutil.rmtree(os.environ.pop(_KEPT), ignore_errors=True)

@@ -184,6 +184,7 @@ def test_show_and_clear(kept, stool, tmp_path, capsys):
     assert main(["cache"]) == 0 and "nothing is kept" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_processes_share_a_folder_and_give_the_same_bytes(kept, stool):
     """Cold, all at once; then kept; then off: the files of all are equal."""
     root = Path(cache.__file__).parents[1]
@@ -298,6 +299,7 @@ def known(program, monkeypatch):
     return said, len(found)
 
 
+@pytest.mark.slow
 def test_what_surfaces_are_like_is_kept_and_verified(kept, monkeypatch):
     place = str(kept)
 

@@ -54,7 +54,6 @@ def test_the_public_names_exist() -> None:
         _ = artipg_dsl.nothing
 
 
-@pytest.mark.slow
 @pytest.mark.skipif("ARTIPG_TEST_WHEEL" not in os.environ, reason="fetches packages; set ARTIPG_TEST_WHEEL=1")
 def test_a_wheel_in_an_empty_environment_samples(tmp_path: Path) -> None:
     clean = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}

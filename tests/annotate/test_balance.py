@@ -62,7 +62,11 @@ def test_areas_undo_what_balancing_did(samples: apg.Samples) -> None:
 
 @pytest.mark.parametrize(
     "how",
-    [{"balance": "semantic"}, {"balance": "link", "spread": "blue"}, {"balance": "semantic", "surface": "outside"}],
+    [
+        {"balance": "semantic"},
+        {"balance": "link", "spread": "blue"},
+        pytest.param({"balance": "semantic", "surface": "outside"}, marks=pytest.mark.slow),
+    ],
 )
 def test_an_object_has_the_same_points_in_any_batch(samples: apg.Samples, how: dict[str, str]) -> None:
     whole, alone = samples.points(200, **how), samples.object(4).points(200, **how)

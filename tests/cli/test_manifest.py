@@ -95,6 +95,7 @@ def mutants(whole: dict[str, Any]) -> Iterator[tuple[Path_, dict[str, Any]]]:
             yield at, changed(whole, (*at[:-1], "unheard_of"), 1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("below", ["", "mutants"])
 def test_no_command_ends_in_a_traceback_whatever_the_manifest_says(folder, below, tmp_path, apgc: Apgc) -> None:
     out = tmp_path / "o"

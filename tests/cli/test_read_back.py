@@ -86,6 +86,7 @@ def test_a_trace_cut_short(folder: Path, tmp_path: Path, cut: int, apgc: Apgc) -
     assert code == 0 or "is not a mutation trace" in err
 
 
+@pytest.mark.slow
 def test_files_of_values(folder: Path, tmp_path: Path, apgc: Apgc) -> None:
     annotation = json.loads((folder / "o" / "annotation-00000.jsonl").read_text(encoding="utf-8").splitlines()[0])
     values = tmp_path / "values.json"

@@ -35,6 +35,7 @@ def test_states_and_views_are_written(apgc: Apgc, tmp_path: Path, cameras: Path)
     assert code == 1 and "the joint states (rest,random:2, now rest)" in err
 
 
+@pytest.mark.slow
 def test_bytes_do_not_depend_on_the_process(tmp_path: Path, cameras: Path) -> None:
     for name, seed in (("a", "1"), ("b", "2")):
         made = spawn("sample", CHEST, "-n", 2, "-o", tmp_path / name, *WISHES, "--views", cameras, hash_seed=seed)

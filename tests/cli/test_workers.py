@@ -31,6 +31,7 @@ category Box {
 """
 
 
+@pytest.mark.slow
 def test_the_same_files_as_by_one(apgc: Apgc, tmp_path: Path) -> None:
     """Shards and counts are one piece, the folders of objects are shared in smaller ones."""
     arguments = ["sample", CHEST, "-n", 300, "--points", 8, "--format", "points,urdf", "--stats", "-o"]

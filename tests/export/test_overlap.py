@@ -90,6 +90,7 @@ def test_points_fill_a_box_evenly() -> None:
     assert counts.min() >= 5 and counts.max() <= 11  # 8 on average
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["Chair", "USB", "Globe", *["Laptop", "Microwave", "Faucet"] * EVERY])
 def test_shipped_objects_weigh_what_booleans_of_their_meshes_say(name: str) -> None:
     """Mass within 1 % of every link and 0.4 % of every object, centres within 0.2 % of the size, inertia within 1 %.

@@ -56,6 +56,7 @@ def test_samples_are_found_again(model: Model) -> None:
     assert max(one.told["distance"]["both"] for one in found) < 0.5
 
 
+@pytest.mark.slow
 def test_noise_and_holes_do_not_matter_much(model: Model) -> None:
     samples = apg.load(LARGE_KNOBS, n=3, seed=6)
     found = fit(model, clouds(samples, model, noise=0.01, missing=0.3))
@@ -63,6 +64,7 @@ def test_noise_and_holes_do_not_matter_much(model: Model) -> None:
     assert np.median(off(found, samples, "width", 0.3)) < 0.03
 
 
+@pytest.mark.slow
 def test_a_cloud_without_a_scale(model: Model) -> None:
     samples = apg.load(LARGE_KNOBS, n=2, seed=7)
     found = fit(model, clouds(samples, model, grown=7.0))
@@ -79,6 +81,7 @@ def test_the_matrix_carries_the_cloud_into_the_frame_of_the_object(model: Model)
     assert np.allclose(posed[0].points @ matrix[:3, :3].T + matrix[:3, 3], one.cloud, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_the_same_again(model: Model) -> None:
     samples = apg.load(LARGE_KNOBS, n=1, seed=9)
     first, second = (fit(model, clouds(samples, model))[0] for _ in range(2))

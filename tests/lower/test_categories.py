@@ -24,6 +24,7 @@ def test_checks_without_error(session: Session) -> None:
     assert not session.examine().failed, [d.message for d in session.report.diagnostics]
 
 
+@pytest.mark.slow
 def test_its_artefact_passes_verification(session: Session) -> None:
     program = session.sampler.program
     assert digest(from_text(to_text(program))) == program.hash

@@ -1,6 +1,7 @@
 """What lowering costs goes with the length of the text: counts, not times."""
 
 import numpy as np
+import pytest
 
 from artipg_dsl.graph import expr as E
 from artipg_dsl.graph import formula
@@ -33,6 +34,7 @@ def lowered(arcs):
     return session.lowering.program
 
 
+@pytest.mark.slow
 def test_a_path_of_eight_arcs_takes_few_formulas_and_a_text_that_grows_evenly():
     short = to_text(lowered(4))
     before = formula._compile.cache_info().misses

@@ -10,6 +10,7 @@ from artipg_dsl.session import Session
 PROGRAMS = sorted((Path(__file__).parents[1] / "data" / "newcomers").glob("*.apg"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", PROGRAMS, ids=lambda path: path.stem)
 def test_a_program_of_a_new_author_checks_and_gives_objects(path):
     session = Session.of(str(path))

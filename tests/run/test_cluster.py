@@ -37,6 +37,7 @@ def job() -> Job:
     return open_job(read_request(CHEST, n=48))
 
 
+@pytest.mark.slow
 def test_a_worker_is_killed_in_the_middle(tmp_path: Path) -> None:
     distributed = pytest.importorskip("distributed")
     output = Output(("points", "annotation", "urdf"), Content(Sampling(16)), 4)

@@ -133,6 +133,7 @@ def test_counts_come_back_as_they_were() -> None:
     assert Statistics.of(json.loads(json.dumps(counted.plain()))) == counted
 
 
+@pytest.mark.slow
 def test_memory_does_not_grow_with_the_run(tmp_path: Path) -> None:
     """What is held after 15 shards is what was held after 5: no object, and nothing of any."""
     held: list[int] = []

@@ -63,6 +63,7 @@ def test_boxes_and_directions_leave_out_nothing_that_meets() -> None:
     assert count > 20
 
 
+@pytest.mark.slow
 def test_loops_are_settled_for_all_states_at_once(shaken: Batch) -> None:
     loops = shaken.loops
     assert loops is not None

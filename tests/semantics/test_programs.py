@@ -19,6 +19,7 @@ def test_examples_of_the_design(path):
     assert render(report.diagnostics, colour=False) == ""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "path", sorted([*library_dir().glob("*.apg"), *categories_dir().glob("*.apg")]), ids=lambda p: p.stem
 )

@@ -34,6 +34,7 @@ def test_starting_point_is_laid_out() -> None:
     assert laid_out(starting_point("Thing")) == starting_point("Thing")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", SHIPPED[::3], ids=lambda p: p.stem)
 def test_disorder(path: Path) -> None:
     """Spaces at the ends of lines, tabs, blank lines, a shift of everything: all of it goes, and nothing else."""

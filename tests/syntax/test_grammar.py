@@ -103,6 +103,7 @@ if os.environ.get("ARTIPG_EVERY") == "1":
     CORRUPT += [b"", b"\x80\x05garbage", b"3", b'{"x":1}']
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("content", CORRUPT)
 def test_corrupt_cache(cache_folder, content):
     Machine()
