@@ -122,8 +122,13 @@ def _begin(task: str) -> None:
         os._exit(1)
 
     threading.Thread(target=outlive_nobody, daemon=True).start()
-    with open(task, "rb") as file:
-        begin, given = pickle.load(file)
+    try:
+        with open(task, "rb") as file:
+            begin, given = pickle.load(file)
+    except FileNotFoundError:
+        if parent.is_alive():
+            raise
+        os._exit(1)  # the run ended while this worker started, and another one has taken the task away
     if begin is not None:
         begin(*given)
 

@@ -16,6 +16,7 @@ import pytest
 
 from artipg_dsl.errors import NoObject, SettingError, UserError
 from artipg_dsl.export.write import ExportError
+from artipg_dsl.run import workers
 from artipg_dsl.run.workers import map_each
 
 from .helpers import CHEST, Apgc, command, environment, tree
@@ -31,7 +32,6 @@ category Box {
 """
 
 
-@pytest.mark.slow
 def test_the_same_files_as_by_one(apgc: Apgc, tmp_path: Path) -> None:
     """Shards and counts are one piece, the folders of objects are shared in smaller ones."""
     arguments = ["sample", CHEST, "-n", 300, "--points", 8, "--format", "points,urdf", "--stats", "-o"]
@@ -119,3 +119,26 @@ def test_workers_that_die_before_they_read_their_task_end_the_run(
     run.start()
     run.join(60)
     assert told == ["a worker process died, perhaps for lack of memory"]
+
+
+def test_a_worker_that_starts_when_all_is_over_says_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Gone:
+        """The process that started the run; as long as the test lasts nobody hears of its end but by asking."""
+
+        def join(self) -> None:
+            threading.Event().wait()
+
+        def is_alive(self) -> bool:
+            return False
+
+    def leave(code: int) -> None:
+        raise SystemExit(code)
+
+    before = signal.getsignal(signal.SIGINT)
+    monkeypatch.setattr(workers.mp, "parent_process", Gone)
+    monkeypatch.setattr(workers.os, "_exit", leave)
+    try:
+        with pytest.raises(SystemExit):
+            workers._begin(str(tmp_path / "taken_away.task"))
+    finally:
+        signal.signal(signal.SIGINT, before)
