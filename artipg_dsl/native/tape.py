@@ -16,46 +16,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .loops import FUNCTIONS
 from .plan import COLUMN, EVERY, ROW, NotPlanned, Plan, make_plan
 
 if TYPE_CHECKING:
     from .backend import Machine
 
 _NARROWEST = 32  # columns of a row that are worth a round of their own
-_UFUNCS: dict[str, Callable[..., Any]] = {
-    "add": np.add,
-    "sub": np.subtract,
-    "mul": np.multiply,
-    "div": np.divide,
-    "neg": np.negative,
-    "pow": np.power,
-    "abs": np.abs,
-    "sqrt": np.sqrt,
-    "sin": np.sin,
-    "cos": np.cos,
-    "tan": np.tan,
-    "asin": np.arcsin,
-    "acos": np.arccos,
-    "atan": np.arctan,
-    "atan2": np.arctan2,
-    "hypot": np.hypot,
-    "exp": np.exp,
-    "log": np.log,
-    "floor": np.floor,
-    "ceil": np.ceil,
-    "sign": np.sign,
-    "min": np.minimum,
-    "max": np.maximum,
-    "mod": np.mod,
-    "lt": np.less,
-    "le": np.less_equal,
-    "eq": np.equal,
-    "and": np.logical_and,
-    "or": np.logical_or,
-    "not": np.logical_not,
-    "where": np.where,
-}
-"""What NumPy calls the operations."""
+_CALLS: dict[str, Callable[..., Any]] = {**FUNCTIONS, "where": np.where}  # what NumPy calls the operations
 
 _FLOAT, _BOOL = np.dtype(np.float64), np.dtype(np.bool_)
 _LETTERS = {_FLOAT: "d", _BOOL: "?"}
@@ -78,7 +46,7 @@ class Tape:
         if self.last is None:
             self.last = self._last_uses(len(found))
         for (operation, arguments), done in zip(self.steps, self.last, strict=True):
-            found.append(_UFUNCS[operation](*[found[k] for k in arguments]))
+            found.append(_CALLS[operation](*[found[k] for k in arguments]))
             for k in done:
                 found[k] = None
         return tuple([found[k] for k in self.outputs])
