@@ -344,8 +344,11 @@ def _add_cache(to: argparse.ArgumentParser) -> None:
     to.add_argument("action", nargs="?", choices=("show", "clear"), default="show", help="show (default), or clear")
 
 
-def _add_frame(to: argparse.ArgumentParser) -> None:
-    """How files of real objects stand, and what their labels mean."""
+def _add_real(to: argparse.ArgumentParser) -> None:
+    """Files of real objects, how they stand, and what their labels mean."""
+    to.add_argument(
+        "files", nargs="+", metavar="FILE|DIR", help="meshes, point clouds or URDF files, or folders of them"
+    )
     axes = ("x", "-x", "y", "-y", "z", "-z")
     to.add_argument(
         "--up", choices=("auto", *axes), default="auto", help="upward axis of the files (default: y of glb, else z)"
@@ -372,21 +375,15 @@ def _add_frame(to: argparse.ArgumentParser) -> None:
 
 def _add_compare(to: argparse.ArgumentParser) -> None:
     add_program(to)
-    to.add_argument(
-        "files", nargs="+", metavar="FILE|DIR", help="meshes, point clouds or URDF files, or folders of them"
-    )
     add_drawing(to, 200)
-    _add_frame(to)
+    _add_real(to)
     to.add_argument("--json", action="store_true", help="print the figures as JSON")
 
 
 def _add_fit(to: argparse.ArgumentParser) -> None:
     add_program(to)
-    to.add_argument(
-        "files", nargs="+", metavar="FILE|DIR", help="meshes, point clouds or URDF files, or folders of them"
-    )
     to.add_argument("-o", "--out", type=folder, default="fitted", metavar="DIR", help="output folder (default: fitted)")
-    _add_frame(to)
+    _add_real(to)
     to.add_argument("--seed", type=whole, metavar="N", help="random seed (default: 0)")
     to.add_argument("--unchecked", action="store_true", help="accept objects whose links collide")
     to.add_argument("--plain", action="store_true", help="draw no pictures")
