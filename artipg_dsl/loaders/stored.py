@@ -108,12 +108,18 @@ class Stored:
         for name in self.task.points:
             if name not in arrays and name != "affordance":
                 raise UserError(f"{folder} holds no array `{name}`", f"sample it again with --{name}")
-        first = _read_shards(folder, "points", lambda n: n in ("object", "points"), most=1)
+        rows, objects = len(_read_shards(folder, "points", lambda n: n == "object")["object"]), int(manifest["objects"])
+        if rows != objects:
+            raise UserError(
+                f"{folder} has points of {rows} things for {objects} objects",
+                "complete it with the command that made it, and sample points without --per",
+            )
+        first = _read_shards(folder, "points", lambda n: n == "points", most=1)
         states = first["points"].shape[1] if first["points"].ndim == 4 else 1
         views = 1
         if self.task.partial:
             views = _read_shards(folder, "views", lambda n: n == "cloud_points", most=1)["cloud_points"].shape[-3]
-        return int(manifest["objects"]) * states * views
+        return objects * states * views
 
 
 def _to_items(array: np.ndarray, name: str, states: int, views: int) -> np.ndarray:

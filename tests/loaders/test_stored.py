@@ -63,5 +63,8 @@ def test_what_is_missing_is_named(folders: list[Path], chest: Path, tmp_path: Pa
         Stored(tmp_path / "few", "pose")
     with pytest.raises(UserError, match="--views"):
         Stored(tmp_path / "few", "completion")
+    apg.sample(chest, n=2).to(tmp_path / "links", "points", points=32, per="link")
+    with pytest.raises(UserError, match="points of 4 things for 2 objects"):
+        Stored(tmp_path / "links")
     with pytest.raises(UserError, match="32 and 64 points"):
         Stored([folders[0], tmp_path / "few"]).take([0])
