@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import copy
 import json
-import os
 import shutil
 from collections.abc import Iterator
-from itertools import islice
 from pathlib import Path
 from typing import Any, get_type_hints
 
@@ -24,7 +22,6 @@ from artipg_dsl.run.request import Made, Request
 from .helpers import CHEST, Apgc
 
 EVERY = ("text", 1, 0, -1, 10**30, 1.5, float("nan"), None, True, [], [[0]], {}, "../../x", "\0", "\ud800")
-EVERY_MUTANT = os.environ.get("ARTIPG_EVERY") == "1"
 CHECKED = {"numbers", "settings"}  # of these, every value that is read at all is tried
 EDITS = [
     (("identity", "numbers"), []),
@@ -103,7 +100,7 @@ def test_no_command_ends_in_a_traceback_whatever_the_manifest_says(folder, below
     place = out / below
     whole = json.loads((place / manifest.NAME).read_text(encoding="utf-8"))
     refused, tried = 0, set()
-    for at, made in islice(mutants(whole), 0, None, 1 if EVERY_MUTANT else 2):
+    for at, made in mutants(whole):
         (place / manifest.NAME).write_text(json.dumps(made), encoding="utf-8")
         try:
             manifest.read_manifest(place)
@@ -120,7 +117,7 @@ def test_no_command_ends_in_a_traceback_whatever_the_manifest_says(folder, below
             tried.add(at[1] if at[1:] else "source")
             code, _, err = apgc("validate", place, "-n", 1, "--states", "random:1")
             assert code in (0, 1, 2) and (code == 0 or err), at
-    assert refused > 200 and len(tried) > 8, (refused, tried)
+    assert refused > 400 and len(tried) > 8, (refused, tried)
 
 
 @pytest.mark.parametrize("command", ["export", "mutate", "render", "sample"])

@@ -140,7 +140,7 @@ MASSES = {
 
 @pytest.mark.parametrize("name", MASSES)
 def test_shipped_objects_weigh_about_what_real_ones_do(name: str) -> None:
-    batch = Session.of(name).sampler.batch(np.arange(12), 2)
+    batch = Session.of(name).sampler.batch(np.arange(24), 2)
     total = np.bincount(batch.links().owner, masses(batch).mass, len(batch))
     low, high = MASSES[name]
     assert low <= np.median(total) <= high and (total > low / 1.5).all() and (total < high * 1.3).all(), total

@@ -135,15 +135,15 @@ def test_counts_come_back_as_they_were() -> None:
 
 @pytest.mark.slow
 def test_memory_does_not_grow_with_the_run(tmp_path: Path) -> None:
-    """What is held after 15 shards is what was held after 5: no object, and nothing of any."""
+    """What is held after 25 shards is what was held after 5: no object, and nothing of any."""
     held: list[int] = []
 
     def heard(done: int, total: int) -> None:
-        if done in (40, 120):
+        if done in (40, 200):
             gc.collect()
             held.append(tracemalloc.get_traced_memory()[0])
 
-    output, asked = Output(("points", "annotation"), Content(Sampling(8)), 8), job(120, checked=False)
+    output, asked = Output(("points", "annotation"), Content(Sampling(8)), 8), job(200, checked=False)
     write_dataset(asked, tmp_path / "first", output)  # what is made once for a program
     tracemalloc.start()
     try:
