@@ -1,20 +1,42 @@
-"""Rows of numbers as text, all at once: the bytes of Python's ``%.6f``, made of tables of digits.
+"""Numbers as text: a few at a time, and rows of them all at once.
 
-A number is rounded to a whole number of millionths, which is split into groups of three digits. Where rounding is not clear, as the millionths
+``fixed`` makes the bytes of Python's ``%.6f`` of tables of digits. A number is rounded to a whole number of millionths, which is split into groups of three digits. Where rounding is not clear, as the millionths
 are half way between two within the error of the multiplication, Python tells.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from functools import lru_cache
 
 import numpy as np
+
+from ..native.digits import print_rows
 
 _PLACES, _MOST = 6, 1000.0
 _UNIT = 10**_PLACES
 _TRIPLES = np.array([list(f"{k:03d}".encode()) for k in range(1000)], dtype=np.uint8)
 _WIDTH = 11  # sign, three digits, point, six digits
+_NOISE = 1e12  # its inverse is dropped, metres
+_MANY = 24  # numbers from which on arrays are faster
 _CLOSE = 1e-6  # of a millionth: a thousand times the error of a product below 1e9
+
+
+def numbers(values: Iterable[float] | np.ndarray, digits: int = 9) -> str:
+    """Numbers (n,) with so many significant digits and a blank between, rounding noise below 1e-12 dropped."""
+    few = values.tolist() if isinstance(values, np.ndarray) else [*values]
+    if len(few) >= _MANY:
+        return print_rows((np.round(np.array(few), 12) + 0.0)[:, None], f"%.{digits}g", ("", " "))[:-1]
+    try:
+        rounded = [round(value * _NOISE) / _NOISE for value in few]  # as NumPy rounds
+    except (OverflowError, ValueError):  # no number has no whole one beside it
+        rounded = (np.round(np.array(few), 12) + 0.0).tolist()
+    return _form(digits, len(few)) % tuple(rounded)
+
+
+@lru_cache(maxsize=64)
+def _form(digits: int, count: int) -> str:
+    return " ".join([f"%.{digits}g"] * count)
 
 
 class Rows:

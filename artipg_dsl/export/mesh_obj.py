@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..native.digits import print_rows
 from .naming import Names
 from .pose import rest_poses
 
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
     from .robot import Robot, RobotLink, SeenMaterial, Visual
 
 _LIBRARY = "object.mtl"
+_VERTEX, _NORMAL, _FACE = (("v ", " ", " ", "\n"), ("vn ", " ", " ", "\n"), ("f ", " ", " ", "\n"))
+_SHADED = ("f ", "//", " ", "//", " ", "//", "\n")
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,17 +44,17 @@ def obj_text(shapes: Sequence[Shape], looks: Sequence[str] = ()) -> str:
         vertices = np.asarray(shape.vertices, dtype=np.float64) + 0.0  # + 0.0: no "-0"
         indices = np.asarray(shape.faces, dtype=np.int64) + first
         parts.append(f"o {shape.name}\n")
-        parts.append("v %.9g %.9g %.9g\n" * len(vertices) % tuple(vertices.ravel().tolist()))
+        parts.append(print_rows(vertices, "%.9g", _VERTEX))
         if shape.normals is not None:
             normals, corners = shape.normals
-            parts.append("vn %.6g %.6g %.6g\n" * len(normals) % tuple((np.round(normals, 6) + 0.0).ravel().tolist()))
+            parts.append(print_rows(np.round(normals, 6) + 0.0, "%.6g", _NORMAL))
         if looks:
             parts.append(f"usemtl {looks[k]}\n")
         if shape.normals is None:
-            parts.append("f %d %d %d\n" * len(indices) % tuple(indices.ravel().tolist()))
+            parts.append(print_rows(indices, "%d", _FACE))
         else:
             both = np.stack([indices, corners.astype(np.int64) + first_normal], axis=-1)
-            parts.append("f %d//%d %d//%d %d//%d\n" * len(indices) % tuple(both.ravel().tolist()))
+            parts.append(print_rows(both.reshape(-1, 6), "%d", _SHADED))
             first_normal += len(normals)
         first += len(vertices)
     return "".join(parts)

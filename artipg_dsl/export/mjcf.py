@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..runtime.motion import perpendicular_to
+from . import decimals
 from .adjacent import find_adjacent
 from .mesh_obj import link_meshes
 from .pose import link_poses, rest_values
@@ -219,9 +220,8 @@ def _bounds(robot: Robot) -> tuple[np.ndarray, np.ndarray]:
 
 
 def numbers(values: Any) -> str:
-    """Numbers with ten significant digits and a blank between, rounding noise below 1e-12 dropped."""
-    rounded = np.round(np.asarray(values, dtype=np.float64), 12) + 0.0
-    return ("%.10g " * len(rounded) % tuple(rounded.tolist()))[:-1]
+    """Numbers with ten significant digits and a blank between."""
+    return decimals.numbers(values, 10)
 
 
 @lru_cache(maxsize=2)

@@ -17,11 +17,10 @@ import numpy as np
 
 from ..annotate.cloud import Points, sample_points
 from ..annotate.sampling import Sampling
-from .decimals import Rows, fixed
+from .decimals import Rows, fixed, numbers
 from .mesh_obj import Shape, move_points, mtl_text, obj_text
 from .partnet_tree import CategoryWords, build_tree, to_entry, words_of
 from .partnet_words import JOINTS, LIFTED, link_label, root_label, spell_category, to_snake_case
-from .urdf import numbers
 from .write import ExportError
 
 if TYPE_CHECKING:

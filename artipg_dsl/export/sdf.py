@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..annotate.frames import euler
+from .decimals import numbers
 from .mesh_obj import Shape, link_meshes, obj_bytes
 from .pose import link_poses
 from .robot import Collider, Robot, RobotJoint, RobotLink
@@ -133,9 +134,8 @@ def _closures(robot: Robot) -> list[dict[str, Any]]:
 
 
 def _numbers(values: Any) -> str:
-    """Numbers with ten significant digits and a blank between, rounding noise below 1e-12 dropped."""
-    rounded = np.round(np.asarray(values, dtype=np.float64), 12) + 0.0
-    return " ".join(f"{value:.10g}" for value in rounded.tolist())
+    """Numbers with ten significant digits and a blank between."""
+    return numbers(values, 10)
 
 
 @lru_cache(maxsize=2)

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..annotate.frames import euler
 from .adjacent import find_adjacent
+from .decimals import numbers
 from .mesh_obj import Shape, link_meshes, obj_bytes
 from .robot import Collider, Robot, RobotJoint, RobotLink
 from .substitute import simple_joints
@@ -168,9 +169,3 @@ def _joint(joint: RobotJoint, robot: Robot) -> dict[str, Any]:
         "friction": f"{joint.friction:.9g}",
         "mimic": mimic,
     }
-
-
-def numbers(values: Any) -> str:
-    """Numbers with nine significant digits and a blank between, rounding noise below 1e-12 dropped."""
-    rounded = np.round(np.asarray(values, dtype=np.float64), 12) + 0.0
-    return ("%.9g " * len(rounded) % tuple(rounded.tolist()))[:-1]

@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..annotate.frames import quaternion
+from ..native.digits import print_rows
+from .decimals import numbers
 from .materials import to_linear
 from .pose import rest_poses
 from .principal import find_principal
@@ -32,6 +34,7 @@ _TYPES = {
     "fixed": "PhysicsFixedJoint",
 }
 _DEGREES = float(np.degrees(1.0))
+_POINT, _INDEX = ("(", ", ", ", ", "), "), ("", ", ")
 
 
 class Names:
@@ -146,7 +149,7 @@ def _polygons(points: np.ndarray, faces: np.ndarray) -> dict[str, str]:
     return {
         "extent": _vectors(np.stack([points.min(axis=0), points.max(axis=0)])),
         "counts": "[" + ", ".join(["3"] * len(faces)) + "]",
-        "indices": "[" + ", ".join(map(str, faces.ravel().tolist())) + "]",
+        "indices": f"[{print_rows(faces.reshape(-1, 1), '%d', _INDEX)[:-2]}]",
         "points": _vectors(points),
     }
 
@@ -292,7 +295,7 @@ def _identifier(name: str) -> str:
 
 
 def _vector(values: np.ndarray) -> str:
-    return "(" + ", ".join(f"{v:.9g}" for v in (np.round(values, 12) + 0.0).tolist()) + ")"
+    return f"({numbers(values).replace(' ', ', ')})"
 
 
 def _quat(values: np.ndarray) -> str:
@@ -302,8 +305,7 @@ def _quat(values: np.ndarray) -> str:
 
 def _vectors(points: np.ndarray) -> str:
     """Points (n, 3) as an array of tuples."""
-    rounded = np.round(points, 12) + 0.0
-    return "[" + ("(%.9g, %.9g, %.9g), " * len(rounded) % tuple(rounded.ravel().tolist()))[:-2] + "]"
+    return f"[{print_rows(np.round(points, 12) + 0.0, '%.9g', _POINT)[:-2]}]"
 
 
 @lru_cache(maxsize=1)

@@ -20,7 +20,7 @@ from ..errors import UserError
 from ..export.containers import hdf5_bytes
 from ..export.mesh_obj import Shape, obj_bytes
 from ..export.robot import RobotJoint, Robots
-from ..export.urdf import numbers
+from ..export.decimals import numbers
 from .clouds import norms
 from .entry import SPLITS, Entry
 from .gaparts import FINE

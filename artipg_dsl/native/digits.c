@@ -1,0 +1,143 @@
+/* Numbers as text, with the bytes of C's %.{n}g, %.6f and %d in the "C" locale, which are Python's. A number times a power of ten is
+   kept as a sum of two, so that which way it rounds is always known; what is too large or too small for that is left to the caller. */
+
+#include "bodies.h"
+
+#define EXACT 22 /* powers of ten up to this one are numbers themselves */
+
+static const double TENS[EXACT + 1] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
+                                       1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+static const double TENTHS[] = {1e0,   1e-1,  1e-2,  1e-3,  1e-4,  1e-5,  1e-6,  1e-7,  1e-8,  1e-9,  1e-10, 1e-11, 1e-12,
+                                1e-13, 1e-14, 1e-15, 1e-16, 1e-17, 1e-18, 1e-19, 1e-20, 1e-21, 1e-22, 1e-23, 1e-24, 1e-25,
+                                1e-26, 1e-27, 1e-28, 1e-29, 1e-30};
+#define LEAST 1e-30
+
+/* value * 10^power, to the nearest whole number, of two the even one; -1 where that is not known. The value is positive, the result
+   below 2^52. */
+static int64_t scaled(double value, int power) {
+    double low = 0.0, part;
+    int exact = 1;
+    if (power > EXACT) {
+        const double high = value * TENS[EXACT];
+        low = fma(value, TENS[EXACT], -high) * TENS[power - EXACT];
+        value = high;
+        power -= EXACT;
+        exact = 0;
+    }
+    const double whole = value * TENS[power], floor_ = floor(whole);
+    part = whole - floor_ - 0.5;
+    if (part > 1e-3) return (int64_t)floor_ + 1;
+    if (part < -1e-3) return (int64_t)floor_;
+    low += fma(value, TENS[power], -whole);
+    if (!exact && fabs(part + low) < 1e-12) return -1;
+    part += low;
+    if (part == 0.0) return (int64_t)floor_ + ((int64_t)floor_ & 1);
+    return (int64_t)floor_ + (part > 0.0);
+}
+
+static char *put_whole(char *out, int64_t value) {
+    char room[20], *at = room + 20;
+    uint64_t rest = value < 0 ? -(uint64_t)value : (uint64_t)value;
+    do {
+        *--at = (char)('0' + rest % 10);
+        rest /= 10;
+    } while (rest);
+    if (value < 0) *out++ = '-';
+    memcpy(out, at, (size_t)(room + 20 - at));
+    return out + (room + 20 - at);
+}
+
+/* The end of what is written, or null. */
+static char *put_general(char *out, double value, int digits) {
+    char room[20];
+    int power = 0, count, k;
+    int64_t whole;
+    if (signbit(value)) *out++ = '-';
+    value = fabs(value);
+    if (value == 0.0) {
+        *out++ = '0';
+        return out;
+    }
+    if (!(value >= LEAST && value < TENS[digits])) return 0;
+    if (value >= 1.0)
+        while (value >= TENS[power + 1]) power++;
+    else
+        while (value < TENTHS[-power]) power--;
+    whole = scaled(value, digits - 1 - power);
+    if (whole < 0) return 0;
+    if (whole < (int64_t)TENS[digits - 1]) return 0; /* the power of ten is not quite where its double is */
+    if (whole >= (int64_t)TENS[digits]) {
+        whole /= 10;
+        power++;
+    }
+    for (k = digits; k > 0; k--) {
+        room[k - 1] = (char)('0' + whole % 10);
+        whole /= 10;
+    }
+    for (count = digits; count > 1 && room[count - 1] == '0'; count--);
+    if (power < -4 || power >= digits) {
+        *out++ = room[0];
+        if (count > 1) *out++ = '.';
+        for (k = 1; k < count; k++) *out++ = room[k];
+        *out++ = 'e';
+        *out++ = power < 0 ? '-' : '+';
+        power = power < 0 ? -power : power;
+        *out++ = (char)('0' + power / 10);
+        *out++ = (char)('0' + power % 10);
+        return out;
+    }
+    if (power < 0) {
+        *out++ = '0';
+        *out++ = '.';
+        for (k = -1; k > power; k--) *out++ = '0';
+        for (k = 0; k < count; k++) *out++ = room[k];
+        return out;
+    }
+    for (k = 0; k <= power; k++) *out++ = k < count ? room[k] : '0';
+    if (count > power + 1) *out++ = '.';
+    for (k = power + 1; k < count; k++) *out++ = room[k];
+    return out;
+}
+
+static char *put_fixed(char *out, double value, int digits) {
+    int64_t whole;
+    int k;
+    if (signbit(value)) *out++ = '-';
+    value = fabs(value);
+    if (!(value < 1e9)) return 0;
+    whole = scaled(value, digits);
+    if (whole < 0) return 0;
+    out = put_whole(out, whole / (int64_t)TENS[digits]);
+    whole %= (int64_t)TENS[digits];
+    *out++ = '.';
+    for (k = digits; k > 0; k--) {
+        out[k - 1] = (char)('0' + whole % 10);
+        whole /= 10;
+    }
+    return out + digits;
+}
+
+/* Rows of ``columns`` numbers in ``out``; returns its length, -1 where one of them cannot be written here. ``form``: 0 whole numbers,
+   1 with so many significant ``digits`` (up to 12), 2 with so many (6) behind the point. What stands before each column and after the
+   last is ``marks``, one after the other, each up to its end in ``ends`` (columns + 1,). */
+OUT int64_t print_rows(int64_t rows, int64_t columns, int64_t form, int64_t digits, const void *values, const char *marks,
+                       const int64_t *ends, char *out) {
+    const double *number = values;
+    const int64_t *whole = values;
+    char *at = out;
+    for (int64_t row = 0; row < rows; row++) {
+        int64_t from = 0;
+        for (int64_t column = 0; column <= columns; column++) {
+            for (; from < ends[column]; from++) *at++ = marks[from];
+            if (column == columns) break;
+            if (form == 0)
+                at = put_whole(at, *whole++);
+            else if (form == 1)
+                at = put_general(at, *number++, (int)digits);
+            else
+                at = put_fixed(at, *number++, (int)digits);
+            if (!at) return -1;
+        }
+    }
+    return at - out;
+}
