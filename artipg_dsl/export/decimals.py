@@ -1,7 +1,8 @@
 """Numbers as text: a few at a time, and rows of them all at once.
 
-``fixed`` makes the bytes of Python's ``%.6f`` of tables of digits. A number is rounded to a whole number of millionths, which is split into groups of three digits. Where rounding is not clear, as the millionths
-are half way between two within the error of the multiplication, Python tells.
+``fixed`` makes the bytes of Python's ``%.6f`` of tables of digits. A number is rounded to a whole number of millionths, which is split into
+groups of three digits. Where rounding is not clear, as the millionths are half way between two within the error of the multiplication,
+Python tells.
 """
 
 from __future__ import annotations

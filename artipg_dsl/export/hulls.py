@@ -11,6 +11,7 @@ import numpy as np
 
 from ..geometry.merge import Cluster, Convex, clusters, cut, gather_clusters, halves
 from ..geometry.vectors import cross, dot
+from ..native.gaps import Stock
 from . import solids
 
 BUDGET = 60  # colliders of an object
@@ -106,13 +107,15 @@ def _rows(found: list[list[Cluster]], tolerance: float, materials: dict[int, np.
 
 
 def _pieces(items: list[Item]) -> Iterator[Convex]:
+    shapes = [(item.group.vertices[item.k], *(a[item.k] for a in item.group.planes)) for item in items]
+    stock = Stock(*zip(*shapes, strict=True)) if len(items) > BUDGET else None
     first, unit = (-1, -1), -1
     for k, item in enumerate(items):
         group = item.group
         if (group.table.number, item.row) != first:
             first, unit = (group.table.number, item.row), k  # a primitive is named after its first piece
-        normals, offsets = group.planes
-        yield Convex(group.vertices[item.k], normals[item.k], offsets[item.k], unit, group.name, group.index, item)
+        corners, normals, offsets = shapes[k]
+        yield Convex(corners, normals, offsets, unit, group.name, group.index, item, stock, k)
 
 
 def _hull(cluster: Cluster) -> Hull:

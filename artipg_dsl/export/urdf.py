@@ -151,7 +151,7 @@ def _joint(joint: RobotJoint, robot: Robot) -> dict[str, Any]:
         )
     kind = joint.hinge
     limit = {"effort": f"{joint.effort:.9g}", "velocity": f"{joint.velocity:.9g}"}
-    if kind != "continuous" and joint.limited:
+    if kind != "continuous" and joint.low is not None and joint.high is not None:
         limit = {"lower": numbers([joint.low]), "upper": numbers([joint.high])} | limit
     mimic = None
     if joint.mimic is not None:

@@ -16,6 +16,8 @@ from typing import Any
 
 import numpy as np
 
+from ..native import backend, gaps
+
 _LEFT = 0.05  # of the depth of a piece: one that keeps less when it is cut is lost
 _SECTORS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 40, 48, 60)
 _WAYS = np.array(
@@ -30,7 +32,7 @@ class Convex:
     """A convex piece: corners (P, 3), planes of its faces (outward normals (F, 3), offsets (F,)).
 
     ``unit`` numbers its primitive within the body, ``name`` the piece within the primitive, ``index`` the step.
-    ``source`` is what a caller knows it by.
+    ``source`` is what a caller knows it by. ``stock`` holds it for compiled code, as its ``number``.
     """
 
     points: np.ndarray
@@ -40,6 +42,8 @@ class Convex:
     name: int
     index: int
     source: Any = None
+    stock: gaps.Stock | None = None
+    number: int = 0
 
 
 Cluster = tuple[Convex, ...]
@@ -66,6 +70,9 @@ def _deepest(pieces: Cluster) -> tuple[float, int]:
 
     Of many pieces, the one with the nearest middle tells how far a point lies at most: all are asked about the farthest alone.
     """
+    machine, stock = backend.machine(), pieces[0].stock
+    if machine is not None and stock is not None:
+        return gaps.deepest(machine, stock, [piece.number for piece in pieces], _TURNED)
     points = _extreme(np.concatenate([piece.points for piece in pieces]))
     i, j = _pairs(len(points))
     middles = (points[i] + points[j]) / 2

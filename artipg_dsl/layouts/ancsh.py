@@ -18,9 +18,9 @@ from ..annotate.cameras import Cameras
 from ..annotate.states import joint_values, read_states
 from ..errors import UserError
 from ..export.containers import hdf5_bytes
+from ..export.decimals import numbers
 from ..export.mesh_obj import Shape, obj_bytes
 from ..export.robot import RobotJoint, Robots
-from ..export.decimals import numbers
 from .clouds import norms
 from .entry import SPLITS, Entry
 from .gaparts import FINE

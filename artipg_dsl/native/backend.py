@@ -35,7 +35,7 @@ class Machine:
         try:
             for name in ("closest", "separate", "meet_in_states", "examine", "sweep", "row_sums", "add_moments"):
                 getattr(library, name).restype = None
-            for name in ("near_in_states", "way_size", "examine_cells", "reach_of_cells", "print_rows"):
+            for name in ("near_in_states", "way_size", "examine_cells", "reach_of_cells", "print_rows", "deepest"):
                 getattr(library, name).restype = ctypes.c_int64
             self._run, look = library.run, library.look
             self._moves = {
