@@ -132,6 +132,7 @@ MASSES = {
     "Oven": (8, 110),
     "Refrigerator": (15, 190),
     "Scissors": (0.02, 0.13),
+    "Switch": (0.03, 1.2),
     "Table": (4, 80),
     "USB": (0.003, 0.03),
     "WashingMachine": (25, 100),
