@@ -86,4 +86,8 @@ def _with_gates_open(tree: Tree, gates: Gates, chosen: np.ndarray) -> Tree:
     gate = moves & ~chosen
     opened.low = np.where(gate, np.clip(wanted[0], tree.low, tree.high), least)
     opened.high = np.where(gate, np.clip(wanted[1], tree.low, tree.high), most)
+    follows = gate[tree.leader] & (tree.leader != np.arange(len(rest)))  # bolts that a gate draws are drawn with it
+    one, two = (tree.joints.multiplier * ends[tree.leader] + tree.joints.offset for ends in (opened.low, opened.high))
+    opened.low = np.where(follows, np.minimum(one, two), opened.low)
+    opened.high = np.where(follows, np.maximum(one, two), opened.high)
     return opened

@@ -68,3 +68,40 @@ def test_a_rack_that_meets_the_door_it_waits_for_is_no_object(tmp_path_factory: 
     )  # the open door is clear of it, the door half open is not
     with pytest.raises(UserError, match="rack collide while slide moves"):
         apg.sample(str(file), 1)
+
+
+SAFE = """
+apg 1
+use bodies { OpenBox }
+use primitives { Cuboid, Cylinder }
+category Safe {
+  root part body : OpenBox(size = [30cm, 40cm, 40cm], wall = 1cm)
+  part door : Cuboid(size = [1cm, 40cm, 40cm])
+  align door.back = body.front + 1mm
+  part handle : Cylinder(radius = 2cm, height = 4cm) along x
+  joint turn : revolute door.front -> handle.back gap 1mm range 0deg .. 90deg
+  joint open : revolute body -> door about door.left.back range 0deg .. 100deg when turn >= LEAST
+  part post : Cuboid(size = [1cm, 2cm, 38cm])                   # what the bolt goes behind
+  align post.front = body.front
+  align post.right = body.inner.right
+  connect post to body
+  part arm : Cuboid(size = [6cm, 1cm, 1cm])
+  align arm.front = door.back
+  align arm.right = body.inner.right + 4cm
+  connect arm to door
+  part bolt : Cuboid(size = [2cm, 6cm, 1cm])
+  align bolt.back = arm.back
+  align bolt.right = body.inner.right + 5mm
+  align bolt.bottom = arm.top + 1mm
+  joint slide : prismatic arm -> bolt along y range 0 .. 6cm mimic turn * (6cm / 90deg)
+}
+"""
+
+
+def test_a_door_waits_for_the_bolt_that_its_gate_draws(tmp_path_factory: pytest.TempPathFactory) -> None:
+    file = tmp_path_factory.mktemp("gates") / "safe.apg"
+    file.write_text(SAFE.replace("LEAST", "85deg"), encoding="utf-8")
+    assert len(apg.sample(str(file), 1)) == 1
+    file.write_text(SAFE.replace("LEAST", "10deg"), encoding="utf-8")  # hardly drawn
+    with pytest.raises(UserError, match="bolt collide while open moves"):
+        apg.sample(str(file), 1)

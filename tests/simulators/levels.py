@@ -78,6 +78,7 @@ def driven(world: Simulation, subject: Subject, name: str) -> str:
     joint = next(j for j in subject.moving if j.name == name)
     assert joint.low is not None and joint.high is not None
     missed, ahead = [], opened(subject, joint)
+    ahead = {k: v for k, v in subject.values(ahead).items() if v != subject.rest[k]}  # with what follows it
     for end in (joint.high, joint.low):
         world.place(subject.rest | ahead)
         targets = ahead | {name: end}
