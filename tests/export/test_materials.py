@@ -131,6 +131,7 @@ MASSES = {
     "Mug": (0.15, 1.5),
     "Oven": (8, 110),
     "Refrigerator": (15, 190),
+    "Safe": (10, 420),
     "Scissors": (0.02, 0.13),
     "Switch": (0.03, 1.2),
     "Table": (4, 80),
