@@ -234,7 +234,7 @@ def table(name: str, options: argparse.Namespace) -> None:
         theirs.append(loop.objects(few))
     a, b, c = ({s: float(np.median([o[s] for o in runs])) * 1e6 for s in STAGES} for runs in (ours, theirs, least))
     print(f"\n{name}: {options.objects} objects, {options.points} points each")
-    print(f"{'stage':22}{'columns':>10}{'loop':>11}{'ratio':>8}{'fill':>9}{'of it':>8}")
+    print(f"{'stage':22}{'columns':>10}{'loop':>11}{'ratio':>8}{'fill':>9}{'share':>8}")
     for title, stages in [*((s, (s,)) for s in STAGES), ("resolve to labels", MAIN), ("all", STAGES)]:
         one, other, bound = (sum(x[s] for s in stages) for x in (a, b, c))
         print(f"{title:22}{one:10.0f}{other:11.0f}{other / one:8.1f}{bound:9.2f}{100 * bound / one:7.1f}%")
