@@ -187,6 +187,13 @@ primitive Handle {{{SIZES}
   solid = loft(rectangle(a, b), rectangle(3 * a, 2 * b), polygon([a, 0], [tip, -r], [tip, r], [r, r])) along x at [-l, 0, l / 2] smooth
 }}
 """
+SLAB = f"""
+primitive Slab {{{SIZES}
+  curve oval (u in 0turn .. 1turn) = [2 * r * cos(u), r * sin(u)]
+  curve brim (u in 0turn .. 1turn) = [(2 * r - a / 4) * cos(u), (r - a / 4) * sin(u)]
+  solid = loft(brim, oval, oval, brim) along z at [0, a / 4, a, 5 * a / 4]
+}}
+"""
 
 SIDEWAYS = BEND.replace("Bend", "Sideways").replace("up y", "up x")
 UPRIGHT = BEND.replace("Bend", "Upright").replace("up y", "")

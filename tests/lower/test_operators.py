@@ -36,6 +36,7 @@ from .operators import (
     SADDLE,
     SHOULDER,
     SIDEWAYS,
+    SLAB,
     SPACE,
     SPIRAL,
     SPRING,
@@ -59,7 +60,7 @@ def test_any_path_takes_any_section(text):
 
 @pytest.mark.parametrize(
     "text",
-    [CHANNEL, PLINTH, BEND, DUCT, HORN, HOOK, BALUSTER, SHOULDER, HANDLE],
+    [CHANNEL, PLINTH, BEND, DUCT, HORN, HOOK, BALUSTER, SHOULDER, HANDLE, SLAB],
     ids=lambda text: text.split()[1].lower(),
 )
 def test_sections_and_outlines_pass_the_self_test(text):

@@ -34,7 +34,7 @@ from .made import NARROW, Demand, Made, U
 from .paths import Stretch, steps_of, stretches, windows
 from .probe import Probe
 from .profiles import SLOPE, Side, Span, V, circular, distance, extreme, orientation, straight
-from .rails import NEAR, check_directions, foot, path_of, ports_of, reach
+from .rails import NEAR, P, check_directions, foot, path_of, ports_of, reach
 from .regions import axis_of, chains_of, outline
 from .regions import turned as at_level
 from .smooth import courses
@@ -98,7 +98,8 @@ def loft(env: Env, solid: ast.SolidDecl) -> Made:
     rises = tuple(
         Demand(a, b, "the levels of the sections must rise") for a, b in zip(levels, levels[1:], strict=False)
     )
-    return _made_of(env, probe, solid, bays, low, high, {}, rises)
+    planes = (E.sub(levels[0], P[axis]), E.sub(P[axis], levels[-1]))
+    return _made_of(env, probe, solid, bays, low, high, {}, rises, planes)
 
 
 def _open_section(env: Env, node: ast.Node) -> Abort:
@@ -255,8 +256,13 @@ def _made_of(
     high: Triple,
     ports: dict[str, Value],
     requires: tuple[Demand, ...],
+    ends: tuple[Expr, ...] = (),
 ) -> Made:
-    """Surfaces, inside function and pieces of bays one after another."""
+    """Surfaces, inside function and pieces of bays one after another.
+
+    ``ends`` are the distances beyond the planes of the first and the last section, where they hold for all bays: a place is no deeper
+    in a bay than below these, or the inside function would jump from one bay to the next.
+    """
     patches, pieces = [], []
     inside: Expr | None = None
     steepest = E.maximum(*(lean(probe, bay) for bay in bays))
@@ -278,6 +284,8 @@ def _made_of(
         value = _inside_bay(
             probe, bay, E.div(distance(seen, loops, (X, Y)), steepest), number == 0, number == len(bays) - 1
         )
+        if len(bays) > 1:
+            value = E.maximum(value, *ends)
         inside = value if inside is None else E.minimum(inside, value)
         solid_section = len(loops) == 1 and convex(seen, loops[0][0], mirrored=False)
         pieces += bay_pieces(seen, probe, bay, f"bay_{number}", polygons(seen, loops, fill, solid_section))
