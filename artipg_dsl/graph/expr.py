@@ -8,7 +8,7 @@ way only through ``phi`` (one row or none per parent row), ``reduce`` and ``elem
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 from weakref import WeakValueDictionary
 
@@ -367,21 +367,21 @@ def root(bundle: Expr, index: int) -> Expr:
 # ---------------------------------------------------------------- walking
 
 
-def leaves(root: Expr, *, through: bool = True) -> set[Column]:
-    """The columns an expression reads; with ``through`` also inside phi, reductions and elements."""
-    found: set[Column] = set()
-    seen: set[int] = set()
+def nodes(root: Expr) -> Iterator[Expr]:
+    """All nodes of an expression, each once."""
+    seen: set[Expr] = set()
     stack = [root]
     while stack:
         node = stack.pop()
-        if id(node) in seen:
-            continue
-        seen.add(id(node))
-        if node.op == "col":
-            found.add(node.value)
-        elif through or node.op not in CROSSING:
+        if node not in seen:
+            seen.add(node)
+            yield node
             stack.extend(node.args)
-    return found
+
+
+def leaves(root: Expr) -> set[Column]:
+    """The columns an expression reads, those inside phi, reductions and elements too."""
+    return {node.value for node in nodes(root) if node.op == "col"}
 
 
 def substitute(root: Expr, mapping: dict[Expr, Expr]) -> Expr:

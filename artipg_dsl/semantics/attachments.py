@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from ..source import Span
 from ..syntax import ast
+from ..syntax.walk import path_root
 from .guards import VERSUS, And, Condition, Not, Or, assignments, conjunction, consistent
 from .scope import BodyScope, Entry, Guards, Variant
 from .types import PartType
@@ -30,14 +31,12 @@ def check(ck: Checker, scope: BodyScope) -> None:
     category = scope.owner.kind == "category"
     found: dict[int, list[Attachment]] = {}
     for at, stmt, guards in _statements(scope, scope.owner.body, ()):
-        subject = stmt.subject if isinstance(stmt, ast.ConnectStmt) else None
-        if isinstance(stmt, ast.JointDecl) and stmt.kind is not None:
-            subject = stmt.child
-        name = _first_name(subject)
-        if name is None:
+        subject = ast.placed(stmt)
+        first = None if subject is None else path_root(subject)
+        if not isinstance(first, ast.NameExpr):
             continue
         condition = ck.condition(guards)
-        for entry in at.find(name):
+        for entry in at.find(first.name):
             if entry.kind == "part" and consistent(condition, ck.entry_condition(entry)):
                 word = "connect" if isinstance(stmt, ast.ConnectStmt) else "joint"
                 found.setdefault(id(entry), []).append(Attachment(stmt.span, word, condition))
@@ -129,12 +128,6 @@ def _words(case: dict[str, Hashable], found: list[Attachment]) -> str:
 def _exists(ck: Checker, entry: Entry) -> Condition:
     kind, condition = ck.entry_type(entry), ck.entry_condition(entry)
     return conjunction((condition, kind.there)) if isinstance(kind, PartType) else condition
-
-
-def _first_name(expr: ast.Expr | None) -> str | None:
-    while isinstance(expr, ast.MemberExpr | ast.IndexExpr):
-        expr = expr.obj
-    return expr.name if isinstance(expr, ast.NameExpr) else None
 
 
 def _statements(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..diagnostics.suggest import did_you_mean, suggest
 from ..syntax import ast
-from ..syntax.walk import walk
+from ..syntax.walk import path_root, walk
 from ..units import UNITS
 from . import paths
 from .alternatives import unknown_material
@@ -135,12 +135,11 @@ def _made_of(ck: Checker, expr: ast.Expr, kind: Type | None) -> Iterator[Symbol]
 
 def not_previous(ck: Checker, expr: ast.Expr) -> None:
     """A statement about parts means them in every element; `previous` is no part of its own."""
-    while isinstance(expr, ast.MemberExpr | ast.IndexExpr):
-        expr = expr.obj
-    if isinstance(ck.meanings.get(id(expr)), Previous):
+    first = path_root(expr)
+    if isinstance(ck.meanings.get(id(first)), Previous):
         ck.error(
             "wrong-type",
-            expr.span,
+            first.span,
             "`previous` is not allowed here: the statement applies to the part in every element",
             hint="omit `previous`, or give the number of an element: `post[0]`, `post[last]`",
         )

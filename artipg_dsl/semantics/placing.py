@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from ..diagnostics.suggest import any_of, did_you_mean, suggest
 from ..language import DIRECTIONS, FACES, JOINTS
 from ..syntax import ast
-from ..syntax.walk import walk
+from ..syntax.walk import path_root, walk
 from ..units import UNITS
 from . import foreign
 from .declarations import check_range
@@ -70,10 +70,7 @@ def check_connect(ck: Checker, ctx: Context, node: ast.ConnectStmt) -> None:
 
 def _begins(ck: Checker, ctx: Context, expr: ast.Expr, kind: Type) -> None:
     """What is connected begins with the name of a part: the body that declares it says where it goes."""
-    first = expr
-    while isinstance(first, ast.MemberExpr):
-        first = first.obj
-    meaning = ck.meanings.get(id(first))
+    meaning = ck.meanings.get(id(path_root(expr)))
     entries = ctx.scope.find(meaning.name) if isinstance(meaning, Declared) and ctx.scope is not None else ()
     if kind not in (UNKNOWN, BASE) and not any(entry.kind == "part" for entry in entries):
         message = "what is connected must begin with the name of a part of this body"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from .ast import Node, Stmt, WhenStmt
+from .ast import Expr, IndexExpr, MemberExpr, Node, Stmt, WhenStmt
 
 
 def walk(node: object) -> Iterator[Node]:
@@ -17,6 +17,13 @@ def walk(node: object) -> Iterator[Node]:
     elif isinstance(node, tuple):
         for item in node:
             yield from walk(item)
+
+
+def path_root(node: Expr) -> Expr:
+    """What a path of members and indices begins with."""
+    while isinstance(node, MemberExpr | IndexExpr):
+        node = node.obj
+    return node
 
 
 def in_branches(body: tuple[Stmt, ...]) -> Iterator[Stmt]:

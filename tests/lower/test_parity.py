@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from artipg_dsl.graph import expr as E
 from artipg_dsl.graph.formula import compile_formula
-from artipg_dsl.lower.solve.recurrent import nodes
 
 from .test_operators import lowered
 
@@ -88,4 +88,4 @@ def test_levels_of_corners_are_crossed_once():
 
 def test_other_curves_are_left_to_the_general_way():
     egg = RING.replace("long * cos(u), broad", "long * cos(u) + 5mm * cos(2 * u), broad", 1)
-    assert len(list(nodes(lowered(RING).primitive.inside))) < len(list(nodes(lowered(egg).primitive.inside))) / 4
+    assert len(list(E.nodes(lowered(RING).primitive.inside))) < len(list(E.nodes(lowered(egg).primitive.inside))) / 4

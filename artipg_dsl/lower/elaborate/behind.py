@@ -75,10 +75,8 @@ def _taking(env: Env, when: ast.WhenStmt, moved: list[tuple[ast.Stmt, str]]) -> 
 def _placed_in_branch(env: Env, body: Body, statement: ast.Stmt) -> str | None:
     """The name of what a statement places, if only branches of a ``when`` of this body declare it."""
     match statement:
-        case ast.ConnectStmt(subject=subject):
-            named = [begins(env, subject)]
-        case ast.JointDecl(child=child, kind=kind) if kind is not None:
-            named = [begins(env, child)]
+        case ast.ConnectStmt() | ast.JointDecl():
+            named = [begins(env, ast.placed(statement))]
         case ast.AlignStmt(left=left, right=right):
             named = [
                 m

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 
 from ...graph import expr as E
 from ...graph.expr import Scope
-from ...semantics.symbols import Symbol, lineage
+from ...semantics.symbols import Symbol, lineage, names_of
 from ...source import Span
 from ...syntax import ast
 from ..expressions.context import Abort
-from ..expressions.env import Env, Hinge, Thunk, names_of
+from ..expressions.env import Env, Hinge, Thunk
 from ..expressions.evaluate import Evaluator
 from ..expressions.ports import Binding, PortArray
 from ..solids.curves import let
@@ -30,6 +30,9 @@ from .style import Style, build_style
 
 if TYPE_CHECKING:
     from .part import Instance, Option
+
+
+_WAITING = (ast.SlotDecl, ast.PortDecl, ast.JointDecl)  # what they declare is looked at when somebody names it
 
 
 def _lower_body(instance: Instance, option: Option, scope: Scope, given: dict[str, Value]) -> Env:
@@ -100,7 +103,7 @@ def lower(env: Env, body: tuple[ast.Stmt, ...]) -> None:
         with env.context.attempt(statement.span):
             if isinstance(statement, ast.WhenStmt):
                 _open_when(env, statement)
-            else:
+            elif not isinstance(statement, _WAITING):
                 for name in names_of(statement):
                     env.force(name)
     _bind_slots(env, body)

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from ...graph import expr as E
 from ...graph.depend import draws_behind
 from ...graph.expr import Expr
-from ...graph.program import Allowed, Clear, Preference, Requirement, Stable
+from ...graph.program import Allowed, Clear, Preference, Stable
 from ...syntax import ast
 from ...syntax.walk import walk
 from ..expressions.context import where
@@ -38,11 +38,10 @@ def require(links: Links, env: Env, statement: ast.RequireStmt) -> None:
             guard = E.both(guard, E.negate(ev.truth(ev.value(other), other.span)))
         message = statement.message or statement.span.words
         repair = () if statement.repair is None else giving(env, ev.value(statement.repair))
-        requirements = env.context.program.requirements
-        env.context.stated[len(requirements)] = statement.span, env.scope.parent is None and not env.path
-        requirements.append(
-            Requirement(env.scope, condition, guard, message, where(statement.span), slack, repair, node.span.words)
+        number = env.context.require(
+            env.scope, condition, statement.span, message, guard, slack, node.span.words, repair
         )
+        env.context.stated[number] = statement.span, env.scope.parent is None and not env.path
 
 
 def giving(env: Env, value: Value) -> tuple[int, ...]:

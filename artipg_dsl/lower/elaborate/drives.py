@@ -78,7 +78,7 @@ class Drive:
     def carriers(self) -> set[int]:
         """The joints that move the target: all on the way from its links to the root."""
         joints = self.links.context.program.joints
-        todo = [k for part in self.aim.parts for link in self.links_of(part) for k in link]
+        todo = [k for link in self.links_of(self.aim.part) for k in link]
         seen: set[int] = set()
         carried: set[int] = set()
         while todo:

@@ -15,7 +15,7 @@ from ...syntax import ast
 from ..expressions.context import where
 from ..expressions.env import Env, Hinge
 from ..expressions.evaluate import Evaluator
-from ..values.kinds import Edge, Frame, Line, Vec
+from ..values.kinds import Frame, Line, Vec
 from ..values.vectors import direct, normalized, place
 from .connect import Attachment, named_box
 from .part import Component
@@ -102,34 +102,28 @@ def axis_of(ev: Evaluator, part: Component, statement: ast.JointDecl, kind: str)
     else:
         center = named_box(ev, part, part.span).center
     clause = statement.about or statement.along
-    if clause is None:
-        assert statement.parent is not None
-        value = None if bare(ev.env, statement.parent) else ev.value(statement.parent)
-        if isinstance(value, Frame):
-            return value.origin, value.out
-        if isinstance(value, Line):
-            return value.point, value.direction
-        if not JOINTS[kind].axis:
-            at = statement.at
-            return (ev.vector(at.value[0].value) if at is not None else center), (E.ONE, E.ZERO, E.ZERO)
+    node = statement.parent if clause is None else clause.value
+    assert node is not None
+    match None if clause is None and bare(ev.env, node) else ev.value(node):
+        case Line(point=point, direction=direction) | Frame(origin=point, out=direction):
+            return point, direction
+        case Vec(items=(a, b, c), point=False) if clause is not None:
+            return center, (a, b, c)
+    if clause is not None:
         raise ev.env.context.error(
             "bad-axis",
-            statement.span,
-            f"this {kind} joint has no axis",
-            hint="write `about` and an edge or a line (door.left.back), or for a prismatic joint `along` and a direction",
+            clause.span,
+            "this is not an axis",
+            hint="an axis is an edge (door.left.back), a line port, line(...) or a direction",
         )
-    value = ev.value(clause.value)
-    if isinstance(value, Edge | Line):
-        return value.point, value.direction
-    if isinstance(value, Frame):
-        return value.origin, value.out
-    if isinstance(value, Vec) and not value.point and len(value.items) == 3:
-        return center, value.items
+    if not JOINTS[kind].axis:
+        at = statement.at
+        return (ev.vector(at.value[0].value) if at is not None else center), (E.ONE, E.ZERO, E.ZERO)
     raise ev.env.context.error(
         "bad-axis",
-        clause.span,
-        "this is not an axis",
-        hint="an axis is an edge (door.left.back), a line port, line(...) or a direction",
+        statement.span,
+        f"this {kind} joint has no axis",
+        hint="write `about` and an edge or a line (door.left.back), or for a prismatic joint `along` and a direction",
     )
 
 

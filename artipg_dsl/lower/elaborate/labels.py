@@ -13,6 +13,7 @@ from ...graph.program import Grasp, Keypoint, Label, Pose, Target
 from ...semantics import types
 from ...semantics.meanings import Current, Declared, Global
 from ...syntax import ast
+from ...syntax.walk import path_root
 from ...syntax.walk import walk as nodes_in
 from ..expressions.context import Draft, where
 from ..expressions.env import Element, Env
@@ -27,15 +28,14 @@ from .links import Links
 from .looks import sole_look
 from .part import Component
 from .paths import elements_named, walk
-from .place import root
 from .statements import Meanings, attempt
 
 
 @dataclass(slots=True, eq=False)
 class Aim:
-    """What a target path names: parts (with the box of each group) or surfaces of one, in the object's frame."""
+    """What a target path names: a part or surfaces of it, in the object's frame."""
 
-    parts: list[Component]
+    part: Component
     surfaces: tuple[str, ...]
     frame: Pose  # of the formula, in the object
     box: Box  # in that frame
@@ -109,10 +109,10 @@ def _slot_owner(part: Component, home: Env, env: Env) -> Component:
 def _aim_at(links: Links, part: Component, owner: Component, surfaces: tuple[str, ...]) -> Aim:
     """The formula's frame: axes of ``owner``, box of ``part`` in them."""
     if owner is part:
-        return Aim([part], surfaces, links.part_world(part), part.box(), part.env.scope, _depth_of(part))
+        return Aim(part, surfaces, links.part_world(part), part.box(), part.env.scope, _depth_of(part))
     frame = links.part_world(owner)
     box = extent(moved(part.box(), compose(inverse(frame), links.part_world(part))))
-    return Aim([part], surfaces, frame, box, part.env.scope, _depth_of(part))
+    return Aim(part, surfaces, frame, box, part.env.scope, _depth_of(part))
 
 
 def _depth_of(part: Component) -> int:
@@ -131,13 +131,16 @@ def sites_of(links: Links, part: Component) -> list[int]:
     return found
 
 
+def _nodes_of(links: Links, part: Component) -> Iterator[tuple[Scope, int]]:
+    """The nodes of the part tree that are a part, one for each alternative, with their tables."""
+    for instance in part.instances:
+        if (number := links.nodes.get((part, instance.symbol.name))) is not None:
+            yield instance.scope, number
+
+
 def targets(links: Links, aim: Aim) -> tuple[Target, ...]:
     center = aim.box.center
-    return tuple(
-        Target(site, aim.surfaces, aim.frame, aim.box.size, center)
-        for part in aim.parts
-        for site in sites_of(links, part)
-    )
+    return tuple(Target(site, aim.surfaces, aim.frame, aim.box.size, center) for site in sites_of(links, aim.part))
 
 
 def formula(links: Links, env: Env, aim: Aim) -> Evaluator:
@@ -185,13 +188,10 @@ def label(links: Links, env: Env, statement: ast.LabelStmt) -> None:
             links.context.labels.append((aim.depth, made))
             whole = statement.vocabulary == "semantic" and statement.value is None and not aim.surfaces
             if whole and not free_variables([holds]):  # it holds for a part as a whole, or does not
-                for part in aim.parts:
-                    for instance in part.instances:
-                        number = links.nodes.get((part, instance.symbol.name))
-                        if number is not None:
-                            made_of = program.parts[number]
-                            said = (*made_of.semantic, (statement.label, holds))
-                            program.parts[number] = replace(made_of, semantic=said)
+                for _, number in _nodes_of(links, aim.part):
+                    made_of = program.parts[number]
+                    said = (*made_of.semantic, (statement.label, holds))
+                    program.parts[number] = replace(made_of, semantic=said)
 
 
 def _acted(links: Links, ev: Evaluator, statement: ast.LabelStmt) -> tuple[int, ...]:
@@ -248,7 +248,7 @@ def _standing(env: Env, aim: Aim) -> Expr:
 
 def present(env: Env, aim: Aim) -> Expr:
     """Where a statement about a part as a whole holds: where that part is, too, which may have `none` for an alternative."""
-    return E.both(_standing(env, aim), aim.parts[0].exists)
+    return E.both(_standing(env, aim), aim.part.exists)
 
 
 def condition(ev: Evaluator, node: ast.Expr | None) -> Expr:
@@ -264,9 +264,8 @@ def material(links: Links, env: Env, statement: ast.MaterialStmt) -> None:
         for aim in _aims(links, env, node):
             there = _standing(env, aim)
             looks = tuple((name, E.both(there, shown(predicate, aim.scope))) for name, predicate in look.options)
-            for part in aim.parts:
-                for site in sites_of(links, part):
-                    links.context.materials.setdefault(site, []).append((aim.depth, looks))
+            for site in sites_of(links, aim.part):
+                links.context.materials.setdefault(site, []).append((aim.depth, looks))
 
 
 def grasp(links: Links, env: Env, statement: ast.GraspStmt) -> None:
@@ -293,7 +292,7 @@ def grasp(links: Links, env: Env, statement: ast.GraspStmt) -> None:
             Grasp(
                 statement.name,
                 scope,
-                links.of(aim.parts[0]),
+                links.of(aim.part),
                 aim.frame,
                 aim.box.size,
                 aim.box.center,
@@ -330,7 +329,7 @@ def keypoint(links: Links, env: Env, statement: ast.KeypointStmt) -> None:
             scope = env.context.guard(aim.scope, present(env, aim), f"{env.path}{statement.name}")
             x, y, z = (shown(c, scope) for c in point)
             program.keypoints.append(
-                Keypoint(statement.name, scope, links.of(aim.parts[0]), (x, y, z), where(statement.span))
+                Keypoint(statement.name, scope, links.of(aim.part), (x, y, z), where(statement.span))
             )
         return
     value = Evaluator(env).value(statement.target)
@@ -355,7 +354,7 @@ def _is_part_path(env: Env, node: ast.Expr) -> bool:
     """Whether a target names parts: a slot may bind surfaces, and `previous` is a part of another element."""
     if not isinstance(env.context.typed.type_of(node), types.PartType | types.SlotType):
         return False
-    named = isinstance(env.context.meaning(root(node)), Declared | Current)
+    named = isinstance(env.context.meaning(path_root(node)), Declared | Current)
     return named and all(isinstance(reached.value, Ref) for reached in walk(env, node))
 
 
@@ -365,16 +364,11 @@ def symmetry(links: Links, env: Env, statement: ast.SymmetryStmt) -> None:
     turns = E.ZERO if statement.turn is None else E.maximum(Evaluator(env).scalar(statement.turn), E.ONE)
     program = env.context.program
     for aim in _aims(links, env, statement.target):
-        for part in aim.parts:
-            for instance in part.instances:
-                number = links.nodes.get((part, instance.symbol.name))
-                if number is not None:
-                    known = program.parts[number].symmetry or (E.ONE, axis)
-                    here = E.both(has_row(env.scope, instance.scope), aim.there)
-                    told = (
-                        E.where(here, shown(a, instance.scope), b) for a, b in zip((turns, axis), known, strict=True)
-                    )
-                    program.parts[number] = replace(program.parts[number], symmetry=pair(told))
+        for scope, number in _nodes_of(links, aim.part):
+            known = program.parts[number].symmetry or (E.ONE, axis)
+            here = E.both(has_row(env.scope, scope), aim.there)
+            told = (E.where(here, shown(a, scope), b) for a, b in zip((turns, axis), known, strict=True))
+            program.parts[number] = replace(program.parts[number], symmetry=pair(told))
 
 
 def _one_element(statement: ast.SymmetryStmt) -> bool:

@@ -19,7 +19,7 @@ from ...syntax import ast
 from ..expressions.context import Draft
 from ..expressions.env import Env, Hinge, exists_in
 from ..expressions.extents import union_of
-from ..solve.cases import TooManyCases, combinations
+from ..solve.cases import covered
 from ..values.kinds import Carrier, InElement, part_of
 from ..values.vectors import HERE, IDENTITY, compose
 from .connect import Attachment
@@ -145,16 +145,13 @@ class Links:
             not attachments or part.env.root.instance is None
         ):  # in a category each part is attached: it has been checked
             return bool(attachments)
-        guards = [part.exists]
+        guards = []
         for attachment in attachments:
             within = (
                 s for s in attachment.env.scope.ancestors() if s is not part.env.scope and s.within(part.env.scope)
             )
             guards.append(functools.reduce(E.both, (s.count for s in within if s.count is not None), E.TRUE))
-        try:
-            return all(any(held) for exists, *held in combinations(guards, self.context.draws) if exists)
-        except TooManyCases:
-            return False
+        return covered(guards, self.context.draws, part.exists)
 
     def whichever(self, found: list[tuple[Scope, Reference]]) -> Reference:
         """One reference out of those that hold in exclusive scopes, the last of them in all that is left."""

@@ -18,9 +18,9 @@ from ..expressions.context import Abort, Draft, Unknown
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..expressions.extents import frame_in, union_of
-from ..values.carry import merged, moved
+from ..values.carry import merged, moved, united
 from ..values.faces import centred
-from ..values.kinds import Box, Branch, Choice, Lying, Ports, Ref, Surface, Value, Vec, alike
+from ..values.kinds import Box, Branch, Choice, Lying, Ports, Ref, Surface, Value, Vec
 from ..values.vectors import IDENTITY, Matrix, compose, matrix
 from .guards import has_row
 from .paths import Reached, walk
@@ -146,18 +146,10 @@ class Component:
                 found.append((instance.scope, value))
         if not found:
             return None
-        if (references := alike(Ref, found)) is not None:
-            branches = [
-                Branch(s if b.scope is None and s is not self.env.scope else b.scope, b.members)
-                for s, v in references
-                for b in v.branches
-            ]
-            return Ref(name, tuple(branches))
-        if len(found) == 1 and found[0][0] is self.env.scope:
-            return found[0][1]
-        if (surfaces := alike(Surface, found)) is not None:
-            return Surface(tuple(b if b[0] is not None else (s, *b[1:]) for s, v in surfaces for b in v.branches))
-        return merged(self.env.scope, found)
+        home = self.env.scope
+        if (whole := united(name, [(None if scope is home else scope, value) for scope, value in found])) is not None:
+            return whole
+        return found[0][1] if len(found) == 1 and found[0][0] is home else merged(home, found)
 
     def box(self) -> Box:
         """The box of the part in its own frame."""

@@ -12,13 +12,14 @@ from ...graph.primitive import Triple, triple
 from ...graph.program import Pose
 from ...semantics.meanings import Declared, Word
 from ...syntax import ast
+from ...syntax.walk import in_branches, path_root
 from ..expressions.context import Abort, Equation
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..expressions.members import describe
-from ..solve.cases import TooManyCases, combinations
+from ..solve.cases import covered
 from ..solve.recurrent import closed
-from ..values.carry import mapped_pose
+from ..values.carry import merged
 from ..values.faces import frame_of
 from ..values.kinds import Branch, Face, Frame, Line, Ref, Value
 from ..values.vectors import (
@@ -58,16 +59,9 @@ class Mount:
     target: ast.Expr | None
 
 
-def root(node: ast.Expr) -> ast.Expr:
-    """What a path begins with."""
-    while isinstance(node, ast.MemberExpr | ast.IndexExpr):
-        node = node.obj
-    return node
-
-
 def begins(env: Env, node: ast.Expr | None) -> Declared | None:
     """The declaration that a path begins with."""
-    meaning = None if node is None else env.context.meaning(root(node))
+    meaning = None if node is None else env.context.meaning(path_root(node))
     return meaning if isinstance(meaning, Declared) else None
 
 
@@ -87,10 +81,8 @@ def bare(env: Env, node: ast.Expr | None) -> bool:
 
 def _mount_of(env: Env, statement: ast.Stmt, part: Declared) -> Mount | None:
     """The mount that a statement states for a part, if it is one."""
-    if not isinstance(statement, ast.ConnectStmt | ast.JointDecl):
-        return None
-    subject = statement.subject if isinstance(statement, ast.ConnectStmt) else statement.child
-    if subject is None or begins(env, subject) != part:
+    subject = ast.placed(statement)
+    if subject is None or not isinstance(statement, ast.Attaching) or begins(env, subject) != part:
         return None
     if statement.between is not None:
         return Mount(env, statement, subject, None)
@@ -115,15 +107,7 @@ def _mounts_of(env: Env, part: Declared) -> list[Mount]:
 
 def _mounting(env: Env, statement: ast.WhenStmt, part: Declared) -> bool:
     """Whether a ``when`` may hold a mount of a part."""
-    for inner in (*statement.body, *statement.otherwise):
-        if isinstance(inner, ast.WhenStmt):
-            if _mounting(env, inner, part):
-                return True
-        elif isinstance(inner, ast.ConnectStmt | ast.JointDecl):
-            subject = inner.subject if isinstance(inner, ast.ConnectStmt) else inner.child
-            if begins(env, subject) == part:
-                return True
-    return False
+    return any(begins(env, ast.placed(inner)) == part for inner in in_branches((statement,)))
 
 
 def pose_of(part: Component) -> Pose:
@@ -182,25 +166,15 @@ def _sought(part: Component) -> Pose:
         return partly(part, [(m, pose) for m, (_, pose) in zip(found, poses, strict=True)])
     if len(poses) == 1:
         return poses[0][1]
-    lists = [flat(pose) for _, pose in poses]
-    order = iter(range(len(lists[0])))
-
-    def pick(_: E.Expr) -> E.Expr:
-        k = next(order)
-        return E.phi(part.env.scope, [(scope, values[k]) for (scope, _), values in zip(poses, lists, strict=True)])
-
-    return mapped_pose(poses[0][1], pick)
+    frame = merged(part.env.scope, [(scope, Frame(pose.translation, pose.rotation)) for scope, pose in poses])
+    return Pose(frame.rotation, frame.origin, ONE)
 
 
 def everywhere(part: Component, scopes: list[Scope]) -> bool:
     """Whether one of the tables has a row wherever the part exists."""
     if any(scope is part.env.scope for scope in scopes):
         return True
-    guards = [has_row(scope, part.env.scope) for scope in scopes]
-    try:
-        return all(any(there) for exists, *there in combinations([part.exists, *guards], part.context.draws) if exists)
-    except TooManyCases:
-        return False
+    return covered([has_row(scope, part.env.scope) for scope in scopes], part.context.draws, part.exists)
 
 
 def partly(part: Component, mounts: list[tuple[Mount, Pose]]) -> Pose:
@@ -221,17 +195,6 @@ def partly(part: Component, mounts: list[tuple[Mount, Pose]]) -> Pose:
         for i in range(3)
     ]
     return Pose(matrix(cells), place, ONE)
-
-
-def flat(pose: Pose) -> list[E.Expr]:
-    found: list[E.Expr] = []
-
-    def noted(entry: E.Expr) -> E.Expr:
-        found.append(entry)
-        return entry
-
-    mapped_pose(Pose(pose.rotation, pose.translation, pose.mirror), noted)
-    return found
 
 
 def _mount_pose(part: Component, mount: Mount) -> Pose:
@@ -290,7 +253,7 @@ def _own_value(part: Component, subject: ast.Expr, env: Env, rotation: Matrix = 
     """The subject of a mount in the part's own frame (its pose is what is sought), turned as the part says."""
     frame = HERE if rotation == IDENTITY else Pose(rotation, (ZERO, ZERO, ZERO), ONE)
     own = Ref(part.name, (Branch(None, ((part, frame),)),), own=True)
-    return Evaluator(env, instead={id(root(subject)): own}).value(subject)
+    return Evaluator(env, instead={id(path_root(subject)): own}).value(subject)
 
 
 def _locate_mount(frame: Frame, mount: Mount, ev: Evaluator) -> Triple:

@@ -208,22 +208,16 @@ def _descends(rank: Expr, repeat: Scope) -> bool:
 def refuse(links: Links) -> None:
     """Report links that hang on one another in a ring, and joints that follow or wait for one another."""
     program = links.context.program
+    joints = list(enumerate(program.joints))
     hung: dict[int, Reference] = {joint.child: joint.parent for joint in program.joints}
-    ring = Chains([link.scope for link in program.links], hung, program.draws).ring()
-    if ring is not None:
-        _tell(links, [links.joints[link] for link in ring], "hangs on")
-        return
-    follows: dict[int, Reference] = {k: j.mimic[0] for k, j in enumerate(program.joints) if j.mimic is not None}
-    ring = Chains([joint.scope for joint in program.joints], follows, program.draws).ring()
-    if ring is not None:
-        _tell(links, ring, "follows")
-        return
-    waits: dict[int, Reference] = {
-        k: tuple(item for gate in j.gates for item in gate.joint) for k, j in enumerate(program.joints) if j.gates
-    }
-    ring = Chains([joint.scope for joint in program.joints], waits, program.draws).ring()
-    if ring is not None:
-        _tell(links, ring, "waits for")
+    follows: dict[int, Reference] = {k: j.mimic[0] for k, j in joints if j.mimic is not None}
+    waits: dict[int, Reference] = {k: tuple(to for gate in j.gates for to in gate.joint) for k, j in joints if j.gates}
+    for verb, above in (("hangs on", hung), ("follows", follows), ("waits for", waits)):
+        ends = program.links if above is hung else program.joints
+        ring = Chains([end.scope for end in ends], above, program.draws).ring()
+        if ring is not None:
+            _tell(links, [links.joints[link] for link in ring] if above is hung else ring, verb)
+            return
 
 
 def _tell(links: Links, ring: list[int], verb: str) -> None:

@@ -7,9 +7,7 @@ from collections.abc import Callable
 from ...graph import expr as E
 from ...graph.expr import Expr, Scope
 from ...graph.primitive import triple
-from ...graph.program import Requirement
 from ...syntax import ast
-from ..expressions.context import where
 from ..expressions.env import Element, Env
 from ..expressions.evaluate import Evaluator
 from ..values.kinds import Box
@@ -61,11 +59,8 @@ def _bound_count(inner: Env, element: Element, statement: ast.RepeatStmt, room: 
     ):
         holds = E.call("le", *sides)
         if holds is not E.TRUE:
-            outer.context.program.requirements.append(
-                Requirement(
-                    outer.scope, holds, E.TRUE, message, where(statement.span), sides, text=f"each of {element.name}"
-                )
-            )
+            text = f"each of {element.name}"
+            outer.context.require(outer.scope, holds, statement.span, message, sides=sides, text=text)
 
 
 def total(scope: Scope, value: Expr, count: Expr) -> Expr:

@@ -13,7 +13,7 @@ from ...source import Span
 from ...syntax import ast
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
-from ..solve.cases import TooManyCases, combinations
+from ..solve.cases import covered
 from ..values.kinds import Alternatives, Choice
 from .draws import draw_choice, draw_option, draw_scalar
 
@@ -98,12 +98,8 @@ def complete_choice(env: Env, alternatives: tuple[ast.Alternative, ...]) -> tupl
     if len(guards) < len(alternatives):
         return alternatives
     ev = Evaluator(env)
-    conditions = [ev.truth(ev.value(guard), guard.span) for guard in guards]
-    try:
-        if all(any(held) for held in combinations(conditions, env.context.draws)):
-            return alternatives
-    except TooManyCases:
-        pass
+    if covered([ev.truth(ev.value(guard), guard.span) for guard in guards], env.context.draws):
+        return alternatives
     span = alternatives[-1].span
     some = functools.reduce(lambda a, b: ast.BinaryExpr(span=span, op="or", left=a, right=b), guards)
     rest = ast.UnaryExpr(span=span, op="not", operand=some)

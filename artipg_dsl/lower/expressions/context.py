@@ -12,7 +12,7 @@ from ...errors import InternalError
 from ...graph import expr as E
 from ...graph.expr import Column, Expr, Scope, ScopeError
 from ...graph.interval import Interval
-from ...graph.program import Draw, Label, Program, Where
+from ...graph.program import Draw, Label, Program, Requirement, Where
 from ...language import Form
 from ...semantics.meanings import BuiltIn, Global, Meaning
 from ...semantics.symbols import Symbol
@@ -232,6 +232,22 @@ class Draft:
         if key not in self.guards:
             self.guards[key] = self.scope(name, parent, "guard", condition)
         return self.guards[key]
+
+    def require(
+        self,
+        scope: Scope,
+        holds: Expr,
+        span: Span,
+        message: str,
+        guard: Expr = E.TRUE,
+        sides: tuple[Expr, Expr] | None = None,
+        text: str = "",
+        repair: tuple[int, ...] = (),
+    ) -> int:
+        """Add a requirement that is stated at ``span``, and give its number; the rest as in ``Requirement``."""
+        requirements = self.program.requirements
+        requirements.append(Requirement(scope, holds, guard, message, where(span), sides, repair, text))
+        return len(requirements) - 1
 
     def column(self, scope: Scope, name: str, kind: str, span: Span) -> Column:
         column = Column(scope, name, kind)

@@ -7,18 +7,19 @@ equations that are matched together.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from ...graph import expr as E
 from ...graph.expr import Expr, Scope
 from ...graph.program import Pose
-from ...semantics.symbols import ModuleScope, Symbol
+from ...semantics.symbols import ModuleScope, Symbol, names_of
 from ...source import Span
 from ...syntax import ast
-from ..values.carry import merged, moved
-from ..values.kinds import Box, Choice, Frame, Line, Plane, Ports, Ref, Value, Vec, alike
+from ...syntax.walk import in_branches
+from ..values.carry import merged, moved, united
+from ..values.kinds import Box, Choice, Frame, Line, Plane, Ports, Ref, Value, Vec
 from ..values.vectors import HERE, compose, inverse
 from .context import Abort, Draft, Equation, Unknown
 
@@ -146,10 +147,9 @@ class Env:
             return found[0][1]  # an element's values are fetched from its own table; styles and functions have a home
         if not found or not all(isinstance(value, _MERGED) for _, value in found):
             return None
-        if (references := alike(Ref, found)) is not None:
-            own = self.scope
-            branches = ((b, None if scope is own else scope) for scope, ref in references for b in ref.branches)
-            return Ref(name, tuple(replace(b, scope=b.scope or scope) for b, scope in branches))
+        references = united(name, [(None if scope is self.scope else scope, value) for scope, value in found])
+        if references is not None:
+            return references
         return found[0][1] if found[0][0] is self.scope else merged(self.scope, found)
 
     def branched(self, name: str) -> list[tuple[Env, Value]]:
@@ -190,10 +190,10 @@ class Env:
             env = env.outer
         return None
 
-    def to_root(self) -> Pose:
-        """This frame in the body's own."""
+    def pose_in(self, around: Env) -> Pose:
+        """This frame in that of an environment around it, of the same body."""
         pose, env = HERE, self
-        while env.outer is not None:
+        while env is not around and env.outer is not None:
             if env.frame is not HERE:
                 pose = compose(env.frame, pose) if pose is not HERE else env.frame
             env = env.outer
@@ -205,20 +205,6 @@ def exists_in(env: Env, guard: Expr) -> bool:
     return guard is E.TRUE or any(scope.count is guard for scope in env.scope.ancestors())
 
 
-def names_of(statement: ast.Stmt) -> Iterator[str]:
-    if isinstance(statement, ast.ParamDecl):
-        yield from statement.names
-    elif isinstance(
-        statement, ast.CountDecl | ast.LetDecl | ast.PartDecl | ast.StyleDecl | ast.RepeatStmt | ast.CurveDecl
-    ):
-        yield statement.name
-
-
 def _declares(statement: ast.WhenStmt, name: str) -> bool:
     """Whether a branch of a ``when`` declares a name."""
-    return any(
-        _declares(inner, name)
-        if isinstance(inner, ast.WhenStmt)
-        else name in names_of(inner) or isinstance(inner, ast.PortDecl | ast.JointDecl) and inner.name == name
-        for inner in (*statement.body, *statement.otherwise)
-    )
+    return any(name in names_of(inner) for inner in in_branches((statement,)))

@@ -16,9 +16,6 @@ from ..values.vectors import HERE, ORIGIN, compose
 from .env import Env
 
 if TYPE_CHECKING:
-    pass
-
-if TYPE_CHECKING:
     from ..elaborate.part import Component
 
 

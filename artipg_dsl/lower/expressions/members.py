@@ -13,7 +13,7 @@ from ...graph.program import Pose
 from ...semantics.meanings import Feature, Inner
 from ...source import Span
 from ...syntax import ast
-from ..values.carry import baked, mapped, mapped_pose, merged, moved
+from ..values.carry import mapped, mapped_pose, merged, moved, united
 from ..values.faces import FACES, corner_of, edge_of, extent, face_of, squared
 from ..values.handed import Handed
 from ..values.kinds import (
@@ -33,7 +33,6 @@ from ..values.kinds import (
     Surface,
     Value,
     Vec,
-    alike,
 )
 from ..values.vectors import AXES, HERE, compose, inverse, place
 from .env import Element, Env, Function, Hinge
@@ -100,7 +99,7 @@ def own_box(ev: Evaluator) -> Box | None:
     root = ev.env.root
     if root.box is None:
         return None
-    pose = ev.env.to_root()
+    pose = ev.env.pose_in(root)
     return root.box if pose is HERE else moved(root.box, inverse(pose))
 
 
@@ -210,14 +209,8 @@ def _from_env(ev: Evaluator, env: Env, value: Box) -> Box: ...
 def _from_env(ev: Evaluator, env: Env, value: Value) -> Value: ...
 def _from_env(ev: Evaluator, env: Env, value: Value) -> Value:
     """A value of an environment around this one, in this one's frame."""
-    chain = HERE
-    at: Env | None = ev.env
-    while at is not None and at is not env:
-        if at.frame is not HERE:
-            chain = compose(at.frame, chain) if chain is not HERE else at.frame
-        at = at.outer
-    value = value if chain is HERE else moved(value, inverse(chain))
-    return moved(value, ev.pose)
+    pose = ev.env.pose_in(env)
+    return moved(value if pose is HERE else moved(value, inverse(pose)), ev.pose)
 
 
 @overload
@@ -282,16 +275,12 @@ def declared(ev: Evaluator, ref: Ref, name: str, span: Span) -> Value | None:
 
 def joined(ev: Evaluator, name: str, results: list[tuple[Scope | None, Value]]) -> Value:
     """One value out of those of alternatives, in this environment's table."""
-    if (surfaces := alike(Surface, results)) is not None:
-        return Surface(tuple(b if b[0] is not None else (s, *b[1:]) for s, v in surfaces for b in v.branches))
+    if len(results) == 1 and isinstance(ref := results[0][1], Ref):  # with a frame of its own, still to be carried
+        return replace(ref, branches=tuple(replace(b, scope=b.scope or results[0][0]) for b in ref.branches))
+    if (whole := united(name, results)) is not None:
+        return whole
     if len(results) == 1:
-        scope, value = results[0]
-        if not isinstance(value, Ref):
-            return lift(ev, value, scope)
-        return replace(value, branches=tuple(replace(b, scope=b.scope or scope) for b in value.branches))
-    if (references := alike(Ref, results)) is not None:
-        branches = [replace(b, scope=b.scope or s) for s, v in references for b in baked(v).branches]
-        return Ref(name, tuple(branches))
+        return lift(ev, results[0][1], results[0][0])
     parent, values = parted(results)
     return lift(ev, merged(parent, values), parent)
 

@@ -245,12 +245,4 @@ def _variables_of(numbers: dict[Expr, str]) -> dict[Expr, str]:
 
 def _crosses(root: Expr) -> bool:
     """Whether a value reads other tables, or is no formula of columns alone."""
-    seen: set[Expr] = set()
-    stack = [root]
-    while stack:
-        node = stack.pop()
-        if node.op in E.CROSSING or node.op in ("solve", "root", "rank", "var"):
-            return True
-        stack += [a for a in node.args if a not in seen]
-        seen.update(node.args)
-    return False
+    return any(node.op in E.CROSSING or node.op in ("solve", "root", "rank", "var") for node in E.nodes(root))

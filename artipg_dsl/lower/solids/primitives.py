@@ -11,7 +11,6 @@ from ...graph import expr as E
 from ...graph.expr import Expr, Scope
 from ...graph.interval import Interval, Intervals, holds_always
 from ...graph.primitive import Patch, Piece, Primitive, Triple, triple
-from ...graph.program import Requirement
 from ...semantics.symbols import Symbol
 from ...source import Span
 from ...syntax import ast
@@ -53,7 +52,7 @@ class Lowered:
     """A primitive's formulas over variables, and what else its declaration offers."""
 
     primitive: Primitive
-    names: tuple[tuple[str, int], ...]  # parameter, components (0: a scalar)
+    names: tuple[str, ...]  # of its parameters
     ports: dict[str, Value] = field(default_factory=dict)
     conditions: list[Condition] = field(default_factory=list)
     centred_size: bool = False
@@ -69,7 +68,7 @@ class Lowered:
     def scalars(self, instance: Instance) -> tuple[Expr, ...]:
         """The arguments of a use in the order of the primitive's parameters."""
         found: list[Expr] = []
-        for name, _ in self.names:
+        for name in self.names:
             value = instance.values.get(name)
             if isinstance(value, Curve):
                 found.extend(handed(value, name).scalars)
@@ -104,7 +103,6 @@ class Lowered:
 
         mapping = self.mapping(instance)
         part, context = instance.part, instance.part.context
-        program = context.program
         for condition in self.conditions:
             here = E.substitute(condition.holds, mapping)
             if here is E.TRUE or holds_always(here, context.draws):
@@ -113,25 +111,16 @@ class Lowered:
                 None if pair is None else (E.substitute(pair[0], mapping), E.substitute(pair[1], mapping))
                 for pair in (condition.sides, condition.bend)
             )
-            place, message = part.span, condition.message
+            place, message, name = part.span, condition.message, "the path"
             if bend is not None:
-                curves = [v for v in instance.values.values() if isinstance(v, Curve)]
-                place = curves[0].statement.name_span if curves else part.span
-                name = f"`{curves[0].name}`" if curves else "the path"
+                for curve in [v for v in instance.values.values() if isinstance(v, Curve)][:1]:
+                    place, name = curve.statement.name_span, f"`{curve.name}`"
                 message = f"{name} bends more tightly than its section allows"
-                context.bends[len(program.requirements)] = Bend(name, place, part.path, part.span, *bend)
-            context.stated[len(program.requirements)] = place, False
-            program.requirements.append(
-                Requirement(
-                    instance.scope,
-                    here,
-                    E.TRUE,
-                    f"{part.path}: {message}",
-                    where(place),
-                    sides,
-                    text=f"{part.path}: {condition.text}",
-                )
-            )
+            told, text = f"{part.path}: {message}", f"{part.path}: {condition.text}"
+            number = context.require(instance.scope, here, place, told, sides=sides, text=text)
+            context.stated[number] = place, False
+            if bend is not None:
+                context.bends[number] = Bend(name, place, part.path, part.span, *bend)
 
 
 def lower_primitive(context: Draft, symbol: Symbol, values: dict[str, Value] | None = None) -> Lowered:
@@ -207,20 +196,10 @@ def make(context: Draft, symbol: Symbol, title: str, paths: dict[str, Handed]) -
 
     root = Scope(f"primitive {symbol.name}")
     env = Env(context, symbol.module, symbol, root, "")
-    names: list[tuple[str, int]] = []
-    parameters: list[str] = []
-    tests: list[tuple[float, float]] = []
-    conditions: list[Condition] = []
-    for statement in symbol.body:
-        if isinstance(statement, ast.ParamDecl):
-            for name in statement.names:
-                if name in paths:
-                    env.names[name] = paths[name]
-                    names.append((name, len(paths[name].names)))
-                    parameters.extend(paths[name].names)
-                    tests.extend(paths[name].tests)
-                    continue
-                _declare_parameter(env, statement, name, names, parameters, tests, conditions)
+    parameters = [s for s in symbol.body if isinstance(s, ast.ParamDecl)]
+    env.names.update(paths)
+    conditions = [c for s in parameters if s.type.name != "curve" for c in _declare_parameters(env, s)]
+    tests = dict(test_ranges(env))
     stated: list[str] = []
     for statement in symbol.body:
         if isinstance(statement, ast.LetDecl | ast.CurveDecl):
@@ -234,7 +213,7 @@ def make(context: Draft, symbol: Symbol, title: str, paths: dict[str, Handed]) -
         if isinstance(statement, ast.RequireStmt) and statement.condition is not None:
             conditions.append(_condition_of(Evaluator(env), statement))
     limits = domains(env, symbol.body)
-    whole = [n for s in symbol.body if isinstance(s, ast.ParamDecl) and s.type.name == "count" for n in s.names]
+    whole = [n for s in parameters if s.type.name == "count" for n in s.names]
     patches, pieces = [], []
     inside: Expr | None = None
     low = high = None
@@ -273,8 +252,8 @@ def make(context: Draft, symbol: Symbol, title: str, paths: dict[str, Handed]) -
         )
     primitive = Primitive(
         title,
-        tuple(parameters),
         tuple(tests),
+        tuple(tests.values()),
         tuple(patches),
         inside,
         low,
@@ -286,7 +265,7 @@ def make(context: Draft, symbol: Symbol, title: str, paths: dict[str, Handed]) -
         tuple(whole),
     )
     ports = {**ports, **{name: env.force(name) for name in stated}}
-    lowered = Lowered(primitive, tuple(names), ports, conditions)
+    lowered = Lowered(primitive, tuple(n for s in parameters for n in s.names), ports, conditions)
     size = [E.var(f"size.{a}") for a in "xyz"]
     half = [E.mul(s, E.const(0.5)) for s in size]
     lowered.possible = not paths or not conditions or possible(env, [c.holds for c in conditions])
@@ -294,42 +273,23 @@ def make(context: Draft, symbol: Symbol, title: str, paths: dict[str, Handed]) -
     return lowered
 
 
-def _declare_parameter(
-    env: Env,
-    statement: ast.ParamDecl,
-    name: str,
-    names: list[tuple[str, int]],
-    parameters: list[str],
-    tests: list[tuple[float, float]],
-    conditions: list[Condition],
-) -> None:
-    size = statement.type.size
-    components = [f"{name}.{'xyz'[k]}" for k in range(size)] if size else [name]
-    names.append((name, size or 0))
-    parameters.extend(components)
-    value: Value = Vec(tuple(E.var(c) for c in components)) if size else E.var(name)
-    env.names[name] = value
-    source = statement.test or statement.domain
-    for k, component in enumerate(components):
-        if source is not None:
-            ends = []
-            for node in (source.low, source.high):
-                end = Evaluator(env).value(node)
-                end = end.items[k] if isinstance(end, Vec) else end
-                ends.append(float(end.constant) if isinstance(end, Expr) and end.constant is not None else 0.1)
-            stated = ends[0], ends[1]
-        else:
-            stated = 0.01, 0.5
-        tests.append(env.context.tested.get(component, stated))
-        if statement.positive:
-            small = E.const(1e-5)
-            pair = (small, E.var(component))
-            conditions.append(Condition(E.call("le", *pair), pair, f"{component} must be positive", f"{component} > 0"))
-        elif statement.domain is not None:
-            low, high = (Evaluator(env).scalar(n) for n in (statement.domain.low, statement.domain.high))
-            for pair in ((low, E.var(component)), (E.var(component), high)):
-                told, text = f"{component} lies outside its domain", f"{component} in its domain"
-                conditions.append(Condition(E.call("le", *pair), pair, told, text))
+def _declare_parameters(env: Env, statement: ast.ParamDecl) -> list[Condition]:
+    """Give the names of a statement their variables; what it asks of them."""
+    size, asked = statement.type.size, []
+    for name in statement.names:
+        components = [f"{name}.{'xyz'[k]}" for k in range(size)] if size else [name]
+        env.names[name] = Vec(tuple(E.var(c) for c in components)) if size else E.var(name)
+        for component in components:
+            value, pairs = E.var(component), []
+            told, text = f"{component} lies outside its domain", f"{component} in its domain"
+            if statement.positive:
+                pairs = [(E.const(1e-5), value)]
+                told, text = f"{component} must be positive", f"{component} > 0"
+            elif statement.domain is not None:
+                low, high = (Evaluator(env).scalar(n) for n in (statement.domain.low, statement.domain.high))
+                pairs = [(low, value), (value, high)]
+            asked += [Condition(E.call("le", *pair), pair, told, text) for pair in pairs]
+    return asked
 
 
 def _condition_of(ev: Evaluator, statement: ast.RequireStmt) -> Condition:

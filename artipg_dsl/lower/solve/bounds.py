@@ -209,16 +209,7 @@ def bind(
 
 def _open_ended(root: Expr) -> bool:
     """Whether an expression says "no bound" in some rows: it comes from bounds of other alternatives."""
-    stack, seen = [root], set()
-    while stack:
-        node = stack.pop()
-        if node in seen:
-            continue
-        seen.add(node)
-        if node.op == "const" and isinstance(node.value, float) and math.isinf(node.value):
-            return True
-        stack.extend(node.args)
-    return False
+    return any(node.op == "const" and math.isinf(node.value) for node in E.nodes(root))
 
 
 def _late(program: Program, order: dict[Column, int], column: Column, roots: list[Expr]) -> bool:

@@ -107,6 +107,14 @@ def combinations(guards: Sequence[Expr], draws: Iterable[Draw]) -> list[tuple[bo
     return list(result)
 
 
+def covered(guards: Sequence[Expr], draws: Iterable[Draw], within: Expr = E.TRUE) -> bool:
+    """Whether one of the guards holds in every case in which ``within`` does; False where that is too much to try."""
+    try:
+        return all(any(held) for there, *held in combinations([within, *guards], draws) if there)
+    except TooManyCases:
+        return False
+
+
 def condition(guards: Sequence[Expr], truth: Sequence[bool]) -> Expr:
     """The conjunction that says that the guards have these truth values."""
     result = E.TRUE

@@ -14,7 +14,7 @@ def closed(context: Draft, column: Column, value: Expr) -> Expr:
     if column not in deep(value, context.program.definitions):
         return value
     value = inline(value, [column], context.program.definitions, through=True)
-    steps = [node for node in nodes(value) if node.op == "previous" and column in E.leaves(node)]
+    steps = [node for node in E.nodes(value) if node.op == "previous" and column in E.leaves(node)]
     if not steps:
         raise refused(context, column)
     scope: Scope = steps[0].value
@@ -54,17 +54,6 @@ def deep(value: Expr, definitions: dict[Column, Expr]) -> set[Column]:
                 if column in definitions:
                     stack.append(definitions[column])
     return found
-
-
-def nodes(root: Expr) -> list[Expr]:
-    found: dict[Expr, None] = {}
-    stack = [root]
-    while stack:
-        node = stack.pop()
-        if node not in found:
-            found[node] = None
-            stack.extend(node.args)
-    return list(found)
 
 
 def refused(context: Draft, column: Column) -> Exception:

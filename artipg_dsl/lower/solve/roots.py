@@ -8,8 +8,7 @@ from ...graph import expr as E
 from ...graph.derive import derive
 from ...graph.expr import CROSSING, Column, Expr
 from ...graph.linear import Linear
-from ...graph.program import Requirement
-from ..expressions.context import Equation, Unknown, where
+from ..expressions.context import Equation, Unknown
 from ..expressions.env import Env
 from .inline import inline
 
@@ -102,13 +101,5 @@ def demand(
         size = E.add(E.call("abs", sides[0]), E.call("abs", sides[1]))
         holds = E.call("le", apart, E.add(E.mul(RELATIVE, size), ABSOLUTE))
         scope = E.deepest([holds, guard]) or env.scope
-        env.context.program.requirements.append(
-            Requirement(
-                scope,
-                holds,
-                guard,
-                f"no values of {named} were found that solve this",
-                where(equation.span),
-                text=equation.text,
-            )
-        )
+        message = f"no values of {named} were found that solve this"
+        env.context.require(scope, holds, equation.span, message, guard, text=equation.text)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from ...graph import expr as E
 from ...graph.expr import Expr
 from ...graph.linear import tidy
-from ...graph.program import Draw, Requirement
-from ..expressions.context import Equation, Unknown, where
+from ...graph.program import Draw
+from ..expressions.context import Equation, Unknown
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..values.faces import squared
@@ -107,27 +107,15 @@ def determined(env: Env, unknown: Unknown, guard: Expr) -> None:
         if draw.column is unknown.column:
             context.draws = [d for d in context.draws if d is not draw]
         assert draw.low is not None and draw.high is not None
-        for a, b, side in ((draw.low, value, "below"), (value, draw.high, "above")):
-            context.program.requirements.append(
-                Requirement(
-                    unknown.column.scope,
-                    E.call("le", a, b),
-                    guard,
-                    f"{name} would lie {side} its domain",
-                    where(unknown.span),
-                    (a, b),
-                    text=f"{name} in its domain",
-                )
-            )
+        bounds = [
+            (draw.low, value, f"{name} would lie below its domain"),
+            (value, draw.high, f"{name} would lie above its domain"),
+        ]
+        text = f"{name} in its domain"
     elif unknown.positive or unknown.kind == "size" and unknown.part is not None and ".size." in unknown.column.name:
-        context.program.requirements.append(
-            Requirement(
-                unknown.column.scope,
-                E.call("le", SMALL, value),
-                guard,
-                f"{name} would not be positive",
-                where(unknown.span),
-                (SMALL, value),
-                text=f"{name} > 0",
-            )
-        )
+        bounds, text = [(SMALL, value, f"{name} would not be positive")], f"{name} > 0"
+    else:
+        return
+    for low, high, message in bounds:
+        holds = E.call("le", low, high)
+        context.require(unknown.column.scope, holds, unknown.span, message, guard, (low, high), text)

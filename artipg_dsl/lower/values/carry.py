@@ -11,7 +11,7 @@ from ...graph.expr import ONE, Expr, Scope
 from ...graph.primitive import triple
 from ...graph.program import Pose
 from .faces import extent
-from .kinds import Box, Choice, Frame, Line, Lying, Plane, Ports, Ref, Surface, Value, Vec
+from .kinds import Box, Choice, Frame, Line, Lying, Plane, Ports, Ref, Surface, Value, Vec, alike
 from .vectors import HERE, compose, direct, matrix, place, sole_axis, times, unit
 
 
@@ -72,6 +72,8 @@ def scalars(value: Value) -> tuple[Expr, ...]:
 @overload
 def merged(parent: Scope, branches: Sequence[tuple[Scope, Box]]) -> Box: ...
 @overload
+def merged(parent: Scope, branches: Sequence[tuple[Scope, Frame]]) -> Frame: ...
+@overload
 def merged(parent: Scope, branches: Sequence[tuple[Scope, Value]]) -> Value: ...
 def merged(parent: Scope, branches: Sequence[tuple[Scope, Value]]) -> Value:
     """One value in ``parent`` out of values of exclusive child scopes (of equal kinds)."""
@@ -126,6 +128,15 @@ def moved(value: Value, pose: Pose) -> Value:
             return replace(value, frame=compose(pose, value.frame) if value.frame is not HERE else pose)
         case _:
             return value
+
+
+def united(name: str, values: Sequence[tuple[Scope | None, Value]]) -> Ref | Surface | None:
+    """One reference to the parts, or the surfaces, that alternatives refer to, each in its table; None for other values."""
+    if (surfaces := alike(Surface, values)) is not None:
+        return Surface(tuple((b[0] or scope, *b[1:]) for scope, v in surfaces for b in v.branches))
+    if (references := alike(Ref, values)) is not None:
+        return Ref(name, tuple(replace(b, scope=b.scope or s) for s, v in references for b in baked(v).branches))
+    return None
 
 
 def baked(ref: Ref) -> Ref:

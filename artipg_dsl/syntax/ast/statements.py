@@ -60,6 +60,16 @@ class ConnectStmt(Attaching):
     subject: Expr
 
 
+def placed(statement: Stmt) -> Expr | None:
+    """The subject of a ``connect``, the child of a joint that is no role's; None for other statements."""
+    match statement:
+        case ConnectStmt(subject=subject):
+            return subject
+        case JointDecl(kind=str(), child=child):
+            return child
+    return None
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Start(Node):
     """``a = 1cm`` behind ``near``: where the search for a solution begins."""
