@@ -316,8 +316,7 @@ def _shown(path: Path) -> str:
 
 def _how_to_place(part: Component) -> str:
     """How a part is placed that has its attachment already: a joint places by its own faces, a second `connect` is an error."""
-    found = part.attachment if isinstance(part.attachment, list) else []
-    if any(attachment.joint is not None for attachment in found):
+    if any(attachment.joint is not None for attachment in part.attachments):
         return f"with `align`, or by faces in its joint, as in `... -> {part.name}.bottom`"
     return f"with `connect {part.name}.bottom on ...` or `align`"
 

@@ -102,7 +102,8 @@ def lower(env: Env, body: tuple[ast.Stmt, ...]) -> None:
     for statement in body:
         with env.context.attempt(statement.span):
             if isinstance(statement, ast.WhenStmt):
-                _open_when(env, statement)
+                for branch, inner in enter_when(env, statement):
+                    lower(branch, inner)
             elif not isinstance(statement, _WAITING):
                 for name in names_of(statement):
                     env.force(name)
@@ -171,12 +172,6 @@ def _port_count(env: Env, name: str) -> int:
             ):
                 return int(Evaluator(env).scalar(statement.index).constant or 0.0)
     return 0
-
-
-def _open_when(env: Env, statement: ast.WhenStmt) -> None:
-    """Lower the declarations in the branches of a ``when``."""
-    for branch, body in enter_when(env, statement):
-        lower(branch, body)
 
 
 def enter_when(env: Env, statement: ast.WhenStmt) -> list[tuple[Env, tuple[ast.Stmt, ...]]]:

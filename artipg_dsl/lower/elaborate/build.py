@@ -83,15 +83,12 @@ def _make_inputs(part: Component, interface: Symbol, arguments: tuple[ast.Argume
     """Values of the interface's parameters: the arguments, and open columns for what is not given."""
     env = part.env
     given = {a.name: a for a in arguments if a.name is not None}
-    declared = parameters_of(interface)
-    for argument, (_, _, name, _) in zip([a for a in arguments if a.name is None], declared, strict=False):
-        given[name] = argument
     counts = {s.name for s in interface.body if isinstance(s, ast.CountDecl)}
     for name, argument in given.items():
         if name in counts:
             part.inputs[name] = Evaluator(env).scalar(argument.value)
     local = Env(env.context, interface.module, interface, env.scope, part.path + ".", names=dict())
-    for symbol, declaration, name, span in declared:
+    for symbol, declaration, name, span in parameters_of(interface):
         if declaration.keyword == "out":
             continue
         local.module = symbol.module

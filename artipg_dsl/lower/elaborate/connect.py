@@ -209,7 +209,7 @@ def connect(env: Env, statement: ast.ConnectStmt) -> Component:
     else:
         target = placing(env, part, statement.subject, statement)
     carried = () if target is None else carriers(target, env.scope)
-    _attach(part, Attachment(env, statement.span, carried, base=not carried))
+    part.attachments.append(Attachment(env, statement.span, carried, base=not carried))
     return part
 
 
@@ -217,11 +217,9 @@ def joint(env: Env, statement: ast.JointDecl) -> Component:
     assert statement.child is not None and statement.parent is not None
     part = part_of(env, statement.child)
     placing(env, part, statement.child, statement)
-    if isinstance(env.context.meaning(statement.parent), Base):
-        _attach(part, Attachment(env, statement.span, (), True, statement))
-        return part
-    carried = carriers(Evaluator(env).value(statement.parent), env.scope)
-    _attach(part, Attachment(env, statement.span, carried, base=not carried, joint=statement))
+    base = isinstance(env.context.meaning(statement.parent), Base)
+    carried = () if base else carriers(Evaluator(env).value(statement.parent), env.scope)
+    part.attachments.append(Attachment(env, statement.span, carried, base=not carried, joint=statement))
     return part
 
 
@@ -243,11 +241,3 @@ def carriers(value: Value, scope: Scope) -> tuple[Carrier, ...]:
     if isinstance(value, Element):
         return () if value.box is None else value.box.on
     return tuple(dict.fromkeys(carriers_of(value)))
-
-
-def _attach(part: Component, attachment: Attachment) -> None:
-    found = part.attachment
-    if isinstance(found, list):
-        found.append(attachment)
-    else:
-        part.attachment = [attachment]

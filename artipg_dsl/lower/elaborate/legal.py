@@ -284,18 +284,16 @@ def _of_label(label: Label, program: Program) -> Iterator[Quantity]:
     """What a formula reads of each row; what it makes of points is asked where it is evaluated."""
     name = f"the {'field' if label.vocabulary == 'field' else 'label'} `{label.name}`"
     guard, *values = label.formulas
-    plain_guard = guard if not _row_less(guard) else None
+    if _row_less(guard):
+        return
     for scope in dict.fromkeys(program.sites[target.site].scope for target in label.targets):
         for value in values:
-            degree = label.vocabulary != "field" and value.op not in E.PREDICATES and not isinstance(value.value, bool)
-            legal = SHARE if degree else NUMBER
             if value.constant is not None or value.scope is not None and row_values([value]) == [value]:
-                if plain_guard is not None:
-                    yield Quantity(name, scope, value, legal, label.where, plain_guard)
-                continue
-            for read in row_values([value]):
-                if plain_guard is not None:
-                    yield Quantity(f"what {name} reads", scope, read, NUMBER, label.where, plain_guard)
+                free = label.vocabulary == "field" or value.op in E.PREDICATES or isinstance(value.value, bool)
+                yield Quantity(name, scope, value, NUMBER if free else SHARE, label.where, guard)
+            else:
+                reads = f"what {name} reads"
+                yield from (Quantity(reads, scope, read, NUMBER, label.where, guard) for read in row_values([value]))
 
 
 def _row_less(node: Expr) -> bool:

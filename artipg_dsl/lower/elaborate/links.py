@@ -68,8 +68,7 @@ class Links:
 
     def attachments(self, part: Component) -> list[Attachment]:
         """How a part is attached: once, or once in each branch of a ``when``; joints first."""
-        found = part.attachment if isinstance(part.attachment, list) else []
-        return sorted(found, key=lambda a: a.joint is None)
+        return sorted(part.attachments, key=lambda a: a.joint is None)
 
     def of(self, part: Component) -> Reference:
         """The link that carries a part."""

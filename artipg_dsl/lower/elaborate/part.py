@@ -29,6 +29,7 @@ from .turns import apply_placements
 
 if TYPE_CHECKING:
     from ..solids.primitives import Lowered
+    from .connect import Attachment
 
 
 @dataclass(slots=True, eq=False)
@@ -57,7 +58,7 @@ class Component:
     choice: Choice | None = None
     exists: Expr = E.TRUE
     inputs: dict[str, Value] = field(default_factory=dict)
-    attachment: object = None  # set by ``attach``
+    attachments: list[Attachment] = field(default_factory=list)  # once, or once in each branch of a ``when``
     style: Style | None = None
     found: Pose | None = None  # its pose, once it is known
     seeking: bool = False  # its pose, just now

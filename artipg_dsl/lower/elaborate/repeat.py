@@ -101,9 +101,7 @@ def _space_elements(
         step = E.div(room, E.maximum(E.ONE, E.sub(count, E.ONE)))
         several = E.add(E.add(box.low[axis], margin), E.mul(rank, step))
         center = E.where(E.call("le", count, E.ONE), E.mul(E.add(box.low[axis], box.high[axis]), _HALF), several)
-    low, high = list(box.low), list(box.high)
-    low[axis] = high[axis] = center
-    return Box(triple(low), triple(high), on=box.on)
+    return box.between(axis, center, center)
 
 
 def ring(ev: Evaluator, statement: ast.RepeatStmt, count: Expr, scope: Scope) -> Pose:

@@ -6,7 +6,6 @@ from collections.abc import Callable
 
 from ...graph import expr as E
 from ...graph.expr import Expr, Scope
-from ...graph.primitive import triple
 from ...syntax import ast
 from ..expressions.env import Element, Env
 from ..expressions.evaluate import Evaluator
@@ -40,13 +39,8 @@ def split(
     else:
         before = E.mul(E.rank(scope), size)
     start = E.add(E.add(box.low[axis], before), E.mul(E.rank(scope), gap))
-    low_end, high_end = list(box.low), list(box.high)
-    low_end[axis], high_end[axis] = start, E.add(start, size)
-    element.box = Box(triple(low_end), triple(high_end), on=box.on)
-    gap_low, gap_high = list(box.low), list(box.high)
-    gap_low[axis], gap_high[axis] = E.sub(start, gap), start
-    present = E.negate(E.call("eq", E.rank(scope), E.ZERO))
-    element.gap = Box(triple(gap_low), triple(gap_high), on=box.on, exists=present)
+    element.box = box.between(axis, start, E.add(start, size))
+    element.gap = box.between(axis, E.sub(start, gap), start, E.negate(E.call("eq", E.rank(scope), E.ZERO)))
 
 
 def _bound_count(inner: Env, element: Element, statement: ast.RepeatStmt, room: Expr, low: Expr, high: Expr) -> None:

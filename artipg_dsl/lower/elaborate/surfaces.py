@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING
 
 from ...graph import expr as E
@@ -13,9 +12,9 @@ from ...graph.linear import Linear, isolate
 from ...graph.primitive import Patch, triple
 from ...language import Form
 from ...syntax import ast
-from ..expressions.builtins import bound, chosen
+from ..expressions.builtins import bound
 from ..solve.solve import lifted
-from ..values.carry import mapped, mapped_pose, moved, scalars
+from ..values.carry import mapped_pose, moved, whichever
 from ..values.faces import frame_of
 from ..values.kinds import Frame, Surface
 from ..values.vectors import AXES, cross, normalized, unit
@@ -44,11 +43,8 @@ def frame_on(ev: Evaluator, node: ast.CallExpr, form: Form) -> Frame:
     found: list[tuple[Expr, Frame]] = []
     for _, part, outer, name in surface.branches:
         for instance in part.instances:
-            patch = (
-                None
-                if instance.solid is None
-                else next((p for p in instance.solid.primitive.patches if p.name == name), None)
-            )
+            patches = () if instance.solid is None else instance.solid.primitive.patches
+            patch = next((p for p in patches if p.name == name), None)
             if patch is None or instance.solid is None:
                 continue
             mapping = {k: lifted(e, scope) for k, e in instance.solid.mapping(instance).items()}
@@ -61,11 +57,8 @@ def frame_on(ev: Evaluator, node: ast.CallExpr, form: Form) -> Frame:
             found.append((has_row(instance.scope, scope), moved(frame, pose)))
     if not found:
         raise ev.env.context.internal(node.span, "none of the alternatives has this surface")
-    value = found[-1][1]
-    for guard, other in reversed(found[:-1]):
-        value = mapped(value, partial(chosen, guard, iter(scalars(other))))
     carriers = tuple(dict.fromkeys(p for _, f in found for p in f.on))
-    return moved(replace(value, on=carriers), ev.pose)
+    return moved(replace(whichever(found), on=carriers), ev.pose)
 
 
 def _solve_v(

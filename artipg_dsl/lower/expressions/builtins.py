@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterator
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -15,7 +14,7 @@ from ...semantics.meanings import Declared, Inner
 from ...source import Span
 from ...syntax import ast
 from ...syntax.walk import walk
-from ..values.carry import mapped, scalars
+from ..values.carry import whichever
 from ..values.faces import FACES, extent, frame_of, squared
 from ..values.kinds import Box, Frame, Line, Ports, Value, carriers_of
 from ..values.vectors import dot, minus, normalized, times
@@ -40,18 +39,7 @@ def pick(ports: Ports, index: Expr, env: Env, span: Span) -> Value:
                 f"`{ports.name}` has no index {int(index.constant)}; it has 0 .. {len(values) - 1}",
             )
         return values[int(index.constant)]
-    keys = sorted(values)
-    value = values[keys[-1]]
-    for key in reversed(keys[:-1]):
-        here = E.call("eq", index, E.const(float(key)))
-        others = iter(scalars(values[key]))
-        value = mapped(value, partial(chosen, here, others))
-    return value
-
-
-def chosen(here: Expr, others: Iterator[Expr], otherwise: Expr) -> Expr:
-    """The next of the others where ``here`` holds."""
-    return E.where(here, next(others), otherwise)
+    return whichever([(E.call("eq", index, E.const(float(key))), values[key]) for key in sorted(values)])
 
 
 def _of_graph(ev: Evaluator, node: ast.CallExpr, form: Form) -> Expr:

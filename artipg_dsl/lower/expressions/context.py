@@ -133,26 +133,21 @@ class Draft:
     spans: dict[Column, Span] = field(default_factory=dict)
     stated: dict[int, tuple[Span, bool]] = field(
         default_factory=dict
-    )  # requirement -> its place, whether the category's own
+    )  # requirement -> its place, if the category's own
     bends: dict[int, Bend] = field(default_factory=dict)  # those of the requirements that are about one
     ledger: list[tuple[Component | None, Unknown]] = field(default_factory=list)
     parts: list[Component] = field(default_factory=list)
-    centred: dict[Component, int] = field(
-        default_factory=dict
-    )  # along how many axes nothing determines where a part is
+    centred: dict[Component, int] = field(default_factory=dict)  # along how many axes nothing says where a part is
     counted: dict[Scope, Span] = field(default_factory=dict)  # the tables of repeats and where they are stated
     asked: list[Quantity] = field(default_factory=list)  # numbers with a legal range that no record keeps
     fetched: list[Fetched] = field(default_factory=list)  # elements of repeats that have to be there
     known: Expr = E.TRUE  # what holds where the expression that is being lowered counts
     solids: dict[Hashable, Lowered] = field(default_factory=dict)  # by their symbols and the shapes of their paths
     labels: list[tuple[int, Label]] = field(default_factory=list)  # with the depths of their targets
-    materials: dict[int, list[tuple[int, tuple[tuple[str, Expr], ...]]]] = field(
-        default_factory=dict
-    )  # of sites, with the depths of the targets
+    # of sites, with the depths of the targets
+    materials: dict[int, list[tuple[int, tuple[tuple[str, Expr], ...]]]] = field(default_factory=dict)
     near: dict[Span, bool] = field(default_factory=dict)  # statements with `near` -> whether a search began there
-    clearances: dict[int, Span] = field(
-        default_factory=dict
-    )  # joints whose high end is as far as nothing is in the way
+    clearances: dict[int, Span] = field(default_factory=dict)  # joints that go as far as nothing is in the way
     whatever: set[int] = field(default_factory=set)  # those of them for which the other joints may be anywhere
     unclear: list[Span] = field(default_factory=list)  # such ends that are not solved for
     driven: dict[Span, bool] = field(default_factory=dict)  # `pushes(joint)` -> whether the joint carries a target

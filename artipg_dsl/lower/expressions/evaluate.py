@@ -223,17 +223,15 @@ class Evaluator:
         value = self.value(node.obj)
         if isinstance(value, Ports):
             return builtins.pick(value, self.scalar(node.index), self.env, node.span)
-        if isinstance(value, At) and isinstance(value.inner, Element):
-            inner = Evaluator(value.element.env)
-            index = inner.position(value.inner, node.index)
-            count = members.fetch(self, value, value.inner.count)
-            self.env.context.fetched.append(Fetched(self.env.scope, index, count, node.span, self.env.context.known))
-            return At(value.element, value.index, At(value.inner, index, value.inner))
-        if not isinstance(value, Element):
+        repeat = value.inner if isinstance(value, At) else value
+        if not isinstance(repeat, Element):
             raise self.impossible(node.obj.span, "a repeat", value)
-        index = self.position(value, node.index)
-        self.env.context.fetched.append(Fetched(self.env.scope, index, value.count, node.span, self.env.context.known))
-        return At(value, index, value)
+        home = Evaluator(value.element.env) if isinstance(value, At) else self
+        index = home.position(repeat, node.index)
+        count = members.fetch(self, value, repeat.count) if isinstance(value, At) else repeat.count
+        self.env.context.fetched.append(Fetched(self.env.scope, index, count, node.span, self.env.context.known))
+        found = At(repeat, index, repeat)
+        return At(value.element, value.index, found) if isinstance(value, At) else found
 
     def position(self, element: Element, index: ast.Expr) -> Expr:
         if isinstance(self.env.context.meaning(index), Last):

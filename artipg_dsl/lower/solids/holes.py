@@ -20,7 +20,7 @@ from ...syntax import ast
 from ..expressions.env import Env
 from .probe import Probe
 from .profiles import Loop, Point, Side, Span, between, equal_steps, minus, samples, scale, substituted, turning
-from .regions import Strips, check_values, matched
+from .regions import Strips, check_values, cross, matched, occupied
 from .strips import parts
 
 _BENDS = (46.0, 31.0, 16.0)  # degrees: how far an arc turns at most; finer ones come nearer to what is narrow
@@ -75,9 +75,8 @@ def fill(probe: Probe, region: Holed, chains: list[list[Span]], bend: float) -> 
     """Fill a region with arcs of at most ``bend``; whether that worked."""
     net = _Net(probe)
     ways: list[float] = []
-    bent: list[
-        tuple[Span, Span, float, float]
-    ] = []  # an arc, its chord or tip, on which side the region lies, its bulge
+    # an arc, its chord or tip, on which side the region lies, its bulge
+    bent: list[tuple[Span, Span, float, float]] = []
     for number, chain in enumerate(chains):
         arcs = [arc for span in chain for arc in cut(probe, span, bend)]
         way = _round_way(probe, arcs)
@@ -157,10 +156,6 @@ def tangents(arc: Span) -> Point:
 
 def _crossed(a: Point, b: Point) -> Expr:
     return E.sub(E.mul(a[0], b[1]), E.mul(a[1], b[0]))
-
-
-def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
 
 
 class _Net:
@@ -263,19 +258,10 @@ def _ears(at: np.ndarray, outline: list[int]) -> list[tuple[int, int, int]] | No
             ear = int(a[k]), int(b[k]), int(c[k])
             if shape[k] <= 0:
                 return None
-            if not _occupied(at, ear, left):
+            if not occupied(at, ear, left):
                 break
         else:
             return None
         found.append(ear)
         left.pop(k)
     return found
-
-
-def _occupied(at: np.ndarray, ear: tuple[int, int, int], left: list[int]) -> bool:
-    """Whether another corner lies in the triangle, or on its edge, at some test value."""
-    others = sorted(set(left) - set(ear))
-    inside = np.ones((len(at), len(others)), dtype=bool)
-    for a, b in zip(ear, (*ear[1:], ear[0]), strict=True):
-        inside &= cross(at[:, [b]] - at[:, [a]], at[:, others] - at[:, [a]]) > -CLOSE
-    return bool(inside.any())

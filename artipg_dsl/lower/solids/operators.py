@@ -227,13 +227,9 @@ def extrude(env: Env, solid: ast.SolidDecl) -> Made:
     else:
         loops, strips, walls = region.loops, region.strips, region.walls
     patches = []
-    for span in walls:
+    for span in [*walls, *(side.span for loop, _ in loops for side in loop if side.span.closing)]:
         place = turned(axis, span.position, E.add(low, E.mul(U, E.sub(high, low))))
         patches.append(Patch(span.name, place, (ZERO, ONE), (span.low, span.high)))
-    rims = [side.span for loop, _ in loops for side in loop if side.span.closing]
-    for span in rims:
-        place = turned(axis, span.position, E.add(low, E.mul(U, E.sub(high, low))))
-        patches.append(Patch(span.name, place, (ZERO, ONE), (ZERO, ONE)))
     for name, height in (("start", low), ("end", high)):
         for one, other in strips:
             across = pair(E.add(b, E.mul(U, E.sub(a, b))) for a, b in zip(one.position, other.position, strict=True))

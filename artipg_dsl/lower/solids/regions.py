@@ -129,7 +129,7 @@ def _fan(probe: Probe, spans: list[Span]) -> Strips | None:
     The curves that end at such a corner lie in the sides of their neighbours, so they must be straight.
     """
     lines = [samples(probe, span, 12) for span in spans]
-    twice = sum((_cross(line[:, :-1], line[:, 1:]).sum(axis=1) for line in lines), np.zeros(len(lines[0])))
+    twice = sum((cross(line[:, :-1], line[:, 1:]).sum(axis=1) for line in lines), np.zeros(len(lines[0])))
     size = np.sqrt(np.abs(twice))[:, None]
     if not size.all():
         return None
@@ -137,7 +137,7 @@ def _fan(probe: Probe, spans: list[Span]) -> Strips | None:
     def sees(middle: Point, skipped: tuple[int, ...] = ()) -> bool:
         at = np.stack([probe(c)[0] for c in middle], axis=-1)[:, None] / size[..., None]
         rest = [line / size[..., None] - at for k, line in enumerate(lines) if k not in skipped]
-        seen = [(_cross(r[:, :-1], r[:, 1:]) * np.sign(twice)[:, None]).min() for r in rest]
+        seen = [(cross(r[:, :-1], r[:, 1:]) * np.sign(twice)[:, None]).min() for r in rest]
         return bool(seen) and min(seen) > 1e-9
 
     def about(middle: Point, skipped: tuple[int, ...] = ()) -> Strips:
@@ -161,10 +161,11 @@ def triangles(probe: Probe, loop: Loop) -> Strips | None:
         return None
     corners = [span.start for span in spans]
     points = np.stack([np.stack([probe(c)[0] for c in corner], axis=-1) for corner in corners], axis=1)
-    twice = _cross(points, np.roll(points, -1, axis=1)).sum(axis=1)
+    twice = cross(points, np.roll(points, -1, axis=1)).sum(axis=1)
     if not twice.all():
         return None
-    points, sign = points / np.sqrt(np.abs(twice))[:, None, None], np.sign(twice)
+    points = points / np.sqrt(np.abs(twice))[:, None, None]
+    points[..., 0] *= np.sign(twice)[:, None]  # mirrored where they run clockwise
     left = list(range(len(corners)))
     found: Strips = []
 
@@ -175,8 +176,8 @@ def triangles(probe: Probe, loop: Loop) -> Strips | None:
         best, ear = 0.0, -1
         for k in range(len(left)):
             a, b, c = left[k - 1], left[k], left[(k + 1) % len(left)]
-            wide = (_cross(points[:, b] - points[:, a], points[:, c] - points[:, b]) * sign).min()
-            if wide > max(best, 1e-9) and not _within(points, sign, (a, b, c), left):
+            wide = cross(points[:, b] - points[:, a], points[:, c] - points[:, b]).min()
+            if wide > max(best, 1e-9) and not occupied(points, (a, b, c), left):
                 best, ear = float(wide), k
         if ear < 0:
             return None
@@ -189,17 +190,14 @@ def triangles(probe: Probe, loop: Loop) -> Strips | None:
     return found
 
 
-def _within(points: np.ndarray, sign: np.ndarray, triangle: tuple[int, int, int], left: list[int]) -> bool:
-    """Whether another corner lies in the triangle (or on its edge) for some test value."""
-    others = [k for k in left if k not in triangle]
-    if not others:
-        return False
-    place, inside = points[:, others], np.ones((len(points), len(others)), dtype=bool)
-    for a, b in zip(triangle, (*triangle[1:], triangle[0]), strict=True):
-        start, end = points[:, a : a + 1], points[:, b : b + 1]
-        inside &= _cross(end - start, place - start) * sign[:, None] > -1e-9
+def occupied(points: np.ndarray, ear: tuple[int, int, int], left: list[int]) -> bool:
+    """Whether another corner lies in a triangle that runs anticlockwise, or on its edge, for some test value."""
+    others = sorted(set(left) - set(ear))
+    inside = np.ones((len(points), len(others)), dtype=bool)
+    for a, b in zip(ear, (*ear[1:], ear[0]), strict=True):
+        inside &= cross(points[:, [b]] - points[:, [a]], points[:, others] - points[:, [a]]) > -1e-9
     return bool(inside.any())
 
 
-def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]

@@ -160,10 +160,8 @@ def _limit_choice(
 def _opposite(draw: Draw, bound: Bound) -> Iterator[Bound]:
     """The domain's other end, and the bounds on the other side that come from other requirements."""
     assert draw.low is not None and draw.high is not None
-    if bound.side == "high":
-        yield Bound("low", draw.low, E.TRUE, bound.requirement)
-    else:
-        yield Bound("high", draw.high, E.TRUE, bound.requirement)
+    side, end = ("low", draw.low) if bound.side == "high" else ("high", draw.high)
+    yield Bound(side, end, E.TRUE, bound.requirement)
     for other in draw.bounds:
         if other.side != bound.side and other is not bound:
             yield other

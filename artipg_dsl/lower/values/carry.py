@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import overload
 
 from ...graph import expr as E
@@ -95,6 +96,23 @@ def merged(parent: Scope, branches: Sequence[tuple[Scope, Value]]) -> Value:
     if not isinstance(value, Lying):
         return value
     return replace(value, on=tuple(dict.fromkeys(p for _, v in branches if isinstance(v, Lying) for p in v.on)))
+
+
+@overload
+def whichever(cases: Sequence[tuple[Expr, Frame]]) -> Frame: ...
+@overload
+def whichever(cases: Sequence[tuple[Expr, Value]]) -> Value: ...
+def whichever(cases: Sequence[tuple[Expr, Value]]) -> Value:
+    """Of values of one kind the first whose condition holds, the last where none does."""
+    value = cases[-1][1]
+    for here, other in reversed(cases[:-1]):
+        value = mapped(value, partial(_either, here, iter(scalars(other))))
+    return value
+
+
+def _either(here: Expr, others: Iterator[Expr], otherwise: Expr) -> Expr:
+    """The next of the others where ``here`` holds."""
+    return E.where(here, next(others), otherwise)
 
 
 @overload

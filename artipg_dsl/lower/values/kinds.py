@@ -106,6 +106,12 @@ class Box:
     def center(self) -> Triple:
         return triple(tidy(c) for c in times(plus(self.low, self.high), E.const(0.5)))
 
+    def between(self, axis: int, start: Expr, end: Expr, exists: Expr = E.TRUE) -> Box:
+        """A box of its frame that goes from ``start`` to ``end`` along an axis, and as far as this one along the others."""
+        low = triple(start if k == axis else c for k, c in enumerate(self.low))
+        high = triple(end if k == axis else c for k, c in enumerate(self.high))
+        return Box(low, high, on=self.on, exists=exists)
+
 
 @dataclass(frozen=True, slots=True)
 class Face(Frame):
